@@ -33,9 +33,9 @@ pub use control_limit::{ControlAt, ControlLimit};
 pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ContactLoad, ControlNorm, ControlSmoothness, Cost,
-    CostContext, CostExample, CostForm, CostPoint, CostRow, CostTarget, Curvature, Figure, FigureKind, IntoCost,
-    LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, Orientation, Partials, PumpWork, SmoothedHausdorff,
-    Target, Tracking,
+    CostContext, CostExample, CostForm, CostInputs, CostKey, CostPoint, CostRow, CostTaken, CostTakes, CostTarget,
+    CostValue, CostWords, Counts, Curvature, Figure, FigureKind, IntoCost, LargestStretch, MakeCost, MeanPosition,
+    Need, ObstaclePenetration, Orientation, Partials, PumpWork, SmoothedHausdorff, Target, Tracking,
 };
 pub use design::Consumer;
 pub use ensemble::{
@@ -56,7 +56,7 @@ pub use reduced::{AdaptiveSteps, Reduced};
 pub use snapshot::StateFields;
 pub use state_bytes::{read_report, read_whole_state, write_report, write_whole_state};
 pub use time::{
-    ActuationWork, ControlRate, Instants, Interpolation, KineticEnergy, Knots, MotionFootprint, MotionMemory,
-    MotionObserver, RateLimit, Timeline, TrajectoryContext, TrajectoryCost, TrajectoryPartials, When,
+    ActuationWork, COSTS as MOTION_COSTS, ControlRate, Instants, Interpolation, KineticEnergy, Knots, MotionFootprint,
+    MotionMemory, MotionObserver, RateLimit, Timeline, TrajectoryContext, TrajectoryCost, TrajectoryPartials, When,
 };
 pub use workspace::ReducedWorkspace;

@@ -15,6 +15,8 @@
 //! ```
 
 mod choose;
+mod fit_form;
+mod fits;
 mod inputs;
 mod rows;
 
@@ -24,8 +26,8 @@ use nastic_tensor::Mat3;
 
 use crate::{Actuation, ConvexDensity, EnergyError, EnergyTerm};
 
-pub use choose::choose as choose_form;
 use choose::{choose, distinct};
+pub use fit_form::{FitForm, FitNumber, FitStarts, FitVolume, Free};
 pub use inputs::{Given, Inputs};
 
 /// A parameter of a law, as case files write it.
@@ -59,11 +61,6 @@ pub enum Takes {
         /// The words.
         of: &'static [&'static str],
     },
-    /// The name of a region, a surface, a node set.
-    Name {
-        /// An example.
-        example: &'static str,
-    },
 }
 
 impl Parameter {
@@ -80,11 +77,6 @@ impl Parameter {
     /// One of a few words.
     pub const fn choice(name: &'static str, of: &'static [&'static str]) -> Self {
         Parameter { name, takes: Takes::Choice { of }, optional: false }
-    }
-
-    /// The name of a region, a surface, a node set.
-    pub const fn place(name: &'static str, example: &'static str) -> Self {
-        Parameter { name, takes: Takes::Name { example }, optional: false }
     }
 
     /// The same, which may be left out.
@@ -111,6 +103,8 @@ pub struct MaterialRow {
     pub reinforcing: bool,
     /// The sets of parameters it takes, its own coefficients first.
     pub forms: &'static [&'static [Parameter]],
+    /// How it is fitted to tests, once for every number of terms or families; empty of a law that cannot be.
+    pub fit: &'static [FitForm],
     make: MakeMaterial,
 }
 
@@ -204,7 +198,12 @@ impl MaterialRow {
         forms: &'static [&'static [Parameter]],
         make: MakeMaterial,
     ) -> Self {
-        MaterialRow { name, about, existence: "", reinforcing: false, forms, make }
+        MaterialRow { name, about, existence: "", reinforcing: false, forms, fit: &[], make }
+    }
+
+    /// The same law, which is fitted to tests so.
+    pub const fn fitted(self, fit: &'static [FitForm]) -> Self {
+        MaterialRow { fit, ..self }
     }
 
     /// The law with these parameters, which must be exactly one of its [`forms`](Self::forms).

@@ -89,7 +89,7 @@ fn every_parameter_is_required_and_checked() {
                         let values = Field::cells(vec![Vec3::new(0.0, 0.0, 2.0); 2]);
                         (inputs.clone().direction(parameter.name, values), inputs.clone().number(parameter.name, 1.0))
                     }
-                    Takes::Choice { .. } | Takes::Name { .. } => {
+                    Takes::Choice { .. } => {
                         (inputs.clone().choice(parameter.name, "?"), inputs.clone().number(parameter.name, 1.0))
                     }
                 };
@@ -111,7 +111,7 @@ fn a_field_of_the_wrong_length_is_named_for_every_parameter() {
                 Takes::Direction { example } => {
                     inputs.clone().direction(parameter.name, Field::points(vec![Vec3::from(example); 3]))
                 }
-                Takes::Choice { .. } | Takes::Name { .. } => continue,
+                Takes::Choice { .. } => continue,
             };
             let law = row.build(&with_field).unwrap();
             assert!(law.check(1, 3).is_ok());

@@ -104,6 +104,14 @@ pub enum FitError {
         /// Name of the test.
         test: String,
     },
+    /// A name that no law that can be fitted has.
+    #[error("no law {found} can be fitted (one of: {known})")]
+    Unknown {
+        /// The name.
+        found: String,
+        /// Those that can.
+        known: String,
+    },
     /// Another number of parameters than the law has.
     #[error("{law} has {expected} parameters, but {found} were given")]
     Parameters {

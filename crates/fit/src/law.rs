@@ -1,40 +1,42 @@
+use std::fmt;
 use std::sync::Arc;
 
-use nastic_energy::catalogue::{Inputs, material};
-use nastic_energy::{EnergyTerm, Place};
+use nastic_energy::catalogue::{FitForm, FitStarts, FitVolume, Inputs, MaterialRow, Takes, materials};
+use nastic_energy::{EnergyError, EnergyTerm, NeoHookeIsochoric, Place};
 use nastic_tensor::Vec3;
 
 use crate::FitError;
 
-/// A law whose parameters can be fitted: those of its shape, and the bulk modulus apart. Fibres lie in the plane of axes 1 and 2, along axis 1 or
-/// at equal angles to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Law {
-    /// `neo_hooke`: `shear`.
-    NeoHooke,
-    /// `neo_hooke_isochoric`: `shear`.
-    NeoHookeIsochoric,
-    /// `mooney_rivlin`: `c10`, `c01`.
-    MooneyRivlin,
-    /// `yeoh`: `c10`, `c20`, `c30`.
-    Yeoh,
-    /// `gent`: `mu`, `jm`.
-    Gent,
-    /// `arruda_boyce`: `mu`, `lambda_m`.
-    ArrudaBoyce,
-    /// `ogden` of one to four terms: `mu1`, `alpha1`, ..
-    Ogden(usize),
-    /// `transverse_mooney_rivlin`: `mu1`, `mu2`, `mu3`; fibres along axis 1.
-    TransverseMooneyRivlin,
-    /// `holzapfel_gasser_ogden` of one family along axis 1 (`mu`, `k1`, `k2`, `dispersion`), or of two at plus and minus `fiber_angle` (degrees).
-    HolzapfelGasserOgden(usize),
+/// A law whose parameters can be fitted, as its row in the catalogue says: those of its shape, and the bulk modulus apart. Fibres lie in the plane
+/// of axes 1 and 2, along axis 1 or at equal angles to it.
+#[derive(Clone, Copy)]
+pub struct Law {
+    row: &'static MaterialRow,
+    pub(crate) form: &'static FitForm,
+}
+
+impl PartialEq for Law {
+    fn eq(&self, other: &Self) -> bool {
+        (self.name(), self.form.suffix) == (other.name(), other.form.suffix)
+    }
+}
+
+impl fmt::Debug for Law {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.label())
+    }
 }
 
 /// A parameter of a `materials` block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Entry {
-    /// A number in the unit of [`Law::unit`].
-    Number(f64),
+    /// A number.
+    Number {
+        /// It.
+        value: f64,
+        /// `"Pa"`, `"1"` of a pure number.
+        unit: &'static str,
+    },
     /// A unit vector.
     Direction([f64; 3]),
 }
@@ -46,91 +48,78 @@ pub(crate) struct Scale {
     pub reach: f64,
 }
 
-const OGDEN: [&str; 8] = ["mu1", "alpha1", "mu2", "alpha2", "mu3", "alpha3", "mu4", "alpha4"];
-const FIBERS: [&str; 5] = ["mu", "k1", "k2", "dispersion", "fiber_angle"];
 const HERE: Place = Place { cell: 0, point: 0 };
+/// At constant volume, in shear moduli.
+const BULK: f64 = 1e3;
+
+/// The neo-Hookean law of shear modulus 1 Pa for tests at constant volume.
+pub(crate) fn unit_law() -> Result<NeoHookeIsochoric, EnergyError> {
+    NeoHookeIsochoric::from_shear_bulk(1.0, BULK)
+}
 
 impl Law {
-    /// The isotropic ones, Ogden's with one to three terms.
-    pub const ISOTROPIC: [Law; 9] = [
-        Law::NeoHooke,
-        Law::NeoHookeIsochoric,
-        Law::MooneyRivlin,
-        Law::Yeoh,
-        Law::Gent,
-        Law::ArrudaBoyce,
-        Law::Ogden(1),
-        Law::Ogden(2),
-        Law::Ogden(3),
-    ];
+    /// Those of rows of a catalogue, the isotropic ones first.
+    pub fn among(rows: impl IntoIterator<Item = &'static MaterialRow>) -> Vec<Law> {
+        let laws = rows.into_iter().flat_map(|row| row.fit.iter().map(move |form| Law { row, form }));
+        let (fibres, mut out): (Vec<Law>, Vec<Law>) = laws.partition(|law| law.has_fibers());
+        out.extend(fibres);
+        out
+    }
 
-    /// Those with fibres.
-    pub const WITH_FIBERS: [Law; 3] =
-        [Law::TransverseMooneyRivlin, Law::HolzapfelGasserOgden(1), Law::HolzapfelGasserOgden(2)];
+    /// Those of the built-in laws.
+    pub fn all() -> Vec<Law> {
+        Self::among(materials())
+    }
+
+    /// The built-in one of a [`label`](Self::label).
+    ///
+    /// # Errors
+    /// [`FitError::Unknown`] lists them.
+    pub fn named(label: &str) -> Result<Law, FitError> {
+        let known = || Self::all().into_iter().map(Law::label).collect::<Vec<_>>().join(", ");
+        let found = Self::all().into_iter().find(|law| law.label() == label);
+        found.ok_or_else(|| FitError::Unknown { found: label.to_owned(), known: known() })
+    }
 
     /// Whether it has fibres: its response depends on the direction.
     pub fn has_fibers(self) -> bool {
-        matches!(self, Law::TransverseMooneyRivlin | Law::HolzapfelGasserOgden(_))
+        self.form.families > 0
+    }
+
+    /// Whether it is compared with others only where it is named.
+    pub fn is_named_only(self) -> bool {
+        self.form.named_only
     }
 
     /// Its name in case files.
     pub fn name(self) -> &'static str {
-        match self {
-            Law::NeoHooke => "neo_hooke",
-            Law::NeoHookeIsochoric => "neo_hooke_isochoric",
-            Law::MooneyRivlin => "mooney_rivlin",
-            Law::Yeoh => "yeoh",
-            Law::Gent => "gent",
-            Law::ArrudaBoyce => "arruda_boyce",
-            Law::Ogden(_) => "ogden",
-            Law::TransverseMooneyRivlin => "transverse_mooney_rivlin",
-            Law::HolzapfelGasserOgden(_) => "holzapfel_gasser_ogden",
-        }
+        self.row.name
     }
 
     /// Its name with the number of terms or families.
     pub fn label(self) -> String {
-        match self {
-            Law::Ogden(terms) => format!("ogden_{terms}"),
-            Law::HolzapfelGasserOgden(families) => format!("holzapfel_gasser_ogden_{families}"),
-            other => other.name().to_owned(),
-        }
+        format!("{}{}", self.row.name, self.form.suffix)
     }
 
     /// The parameters that a fit finds, by their names in case files (`fiber_angle` stands for two directions there: [`entries`](Self::entries)).
-    pub fn parameters(self) -> &'static [&'static str] {
-        match self {
-            Law::NeoHooke | Law::NeoHookeIsochoric => &["shear"],
-            Law::MooneyRivlin => &["c10", "c01"],
-            Law::Yeoh => &["c10", "c20", "c30"],
-            Law::Gent => &["mu", "jm"],
-            Law::ArrudaBoyce => &["mu", "lambda_m"],
-            Law::Ogden(terms) => &OGDEN[..2 * terms.clamp(1, 4)],
-            Law::TransverseMooneyRivlin => &["mu1", "mu2", "mu3"],
-            Law::HolzapfelGasserOgden(families) => &FIBERS[..3 + families.clamp(1, 2)],
-        }
+    pub fn parameters(self) -> Vec<&'static str> {
+        self.form.numbers.iter().map(|number| number.name).collect()
     }
 
-    /// The unit of a parameter: `"Pa"`, `"deg"`, `"1"` of pure numbers.
-    pub fn unit(name: &str) -> &'static str {
-        match name {
-            "jm" | "lambda_m" | "k2" | "dispersion" => "1",
-            "fiber_angle" => "deg",
-            _ if name.starts_with("alpha") => "1",
-            _ => "Pa",
-        }
+    /// The unit of a parameter: `"Pa"`, `"deg"` of an angle, `"1"` of pure numbers.
+    pub fn unit(self, name: &str) -> &'static str {
+        let of = |known: &Takes| if let Takes::Number { unit, .. } = known { Some(*unit) } else { None };
+        let found = self.row.parameters().into_iter().find(|known| known.name == name);
+        found.and_then(|known| of(&known.takes)).unwrap_or("deg")
     }
 
-    /// The key of the volumetric part, and its value for a bulk modulus (Pa).
-    fn volumetric(self, p: &[f64], bulk: f64) -> (&'static str, f64) {
-        match self {
-            Law::MooneyRivlin => ("d1", 2.0 / bulk),
-            // K = 4/3 mu1 + 16/3 mu2 + 20/9 mu3 + 2 mu4 at rest
-            Law::TransverseMooneyRivlin => {
-                ("mu4", 0.5 * bulk - p[0] * 2.0 / 3.0 - p[1] * 8.0 / 3.0 - p[2] * 10.0 / 9.0)
-            }
-            _ => ("bulk", bulk),
-        }
+    /// Whether the value of its volumetric key depends on its other parameters.
+    pub fn has_own_volume(self) -> bool {
+        self.form.volume.least.is_some()
+    }
+
+    fn number(self, key: &'static str, value: f64) -> (&'static str, Entry) {
+        (key, Entry::Number { value, unit: self.unit(key) })
     }
 
     /// The parameters of shape as a `materials` block has them: an angle of fibres becomes their directions.
@@ -139,15 +128,16 @@ impl Law {
     /// [`FitError::Parameters`] for too few or too many.
     pub fn entries(self, parameters: &[f64]) -> Result<Vec<(&'static str, Entry)>, FitError> {
         self.check(parameters)?;
-        let named = self.parameters().iter().zip(parameters).filter(|(name, _)| **name != "fiber_angle");
-        let mut out: Vec<(&'static str, Entry)> = named.map(|(name, value)| (*name, Entry::Number(*value))).collect();
-        match (self, parameters.get(4)) {
-            (Law::HolzapfelGasserOgden(2), Some(angle)) => {
+        let numbers = self.form.numbers.iter().zip(parameters).map(|(number, value)| self.number(number.name, *value));
+        let mut out: Vec<(&'static str, Entry)> = numbers.collect();
+        match (self.form.families, parameters.last()) {
+            (2, Some(angle)) => {
                 let (sin, cos) = angle.to_radians().sin_cos();
+                out.pop();
                 out.push(("fiber", Entry::Direction([cos, sin, 0.0])));
                 out.push(("fiber2", Entry::Direction([cos, -sin, 0.0])));
             }
-            _ if self.has_fibers() => out.push(("fiber", Entry::Direction([1.0, 0.0, 0.0]))),
+            (1, _) => out.push(("fiber", Entry::Direction([1.0, 0.0, 0.0]))),
             _ => {}
         }
         Ok(out)
@@ -159,11 +149,12 @@ impl Law {
     /// As [`entries`](Self::entries); [`FitError::SmallBulk`].
     pub fn block(self, parameters: &[f64], bulk: f64) -> Result<Vec<(&'static str, Entry)>, FitError> {
         let mut out = self.entries(parameters)?;
-        let (key, value) = self.volumetric(parameters, bulk);
-        if key == "mu4" && value < 0.0 {
-            return Err(FitError::SmallBulk { law: self.label(), bulk, least: bulk - 2.0 * value });
+        let FitVolume { key, value, least } = self.form.volume;
+        let value = value(parameters, bulk);
+        if let Some(least) = least.filter(|_| value < 0.0) {
+            return Err(FitError::SmallBulk { law: self.label(), bulk, least: least(parameters) });
         }
-        out.push((key, Entry::Number(value)));
+        out.push(self.number(key, value));
         Ok(out)
     }
 
@@ -174,10 +165,10 @@ impl Law {
     pub fn build(self, parameters: &[f64], bulk: f64) -> Result<Arc<dyn EnergyTerm>, FitError> {
         let inputs =
             self.block(parameters, bulk)?.into_iter().fold(Inputs::new(), |inputs, (name, entry)| match entry {
-                Entry::Number(value) => inputs.number(name, value),
+                Entry::Number { value, .. } => inputs.number(name, value),
                 Entry::Direction(along) => inputs.direction(name, Vec3::from(along)),
             });
-        Ok(material(self.name())?.build(&inputs)?)
+        Ok(self.row.build(&inputs)?)
     }
 
     /// The law for tests at constant volume, where the bulk modulus takes no part: with one far above the shear moduli.
@@ -185,11 +176,9 @@ impl Law {
     /// # Errors
     /// As [`build`](Self::build).
     pub fn incompressible(self, parameters: &[f64]) -> Result<Arc<dyn EnergyTerm>, FitError> {
-        let stiffest = match self {
-            Law::TransverseMooneyRivlin => self.shear(parameters)? + 2.0 * parameters[2],
-            _ => self.shear(parameters)?,
-        };
-        self.build(parameters, 1e3 * stiffest)
+        let shear = self.shear(parameters)?;
+        let stiffest = self.form.along.map_or(shear, |along| shear + along(parameters));
+        self.build(parameters, BULK * stiffest)
     }
 
     /// Shear modulus at rest (Pa), across the fibres of a law that is not isotropic there.
@@ -198,24 +187,24 @@ impl Law {
     /// As [`build`](Self::build).
     pub fn shear(self, p: &[f64]) -> Result<f64, FitError> {
         self.check(p)?;
-        Ok(match self {
-            Law::NeoHooke | Law::NeoHookeIsochoric | Law::Gent => p[0],
-            Law::MooneyRivlin => 2.0 * (p[0] + p[1]),
-            Law::Yeoh => 2.0 * p[0],
-            Law::ArrudaBoyce => self.build(p, 1e3 * p[0])?.moduli(HERE).map_or(p[0], |m| m.mu_t),
-            Law::Ogden(_) => p.chunks_exact(2).map(|pair| 0.5 * pair[0] * pair[1]).sum(),
-            Law::TransverseMooneyRivlin => 2.0 * (p[0] + p[1]),
-            Law::HolzapfelGasserOgden(_) => p[0],
+        Ok(match self.form.shear {
+            Some(shear) => shear(p),
+            None => self.build(p, BULK * p[0])?.moduli(HERE).map_or(p[0], |m| m.mu_t),
         })
     }
 
     /// Whether it is isotropic at rest, where Poisson's ratio is then one number: fibres of `holzapfel_gasser_ogden` begin to bear with their stretch.
     pub fn is_isotropic_at_rest(self) -> bool {
-        self != Law::TransverseMooneyRivlin
+        self.form.along.is_none()
+    }
+
+    /// Whether its numbers are terms of a modulus and a power, whose order means nothing.
+    pub(crate) fn has_terms(self) -> bool {
+        matches!(self.form.starts, FitStarts::Powers)
     }
 
     fn check(self, parameters: &[f64]) -> Result<(), FitError> {
-        let (expected, found) = (self.parameters().len(), parameters.len());
+        let (expected, found) = (self.form.numbers.len(), parameters.len());
         if found == expected { Ok(()) } else { Err(FitError::Parameters { law: self.label(), expected, found }) }
     }
 }

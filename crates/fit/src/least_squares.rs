@@ -4,7 +4,7 @@ use nastic_energy::EnergyTerm;
 use nastic_numeric::Random;
 use nastic_tensor::Mat3;
 
-use crate::law::Scale;
+use crate::law::{Scale, unit_law};
 use crate::specimen::Specimen;
 use crate::statistics::covariance;
 use crate::{Criteria, Estimate, Fibers, FitError, Law, Mode, Response, Test, curve, student};
@@ -220,8 +220,7 @@ impl Data {
 
     /// The neo-Hookean modulus of least squares, and the largest `I1 - 3`.
     fn scale(&self) -> Result<Scale, FitError> {
-        let unit_law = Law::NeoHookeIsochoric.incompressible(&[1.0])?;
-        let curve = self.responses(&*unit_law).unwrap_or_default();
+        let curve = self.responses(&unit_law()?).unwrap_or_default();
         let (mut along, mut own) = (0.0, 0.0);
         for ((a, y), factor) in curve.iter().zip(&self.targets).zip(&self.factors) {
             along += factor * factor * a * y;
@@ -262,8 +261,7 @@ impl Data {
 /// Whether any response has the sign that every law gives it: that of the neo-Hookean one.
 fn check_signs(test: &Test) -> Result<(), FitError> {
     let at: Vec<f64> = test.points.iter().map(|[x, _]| *x).collect();
-    let expected =
-        curve(&*Law::NeoHookeIsochoric.incompressible(&[1.0])?, test.mode, Fibers::Along, test.response, &at);
+    let expected = curve(&unit_law()?, test.mode, Fibers::Along, test.response, &at);
     let signs = || expected.iter().zip(&test.points).map(|(a, [_, y])| a * y).filter(|product| *product != 0.0);
     let points = signs().count();
     if points > 0 && signs().all(|product| product < 0.0) {
@@ -317,7 +315,7 @@ impl Problem<'_> {
 
     /// Ogden's terms by what they contribute to the shear modulus, the largest first.
     fn sorted(mut self) -> Self {
-        if let Law::Ogden(_) = self.law {
+        if self.law.has_terms() {
             let pairs = self.x.as_slice().chunks_exact(2).map(<[f64]>::to_vec).zip(self.signs.clone());
             let mut pairs: Vec<(Vec<f64>, f64)> = pairs.collect();
             pairs.sort_by(|a, b| b.0[0].total_cmp(&a.0[0]));
@@ -341,11 +339,11 @@ impl Problem<'_> {
             let variance = of_values.as_ref()?[(i, i)];
             (variance > 0.0).then(|| variance.sqrt())
         };
-        let estimate = |(i, name): (usize, &&'static str)| {
+        let estimate = |(i, name): (usize, &'static str)| {
             let half_width = deviation(i).map(|d| student(free) * d);
-            Estimate { name, value: values[i], deviation: deviation(i), half_width }
+            Estimate { name, unit: self.law.unit(name), value: values[i], deviation: deviation(i), half_width }
         };
-        let parameters = self.law.parameters().iter().enumerate().map(estimate).collect();
+        let parameters = self.law.parameters().into_iter().enumerate().map(estimate).collect();
         let correlation = |i: usize, j: usize| Some(of_values.as_ref()?[(i, j)] / (deviation(i)? * deviation(j)?));
         Fit {
             law: self.law,

@@ -11,7 +11,7 @@
 //! // sigma = mu (l^2 - 1/l) with mu = 0.4 MPa, as nominal stress
 //! let points = [1.1, 1.5, 2.0, 3.0].map(|l: f64| [l, 0.4e6 * (l - 1.0 / (l * l))]);
 //! let test = Test::new("bar", Mode::Uniaxial, Response::Nominal, points.to_vec())?;
-//! let found = fit(Law::NeoHookeIsochoric, &[test], &FitOptions::default())?;
+//! let found = fit(Law::named("neo_hooke_isochoric")?, &[test], &FitOptions::default())?;
 //! assert!((found.parameters[0].value / 0.4e6 - 1.0).abs() < 1e-9);
 //! # Ok(())
 //! # }

@@ -1,4 +1,5 @@
 use std::cmp::Ordering;
+use std::f64::consts::FRAC_PI_2;
 
 use nalgebra_of_levenberg_marquardt::DMatrix;
 
@@ -7,7 +8,9 @@ use nalgebra_of_levenberg_marquardt::DMatrix;
 pub struct Estimate {
     /// Its name in case files.
     pub name: &'static str,
-    /// Its value, Pa or a pure number.
+    /// `"Pa"`, `"deg"`, `"1"` of a pure number.
+    pub unit: &'static str,
+    /// Its value.
     pub value: f64,
     /// Standard deviation; `None` for a parameter that the data do not determine, or that lies on the border of what the law admits.
     pub deviation: Option<f64>,
@@ -42,23 +45,46 @@ impl Criteria {
     }
 }
 
-/// Two-sided 95 % point of Student's distribution with `nu` degrees of freedom, a whole number: `tan(0.95 pi/2)` for one,
-/// `0.95 sqrt(2/(1 - 0.95^2))` for two, beyond by the series of M. Abramowitz & I. A. Stegun, 26.7.5: to 1 % from 3 degrees on, to 1e-4 from 10.
+/// Two-sided 95 % point of Student's distribution with `nu` degrees of freedom, a whole number: of the closed forms of M. Abramowitz & I. A.
+/// Stegun, 26.7.3 and 26.7.4, by Newton's method in `theta = atan(t / sqrt(nu))`; beyond 200 their series 26.7.5, to 1e-9.
 pub fn student(nu: f64) -> f64 {
-    const LEVEL: f64 = 0.95;
-    if nu <= 1.0 {
-        return (LEVEL * std::f64::consts::FRAC_PI_2).tan();
-    }
-    if nu <= 2.0 {
-        return LEVEL * (2.0 / (1.0 - LEVEL * LEVEL)).sqrt();
-    }
+    let nu = nu.max(1.0);
     let z: f64 = 1.959_963_984_540_054;
     let terms = [
         (z.powi(3) + z) / 4.0,
         (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / 96.0,
         (3.0 * z.powi(7) + 19.0 * z.powi(5) + 17.0 * z.powi(3) - 15.0 * z) / 384.0,
     ];
-    z + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / nu)
+    let series = z + terms.iter().rev().fold(0.0, |sum, term| (sum + term) / nu);
+    if nu > 200.0 {
+        return series;
+    }
+    // the probability is concave in theta: Newton's steps from below stay below
+    let mut theta = (series / nu.sqrt()).atan();
+    for _ in 0..50 {
+        let (probability, slope) = student_within(nu as usize, theta);
+        let step = (0.95 - probability) / slope;
+        theta += step;
+        if step.abs() <= f64::EPSILON * theta {
+            break;
+        }
+    }
+    nu.sqrt() * theta.tan()
+}
+
+/// The probability that `|t| < sqrt(nu) tan(theta)`, and its derivative.
+fn student_within(nu: usize, theta: f64) -> (f64, f64) {
+    let (sin, cos) = theta.sin_cos();
+    let is_odd = !nu.is_multiple_of(2);
+    let (mut power, mut term) = if is_odd { (1, cos) } else { (0, 1.0) };
+    let mut sum = 0.0;
+    while power + 2 <= nu {
+        sum += term;
+        term *= cos * cos * (power + 1) as f64 / (power + 2) as f64;
+        power += 2;
+    }
+    let slope = nu as f64 * term / cos;
+    if is_odd { ((theta + sin * sum) / FRAC_PI_2, slope / FRAC_PI_2) } else { (sin * sum, slope) }
 }
 
 /// Covariance of free numbers, `s^2 (J^T J)^-1` with the Jacobian J of the residuals (Gauss-Newton). Numbers on the border of

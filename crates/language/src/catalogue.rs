@@ -1,6 +1,6 @@
 //! [`Catalogue`]: the names a case may use.
 
-use nastic_control::{COSTS, CostForm};
+use nastic_control::{COSTS, CostForm, Counts, MOTION_COSTS};
 use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials};
 use nastic_fem::contributions::catalogue::{CATALOGUE as CONTRIBUTIONS, Entry, Form};
 
@@ -24,7 +24,7 @@ impl Catalogue {
             materials: materials().iter().collect(),
             actuations: actuations().iter().collect(),
             contributions: CONTRIBUTIONS.iter().collect(),
-            costs: COSTS.iter().filter_map(|row| row.form).collect(),
+            costs: costs(),
         }
     }
 
@@ -52,7 +52,7 @@ impl Catalogue {
         self
     }
 
-    /// With a further cost. It takes the place of an added one of the same name; names of built-in costs stay theirs.
+    /// With a further cost. It takes the place of one of the same name; "smoothed_hausdorff" stays what it is.
     #[must_use]
     pub fn with_cost(mut self, row: &'static CostForm) -> Self {
         self.costs.retain(|known| known.name != row.name);
@@ -77,11 +77,19 @@ impl Catalogue {
         &self.actuations
     }
 
-    /// The costs beside those that have a block of their own.
+    /// The costs but smoothed Hausdorff distances.
     #[must_use]
     pub fn costs(&self) -> &[&'static CostForm] {
         &self.costs
     }
+}
+
+/// Costs of motions stand behind those of controls.
+fn costs() -> Vec<&'static CostForm> {
+    let mut out: Vec<&CostForm> = COSTS.iter().filter_map(|row| row.form).collect();
+    let behind = out.iter().rposition(|form| form.counts == Counts::OverTime).map_or(out.len(), |last| last + 1);
+    out.splice(behind..behind, MOTION_COSTS.iter().copied());
+    out
 }
 
 impl Default for Catalogue {

@@ -1,7 +1,7 @@
 //! The typed case: every block and key of a case file.
 //!
 //! One description serves three readers: the structs below are written once, with their keys, documentation, units and
-//! defaults, and three macros turn that into the Rust type, the reader that reports every problem, and the
+//! defaults, and two macros turn that into the Rust type, the reader that reports every problem, and the
 //! JSON Schema ([`json_schema`]). They cannot diverge. Laws and actuations take their names and keys from the catalogue
 //! of `nastic-energy`.
 
@@ -9,7 +9,6 @@
 mod macros;
 
 mod actuation;
-mod added_cost;
 mod body_point;
 mod case;
 mod case_schema;
@@ -17,9 +16,9 @@ mod catalogue;
 mod check;
 mod constraint;
 mod contact;
-mod contact_cost;
 mod control;
 mod cost;
+mod cost_term;
 mod direction;
 mod expectation;
 mod field;
@@ -37,9 +36,10 @@ mod optimizer;
 mod read;
 mod scenario;
 mod settings;
-mod shape_cost;
+mod smoothed_hausdorff;
 mod spring;
 mod support;
+mod target;
 mod time;
 mod time_table;
 mod timing;
@@ -47,18 +47,14 @@ mod units;
 mod value;
 
 pub use actuation::{Actuation, Fixed, Means};
-pub use added_cost::AddedCost;
 pub use case::{Case, Output, Probe, Reading};
 pub use case_schema::json_schema;
 pub use catalogue::{Input, SlotName};
 pub use constraint::{Constraint, KeepOut};
 pub use contact::{Contact, PressureLaw};
-pub use contact_cost::{ContactForce, ContactPressure};
 pub use control::{Bound, Cells, Control, ControlsFile, Space, Start};
-pub use cost::{
-    ActuationWork, ControlNorm, ControlRate, ControlSmoothness, Cost, Exponential, Inverse, KineticEnergy, Penetration,
-    Phi, SmoothedHausdorff, Stage, Stages, Target, Tracking,
-};
+pub use cost::{Cost, ObstacleTerm};
+pub use cost_term::{CostTerm, TermValue};
 pub use direction::Direction;
 pub use expectation::{Command, Expectation};
 pub use field::{ArrayFile, Parameter, VectorField, vector_at};
@@ -75,9 +71,10 @@ pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
 };
-pub use shape_cost::{Compliance, Coordinates, Curvature, LargestStretch, Orientation, Position};
+pub use smoothed_hausdorff::{Exponential, Inverse, Phi, SmoothedHausdorff, Stage, Stages};
 pub use spring::{Ground, Spring, SpringEnd};
 pub use support::{Along, Axis, Displacement, Fix, Support};
+pub use target::{Coordinates, Target};
 pub use time::{Beginning, KelvinVoigt, MassKind, Maxwell, Rayleigh, Time};
 pub use time_table::TimeTable;
 pub use timing::{HoldsWhen, InTime, KnotInterpolation, When};

@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
-use nastic_control::{ControlError, Cost, CostContext, CostForm, CostPoint, Partials};
-use nastic_energy::catalogue::{Given, Parameter};
-use nastic_fem::Solid;
+use nastic_control::{ControlError, Cost, CostContext, CostForm, CostInputs, CostKey, CostPoint, CostTakes, Partials};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::{Command, json_schema};
 use nastic_run::console::Console;
@@ -54,26 +52,19 @@ impl CostPoint for LiftPoint {
     }
 }
 
-static LIFT: CostForm = CostForm {
-    name: "lift",
-    about: "weight/2 (u_z - height)^2 at the nodes of a surface",
-    forms: &[&[Parameter::place("surface", "x+"), Parameter::number("height", "m", 0.1)]],
-    make: |solid, given, weight| Ok(Box::new(lift(solid, given, weight, 1.0)?)),
-};
+const ABOUT: &str = "weight/2 (u_z - height)^2 at the nodes of a surface";
+const KEYS: &[CostKey] =
+    &[CostKey::SURFACE, CostKey::new("height", "How high.", CostTakes::Number { unit: "m", default: None })];
+
+static LIFT: CostForm = CostForm::new("lift", ABOUT, KEYS, |on| Ok(Box::new(lift(on, 1.0)?)));
 
 /// The same with a derivative that is wrong.
-static WRONG: CostForm = CostForm {
-    name: "wrong_lift",
-    make: |solid, given, weight| Ok(Box::new(lift(solid, given, weight, 1.5)?)),
-    ..LIFT
-};
+static WRONG: CostForm = CostForm::new("wrong_lift", ABOUT, KEYS, |on| Ok(Box::new(lift(on, 1.5)?)));
 
-fn lift(solid: &Solid, given: &Given<'_>, weight: f64, slope: f64) -> Result<Lift, ControlError> {
-    let mesh = solid.mesh();
-    let nodes = mesh.nodes_of_facets(mesh.surface(given.word("surface").unwrap_or_default())?);
-    let height = given.number("height").map_err(|e| ControlError::Cost { what: e.to_string() })?;
-    let height = height.at(nastic_energy::Place { cell: 0, point: 0 });
-    Ok(Lift { nodes, height, weight, slope })
+fn lift(on: &CostInputs, slope: f64) -> Result<Lift, ControlError> {
+    let mesh = on.solid.mesh();
+    let nodes = mesh.nodes_of_facets(&mesh.facets_of(&on.get("surface")?)?);
+    Ok(Lift { nodes, height: on.get("height")?, weight: on.weight, slope })
 }
 
 fn run(cost: &str, command: Command) -> Result<Outcome, RunError> {
@@ -169,7 +160,7 @@ fn its_keys_are_known_to_reader_and_schema() {
     let said = complaint(r#"[{ "kind": "lift", "surface": "tip", "height": "20 mm" }]"#);
     assert!(said.contains("\"tip\" not found") && said.contains("costs/0"), "{said}");
     let said = complaint(r#"[{ "kind": "lift", "surface": "x+", "height": "0.1 * X" }]"#);
-    assert!(said.contains("one value, not one that varies"), "{said}");
+    assert!(said.contains("depends on X, Y or Z, but one number is wanted"), "{said}");
     let said = complaint(r#"[{ "kind": "lft" }]"#);
     assert!(said.contains("did you mean \"lift\"?"), "{said}");
     assert!(json_schema(&Catalogue::standard().with_cost(&LIFT)).to_string().contains("\"lift\""));

@@ -65,7 +65,8 @@ pub(super) fn add(
             }
             (None, Some(cost)) => {
                 check_at_instants(cost, context)?;
-                let cost = Lowering { case, reduced: &reduced, block: cost }.lower(target, context)?;
+                let lowering = Lowering { case, reduced: &reduced, block: cost, target: target.as_ref() };
+                let cost = lowering.lower(context)?;
                 let limit = match (block.at_most, block.equal) {
                     (Some(bound), _) => CostLimit::at_most(cost, bound),
                     (None, bound) => CostLimit::equal(cost, bound.unwrap_or_default()),

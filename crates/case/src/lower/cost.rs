@@ -1,27 +1,15 @@
 //! Cost terms and the shapes they aim at.
 
-use crate::lower::array::Entity;
 use crate::lower::context::Context;
-use crate::lower::named::key_of;
 use crate::lower::named_cost::{Named, NamedMotionTerm};
-use crate::lower::place::{Kind, Place};
 use crate::lower::target_shape::TargetShape;
-use crate::lower::{array, place, time};
+use crate::lower::{cost_term, place, time};
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
-    ActuationWork, ContactLoad, ControlError, ControlNorm, ControlRate, ControlSmoothness, Cost, IntoCost,
-    KineticEnergy, ObstaclePenetration, Phi, Reduced, SmoothedHausdorff, Target, Timeline, Tracking, TrajectoryCost,
-    When,
+    ControlError, Cost, IntoCost, MakeCost, Phi, Reduced, SmoothedHausdorff, Timeline, TrajectoryCost, When,
 };
-use nastic_energy::catalogue::{Inputs, choose_form};
-use nastic_language::expression::EvaluationError;
 use nastic_language::schema;
-use nastic_language::schema::{
-    AddedCost, Case, Cost as Block, Input, Phi as PhiBlock, Stages, Target as TargetBlock, vector_at,
-};
-use nastic_mesh::Mesh;
-use nastic_tensor::Vec3;
-use std::sync::{Arc, OnceLock};
+use nastic_language::schema::{Case, Cost as Block, Phi as PhiBlock, Stages};
 
 /// The target meshes, by cost; read before the body is built, so that all missing files are told at once.
 pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option<TargetShape>> {
@@ -31,11 +19,7 @@ pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option
 pub(super) fn load_target(cost: &Block, context: &mut Context<'_>) -> Option<TargetShape> {
     let (source, at) = match cost {
         Block::SmoothedHausdorff(block) => (&block.target, block.at.key("target")),
-        Block::Tracking(block) => match &block.target {
-            TargetBlock::Nodes(nodes) => (&nodes.nodes, nodes.at.key("nodes")),
-            _ => return None,
-        },
-        _ => return None,
+        _ => cost_term::mesh_of(cost.term()?)?,
     };
     let mesh = super::mesh::load(source, &at, context)?;
     Some(TargetShape { at: cost.at().clone(), cost: cost.name().to_owned(), mesh, regions: None, displacement: vec![] })
@@ -55,20 +39,23 @@ pub(super) fn add(
             continue;
         }
         if block.is_of_motion() {
-            of_motion.push((block, of_a_motion(case, block, context)?));
+            of_motion.push((
+                block,
+                Lowering { case, reduced: &reduced, block, target: target.as_ref() }.lower_motion(context)?,
+            ));
             continue;
         }
         // shown is where a target that moves is at the end
         let end = reduced.timeline().map_or(0.0, Timeline::end);
         let at_end = block.at_time(end);
-        let lowering = Lowering { case, reduced: &reduced, block: &at_end };
-        let Some(cost) = lowering.lower(target, context) else { continue };
+        let lowering = Lowering { case, reduced: &reduced, block: &at_end, target: target.as_ref() };
+        let Some(cost) = lowering.lower(context) else { continue };
         let shape = cost.target(reduced.solid());
         shapes.extend(shape.map(|shape| TargetShape::of(block.at().clone(), block.name(), shape)));
-        terms.push((block, Named::new(block.name(), cost)));
+        terms.push((block, target, Named::new(block.name(), cost)));
     }
-    for (block, term) in terms {
-        reduced = add_term(case, (block, term), reduced, context)?;
+    for (block, target, term) in terms {
+        reduced = add_term(case, (block, target.as_ref(), term), reduced, context)?;
     }
     for (block, cost) in of_motion {
         let term = NamedMotionTerm { name: block.name().to_owned(), cost };
@@ -77,23 +64,10 @@ pub(super) fn add(
     Some((reduced, shapes))
 }
 
-/// A term of a motion.
-fn of_a_motion(case: &Case, block: &Block, context: &mut Context<'_>) -> Option<Box<dyn TrajectoryCost>> {
-    let at = block.at();
-    Some(match block {
-        Block::ControlRate(block) => {
-            let of = case.controls.iter().find(|control| control.name() == block.of)?;
-            Box::new(context.take(at, ControlRate::of(&of.of, block.weight))?)
-        }
-        Block::KineticEnergy(own) => Box::new(context.take(at, KineticEnergy::new(time::when(block), own.weight))?),
-        _ => Box::new(context.take(at, ActuationWork::new(block.weight()))?),
-    })
-}
-
 /// A term, in a motion with the part of it over which it counts.
 fn add_term(
     case: &Case,
-    (block, term): (&Block, Named),
+    (block, target, term): (&Block, Option<&TargetShape>, Named),
     reduced: Reduced,
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
@@ -104,13 +78,13 @@ fn add_term(
     if !block.uses_time() {
         return context.take(&at, reduced.cost_when(when, term));
     }
-    along_path(case, (block, when), reduced, context)
+    along_path(case, (block, target, when), reduced, context)
 }
 
 /// A term whose target moves: one for every instant at which it counts.
 fn along_path(
     case: &Case,
-    (block, when): (&Block, When),
+    (block, target, when): (&Block, Option<&TargetShape>, When),
     reduced: Reduced,
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
@@ -118,8 +92,7 @@ fn along_path(
     let mut made = Vec::new();
     for t in instants {
         let at_time = block.at_time(t);
-        let lowering = Lowering { case, reduced: &reduced, block: &at_time };
-        let cost = lowering.lower(None, context)?;
+        let cost = Lowering { case, reduced: &reduced, block: &at_time, target }.lower(context)?;
         made.push((t, Named::new(block.name(), cost)));
     }
     let place = |t: f64| made.binary_search_by(|(instant, _): &(f64, Named)| instant.total_cmp(&t)).ok();
@@ -145,56 +118,30 @@ pub(super) struct Lowering<'a> {
     pub case: &'a Case,
     pub reduced: &'a Reduced,
     pub block: &'a Block,
+    /// The mesh it aims at, if any.
+    pub target: Option<&'a TargetShape>,
 }
 
 impl Lowering<'_> {
-    pub fn lower(&self, target: Option<TargetShape>, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
-        match self.block {
-            Block::SmoothedHausdorff(block) => self.hausdorff(block, target?, context),
-            Block::Tracking(block) => self.tracking(block, target, context),
-            Block::Position(block) => self.position(block, context),
-            Block::Orientation(block) => self.orientation(block, context),
-            Block::Curvature(block) => self.curvature(block, context),
-            Block::LargestStretch(block) => self.largest_stretch(block, context),
-            Block::Compliance(block) => self.compliance(block, context),
-            Block::ContactForce(block) => {
-                let cost = ContactLoad::force(&block.contact).weight(block.weight);
-                context.take(&block.at.key("contact"), cost.bind(self.reduced.solid()))
-            }
-            Block::ContactPressure(block) => {
-                let cost = ContactLoad::pressure(&block.contact, block.exponent as u32).weight(block.weight);
-                context.take(&block.at.key("contact"), cost.bind(self.reduced.solid()))
-            }
-            Block::Obstacle(block) => self.obstacle(block, context),
-            Block::ControlNorm(block) => {
-                let cost = ControlNorm::of(self.control(&block.of)?, block.weight);
-                Some(Box::new(context.take(&block.at, cost)?))
-            }
-            Block::ControlSmoothness(block) => {
-                let cost = ControlSmoothness::of(self.control(&block.of)?, block.weight);
-                Some(Box::new(context.take(&block.at, cost)?))
-            }
-            // Of a motion, not of a state.
-            Block::ControlRate(_) | Block::KineticEnergy(_) | Block::ActuationWork(_) => None,
-            Block::Added(block) => {
-                let inputs = uniform(block, context)?;
-                let given = choose_form(block.row.name, block.row.forms, &inputs);
-                let given = given.map_err(|error| context.complain(&key_of(&block.at, &error), error)).ok()?;
-                let cost = (block.row.make)(self.reduced.solid(), &given, block.weight);
-                context.take(&block.at, cost)
-            }
+    /// A term of states.
+    pub fn lower(&self, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
+        if let Block::SmoothedHausdorff(block) = self.block {
+            return self.hausdorff(block, self.target?, context);
         }
+        let term = self.block.term()?;
+        if let MakeCost::OfStates(make) = term.form.make { self.make(term, make, context) } else { None }
     }
 
-    /// The library's name of a control, which is that of its actuation.
-    fn control(&self, name: &str) -> Option<&str> {
-        self.case.controls.iter().find(|control| control.name() == name).map(|control| control.of.as_str())
+    /// A term of a motion.
+    fn lower_motion(&self, context: &mut Context<'_>) -> Option<Box<dyn TrajectoryCost>> {
+        let term = self.block.term()?;
+        if let MakeCost::OfMotion(make) = term.form.make { self.make(term, make, context) } else { None }
     }
 
     fn hausdorff(
         &self,
         block: &schema::SmoothedHausdorff,
-        target: TargetShape,
+        target: &TargetShape,
         context: &mut Context<'_>,
     ) -> Option<Box<dyn Cost>> {
         let solid = self.reduced.solid();
@@ -226,119 +173,6 @@ impl Lowering<'_> {
         }
         context.take(&block.at, cost.bind(solid))
     }
-
-    fn tracking(
-        &self,
-        block: &schema::Tracking,
-        target: Option<TargetShape>,
-        context: &mut Context<'_>,
-    ) -> Option<Box<dyn Cost>> {
-        let mesh = self.reduced.solid().mesh().clone();
-        let place = Place::of(&block.surface, &block.region, &block.nodes)?;
-        place.nodes(&mesh, &block.at, context)?;
-        let goal = self.goal(block, target, &mesh, context)?;
-        let tracking = match place.kind {
-            Kind::Surface => Tracking::surface(place.names, goal.target.clone()),
-            Kind::Region => Tracking::region(place.names, goal.target.clone()),
-            Kind::Nodes => Tracking::nodes(place.names, goal.target.clone()),
-        };
-        match tracking.weight(block.weight).bind(self.reduced.solid()) {
-            Ok(cost) => Some(cost),
-            Err(error) => {
-                let why = goal.fault.get().map_or_else(|| error.to_string(), ToString::to_string);
-                context.complain(&block.at.key("target"), why);
-                None
-            }
-        }
-    }
-
-    fn obstacle(&self, block: &schema::Penetration, context: &mut Context<'_>) -> Option<Box<dyn Cost>> {
-        let solid = self.reduced.solid();
-        let place = Place::of(&block.surface, &block.region, &block.nodes)?;
-        place.nodes(solid.mesh(), &block.at, context)?;
-        let shape = super::obstacle::of(self.case, &block.shape, context)?;
-        let penetration = match place.kind {
-            Kind::Surface => ObstaclePenetration::surface(place.names, shape),
-            Kind::Region => ObstaclePenetration::region(place.names, shape),
-            Kind::Nodes => ObstaclePenetration::nodes(place.names, shape),
-        };
-        context.take(&block.at, penetration.clearance(block.clearance).weight(block.weight).bind(solid))
-    }
-
-    fn goal(
-        &self,
-        block: &schema::Tracking,
-        target: Option<TargetShape>,
-        mesh: &Mesh,
-        context: &mut Context<'_>,
-    ) -> Option<Goal> {
-        let (at, dim) = (block.at.key("target"), mesh.dim());
-        let fault: Arc<OnceLock<EvaluationError>> = Arc::default();
-        let target = match &block.target {
-            TargetBlock::Formulas(entries) if entries.len() < dim => {
-                context.complain(&at, format!("{} entries, but the body has {dim} dimensions", entries.len()));
-                return None;
-            }
-            TargetBlock::Formulas(entries) => {
-                let (entries, fault) = (entries.clone(), fault.clone());
-                // The target of a plane body lies in its plane, whatever the third entry left out.
-                Target::position(move |x| match vector_at(&entries, x) {
-                    Ok(y) => y,
-                    Err(error) => {
-                        let _ = fault.set(error);
-                        [f64::NAN; 3]
-                    }
-                })
-            }
-            TargetBlock::Array(file) => {
-                let array = array::read(file, &at, &[2, 3], Entity::Node, self.case, mesh, context)?;
-                if array.entity == Entity::Cell {
-                    context.complain(&at.key("array"), "a displacement by cell is no target: one by node is wanted");
-                    return None;
-                }
-                let entries = array.values.chunks_exact(array.components);
-                Target::Displacement(entries.flat_map(|u| u[..dim.min(u.len())].to_vec()).collect())
-            }
-            TargetBlock::Nodes(nodes) => {
-                let target = target?;
-                let (found, wanted) = (target.mesh.points().len(), mesh.points().len());
-                if found != wanted {
-                    let name = target.mesh.name();
-                    let message = format!("{name} has {found} nodes, the body's mesh {wanted}: no numbering in common");
-                    context.complain(&nodes.at.key("nodes"), message);
-                    return None;
-                }
-                let pairs = target.mesh.points().iter().zip(mesh.points());
-                Target::Displacement(pairs.flat_map(|(y, x)| (0..dim).map(move |k| y[k] - x[k])).collect())
-            }
-        };
-        Some(Goal { target, fault })
-    }
-}
-
-/// What tracked points should reach, and the first fault of its formulas.
-struct Goal {
-    target: Target,
-    fault: Arc<OnceLock<EvaluationError>>,
-}
-
-/// The parameters of an added cost, which are the same everywhere.
-fn uniform(block: &AddedCost, context: &mut Context<'_>) -> Option<Inputs> {
-    let mut out = Inputs::new();
-    for (name, input) in &block.parameters {
-        let constant = match input {
-            Input::Number(value) => value.constant().map(|value| out.clone().number(name, value)),
-            Input::Direction(value) => value.constant().map(|v| out.clone().direction(name, Vec3::from(v))),
-            Input::Word(word) => Some(out.clone().choice(name, word)),
-            Input::Name(place) => Some(out.clone().choice(name, place)),
-        };
-        let Some(with) = constant else {
-            context.complain(&block.at.key(name), "a cost takes one value, not one that varies over the body");
-            return None;
-        };
-        out = with;
-    }
-    Some(out)
 }
 
 fn phi(block: &PhiBlock, diagonal: f64) -> Phi {

@@ -91,7 +91,6 @@ pub(super) fn inputs(
                 points.direction(value, &at, context).map(|field| out.clone().map(|i| i.direction(name, field)))
             }
             Input::Word(word) => Some(out.clone().map(|i| i.choice(name, word))),
-            Input::Name(place) => Some(out.clone().map(|i| i.choice(name, place))),
         };
         out = with.flatten();
     }

@@ -26,7 +26,7 @@ pub(super) fn complain_of_law(at: &At, error: &EnergyError, context: &mut Contex
 }
 
 /// The key an error of a law speaks of.
-pub(super) fn key_of(at: &At, error: &EnergyError) -> At {
+fn key_of(at: &At, error: &EnergyError) -> At {
     match error {
         EnergyError::Parameter { name, .. }
         | EnergyError::Direction { name, .. }

@@ -94,10 +94,7 @@ pub(super) fn check_obstacles(case: &Case, mesh: &Mesh, context: &mut Context<'_
 /// The meshes of obstacles, of a list of their own and in costs and constraints.
 fn obstacles(case: &Case) -> impl Iterator<Item = &MeshSource> {
     let bounded = case.constraints.iter().filter_map(|block| block.cost.as_ref());
-    let of_costs = case.costs.iter().chain(bounded).filter_map(|cost| match cost {
-        Cost::Obstacle(block) => Some(&block.shape),
-        _ => None,
-    });
+    let of_costs = case.costs.iter().chain(bounded).flat_map(Cost::shapes).map(|(shape, _)| shape);
     let shapes = case.constraints.iter().filter_map(|block| block.obstacle.as_ref()).map(|keep_out| &keep_out.shape);
     let own = shapes.chain(of_costs).filter_map(|shape| match shape {
         ShapeOrName::Shape(shape) => Some(shape),

@@ -2,7 +2,7 @@
 
 use super::array::{self, Entity};
 use super::context::Context;
-use nastic_control::{Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
+use nastic_control::{Counts, Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
 use nastic_fem::{Checkpoints, Feature, Solid};
 use nastic_language::number::short;
 use nastic_language::schema;
@@ -127,7 +127,7 @@ pub(super) fn knots(in_time: &InTime, end: f64, context: &mut Context<'_>) -> Op
 
 /// When a cost counts; of one without a word about it at the end, of one of controls alone over the whole time.
 pub(super) fn when(cost: &schema::Cost) -> When {
-    let of_controls = matches!(cost, schema::Cost::ControlNorm(_) | schema::Cost::ControlSmoothness(_));
+    let of_controls = cost.term().is_some_and(|term| term.form.counts == Counts::OverTime);
     match cost.when() {
         None if of_controls => When::Integral,
         None | Some(schema::When::End) => When::End,

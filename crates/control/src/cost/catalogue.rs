@@ -1,10 +1,12 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
 use super::{
-    Compliance, ContactLoad, ControlNorm, ControlSmoothness, Cost, CostForm, Curvature, IntoCost, LargestStretch,
-    MeanPosition, ObstaclePenetration, Orientation, PumpWork, SmoothedHausdorff, Target, Tracking, pump_work,
+    ContactLoad, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue, Curvature, IntoCost,
+    LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, PumpWork, SmoothedHausdorff, Target, Tracking,
+    compliance, contact_load, curvature, obstacle, orientation, position, pump_work, regularization, stretch, tracking,
 };
 use crate::error::ControlError;
+use crate::time::When;
 use nastic_fem::Solid;
 use nastic_hausdorff::Phi;
 use nastic_mesh::Mesh;
@@ -22,6 +24,31 @@ pub struct CostExample<'a> {
     pub weight: f64,
 }
 
+impl CostExample<'_> {
+    /// A cost as case files make it, of the values of its keys.
+    ///
+    /// # Errors
+    /// Those of its form.
+    pub fn make(
+        &self,
+        form: &CostForm,
+        values: impl IntoIterator<Item = (&'static str, CostValue)>,
+    ) -> Result<Vec<Box<dyn Cost>>, ControlError> {
+        let values = values.into_iter().collect();
+        let (solid, weight, when) = (self.solid, self.weight, &When::End);
+        let inputs = CostInputs { solid, weight, in_motion: false, second: false, when, values: &values };
+        match form.make {
+            MakeCost::OfStates(make) => Ok(vec![make(&inputs)?]),
+            MakeCost::OfMotion(_) => Ok(vec![]),
+        }
+    }
+
+    /// The last surface of the body.
+    pub fn surface(&self) -> String {
+        self.solid.mesh().surfaces().keys().next_back().cloned().unwrap_or_default()
+    }
+}
+
 /// Costs on a body, or why there are none.
 type Bound = Result<Vec<Box<dyn Cost>>, ControlError>;
 
@@ -30,9 +57,7 @@ type Bound = Result<Vec<Box<dyn Cost>>, ControlError>;
 pub struct CostRow {
     /// Name in case files, and of the bound cost.
     pub name: &'static str,
-    /// What it is, in a few words.
-    pub about: &'static str,
-    /// How case files name it, unless they have a block of its own for it.
+    /// How case files name it and its keys; `None` of a smoothed Hausdorff distance, whose stages are blocks of their own.
     pub form: Option<&'static CostForm>,
     /// Whether it has second partials, which second derivatives of the objective take.
     pub second: bool,
@@ -40,105 +65,43 @@ pub struct CostRow {
     pub examples: fn(&CostExample) -> Bound,
 }
 
-/// Every cost.
+impl CostRow {
+    const fn of(form: &'static CostForm, examples: fn(&CostExample) -> Bound) -> Self {
+        CostRow { name: form.name, form: Some(form), second: true, examples }
+    }
+
+    const fn first_order(self) -> Self {
+        CostRow { second: false, ..self }
+    }
+}
+
+/// Every cost of states and controls.
 pub const CATALOGUE: &[CostRow] = &[
-    CostRow {
-        name: "tracking",
-        about: "squared distance of a surface, region or node set from its target positions",
-        form: None,
-        second: true,
-        examples: tracking,
-    },
-    CostRow {
-        name: "position",
-        about: "squared distance of a point, or of the mean of a surface, region or node set, from a position",
-        form: None,
-        second: true,
-        examples: position,
-    },
-    CostRow {
-        name: "orientation",
-        about: "squared deviation of the normals of a surface from a direction",
-        form: None,
-        second: true,
-        examples: orientation,
-    },
-    CostRow {
-        name: "curvature",
-        about: "squared deviation of the curvature of a line in the body from a wanted one",
-        form: None,
-        second: true,
-        examples: curvature,
-    },
-    CostRow {
-        name: "largest_stretch",
-        about: "a smoothed maximum of the principal stretches",
-        form: None,
-        second: true,
-        examples: largest_stretch,
-    },
-    CostRow {
-        name: "compliance",
-        about: "how far a surface of the deformed body gives way to a small probe force",
-        form: None,
-        second: false,
-        examples: |on| {
-            let surface = on.solid.mesh().surfaces().keys().next_back().cloned().unwrap_or_default();
-            Ok(vec![Compliance::surface(&surface, [0.2, 0.9, 0.0]).weight(on.weight).bind(on.solid)?])
-        },
-    },
-    CostRow {
-        name: "contact_force",
-        about: "the force that a contact presses with",
-        form: None,
-        second: false,
-        examples: |on| contact_load(on, ContactLoad::force),
-    },
-    CostRow {
-        name: "contact_pressure",
-        about: "a smoothed largest pressure of a contact",
-        form: None,
-        second: false,
-        examples: |on| contact_load(on, |contact| ContactLoad::pressure(contact, 2)),
-    },
-    CostRow {
-        name: "smoothed_hausdorff",
-        about: "smoothed Hausdorff distance of the deformed body from a target domain",
-        form: None,
-        second: true,
-        examples: smoothed_hausdorff,
-    },
-    CostRow {
-        name: "obstacle",
-        about: "squared penetration of a surface, region or node set into an obstacle",
-        form: None,
-        second: true,
-        examples: obstacle,
-    },
-    CostRow {
-        name: "control_norm",
-        about: "half the squared L2 norm of a control",
-        form: None,
-        second: true,
-        // Controls are stresses of 1e5 Pa, whose squares would drown what else is compared.
-        examples: |on| Ok(vec![Box::new(ControlNorm::of(on.control, 1e-10 * on.weight)?)]),
-    },
-    CostRow {
-        name: "control_smoothness",
-        about: "half the squared L2 norm of a control's gradient",
-        form: None,
-        second: true,
-        examples: |on| Ok(vec![Box::new(ControlSmoothness::of(on.control, 1e-10 * on.weight)?)]),
-    },
-    CostRow {
-        name: PumpWork::NAME,
-        about: pump_work::FORM.about,
-        form: Some(&pump_work::FORM),
-        second: true,
-        // Energies of stiff bodies would drown squares of lengths.
-        examples: |on| Ok(vec![Box::new(PumpWork::new(1e-4 * on.weight)?)]),
-    },
+    CostRow { name: "smoothed_hausdorff", form: None, second: true, examples: smoothed_hausdorff },
+    CostRow::of(&tracking::FORM, tracking),
+    CostRow::of(&position::FORM, position),
+    CostRow::of(&orientation::FORM, orientation),
+    CostRow::of(&curvature::FORM, curvature),
+    CostRow::of(&stretch::FORM, largest_stretch),
+    CostRow::of(&compliance::FORM, compliance).first_order(),
+    CostRow::of(&contact_load::FORCE, |on| contact_load(on, ContactLoad::force)).first_order(),
+    CostRow::of(&contact_load::PRESSURE, |on| contact_load(on, |contact| ContactLoad::pressure(contact, 2)))
+        .first_order(),
+    CostRow::of(&obstacle::FORM, obstacle),
+    // Controls are stresses of 1e5 Pa, whose squares would drown what else is compared.
+    CostRow::of(&regularization::NORM, |on| Ok(vec![Box::new(ControlNorm::of(on.control, 1e-10 * on.weight)?)])),
+    CostRow::of(&regularization::SMOOTHNESS, |on| {
+        Ok(vec![Box::new(ControlSmoothness::of(on.control, 1e-10 * on.weight)?)])
+    }),
+    // Energies of stiff bodies would drown squares of lengths.
+    CostRow::of(&pump_work::FORM, |on| Ok(vec![Box::new(PumpWork::new(1e-4 * on.weight)?)])),
 ];
+
+fn compliance(on: &CostExample) -> Bound {
+    let values =
+        [("surface", CostValue::Names(on.surface().into())), ("direction", CostValue::Vector([0.2, 0.9, 0.0]))];
+    on.make(&compliance::FORM, values)
+}
 
 fn tracking(on: &CostExample) -> Bound {
     let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
@@ -173,8 +136,9 @@ fn position(on: &CostExample) -> Bound {
 }
 
 fn orientation(on: &CostExample) -> Bound {
-    let surface = on.solid.mesh().surfaces().keys().next_back().cloned().unwrap_or_default();
-    Ok(vec![Orientation::surface(&surface, [0.8, 0.3, 0.0]).weight(on.weight).bind(on.solid)?])
+    let values =
+        [("surface", CostValue::Names(on.surface().into())), ("direction", CostValue::Vector([0.8, 0.3, 0.0]))];
+    on.make(&orientation::FORM, values)
 }
 
 /// Of every contact of the body: none where it touches nothing.

@@ -1,6 +1,8 @@
 //! [`Compliance`]: how far a surface of the deformed body gives way to a small probe force.
 
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use super::{
+    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+};
 use crate::error::ControlError;
 use nastic_fem::{Increment, Instant, Model, QuadraturePoints, Solid, SolveOptions, StateError};
 use nastic_linear::Symmetry;
@@ -36,6 +38,30 @@ impl Compliance {
         self
     }
 }
+
+/// How it stands in case files.
+pub(super) const FORM: CostForm = CostForm::new(
+    "compliance",
+    "weight times the compliance of a surface: its mean displacement along a direction for each unit of force along it.",
+    &[
+        CostKey::SURFACE.about("Surface of the mesh, on which the force is spread evenly."),
+        CostKey::new("direction", "Direction of force and displacement.", CostTakes::Direction),
+    ],
+    |on| {
+        let refuse = |what: &str| Err(ControlError::Cost { what: what.to_owned() });
+        if on.in_motion {
+            return refuse("the compliance of a body in motion: it is that of an equilibrium; take a static case");
+        }
+        if on.second {
+            return refuse(
+                "a compliance has no second derivatives, which the method of this case needs: take \"lbfgs\"",
+            );
+        }
+        let (surface, direction) = (on.get("surface")?, on.get("direction")?);
+        Compliance { surface, direction, weight: on.weight }.bind(on.solid)
+    },
+)
+.words(|words| format!("displacement of {} along ({}) for a unit of force", words.place(), words.text("direction")));
 
 impl IntoCost for Compliance {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {

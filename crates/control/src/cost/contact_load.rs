@@ -1,6 +1,8 @@
 //! [`ContactLoad`]: how hard a contact presses.
 
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use super::{
+    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+};
 use crate::error::ControlError;
 use crate::layout::Layout;
 use nastic_fem::{Controls, Instant, Solid};
@@ -41,6 +43,40 @@ impl ContactLoad {
         ContactLoad { weight, ..self }
     }
 }
+
+/// How the force stands in case files.
+pub(super) const FORCE: CostForm = CostForm::new(
+    "contact_force",
+    "weight times the force that a contact presses with: the sum of its pressures times areas.",
+    &[CostKey::CONTACT],
+    |on| ContactLoad { contact: on.get("contact")?, exponent: None, weight: on.weight }.bind(on.solid),
+)
+.told_at("contact")
+.words(|words| format!("force that {} presses with", words.text("contact")));
+
+/// How the smoothed largest pressure stands in case files.
+pub(super) const PRESSURE: CostForm = CostForm::new(
+    "contact_pressure",
+    "weight times a smoothed largest pressure of a contact: the power mean over its surface, never above it.",
+    &[
+        CostKey::CONTACT,
+        CostKey::new(
+            "exponent",
+            "q of the exponent 2q: the larger, the nearer to the largest pressure.",
+            CostTakes::Count { default: Some(8) },
+        )
+        .optional(),
+    ],
+    |on| {
+        let (contact, exponent) = (on.get("contact")?, Some(on.get("exponent")?));
+        ContactLoad { contact, exponent, weight: on.weight }.bind(on.solid)
+    },
+)
+.told_at("contact")
+.words(|words| {
+    let (contact, exponent) = (words.text("contact"), 2 * u64::from(words.count("exponent")));
+    format!("smoothed largest pressure of {contact}, power mean of exponent {exponent}")
+});
 
 impl IntoCost for ContactLoad {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {

@@ -1,22 +1,131 @@
-//! [`CostForm`]: how case files name a cost and its parameters.
+//! [`CostForm`]: how case files name a cost and its keys.
 
-use super::Cost;
+use super::body_points::Place;
+use super::cost_value::{CostTaken, CostValue, CostWords};
+use super::{Cost, CostKey};
 use crate::error::ControlError;
-use nastic_energy::catalogue::{Given, Parameter};
+use crate::time::{TrajectoryCost, When};
 use nastic_fem::Solid;
+use nastic_mesh::GroupNames;
+use std::collections::BTreeMap;
 
-/// How a cost is made for a body, of its parameters and its weight (at least zero), which its values include.
-pub type MakeCost = fn(&Solid, &Given<'_>, f64) -> Result<Box<dyn Cost>, ControlError>;
-
-/// How case files name a cost and give its parameters: of a built-in row of the catalogue, or of a cost that a program adds.
+/// How case files name a cost and its keys: of a built-in row of the catalogue, or of a cost that a program adds.
 #[derive(Clone, Copy, Debug)]
 pub struct CostForm {
     /// Its `kind` in case files.
     pub name: &'static str,
-    /// What it is, in a few words.
+    /// What it is, in a sentence.
     pub about: &'static str,
-    /// The sets of parameters it takes.
-    pub forms: &'static [&'static [Parameter]],
+    /// Its keys beside `kind`, `name`, `weight` and `when`.
+    pub keys: &'static [CostKey],
+    /// The part of a motion over which it counts.
+    pub counts: Counts,
+    /// The key that errors of `make` speak of; the whole block if `None`.
+    pub told_at: Option<&'static str>,
+    /// It and its values in words; `about` if `None`.
+    pub words: Option<fn(&CostWords) -> String>,
     /// How it is made.
     pub make: MakeCost,
+}
+
+/// The part of a motion over which a cost counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counts {
+    /// As `when` says; at the end without it.
+    AtEnd,
+    /// As `when` says; over the whole time without it.
+    OverTime,
+    /// Over the whole time: it has no `when`.
+    Always,
+}
+
+/// How a cost is made of its values.
+#[derive(Clone, Copy, Debug)]
+pub enum MakeCost {
+    /// One of states and controls.
+    OfStates(fn(&CostInputs) -> Result<Box<dyn Cost>, ControlError>),
+    /// One of a whole motion.
+    OfMotion(fn(&CostInputs) -> Result<Box<dyn TrajectoryCost>, ControlError>),
+}
+
+impl CostForm {
+    /// A cost of states, which counts at the end of a motion unless `when` says otherwise.
+    pub const fn new(
+        name: &'static str,
+        about: &'static str,
+        keys: &'static [CostKey],
+        make: fn(&CostInputs) -> Result<Box<dyn Cost>, ControlError>,
+    ) -> Self {
+        let (counts, make) = (Counts::AtEnd, MakeCost::OfStates(make));
+        CostForm { name, about, keys, counts, told_at: None, words: None, make }
+    }
+
+    /// A cost of a whole motion.
+    pub const fn of_motion(
+        name: &'static str,
+        about: &'static str,
+        keys: &'static [CostKey],
+        make: fn(&CostInputs) -> Result<Box<dyn TrajectoryCost>, ControlError>,
+    ) -> Self {
+        let (counts, make) = (Counts::Always, MakeCost::OfMotion(make));
+        CostForm { name, about, keys, counts, told_at: None, words: None, make }
+    }
+
+    /// The same, which counts so.
+    pub const fn counts(self, counts: Counts) -> Self {
+        CostForm { counts, ..self }
+    }
+
+    /// The same with the key that errors of `make` speak of.
+    pub const fn told_at(self, key: &'static str) -> Self {
+        CostForm { told_at: Some(key), ..self }
+    }
+
+    /// The same, which is put into words so.
+    pub const fn words(self, words: fn(&CostWords) -> String) -> Self {
+        CostForm { words: Some(words), ..self }
+    }
+}
+
+/// What a cost is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct CostInputs<'a> {
+    /// The body.
+    pub solid: &'a Solid,
+    /// At least zero; its values include it.
+    pub weight: f64,
+    /// Whether the body moves in time.
+    pub in_motion: bool,
+    /// Whether second derivatives are wanted.
+    pub second: bool,
+    /// The part of a motion over which it counts.
+    pub when: &'a When,
+    /// The values of its keys, which those left out without a default are not among.
+    pub values: &'a BTreeMap<&'static str, CostValue>,
+}
+
+impl CostInputs<'_> {
+    /// The value of a key, where it has one.
+    pub fn given<T: CostTaken>(&self, key: &str) -> Option<T> {
+        self.values.get(key).and_then(T::of)
+    }
+
+    /// The value of a key.
+    ///
+    /// # Errors
+    /// [`ControlError::Cost`] of a key that has none.
+    pub fn get<T: CostTaken>(&self, key: &str) -> Result<T, ControlError> {
+        let missing = || ControlError::Cost { what: format!("\"{key}\" has no value of its kind") };
+        self.given(key).ok_or_else(missing)
+    }
+
+    /// What is named by one of the keys "surface", "region" and "nodes".
+    ///
+    /// # Errors
+    /// [`ControlError::Cost`] where none of them is given.
+    pub(crate) fn place(&self) -> Result<Place, ControlError> {
+        let named = |key| self.given::<GroupNames>(key);
+        let place = named("surface").map(Place::Surface).or(named("region").map(Place::Region));
+        place.map_or_else(|| Ok(Place::Nodes(self.get("nodes")?)), Ok)
+    }
 }

@@ -1,6 +1,8 @@
 //! [`Curvature`]: the squared deviation of the curvature of a line in the body from a wanted one.
 
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use super::{
+    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_mesh::Located;
@@ -39,6 +41,31 @@ impl Curvature {
         self
     }
 }
+
+/// How it stands in case files.
+pub(super) const FORM: CostForm = CostForm::new(
+    "curvature",
+    "weight/2 int (kappa - curvature)^2 along a line through points of the body, kappa its curvature about an axis.",
+    &[
+        CostKey::new("line", "The line at rest, at least three points of the body.", CostTakes::Line),
+        CostKey::new("axis", "What is counted as positive turns about it; in plane strain z.", CostTakes::Direction)
+            .optional(),
+        CostKey::new(
+            "curvature",
+            "The curvature that is wanted, 1 over a radius.",
+            CostTakes::Number { unit: "1/m", default: None },
+        ),
+    ],
+    |on| {
+        let plane = (on.solid.mesh().dim() == 2).then_some([0.0, 0.0, 1.0]);
+        let Some(axis) = on.given("axis").or(plane) else {
+            let what = "a body in space needs an \"axis\": turns about it count as positive".to_owned();
+            return Err(ControlError::Cost { what });
+        };
+        Curvature { points: on.get("line")?, axis, wanted: on.get("curvature")?, weight: on.weight }.bind(on.solid)
+    },
+)
+.words(|words| format!("weight/2 int (kappa - {})^2 along {}", words.text("curvature"), words.text("line")));
 
 impl IntoCost for Curvature {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {

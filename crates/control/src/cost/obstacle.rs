@@ -1,7 +1,9 @@
 //! [`ObstaclePenetration`]: the cost of being inside of an obstacle.
 
 use super::body_points::{BodyPoints, Place};
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use super::{
+    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_mesh::GroupNames;
@@ -65,6 +67,32 @@ impl ObstaclePenetration {
         self
     }
 }
+
+/// How it stands in case files.
+pub(super) const FORM: CostForm = CostForm::new(
+    "obstacle",
+    "weight/2 int max(0, clearance - d(x))^2 over a surface or region, the sum over a node set; d is the distance from an obstacle.",
+    &[
+        CostKey::SURFACE.one_of(),
+        CostKey::REGION.one_of(),
+        CostKey::NODES.one_of(),
+        CostKey::new(
+            "shape",
+            "The obstacle: a shape, or the name of one of `obstacles`, where it is not moved.",
+            CostTakes::Obstacle,
+        ),
+        CostKey::new("clearance", "The distance to keep.", CostTakes::Number { unit: "m", default: Some(0.0) })
+            .optional(),
+    ],
+    |on| {
+        let (place, obstacle, clearance) = (on.place()?, on.get("shape")?, on.get("clearance")?);
+        ObstaclePenetration { place, obstacle, clearance, weight: on.weight }.bind(on.solid)
+    },
+)
+.words(|words| {
+    let (clearance, shape) = (words.text("clearance"), words.text("shape"));
+    format!("weight/2 int max(0, {clearance} - d)^2 on {}, d from {shape}", words.place())
+});
 
 impl IntoCost for ObstaclePenetration {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {

@@ -1,7 +1,9 @@
 //! [`Orientation`]: the squared deviation of the normals of a surface from a direction.
 
 use super::facet_tangents::{FacetTangents, area_vector};
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use super::{
+    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_mesh::GroupNames;
@@ -39,6 +41,19 @@ impl Orientation {
         self
     }
 }
+
+/// How it stands in case files.
+pub(super) const FORM: CostForm = CostForm::new(
+    "orientation",
+    "weight/2 int |n - direction|^2 over a surface, n its outward unit normal in the deformed body.",
+    &[CostKey::SURFACE, CostKey::new("direction", "Where its normals shall point.", CostTakes::Direction)],
+    |on| {
+        let (surface, direction) = (on.get("surface")?, on.get("direction")?);
+        Orientation { surface, direction, weight: on.weight }.bind(on.solid)
+    },
+)
+.told_at("direction")
+.words(|words| format!("weight/2 int |n - ({})|^2 over {}", words.text("direction"), words.place()));
 
 impl IntoCost for Orientation {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {

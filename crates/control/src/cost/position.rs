@@ -1,7 +1,9 @@
 //! [`MeanPosition`]: the squared distance of one point, or of the mean of a surface, region or node set, from a position.
 
 use super::body_points::Place;
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use super::{
+    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_mesh::GroupNames;
@@ -58,6 +60,29 @@ impl MeanPosition {
         self
     }
 }
+
+/// How it stands in case files.
+pub(super) const FORM: CostForm = CostForm::new(
+    "position",
+    "weight/2 |x - target|^2 of the mean x of a surface, region or node set, or of one point.",
+    &[
+        CostKey::SURFACE.one_of(),
+        CostKey::REGION.one_of(),
+        CostKey::NODES.one_of(),
+        CostKey::POINT.one_of(),
+        CostKey::new("target", "Where it shall be; components left out are free.", CostTakes::Position),
+    ],
+    |on| {
+        let of = on.given("point").map_or_else(|| on.place().map(Of::Place), |point| Ok(Of::Point(point)))?;
+        MeanPosition { of, target: on.get("target")?, weight: on.weight }.bind(on.solid)
+    },
+)
+.told_at("target")
+.words(|words| {
+    let mean = || format!("the mean of {}", words.place());
+    let place = words.given("point").map_or_else(mean, |point| format!("the point ({point})"));
+    format!("weight/2 |x - target|^2 of {place}, target {}", words.text("target"))
+});
 
 impl IntoCost for MeanPosition {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {

@@ -62,15 +62,15 @@ fn check_stored(solid: &Solid) -> Result<(), ControlError> {
 }
 
 /// How it stands in case files.
-pub(super) const FORM: CostForm = CostForm {
-    name: PumpWork::NAME,
-    about: "work of the pumps of cavities, and of whatever else drives the body, from rest",
-    forms: &[&[]],
-    make: |solid, _, weight| {
-        check_stored(solid)?;
-        Ok(Box::new(PumpWork { weight }))
+pub(super) const FORM: CostForm = CostForm::new(
+    PumpWork::NAME,
+    "work of the pumps of cavities, and of whatever else drives the body, from rest",
+    &[],
+    |on| {
+        check_stored(on.solid)?;
+        Ok(Box::new(PumpWork { weight: on.weight }))
     },
-};
+);
 
 #[derive(Debug)]
 struct Point {

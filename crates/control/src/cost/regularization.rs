@@ -1,6 +1,6 @@
 //! Costs of the control itself: [`ControlNorm`] and [`ControlSmoothness`].
 
-use super::{Cost, CostContext, CostPoint, Partials, check_weight};
+use super::{Cost, CostContext, CostForm, CostKey, CostPoint, Counts, Partials, check_weight};
 use crate::error::ControlError;
 use crate::inner_product::{mass_product, stiffness_product};
 use crate::map::Basis;
@@ -27,6 +27,23 @@ impl ControlNorm {
         Ok(ControlNorm { of: control.to_owned(), weight: check_weight("control_norm", weight)? })
     }
 }
+
+/// How the norm stands in case files.
+pub(super) const NORM: CostForm = CostForm::new("control_norm", "weight/2 int m^2", &[CostKey::CONTROL], |on| {
+    Ok(Box::new(ControlNorm::of(&on.get::<String>("of")?, on.weight)?))
+})
+.counts(Counts::OverTime)
+.words(|words| format!("weight/2 int {}^2", words.text("of")));
+
+/// How the smoothness stands in case files.
+pub(super) const SMOOTHNESS: CostForm = CostForm::new(
+    "control_smoothness",
+    "weight/2 int |grad m|^2; for cell fields the jumps over faces by the distance of centres.",
+    &[CostKey::CONTROL],
+    |on| Ok(Box::new(ControlSmoothness::of(&on.get::<String>("of")?, on.weight)?)),
+)
+.counts(Counts::OverTime)
+.words(|words| format!("weight/2 int |grad {}|^2", words.text("of")));
 
 impl Cost for ControlNorm {
     fn name(&self) -> &str {

@@ -1,6 +1,8 @@
 //! [`LargestStretch`]: a smoothed maximum of the principal stretches over the body.
 
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, Partials, check_weight};
+use super::{
+    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+};
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
 use nastic_mesh::GroupNames;
@@ -57,6 +59,25 @@ impl LargestStretch {
         self
     }
 }
+
+/// How it stands in case files.
+pub(super) const FORM: CostForm = CostForm::new(
+    "largest_stretch",
+    "weight times a smoothed maximum of the principal stretches, the power mean of exponent 2p over a region.",
+    &[
+        CostKey::REGION.about("Region of the mesh; the body if left out.").optional(),
+        CostKey::new("exponent", "p, from 1 to 32.", CostTakes::Count { default: Some(EXPONENT) }).optional(),
+    ],
+    |on| {
+        let (region, exponent) = (on.given("region"), on.get("exponent")?);
+        LargestStretch { region, exponent, weight: on.weight }.bind(on.solid)
+    },
+)
+.told_at("exponent")
+.words(|words| {
+    let (place, exponent) = (words.given("region").unwrap_or("the body"), 2 * u64::from(words.count("exponent")));
+    format!("smoothed maximum of the principal stretches of {place}, power mean of exponent {exponent}")
+});
 
 impl IntoCost for LargestStretch {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {

@@ -1,7 +1,10 @@
 //! [`Tracking`]: the mean squared distance of a surface, region or node set from target positions.
 
 use super::body_points::{BodyPoints, Place};
-use super::{Cost, CostContext, CostPoint, CostTarget, Figure, FigureKind, IntoCost, Partials, check_weight};
+use super::{
+    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, CostTarget, Figure, FigureKind, IntoCost, Partials,
+    check_weight,
+};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_mesh::{GroupNames, Mesh};
@@ -87,6 +90,21 @@ impl Tracking {
         self
     }
 }
+
+/// How it stands in case files.
+pub(super) const FORM: CostForm = CostForm::new(
+    "tracking",
+    "weight/2 int |x - x_target|^2 over a surface or region, the sum over a node set.",
+    &[
+        CostKey::SURFACE.one_of(),
+        CostKey::REGION.one_of(),
+        CostKey::NODES.one_of(),
+        CostKey::new("target", "Target positions.", CostTakes::Target),
+    ],
+    |on| Tracking { place: on.place()?, target: on.get("target")?, weight: on.weight }.bind(on.solid),
+)
+.told_at("target")
+.words(|words| format!("weight/2 int |x - x_target|^2 on {}", words.place()));
 
 impl IntoCost for Tracking {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {

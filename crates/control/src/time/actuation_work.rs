@@ -2,7 +2,7 @@
 
 use super::Timeline;
 use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
-use crate::cost::check_weight;
+use crate::cost::{CostForm, check_weight};
 use crate::error::ControlError;
 use crate::layout::Layout;
 use nastic_fem::{Controls, Demand, Instant, State};
@@ -73,6 +73,15 @@ fn moves(at: &TrajectoryContext) -> Vec<Vec<f64>> {
     let change = |pair: &[State]| pair[1].u.iter().zip(pair[0].u.iter()).map(|(b, a)| b - a).collect();
     at.trajectory.states().windows(2).map(change).collect()
 }
+
+/// How it stands in case files.
+pub(crate) const FORM: CostForm = CostForm::of_motion(
+    "actuation_work",
+    "weight times the work that all actuations do from t = 0 to the end",
+    &[],
+    |on| Ok(Box::new(ActuationWork::new(on.weight)?)),
+)
+.words(|_| "work that the actuations do".to_owned());
 
 impl TrajectoryCost for ActuationWork {
     fn name(&self) -> &str {

@@ -3,7 +3,7 @@
 use super::Timeline;
 use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
 use crate::control_block::ControlBlock;
-use crate::cost::check_weight;
+use crate::cost::{CostForm, CostKey, check_weight};
 use crate::error::ControlError;
 use crate::inner_product::mass_product;
 use crate::layout::Layout;
@@ -68,6 +68,15 @@ pub(super) fn check_in_time(what: &str, of: &str, layout: &Layout) -> Result<(),
         }
     }
 }
+
+/// How it stands in case files.
+pub(crate) const FORM: CostForm = CostForm::of_motion(
+    "control_rate",
+    "weight/2 int int |dm/dt|^2 dX dt of a control that changes in time",
+    &[CostKey::CONTROL],
+    |on| Ok(Box::new(ControlRate::of(&on.get::<String>("of")?, on.weight)?)),
+)
+.words(|words| format!("weight/2 int int |d{}/dt|^2", words.text("of")));
 
 impl TrajectoryCost for ControlRate {
     fn name(&self) -> &str {

@@ -3,7 +3,7 @@
 use super::Timeline;
 use super::schedule::{Schedule, When};
 use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
-use crate::cost::check_weight;
+use crate::cost::{CostForm, Counts, check_weight};
 use crate::error::ControlError;
 use crate::layout::Layout;
 use nastic_numeric::vector::axpy;
@@ -30,6 +30,13 @@ impl KineticEnergy {
         Schedule::new(self.when.clone(), timeline)
     }
 }
+
+/// How it stands in case files.
+pub(crate) const FORM: CostForm = CostForm::of_motion("kinetic_energy", "weight times the kinetic energy", &[], |on| {
+    Ok(Box::new(KineticEnergy::new(on.when.clone(), on.weight)?))
+})
+.counts(Counts::AtEnd)
+.words(|_| "kinetic energy of the body".to_owned());
 
 impl TrajectoryCost for KineticEnergy {
     fn name(&self) -> &str {

@@ -26,3 +26,8 @@ pub(crate) use schedule::Schedule;
 pub use schedule::When;
 pub use timeline::Timeline;
 pub use trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
+
+use crate::cost::CostForm;
+
+/// Every cost of a whole motion, as case files name it.
+pub const COSTS: &[&CostForm] = &[&control_rate::FORM, &kinetic_energy::FORM, &actuation_work::FORM];

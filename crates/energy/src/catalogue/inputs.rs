@@ -48,7 +48,6 @@ impl Inputs {
             Takes::Number { example, .. } => inputs.number(p.name, example),
             Takes::Direction { example } => inputs.direction(p.name, Vec3::from(example)),
             Takes::Choice { of } => inputs.choice(p.name, of.first().copied().unwrap_or_default()),
-            Takes::Name { example } => inputs.choice(p.name, example),
         })
     }
 
@@ -69,11 +68,10 @@ impl Inputs {
             (Takes::Choice { of }, Some(Value::Choice(word))) if !of.contains(&word.as_str()) => {
                 return Err(super::unknown(&format!("{} of {owner}", parameter.name), word, of.to_vec()));
             }
-            (Takes::Choice { .. } | Takes::Name { .. }, None | Some(Value::Choice(_))) => return Ok(()),
+            (Takes::Choice { .. }, None | Some(Value::Choice(_))) => return Ok(()),
             (Takes::Number { .. }, _) => "a number",
             (Takes::Direction { .. }, _) => "a direction",
             (Takes::Choice { .. }, _) => "a word",
-            (Takes::Name { .. }, _) => "a name",
         };
         Err(EnergyError::Kind { owner, name: parameter.name, expected })
     }
@@ -127,7 +125,7 @@ impl<'a> Given<'a> {
         }
     }
 
-    /// The word or name given, if any.
+    /// The word given, if any.
     pub fn word(&self, name: &str) -> Option<&'a str> {
         match self.inputs.values.get(name) {
             Some(Value::Choice(word)) => Some(word),

@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use super::Given;
+use super::fits;
 use super::{ActuationRow, Example, Made, MaterialRow, Parameter};
 use crate::dielectric::VACUUM_PERMITTIVITY;
 use crate::magnet::VACUUM_PERMEABILITY;
@@ -22,6 +23,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             YOUNG_SHARE,
             &[pressure("c10", 4e4), pressure("c01", 1e4), compliance("d1", 4e-6)],
         ],
+        fit: fits::MOONEY_RIVLIN,
         make: |given| {
             Ok(Made::density(if given.form_has("young") {
                 MooneyRivlin::from_young_poisson(
@@ -50,6 +52,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             pressure("mu4", 1e6),
             Parameter::direction("fiber", [0.6, 0.8, 0.0]),
         ]],
+        fit: fits::TRANSVERSE_MOONEY_RIVLIN,
         make: |given| {
             Ok(Made::density(TransverseMooneyRivlin::new(
                 given.number("mu1")?,
@@ -66,6 +69,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         existence: "polyconvex; W -> inf as J -> 0; not coercive: nothing bounds the cofactor",
         reinforcing: false,
         forms: &[&[pressure("mu", 1e5), pressure("lambda", 4e5)], SHEAR_BULK, YOUNG, C10_D1],
+        fit: fits::NEO_HOOKE,
         make: |given| {
             Ok(Made::density(if given.form_has("young") {
                 NeoHooke::from_young_poisson(given.number("young")?, given.number("poisson")?)?
@@ -84,6 +88,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         existence: "polyconvex; W -> inf as J -> 0; not coercive: p = 3/2",
         reinforcing: false,
         forms: &[&[pressure("mu", 1e5), pressure("kappa", 5e5)], SHEAR_BULK, YOUNG, C10_D1],
+        fit: fits::NEO_HOOKE,
         make: |given| {
             Ok(Made::density(if given.form_has("young") {
                 NeoHookeIsochoric::from_young_poisson(given.number("young")?, given.number("poisson")?)?
@@ -105,6 +110,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             &[pressure("c10", 5e4), pressure("c20", 1e3), pressure("c30", 1e2), pressure("bulk", 1e6)],
             &[pressure("c10", 5e4), pressure("c20", 1e3), pressure("c30", 1e2), compliance("d1", 2e-6)],
         ],
+        fit: fits::YEOH,
         make: |given| {
             let [c10, c20, c30] = [given.number("c10")?, given.number("c20")?, given.number("c30")?];
             Ok(Made::density(if given.form_has("d1") {
@@ -125,6 +131,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             &[pressure("young", 3e5), number("poisson", 0.45), number("jm", 60.0)],
             &[pressure("mu", 1e5), number("jm", 60.0), compliance("d1", 2e-6)],
         ],
+        fit: fits::GENT,
         make: |given| {
             let jm = given.number("jm")?;
             Ok(Made::density(if given.form_has("young") {
@@ -149,6 +156,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             &[pressure("young", 3e5), number("poisson", 0.45), number("lambda_m", 3.0)],
             &[pressure("mu", 1e5), number("lambda_m", 3.0), compliance("d1", 2e-6)],
         ],
+        fit: fits::ARRUDA_BOYCE,
         make: |given| {
             let lambda_m = given.number("lambda_m")?;
             Ok(Made::density(if given.form_has("young") {
@@ -176,6 +184,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             &[OGDEN[0], OGDEN[1], OGDEN[2], OGDEN[3], compliance("d1", 2e-6)],
             &[OGDEN[0], OGDEN[1], OGDEN[2], OGDEN[3], OGDEN[4], OGDEN[5], compliance("d1", 2e-6)],
         ],
+        fit: fits::OGDEN,
         make: |given| {
             let pairs = OGDEN.chunks_exact(2).filter(|pair| given.form_has(pair[0].name));
             let terms = pairs.map(|pair| Ok([given.number(pair[0].name)?, given.number(pair[1].name)?]));
@@ -216,6 +225,7 @@ pub const MATERIALS: &[MaterialRow] = &[
                 compliance("d1", 2e-6),
             ],
         ],
+        fit: fits::HOLZAPFEL_GASSER_OGDEN,
         make: |given| {
             let second = if given.form_has("fiber2") { Some(given.direction("fiber2")?) } else { None };
             let (fibers, first) = (fibers(given)?, given.direction("fiber")?);
@@ -240,6 +250,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             Parameter::direction("fiber", [0.0, 0.6, 0.8]),
             number("toe", FiberFamily::TOE).optional(),
         ]],
+        fit: &[],
         make: |given| {
             let [k1, k2, dispersion, toe] = fibers(given)?;
             let law = FiberFamily::new(k1, k2, dispersion, given.direction("fiber")?)?.with_toe(toe)?;
@@ -252,6 +263,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         existence: "not polyconvex; finite as J -> 0; growth |F|^4",
         reinforcing: false,
         forms: &[&[pressure("lambda", 4e5), pressure("mu", 1e5)], SHEAR_BULK, YOUNG],
+        fit: &[],
         make: |given| {
             Ok(Made::density(if given.form_has("young") {
                 SaintVenantKirchhoff::from_young_poisson(given.number("young")?, given.number("poisson")?)?
@@ -268,6 +280,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         existence: "not polyconvex; finite as J -> 0; not coercive: growth |F|^2",
         reinforcing: false,
         forms: &[&[pressure("mu", 1e5)], &[pressure("young", 2e5)]],
+        fit: &[],
         make: |given| {
             Ok(Made::density(if given.form_has("young") {
                 Arap::from_young(given.number("young")?)?

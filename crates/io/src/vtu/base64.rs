@@ -1,31 +1,27 @@
-//! Base64 as VTK uses it: several padded streams may be concatenated.
+//! Base64 as VTK uses it: several padded streams may be concatenated, and blanks stand anywhere.
 
-const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::general_purpose::{GeneralPurpose, PAD};
 
-/// Appends the padded encoding of `bytes`.
-pub(super) fn encode(bytes: &[u8], out: &mut Vec<u8>) {
-    out.reserve(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let byte = |at: usize| u32::from(chunk.get(at).copied().unwrap_or(0));
-        let word = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for at in 0..4 {
-            let six = ALPHABET[(word >> (18 - 6 * at)) as usize & 63];
-            out.push(if at <= chunk.len() { six } else { b'=' });
-        }
-    }
+/// Bits behind the last byte mean nothing.
+const ENGINE: GeneralPurpose = GeneralPurpose::new(&STANDARD, PAD.with_decode_allow_trailing_bits(true));
+
+/// The padded encoding of `bytes`.
+pub(super) fn encode(bytes: &[u8]) -> String {
+    ENGINE.encode(bytes)
 }
 
 /// Decodes forward; padding ends a group of four, not the stream.
 pub(super) struct Decoder<'a> {
     text: &'a [u8],
     /// Decoded bytes not yet taken.
-    ready: [u8; 3],
-    waiting: usize,
+    ready: Vec<u8>,
 }
 
 impl<'a> Decoder<'a> {
     pub fn new(text: &'a [u8]) -> Self {
-        Self { text, ready: [0; 3], waiting: 0 }
+        Self { text, ready: Vec::new() }
     }
 
     /// The next `count` bytes; `None` when the text ends before, or is not base64.
@@ -33,51 +29,35 @@ impl<'a> Decoder<'a> {
         if count > self.text.len() / 4 * 3 + 3 {
             return None;
         }
-        let mut out = Vec::with_capacity(count);
+        let mut out = std::mem::take(&mut self.ready);
         while out.len() < count {
-            if self.waiting == 0 {
-                self.group()?;
+            let wanted = (count - out.len()).div_ceil(3) * 4;
+            // at once up to a blank or to padding
+            let ends = |byte: &u8| *byte == b'=' || byte.is_ascii_whitespace();
+            let plain = self.text.iter().take(wanted).position(ends).unwrap_or(wanted.min(self.text.len()));
+            let (run, rest) = self.text.split_at(plain / 4 * 4);
+            if run.is_empty() {
+                ENGINE.decode_vec(self.group()?, &mut out).ok()?;
+            } else {
+                ENGINE.decode_vec(run, &mut out).ok()?;
+                self.text = rest;
             }
-            let part = self.waiting.min(count - out.len());
-            out.extend_from_slice(&self.ready[..part]);
-            self.ready.rotate_left(part);
-            self.waiting -= part;
         }
+        self.ready = out.split_off(count);
         Some(out)
     }
 
-    /// Decodes four characters.
-    fn group(&mut self) -> Option<()> {
-        let (mut word, mut characters, mut padding) = (0_u32, 0, 0);
-        while characters < 4 {
+    /// The next four characters that are no blanks.
+    fn group(&mut self) -> Option<[u8; 4]> {
+        let mut group = [0; 4];
+        for place in &mut group {
+            self.text = self.text.trim_ascii_start();
             let (first, rest) = self.text.split_first()?;
-            self.text = rest;
-            let six = match first {
-                b'A'..=b'Z' => first - b'A',
-                b'a'..=b'z' => first - b'a' + 26,
-                b'0'..=b'9' => first - b'0' + 52,
-                b'+' => 62,
-                b'/' => 63,
-                b'=' if characters >= 2 => {
-                    padding += 1;
-                    0
-                }
-                space if space.is_ascii_whitespace() => continue,
-                _ => return None,
-            };
-            if padding > 0 && *first != b'=' {
-                return None;
-            }
-            word = word << 6 | u32::from(six);
-            characters += 1;
+            (*place, self.text) = (*first, rest);
         }
-        let [_, a, b, c] = word.to_be_bytes();
-        self.ready = [a, b, c];
-        self.waiting = 3 - padding;
-        Some(())
+        Some(group)
     }
 }
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -87,10 +67,8 @@ mod tests {
         let vectors = [("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg=="), ("fooba", "Zm9vYmE=")];
         let mut chain = Vec::new();
         for (plain, coded) in vectors {
-            let mut out = Vec::new();
-            encode(plain.as_bytes(), &mut out);
-            assert_eq!(out, coded.as_bytes());
-            chain.extend(out);
+            assert_eq!(encode(plain.as_bytes()), coded);
+            chain.extend(coded.bytes());
         }
         let mut decoder = Decoder::new(&chain);
         for (plain, _) in vectors {
@@ -98,6 +76,7 @@ mod tests {
         }
         assert!(decoder.take(1).is_none());
         assert!(Decoder::new(b"Zm*v").take(3).is_none());
+        assert_eq!(Decoder::new(b" Zm9v\n Ym\tFyZg= =").take(7).unwrap(), b"foobarf");
         assert!(Decoder::new(b"Zm9v").take(usize::MAX).is_none());
     }
 }

@@ -18,7 +18,5 @@ pub use xml::escape;
 
 /// Bytes as base64, padded.
 pub fn base64(bytes: &[u8]) -> String {
-    let mut out = Vec::new();
-    base64::encode(bytes, &mut out);
-    out.into_iter().map(char::from).collect()
+    base64::encode(bytes)
 }

@@ -146,7 +146,7 @@ fn with_grid<T>(file: &Path, bytes: &[u8], then: impl FnOnce(&Grid) -> Result<T,
     let fail = |at: &Element, what: &str, advice: &str| source.malformed(at.start, describe(at), what, advice);
     let kind = root.attribute("type").unwrap_or_default();
     if root.name != "VTKFile" || kind != "UnstructuredGrid" {
-        let what = format!("<{}> of type \"{}\" is not an unstructured grid", xml::brief(root.name), xml::brief(kind));
+        let what = format!("<{}> of type \"{}\" is not an unstructured grid", xml::brief(&root.name), xml::brief(kind));
         return Err(fail(&root, &what, "save as .vtu, VTK XML unstructured grid"));
     }
     let storage = Storage::new(source, &root)?;

@@ -219,8 +219,6 @@ fn packed(out: &mut dyn Write, bytes: &[u8]) -> io::Result<()> {
         header.push((body.len() - before) as u64);
     }
     let header: Vec<u8> = header.into_iter().flat_map(u64::to_le_bytes).collect();
-    let mut text = Vec::new();
-    base64::encode(&header, &mut text);
-    base64::encode(&body, &mut text);
-    out.write_all(&text)
+    out.write_all(base64::encode(&header).as_bytes())?;
+    out.write_all(base64::encode(&body).as_bytes())
 }

@@ -1,16 +1,18 @@
-//! The subset of XML that VTK writes: elements, attributes, text, and the raw bytes of appended data, which no XML reader
-//! takes. Every slice points into the file.
+//! The elements of an XML file that VTK has written, with the raw bytes of appended data, which no XML reader takes. Texts point
+//! into the file.
 
-use std::borrow::Cow;
 use std::path::Path;
+
+use quick_xml::events::{BytesStart, Event};
+use quick_xml::{Reader, XmlVersion};
 
 use crate::error::{At, ReadError};
 
 /// An element with its attributes, its children and the text between them.
 #[derive(Debug)]
 pub(super) struct Element<'a> {
-    pub name: &'a str,
-    pub attributes: Vec<(&'a str, Cow<'a, str>)>,
+    pub name: String,
+    pub attributes: Vec<(String, String)>,
     pub children: Vec<Element<'a>>,
     /// Text between the tags, without blank stretches.
     pub text: Vec<&'a [u8]>,
@@ -20,7 +22,7 @@ pub(super) struct Element<'a> {
 
 impl<'a> Element<'a> {
     pub fn attribute(&self, name: &str) -> Option<&str> {
-        self.attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_ref())
+        self.attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_str())
     }
 
     pub fn child(&self, name: &str) -> Option<&Element<'a>> {
@@ -79,68 +81,118 @@ impl Source<'_> {
     }
 }
 
-/// Parses a file into its root element.
-pub(super) fn parse<'a>(source: &Source<'a>) -> Result<Element<'a>, ReadError> {
-    Parser { source: *source, position: 0, open: Vec::new() }.run()
-}
-
 /// Deeper nesting than this is no VTK file.
 const DEEPEST: usize = 32;
 
-struct Parser<'a> {
-    source: Source<'a>,
-    position: usize,
-    /// Elements whose closing tag has not come yet, outermost first.
-    open: Vec<Element<'a>>,
-}
-
-impl<'a> Parser<'a> {
-    fn run(mut self) -> Result<Element<'a>, ReadError> {
-        loop {
-            self.text();
-            let start = self.position;
-            let rest = &self.source.bytes[start..];
-            if rest.is_empty() {
-                let open = self.open.iter().map(|element| element.name).collect::<Vec<_>>();
-                let what = match open.last() {
-                    Some(name) => format!("the file ends inside <{name}>"),
+/// Parses a file into its root element.
+pub(super) fn parse<'a>(source: &Source<'a>) -> Result<Element<'a>, ReadError> {
+    let mut open = Open { source: *source, elements: Vec::new() };
+    let (mut base, mut reader) = (0, reader_at(source.bytes));
+    loop {
+        let start = base + reader.buffer_position() as usize;
+        let event = reader.read_event();
+        let end = base + reader.buffer_position() as usize;
+        let root = match event {
+            Ok(Event::Start(tag)) => {
+                open.begin(&tag, start)?;
+                // raw appended data may hold anything: it ends at the last closing tag of the file
+                if let Some(length) = open.raw(start, end)? {
+                    (base, reader) = (end + length, reader_at(&source.bytes[end + length..]));
+                }
+                None
+            }
+            Ok(Event::Empty(tag)) => {
+                open.begin(&tag, start)?;
+                open.elements.pop().and_then(|element| open.finish(element))
+            }
+            Ok(Event::End(tag)) => open.end(tag.name().as_ref(), start)?,
+            Ok(Event::Text(_)) => {
+                open.text(start, end);
+                None
+            }
+            Ok(Event::Comment(_) | Event::PI(_) | Event::Decl(_)) => None,
+            Ok(Event::DocType(_) | Event::CData(_)) => {
+                return Err(open.fail(start, "document types and CDATA are not read"));
+            }
+            Ok(Event::GeneralRef(_)) => return Err(open.fail(start, "text outside of attributes has an `&`")),
+            Ok(Event::Eof) => {
+                let what = match open.elements.last() {
+                    Some(element) => format!("the file ends inside <{}>", element.name),
                     None => "the file holds no XML element".to_owned(),
                 };
-                return Err(self.fail(start, what));
+                return Err(open.fail(start, what));
             }
-            if rest.starts_with(b"<?") {
-                self.skip_past(b"?>")?;
-            } else if rest.starts_with(b"<!--") {
-                self.skip_past(b"-->")?;
-            } else if rest.starts_with(b"<!") {
-                return Err(self.fail(start, "document types and CDATA are not read"));
-            } else if rest.starts_with(b"</") {
-                if let Some(root) = self.close()? {
-                    return Ok(root);
-                }
-            } else if let Some(root) = self.element()? {
-                return Ok(root);
-            }
+            Err(error) => return Err(open.fail(base + reader.error_position() as usize, error.to_string())),
+        };
+        if let Some(root) = root {
+            return Ok(root);
         }
     }
+}
 
-    /// Text up to the next tag goes to the innermost open element.
-    fn text(&mut self) {
-        let rest = &self.source.bytes[self.position..];
-        let length = rest.iter().position(|byte| *byte == b'<').unwrap_or(rest.len());
-        self.position += length;
-        let text = rest[..length].trim_ascii();
-        if let Some(innermost) = self.open.last_mut().filter(|_| !text.is_empty()) {
+fn reader_at(bytes: &[u8]) -> Reader<&[u8]> {
+    let mut reader = Reader::from_reader(bytes);
+    // names of closing tags are compared here, where raw data was skipped too
+    let config = reader.config_mut();
+    (config.check_end_names, config.allow_unmatched_ends) = (false, true);
+    reader
+}
+
+/// Elements whose closing tag has not come yet, outermost first.
+struct Open<'a> {
+    source: Source<'a>,
+    elements: Vec<Element<'a>>,
+}
+
+impl<'a> Open<'a> {
+    fn begin(&mut self, tag: &BytesStart<'_>, start: usize) -> Result<(), ReadError> {
+        let name = tag.name().as_ref().to_owned();
+        if name.is_empty() || !name.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_:-.".contains(&byte)) {
+            return Err(self.fail(start, format!("`<{}` is no XML tag", brief(&name))));
+        }
+        let attributes = tag.attributes().map(|attribute| {
+            let attribute = attribute.map_err(|error| error.to_string())?;
+            let value =
+                attribute.normalized_value(XmlVersion::Implicit1_0).map_err(|error| error.to_string())?.into_owned();
+            Ok((attribute.key.as_ref().to_owned(), value))
+        });
+        let attributes = attributes
+            .collect::<Result<Vec<_>, String>>()
+            .map_err(|what| self.fail(start, format!("<{name}>: {what}")))?;
+        if self.elements.len() == DEEPEST {
+            return Err(self.fail(start, format!("elements are nested more than {DEEPEST} deep")));
+        }
+        self.elements.push(Element { name, attributes, children: Vec::new(), text: Vec::new(), start });
+        Ok(())
+    }
+
+    /// How long the raw data of the element just opened is, if it has some.
+    fn raw(&mut self, start: usize, from: usize) -> Result<Option<usize>, ReadError> {
+        const END: &[u8] = b"</AppendedData>";
+        let is_raw = |e: &Element| e.name == "AppendedData" && e.attribute("encoding") == Some("raw");
+        if !self.elements.last().is_some_and(is_raw) {
+            return Ok(None);
+        }
+        let Some(length) = self.source.bytes[from..].windows(END.len()).rposition(|window| window == END) else {
+            return Err(self.fail(start, "the appended data has no end"));
+        };
+        self.text(from, from + length);
+        Ok(Some(length))
+    }
+
+    /// Text goes to the innermost open element.
+    fn text(&mut self, from: usize, to: usize) {
+        let raw = self.elements.last().is_some_and(|element| element.name == "AppendedData");
+        let text = self.source.bytes[from..to].trim_ascii_start();
+        let text = if raw { text } else { text.trim_ascii_end() };
+        if let Some(innermost) = self.elements.last_mut().filter(|_| !text.is_empty()) {
             innermost.text.push(text);
         }
     }
 
-    fn close(&mut self) -> Result<Option<Element<'a>>, ReadError> {
-        let start = self.position;
-        let tag = self.tag()?;
-        let name = tag.trim_start_matches('/').trim();
-        match self.open.pop() {
-            Some(element) if element.name == name => Ok(self.finish(element)),
+    fn end(&mut self, name: &str, start: usize) -> Result<Option<Element<'a>>, ReadError> {
+        match self.elements.pop() {
+            Some(element) if element.name == name.trim() => Ok(self.finish(element)),
             Some(element) => Err(self.fail(start, format!("<{}> is closed by </{}>", element.name, brief(name)))),
             None => Err(self.fail(start, format!("</{}> closes nothing", brief(name)))),
         }
@@ -148,7 +200,7 @@ impl<'a> Parser<'a> {
 
     /// Hands a complete element to its parent, or back if it is the root.
     fn finish(&mut self, element: Element<'a>) -> Option<Element<'a>> {
-        match self.open.last_mut() {
+        match self.elements.last_mut() {
             Some(parent) => {
                 parent.children.push(element);
                 None
@@ -157,102 +209,8 @@ impl<'a> Parser<'a> {
         }
     }
 
-    fn element(&mut self) -> Result<Option<Element<'a>>, ReadError> {
-        let start = self.position;
-        let tag = self.tag()?;
-        let (tag, empty) = match tag.strip_suffix('/') {
-            Some(tag) => (tag, true),
-            None => (tag, false),
-        };
-        let split = tag.find(|c: char| c.is_ascii_whitespace()).unwrap_or(tag.len());
-        let (name, rest) = tag.split_at(split);
-        if name.is_empty() || !name.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_:-.".contains(&byte)) {
-            return Err(self.fail(start, format!("`<{}` is no XML tag", brief(tag))));
-        }
-        let attributes = self.attributes(start, rest)?;
-        let element = Element { name, attributes, children: Vec::new(), text: Vec::new(), start };
-        if empty {
-            return Ok(self.finish(element));
-        }
-        if self.open.len() == DEEPEST {
-            return Err(self.fail(start, format!("elements are nested more than {DEEPEST} deep")));
-        }
-        let raw = name == "AppendedData" && element.attribute("encoding") == Some("raw");
-        self.open.push(element);
-        if raw {
-            self.raw(start)?;
-        }
-        Ok(None)
-    }
-
-    /// Raw appended data may hold anything: it ends at the last closing tag of the file.
-    fn raw(&mut self, start: usize) -> Result<(), ReadError> {
-        const END: &[u8] = b"</AppendedData>";
-        let rest = &self.source.bytes[self.position..];
-        let Some(length) = rest.windows(END.len()).rposition(|window| window == END) else {
-            return Err(self.fail(start, "the appended data has no end"));
-        };
-        let body = &rest[..length];
-        let blank = body.iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(length);
-        if let Some(element) = self.open.last_mut() {
-            element.text.push(&body[blank..]);
-        }
-        self.position += length;
-        Ok(())
-    }
-
-    /// The inside of the tag that starts here; goes past it.
-    fn tag(&mut self) -> Result<&'a str, ReadError> {
-        let start = self.position;
-        let rest = &self.source.bytes[start + 1..];
-        let mut quote = None;
-        for (length, byte) in rest.iter().enumerate() {
-            match (quote, byte) {
-                (None, b'>') => {
-                    self.position = start + 1 + length + 1;
-                    let inside = std::str::from_utf8(&rest[..length]);
-                    return inside.map_err(|_| self.fail(start, "a tag is not text (UTF-8)"));
-                }
-                (None, b'"' | b'\'') => quote = Some(byte),
-                (Some(open), byte) if open == byte => quote = None,
-                _ => {}
-            }
-        }
-        Err(self.fail(start, "the file ends inside a tag"))
-    }
-
-    fn attributes(&self, start: usize, text: &'a str) -> Result<Vec<(&'a str, Cow<'a, str>)>, ReadError> {
-        let mut attributes = Vec::new();
-        let mut rest = text.trim();
-        while !rest.is_empty() {
-            let parsed = rest.split_once('=').and_then(|(key, value)| {
-                let value = value.trim_start();
-                let quote = value.chars().next().filter(|c| *c == '"' || *c == '\'')?;
-                let (value, after) = value[1..].split_once(quote)?;
-                Some((key.trim(), unescape(value)?, after.trim_start()))
-            });
-            let Some((key, value, after)) = parsed else {
-                return Err(self.fail(start, format!("`{}` is no XML attribute", brief(rest))));
-            };
-            attributes.push((key, value));
-            rest = after;
-        }
-        Ok(attributes)
-    }
-
-    fn skip_past(&mut self, end: &[u8]) -> Result<(), ReadError> {
-        let rest = &self.source.bytes[self.position..];
-        match rest.windows(end.len()).position(|window| window == end) {
-            Some(at) => {
-                self.position += at + end.len();
-                Ok(())
-            }
-            None => Err(self.fail(self.position, "the file ends inside a comment")),
-        }
-    }
-
     fn fail(&self, byte: usize, what: impl Into<String>) -> ReadError {
-        let section = match self.open.last() {
+        let section = match self.elements.last() {
             Some(element) => format!("<{}>", element.name),
             None => "the XML header".to_owned(),
         };
@@ -263,37 +221,6 @@ impl<'a> Parser<'a> {
 /// The start of a text, printable and short enough for a message.
 pub(super) fn brief(text: &str) -> String {
     text.chars().take(40).map(|c| if c.is_control() { '?' } else { c }).collect()
-}
-
-/// Replaces XML's entities.
-fn unescape(text: &str) -> Option<Cow<'_, str>> {
-    if !text.contains('&') {
-        return Some(Cow::Borrowed(text));
-    }
-    let mut out = String::with_capacity(text.len());
-    let mut parts = text.split('&');
-    out.push_str(parts.next()?);
-    for part in parts {
-        let (entity, rest) = part.split_once(';')?;
-        let character = match entity {
-            "amp" => '&',
-            "lt" => '<',
-            "gt" => '>',
-            "quot" => '"',
-            "apos" => '\'',
-            _ => {
-                let code = entity.strip_prefix('#')?;
-                let code = match code.strip_prefix('x') {
-                    Some(hexadecimal) => u32::from_str_radix(hexadecimal, 16).ok()?,
-                    None => code.parse().ok()?,
-                };
-                char::from_u32(code)?
-            }
-        };
-        out.push(character);
-        out.push_str(rest);
-    }
-    Some(Cow::Owned(out))
 }
 
 /// Text that may stand in an attribute of XML.

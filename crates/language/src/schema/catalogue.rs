@@ -22,8 +22,6 @@ pub enum Input {
     Direction(VectorField),
     /// One of a few words.
     Word(&'static str),
-    /// A region, a surface, a node set.
-    Name(String),
 }
 
 impl Input {
@@ -107,7 +105,6 @@ fn read_input(parameter: &catalogue::Parameter, node: &Node, at: &At, reader: &m
     match parameter.takes {
         Takes::Number { unit, .. } => Parameter::read(node, at, want(unit), reader).map(Input::Number),
         Takes::Choice { of } => reader.word(node, at, parameter.name, of).map(Input::Word),
-        Takes::Name { .. } => String::read(node, at, Want::ANY, reader).map(Input::Name),
         Takes::Direction { .. } => {
             let direction = direction::read_field(node, at, reader)?;
             check_unit(&direction, at, reader);
@@ -163,7 +160,6 @@ pub(crate) fn form_schema(
             Takes::Number { unit, .. } => Parameter::schema(want(unit), definitions),
             Takes::Direction { .. } => direction::field_schema(definitions),
             Takes::Choice { of } => json!({ "enum": of, "default": of.first() }),
-            Takes::Name { .. } => String::schema(Want::ANY, definitions),
         };
         properties.insert(parameter.name.into(), schema);
         if !parameter.optional {

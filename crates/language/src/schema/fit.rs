@@ -119,20 +119,18 @@ impl FitFibers {
     }
 }
 
-fn laws() -> Vec<Law> {
-    Law::ISOTROPIC.into_iter().chain([Law::Ogden(4)]).chain(Law::WITH_FIBERS).collect()
-}
-
 impl Read for FitLaw {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
-        let labels: Vec<String> = laws().into_iter().map(Law::label).collect();
+        let laws = Law::among(reader.document.catalogue().materials().iter().copied());
+        let labels: Vec<String> = laws.iter().map(|law| law.label()).collect();
         let names: Vec<&str> = labels.iter().map(String::as_str).collect();
         let found = reader.word(node, at, "law", &names)?;
-        laws().into_iter().find(|law| law.label() == found).map(FitLaw)
+        laws.into_iter().find(|law| law.label() == found).map(FitLaw)
     }
 
-    fn schema(_: Want, _: &mut Definitions) -> Json {
-        json!({ "enum": laws().into_iter().map(Law::label).collect::<Vec<_>>() })
+    fn schema(_: Want, definitions: &mut Definitions) -> Json {
+        let laws = Law::among(definitions.catalogue.materials().iter().copied());
+        json!({ "enum": laws.into_iter().map(Law::label).collect::<Vec<_>>() })
     }
 }
 
@@ -194,11 +192,11 @@ fn check_test(test: &FitTest, reader: &mut Reader<'_>) {
 }
 
 impl FitData {
-    /// The laws that are compared where none are named.
+    /// The laws that are compared where none are named, of those that can be fitted.
     #[must_use]
-    pub fn all_laws(&self) -> Vec<Law> {
+    pub fn all_laws(&self, laws: Vec<Law>) -> Vec<Law> {
         let fibers = self.tests.iter().any(|test| test.fibers.is_some());
-        Law::ISOTROPIC.into_iter().chain(Law::WITH_FIBERS.into_iter().filter(|_| fibers)).collect()
+        laws.into_iter().filter(|law| !law.is_named_only() && (fibers || !law.has_fibers())).collect()
     }
 
     /// Reads a data file.

@@ -2,7 +2,7 @@
 
 use crate::catalogue::Catalogue;
 use crate::quantity::{Sign, Want};
-use crate::schema::read::{Choice, Object, Read};
+use crate::schema::read::{Choice, Key, Object, Read};
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 
@@ -62,30 +62,35 @@ impl Definitions {
     }
 
     fn describe<T: Object>(&mut self, tag: Option<(&str, &str)>) -> Json {
-        let mut properties = Map::new();
-        let mut required = Vec::new();
-        if let Some((key, value)) = tag {
-            properties.insert(key.to_string(), json!({ "const": value }));
-            required.push(key.to_string());
-        }
-        for key in T::keys(self) {
-            if key.required {
-                required.push(key.name.to_string());
-            }
-            properties.insert(key.name.to_string(), annotated(key.schema, &key.about, key.default));
-        }
-        let mut out = Map::new();
-        out.insert("type".into(), "object".into());
-        out.insert("description".into(), T::ABOUT.trim().into());
-        out.insert("properties".into(), properties.into());
-        out.insert("required".into(), required.into());
-        out.insert("additionalProperties".into(), false.into());
-        if !T::ALTERNATIVES.is_empty() {
-            let one: Vec<Json> = T::ALTERNATIVES.iter().map(|key| json!({ "required": [key] })).collect();
-            out.insert("oneOf".into(), one.into());
-        }
-        Json::Object(out)
+        block_schema(T::ABOUT, tag, T::keys(self), T::ALTERNATIVES)
     }
+}
+
+/// A block with these keys; `tag` is the key and value that chooses it, exactly one of `alternatives` must be there.
+pub(crate) fn block_schema(about: &str, tag: Option<(&str, &str)>, keys: Vec<Key>, alternatives: &[&str]) -> Json {
+    let mut properties = Map::new();
+    let mut required = Vec::new();
+    if let Some((key, value)) = tag {
+        properties.insert(key.to_string(), json!({ "const": value }));
+        required.push(key.to_string());
+    }
+    for key in keys {
+        if key.required {
+            required.push(key.name.to_string());
+        }
+        properties.insert(key.name.to_string(), annotated(key.schema, &key.about, key.default));
+    }
+    let mut out = Map::new();
+    out.insert("type".into(), "object".into());
+    out.insert("description".into(), about.trim().into());
+    out.insert("properties".into(), properties.into());
+    out.insert("required".into(), required.into());
+    out.insert("additionalProperties".into(), false.into());
+    if !alternatives.is_empty() {
+        let one: Vec<Json> = alternatives.iter().map(|key| json!({ "required": [key] })).collect();
+        out.insert("oneOf".into(), one.into());
+    }
+    Json::Object(out)
 }
 
 /// A number's schema: the type and what is wanted of it.

@@ -1,4 +1,4 @@
-//! One description per block: `object!`, `tagged!`, `choice!`.
+//! One description per block: `object!`, `choice!`.
 
 /// A block with fixed keys.
 ///
@@ -102,61 +102,6 @@ macro_rules! object {
                 definitions: &mut $crate::schema::json::Definitions,
             ) -> serde_json::Value {
                 definitions.object::<Self>(None)
-            }
-        }
-    };
-}
-
-/// A block whose other keys depend on the value of one:
-/// `tagged! { pub enum Cost by "kind" or Added(AddedBlock) { "x" => X(Block), } }`; what follows `or` reads the values that
-/// the catalogue of a program adds.
-macro_rules! tagged {
-    (
-        $(#[doc = $about:literal])*
-        pub enum $name:ident by $tag:literal or $(#[doc = $other_about:literal])* $other:ident($added:ty) {
-            $( $(#[doc = $doc:literal])* $text:literal => $variant:ident($type:ty) ),* $(,)?
-        }
-    ) => {
-        $(#[doc = $about])*
-        #[derive(Clone, PartialEq, Debug)]
-        pub enum $name {
-            $( $(#[doc = $doc])* $variant($type), )*
-            $(#[doc = $other_about])* $other($added),
-        }
-
-        impl $name {
-            /// The name in the case.
-            #[must_use]
-            pub fn kind(&self) -> &'static str {
-                match self {
-                    $( Self::$variant(_) => $text, )*
-                    Self::$other(block) => block.kind(),
-                }
-            }
-        }
-
-        impl $crate::schema::read::Read for $name {
-            fn read(
-                node: &$crate::syntax::Node,
-                at: &$crate::syntax::At,
-                _: $crate::quantity::Want,
-                reader: &mut $crate::schema::read::Reader<'_>,
-            ) -> Option<Self> {
-                let mut known = vec![$($text),*];
-                known.extend(<$added>::kinds(reader));
-                match reader.tag(node, at, $tag, &known)? {
-                    $( $text => $crate::schema::read::object(node, at, Some($tag), reader).map(Self::$variant), )*
-                    kind => <$added>::read(kind, node, at, reader).map(Self::$other),
-                }
-            }
-
-            fn schema(
-                _: $crate::quantity::Want,
-                definitions: &mut $crate::schema::json::Definitions,
-            ) -> serde_json::Value {
-                let mut variants = vec![$( definitions.object::<$type>(Some(($tag, $text))) ),*];
-                variants.extend(<$added>::schemas(definitions));
-                serde_json::json!({ "oneOf": variants })
             }
         }
     };

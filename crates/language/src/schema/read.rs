@@ -85,16 +85,20 @@ pub(crate) fn object<T: Object>(node: &Node, at: &At, tag: Option<&str>, reader:
     let names = T::names();
     let known: Vec<&str> = tag.into_iter().chain(names).collect();
     reader.refuse_unknown(members, at, &known);
-    let mut fits = true;
-    if !T::ALTERNATIVES.is_empty() {
-        let given = members.iter().filter(|m| T::ALTERNATIVES.contains(&m.key.as_str())).count();
-        if given != 1 {
-            let list = T::ALTERNATIVES.join("\", \"");
-            reader.complain(node, at, format!("exactly one of \"{list}\" must be given, found {given}"));
-            fits = false;
-        }
-    }
+    let fits = check_alternatives(T::ALTERNATIVES, node, at, reader);
     T::read_keys(node, at, reader).filter(|_| fits)
+}
+
+/// Whether exactly one of these keys is there; true of no keys.
+pub(crate) fn check_alternatives(keys: &[&str], node: &Node, at: &At, reader: &mut Reader<'_>) -> bool {
+    let Value::Object(members) = &node.value else { return false };
+    let given = members.iter().filter(|member| keys.contains(&member.key.as_str())).count();
+    if keys.is_empty() || given == 1 {
+        return true;
+    }
+    let list = keys.join("\", \"");
+    reader.complain(node, at, format!("exactly one of \"{list}\" must be given, found {given}"));
+    false
 }
 
 /// What reading needs, and what it found wrong.
@@ -145,10 +149,23 @@ impl<'a> Reader<'a> {
         want: Want,
         default: Option<T>,
     ) -> Option<T> {
+        self.key_by(node, at, name, about, default, |node, at, reader| T::read(node, at, want, reader))
+    }
+
+    /// The same of a key that is read so.
+    pub(crate) fn key_by<T>(
+        &mut self,
+        node: &Node,
+        at: &At,
+        name: &str,
+        about: &str,
+        default: Option<T>,
+        read: impl FnOnce(&Node, &At, &mut Self) -> Option<T>,
+    ) -> Option<T> {
         let Value::Object(members) = &node.value else { return None };
         match members.iter().find(|member| member.key == name) {
             // Complained about already; going on with the default lets the other checks of the block speak.
-            Some(member) => T::read(&member.node, &at.key(name), want, self).or(default),
+            Some(member) => read(&member.node, &at.key(name), self).or(default),
             None => {
                 if default.is_none() {
                     self.complain(node, at, format!("missing key \"{name}\": {}", first_sentence(about)));

@@ -45,7 +45,8 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     let errors = asked.errors.errors();
     let options = FitOptions { errors, starts: asked.starts, seed: asked.seed, ..FitOptions::default() };
     let laws: Vec<Law> = asked.laws.iter().map(|law| law.0).collect();
-    let laws = if laws.is_empty() { asked.all_laws() } else { laws };
+    let known = || Law::among(document.catalogue().materials().iter().copied());
+    let laws = if laws.is_empty() { asked.all_laws(known()) } else { laws };
     print::introduce(&asked, &tests, console);
     doubtful.iter().for_each(|warning| console.say(format!("WARNING     {warning}")));
     let (mut fitted, mut failed): (Vec<Fitted>, Vec<(Law, FitError)>) = (Vec::new(), Vec::new());

@@ -78,10 +78,7 @@ fn is_moved(obstacle: &Obstacle, blocks: &Blocks) -> bool {
 fn shapes(blocks: &Blocks) -> impl Iterator<Item = (&ShapeOrName, At)> {
     let costs = blocks.costs.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.costs));
     let of_constraint = blocks.constraints.iter().filter_map(|constraint| constraint.cost.as_ref());
-    let costs = costs.chain(of_constraint).filter_map(|cost| match cost {
-        Cost::Obstacle(block) => Some((&block.shape, block.at.key("shape"))),
-        _ => None,
-    });
+    let costs = costs.chain(of_constraint).flat_map(Cost::shapes);
     let kept_out = blocks.constraints.iter().filter_map(|constraint| constraint.obstacle.as_ref());
     costs.chain(kept_out.map(|block| (&block.shape, block.at.key("shape"))))
 }

@@ -220,10 +220,10 @@ fn check_group(blocks: &Blocks, shared: &[Control], own: &[Control], costs: &[Co
         return;
     }
     for cost in costs {
-        if let Some(of) = cost.control().filter(|of| !names.contains(of)) {
+        for (of, at) in cost.controls().filter(|(of, _)| !names.contains(of)) {
             let clause =
                 if names.is_empty() { ": the case has no controls".into() } else { nearest::clause(of, &names) };
-            reader.complain_at(&cost.at().key("of"), format!("no control {}{clause}", quoted(of)));
+            reader.complain_at(&at, format!("no control {}{clause}", quoted(of)));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Costs, constraints and targets in words.
 
 use crate::run::describe::line::{Line, line};
-use crate::run::describe::shape_cost::shape_cost;
+use crate::run::describe::shape_cost;
 use crate::run::describe::time;
 use nastic_case::lower::{CaseProblem, TargetShape};
 use nastic_language::number::{count, short};
@@ -38,7 +38,7 @@ pub(crate) fn costs(problem: &CaseProblem) -> Vec<Line> {
 }
 
 /// `a half-space`, or the obstacle's name.
-fn obstacle(shape: &ShapeOrName) -> String {
+pub(super) fn obstacle(shape: &ShapeOrName) -> String {
     match shape {
         ShapeOrName::Shape(shape) => format!("a {}", shape.name().replace('_', "-")),
         ShapeOrName::Name(name) => name.clone(),
@@ -68,31 +68,7 @@ pub(crate) fn cost_line(head: &'static str, cost: &Cost) -> Line {
             };
             format!("phi {}, {stages}", phi(&block.phi))
         }
-        Cost::Tracking(block) => {
-            let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
-            format!("weight/2 int |x - x_target|^2 on {}", place.map(ToString::to_string).unwrap_or_default())
-        }
-        Cost::Position(_)
-        | Cost::Orientation(_)
-        | Cost::Curvature(_)
-        | Cost::LargestStretch(_)
-        | Cost::Compliance(_) => shape_cost(cost),
-        Cost::ContactForce(block) => format!("force that {} presses with", block.contact),
-        Cost::ContactPressure(block) => {
-            format!("smoothed largest pressure of {}, power mean of exponent {}", block.contact, 2 * block.exponent)
-        }
-        Cost::Obstacle(block) => {
-            let place = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
-            let place = place.map(ToString::to_string).unwrap_or_default();
-            let (clearance, shape) = (short(block.clearance), obstacle(&block.shape));
-            format!("weight/2 int max(0, {clearance} - d)^2 on {place}, d from {shape}")
-        }
-        Cost::ControlNorm(block) => format!("weight/2 int {}^2", block.of),
-        Cost::ControlSmoothness(block) => format!("weight/2 int |grad {}|^2", block.of),
-        Cost::ControlRate(block) => format!("weight/2 int int |d{}/dt|^2", block.of),
-        Cost::KineticEnergy(_) => "kinetic energy of the body".to_owned(),
-        Cost::ActuationWork(_) => "work that the actuations do".to_owned(),
-        Cost::Added(block) => block.row.about.to_owned(),
+        _ => cost.term().map(shape_cost::in_words).unwrap_or_default(),
     };
     let (name, kind) = (cost.name(), cost.kind());
     let name = if name == kind { name.to_owned() } else { format!("{name} ({kind})") };

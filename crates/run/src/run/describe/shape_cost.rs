@@ -1,44 +1,53 @@
-//! Costs of positions, directions, curvatures and stretches in words.
+//! Terms of the cost and the values of their keys in words.
 
+use crate::run::describe::costs::obstacle;
+use nastic_control::CostWords;
 use nastic_language::expression::Formula;
-use nastic_language::number::short;
-use nastic_language::schema::Cost;
+use nastic_language::number::{count, short};
+use nastic_language::schema::{CostTerm, MeshSource, Target, TermValue};
 
-/// What such a cost measures; nothing of others.
-pub(super) fn shape_cost(cost: &Cost) -> String {
-    match cost {
-        Cost::Position(block) => {
-            let named = block.surface.as_ref().or(block.region.as_ref()).or(block.nodes.as_ref());
-            let place = match (&block.point, named) {
-                (Some(point), _) => format!("the point ({})", vector(point.xyz())),
-                (None, Some(names)) => format!("the mean of {names}"),
-                (None, None) => String::new(),
-            };
-            let wanted = ["x", "y", "z"].iter().zip(block.target.entries());
+/// What a term measures.
+pub(super) fn in_words(term: &CostTerm) -> String {
+    let Some(words) = term.form.words else { return term.form.about.to_owned() };
+    let mut values = CostWords::default();
+    for (key, value) in &term.values {
+        values.texts.insert(key, value_in_words(value));
+        if let TermValue::Count(count) = value {
+            values.counts.insert(key, u32::try_from(*count).unwrap_or(u32::MAX));
+        }
+    }
+    words(&values)
+}
+
+fn value_in_words(value: &TermValue) -> String {
+    let vector = |v: [f64; 3]| v.map(short).join(", ");
+    match value {
+        TermValue::Names(names) => names.to_string(),
+        TermValue::Point(point) => vector(point.xyz()),
+        TermValue::Line(line) => count(line.len(), "point"),
+        TermValue::Direction(direction) => vector(direction.xyz()),
+        TermValue::Number(number) => short(*number),
+        TermValue::Count(count) => count.to_string(),
+        TermValue::Word(word) => (*word).to_owned(),
+        TermValue::Position(position) => {
             let value = |y: &Formula| y.constant().map_or_else(|| y.text().to_owned(), short);
-            let wanted: Vec<String> = wanted.filter_map(|(c, y)| Some(format!("{c} = {}", value(y?)))).collect();
-            format!("weight/2 |x - target|^2 of {place}, target {}", wanted.join(", "))
+            let wanted = ["x", "y", "z"].iter().zip(position.entries());
+            wanted.filter_map(|(c, y)| Some(format!("{c} = {}", value(y?)))).collect::<Vec<_>>().join(", ")
         }
-        Cost::Orientation(block) => {
-            format!("weight/2 int |n - ({})|^2 over {}", vector(block.direction.xyz()), block.surface)
+        TermValue::Target(Target::Formulas(entries)) => {
+            format!("({})", entries.iter().map(Formula::text).collect::<Vec<_>>().join(", "))
         }
-        Cost::Curvature(block) => {
-            format!("weight/2 int (kappa - {})^2 along {} points", short(block.curvature), block.line.len())
-        }
-        Cost::Compliance(block) => {
-            format!("displacement of {} along ({}) for a unit of force", block.surface, vector(block.direction.xyz()))
-        }
-        Cost::LargestStretch(block) => {
-            let place = block.region.as_ref().map_or("the body".to_owned(), ToString::to_string);
-            format!(
-                "smoothed maximum of the principal stretches of {place}, power mean of exponent {}",
-                2 * block.exponent
-            )
-        }
-        _ => String::new(),
+        TermValue::Target(Target::Array(file)) => file.file.clone(),
+        TermValue::Target(Target::Nodes(nodes)) => mesh(&nodes.nodes),
+        TermValue::Mesh(source) => mesh(source),
+        TermValue::Obstacle(shape) => obstacle(shape),
+        TermValue::Contact(name) | TermValue::Control(name) => name.clone(),
     }
 }
 
-fn vector(v: [f64; 3]) -> String {
-    v.map(short).join(", ")
+fn mesh(source: &MeshSource) -> String {
+    match source {
+        MeshSource::File(file) => file.file.clone(),
+        MeshSource::Box(_) => "a box".to_owned(),
+    }
 }

@@ -3,7 +3,7 @@
 use crate::run::describe::conditions;
 use nastic_energy::{Existence, Place};
 use nastic_fit::{
-    Bulk, End, Entry, Errors, Estimate, Fibers, Fit, FitError, Law, Mode, Range, Scenario, Test, bulk, scenarios,
+    Bulk, End, Entry, Errors, Estimate, Fibers, Fit, FitError, Mode, Range, Scenario, Test, bulk, scenarios,
     stable_range,
 };
 use nastic_language::schema::FitData;
@@ -72,8 +72,7 @@ impl Fitted {
         block.insert("region".into(), json!(self.region));
         block.insert("law".into(), json!(self.fit.law.name()));
         for (key, entry) in self.fit.law.block(&self.fit.values(), self.bulk.value).unwrap_or_default() {
-            let value =
-                if key == "d1" { json!(format!("2 / {}", pressure(self.bulk.value))) } else { text(key, entry) };
+            let value = if key == "d1" { json!(format!("2 / {}", pressure(self.bulk.value))) } else { text(entry) };
             block.insert(key.into(), value);
         }
         json!([block])
@@ -81,14 +80,15 @@ impl Fitted {
 
     fn scenario_block(&self) -> Value {
         // of a law whose volumetric key depends on its parameters, the bulk modulus stays
-        let all = |one: &Scenario| match self.fit.law {
-            Law::TransverseMooneyRivlin => self.fit.law.block(&one.parameters, self.bulk.value),
-            law => law.entries(&one.parameters),
+        let law = self.fit.law;
+        let all = |one: &Scenario| match law.has_own_volume() {
+            true => law.block(&one.parameters, self.bulk.value),
+            false => law.entries(&one.parameters),
         };
         let of = |one: &Scenario| {
             let entries = all(one).unwrap_or_default().into_iter();
             let set: Map<String, Value> =
-                entries.map(|(name, entry)| (format!("materials/0/{name}"), text(name, entry))).collect();
+                entries.map(|(name, entry)| (format!("materials/0/{name}"), text(entry))).collect();
             json!({ "probability": one.probability, "set": set })
         };
         self.scenarios.iter().map(of).collect()
@@ -206,7 +206,7 @@ fn largest_stretch(tests: &[Test]) -> f64 {
 
 fn estimate(one: &Estimate) -> Value {
     let interval = one.half_width.map(|h| [one.value - h, one.value + h]);
-    json!({ "value": one.value, "unit": Law::unit(one.name), "deviation": one.deviation, "interval": interval })
+    json!({ "value": one.value, "unit": one.unit, "deviation": one.deviation, "interval": interval })
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -214,11 +214,11 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 /// A parameter as a case file takes it.
-fn text(name: &str, entry: Entry) -> Value {
+fn text(entry: Entry) -> Value {
     match entry {
         Entry::Direction(along) => json!(along.map(rounded)),
-        Entry::Number(value) if Law::unit(name) == "Pa" => json!(pressure(value)),
-        Entry::Number(value) => json!(rounded(value)),
+        Entry::Number { value, unit: "Pa" } => json!(pressure(value)),
+        Entry::Number { value, .. } => json!(rounded(value)),
     }
 }
 

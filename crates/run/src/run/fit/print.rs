@@ -76,7 +76,7 @@ fn tenths(value: f64) -> String {
 
 /// `c10 = 172.3 kPa +- 5 kPa`.
 fn estimate(one: &Estimate) -> String {
-    let unit = match Law::unit(one.name) {
+    let unit = match one.unit {
         "1" => String::new(),
         unit => format!(" {unit}"),
     };
