@@ -64,7 +64,7 @@ impl Touches for BoundSurfaces {
         touch.sunk = -touch.smallest_gap;
         touch.sliding = self.slip_speed.map(|slip_speed| {
             let in_step = touch.pressing > 0.0 && at.step.is_some();
-            let sticking = if in_step { carried.sticking / touch.pressing } else { 1.0 };
+            let sticking = if in_step { (carried.sticking / touch.pressing).min(1.0) } else { 1.0 };
             Sliding { sticking, speed: carried.speed, slip_speed }
         });
         Some(touch)
