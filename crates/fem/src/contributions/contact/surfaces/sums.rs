@@ -57,14 +57,14 @@ impl Touches for BoundSurfaces {
             touch.pressing += weight * pressure;
             remaining += weight * pressure * pressed.gap;
             touch.largest_pressure = touch.largest_pressure.max(pressure);
-            carried.add(&sample, at);
+            carried.add(&sample, at, weight * pressure);
         }
         (touch.force, touch.moment) = (carried.force.into(), carried.moment.into());
         touch.mean_gap = if touch.pressing > 0.0 { remaining / touch.pressing } else { 0.0 };
         touch.sunk = -touch.smallest_gap;
         touch.sliding = self.slip_speed.map(|slip_speed| {
             let in_step = touch.pressing > 0.0 && at.step.is_some();
-            let sticking = if in_step { (carried.sticking / touch.pressing).min(1.0) } else { 1.0 };
+            let sticking = if in_step { carried.sticking / touch.pressing } else { 1.0 };
             Sliding { sticking, speed: carried.speed, slip_speed }
         });
         Some(touch)
@@ -130,7 +130,8 @@ struct Carried {
 }
 
 impl Carried {
-    fn add(&mut self, sample: &Sample, at: &Instant) {
+    /// Of a sample that presses with a force.
+    fn add(&mut self, sample: &Sample, at: &Instant, pressing: f64) {
         let (of, k) = (sample.of, at.control(STIFFNESS));
         let mut forces = sample.force(at.u).1;
         if let (Some(slip_speed), Some(_)) = (of.slip_speed, at.step) {
@@ -138,12 +139,15 @@ impl Carried {
             let velocities = sample.slots(|dof| at.velocity(dof));
             let strength = at.control(FRICTION) * weight;
             forces.iter_mut().zip(rub.forces(at, slip_speed)).for_each(|(force, more)| *force += strength * more);
-            for foot in &rub.feet {
+            let (mut sticking, mut all) = (0.0, 0.0);
+            // pieces that have almost no part in the pressure do not count
+            for foot in rub.feet.iter().filter(|foot| foot.part > PART) {
                 let slides = rub.slides(foot, &velocities).norm();
-                // pieces that have almost no part in the pressure do not count
-                self.speed = if foot.part > PART { self.speed.max(slides) } else { self.speed };
-                self.sticking += if slides < slip_speed { k * weight * foot.pressure } else { 0.0 };
+                self.speed = self.speed.max(slides);
+                sticking += if slides < slip_speed { foot.part } else { 0.0 };
+                all += foot.part;
             }
+            self.sticking += pressing * sticking / all;
         }
         let [first, _] = &of.sides[..] else { return };
         // the nodes of the pieces bear the opposite of what the sample's side does, and the opposite moment
