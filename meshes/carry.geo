@@ -32,7 +32,7 @@ Physical Curve("air_right") = air_right();
 Physical Curve("root") = root();
 Physical Curve("rim") = Boundary{ Surface{30}; };
 
-Mesh.MeshSizeMin = 1.2;
-Mesh.MeshSizeMax = 2.5;
-MeshSize{ PointsOf{ Surface{10, 20}; } } = 2.5;
-MeshSize{ PointsOf{ Surface{30}; } } = 1.2;
+Mesh.MeshSizeMin = 1.4;
+Mesh.MeshSizeMax = 3;
+MeshSize{ PointsOf{ Surface{10, 20}; } } = 3;
+MeshSize{ PointsOf{ Surface{30}; } } = 1.4;
