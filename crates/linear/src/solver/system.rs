@@ -6,7 +6,6 @@ use crate::multigrid::Corners;
 use crate::operator::Operator;
 use crate::rotations::Rotations;
 use crate::space::Space;
-use nastic_numeric::vector::norm;
 use std::sync::Arc;
 
 /// Rounding of a residual, as a share of the sum of absolute values that it is a difference of.
@@ -69,7 +68,7 @@ impl System<'_> {
         let (magnitudes, mut sums) = (self.matrix.magnitudes(), vec![0.0; x.len()]);
         let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
         magnitudes.multiply_on(&x, &mut sums, self.parallel);
-        report.residual * norm(b) <= ROUNDING * norm(&sums)
+        report.residual * self.space().norm(b) <= ROUNDING * self.space().norm(&sums)
     }
 }
 
