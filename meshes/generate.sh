@@ -4,7 +4,7 @@ set -eu
 cd "$(dirname "$0")"
 for geo in *.geo; do
     case "$geo" in
-        strip_* | arch.* | berry.*) dimension=2 ;;
+        strip_* | arch.* | berry.* | carry.*) dimension=2 ;;
         *) dimension=3 ;;
     esac
     ${GMSH:-gmsh} "$geo" "-$dimension" -nt 1 -o "${geo%.geo}.msh" -v 3

@@ -70,6 +70,8 @@ mod structure;
 mod sums_of_unknowns;
 mod supports;
 mod surface_contact;
+mod surface_friction;
+mod surface_friction_adjoint;
 mod swing;
 mod tendon;
 mod thick_shells;

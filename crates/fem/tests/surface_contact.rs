@@ -26,7 +26,7 @@ fn law() -> NeoHooke {
 const GAP: f64 = 0.02;
 
 /// Two unit blocks above each other; the upper one is `wide` times as wide.
-fn blocks(kind: CellKind, wide: f64) -> Outcome<Mesh> {
+pub fn blocks(kind: CellKind, wide: f64) -> Outcome<Mesh> {
     blocks_apart(kind, wide, GAP)
 }
 

@@ -262,3 +262,22 @@ fn a_mistake_in_an_actuation_is_told_once() {
         one(&idle, region, &format!("{given}, {region}"), wanted);
     }
 }
+
+/// Beside an obstacle and between surfaces alike.
+#[test]
+fn friction_that_does_not_act_is_found() {
+    let friction = "with friction an equilibrium depends on the way to it, and the case is static: give \"time\": { \"end\": \"1 s\", \"step\": \
+                    \"10 ms\", \"start\": \"rest\", \"scheme\": \"quasi_static\" } with loads that grow, or leave this out";
+    let speed = "the slip speed of a contact without friction: give \"friction\", or leave this out";
+    let floor = "\"obstacles\": [ { \"name\": \"floor\", \"shape\": { \"half_space\": { \"point\": [0, 0, -9], \"normal\": [0, 0, 1] } } } ], ";
+    for (before, touched) in [(floor, "\"obstacle\": \"floor\""), ("", "\"with\": \"clamp\"")] {
+        for (key, value, told) in [("friction", "0.3", friction), ("slip_speed", "\"1 mm/s\"", speed)] {
+            let contact = format!("\"contact\": [ {{ \"surface\": \"tip\", {touched}, \"{key}\": {value} }} ], ");
+            let to = format!("{before}{contact}\"loads\":");
+            one(COMPLETE, "\"loads\":", &to, &format!(": contact/0/{key}: {told}"));
+        }
+        let contact = format!("\"contact\": [ {{ \"surface\": \"tip\", {touched}, \"friction\": -0.3 }} ], ");
+        let to = format!("{before}{contact}\"loads\":");
+        one(COMPLETE, "\"loads\":", &to, ": contact/0/friction: must not be negative, found -0.3");
+    }
+}

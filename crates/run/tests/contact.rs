@@ -279,6 +279,35 @@ fn surfaces_of_bodies_touch_each_other() {
     assert_eq!(found.exit.code(), 0, "{}", found.result);
 }
 
+/// The shipped case of two fingers that carry a ball, until the lift has begun.
+fn carry() -> String {
+    let meshes = concat!(env!("CARGO_MANIFEST_DIR"), "/../../meshes/");
+    let case = include_str!("../../../examples/cases/carry.json").replace("../../meshes/", meshes);
+    with(&case, r#""end": "0.9 s""#, r#""end": "0.4 s""#)
+}
+
+/// Surfaces of bodies with friction report it as an obstacle does; its coefficient is a control.
+#[test]
+fn surfaces_of_bodies_stick_and_slide() {
+    let place = Place::new();
+    let found = place.run(Command::Solve, &carry(), &[]).unwrap_or_else(|error| panic!("{error}")).result;
+    let of = |key: &str| number(&found, &format!("contributions/grip/{key}"));
+    assert!(of("force_y") > 1e-3 && of("sticking") == 1.0 && of("sliding_speed") < 1.0, "{}", found["contributions"]);
+    let heard = place.text(Command::Check, &carry(), &[]);
+    assert!(heard.contains("friction 0.5, slip speed 1 mm/s"), "{heard}");
+    // 1/100 of the diagonal of the smaller surface over the end
+    let heard = place.text(Command::Check, &with(&carry(), r#", "slip_speed": "1 mm/s""#, ""), &[]);
+    assert!(heard.contains("friction 0.5, slip speed 0.601"), "{heard}");
+    let by_friction = with(
+        &carry(),
+        r#""controls": ["#,
+        r#""controls": [ { "of": "grip.friction", "space": "uniform", "lower": 0.3, "upper": 1 },"#,
+    );
+    let found = place.run(Command::Gradient, &by_friction, &[]).unwrap_or_else(|error| panic!("{error}")).result;
+    let told = number(&found, "controls/grip.friction/max");
+    assert!(told == 0.5 && number(&found, "derivative_norm/euclidean") > 0.0, "{found}");
+}
+
 /// Beside the equilibrium with its layer the one without: what is told of it, and its file.
 #[test]
 fn exact_contact_tells_how_much_the_layer_changes() {

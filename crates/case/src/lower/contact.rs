@@ -23,7 +23,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         }
         if let Some(with) = &contact.with {
             if place::facets(&mesh, with, &contact.at.key("with"), context).is_some() {
-                let built = between(contact, with);
+                let built = between(case, (contact, with), &mesh);
                 attempt(solid, &contact.at, context, |solid| solid.surface_contact(built));
             }
             continue;
@@ -50,11 +50,19 @@ fn law(contact: &Contact) -> ContactLaw {
 }
 
 /// Of a surface with another, or with itself.
-fn between(contact: &Contact, with: &GroupNames) -> SurfaceContact {
+fn between(case: &Case, (contact, with): (&Contact, &GroupNames), mesh: &Mesh) -> SurfaceContact {
     let built = SurfaceContact::between(&contact.name(), &contact.surface, with).law(law(contact));
     let built = contact.thickness.into_iter().fold(built, SurfaceContact::thickness);
     let built = contact.stiffness.into_iter().fold(built, SurfaceContact::stiffness);
-    contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize))
+    let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));
+    let size = diagonal(mesh, &contact.surface).min(diagonal(mesh, with));
+    friction(case, contact, size).into_iter().fold(built, |built, (friction, speed)| built.friction(friction, speed))
+}
+
+/// Coefficient and slip speed of a contact whose surface is so large.
+fn friction(case: &Case, contact: &Contact, size: f64) -> Option<(f64, f64)> {
+    let (friction, time) = (contact.friction?, case.time.as_ref()?);
+    Some((friction, contact.slip_speed.unwrap_or(SLIP * size / time.end)))
 }
 
 fn build(
@@ -69,13 +77,8 @@ fn build(
     let built = contact.stiffness.into_iter().fold(built, nastic_fem::Contact::stiffness);
     let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));
     let built = touched.centre.iter().fold(built, |built, centre| built.about(centre.xyz()));
-    match (contact.friction, &case.time) {
-        (Some(friction), Some(time)) => {
-            let speed = contact.slip_speed.unwrap_or_else(|| SLIP * diagonal(mesh, contact) / time.end);
-            built.friction(friction, speed)
-        }
-        _ => built,
-    }
+    let friction = friction(case, contact, diagonal(mesh, &contact.surface));
+    friction.into_iter().fold(built, |built, (friction, speed)| built.friction(friction, speed))
 }
 
 /// Warns of a body at rest that reaches deeper into an obstacle which does not move than a contact bears, also where no surface touches it.
@@ -112,8 +115,8 @@ fn check_outside(
 }
 
 /// Of the surface's bounding box.
-fn diagonal(mesh: &Mesh, contact: &Contact) -> f64 {
-    let nodes = mesh.facets_of(&contact.surface).map(|facets| mesh.nodes_of_facets(&facets)).unwrap_or_default();
+fn diagonal(mesh: &Mesh, surface: &GroupNames) -> f64 {
+    let nodes = mesh.facets_of(surface).map(|facets| mesh.nodes_of_facets(&facets)).unwrap_or_default();
     let along = |i: usize| {
         let each = || nodes.iter().map(|&node| mesh.points()[node as usize][i]);
         each().fold(f64::NEG_INFINITY, f64::max) - each().fold(f64::INFINITY, f64::min)

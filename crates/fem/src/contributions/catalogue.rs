@@ -207,6 +207,23 @@ pub const CATALOGUE: &[Entry] = &[
             bodies()?.surface_contact(both.thickness(0.2).stiffness(2e3).law(ContactLaw::Log))
         },
     },
+    Entry {
+        name: "friction of surfaces",
+        form: None,
+        example: || {
+            let contact = SurfaceContact::between("friction of surfaces", "lower", "upper").friction(1e3, 9e3);
+            bodies()?.surface_contact(contact.thickness(0.24).stiffness(2e4))
+        },
+    },
+    Entry {
+        name: "friction of surfaces by the log law",
+        form: None,
+        example: || {
+            let both = ["lower", "upper"];
+            let contact = SurfaceContact::between("friction of surfaces by the log law", both, both).friction(1e3, 9e3);
+            bodies()?.surface_contact(contact.thickness(0.2).stiffness(2e3).law(ContactLaw::Log))
+        },
+    },
     Entry { name: BodyInertia::NAME, form: None, example: || block()?.inertia(Inertia::new("body", 1e3)) },
     Entry {
         name: RayleighDamping::NAME,

@@ -5,7 +5,7 @@ use super::{
     Sensitivities, Sums,
 };
 use crate::contributions::controls::Controls;
-use crate::contributions::instant::TimeStep;
+use crate::contributions::instant::{FrictionLag, TimeStep};
 use crate::error::{Inadmissible, SecondDerivativeError};
 use crate::model::Model;
 use crate::solution::saddle_point::BorderedTangent;
@@ -30,7 +30,8 @@ const TOLERANCE: f64 = 1e-7;
 /// Holds a contribution of a model to its contract at displacements, controls and directions drawn at random from a seed:
 /// the residual is the derivative of the potential (where there is one), the tangent that of the residual, static and in a
 /// time step; the tangent is symmetric if said so; products with it are its products; `vjp` is the derivative of
-/// `lambda . r` by controls, velocity and acceleration, the latter with the mass that is given; second derivatives, where there are some, are those of the first ones and
+/// `lambda . r` by controls, velocity and acceleration, the latter with the mass that is given; where it depends on the path, with normal forces
+/// taken at another displacement there is a potential; second derivatives, where there are some, are those of the first ones and
 /// symmetric; the same question has the same answer to the bit.
 ///
 /// A potential with kinks in its second or third derivative needs an example in which no sample is within 5 % of a cell of one: differences of
@@ -75,6 +76,13 @@ pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), St
             format!("contribution \"{name}\", {when}: {why}")
         })?;
     }
+    if let (Some(step), Some(_)) = (motion, contribution.path_dependence()) {
+        let lag = FrictionLag { u: step.before.u.clone(), controls: controls.clone().into(), smoothing: 2.0 };
+        let lagged = TimeStep { lag: Some(lag), ..step.clone() };
+        let at = Instant { block, scalar, memory, ..Instant::new(&u, &controls, 0.7) }.in_step(&lagged);
+        let found = Subject { contribution, model, at, size }.check_residual(&direction, &lambda, [true, true]);
+        found.map_err(|why| format!("contribution \"{name}\", with its normal forces of elsewhere: {why}"))?;
+    }
     Ok(())
 }
 
@@ -103,15 +111,24 @@ fn scales(slots: &[Slot], own: bool, size: f64) -> Box<dyn Iterator<Item = (f64,
 
 impl Subject<'_> {
     fn check(&self, direction: &[f64], lambda: &[f64]) -> Result<(), String> {
+        if self.contribution.has_potential() && self.contribution.symmetry() == Symmetry::General {
+            return Err("it has a potential, so its tangent must be symmetric".into());
+        }
+        let potential = [self.contribution.has_potential(), self.contribution.symmetry() == Symmetry::Symmetric];
+        self.check_residual(direction, lambda, potential)?;
+        self.check_sensitivities(lambda)?;
+        self.check_prescribed(lambda)?;
+        self.check_second(direction, lambda)
+    }
+
+    /// The residual as the derivative of the potential, if it `has` one; the tangent and products with it, symmetric or not.
+    fn check_residual(&self, direction: &[f64], lambda: &[f64], [has, symmetric]: [bool; 2]) -> Result<(), String> {
         let told = |at: Inadmissible| at.to_string();
         let sums = self.sums(self.at).map_err(told)?;
         if sums.force != self.sums(self.at).map_err(told)?.force {
             return Err("the residual has other bits when asked again".into());
         }
-        if self.contribution.has_potential() {
-            if self.contribution.symmetry() == Symmetry::General {
-                return Err("it has a potential, so its tangent must be symmetric".into());
-            }
+        if has {
             let slope = difference(|s| Ok(vec![self.sums(self.moved(&self.along(direction, s)))?.energy]))?[0];
             let found = SPACE.dot(&sums.force, direction);
             agree(
@@ -133,7 +150,7 @@ impl Subject<'_> {
             &expected,
             SPACE.norm(&sums.force_scale),
         )?;
-        if self.contribution.symmetry() == Symmetry::Symmetric {
+        if symmetric {
             let (left, right) = (SPACE.dot(lambda, &product), SPACE.dot(direction, &tangent.multiply(lambda, false)));
             agree("a . K b", &[left], "b . K a", &[right], SPACE.norm(lambda) * SPACE.norm(&product))?;
         }
@@ -146,9 +163,7 @@ impl Subject<'_> {
             let out = sub(&out, lambda);
             agree("the product without a matrix", &out, "the tangent times the vector", &product, SPACE.norm(lambda))?;
         }
-        self.check_sensitivities(lambda)?;
-        self.check_prescribed(lambda)?;
-        self.check_second(direction, lambda)
+        Ok(())
     }
 
     /// What it prescribes: the change along a change of the controls, and the derivative of its work with a force.

@@ -4,7 +4,7 @@ use crate::schema::catalogue::{SlotName, want};
 use nastic_mesh::GroupNames;
 
 object! {
-    /// A surface of the body that an obstacle pushes back, with friction or without; or another surface, or itself, without.
+    /// A surface of the body that an obstacle, another surface or itself pushes back, with friction or without.
     pub struct Contact one of [obstacle, with] {
         /// Name in results; its stiffness and friction are controlled as "NAME.stiffness" and "NAME.friction". "SURFACE on OBSTACLE" or "SURFACE with SURFACE" if left out.
         pub name: Option<String>,
@@ -22,7 +22,7 @@ object! {
         pub stiffness: Option<f64> as POSITIVE_PRESSURE,
         /// Coefficient of Coulomb's friction, in motions alone; none if left out.
         pub friction: Option<f64> as NOT_NEGATIVE,
-        /// Speed below which friction is smoothed: what sticks creeps at a share of it. 1/100 of the surface's diagonal over the motion's end if left out.
+        /// Speed below which friction is smoothed: what sticks creeps at a share of it. 1/100 of the surface's diagonal (between surfaces of the smaller one) over the motion's end if left out.
         pub slip_speed: Option<f64> as POSITIVE_VELOCITY,
         /// Samples of each facet as of so many pieces squared; as many as the obstacle's width asks for if left out, 1 between surfaces.
         pub refine: Option<u64> as POSITIVE,

@@ -53,7 +53,7 @@ impl General {
             Ok(factor) => {
                 let (x, report) = iterate(system, factor, b, tolerance, form, MOST);
                 work.back_substitutions += report.iterations;
-                if report.converged {
+                if system.is_solved(&x, &report, (b, tolerance)) {
                     return Ok(x);
                 }
                 let (residual, iterations) = (report.residual, report.iterations);

@@ -61,7 +61,7 @@ impl Lu {
         let fresh = self.factorise(system, work)?;
         let (x, report) = iterate(system, fresh, b, tolerance, form, MOST);
         work.back_substitutions += report.iterations;
-        match report.converged {
+        match system.is_solved(&x, &report, (b, tolerance)) {
             true => Ok(x),
             false => Err(LinearError::Singular { residual: report.residual, wanted: tolerance }),
         }

@@ -1,11 +1,17 @@
 //! [`System`]: the matrix of a linear system, and where it was taken.
 
+use crate::gmres::GmresReport;
 use crate::matrix::SparseMatrix;
 use crate::multigrid::Corners;
 use crate::operator::Operator;
 use crate::rotations::Rotations;
 use crate::space::Space;
 use std::sync::Arc;
+
+/// Rounding of a residual, as a share of the sum of absolute values that it is a difference of.
+const ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Largest residual that rounding excuses, as a multiple of the one that is wanted.
+const BESIDE: f64 = 1e3;
 
 /// Where a matrix was taken: what preconditioners need besides its entries.
 pub trait Configuration: Sync {
@@ -51,6 +57,18 @@ impl System<'_> {
     /// `out = A^T v`.
     pub fn multiply_transposed(&self, v: &[f64], out: &mut [f64]) {
         self.matrix.multiply_transposed(v, out, self.parallel);
+    }
+
+    /// Whether the solution of an iteration is as good as wanted, or as double precision has one where that is not far from it:
+    /// `|r| <= 8 eps | |A| |x| |`, with the absolute values of the symmetric part of A. A body that hardly anything holds moves far.
+    pub(super) fn is_solved(&self, x: &[f64], report: &GmresReport, (b, tolerance): (&[f64], f64)) -> bool {
+        if report.converged || report.residual.is_nan() || report.residual > BESIDE * tolerance {
+            return report.converged;
+        }
+        let (magnitudes, mut sums) = (self.matrix.magnitudes(), vec![0.0; x.len()]);
+        let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+        magnitudes.multiply_on(&x, &mut sums, self.parallel);
+        report.residual * self.space().norm(b) <= ROUNDING * self.space().norm(&sums)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::point::{Gaps, TouchPoint, advance, floor};
 use super::pose::Pose;
 use super::samples::Samples;
-use super::{Contact, ContactLaw, defaults};
+use super::{Contact, ContactLaw, defaults, friction};
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::rigid_motion;
 use crate::contributions::{Contribution, ContributionPoint, Instant, Need, Touches};
@@ -79,17 +79,18 @@ impl BoundContact {
             true => Ok(value),
             false => Err(refuse(format!("its {what} is {value}; it must be positive and finite"))),
         };
-        let thickness = positive("thickness", of.thickness.unwrap_or_else(|| defaults::thickness(mesh, &facets)))?;
-        let stiffness = of.stiffness.or_else(|| defaults::stiffness(of.law, body, &facets));
+        let thickness =
+            positive("thickness", of.layer.thickness.unwrap_or_else(|| defaults::thickness(mesh, &facets)))?;
+        let stiffness = of.layer.stiffness.or_else(|| defaults::stiffness(of.layer.law, body, &facets));
         let stiffness = stiffness.ok_or_else(|| {
             refuse(format!("no passive law behind {} says how stiff the body is: give a stiffness", of.surface))
         })?;
         let stiffness = positive("stiffness", stiffness)?;
-        let refine = of.refine.unwrap_or_else(|| defaults::refine(&of.obstacle, mesh, &facets));
+        let refine = of.layer.refine.unwrap_or_else(|| defaults::refine(&of.obstacle, mesh, &facets));
         if refine == 0 {
             return Err(refuse("refine is 0; it is 1 or more".to_owned()));
         }
-        let slots = slots(of, stiffness, |what, value| positive(what, value).map(|_| ()))?;
+        let slots = slots(of, stiffness)?;
         let obstacle = rounded(&of.obstacle, thickness).map_err(refuse)?;
         let centre = Vec3::from(of.centre.unwrap_or_else(|| defaults::centre(&obstacle)));
         if centre.iter().any(|x| !x.is_finite()) {
@@ -103,13 +104,13 @@ impl BoundContact {
         let inset = if of.settled && least > -thickness { (thickness - least).max(0.0) } else { 0.0 };
         let normals = normals(&samples, &reference, &obstacle, dim);
         let depth = 0.5 * defaults::half_width(&obstacle, dim);
-        let slip_speed = of.friction.map(|friction| friction.slip_speed);
+        let slip_speed = of.layer.friction.map(|friction| friction.slip_speed);
         Ok(BoundContact {
             name,
             dim,
             obstacle,
             centre,
-            law: of.law,
+            law: of.layer.law,
             thickness,
             inset,
             offsets: Vec::new(),
@@ -135,25 +136,10 @@ fn normals(samples: &Samples, reference: &[Vec3], obstacle: &Obstacle, dim: usiz
 }
 
 /// The pose, loads; stiffness and friction, designs with the values at rest that were given.
-fn slots(
-    of: &Contact,
-    stiffness: f64,
-    positive: impl Fn(&str, f64) -> Result<(), FemError>,
-) -> Result<Vec<Slot>, FemError> {
-    let mut slots = rigid_motion::SLOTS.to_vec();
-    slots.push(Slot::design("stiffness", "Pa", stiffness));
-    if let Some(friction) = of.friction {
-        positive("slip speed", friction.slip_speed)?;
-        if !(friction.coefficient >= 0.0 && friction.coefficient.is_finite()) {
-            let what = format!(
-                "contact \"{}\": its friction coefficient is {}; it must be finite and at least zero",
-                of.name, friction.coefficient
-            );
-            return Err(FemError::Meaningless { what });
-        }
-        slots.push(Slot::design("friction", "1", friction.coefficient));
-    }
-    Ok(slots)
+fn slots(of: &Contact, stiffness: f64) -> Result<Vec<Slot>, FemError> {
+    let friction = of.layer.friction.map(|friction| friction.slot(&of.name)).transpose()?;
+    let designs = [Slot::design("stiffness", "Pa", stiffness)].into_iter().chain(friction);
+    Ok(rigid_motion::SLOTS.into_iter().chain(designs).collect())
 }
 
 /// A box with edges that are round enough for a layer: its faces stay. A meshed solid grows when rounded, so that has to be asked for.
@@ -190,19 +176,12 @@ impl Contribution for BoundContact {
     }
 
     fn path_dependence(&self) -> Option<&'static str> {
-        self.slip_speed.map(|_| "friction depends on the path: take steps in time, quasi_static for slow loads")
+        self.slip_speed.map(|_| friction::PATH)
     }
 
     fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
-        let refuse = |what: String| Err(FemError::Meaningless { what: format!("contact \"{}\": {what}", self.name) });
         rigid_motion::check(&format!("contact \"{}\": its obstacle", self.name), self.dim, values)?;
-        if values[STIFFNESS] <= 0.0 {
-            return refuse(format!("its stiffness is {}; it must be positive", values[STIFFNESS]));
-        }
-        match values.get(FRICTION) {
-            Some(friction) if *friction < 0.0 => refuse(format!("its friction coefficient is {friction}, below zero")),
-            _ => Ok(()),
-        }
+        friction::check_controls(&self.name, values[STIFFNESS], values.get(FRICTION).copied())
     }
 
     /// Normals of the obstacle where it is at rest, at every sample: a side that is not touched does not push, which the search for an

@@ -6,6 +6,7 @@ mod exact;
 mod friction;
 mod lagged;
 mod law;
+mod layer;
 mod point;
 mod pose;
 mod samples;
@@ -17,6 +18,7 @@ use crate::contributions::body_energy::BodyEnergy;
 use crate::error::FemError;
 pub(crate) use bound::BoundContact;
 pub use law::ContactLaw;
+use layer::{Layer, layer_methods};
 use nastic_mesh::GroupNames;
 use nastic_mesh::spatial::Obstacle;
 pub use surfaces::SurfaceContact;
@@ -46,21 +48,10 @@ pub struct Contact {
     name: String,
     surface: GroupNames,
     obstacle: Obstacle,
-    law: ContactLaw,
-    thickness: Option<f64>,
-    stiffness: Option<f64>,
-    friction: Option<Friction>,
-    refine: Option<usize>,
+    layer: Layer,
     centre: Option<[f64; 3]>,
     pose: Option<String>,
     settled: bool,
-}
-
-/// Coulomb's friction.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Friction {
-    coefficient: f64,
-    slip_speed: f64,
 }
 
 impl Contact {
@@ -70,53 +61,14 @@ impl Contact {
             name: name.to_owned(),
             surface: surface.into(),
             obstacle,
-            law: ContactLaw::Cubic,
-            thickness: None,
-            stiffness: None,
-            friction: None,
-            refine: None,
+            layer: Layer::default(),
             centre: None,
             pose: None,
             settled: false,
         }
     }
 
-    /// Another law of the pressure.
-    #[must_use]
-    pub fn law(mut self, law: ContactLaw) -> Self {
-        self.law = law;
-        self
-    }
-
-    /// Thickness delta of the layer in which it acts, m; 1/500 of the surface's diagonal if not given.
-    #[must_use]
-    pub fn thickness(mut self, thickness: f64) -> Self {
-        self.thickness = Some(thickness);
-        self
-    }
-
-    /// Stiffness k, Pa: of the cubic law the pressure that closes the gap, 100 times Young's modulus at rest behind the surface if not given;
-    /// of the log law a tenth of that modulus.
-    #[must_use]
-    pub fn stiffness(mut self, stiffness: f64) -> Self {
-        self.stiffness = Some(stiffness);
-        self
-    }
-
-    /// Coulomb's friction with a coefficient, smoothed below a slip speed (m/s).
-    #[must_use]
-    pub fn friction(mut self, coefficient: f64, slip_speed: f64) -> Self {
-        self.friction = Some(Friction { coefficient, slip_speed });
-        self
-    }
-
-    /// Samples of each facet as of `refine^2` pieces. If not given, as many (8 at most) as leave samples no further apart than half of the
-    /// obstacle's least width: nothing slips between them, and a sphere of radius R enters by `h^2/(8 R)` where they are h apart.
-    #[must_use]
-    pub fn refine(mut self, refine: usize) -> Self {
-        self.refine = Some(refine);
-        self
-    }
+    layer_methods!();
 
     /// The point about which the obstacle turns; its own centre if not given (of a half-space the point of its plane).
     #[must_use]

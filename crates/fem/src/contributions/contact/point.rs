@@ -1,7 +1,7 @@
 //! [`TouchPoint`]: a contact at one displacement.
 
 use super::bound::{BoundContact, FRICTION, STIFFNESS};
-use super::friction::Slip;
+use super::friction::{Slip, without_lagged};
 use super::lagged::LaggedFriction;
 use super::law::{ContactLaw, Pressure};
 use super::pose::{ByPose, Pose};
@@ -267,12 +267,6 @@ impl ContributionPoint for TouchPoint<'_> {
     ) -> Result<(), SecondDerivativeError> {
         second_order::second_vjp(self, at, lambda, along, into)
     }
-}
-
-/// Without the step where friction is lagged: then the samples of the instant push alone.
-fn without_lagged<'a>(at: &Instant<'a>) -> Instant<'a> {
-    let step = at.step.filter(|step| step.lag.is_none());
-    Instant { step, ..*at }
 }
 
 impl BoundContact {

@@ -60,6 +60,21 @@ impl Samples {
         self.weights.push(weight);
     }
 
+    /// Of every node of some surfaces the mean of a value of their samples, by the shares of the node; zero where a sample has none.
+    pub fn nodal_means(surfaces: &[(&Samples, Vec<(usize, f64)>)]) -> Vec<(u32, f64)> {
+        let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
+        for (samples, values) in surfaces {
+            let mut add = |sample: usize, which: usize, value: f64| {
+                for &(node, shape) in samples.parts(sample) {
+                    sums.entry(node).or_default()[which] += samples.weights[sample] * shape * value;
+                }
+            };
+            (0..samples.len()).for_each(|sample| add(sample, 0, 1.0));
+            values.iter().for_each(|&(sample, value)| add(sample, 1, value));
+        }
+        sums.into_iter().map(|(node, [area, sum])| (node, if area > 0.0 { sum / area } else { 0.0 })).collect()
+    }
+
     pub fn len(&self) -> usize {
         self.weights.len()
     }

@@ -4,13 +4,13 @@ use super::bound::{BoundContact, FRICTION, STIFFNESS};
 use super::exact;
 use super::point::Gaps;
 use super::pose::ByPose;
+use super::samples::Samples;
 use crate::contributions::rigid_motion;
 use crate::contributions::touches::{ExactContact, RigidPose, Sliding, Touch, TouchParameters, Touches};
 use crate::contributions::{Instant, Sensitivities};
 use crate::error::Inadmissible;
 use nastic_mesh::spatial::Obstacle;
 use nastic_tensor::Vec3;
-use std::collections::BTreeMap;
 
 impl Touches for BoundContact {
     fn pose(&self, at: &Instant) -> Option<RigidPose> {
@@ -112,20 +112,11 @@ impl Touches for BoundContact {
     }
 
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)> {
-        let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
-        for sample in 0..self.samples.len() {
-            for &(node, shape) in self.samples.parts(sample) {
-                sums.entry(node).or_default()[0] += self.samples.weights[sample] * shape;
-            }
-        }
-        let touches = Gaps::at(self, at).map(|gaps| (gaps.pose, gaps.touches));
-        for (pose, touch) in touches.iter().flat_map(|(pose, touches)| touches.iter().map(move |touch| (pose, touch))) {
-            let pressure = self.traction(touch, pose, at).pressure.value;
-            for &(node, shape) in self.samples.parts(touch.sample) {
-                sums.entry(node).or_default()[1] += self.samples.weights[touch.sample] * shape * pressure;
-            }
-        }
-        sums.into_iter().map(|(node, [area, force])| (node, if area > 0.0 { force / area } else { 0.0 })).collect()
+        let of_touch = |gaps: Gaps| -> Vec<(usize, f64)> {
+            let pressure = |touch: &_| self.traction(touch, &gaps.pose, at).pressure.value;
+            gaps.touches.iter().map(|touch| (touch.sample, pressure(touch))).collect()
+        };
+        Samples::nodal_means(&[(&self.samples, Gaps::at(self, at).map(of_touch).unwrap_or_default())])
     }
 }
 

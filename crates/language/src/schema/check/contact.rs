@@ -1,7 +1,6 @@
 //! Contacts, costs and constraints against obstacles.
 
 use crate::schema::check::{Blocks, plain, unique};
-use crate::schema::contact::Contact;
 use crate::schema::cost::Cost;
 use crate::schema::obstacle::{Obstacle, ShapeOrName};
 use crate::schema::read::Reader;
@@ -13,10 +12,9 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
     let mut named: Vec<(&str, At)> = Vec::new();
     for contact in &blocks.contact {
         named.extend(contact.obstacle.as_ref().map(|name| (name.as_str(), contact.at.key("obstacle"))));
-        check_between(contact, reader);
         // one that could not be read was complained about
         let given = reader.document.root().find(contact.at.key("friction").as_str()).is_some();
-        if contact.slip_speed.is_some() && contact.with.is_none() && contact.friction.is_none() && !given {
+        if contact.slip_speed.is_some() && contact.friction.is_none() && !given {
             let message = "the slip speed of a contact without friction: give \"friction\", or leave this out";
             reader.complain_at(&contact.at.key("slip_speed"), message);
         }
@@ -53,15 +51,6 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
             ""
         };
         reader.complain_at(at, format!("no obstacle {}{clause}{own}", quoted(name)));
-    }
-}
-
-/// What is there between surfaces and an obstacle alone.
-fn check_between(contact: &Contact, reader: &mut Reader<'_>) {
-    let given = [("friction", contact.friction.is_some()), ("slip_speed", contact.slip_speed.is_some())];
-    for (key, _) in given.into_iter().filter(|(_, given)| *given && contact.with.is_some()) {
-        let message = "surfaces of bodies touch without friction yet: leave this out, or touch an \"obstacle\"";
-        reader.complain_at(&contact.at.key(key), message);
     }
 }
 

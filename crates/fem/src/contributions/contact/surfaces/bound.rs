@@ -6,13 +6,17 @@ use super::point::SurfacePoint;
 use super::side::Side;
 use super::simplex::{feature, nearest};
 use crate::contributions::body_energy::BodyEnergy;
-use crate::contributions::contact::{ContactLaw, defaults};
+use crate::contributions::contact::{ContactLaw, defaults, friction};
 use crate::contributions::{Contribution, ContributionPoint, Instant, Need, Touches};
 use crate::error::{FemError, Inadmissible};
 use nastic_energy::Slot;
+use nastic_linear::Symmetry;
 use nastic_mesh::spatial::Shape;
 use nastic_tensor::Vec3;
 
+/// Slots.
+pub(super) const STIFFNESS: usize = 0;
+pub(super) const FRICTION: usize = 1;
 /// Distance at which surfaces begin to be inside each other, in thicknesses.
 const APART: f64 = 2.0;
 /// Largest default thickness as a share of the distance at rest.
@@ -35,7 +39,9 @@ pub(crate) struct BoundSurfaces {
     /// delta
     pub(super) thickness: f64,
     pub(super) sides: Vec<Side>,
-    pub(super) slots: [Slot; 1],
+    /// e, with friction.
+    pub(super) slip_speed: Option<f64>,
+    pub(super) slots: Vec<Slot>,
     /// Displacements that it resists to.
     normals: Vec<Vec<(u32, f64)>>,
 }
@@ -48,18 +54,19 @@ impl BoundSurfaces {
             true => Ok(value),
             false => Err(refuse(format!("its {what} is {value}; it must be positive and finite"))),
         };
-        if of.refine == 0 {
+        let refine = of.layer.refine.unwrap_or(1);
+        if refine == 0 {
             return Err(refuse("refine is 0; it is 1 or more".to_owned()));
         }
         let [own, other] = [mesh.facets_of(&of.surfaces[0])?, mesh.facets_of(&of.surfaces[1])?];
-        let mut sides = vec![Side::new(disc, (&of.surfaces[0], of.refine), &other)?];
+        let mut sides = vec![Side::new(disc, (&of.surfaces[0], refine), &other)?];
         if own != other {
-            sides.push(Side::new(disc, (&of.surfaces[1], of.refine), &own)?);
+            sides.push(Side::new(disc, (&of.surfaces[1], refine), &own)?);
         }
-        let stiff = |facets: &[_]| defaults::stiffness(of.law, body, facets);
+        let stiff = |facets: &[_]| defaults::stiffness(of.layer.law, body, facets);
         let softer = || Some(stiff(&own)?.min(stiff(&other)?));
         let behind = || format!("{} or {}", of.surfaces[0], of.surfaces[1]);
-        let stiffness = of.stiffness.or_else(softer).ok_or_else(|| {
+        let stiffness = of.layer.stiffness.or_else(softer).ok_or_else(|| {
             refuse(format!("no passive law behind {} says how stiff the body is: give a stiffness", behind()))
         })?;
         let rest = vec![0.0; disc.dofs()];
@@ -76,18 +83,22 @@ impl BoundSurfaces {
             return Err(refuse(format!("{what}; they are nearest at {place}: move them apart")));
         }
         let by_size = defaults::thickness(mesh, &own).min(defaults::thickness(mesh, &other));
-        let thickness = positive("thickness", of.thickness.unwrap_or(by_size.min(OF_REST * gap)))?;
+        let thickness = positive("thickness", of.layer.thickness.unwrap_or(by_size.min(OF_REST * gap)))?;
         // the log law has no value where the smooth least distance, which is smaller, is below that
-        let near = if of.law == ContactLaw::Log { APART + MARGIN } else { APART };
+        let near = if of.layer.law == ContactLaw::Log { APART + MARGIN } else { APART };
         if gap < near * thickness {
             return Err(refuse(format!(
                 "its surfaces are {gap:.3e} apart at rest at {place}; that must be at least {near} times the thickness, {thickness:.3e}: give \
                  a thinner layer by `thickness`, or move the bodies apart"
             )));
         }
-        let slots = [Slot::design("stiffness", "Pa", positive("stiffness", stiffness)?)];
+        let friction = of.layer.friction.map(|friction| friction.slot(&of.name)).transpose()?;
+        let stiffness = Slot::design("stiffness", "Pa", positive("stiffness", stiffness)?);
+        let slots = [stiffness].into_iter().chain(friction).collect();
+        let slip_speed = of.layer.friction.map(|friction| friction.slip_speed);
         let normals = sides.iter().flat_map(|side| normals(side, &rest, mesh.dim())).collect();
-        Ok(BoundSurfaces { name: of.name.clone(), dim: mesh.dim(), law: of.law, thickness, sides, slots, normals })
+        let (name, dim, law) = (of.name.clone(), mesh.dim(), of.layer.law);
+        Ok(BoundSurfaces { name, dim, law, thickness, sides, slip_speed, slots, normals })
     }
 
     /// Distance at which a gap is zero.
@@ -151,14 +162,16 @@ impl Contribution for BoundSurfaces {
         &self.slots
     }
 
+    fn symmetry(&self) -> Symmetry {
+        if self.slip_speed.is_some() { Symmetry::General } else { Symmetry::Symmetric }
+    }
+
+    fn path_dependence(&self) -> Option<&'static str> {
+        self.slip_speed.map(|_| friction::PATH)
+    }
+
     fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
-        match values[0] > 0.0 {
-            true => Ok(()),
-            false => {
-                let what = format!("contact \"{}\": its stiffness is {}; it must be positive", self.name, values[0]);
-                Err(FemError::Meaningless { what })
-            }
-        }
+        friction::check_controls(&self.name, values[STIFFNESS], values.get(FRICTION).copied())
     }
 
     fn resists(&self) -> &[Vec<(u32, f64)>] {

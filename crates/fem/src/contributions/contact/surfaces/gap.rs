@@ -1,6 +1,6 @@
 //! [`Gap`]: the smooth least distance of a sample from pieces of a surface.
 
-use super::simplex::nearest;
+use super::simplex::{Nearest, nearest};
 use crate::contributions::contact::ContactLaw;
 use crate::kernels::hyper_dual::Scalar;
 
@@ -23,6 +23,15 @@ pub(super) struct Gap {
     smooth: f64,
 }
 
+/// The nearest point of a piece, and the part that it has in the least distance.
+pub(super) struct Foot<'a, T> {
+    pub nearest: Nearest<T>,
+    /// The nodes that its shares belong to, by their places among [`Gap::nodes`].
+    pub between: &'a [usize],
+    /// Parts add up to 1.
+    pub part: T,
+}
+
 impl Gap {
     /// By distances from pieces and the nodes between which their nearest points are; `None` where none is within reach.
     pub fn of(sample: usize, pieces: Vec<(f64, Vec<u32>)>, reach: f64, smooth: f64) -> Option<Self> {
@@ -41,23 +50,30 @@ impl Gap {
         Some(Gap { sample, least, smoothed: least - smooth * weight.ln(), nodes, between, smooth })
     }
 
-    /// The smooth least distance, and its derivatives by the place of the sample and by those of the nodes.
-    pub fn distance<T: Scalar>(&self, x: [T; 3], nodes: &[[T; 3]]) -> (T, Vec<[T; 3]>) {
+    /// The smooth least distance, and the pieces that have a part in it.
+    pub fn near<T: Scalar>(&self, x: [T; 3], nodes: &[[T; 3]]) -> (T, Vec<Foot<'_, T>>) {
         let corners = |of: &Vec<usize>| of.iter().map(|&i| nodes[i]).collect::<Vec<_>>();
         let found: Vec<_> = self.between.iter().map(|of| nearest(x, &corners(of))).collect();
         let (least, e) = (T::of(self.least), T::of(self.smooth));
         let weights: Vec<T> = found.iter().map(|near| ((least - near.distance) / e).exp()).collect();
         let sum = weights.iter().fold(T::of(0.0), |sum, weight| sum + *weight);
+        let feet = found.into_iter().zip(&self.between).zip(weights);
+        let feet = feet.map(|((nearest, between), weight)| Foot { nearest, between, part: weight / sum }).collect();
+        (least - e * sum.ln(), feet)
+    }
+
+    /// The smooth least distance, and its derivatives by the place of the sample and by those of the nodes.
+    pub fn distance<T: Scalar>(&self, x: [T; 3], nodes: &[[T; 3]]) -> (T, Vec<[T; 3]>) {
+        let (distance, feet) = self.near(x, nodes);
         let mut by = vec![[T::of(0.0); 3]; nodes.len() + 1];
-        for ((near, of), weight) in found.iter().zip(&self.between).zip(&weights) {
-            let weight = *weight / sum;
+        for Foot { nearest, between, part } in feet {
             let mut add = |slot: usize, share: T| {
-                by[slot].iter_mut().zip(near.normal).for_each(|(by, n)| *by = *by + share * weight * n);
+                by[slot].iter_mut().zip(nearest.normal).for_each(|(by, n)| *by = *by + share * part * n);
             };
             add(0, T::of(1.0));
-            of.iter().zip(near.shares).for_each(|(&node, share)| add(node + 1, T::of(0.0) - share));
+            between.iter().zip(nearest.shares).for_each(|(&node, share)| add(node + 1, T::of(0.0) - share));
         }
-        (least - e * sum.ln(), by)
+        (distance, by)
     }
 }
 

@@ -2,22 +2,27 @@
 
 mod bound;
 mod gap;
+mod lagged;
 mod moves;
 mod pieces;
 mod point;
+mod rub;
+mod sample;
 mod side;
 mod simplex;
+mod spin;
 mod sums;
 
 use super::ContactLaw;
+use super::layer::{Layer, layer_methods};
 use crate::contributions::body_energy::BodyEnergy;
 use crate::error::FemError;
 pub(crate) use bound::BoundSurfaces;
 use nastic_mesh::GroupNames;
 
-/// Two surfaces that push each other back, without friction; or one that pushes itself back.
+/// Two surfaces that push each other back, with friction or without; or one that pushes itself back.
 ///
-/// **Potential.** `sum_s w_s psi(d_s)` over the samples s of either surface, with half of their reference areas as w_s (both walls that touch have
+/// **Potential**, without friction: `sum_s w_s psi(d_s)` over the samples s of either surface, with half of their reference areas as w_s (both walls that touch have
 /// samples), psi a [`ContactLaw`] of thickness delta and stiffness k (Pa). The gap of a sample is its distance from the other
 /// surface less `2 delta`: where surfaces touch, they stay about `2 delta` apart, and no edge is so sharp that a distance has no derivative.
 ///
@@ -34,60 +39,33 @@ use nastic_mesh::GroupNames;
 /// Facets that share a node with a sample's own ones, or with a neighbour of these, are left out: a surface does not touch itself there.
 /// Where edges cross between samples nothing is seen.
 ///
-/// **Control**: the stiffness (Pa), a design.
+/// **Friction** (Coulomb) acts in time steps alone, as that of [`Contact`](crate::Contact): a sample that a piece i presses with `pi_i p` (parts
+/// `pi_i` of the pressure, of the least distance) bears `mu pi_i p f(v_t)` per area, the piece the opposite, with
+///
+/// ```text
+/// v_t = (1 - n n^T) (v_s - v_y - omega x r),     r = x_s - y_i,     v_y = sum_a b_a v_a  of  y_i = sum_a b_a x_a
+/// ```
+///
+/// omega the spin of the sample's own surface, fitted to the velocities of its corners: where both surfaces move as one rigid body nothing slides, though
+/// they stand `2 delta` apart, and forces and moments of friction cancel too.
+///
+/// **Controls**: the stiffness (Pa) and the friction coefficient, designs.
 ///
 /// Source: docs/contact.md; nearest points as in Ericson, "Real-time collision detection" (2005), section 5.1.5.
 #[derive(Debug, Clone)]
 pub struct SurfaceContact {
     name: String,
     surfaces: [GroupNames; 2],
-    law: ContactLaw,
-    thickness: Option<f64>,
-    stiffness: Option<f64>,
-    refine: usize,
+    layer: Layer,
 }
 
 impl SurfaceContact {
     /// Of a surface, or several together, with another; of a surface with itself where both are the same.
     pub fn between(name: &str, surface: impl Into<GroupNames>, other: impl Into<GroupNames>) -> Self {
-        SurfaceContact {
-            name: name.to_owned(),
-            surfaces: [surface.into(), other.into()],
-            law: ContactLaw::Cubic,
-            thickness: None,
-            stiffness: None,
-            refine: 1,
-        }
+        SurfaceContact { name: name.to_owned(), surfaces: [surface.into(), other.into()], layer: Layer::default() }
     }
 
-    /// Another law of the pressure.
-    #[must_use]
-    pub fn law(mut self, law: ContactLaw) -> Self {
-        self.law = law;
-        self
-    }
-
-    /// Thickness delta of the layer in which it acts, m. If not given 1/500 of the diagonal of the smaller surface, and no more than a quarter of the
-    /// distance between the surfaces at rest.
-    #[must_use]
-    pub fn thickness(mut self, thickness: f64) -> Self {
-        self.thickness = Some(thickness);
-        self
-    }
-
-    /// Stiffness k, Pa; if not given that of [`Contact`](crate::Contact) by the softer of both sides.
-    #[must_use]
-    pub fn stiffness(mut self, stiffness: f64) -> Self {
-        self.stiffness = Some(stiffness);
-        self
-    }
-
-    /// Samples of each facet as of `refine^2` pieces, 1 if not given: its nodes.
-    #[must_use]
-    pub fn refine(mut self, refine: usize) -> Self {
-        self.refine = refine;
-        self
-    }
+    layer_methods!();
 
     /// The contribution on a body whose materials are there.
     ///

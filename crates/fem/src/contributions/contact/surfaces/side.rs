@@ -20,6 +20,8 @@ pub(super) struct Side {
     pub pieces: Pieces,
     /// Of every sample the facets of the other surface that are its neighbours in the body, ascending.
     neighbours: Vec<Vec<u32>>,
+    /// Of every sample the other corners of its own facets, by which its surface turns.
+    pub rings: Vec<Vec<u32>>,
 }
 
 impl Side {
@@ -44,7 +46,8 @@ impl Side {
             around(&nodes).into_iter().collect()
         };
         let neighbours = (0..samples.len()).map(ring).collect();
-        Ok(Side { mesh, samples, pieces, neighbours })
+        let rings = rings(&mesh, &mesh.facets_of(surface)?, &samples);
+        Ok(Side { mesh, samples, pieces, neighbours, rings })
     }
 
     /// Where a node is.
@@ -95,4 +98,27 @@ impl Side {
         };
         (0..self.samples.len()).filter_map(of_sample).collect()
     }
+}
+
+/// Of every sample the corners of the facets that it is on, itself excepted; ascending.
+fn rings(mesh: &Mesh, facets: &[Facet], samples: &Samples) -> Vec<Vec<u32>> {
+    let mut of_node: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    let all: Vec<(usize, Vec<u32>)> = facets
+        .iter()
+        .map(|&facet| {
+            let (kind, nodes) = mesh.facet_nodes(facet);
+            (kind.corners(), nodes)
+        })
+        .collect();
+    for (facet, (_, nodes)) in all.iter().enumerate() {
+        nodes.iter().for_each(|&node| of_node.entry(node).or_default().push(facet));
+    }
+    let ring = |sample: usize| -> Vec<u32> {
+        let own: Vec<u32> = samples.parts(sample).iter().map(|(node, _)| *node).collect();
+        let first = own.first().and_then(|node| of_node.get(node)).into_iter().flatten().map(|&facet| &all[facet]);
+        let on = first.filter(|(_, nodes)| own.iter().all(|node| nodes.contains(node)));
+        let corners: BTreeSet<u32> = on.flat_map(|(corners, nodes)| nodes[..*corners].iter().copied()).collect();
+        corners.into_iter().filter(|node| own != [*node]).collect()
+    };
+    (0..samples.len()).map(ring).collect()
 }

@@ -1,14 +1,19 @@
 //! What surfaces that touch each other carry at an instant.
 
-use super::bound::{BoundSurfaces, least};
+use super::bound::{BoundSurfaces, FRICTION, STIFFNESS, least};
 use super::gap::slope;
-use super::point::{SHARE, Sample, SurfacePoint};
-use crate::contributions::touches::{RigidPose, Touch, TouchParameters, Touches};
+use super::point::SurfacePoint;
+use super::rub::Rub;
+use super::sample::{SHARE, Sample};
+use crate::contributions::contact::samples::Samples;
+use crate::contributions::touches::{RigidPose, Sliding, Touch, TouchParameters, Touches};
 use crate::contributions::{Instant, Sensitivities};
 use crate::error::Inadmissible;
 use crate::kernels::hyper_dual::HyperDual;
 use nastic_tensor::Vec3;
-use std::collections::BTreeMap;
+
+/// Least part in a sample's pressure of a piece whose sliding is told.
+const PART: f64 = 1e-3;
 
 /// A sample that presses.
 struct Pressed {
@@ -23,7 +28,7 @@ impl Sample<'_> {
     /// The gap, and what presses there.
     fn pressed(&self, u: &[f64]) -> Pressed {
         let places: Vec<[f64; 3]> = self.places(u).into_iter().map(Into::into).collect();
-        let (distance, by) = self.gap.distance(places[0], &places[1..]);
+        let (distance, by) = self.gap.distance(places[0], &places[1..self.near_slots()]);
         let gap = distance - self.of.apart();
         let HyperDual([psi, by_gap, ..]) = slope(self.of.law, HyperDual([gap, 1.0, 0.0, 0.0]), self.of.thickness);
         Pressed { gap, pressure: [-psi, -by_gap], by: by.into_iter().map(Vec3::from).collect() }
@@ -36,9 +41,9 @@ impl Touches for BoundSurfaces {
     }
 
     fn touch(&self, at: &Instant) -> Option<Touch> {
-        let (point, k) = (SurfacePoint::new(self, self.gaps(at.u).ok()?), at.control(0));
+        let (point, k) = (SurfacePoint::new(self, self.gaps(at.u).ok()?), at.control(STIFFNESS));
         let mut touch = Touch::none(self.least_gap(at.u)?);
-        let (mut force, mut moment, mut remaining) = (Vec3::zeros(), Vec3::zeros(), 0.0);
+        let (mut carried, mut remaining) = (Carried::default(), 0.0);
         for sample in point.samples() {
             let (weight, place, pressed) = (sample.weight(), sample.places(at.u)[0], sample.pressed(at.u));
             if pressed.gap < touch.smallest_gap {
@@ -52,17 +57,16 @@ impl Touches for BoundSurfaces {
             touch.pressing += weight * pressure;
             remaining += weight * pressure * pressed.gap;
             touch.largest_pressure = touch.largest_pressure.max(pressure);
-            // the force on the first surface; its own samples are before the other one
-            if let [first, _] = &self.sides[..] {
-                let push = if std::ptr::eq(first, sample.side) { 1.0 } else { -1.0 };
-                let own = push * weight * pressure * pressed.by[0];
-                force += own;
-                moment += place.cross(&own);
-            }
+            carried.add(&sample, at, weight * pressure);
         }
-        (touch.force, touch.moment) = (force.into(), moment.into());
+        (touch.force, touch.moment) = (carried.force.into(), carried.moment.into());
         touch.mean_gap = if touch.pressing > 0.0 { remaining / touch.pressing } else { 0.0 };
         touch.sunk = -touch.smallest_gap;
+        touch.sliding = self.slip_speed.map(|slip_speed| {
+            let in_step = touch.pressing > 0.0 && at.step.is_some();
+            let sticking = if in_step { carried.sticking / touch.pressing } else { 1.0 };
+            Sliding { sticking, speed: carried.speed, slip_speed }
+        });
         Some(touch)
     }
 
@@ -70,8 +74,8 @@ impl Touches for BoundSurfaces {
         TouchParameters {
             thickness: self.thickness,
             inset: 0.0,
-            stiffness: self.slots[0].rest(),
-            friction: None,
+            stiffness: self.slots[STIFFNESS].rest(),
+            friction: self.slip_speed.map(|slip_speed| (self.slots[FRICTION].rest(), slip_speed)),
             area: SHARE * self.sides.iter().flat_map(|side| &side.samples.weights).sum::<f64>(),
             samples: self.sides.iter().map(|side| side.samples.len()).sum(),
             between_samples: 0.0,
@@ -85,7 +89,7 @@ impl Touches for BoundSurfaces {
         by_u: &mut [f64],
         into: &mut Sensitivities,
     ) -> Result<f64, Inadmissible> {
-        let (point, k) = (SurfacePoint::new(self, self.gaps(at.u)?), at.control(0));
+        let (point, k) = (SurfacePoint::new(self, self.gaps(at.u)?), at.control(STIFFNESS));
         let (mut sum, mut by_stiffness) = (0.0, 0.0);
         for sample in point.samples() {
             let (weight, pressed) = (sample.weight(), sample.pressed(at.u));
@@ -99,28 +103,59 @@ impl Touches for BoundSurfaces {
             let along: Vec<Vec3> = pressed.by.iter().map(|by| weight * slope * k * by_gap * by).collect();
             sample.spread(&along, |dof, value| by_u[dof] += value);
         }
-        into.add_control(at, 0, by_stiffness);
+        into.add_control(at, STIFFNESS, by_stiffness);
         Ok(sum)
     }
 
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)> {
-        let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
-        for side in &self.sides {
-            for sample in 0..side.samples.len() {
-                for &(node, shape) in side.samples.parts(sample) {
-                    sums.entry(node).or_default()[0] += side.samples.weights[sample] * shape;
-                }
-            }
-        }
         let point = self.gaps(at.u).map(|gaps| SurfacePoint::new(self, gaps));
-        for sample in point.iter().flat_map(SurfacePoint::samples) {
-            let (samples, of) = (&sample.side.samples, sample.gap.sample);
-            let pressure = at.control(0) * sample.pressed(at.u).pressure[0];
-            for &(node, shape) in samples.parts(of) {
-                sums.entry(node).or_default()[1] += samples.weights[of] * shape * pressure;
+        let all: Vec<Sample> = point.iter().flat_map(SurfacePoint::samples).collect();
+        let pressure = |sample: &Sample| at.control(STIFFNESS) * sample.pressed(at.u).pressure[0];
+        let of_sides = self.sides.iter().map(|side| {
+            let own = all.iter().filter(|sample| std::ptr::eq(sample.side, side));
+            (&side.samples, own.map(|sample| (sample.gap.sample, pressure(sample))).collect())
+        });
+        Samples::nodal_means(&of_sides.collect::<Vec<_>>())
+    }
+}
+
+/// What the first of two surfaces is pushed with, about the origin, and how samples slide.
+#[derive(Default)]
+struct Carried {
+    force: Vec3,
+    moment: Vec3,
+    /// Normal force of what slides slower than the slip speed.
+    sticking: f64,
+    speed: f64,
+}
+
+impl Carried {
+    /// Of a sample that presses with a force.
+    fn add(&mut self, sample: &Sample, at: &Instant, pressing: f64) {
+        let (of, k) = (sample.of, at.control(STIFFNESS));
+        let mut forces = sample.force(at.u).1;
+        if let (Some(slip_speed), Some(_)) = (of.slip_speed, at.step) {
+            let (rub, weight) = (Rub::at(*sample, at.u), sample.weight());
+            let velocities = sample.slots(|dof| at.velocity(dof));
+            let strength = at.control(FRICTION) * weight;
+            forces.iter_mut().zip(rub.forces(at, slip_speed)).for_each(|(force, more)| *force += strength * more);
+            let (mut sticking, mut all) = (0.0, 0.0);
+            // pieces that have almost no part in the pressure do not count
+            for foot in rub.feet.iter().filter(|foot| foot.part > PART) {
+                let slides = rub.slides(foot, &velocities).norm();
+                self.speed = self.speed.max(slides);
+                sticking += if slides < slip_speed { foot.part } else { 0.0 };
+                all += foot.part;
             }
+            self.sticking += pressing * sticking / all;
         }
-        sums.into_iter().map(|(node, [area, force])| (node, if area > 0.0 { force / area } else { 0.0 })).collect()
+        let [first, _] = &of.sides[..] else { return };
+        // the nodes of the pieces bear the opposite of what the sample's side does, and the opposite moment
+        let on_own = if std::ptr::eq(first, sample.side) { k } else { -k };
+        for (place, force) in sample.places(at.u)[..sample.near_slots()].iter().zip(&forces).skip(1) {
+            self.force += on_own * force;
+            self.moment += place.cross(&(on_own * force));
+        }
     }
 }
 

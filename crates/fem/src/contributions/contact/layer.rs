@@ -1,0 +1,59 @@
+//! [`Layer`]: what contacts with obstacles and of surfaces are given alike.
+
+use super::ContactLaw;
+use super::friction::Friction;
+
+/// What was given; `None` what is to be found.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Layer {
+    pub law: ContactLaw,
+    pub thickness: Option<f64>,
+    pub stiffness: Option<f64>,
+    pub friction: Option<Friction>,
+    pub refine: Option<usize>,
+}
+
+/// The methods of a builder whose `layer` is a [`Layer`].
+macro_rules! layer_methods {
+    () => {
+        /// Another law of the pressure.
+        #[must_use]
+        pub fn law(mut self, law: ContactLaw) -> Self {
+            self.layer.law = law;
+            self
+        }
+
+        /// Thickness delta of the layer in which it acts, m; 1/500 of the surface's diagonal if not given; between surfaces of the smaller one, and no more
+        /// than a quarter of their distance at rest.
+        #[must_use]
+        pub fn thickness(mut self, thickness: f64) -> Self {
+            self.layer.thickness = Some(thickness);
+            self
+        }
+
+        /// Stiffness k, Pa: of the cubic law the pressure that closes the gap, 100 times Young's modulus at rest behind the surface (of two the
+        /// softer one) if not given; of the log law a tenth of that modulus.
+        #[must_use]
+        pub fn stiffness(mut self, stiffness: f64) -> Self {
+            self.layer.stiffness = Some(stiffness);
+            self
+        }
+
+        /// Coulomb's friction with a coefficient, smoothed below a slip speed (m/s).
+        #[must_use]
+        pub fn friction(mut self, coefficient: f64, slip_speed: f64) -> Self {
+            self.layer.friction = Some($crate::contributions::contact::friction::Friction { coefficient, slip_speed });
+            self
+        }
+
+        /// Samples of each facet as of `refine^2` pieces. If not given, between surfaces 1, and before an obstacle as many (8 at most) as leave samples no
+        /// further apart than half of its least width: nothing slips between them, and a sphere of radius R enters by `h^2/(8 R)` where they
+        /// are h apart.
+        #[must_use]
+        pub fn refine(mut self, refine: usize) -> Self {
+            self.layer.refine = Some(refine);
+            self
+        }
+    };
+}
+pub(super) use layer_methods;
