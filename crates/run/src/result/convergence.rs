@@ -30,7 +30,8 @@ fn without_seconds(trial: &TrialRecord) -> Option<Value> {
 
 /// Cost, projected gradient and distances of the trials over their first values; `None` where nothing can be drawn.
 fn chart(title: &str, trials: &[&TrialRecord]) -> Option<Chart> {
-    let columns: [(fn(&TrialRecord) -> Number, &str); 4] = [
+    type Column = fn(&TrialRecord) -> Number;
+    let columns: [(Column, &str); 4] = [
         (|trial| trial.cost, "cost"),
         (|trial| trial.gradient_norm, "projected gradient"),
         (|trial| trial.hausdorff_true, "true Hausdorff distance"),

@@ -16,10 +16,9 @@ pub(crate) fn record(problem: &CaseProblem) -> ByName<Vec<SmoothingRecord>> {
     let of = |member: CaseMember<'_>| {
         let case = member.load_case().map_or_else(String::new, |case| format!("{case}/"));
         let costs = member.reduced().costs().iter().filter(|cost| !cost.smoothings().is_empty());
-        let named = |cost: &Box<dyn nastic_control::Cost>| {
-            (format!("{case}{}", cost.name()), cost.smoothings().iter().map(stage).collect())
-        };
-        costs.map(named).collect::<Vec<_>>()
+        costs
+            .map(|cost| (format!("{case}{}", cost.name()), cost.smoothings().iter().map(stage).collect()))
+            .collect::<Vec<_>>()
     };
     problem.leads().flat_map(of).collect()
 }

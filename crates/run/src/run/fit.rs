@@ -3,7 +3,6 @@
 mod entry;
 mod plot;
 mod print;
-mod table;
 
 use crate::console::Console;
 use crate::result::files::Directory;
@@ -11,9 +10,10 @@ use crate::result::output_names::FIT;
 use crate::run::error::{Exit, RunError};
 use crate::run::fit::entry::Fitted;
 use crate::run::output_directory::directory_of;
-use nastic_fit::{FitError, FitOptions, Law, Mode, Test, fit as fit_law};
-use nastic_language::schema::{FitData, FitKind, FitTest};
-use nastic_language::syntax::{Diagnostics, Document};
+use nastic_case::lower::read_tests;
+use nastic_fit::{FitError, FitOptions, Law, fit as fit_law};
+use nastic_language::schema::FitData;
+use nastic_language::syntax::Document;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -87,31 +87,4 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     out.write_json(FILE, &result)?;
     console.say(format!("results     {}: {}", out.path().display(), files.join(", ")));
     Ok(FitOutcome { exit: Exit::Done, result })
-}
-
-/// All tables with what deserves attention in them, and all that is wrong with any.
-fn read_tests(document: &Document, asked: &FitData) -> Result<(Vec<Test>, Vec<String>), Diagnostics> {
-    let (mut tests, mut doubtful, mut problems) = (Vec::new(), Vec::new(), Vec::new());
-    for test in &asked.tests {
-        match table::read(document, test, mode(test)) {
-            Ok((read, doubt)) => {
-                tests.push(read);
-                doubtful.extend(doubt);
-            }
-            Err(found) => problems.extend(found.list().iter().cloned()),
-        }
-    }
-    Diagnostics::new(problems).into_result().map(|()| (tests, doubtful))
-}
-
-fn mode(test: &FitTest) -> Mode {
-    match test.kind {
-        FitKind::Uniaxial => Mode::Uniaxial,
-        FitKind::Equibiaxial => Mode::Equibiaxial,
-        FitKind::Planar => Mode::Planar,
-        FitKind::SimpleShear => Mode::SimpleShear,
-        // the schema has seen to it that there is one
-        FitKind::Inflation => Mode::Inflation { thickness_to_radius: test.thickness_to_radius.unwrap_or(f64::NAN) },
-        FitKind::Volumetric => Mode::Volumetric,
-    }
 }

@@ -2,7 +2,6 @@
 
 mod plot;
 mod row;
-mod swept;
 
 use crate::console::Console;
 use crate::result::files::Directory;
@@ -13,7 +12,7 @@ use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::output_directory::directory_of;
 use crate::run::sweep::row::Row;
-use crate::run::sweep::swept::{Combination, Swept, combinations};
+use nastic_case::lower::{Combination, Swept, combinations};
 use nastic_io::write_atomically;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number::{count, short};

@@ -150,7 +150,7 @@ impl Round<'_> {
             Phase::Evaluated(begun) => self.begin(index, (*begun, GradientCheckRecord::default()), output),
             Phase::Waiting => match self.evaluate(index, output) {
                 Evaluation::Right(begun, certificate) => self.begin(index, (*begun, certificate), output),
-                Evaluation::Failed(warnings, entry) => self.end(failed(index, warnings, entry), None),
+                Evaluation::Failed(warnings, entry) => self.end(failed(index, warnings, *entry), None),
                 Evaluation::BrokenOff => StartRun::waiting(index),
             },
             Phase::Ended(_) => start,
@@ -200,15 +200,15 @@ impl Round<'_> {
                 self.halt.store(true, Ordering::Relaxed);
                 Evaluation::BrokenOff
             }
-            Ok((Err(error), begun)) => Evaluation::Failed(begun.warnings, refused(&error)),
-            Err(why) => Evaluation::Failed(vec![], refused(&why)),
+            Ok((Err(error), begun)) => Evaluation::Failed(begun.warnings, Box::new(refused(&error))),
+            Err(why) => Evaluation::Failed(vec![], Box::new(refused(&why))),
             Ok((Ok(None), begun)) => Evaluation::Right(Box::new(begun), GradientCheckRecord::default()),
             Ok((Ok(Some(certificate)), begun)) => {
                 let check = check_gradient::record(&certificate);
                 if certificate.verdict == Verdict::Wrong {
                     let gradient_check = Some(check);
                     let entry = StartEntry { gradient_check, ..failed_entry(seed, "its gradient is wrong") };
-                    return Evaluation::Failed(begun.warnings, entry);
+                    return Evaluation::Failed(begun.warnings, Box::new(entry));
                 }
                 Evaluation::Right(Box::new(begun), check)
             }
@@ -312,7 +312,7 @@ enum Evaluation {
     /// It can begin; with the entry of its gradient check.
     Right(Box<Begun>, GradientCheckRecord),
     /// It cannot; with its entry in the result.
-    Failed(Vec<nastic_case::warning::Warning>, StartEntry),
+    Failed(Vec<nastic_case::warning::Warning>, Box<StartEntry>),
     BrokenOff,
 }
 

@@ -96,12 +96,12 @@ impl Diagnosis {
             free: Some(*free),
             negative: Some(*negative),
             lowest: (*lowest).into(),
-            shares: self.shares(problem).into(),
+            shares: self.shares(problem),
             above: Some(self.spectrum.above(MATTERS)),
             most: Some(self.holds_most()),
             cost_rise: self.rise.into(),
             half_widths: Some(widths),
-            half_width: self.ranges(problem).into(),
+            half_width: self.ranges(problem),
         }
     }
 

@@ -1,7 +1,7 @@
 //! The figures of a sweep over its first swept value.
 
 use crate::run::sweep::row::Row;
-use crate::run::sweep::swept::Swept;
+use nastic_case::lower::Swept;
 use nastic_language::expression::Formula;
 use nastic_language::number::short;
 use nastic_language::quantity::Units;

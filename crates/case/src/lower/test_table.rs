@@ -3,7 +3,7 @@
 use nastic_fit::{FitError, Mode, Response, Test};
 use nastic_language::number::short;
 use nastic_language::quantity::{Dimension, Unit};
-use nastic_language::schema::FitTest;
+use nastic_language::schema::{FitData, FitKind, FitTest};
 use nastic_language::syntax::{Diagnostic, Diagnostics, Document, quoted};
 use std::path::Path;
 
@@ -25,8 +25,38 @@ type Wrong = (usize, usize, String);
 /// Strains beyond this, 1000 %, no rubber bears: percent were meant.
 const LARGEST_STRAIN: f64 = 10.0;
 
+/// The tables of a data file, with what deserves attention in them.
+///
+/// # Errors
+/// A file that cannot be read, a row that is none: all that is wrong with any.
+pub fn read_tests(document: &Document, asked: &FitData) -> Result<(Vec<Test>, Vec<String>), Diagnostics> {
+    let (mut tests, mut doubtful, mut problems) = (Vec::new(), Vec::new(), Vec::new());
+    for test in &asked.tests {
+        match read(document, test, mode(test)) {
+            Ok((read, doubt)) => {
+                tests.push(read);
+                doubtful.extend(doubt);
+            }
+            Err(found) => problems.extend(found.list().iter().cloned()),
+        }
+    }
+    Diagnostics::new(problems).into_result().map(|()| (tests, doubtful))
+}
+
+fn mode(test: &FitTest) -> Mode {
+    match test.kind {
+        FitKind::Uniaxial => Mode::Uniaxial,
+        FitKind::Equibiaxial => Mode::Equibiaxial,
+        FitKind::Planar => Mode::Planar,
+        FitKind::SimpleShear => Mode::SimpleShear,
+        // the schema has seen to it that there is one
+        FitKind::Inflation => Mode::Inflation { thickness_to_radius: test.thickness_to_radius.unwrap_or(f64::NAN) },
+        FitKind::Volumetric => Mode::Volumetric,
+    }
+}
+
 /// Reads the table of a test, and what deserves attention in it.
-pub(super) fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Option<String>), Diagnostics> {
+fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Option<String>), Diagnostics> {
     let path = document.resolve(&test.file);
     let text = std::fs::read_to_string(&path).map_err(|error| {
         document.complain(&test.at.key("file"), format!("{} cannot be read: {error}", path.display()))

@@ -1,6 +1,6 @@
 //! [`Swept`]: an option `--set path=a,b,c`, and what a list of them means together.
 
-use nastic_case::lower::file_name;
+use crate::lower::file_name;
 use nastic_language::quantity::Unit;
 use nastic_language::syntax::{Diagnostic, Diagnostics, Setting};
 use std::collections::BTreeSet;
@@ -12,8 +12,10 @@ const NAMED: usize = 40;
 
 /// A path of the case and the values it takes, one after the other; a fixed option has one.
 #[derive(Clone, Debug)]
-pub(super) struct Swept {
+pub struct Swept {
+    /// The path, as typed.
     pub path: String,
+    /// The values, as typed.
     pub values: Vec<String>,
     /// The path, as short as it can be told from the others.
     pub label: String,
@@ -21,7 +23,8 @@ pub(super) struct Swept {
 
 /// One value of every option, fixed ones included, and the name of the directory of its results.
 #[derive(Clone, Debug)]
-pub(super) struct Combination {
+pub struct Combination {
+    /// Name of the directory.
     pub directory: String,
     /// Indices of the values, in the order of the options.
     pub at: Vec<usize>,
@@ -106,7 +109,7 @@ fn has_unit(value: &str) -> bool {
 }
 
 /// All combinations of values: those of the last option vary fastest.
-pub(super) fn combinations(options: &[Swept]) -> Vec<Combination> {
+pub fn combinations(options: &[Swept]) -> Vec<Combination> {
     let runs = options.iter().map(|one| one.values.len()).product();
     let mut taken = BTreeSet::new();
     let of = |run: usize| {
