@@ -64,10 +64,8 @@ def plant(crate, name, before, after, tested=None):
         return "ERROR: it does not compile"
     if ran.returncode == 0:
         return f"MISSED ({seconds:.0f} s)"
-    failed = [line.split()[1] for line in ran.stdout.splitlines() if line.startswith("test ") and "FAILED" in line]
-    named = [line[5:-7] for line in ran.stdout.splitlines() if line.startswith("---- ") and line.endswith(" stdout ----")]
-    first = (failed or named or ["a test"])[0]
-    return f"caught by {len(failed or named) or 'some'} ({first}; {seconds:.0f} s)"
+    failed = [line[5:-12] for line in ran.stdout.splitlines() if line.startswith("---- ") and line.endswith(" stdout ----")]
+    return f"caught by {len(failed)} ({failed[0]}; {seconds:.0f} s)" if failed else f"ERROR: {ran.stderr[-200:]}"
 
 
 def main():

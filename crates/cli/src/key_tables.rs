@@ -46,6 +46,9 @@ fn table(object: &Value) -> String {
         let long = [(cells[0], takes.as_str()), (cells[1], meaning)].into_iter().filter(|(fits, _)| !fits);
         long.for_each(|(_, text)| notes += &format!("* `{key}`: {text}\n"));
     }
+    if object["properties"].is_object() && object["additionalProperties"].is_object() {
+        let _ = writeln!(out, "| any other name | {} | |", takes(&object["additionalProperties"]));
+    }
     if notes.is_empty() { out } else { format!("{out}\n{notes}") }
 }
 

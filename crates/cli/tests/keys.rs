@@ -1,8 +1,9 @@
 //! The tables of keys in the documentation, and the schemas they are made of.
 
-#![allow(clippy::unwrap_used)] // a test may
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
 use crate::common::{BAR, Place};
+use nastic_run::record::RunRecord;
 use serde_json::Value;
 use std::path::Path;
 
@@ -47,4 +48,31 @@ fn results_have_the_keys_of_their_schema() {
         2,
         "null where pivots were not counted"
     );
+}
+
+/// What is read of a result is written again as it was: no key is lost, none is read as another.
+#[test]
+fn results_are_read_as_they_were_written() {
+    let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
+    let place = Place::new(BAR);
+    let mut commands: Vec<Vec<String>> = std::fs::read_dir(cases)
+        .unwrap()
+        .map(|entry| entry.unwrap().path().display().to_string())
+        .filter(|file| file.ends_with(".json"))
+        .map(|file| vec!["check".to_owned(), file])
+        .collect();
+    assert!(commands.len() > 20);
+    for (command, options) in
+        [("optimize", ""), ("gradient", ""), ("gradcheck", ""), ("solve", "--modes=2"), ("solve", "--path")]
+    {
+        let parts = [command, "case.json", options].into_iter().filter(|part| !part.is_empty());
+        commands.push(parts.map(str::to_owned).collect());
+    }
+    for command in commands {
+        let mut arguments: Vec<&str> = command.iter().map(String::as_str).collect();
+        arguments.extend(["--json", "--out", "here"]);
+        let output = place.nastic(&arguments);
+        let Ok(result) = serde_json::from_slice::<Value>(&output.stdout) else { panic!("{command:?}: {output:?}") };
+        assert_eq!(RunRecord::of(&result).unwrap().to_json().unwrap(), result, "{command:?}");
+    }
 }

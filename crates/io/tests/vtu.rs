@@ -333,3 +333,15 @@ fn raw_cell_order_is_followed_by_arrays() {
     assert!(read_vtu_scaled(&path, 0.0).is_err());
     assert!(read_vtu(directory.path().join("none.vtu")).unwrap_err().to_string().contains("none.vtu"));
 }
+
+/// Entries in a row with one time are parts of it, numbered from zero; ParaView shows parts together.
+#[test]
+fn parts_of_one_time_are_numbered() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("all.pvd");
+    let steps = [(0.0, "a.vtu"), (0.5, "b.vtu"), (0.5, "b_lines.vtu"), (0.5, "b_obstacles.vtu"), (1.0, "c.vtu")];
+    nastic_io::write_pvd(&file, &steps).unwrap();
+    let text = std::fs::read_to_string(file).unwrap();
+    let parts: Vec<&str> = text.split("part=\"").skip(1).map(|rest| &rest[..1]).collect();
+    assert_eq!(parts, ["0", "0", "1", "2", "0"]);
+}

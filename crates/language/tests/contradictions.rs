@@ -10,6 +10,16 @@ const MAGNETS: &str = include_str!("cases/magnets.json");
 const SCENARIOS: &str = include_str!("cases/scenarios.json");
 
 #[test]
+fn a_smoothed_distance_has_no_name_of_a_distance_in_results() {
+    one(
+        COMPLETE,
+        "\"kind\": \"smoothed_hausdorff\", ",
+        "\"kind\": \"smoothed_hausdorff\", \"name\": \"true\", ",
+        ": costs/0/name: \"true\" is the name of a distance in results; take another one",
+    );
+}
+
+#[test]
 fn contradictions_inside_a_block_are_found() {
     one(
         COMPLETE,

@@ -32,6 +32,7 @@ mod contact_record;
 mod control_record;
 mod error_record;
 mod failure_record;
+mod fit_record;
 mod gradcheck_record;
 mod nullable;
 mod number;
@@ -55,6 +56,10 @@ pub use control_record::{ControlRecord, ControlValues, RangeRecord};
 pub use error_record::{ErrorRecord, ProblemRecord};
 pub use failure_record::{
     CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, MeetingGuidesRecord, PenetrationRecord, TensionRecord,
+};
+pub use fit_record::{
+    BulkRecord, EstimateRecord, FailedLawRecord, FitRecord, FitStartsRecord, FittedLawRecord, StableRangeRecord,
+    TestRecord,
 };
 pub use gradcheck_record::{
     DirectionRecord, GradcheckRecord, RemainderRecord, SecondDirectionRecord, SecondGradcheckRecord, TermCheckRecord,

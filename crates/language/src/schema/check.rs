@@ -156,6 +156,12 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     for probe in &blocks.probes {
         plain(&probe.name, &probe.at.key("name"), &['/'], reader);
     }
+    // results have the distances of several such costs by name beside these
+    let distances = blocks.costs.iter().filter(|cost| matches!(cost, Cost::SmoothedHausdorff(_)));
+    for cost in distances.filter(|cost| ["smoothed", "true", "self"].contains(&cost.name())) {
+        let message = format!("{} is the name of a distance in results; take another one", quoted(cost.name()));
+        reader.complain_at(&cost.at().key("name"), message);
+    }
     for case in &blocks.load_cases {
         plain(&case.name, &case.at.key("name"), &['/', '\\'], reader);
     }

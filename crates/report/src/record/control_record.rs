@@ -27,7 +27,7 @@ records! {
         upper: Number,
         /// How many values lie on a bound; vectors count once.
         active: Option<usize>,
-        /// The same as a share.
+        /// `active` as a share of the values, of vectors of their number.
         active_share: Number,
         /// Total variation of a field over the body, int |grad m| dX with its jumps.
         total_variation: Number,

@@ -9,13 +9,13 @@ records! {
         kind: String,
         /// The scenario or load case.
         member: Option<String>,
-        /// Of a motion: the instant at the end of the step.
+        /// Of a motion: when the step that failed begins.
         t: Number,
         /// Of a motion: the length of the step.
         step: Number,
-        /// The load at which no equilibrium was found, a share of the whole.
+        /// Where no equilibrium was found, as a share of the way from the starting state.
         load: Number,
-        /// The load of the last equilibrium.
+        /// The last equilibrium, as a share of that way.
         reached: Number,
         /// Load steps that were cut.
         load_steps_cut: Option<usize>,
@@ -25,9 +25,9 @@ records! {
         residual: Number,
         /// Why, as far as it is known: `limit_point`, `convexity_bound`, `guides_meet`, `unknown`.
         cause: Option<String>,
-        /// The load at which the path of equilibria turns back.
+        /// Where the path of equilibria turns back, an estimated share of that way.
         limit_point: Number,
-        /// Tensions beyond what the law bears.
+        /// Tensions beyond what the law bears, at the point where they are exceeded most.
         convexity_bound: Option<ExcessTensionRecord>,
         /// Guides of a tendon or ends of a spring that meet.
         guides_meet: Option<MeetingGuidesRecord>,

@@ -31,9 +31,9 @@ records! {
     TermCheckRecord {
         /// The control.
         control: String,
-        /// The term, or `total`.
+        /// `total`, a term, each with its stage where there are several, or `constraint NAME`.
         term: String,
-        /// `right`, `WRONG`, `linear` or `undecided`.
+        /// `right`, `WRONG`, `linear`, `quadratic` or `undecided`.
         verdict: String,
         /// The same of the second derivative.
         second: Nullable<String>,

@@ -17,7 +17,7 @@ records! {
         trials: Option<usize>,
         /// Trials without an equilibrium.
         failed_solves: Option<usize>,
-        /// Hessian products.
+        /// Hessian products, whose two linear solves each are not among the work counted elsewhere.
         hessian_products: Option<usize>,
         /// Trials that led to a limit point.
         limit_points: Option<LimitPointsRecord>,
@@ -174,7 +174,7 @@ records! {
         /// Its multiplier.
         multiplier: Number,
         /// Where the node is in the deformed body.
-        position: Nullable<[f64; 3]>,
+        position: Nullable<Vec<Number>>,
         /// The instant.
         t: Number,
     }

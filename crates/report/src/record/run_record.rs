@@ -12,7 +12,7 @@ use std::ops::{Deref, DerefMut};
 records! {
     /// The result of a command.
     RunRecord {
-        /// By smoothed distance the exponents of its stages.
+        /// By smoothed distance (of a load case `CASE/TERM`) the exponents of its stages, automatic ones too.
         smoothing: ByName<Vec<SmoothingRecord>>,
         /// What was run.
         command: String,
@@ -24,13 +24,13 @@ records! {
         case_hash: String,
         /// Versions of the program and of the case's syntax.
         versions: VersionsRecord,
-        /// Units of all numbers.
+        /// Units of all numbers but those of modes, which are in SI.
         units: UnitsRecord,
         /// Number of threads, on which nothing else depends but `seconds` and `peak_memory`.
         threads: Option<usize>,
         /// What was mended in meshes; cells and size of obstacles from meshes.
         notes: Option<Vec<String>>,
-        /// Where a run went on.
+        /// Where a run went on: of several starts the first that had not ended.
         resumed: ResumedRecord,
         /// The short check of the derivative at the start.
         gradient_check: GradientCheckRecord,
@@ -42,7 +42,7 @@ records! {
         /// What was found.
         #[serde(flatten)]
         state: StateRecord,
-        /// Costs at the start of an optimisation.
+        /// Costs at the start of an optimisation, valued by the last stage.
         start: StateRecord,
         /// By name what became of each control.
         controls: Option<ByName<ControlRecord>>,
@@ -51,7 +51,7 @@ records! {
         /// Of an optimisation: how it went.
         #[serde(flatten)]
         optimum: OptimumRecord,
-        /// How far a motion came that has no end.
+        /// How far a motion came that has no end: of several members the one that came least far.
         reached: ReachedRecord,
         /// Why it failed or stopped on the way.
         error: Option<String>,

@@ -1,6 +1,6 @@
 //! The JSON Schema of results.
 
-use crate::record::RunRecord;
+use crate::record::{EigenvectorsRecord, ErrorRecord, FitRecord, RunRecord, SweepRecord, TrialRecord};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 
@@ -18,7 +18,14 @@ impl RunRecord {
     /// The JSON Schema of results.
     #[must_use]
     pub fn schema() -> Value {
-        let mut schema = schemars::schema_for!(Self).to_value();
+        let mut generator = SchemaGenerator::default();
+        // what other files hold: history.jsonl, sweep.json, spectrum.json, fit.json, errors
+        generator.subschema_for::<TrialRecord>();
+        generator.subschema_for::<SweepRecord>();
+        generator.subschema_for::<EigenvectorsRecord>();
+        generator.subschema_for::<FitRecord>();
+        generator.subschema_for::<ErrorRecord>();
+        let mut schema = generator.into_root_schema_for::<Self>().to_value();
         tidy(&mut schema);
         schema
     }

@@ -70,7 +70,7 @@ records! {
 
     /// Modes of the tangent, or of vibration.
     ModesRecord {
-        /// The state that they are about.
+        /// The state that they are about: `equilibrium`, `equilibrium at t = 0` or `undeformed body`.
         about: Option<String>,
         /// Of `solve --modes`: eigenvalues, ascending, of K phi = lambda M phi, M the volumes of the nodes.
         eigenvalues: Option<Vec<Number>>,
@@ -78,13 +78,13 @@ records! {
         negative: Option<usize>,
         /// Unit of the eigenvalues.
         unit: Option<String>,
-        /// Frequencies; null of modes that do not vibrate.
+        /// Frequencies w/(2 pi) in Hz: 0 of neutral modes, such as rigid motions; null of unstable ones.
         frequencies: Option<Vec<Number>>,
-        /// Growth rates of unstable modes.
+        /// Growth rates of unstable modes in 1/s; null of others.
         growth_rates: Option<Vec<Number>>,
-        /// phi . M phi with a largest component of 1.
+        /// phi . M phi with a largest component of 1, in kg (plane strain: kg/m).
         modal_masses: Option<Vec<Number>>,
-        /// Shares of the squared mode along the axes.
+        /// Shares of the kinetic energy along x, y, z.
         directions: Option<Vec<Vec<Number>>>,
         /// Modes of rigid motions.
         neutral: Option<usize>,
@@ -118,7 +118,7 @@ records! {
         damping_seen: Vec<Number>,
         /// The frequency seen, as a share.
         frequency_ratio: Vec<Number>,
-        /// Of motions: the frequencies.
+        /// Of motions: the frequencies in Hz.
         frequencies: Option<Vec<Number>>,
     }
 }

@@ -42,9 +42,9 @@ records! {
         potential: Number,
         /// By name, or by load case and name.
         probes: Option<ByName<ProbesRecord>>,
-        /// By contribution what it reports: `pressure` and `volume` of a chamber, `tension` and `length` of a tendon, what a contact carries.
+        /// By contribution what it reports: `pressure` and `volume` of a chamber (the part that is modelled), `tension` and `length` of a tendon, what a contact carries.
         contributions: ByName<Numbers>,
-        /// By support the force that it exerts on the body, of equilibria.
+        /// By support the force (x, y, z) that it exerts on the body, of equilibria.
         reactions: Option<ByName<Vec<Number>>>,
         /// Negative pivots of the tangent: 0 is a stable equilibrium, null where they were not counted.
         inertia: Nullable<usize>,
@@ -54,7 +54,7 @@ records! {
         self_intersection: Option<IntersectionRecord>,
         /// Load steps of a solve.
         load_steps: Option<usize>,
-        /// Newton iterations, of all members and trials together.
+        /// Newton iterations: of this state, of all members, of all trials of an optimisation.
         newton_iterations: Option<usize>,
         /// Factorisations of the tangent.
         factorisations: Option<usize>,

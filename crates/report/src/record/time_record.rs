@@ -17,7 +17,7 @@ records! {
         written: usize,
         /// Energies at the beginning and at the end.
         energies: EnergiesRecord,
-        /// The step.
+        /// The step, of a motion without a `tolerance`.
         step: Number,
         /// The tolerance of steps that adapt.
         tolerance: Number,
@@ -25,11 +25,11 @@ records! {
         shortest: Number,
         /// The longest.
         longest: Number,
-        /// Steps that were rejected.
+        /// Steps that were rejected for their error when they were found.
         rejected: Option<usize>,
         /// Steps without a solution.
         failed: Option<usize>,
-        /// The largest estimated error that a step adds.
+        /// The largest estimated error that a step adds to the displacement of a node (of `tr_bdf2`).
         step_error: Option<StepErrorRecord>,
         /// The lowest vibrations as the steps move them.
         damping: Option<VibrationInSteps>,
@@ -53,9 +53,9 @@ records! {
 
     /// An estimated error of displacements.
     StepErrorRecord {
-        /// The largest.
+        /// The largest, a length.
         largest: Number,
-        /// The instant.
+        /// The end of that step.
         t: Number,
     }
 }

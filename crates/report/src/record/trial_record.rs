@@ -15,7 +15,7 @@ records! {
         accepted: bool,
         /// Why, or why not.
         reason: String,
-        /// The objective; null where there is no equilibrium.
+        /// What is made small: the objective, with constraints the augmented Lagrangian; null where there is no equilibrium.
         cost: Number,
         /// Its terms.
         terms: Option<Numbers>,
@@ -52,7 +52,7 @@ records! {
         branch_changed: Nullable<bool>,
         /// Costs of the scenarios.
         scenarios: Option<Vec<Number>>,
-        /// With constraints: the cost without them.
+        /// With constraints: the objective without them.
         objective: Number,
         /// Their largest violation.
         violation: Number,

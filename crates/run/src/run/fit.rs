@@ -14,7 +14,8 @@ use nastic_case::lower::read_tests;
 use nastic_fit::{FitError, FitOptions, Law, fit as fit_law};
 use nastic_language::schema::FitData;
 use nastic_language::syntax::Document;
-use serde_json::{Value, json};
+use nastic_report::record::{FailedLawRecord, FitRecord};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 /// The results.
@@ -68,23 +69,24 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     for (name, chart) in &charts {
         chart.write(out.file(name))?;
     }
-    let files: Vec<&str> = std::iter::once(FILE).chain(charts.iter().map(|(name, _)| name.as_str())).collect();
+    let files: Vec<String> =
+        std::iter::once(FILE.to_owned()).chain(charts.iter().map(|(name, _)| name.clone())).collect();
     let least = best.fit.criteria.aicc;
-    let failures: Vec<Value> =
-        failed.iter().map(|(law, why)| json!({ "law": law.label(), "why": why.to_string() })).collect();
-    let result = json!({
-        "command": "fit",
-        "version": env!("CARGO_PKG_VERSION"),
-        "title": asked.title,
-        "errors": asked.errors.name(),
-        "tests": tests.iter().map(entry::of_test).collect::<Vec<_>>(),
-        "best": best.fit.law.label(),
-        "laws": fitted.iter().map(|one| one.json(least, errors)).collect::<Vec<_>>(),
-        "failed": failures,
-        "files": files,
-        "exit": Exit::Done.code(),
-    });
-    out.write_json(FILE, &result)?;
-    console.say(format!("results     {}: {}", out.path().display(), files.join(", ")));
+    let failure = |(law, why): &(Law, FitError)| FailedLawRecord { law: law.label(), why: why.to_string() };
+    let record = FitRecord {
+        command: "fit".to_owned(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        title: asked.title.clone().into(),
+        errors: asked.errors.name().to_owned(),
+        tests: tests.iter().map(entry::of_test).collect(),
+        best: best.fit.law.label(),
+        laws: fitted.iter().map(|one| one.record(least, errors)).collect(),
+        failed: failed.iter().map(failure).collect(),
+        files,
+        exit: Exit::Done.code(),
+    };
+    out.write_json(FILE, &record)?;
+    console.say(format!("results     {}: {}", out.path().display(), record.files.join(", ")));
+    let result = serde_json::to_value(record).unwrap_or_default(); // records have keys that are texts
     Ok(FitOutcome { exit: Exit::Done, result })
 }

@@ -169,7 +169,7 @@ fn conclude(
     }
     let found = reported?;
     let converged = ended.best.stop.is_converged();
-    outcome::show(session, ended, found)?;
+    outcome::show(session, ended, found);
     if let Some(why) = starts.aborted {
         session.console.say(format!("failed      {why}"));
         session.record.error = Some(why);

@@ -12,7 +12,7 @@ use nastic_case::lower::CaseProblem;
 use nastic_control::EnsemblePoint;
 use nastic_io::write_atomically;
 use nastic_language::schema::Command;
-use nastic_report::record::{MemberRecord, RunRecord, StateRecord};
+use nastic_report::record::{MemberRecord, StateRecord};
 use std::path::{Path, PathBuf};
 
 /// The case with its overrides.
@@ -80,7 +80,7 @@ pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {
     const RESULT: &str = "result.json";
     let Some(out) = &session.out else { return Ok(()) };
     let text = std::fs::read_to_string(out.file(RESULT)).unwrap_or_default();
-    let earlier = serde_json::from_str::<RunRecord>(&text).unwrap_or_default();
+    let earlier = serde_json::from_str::<Earlier>(&text).unwrap_or_default();
     if earlier.command != session.command.name() {
         return Ok(());
     }
@@ -88,13 +88,21 @@ pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {
     let read = problem.files.iter().map(PathBuf::as_path).chain(problem.case_file().map(Path::new));
     let read: Vec<PathBuf> = read.filter_map(|file| file.canonicalize().ok()).collect();
     let is_read = |name: &str| out.file(name).canonicalize().is_ok_and(|file| read.contains(&file));
-    let files = earlier.files.iter().flatten().map(String::as_str);
+    let files = earlier.files.iter().map(String::as_str);
     // the case is written whatever happens, and checkpoints have rules of their own, by which no list names them
     for name in files.filter(|name| is_of_runs(name) && *name != CASE && !is_read(name)) {
         out.remove(name)?;
     }
     // the list goes last: one of a run that was killed here is still there for the next
     Ok(out.remove(RESULT)?)
+}
+
+/// What an earlier result says of itself, whichever program wrote it.
+#[derive(Default, serde::Deserialize)]
+#[serde(default)]
+struct Earlier {
+    command: String,
+    files: Vec<String>,
 }
 
 /// Whether a name may be one of those that runs write into their directory; the list may be of another program, or edited.

@@ -38,11 +38,13 @@ pub(super) const PATH: &str = "friction depends on the path: take steps in time,
 /// Checks the values of a stiffness and, with friction, a coefficient.
 pub(super) fn check_controls(contact: &str, stiffness: f64, coefficient: Option<f64>) -> Result<(), FemError> {
     let refuse = |what: String| Err(FemError::Meaningless { what: format!("contact \"{contact}\": {what}") });
-    if stiffness <= 0.0 {
+    if stiffness.is_nan() || stiffness <= 0.0 {
         return refuse(format!("its stiffness is {stiffness}; it must be positive"));
     }
     match coefficient {
-        Some(friction) if friction < 0.0 => refuse(format!("its friction coefficient is {friction}, below zero")),
+        Some(friction) if friction.is_nan() || friction < 0.0 => {
+            refuse(format!("its friction coefficient is {friction}; it must not be negative"))
+        }
         _ => Ok(()),
     }
 }

@@ -7,6 +7,9 @@ use nastic_fit::{
     stable_range,
 };
 use nastic_language::schema::FitData;
+use nastic_report::record::{
+    BulkRecord, EstimateRecord, FitStartsRecord, FittedLawRecord, StableRangeRecord, TestRecord,
+};
 use serde_json::{Map, Value, json};
 
 /// Modes in which stability is examined.
@@ -95,33 +98,39 @@ impl Fitted {
     }
 
     /// Its entry; `least` is the smallest AICc of all laws.
-    pub fn json(&self, least: f64, errors: Errors) -> Value {
+    pub fn record(&self, least: f64, errors: Errors) -> FittedLawRecord {
         let Fit { law, squares, points, scatter, criteria, starts, correlation, .. } = &self.fit;
-        let parameters: Map<String, Value> =
-            self.fit.parameters.iter().map(|one| (one.name.to_owned(), estimate(one))).collect();
-        let stable: Map<String, Value> = self.stable.iter().map(|one| (one.name(), one.json())).collect();
-        json!({
-            "law": law.label(),
-            "parameters": parameters,
-            "correlation": correlation,
-            "bulk": { "value": self.bulk.value, "unit": "Pa", "deviation": self.bulk.deviation, "half_width": self.bulk.half_width },
-            "squares": squares,
-            "points": points,
-            "scatter": scatter,
-            "scatter_unit": scatter_unit(errors),
-            "aicc": finite(criteria.aicc),
-            "bic": finite(criteria.bic),
-            "aicc_above_best": finite(criteria.aicc - least),
-            "starts": {
-                "tried": starts.tried, "converged": starts.converged, "exhausted": starts.exhausted, "alike": starts.alike,
-                "best_exhausted": starts.best_exhausted,
+        let row = |row: &Vec<Option<f64>>| row.iter().map(|value| (*value).into()).collect();
+        FittedLawRecord {
+            law: law.label(),
+            parameters: Some(self.fit.parameters.iter().map(|one| (one.name.to_owned(), estimate(one))).collect()),
+            correlation: correlation.iter().map(row).collect(),
+            bulk: BulkRecord {
+                value: self.bulk.value.into(),
+                unit: "Pa".to_owned(),
+                deviation: self.bulk.deviation.into(),
+                half_width: self.bulk.half_width.into(),
             },
-            "poissons_ratio": self.poisson(),
-            "stable": stable,
-            "existence": self.existence.map(conditions),
-            "materials": self.materials(),
-            "scenarios": self.scenario_block(),
-        })
+            squares: (*squares).into(),
+            points: *points,
+            scatter: (*scatter).into(),
+            scatter_unit: scatter_unit(errors).to_owned(),
+            aicc: criteria.aicc.into(),
+            bic: criteria.bic.into(),
+            aicc_above_best: (criteria.aicc - least).into(),
+            starts: FitStartsRecord {
+                tried: starts.tried,
+                converged: starts.converged,
+                exhausted: starts.exhausted,
+                alike: starts.alike,
+                best_exhausted: starts.best_exhausted,
+            },
+            poissons_ratio: self.poisson().into(),
+            stable: Some(self.stable.iter().map(|one| (one.name(), one.record())).collect()),
+            existence: self.existence.map(conditions).into(),
+            materials: self.materials(),
+            scenarios: self.scenario_block(),
+        }
     }
 }
 
@@ -140,14 +149,19 @@ impl Stable {
         format!("{}{across}", self.mode.name())
     }
 
-    fn json(&self) -> Value {
+    fn record(&self) -> StableRangeRecord {
         let Range { from, to, ends } = self.range;
-        let [below, above] = ends.map(|end| end != End::Examined);
+        let [ends_below, ends_above] = ends.map(|end| end != End::Examined);
         let [limit_below, limit_above] = ends.map(|end| end == End::Undefined);
-        json!({
-            "from": from, "to": to, "ends_below": below, "ends_above": above,
-            "limit_below": limit_below, "limit_above": limit_above, "within_data": self.within.contains(&true),
-        })
+        StableRangeRecord {
+            from: from.into(),
+            to: to.into(),
+            ends_below,
+            ends_above,
+            limit_below,
+            limit_above,
+            within_data: self.within.contains(&true),
+        }
     }
 }
 
@@ -183,12 +197,16 @@ pub(super) fn scatter_unit(errors: Errors) -> &'static str {
 }
 
 /// A test as it was understood.
-pub(super) fn of_test(test: &Test) -> Value {
-    json!({
-        "name": test.name, "kind": test.mode.name(), "response": test.response.name().trim_start_matches("a "),
-        "fibers": test.fibers.map(fibers_name),
-        "points": test.points.len(), "at_rest": test.at_rest(), "weight": test.weight,
-    })
+pub(super) fn of_test(test: &Test) -> TestRecord {
+    TestRecord {
+        name: test.name.clone(),
+        kind: test.mode.name().to_owned(),
+        response: test.response.name().trim_start_matches("a ").to_owned(),
+        fibers: test.fibers.map(|fibers| fibers_name(fibers).to_owned()).into(),
+        points: test.points.len(),
+        at_rest: test.at_rest(),
+        weight: test.weight.into(),
+    }
 }
 
 /// As data files say it.
@@ -204,13 +222,13 @@ fn largest_stretch(tests: &[Test]) -> f64 {
     tests.iter().flat_map(stretches).fold(1.0, |most, l| most.max(l).max(1.0 / l))
 }
 
-fn estimate(one: &Estimate) -> Value {
-    let interval = one.half_width.map(|h| [one.value - h, one.value + h]);
-    json!({ "value": one.value, "unit": one.unit, "deviation": one.deviation, "interval": interval })
-}
-
-fn finite(value: f64) -> Option<f64> {
-    value.is_finite().then_some(value)
+fn estimate(one: &Estimate) -> EstimateRecord {
+    EstimateRecord {
+        value: one.value.into(),
+        unit: one.unit.to_owned(),
+        deviation: one.deviation.into(),
+        interval: one.half_width.map(|h| [one.value - h, one.value + h]).into(),
+    }
 }
 
 /// A parameter as a case file takes it.

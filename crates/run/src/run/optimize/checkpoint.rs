@@ -14,7 +14,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 
-const MAGIC: &str = "nastic-optimisation-6";
+const MAGIC: &str = "nastic-optimisation-7";
 
 /// The content of `checkpoint.bin`.
 pub(in crate::run) struct Checkpoint {

@@ -152,7 +152,7 @@ fn group(one: &ConstraintReport, known: &Known) -> ConstraintGroupRecord {
         index: worst.index,
         node: known.node(worst.index).into(),
         value: worst.value.into(),
-        position: worst.position.into(),
+        position: worst.position.map(|position| numbers(&position)).into(),
         t: time_of(worst.index),
         ..ConstraintValueRecord::default()
     });

@@ -118,16 +118,11 @@ fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
 }
 
 /// Keeps the best states for whoever runs the command.
-pub(super) fn show(
-    session: &mut Session<'_>,
-    ended: FinishedRun,
-    inspections: Vec<Inspection>,
-) -> Result<(), RunError> {
+pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: Vec<Inspection>) {
     let FinishedRun { start, best, .. } = ended;
     let subtitle = subtitle(session, &best);
     let (derivative, start) = (Some(best.derivative), Some(start));
     session.shown = Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
-    Ok(())
 }
 
 fn say(

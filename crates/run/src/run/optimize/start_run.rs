@@ -10,7 +10,7 @@ use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{AugmentedState, SavedRunError};
 use nastic_report::record::{GradientCheckRecord, StartRecord as StartEntry};
 
-const MAGIC: &str = "nastic-start-2";
+const MAGIC: &str = "nastic-start-3";
 
 /// One of several starts.
 pub(super) struct StartRun {

@@ -41,7 +41,7 @@ pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Res
         Analysis::ExactContact => exact_contact::run(session, &point)?,
         _ => Exit::Done,
     };
-    show(session, point, None, found)?;
+    show(session, point, None, found);
     Ok(exit)
 }
 
@@ -51,18 +51,17 @@ pub(crate) fn show(
     point: EnsemblePoint,
     derivative: Option<Vec<f64>>,
     inspections: Vec<Inspection>,
-) -> Result<(), RunError> {
-    let subtitle = subtitle(session, point.members.iter().map(|at| at.min_j()).fold(f64::INFINITY, f64::min))?;
+) {
+    let subtitle = subtitle(session, point.members.iter().map(|at| at.min_j()).fold(f64::INFINITY, f64::min));
     let what = motion::state_name(&session.problem);
     session.shown = Some(Shown { what, subtitle, point, derivative, start: None, inspections });
-    Ok(())
 }
 
 /// The line below the title of a picture.
-fn subtitle(session: &Session<'_>, min_j: f64) -> Result<String, RunError> {
+fn subtitle(session: &Session<'_>, min_j: f64) -> String {
     let distance = picture::distance(&session.record.state, session.problem.units().length().symbol);
     let what = motion::state_name(&session.problem);
-    Ok(format!("{what} at the start control, min J {}{distance}{}", short(min_j), session.warned()))
+    format!("{what} at the start control, min J {}{distance}{}", short(min_j), session.warned())
 }
 
 /// Puts what the equilibria are into the result and says it.
@@ -130,7 +129,7 @@ pub(crate) fn write(
         let ghosts = motion::ghosts(records, member, at)?;
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, at.min_j())? + &picture::legend(&shot),
+            subtitle: subtitle(session, at.min_j()) + &picture::legend(&shot),
             body: (motion::state_name(problem), &shot),
             ghosts: picture::named(&ghosts),
             scenarios: Vec::new(),

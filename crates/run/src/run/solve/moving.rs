@@ -17,7 +17,7 @@ pub(super) fn run(session: &mut Session<'_>, from: Option<MotionCheckpoint>) -> 
     report(session, &point, &found)?;
     session.report_motions(&records, &point);
     session.timed("write", |session| write(session, &point, (&found, &records), &[]))?;
-    show(session, point, None, found)?;
+    show(session, point, None, found);
     Ok(Exit::Done)
 }
 

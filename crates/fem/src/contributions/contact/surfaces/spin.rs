@@ -21,7 +21,8 @@ impl Spin {
     pub fn new(arms: Vec<Vec3>, dim: usize) -> Self {
         let squares: f64 = arms.iter().map(Vec3::norm_squared).sum();
         let inverse = match dim {
-            2 => Mat3::from_diagonal(&Vec3::new(0.0, 0.0, 1.0 / squares)),
+            2 if squares > 0.0 => Mat3::from_diagonal(&Vec3::new(0.0, 0.0, 1.0 / squares)),
+            2 => Mat3::zeros(),
             _ => {
                 let products: Mat3 = arms.iter().map(|arm| arm * arm.transpose()).sum();
                 // arms along one line alone fit no turn about it

@@ -147,7 +147,7 @@ impl Carried {
                 sticking += if slides < slip_speed { foot.part } else { 0.0 };
                 all += foot.part;
             }
-            self.sticking += pressing * sticking / all;
+            self.sticking += if all > 0.0 { pressing * sticking / all } else { 0.0 };
         }
         let [first, _] = &of.sides[..] else { return };
         // the nodes of the pieces bear the opposite of what the sample's side does, and the opposite moment
