@@ -22,7 +22,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("fem", &["numeric", "tensor", "energy", "mesh", "linear"]),
     ("control", &["numeric", "tensor", "energy", "mesh", "linear", "fem", "opt", "hausdorff", "uncertainty"]),
     ("language", &["numeric", "energy", "fit", "mesh", "io", "fem", "opt", "control"]),
-    ("case", &["numeric", "tensor", "energy", "mesh", "io", "fem", "opt", "uncertainty", "control", "language"]),
+    ("case", &["numeric", "tensor", "energy", "fit", "mesh", "io", "fem", "opt", "uncertainty", "control", "language"]),
     (
         "run",
         &[
