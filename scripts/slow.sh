@@ -18,9 +18,9 @@ rm -rf "$out"/case_*
 mkdir -p "$out"
 
 # Longer than 30 s; the others are run by --quick too.
-slow_cases=(petal walk lift lift_block)
+slow_cases=(petal walk lift lift_block carry)
 # These end at their limit of iterations, exit code 4.
-limited_cases=(walk lift crawler)
+limited_cases=(walk lift crawler carry)
 slow_examples=(robust_turgor t_magnet petal)
 
 is_in() { # WORD LIST...
