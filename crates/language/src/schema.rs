@@ -53,7 +53,7 @@ pub use catalogue::{Input, SlotName};
 pub use constraint::{Constraint, KeepOut};
 pub use contact::{Contact, PressureLaw};
 pub use control::{Bound, Cells, Control, ControlsFile, Space, Start};
-pub use cost::{Cost, ObstacleTerm};
+pub use cost::Cost;
 pub use cost_term::{CostTerm, TermValue};
 pub use direction::Direction;
 pub use expectation::{Command, Expectation};

@@ -15,39 +15,19 @@ use serde_json::{Value as Json, json};
 pub enum Cost {
     /// Distance between the deformed body and a target shape.
     SmoothedHausdorff(SmoothedHausdorff),
-    /// A term whose keys are those of its row, with an obstacle among them.
-    Obstacle(ObstacleTerm),
-    /// Any other term whose keys are those of its row.
+    /// Any other term: its keys are those of its row.
     Term(CostTerm),
-}
-
-/// A term with an obstacle.
-#[derive(Clone, PartialEq, Debug)]
-pub struct ObstacleTerm {
-    /// The obstacle.
-    pub shape: ShapeOrName,
-    /// The term.
-    pub term: CostTerm,
 }
 
 /// The kind of the one cost that is no [`CostTerm`].
 const HAUSDORFF: &str = "smoothed_hausdorff";
 
 impl Cost {
-    fn of(term: CostTerm) -> Self {
-        let shape = term.shapes().next().map(|(shape, _)| shape.clone());
-        match shape {
-            Some(shape) => Self::Obstacle(ObstacleTerm { shape, term }),
-            None => Self::Term(term),
-        }
-    }
-
     /// The term, of all but smoothed Hausdorff distances.
     #[must_use]
     pub fn term(&self) -> Option<&CostTerm> {
         match self {
             Self::SmoothedHausdorff(_) => None,
-            Self::Obstacle(block) => Some(&block.term),
             Self::Term(term) => Some(term),
         }
     }
@@ -63,7 +43,7 @@ impl Cost {
     pub fn at(&self) -> &At {
         match self {
             Self::SmoothedHausdorff(block) => &block.at,
-            Self::Obstacle(ObstacleTerm { term, .. }) | Self::Term(term) => &term.at,
+            Self::Term(term) => &term.at,
         }
     }
 
@@ -72,7 +52,7 @@ impl Cost {
     pub fn name(&self) -> &str {
         let own = match self {
             Self::SmoothedHausdorff(block) => &block.name,
-            Self::Obstacle(ObstacleTerm { term, .. }) | Self::Term(term) => &term.name,
+            Self::Term(term) => &term.name,
         };
         own.as_deref().unwrap_or(self.kind())
     }
@@ -82,7 +62,7 @@ impl Cost {
     pub fn weight(&self) -> f64 {
         match self {
             Self::SmoothedHausdorff(block) => block.weight,
-            Self::Obstacle(ObstacleTerm { term, .. }) | Self::Term(term) => term.weight,
+            Self::Term(term) => term.weight,
         }
     }
 
@@ -91,7 +71,7 @@ impl Cost {
     pub fn when(&self) -> Option<&When> {
         match self {
             Self::SmoothedHausdorff(block) => block.when.as_ref(),
-            Self::Obstacle(ObstacleTerm { term, .. }) | Self::Term(term) => term.when.as_ref(),
+            Self::Term(term) => term.when.as_ref(),
         }
     }
 
@@ -111,7 +91,7 @@ impl Cost {
     #[must_use]
     pub fn at_time(&self, t: f64) -> Self {
         let mut own = self.clone();
-        if let Self::Obstacle(ObstacleTerm { term, .. }) | Self::Term(term) = &mut own {
+        if let Self::Term(term) = &mut own {
             term.values.values_mut().for_each(|value| *value = value.at_time(t));
         }
         own
@@ -134,7 +114,7 @@ impl Read for Cost {
         let known: Vec<&str> = [HAUSDORFF].into_iter().chain(forms.iter().map(|form| form.name)).collect();
         let kind = reader.tag(node, at, "kind", &known)?;
         match forms.into_iter().find(|form| form.name == kind) {
-            Some(form) => CostTerm::read(form, node, at, reader).map(Self::of),
+            Some(form) => CostTerm::read(form, node, at, reader).map(Self::Term),
             None => object(node, at, Some("kind"), reader).map(Self::SmoothedHausdorff),
         }
     }

@@ -14,14 +14,11 @@ pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
         ShapeOrName::Name(_) => None,
     };
     let of_constraint = |block: &Constraint| block.obstacle.as_ref().and_then(|keep_out| own(&keep_out.shape));
-    let of_cost = |block: &Cost| match block {
-        Cost::Obstacle(block) => own(&block.shape),
-        _ => None,
-    };
+    let of_costs = case.costs.iter().flat_map(Cost::shapes).filter_map(|(shape, _)| own(shape));
     let mut meshes: Vec<Arc<Mesh>> = Vec::new();
     let at_rest =
         case.obstacles.iter().filter(|obstacle| !is_moved(member, obstacle)).map(|obstacle| obstacle.shape.clone());
-    let shapes = case.constraints.iter().filter_map(of_constraint).chain(case.costs.iter().filter_map(of_cost));
+    let shapes = case.constraints.iter().filter_map(of_constraint).chain(of_costs);
     for mesh in at_rest.chain(shapes).filter_map(|shape| of_shape(&shape, member)) {
         if !meshes.iter().any(|known| known.points() == mesh.points()) {
             meshes.push(mesh);
