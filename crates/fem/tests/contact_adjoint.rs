@@ -6,19 +6,17 @@
 use crate::common;
 
 use common::block::STRICT;
+use common::driven_motion::{DrivenMotion, H, Part, STEPS, Wanted, block};
 use common::motion::schemes_with_moving_supports;
-use common::{Outcome, noise, regular};
+use common::{Outcome, regular};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{
-    Checkpoints, Contact, ContactLaw, Controls, Inertia, Recording, ReverseSweep, Scheme, Solid, State, StateError,
-    StatePartials, StepTo, Trajectory, Workspace,
+    Checkpoints, Contact, ContactLaw, Controls, Inertia, Recording, ReverseSweep, Scheme, Solid, StateError, StepTo,
+    Trajectory, Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 use nastic_tensor::Vec3;
-
-const H: f64 = 0.1;
-const STEPS: usize = 24;
 
 /// A plane strip on a floor, with a finger that comes down on it, drags it along, turns and leaves. A foot of it stands in a corner where no
 /// quasi-static step would find it free.
@@ -40,86 +38,18 @@ fn strip(law: ContactLaw, friction: bool) -> Outcome<Solid> {
     Ok(solid)
 }
 
-fn block(solid: &Solid, name: &str) -> usize {
-    solid.model().controllable().iter().position(|known| known.name == name).unwrap()
-}
-
-/// At the n-th instant, with a change along a direction in every block.
-fn controls(solid: &Solid, n: usize, change: f64, along: Option<&Controls>) -> Controls {
+/// At `t`: the fibre works, the finger comes down, drags, turns.
+fn controls(solid: &Solid, t: f64) -> Controls {
     let mut controls = solid.controls();
-    let t = H * n as f64;
     controls.values_mut(block(solid, "fibre")).fill(0.2 * (2.0 * t).sin());
     let down = 0.16 * (1.5 * t).sin();
     let values = controls.values_mut(block(solid, "finger"));
     (values[0], values[1], values[5]) = (0.15 * t * t * (2.4 - t), -down, 0.1 * (3.0 * t).sin());
-    if let Some(along) = along {
-        for k in 0..controls.len() {
-            let changed = controls.values_mut(k).iter_mut().zip(along.values(k));
-            changed.for_each(|(value, d)| *value += change * d);
-        }
-    }
     controls
 }
 
-fn run(solid: &Solid, scheme: &Scheme, change: f64, along: Option<&[Controls]>) -> Outcome<Trajectory> {
-    let of = |n: usize| controls(solid, n, change, along.map(|along| &along[n]));
-    let mut begin = State { controls: of(0).into(), ..solid.rest() };
-    if !scheme.is_quasi_static() {
-        begin.velocity = Some(vec![0.0; begin.u.len()].into());
-    }
-    let mut trajectory = Trajectory::from_given(begin);
-    let steps: Vec<StepTo> = (1..=STEPS).map(|n| StepTo { dt: H, controls: of(n) }).collect();
-    solid.model().advance(&mut trajectory, scheme, &steps, &STRICT, &mut Workspace::default())?;
-    Ok(trajectory)
-}
-
-fn functional(trajectory: &Trajectory) -> f64 {
-    let mut sum = 0.0;
-    for (n, state) in trajectory.states().iter().enumerate().skip(1) {
-        let v = state.velocity.as_ref();
-        for (i, u) in state.u.iter().enumerate() {
-            let z = noise(77 + 100 * n + i);
-            sum += H * (z * u + 0.5 * u * u + 0.3 * noise(7 + 10 * n + i) * v.map_or(0.0, |v| v[i]));
-        }
-    }
-    sum
-}
-
-fn partials(n: usize, state: &State) -> StatePartials {
-    if n == 0 {
-        return StatePartials::by_displacement(vec![0.0; state.u.len()]);
-    }
-    let u = state.u.iter().enumerate().map(|(i, u)| H * (noise(77 + 100 * n + i) + u)).collect();
-    let velocity = match state.velocity {
-        Some(_) => (0..state.u.len()).map(|i| 0.3 * H * noise(7 + 10 * n + i)).collect(),
-        None => Vec::new(),
-    };
-    StatePartials { u, velocity }
-}
-
-fn gradient(solid: &Solid, trajectory: &Trajectory) -> Outcome<Vec<Controls>> {
-    let partials: Vec<_> = trajectory.states().iter().enumerate().map(|(n, state)| partials(n, state)).collect();
-    Ok(solid.model().reverse_sweep(trajectory, &partials, &STRICT, &mut Workspace::default())?.controls)
-}
-
-/// The gradient in one block, scaled to a size, zero elsewhere; with its square length over that scale, the slope along it.
-fn direction(solid: &Solid, gradient: &[Controls], name: &str, slots: &[usize], size: f64) -> (Vec<Controls>, f64) {
-    let k = block(solid, name);
-    let mut along: Vec<Controls> = gradient.iter().map(|_| solid.model().zero_controls()).collect();
-    let mut largest = 0.0f64;
-    for (to, from) in along.iter_mut().zip(gradient) {
-        let width = from.slots(k);
-        for (entry, d) in from.values(k).iter().enumerate().filter(|(entry, _)| slots.contains(&(entry % width))) {
-            to.values_mut(k)[entry] = *d;
-            largest = largest.max(d.abs());
-        }
-    }
-    let mut slope = 0.0;
-    for (to, from) in along.iter_mut().zip(gradient) {
-        to.values_mut(k).iter_mut().for_each(|d| *d *= size / largest);
-        slope += to.values(k).iter().zip(from.values(k)).map(|(a, b)| a * b).sum::<f64>();
-    }
-    (along, slope)
+fn driven(solid: &Solid) -> DrivenMotion<'_> {
+    DrivenMotion { solid, controls, of_velocity: 0.3, first: 0 }
 }
 
 /// Whether samples touch at some instants and not at others.
@@ -138,7 +68,7 @@ fn changes(solid: &Solid, trajectory: &Trajectory) -> bool {
     spread(0).max(spread(1)) > 0.3
 }
 
-const PARTS: [(&str, &[usize], f64); 5] = [
+const PARTS: [Part; 5] = [
     ("fibre", &[0], 1e-2),
     ("finger", &[0, 1], 1e-3),
     ("finger", &[5], 1e-3),
@@ -146,36 +76,14 @@ const PARTS: [(&str, &[usize], f64); 5] = [
     ("floor", &[7], 1e-2),
 ];
 
-/// Differences of fourth order along the gradient itself agree to 1e-7, and the Taylor remainder is of second order.
+// jumps of second derivatives within the interval lower the order by some hundredths
+const WANTED: Wanted = Wanted { error: 1e-7, order: 1.9, steps: &[0.4, 0.2, 0.1, 0.05] };
+
 fn check(solid: &Solid, scheme: &Scheme, friction: bool) -> Outcome {
-    let what = format!("{}, friction {friction}", scheme.name());
-    let base = run(solid, scheme, 0.0, None).map_err(|error| format!("{what}: {error}"))?;
-    assert!(changes(solid, &base), "{what}: nothing touches and parts");
-    let (value, found) = (functional(&base), gradient(solid, &base)?);
-    for (name, slots, size) in PARTS.into_iter().filter(|part| friction || part.1 != [7]) {
-        let (along, slope) = direction(solid, &found, name, slots, size);
-        let at = |t: f64| run(solid, scheme, t, Some(&along)).map(|run| functional(&run));
-        let odd = |t: f64| -> Outcome<f64> { Ok(at(t)? - at(-t)?) };
-        // second derivatives jump where a sample begins to touch or to slip: shorter differences come nearer to such a place
-        let mut error = f64::INFINITY;
-        for h in [0.02, 0.002, 2e-4] {
-            if error > 1e-7 {
-                error = error.min((slope * 12.0 * h / (8.0 * odd(h)? - odd(2.0 * h)?) - 1.0).abs());
-            }
-        }
-        let remainder = |t: f64| -> Outcome<f64> { Ok((at(t)? - value - t * slope).abs()) };
-        // to one side at least: beside such a place both are mixed
-        let mut order = f64::NEG_INFINITY;
-        for h in [0.4, 0.2, 0.1, 0.05, -0.4, -0.2, -0.1, -0.05] {
-            if order <= 1.95 {
-                order = order.max((remainder(h)? / remainder(0.25 * h)?).log(4.0));
-            }
-        }
-        assert!(error < 1e-7, "{what}, {name} {slots:?}: {slope:e}, error {error:e}");
-        // jumps of second derivatives within the interval lower it by some hundredths
-        assert!(order > 1.9, "{what}, {name} {slots:?}: order {order}, error {error:e}");
-    }
-    Ok(())
+    let motion = driven(solid);
+    let base = motion.run(scheme, 0.0, None).map_err(|error| format!("{}: {error}", scheme.name()))?;
+    assert!(changes(solid, &base), "{}: nothing touches and parts", scheme.name());
+    motion.check(scheme, &base, &PARTS[..if friction { 5 } else { 4 }], &WANTED)
 }
 
 fn goes_with(scheme: &Scheme, friction: bool) -> bool {
@@ -208,20 +116,20 @@ fn the_gradient_of_the_log_law_is_exact() -> Outcome {
 #[test]
 fn few_states_give_the_same_derivative() -> Outcome {
     let solid = strip(ContactLaw::Cubic, true)?;
-    let to = |n: usize| StepTo { dt: H, controls: controls(&solid, n, 0.0, None) };
+    let motion = driven(&solid);
+    let to = |n: usize| StepTo { dt: H, controls: motion.controls_at(n, 0.0, None) };
     let derivative = |plan: Checkpoints| -> Outcome<Vec<u64>> {
-        let (model, mut workspace) = (solid.model(), Workspace::default());
-        let mut begin = State { controls: to(0).controls.into(), ..solid.rest() };
-        begin.velocity = Some(vec![0.0; begin.u.len()].into());
-        let mut motion = Recording::new(Trajectory::from_given(begin), Scheme::backward_euler(), plan);
+        let (model, mut workspace, scheme) = (solid.model(), Workspace::default(), Scheme::backward_euler());
+        let begin = motion.begin(&scheme, to(0).controls);
+        let mut recording = Recording::new(Trajectory::from_given(begin), scheme, plan);
         for n in 1..=plan.steps() {
-            motion.advance(model, &to(n), &STRICT, &mut workspace)?;
+            recording.advance(model, &to(n), &STRICT, &mut workspace)?;
         }
         let mut sweep = ReverseSweep::new(model, &STRICT, &mut workspace);
         let mut all = Vec::new();
-        motion.backwards(model, &mut |n| Ok::<_, StateError>(to(n)), &STRICT, &mut |part, k| {
+        recording.backwards(model, &mut |n| Ok::<_, StateError>(to(n)), &STRICT, &mut |part, k| {
             let n = part.first() + k + 1;
-            let by = sweep.step(part, k, partials(n, &part.states()[k + 1]))?.controls;
+            let by = sweep.step(part, k, motion.partials(n, &part.states()[k + 1]))?.controls;
             all.extend((0..by.len()).flat_map(|k| by.values(k).to_vec()).map(f64::to_bits));
             Ok(())
         })?;

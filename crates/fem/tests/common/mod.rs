@@ -4,6 +4,7 @@
 
 pub mod beam;
 pub mod block;
+pub mod driven_motion;
 pub mod homogeneous;
 pub mod motion;
 pub mod own_contributions;
