@@ -74,3 +74,17 @@ fn rounding_keeps_a_box_and_grows_a_solid() -> Outcome {
     }
     Ok(())
 }
+
+/// Whatever its length: squares of these overflow or vanish.
+#[test]
+fn normals_of_any_length_are_directions() {
+    for length in [1e-300, 1.0, 1e300] {
+        let floor = Obstacle::half_space([0.0, 0.0, 0.5], [0.0, 3.0 * length, 4.0 * length]);
+        floor.check(3).unwrap();
+        assert!((floor.distance(&[0.0, 1.0, 2.0]) - 1.8).abs() < 1e-15);
+    }
+    for normal in [[0.0; 3], [f64::NAN, 0.0, 1.0], [f64::INFINITY, 0.0, 0.0]] {
+        let error = Obstacle::half_space([0.0; 3], normal).check(3).unwrap_err().to_string();
+        assert!(error.contains("normal of a half-space is zero or not finite"), "{error}");
+    }
+}

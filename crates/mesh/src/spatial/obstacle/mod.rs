@@ -62,8 +62,11 @@ impl Obstacle {
 
     /// The half-space behind a plane; the body belongs where the normal points to, which need not have unit length.
     pub fn half_space(point: [f64; 3], normal: [f64; 3]) -> Self {
-        let size = norm(&normal);
-        Obstacle::HalfSpace { point, normal: normal.map(|n| n / size) }
+        // of any length: squares of very small and very large ones are no numbers
+        let largest = normal.iter().fold(0.0, |largest: f64, n| largest.max(n.abs()));
+        let scaled = normal.map(|n| n / largest);
+        let size = norm(&scaled);
+        Obstacle::HalfSpace { point, normal: scaled.map(|n| n / size) }
     }
 
     /// A cylinder with half spheres on its ends.
@@ -145,9 +148,13 @@ impl Obstacle {
             Obstacle::Solid { .. } => (Vec::new(), 1.0),
         };
         if numbers.iter().any(|x| !x.is_finite()) {
-            return complain(format!(
-                "the obstacle {self:?} is not finite; a half-space needs a normal that is not zero"
-            ));
+            let what = match self {
+                Obstacle::HalfSpace { point, .. } if point.iter().all(|x| x.is_finite()) => {
+                    "the normal of a half-space is zero or not finite: it is a direction, of any length but zero"
+                }
+                _ => "a coordinate or radius of the obstacle is not finite",
+            };
+            return complain(what.to_owned());
         }
         let rounding = self.rounding();
         if !(rounding >= 0.0 && rounding.is_finite()) {
