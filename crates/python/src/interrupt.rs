@@ -9,29 +9,29 @@ use std::time::Duration;
 const POLL: Duration = Duration::from_millis(50);
 
 /// A line about a trial; the sender waits until the callback has returned.
-pub(crate) struct Told {
+pub(crate) struct TrialLine {
     line: String,
     /// Dropped when the callback has returned.
     _heard: SyncSender<()>,
 }
 
-/// Tells the callback of a trial and waits until it has returned.
-pub(crate) fn tell(to: &Sender<Told>, line: String) {
+/// Calls the callback for a trial and waits until it has returned.
+pub(crate) fn send_line(to: &Sender<TrialLine>, line: String) {
     let (heard, waiting) = sync_channel(0);
-    if to.send(Told { line, _heard: heard }).is_ok() {
+    if to.send(TrialLine { line, _heard: heard }).is_ok() {
         // Nothing is ever sent: this returns when the other side is dropped.
         let _ = waiting.recv();
     }
 }
 
 /// Does `work` on another thread without the interpreter lock, while the calling one looks at signals and runs `callback` for every line
-/// that `work` tells. A signal handler that raises (Ctrl-C) and a callback that does raise `cancel`; when the work has ended for it, their
+/// that `work` sends. A signal handler that raises (Ctrl-C) and a callback that does raise `cancel`; when the work has ended for it, their
 /// exception is that of this function.
 pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
     cancel: &AtomicBool,
     callback: Option<&Py<PyAny>>,
-    work: impl FnOnce(Sender<Told>) -> T + Send,
+    work: impl FnOnce(Sender<TrialLine>) -> T + Send,
 ) -> PyResult<T> {
     cancel.store(false, Ordering::Relaxed);
     let (sender, lines) = channel();
@@ -50,11 +50,11 @@ pub(crate) fn interruptible<T: Send>(
 }
 
 /// Until the work has ended; the exception that ended it, if one did.
-fn attend(lines: Receiver<Told>, cancel: &AtomicBool, callback: Option<&Py<PyAny>>) -> Option<PyErr> {
+fn attend(lines: Receiver<TrialLine>, cancel: &AtomicBool, callback: Option<&Py<PyAny>>) -> Option<PyErr> {
     let mut raised = None;
     loop {
-        let told = match lines.recv_timeout(POLL) {
-            Ok(told) => Some(told),
+        let shown = match lines.recv_timeout(POLL) {
+            Ok(shown) => Some(shown),
             Err(RecvTimeoutError::Timeout) => None,
             Err(RecvTimeoutError::Disconnected) => return raised,
         };
@@ -63,8 +63,8 @@ fn attend(lines: Receiver<Told>, cancel: &AtomicBool, callback: Option<&Py<PyAny
         }
         let heard = Python::attach(|py| {
             py.check_signals()?;
-            match (&told, callback) {
-                (Some(told), Some(callback)) => callback.call1(py, (told.line.as_str(),)).map(|_| ()),
+            match (&shown, callback) {
+                (Some(shown), Some(callback)) => callback.call1(py, (shown.line.as_str(),)).map(|_| ()),
                 _ => Ok(()),
             }
         });

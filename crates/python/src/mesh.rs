@@ -40,7 +40,7 @@ impl Mesh {
         let rows2 = |(name, array): &(String, PyReadonlyArray2<'_, i64>)| {
             (name.clone(), array.as_array().rows().into_iter().map(|row| row.to_vec()).collect::<Vec<_>>())
         };
-        let given = Given {
+        let given = MeshArrays {
             name: name.to_owned(),
             points: points.as_array().rows().into_iter().map(|row| row.to_vec()).collect(),
             cells: cells.iter().map(rows2).collect(),
@@ -60,7 +60,7 @@ impl Mesh {
 }
 
 /// What a user gave, without borrowed arrays.
-struct Given {
+struct MeshArrays {
     name: String,
     points: Vec<Vec<f64>>,
     cells: Named<Vec<Vec<i64>>>,
@@ -70,7 +70,7 @@ struct Given {
     nodes: Named<Vec<i64>>,
 }
 
-impl Given {
+impl MeshArrays {
     fn build(&self) -> Result<nastic_mesh::Mesh, String> {
         let mut raw = RawMesh::new(&self.name);
         raw.points = self.points.iter().map(|p| point(p)).collect::<Result<_, _>>()?;

@@ -1,12 +1,12 @@
 //! The cost as a function of the control vector.
 
 use crate::error;
-use crate::interrupt::{Told, interruptible, tell};
+use crate::interrupt::{TrialLine, interruptible, send_line};
 use crate::mesh::Mesh;
 use crate::run::document;
 use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
-use nastic_opt::{Budget, Failed, Hessian, Objective, Request};
+use nastic_opt::{Budget, Constrained, Failed, Hessian, Objective, Request, Sense};
 use nastic_run::run::thread_pool;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -26,10 +26,10 @@ pub(crate) struct Problem {
     accuracy: f64,
     stage: usize,
     budget: Budget,
-    /// Told of every Newton iteration.
+    /// TrialLine of every Newton iteration.
     callback: Option<Py<PyAny>>,
-    /// Where iterations are told while a call is under way.
-    told: Arc<Mutex<Option<Sender<Told>>>>,
+    /// Where iterations are reported while a call is under way.
+    shown: Arc<Mutex<Option<Sender<TrialLine>>>>,
     history: Mutex<History>,
 }
 
@@ -68,6 +68,21 @@ impl History {
 }
 
 impl History {
+    /// The values of the constraints.
+    fn constraints(&mut self, of: &Problem, m: &[f64]) -> Result<Vec<f64>, Failed> {
+        self.value(of, m)?;
+        Ok(self.last.as_ref().map_or_else(Vec::new, |point| of.problem.ensemble.constraint_values(point)))
+    }
+
+    /// The derivative of `y . c`: one adjoint for each load case and scenario.
+    fn constraint_derivative(&mut self, of: &Problem, m: &[f64], y: &[f64]) -> Result<Vec<f64>, Failed> {
+        self.value(of, m)?;
+        match &self.last {
+            Some(point) => Ok(of.problem.ensemble.constraint_derivative(point, y, &mut self.workspace)?),
+            None => Err(Failed::because("the control was not evaluated")),
+        }
+    }
+
     /// The second derivative along v: two linear solves, with state and adjoint of the control at hand.
     fn hessian_vector(&mut self, of: &Problem, m: &[f64], v: &[f64]) -> Result<Vec<f64>, Failed> {
         self.derivative(of, m)?;
@@ -87,28 +102,28 @@ impl Problem {
             // A panic leaves a history that is whole: its fields are replaced one by one, the point first.
             let mut history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
             let history: &mut History = &mut history;
-            let _listening = Listening::new(&self.told, lines);
+            let _listening = Listening::new(&self.shown, lines);
             self.threads.install(|| work(history))
         })?;
         done.map_err(|failed| error::of_evaluation(py, &failed))
     }
 }
 
-/// Tells the callback of the call under way, if there is one, and waits until it has returned.
-fn tell_of(told: &Mutex<Option<Sender<Told>>>, line: String) {
-    let to = told.lock().unwrap_or_else(PoisonError::into_inner).clone();
+/// Calls the callback of the call under way, if there is one, and waits until it has returned.
+fn send_to(shown: &Mutex<Option<Sender<TrialLine>>>, line: String) {
+    let to = shown.lock().unwrap_or_else(PoisonError::into_inner).clone();
     if let Some(to) = to {
-        tell(&to, line);
+        send_line(&to, line);
     }
 }
 
-/// A call under way whose iterations are told; a call ends only once nobody can tell any more, so this goes with the work, also where that panics.
-struct Listening<'a>(&'a Mutex<Option<Sender<Told>>>);
+/// A call under way whose iterations are reported; a call ends only once nobody can report any more, so this goes with the work, also where that panics.
+struct Listening<'a>(&'a Mutex<Option<Sender<TrialLine>>>);
 
 impl<'a> Listening<'a> {
-    fn new(told: &'a Mutex<Option<Sender<Told>>>, lines: Sender<Told>) -> Self {
-        *told.lock().unwrap_or_else(PoisonError::into_inner) = Some(lines);
-        Self(told)
+    fn new(shown: &'a Mutex<Option<Sender<TrialLine>>>, lines: Sender<TrialLine>) -> Self {
+        *shown.lock().unwrap_or_else(PoisonError::into_inner) = Some(lines);
+        Self(shown)
     }
 }
 
@@ -165,15 +180,15 @@ impl Problem {
         if stage >= stages {
             return Err(error::input(py, format!("stage {stage}: the costs have {stages} stages, numbered from 0")));
         }
-        let told: Arc<Mutex<Option<Sender<Told>>>> = Arc::default();
+        let shown: Arc<Mutex<Option<Sender<TrialLine>>>> = Arc::default();
         if callback.is_some() {
-            let told = told.clone();
+            let shown = shown.clone();
             problem.ensemble.watch_solves(move |member, now| {
                 let line = json!({
                     "member": member, "load": now.load, "newton": now.newton,
                     "residual": now.residual, "step": now.step, "energy": now.energy
                 });
-                tell_of(&told, line.to_string());
+                send_to(&shown, line.to_string());
             });
         }
         if max_newton.is_some() && problem.is_motion() {
@@ -181,7 +196,7 @@ impl Problem {
             return Err(error::input(py, what.to_owned()));
         }
         let budget = max_newton.map_or(Budget::Unlimited, Budget::Of);
-        Ok(Self { problem, threads, cancel, accuracy, stage, budget, callback, told, history: Mutex::default() })
+        Ok(Self { problem, threads, cancel, accuracy, stage, budget, callback, shown, history: Mutex::default() })
     }
 
     /// The cost at `m`.
@@ -210,6 +225,43 @@ impl Problem {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (m, v): (Vec<f64>, Vec<f64>) = (m.as_array().to_vec(), v.as_array().to_vec());
         let product = self.at(py, move |history| history.hessian_vector(self, &m, &v))?;
+        Ok(PyArray1::from_vec(py, product))
+    }
+
+    /// The groups of constraints: `name`, `equal`, `len`, `scale`.
+    fn constraints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let out = PyList::empty(py);
+        for group in self.problem.ensemble.constraints() {
+            let one = PyDict::new(py);
+            one.set_item("name", &group.name)?;
+            one.set_item("equal", group.sense == Sense::Equal)?;
+            one.set_item("len", group.len)?;
+            one.set_item("scale", group.scale)?;
+            out.append(one)?;
+        }
+        Ok(out)
+    }
+
+    /// The values of all constraints at `m`, group by group.
+    fn constraint_values<'py>(
+        &self,
+        py: Python<'py>,
+        m: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let m: Vec<f64> = m.as_array().to_vec();
+        let values = self.at(py, move |history| history.constraints(self, &m))?;
+        Ok(PyArray1::from_vec(py, values))
+    }
+
+    /// The derivative of `y . c` at `m`.
+    fn constraint_vjp<'py>(
+        &self,
+        py: Python<'py>,
+        m: PyReadonlyArray1<'py, f64>,
+        y: PyReadonlyArray1<'py, f64>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (m, y): (Vec<f64>, Vec<f64>) = (m.as_array().to_vec(), y.as_array().to_vec());
+        let product = self.at(py, move |history| history.constraint_derivative(self, &m, &y))?;
         Ok(PyArray1::from_vec(py, product))
     }
 

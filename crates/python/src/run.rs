@@ -1,7 +1,7 @@
 //! The commands on cases that Python holds.
 
 use crate::error;
-use crate::interrupt::{interruptible, tell};
+use crate::interrupt::{interruptible, send_line};
 use crate::mesh::Mesh;
 use crate::states::States;
 use nastic_language::catalogue::Catalogue;
@@ -86,7 +86,7 @@ pub(crate) fn run(
         let on_trial = match is_told {
             true => {
                 let lines = lines.clone();
-                OnTrial::call(move |line| tell(&lines, serde_json::to_string(line).unwrap_or_default()))
+                OnTrial::call(move |line| send_line(&lines, serde_json::to_string(line).unwrap_or_default()))
             }
             false => OnTrial::default(),
         };

@@ -231,6 +231,64 @@ def test_scipy_reaches_what_optimize_reaches(bar):
     assert np.abs(scale * found.x - best.controls["tension"]).max() < 2e3
 
 
+def low_ceiling(bar):
+    """Its end has to stay below a ceiling that the best control without it enters."""
+    shape = {"half_space": {"point": [0, 0, 0.3], "normal": [0, 0, -1]}}
+    bar["constraints"] = [
+        {"name": "ceiling", "obstacle": {"surface": "x+", "shape": shape}},
+        {"name": "size", "cost": {"kind": "control_norm", "of": "tension"}, "at_most": 1e12},
+    ]
+    return bar
+
+
+def test_constraints_have_values_and_derivatives(bar):
+    problem = low_ceiling(bar).problem(accuracy=1e-12)
+    ceiling, size = problem.constraints.values()
+    assert (ceiling.name, ceiling.equal, ceiling.slice) == ("ceiling", False, slice(0, 4))
+    assert (size.slice, size.scale) == (slice(4, 5), 1e12)
+    m = problem.start - 1e4
+    values, jacobian = problem.constraint_values(m), problem.constraint_jacobian(m)
+    # deformed heights of the four corners against that of the ceiling
+    bar["controls"][0]["start"] = "-50 kPa * Z / 0.25 m - 10 kPa"
+    state = bar.solve()
+    heights = (state.points + state.displacement)[np.isclose(state.points[:, 0], 1.0), 2]
+    assert np.allclose(np.sort(values[:4]), np.sort(heights - 0.3), atol=1e-7)
+    direction, step = np.cos(np.arange(len(m))), 20.0
+    ahead, behind = (problem.constraint_values(m + s * direction) for s in (step, -step))
+    assert np.allclose(jacobian @ direction, (ahead - behind) / (2 * step), rtol=1e-6)
+    y = np.arange(1.0, 6.0)
+    assert np.allclose(problem.constraint_vjp(m, y), y @ jacobian, rtol=1e-9)
+    with pytest.raises(nastic.CaseError, match="weights of the constraints have the shape"):
+        problem.constraint_vjp(m, [1.0])
+
+
+def test_scipy_keeps_constraints(bar):
+    optimize = pytest.importorskip("scipy.optimize", reason="SciPy is not installed")
+    case = low_ceiling(bar)
+    case["optimizer"] = {"method": "lbfgs", "max_iterations": 300, "tolerance": 1e-4}
+    best = case.optimize()
+    problem, scale = case.problem(), 1e5
+    first = problem.value(problem.start)
+
+    def function(x):
+        value, gradient = problem.value_and_gradient(scale * x)
+        return value / first, scale / first * gradient
+
+    box = optimize.Bounds(problem.lower / scale, problem.upper / scale)
+    found = optimize.minimize(
+        function,
+        problem.start / scale,
+        jac=True,
+        bounds=box,
+        constraints=problem.nonlinear_constraint(scale),
+        method="SLSQP",
+        options={"maxiter": 200, "ftol": 1e-9},
+    )
+    assert found.success, found.message
+    assert problem.constraint_values(scale * found.x).max() < 1e-6
+    assert first * found.fun == pytest.approx(best.result["cost"]["total"], rel=1e-3)
+
+
 def test_scipy_takes_the_products(bar):
     """Newton's method with conjugate gradients needs far fewer gradients than a quasi-Newton method, to a lower cost."""
     scipy = pytest.importorskip("scipy.optimize")

@@ -14,12 +14,13 @@ from ._nastic import VERSION as __version__
 from .case import Case, load, schema
 from .errors import CaseError, Error, GradientError, OutputError, SolveError
 from .mesh import Mesh
-from .problem import Control, Problem
+from .problem import Constraint, Control, Problem
 from .result import Result, State
 
 __all__ = [
     "Case",
     "CaseError",
+    "Constraint",
     "Control",
     "Error",
     "GradientError",

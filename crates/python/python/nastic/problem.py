@@ -35,6 +35,19 @@ class Control:
     max_norm: float | None
 
 
+@dataclass(frozen=True)
+class Constraint:
+    """The place of a group of constraints c <= 0, or c = 0, among the values of all."""
+
+    name: str
+    #: Its values: `c[constraint.slice]`.
+    slice: slice
+    #: Whether c = 0 is asked, else c <= 0.
+    equal: bool
+    #: A value that counts as one, in the unit of the values.
+    scale: float
+
+
 class Problem:
     """j(m), the cost of a case (`Case.problem` makes one), its gradient, and products with its second derivatives.
 
@@ -84,6 +97,14 @@ class Problem:
         self.stages: int
         self.stage: int
         self.stages, self.stage = self._problem.stages()
+        #: The constraints by name, in the order of their values. The cost knows nothing of them: an optimiser must be given them.
+        self.constraints: dict[str, Constraint] = {}
+        first = 0
+        for one in self._problem.constraints():
+            own = slice(first, first + one["len"])
+            self.constraints[one["name"]] = Constraint(one["name"], own, one["equal"], one["scale"])
+            first = own.stop
+        self._values = first
         for array in (self.start, self.lower, self.upper):
             array.flags.writeable = False
 
@@ -113,6 +134,43 @@ class Problem:
         derivatives (equal costs of all scenarios under a measure of risk that has a kink there).
         """
         return self._problem.hessian_vector(self._vector(m), self._vector(v, "direction"))
+
+    def constraint_values(self, m: ArrayLike) -> NDArray[np.float64]:
+        """The values c(m) of all constraints, group by group, at most 0 where they are met (0 of equalities); `[values]`."""
+        return self._problem.constraint_values(self._vector(m))
+
+    def constraint_vjp(self, m: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+        """sum_k y_k dc_k/dm at m, by one adjoint solve; `[len(m)]`."""
+        y = np.ascontiguousarray(y, dtype=np.float64)
+        if y.shape != (self._values,):
+            raise CaseError(f"the weights of the constraints have the shape {(self._values,)}, found {y.shape}")
+        return self._problem.constraint_vjp(self._vector(m), y)
+
+    def constraint_jacobian(self, m: ArrayLike) -> NDArray[np.float64]:
+        """dc_k/dm_i at m, one adjoint solve for each value: `constraint_vjp` costs less where a sum will do; `[values][len(m)]`."""
+        return np.array([self.constraint_vjp(m, row) for row in np.eye(self._values)]).reshape(-1, len(self))
+
+    def nonlinear_constraint(self, scale: float = 1.0, **options: Any) -> Any:
+        """All constraints at m = scale x as `scipy.optimize.NonlinearConstraint` of x, for `minimize(.., constraints=..)`; `options` go there.
+
+        Values are divided by the scales of their groups.
+        """
+        from scipy.optimize import NonlinearConstraint
+
+        size = np.ones(self._values)
+        lower = np.full(self._values, -np.inf)
+        for one in self.constraints.values():
+            size[one.slice] = one.scale
+            if one.equal:
+                lower[one.slice] = 0.0
+
+        def values(x: NDArray[np.float64]) -> NDArray[np.float64]:
+            return self.constraint_values(scale * x) / size
+
+        def jacobian(x: NDArray[np.float64]) -> NDArray[np.float64]:
+            return scale * self.constraint_jacobian(scale * x) / size[:, None]
+
+        return NonlinearConstraint(values, lower, 0.0, jac=jacobian, **options)
 
     def stop(self) -> None:
         """Ends the call that another thread has under way: it raises SolveError of kind "cancelled". Later calls begin anew."""
