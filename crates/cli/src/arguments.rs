@@ -144,7 +144,7 @@ pub struct Optimize {
 pub struct Diagnosis {
     /// Also the N largest eigenvalues of the cost's second derivative at the optimum, on the directions free of bounds
     ///
-    /// They tell how well the target determines the control: result.json has them with residuals (spectrum), spectrum.vtu and
+    /// They show how well the target determines the control: result.json has them with residuals (spectrum), spectrum.vtu and
     /// spectrum.json the eigenvectors. A cost, law or risk without second derivatives is refused before the run. nastic resume DIR
     /// --spectrum N finds them for an optimisation that has ended.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]

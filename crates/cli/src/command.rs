@@ -5,6 +5,7 @@ use crate::arguments::{
     Sweep, SweptCommand,
 };
 use crate::key_tables;
+use crate::output::{self, Output};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema;
 use nastic_language::syntax::Diagnostic;
@@ -17,10 +18,23 @@ use nastic_run::run::{
 };
 use nastic_run::signals::cancelled_by_signals;
 use serde::Serialize;
-use std::io::{IsTerminal, Write, stderr, stdout};
+use std::io::{IsTerminal, Write, stderr};
 use std::process::ExitCode;
 
 pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
+    let exit = run_command(arguments, catalogue);
+    // what stands in a buffer is lost silently otherwise
+    let _ = Output.flush();
+    match output::failure() {
+        Some(why) => {
+            complain(&format!("standard output could not be written ({why}); files of results are complete"));
+            ExitCode::from(Exit::NotWritten.code())
+        }
+        None => exit,
+    }
+}
+
+fn run_command(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
     let on_case = |command, case: &Case| on_case(catalogue, command, case, Asked::default());
     match arguments.command {
         Command::New(new) => begin(&new),
@@ -61,7 +75,7 @@ fn say_schema(catalogue: &Catalogue, &Schema { results, markdown }: &Schema) {
         false => (schema::json_schema(catalogue), "Keys of case files", "nastic schema --markdown"),
     };
     if markdown {
-        let _ = write!(stdout().lock(), "{}", key_tables::markdown(&schema, title, how));
+        let _ = write!(Output, "{}", key_tables::markdown(&schema, title, how));
     } else {
         print(&schema);
     }
@@ -73,7 +87,7 @@ fn begin(New { directory, template }: &New) -> ExitCode {
         Ok(case) => {
             let case = case.display();
             let _ = writeln!(
-                stdout().lock(),
+                Output,
                 "written     {case}\nnext        nastic check {case}\n            nastic optimize {case}"
             );
             ExitCode::SUCCESS
@@ -188,11 +202,11 @@ fn on_data(Fit { data, out, quiet, json }: &Fit) -> ExitCode {
 fn on_results(Report { directory, out }: &Report) -> ExitCode {
     match report(directory, out.as_deref()) {
         Ok(file) => {
-            let _ = writeln!(stdout().lock(), "{}", file.display());
+            let _ = writeln!(Output, "{}", file.display());
             ExitCode::SUCCESS
         }
         Err(error) => {
-            tell(&error);
+            print_error(&error);
             ExitCode::from(error.exit().code())
         }
     }
@@ -221,7 +235,7 @@ fn failed(command: &str, running: &Running, error: &RunError) -> ExitCode {
     if running.json {
         print(&record(command, error));
     }
-    tell(error);
+    print_error(error);
     ExitCode::from(error.exit().code())
 }
 
@@ -230,11 +244,11 @@ fn console(running: &Running) -> Console {
     if running.quiet {
         return Console::silent();
     }
-    let console = if running.json { Console::silent() } else { Console::new(stdout()) };
+    let console = if running.json { Console::silent() } else { Console::new(Output) };
     if stderr().is_terminal() { console.with_passing(stderr()) } else { console }
 }
 
-fn tell(error: &RunError) {
+fn print_error(error: &RunError) {
     match error {
         RunError::Input(problems) => {
             problems.list().iter().for_each(|problem| complain(&problem.to_string()));
@@ -267,8 +281,8 @@ fn record(command: &str, error: &RunError) -> ErrorRecord {
 
 /// Writes JSON to standard output; a reader who left does not matter.
 fn print(value: &impl Serialize) {
-    let mut out = stdout().lock();
-    let _ = serde_json::to_writer_pretty(&mut out, value).map(|()| writeln!(out));
+    let text = serde_json::to_string_pretty(value).unwrap_or_default();
+    let _ = writeln!(Output, "{text}");
 }
 
 fn complain(message: &str) {

@@ -13,6 +13,7 @@
 mod arguments;
 mod command;
 mod key_tables;
+mod output;
 
 use arguments::Arguments;
 use clap::Parser;

@@ -4,11 +4,11 @@
 
 use crate::common;
 
-use common::{BAR, Place, code, text};
+use common::{BAR, CaseDirectory, code, text};
 
 #[test]
 fn done_is_zero_and_results_lie_beside_the_case() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     for command in ["check", "solve", "gradient", "gradcheck"] {
         let output = place.nastic(&[command, "case.json"]);
         assert_eq!(code(&output), 0, "{command}: {}", text(&output.stderr));
@@ -20,12 +20,12 @@ fn done_is_zero_and_results_lie_beside_the_case() {
 
 #[test]
 fn bad_input_is_two_and_tells_every_problem() {
-    let place = Place::new(&BAR.replace("\"x-\"", "\"left\"").replace("[1.0, 0.25, 0.25] }", "[9.0, 0, 0] }"));
+    let place = CaseDirectory::new(&BAR.replace("\"x-\"", "\"left\"").replace("[1.0, 0.25, 0.25] }", "[9.0, 0, 0] }"));
     let output = place.nastic(&["optimize", "case.json"]);
     assert_eq!(code(&output), 2);
-    let told = text(&output.stderr);
-    assert!(told.contains("nastic: case.json:7:") && told.contains("supports/0/surface"), "{told}");
-    assert!(told.contains("probes/0/point") && told.contains("2 problems"), "{told}");
+    let message = text(&output.stderr);
+    assert!(message.contains("nastic: case.json:7:") && message.contains("supports/0/surface"), "{message}");
+    assert!(message.contains("probes/0/point") && message.contains("2 problems"), "{message}");
     assert!(!place.path("out").exists(), "nothing is written for a case that is wrong");
     let output = place.nastic(&["solve", "nowhere.json"]);
     assert_eq!(code(&output), 2);
@@ -34,30 +34,30 @@ fn bad_input_is_two_and_tells_every_problem() {
 
 #[test]
 fn modes_are_asked_for_by_their_number() {
-    let place = Place::new(&BAR.replace("\"law\":", "\"density\": \"1100 kg/m^3\", \"law\":"));
+    let place = CaseDirectory::new(&BAR.replace("\"law\":", "\"density\": \"1100 kg/m^3\", \"law\":"));
     let output = place.nastic(&["modes", "case.json", "--count", "2", "--undeformed"]);
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
-    let told = text(&output.stdout);
-    assert!(told.contains("about the undeformed body") && told.matches(" Hz ").count() == 2, "{told}");
+    let message = text(&output.stdout);
+    assert!(message.contains("about the undeformed body") && message.matches(" Hz ").count() == 2, "{message}");
     assert!(place.path("out/case/start.vtu").exists());
     let output = place.nastic(&["modes", "case.json", "--json"]);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(answer["modes"]["frequencies"].as_array().unwrap().len(), 6, "{answer}");
-    let output = Place::new(BAR).nastic(&["modes", "case.json"]);
+    let output = CaseDirectory::new(BAR).nastic(&["modes", "case.json"]);
     assert_eq!(code(&output), 2);
     assert!(text(&output.stderr).contains("give every material a \"density\""), "{}", text(&output.stderr));
 }
 
 #[test]
 fn a_failed_solve_is_three() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let output = place.nastic(&["solve", "case.json", "--set", "supports/0/displacement={\"x\": 0}"]);
     assert_eq!(code(&output), 2, "fixed and displaced");
     let crushed = BAR.replace(
         r#""fix": ["x", "y", "z"] }"#,
         r#""fix": ["x", "y", "z"] }, { "surface": "x+", "displacement": { "x": -1.2 } }"#,
     );
-    let place = Place::new(&crushed);
+    let place = CaseDirectory::new(&crushed);
     let output = place.nastic(&["solve", "case.json", "--json"]);
     assert_eq!(code(&output), 3);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -67,11 +67,11 @@ fn a_failed_solve_is_three() {
 
 #[test]
 fn stopping_early_is_four_and_missing_an_expectation_six() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let output = place.nastic(&["optimize", "case.json", "--out", "there"]);
     assert_eq!(code(&output), 4, "{}", text(&output.stderr));
-    let told = text(&output.stdout);
-    assert!(told.contains("trial  iter") && told.contains("to go on"), "{told}");
+    let message = text(&output.stdout);
+    assert!(message.contains("trial  iter") && message.contains("to go on"), "{message}");
     assert!(place.path("there/optimum.vtu").exists());
     let expect = r#"expect={"min_J": {"value": 3, "absolute": 0.1}}"#;
     let output = place.nastic(&["solve", "case.json", "--quiet", "--set", expect]);
@@ -82,7 +82,7 @@ fn stopping_early_is_four_and_missing_an_expectation_six() {
 
 #[test]
 fn a_place_that_cannot_be_written_to_is_seven() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     std::fs::write(place.path("there"), "in the way").unwrap();
     let output = place.nastic(&["solve", "case.json", "--out", "there/deeper"]);
     assert_eq!(code(&output), 7, "{}", text(&output.stderr));
@@ -92,28 +92,28 @@ fn a_place_that_cannot_be_written_to_is_seven() {
 /// A factor that does not fit is refused before it is allocated, with what it would take.
 #[test]
 fn too_little_memory_is_three() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let with_limit = |limit: &str| place.program(&["solve", "case.json"]).env("NASTIC_MEMORY", limit).output().unwrap();
     let output = with_limit("1M");
-    let told = text(&output.stderr);
-    assert_eq!(code(&output), 3, "{told}");
-    assert!(told.contains("a factor of the tangent takes 1 MiB where 0 MiB are available: try"), "{told}");
-    assert!(told.contains("NASTIC_MEMORY"), "{told}");
+    let message = text(&output.stderr);
+    assert_eq!(code(&output), 3, "{message}");
+    assert!(message.contains("a factor of the tangent takes 1 MiB where 0 MiB are available: try"), "{message}");
+    assert!(message.contains("NASTIC_MEMORY"), "{message}");
     let output = with_limit("64G");
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
     let output = with_limit("lots");
     assert_eq!(code(&output), 2);
     assert!(text(&output.stderr).contains("NASTIC_MEMORY=\"lots\" is no size of memory"), "{}", text(&output.stderr));
-    let told = text(&place.nastic(&["check", "case.json"]).stdout);
+    let message = text(&place.nastic(&["check", "case.json"]).stdout);
     assert!(
-        told.contains("memory      a factor has ") && told.contains(" MB while it is made on one thread"),
-        "{told}"
+        message.contains("memory      a factor has ") && message.contains(" MB while it is made on one thread"),
+        "{message}"
     );
 }
 
 #[test]
 fn json_is_the_result_and_nothing_else() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let output = place.nastic(&["solve", "case.json", "--json", "--threads", "1"]);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let file = std::fs::read(place.path("out/case/result.json")).unwrap();
@@ -126,7 +126,7 @@ fn json_is_the_result_and_nothing_else() {
 
 #[test]
 fn overrides_take_the_place_of_values() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let output = place.nastic(&["check", "case.json", "--set", "materials/0/mu1=90 kPa", "--set", "probes/0/name=top"]);
     assert_eq!(code(&output), 0);
     assert!(text(&output.stdout).contains("mu1 90000 Pa"), "{}", text(&output.stdout));
@@ -137,7 +137,7 @@ fn overrides_take_the_place_of_values() {
 
 #[test]
 fn the_schema_is_json_and_help_names_every_command() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let schema: serde_json::Value = serde_json::from_slice(&place.nastic(&["schema"]).stdout).unwrap();
     assert_eq!(schema["title"], "nastic case");
     let help = text(&place.nastic(&["--help"]).stdout);
@@ -150,7 +150,7 @@ fn the_schema_is_json_and_help_names_every_command() {
 
 #[test]
 fn analyses_of_solve_go_one_at_a_time_and_a_failed_ramp_is_three() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let both = place.nastic(&["solve", "case.json", "--modes", "2", "--path"]);
     assert_eq!(code(&both), 2);
     assert!(text(&both.stderr).contains("cannot be used with"), "{}", text(&both.stderr));
@@ -173,7 +173,7 @@ fn analyses_of_solve_go_one_at_a_time_and_a_failed_ramp_is_three() {
 
 #[test]
 fn a_sweep_ends_as_its_worst_run_and_prints_its_table() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let sweep = ["sweep", "case.json", "--command", "solve", "--json", "--out", "there"];
     let output = place.nastic(&[&sweep[..], &["--set", "materials/0/mu1=90 kPa,110 kPa"]].concat());
     assert_eq!(code(&output), 0, "{}", text(&output.stderr));
@@ -191,7 +191,7 @@ fn a_sweep_ends_as_its_worst_run_and_prints_its_table() {
 /// The spectrum is asked for with the optimisation, or of one that has ended.
 #[test]
 fn the_spectrum_at_the_optimum() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let found = |arguments: &[&str]| {
         let output = place.nastic(arguments);
         assert_eq!(code(&output), 4, "{}", text(&output.stderr));
@@ -201,13 +201,28 @@ fn the_spectrum_at_the_optimum() {
     assert_eq!((first["eigenvalues"].as_array().unwrap().len(), &first["cost_rise"]), (3, &1e-5.into()), "{first}");
     let again = found(&["resume", "out/case", "--spectrum", "3", "--cost-rise", "1e-5", "--json", "--threads", "3"]);
     assert_eq!(first, again);
-    for (arguments, told) in [
+    for (arguments, message) in [
         (&["optimize", "case.json", "--cost-rise", "1"][..], "--spectrum"),
         (&["optimize", "case.json", "--spectrum", "0"], "0 is not in 1..=500"),
         (&["optimize", "case.json", "--spectrum", "2", "--cost-rise=-1"], "the rise of the cost is -1e0"),
     ] {
         let output = place.nastic(arguments);
         assert_eq!(code(&output), 2, "{arguments:?}");
-        assert!(text(&output.stderr).contains(told), "{arguments:?}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains(message), "{arguments:?}: {}", text(&output.stderr));
+    }
+}
+
+/// Control characters of a title are shown; a standard output that is full is no success.
+#[cfg(target_os = "linux")]
+#[test]
+fn standard_output_is_looked_after() {
+    let place = CaseDirectory::new(&BAR.replace("\"Bar\"", "\"Bar\\u001b]0;x\\u0007\""));
+    let output = place.nastic(&["check", "case.json"]);
+    assert!(text(&output.stdout).contains("Bar\\u{1b}]0;x\\u{7}"), "{}", text(&output.stdout));
+    for arguments in [&["check", "case.json"] as &[&str], &["check", "case.json", "--json"], &["schema"]] {
+        let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = place.program(arguments).stdout(full).output().unwrap();
+        assert_eq!(code(&output), 7, "{arguments:?}");
+        assert!(text(&output.stderr).contains("standard output could not be written"), "{}", text(&output.stderr));
     }
 }

@@ -10,19 +10,25 @@ use std::sync::{Arc, Mutex};
 /// stop a computation.
 #[derive(Clone)]
 pub struct Console {
-    lines: Place,
+    lines: Sink,
     /// A terminal on which a passing line may be overwritten.
-    passing: Place,
+    passing: Sink,
     /// How far an optimisation is, before everything that passes.
     pace: Arc<Mutex<Option<Pace>>>,
     /// Whether single solves are not shown: several runs share the place.
     without_solves: Arc<AtomicBool>,
 }
 
+/// A line whose control characters, of a title say, are shown and not obeyed.
+fn printable(line: &impl fmt::Display) -> String {
+    let escaped = |c: char| if c.is_control() && c != '\n' { c.escape_unicode().to_string() } else { c.to_string() };
+    line.to_string().chars().map(escaped).collect()
+}
+
 /// Iterations between lines about a solve where there is no terminal.
 const EVERY: usize = 50;
 
-type Place = Arc<Mutex<Option<Box<dyn Write + Send>>>>;
+type Sink = Arc<Mutex<Option<Box<dyn Write + Send>>>>;
 
 impl fmt::Debug for Console {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -71,7 +77,7 @@ impl Console {
         self.clear();
         let Ok(mut out) = self.lines.lock() else { return };
         if let Some(out) = out.as_mut() {
-            let _ = writeln!(out, "{line}").and_then(|()| out.flush());
+            let _ = writeln!(out, "{}", printable(&line)).and_then(|()| out.flush());
         }
     }
 
@@ -106,12 +112,12 @@ impl Console {
         let Ok(mut out) = self.passing.lock() else { return };
         if let Some(out) = out.as_mut() {
             // Clipped at the right margin: of a line that went on below, only the last part could be taken away.
-            let _ =
-                write!(out, "\r\x1b[K\x1b[?7l{}{line}\x1b[?7h", pace.unwrap_or_default()).and_then(|()| out.flush());
+            let line = pace.unwrap_or_default() + &printable(&line);
+            let _ = write!(out, "\r\x1b[K\x1b[?7l{line}\x1b[?7h").and_then(|()| out.flush());
         }
     }
 
-    /// Tells how far an optimisation is; `None` when it ended.
+    /// Shows how far an optimisation is; `None` when it ended.
     pub(crate) fn set_pace(&self, pace: Option<Pace>) {
         if let Ok(mut own) = self.pace.lock() {
             *own = pace;
