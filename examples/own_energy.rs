@@ -10,7 +10,7 @@
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
-use nastic::energy::{Block, Conjugates, Curvature, Place, check};
+use nastic::energy::{Block, Conjugates, Curvature, MaterialPoint, check};
 use nastic::prelude::*;
 use nastic::tensor::Tangent;
 
@@ -30,7 +30,7 @@ impl Gent {
 }
 
 impl ConvexDensity for Gent {
-    fn value(&self, _: Place, f: &Mat3, _: &Mat3, j: f64) -> f64 {
+    fn value(&self, _: MaterialPoint, f: &Mat3, _: &Mat3, j: f64) -> f64 {
         let slack = self.slack(f);
         if slack <= 0.0 {
             return f64::INFINITY;
@@ -38,11 +38,11 @@ impl ConvexDensity for Gent {
         -0.5 * self.mu * self.limit * slack.ln() - self.mu * j.ln() + 0.5 * self.lambda * (j - 1.0).powi(2)
     }
 
-    fn first(&self, _: Place, f: &Mat3, _: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, _: MaterialPoint, f: &Mat3, _: &Mat3, j: f64) -> Conjugates {
         Conjugates { f: f * (self.mu / self.slack(f)), h: Mat3::zeros(), j: self.lambda * (j - 1.0) - self.mu / j }
     }
 
-    fn second(&self, _: Place, f: &Mat3, _: &Mat3, j: f64) -> Curvature {
+    fn second(&self, _: MaterialPoint, f: &Mat3, _: &Mat3, j: f64) -> Curvature {
         let slack = self.slack(f);
         let mut by_f = Tangent::zero();
         by_f.add_identity(self.mu / slack);
@@ -55,7 +55,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let law = Gent { mu: 1e5, lambda: 4e5, limit: 60.0 };
 
     // The checks every built-in law passes: derivatives by differences, objectivity, rest state, ellipticity, growth.
-    println!("{}", check::law(&law, Place { cell: 0, point: 0 })?);
+    println!("{}", check::law(&law, MaterialPoint { cell: 0, point: 0 })?);
 
     let body = Solid::new(box_mesh([1.0, 0.2, 0.2], [10, 2, 2], CellKind::Hex20)?)?
         .material("body", law)?

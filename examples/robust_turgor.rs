@@ -168,7 +168,7 @@ fn write_costs(materials: &MaterialScenarios, [certain, robust]: &[Vec<f64>; 2])
     Ok(())
 }
 
-/// The largest amount of memory this program held, as Linux tells it; nothing elsewhere.
+/// The largest amount of memory this program held, as Linux shows it; nothing elsewhere.
 fn peak_memory() -> Option<String> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     status.lines().find_map(|line| Some(line.strip_prefix("VmHWM:")?.trim().to_owned()))

@@ -1,4 +1,4 @@
-//! The shipped cases hold what they expect, and mistakes in cases are told with what, where and what to try.
+//! The shipped cases hold what they expect, and mistakes in cases are reported with what, where and what to try.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
@@ -19,7 +19,7 @@ fn scratch(name: &str) -> PathBuf {
     directory
 }
 
-/// What a console was told.
+/// What a console was given.
 #[derive(Clone, Default)]
 struct Said(Arc<Mutex<Vec<u8>>>);
 
@@ -208,12 +208,12 @@ fn mistakes_about_a_tendon_are_told() {
         ("space", "\"uniform\"", "\"cell\"", vec!["controls/0", "\"flexor\" is one number", "\"uniform\""]),
         ("word", "\"kind\": \"tendon\"", "\"kind\": \"cable\"", vec!["actuation/0/kind", "\"kind\": \"tendon\""]),
     ];
-    for (name, from, to, told) in cases {
+    for (name, from, to, shown) in cases {
         assert!(text.contains(from), "{from}");
         let path = scratch("tendon").join(format!("{name}.json"));
         std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
         let message = command(Command::Check, &path, "tendon", &[]).unwrap_err().to_string();
-        assert!(told.iter().all(|words| message.contains(words)), "{name}: {message}");
+        assert!(shown.iter().all(|words| message.contains(words)), "{name}: {message}");
     }
 }
 
@@ -280,13 +280,13 @@ fn mistakes_about_a_cavity_are_told_once() {
         ("region", "\"chamber\", ", "\"chamber\", \"region\": \"soft\", ", vec!["unknown key \"region\""]),
         ("space", "\"uniform\"", "\"cell\"", vec!["controls/0", "\"air\" is one number", "\"uniform\""]),
     ];
-    for (name, from, to, told) in cases {
+    for (name, from, to, shown) in cases {
         assert!(text.contains(from), "{from}");
         let path = scratch("cavity").join(format!("{name}.json"));
         std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
         let message = command(Command::Check, &path, "cavity", &[]).unwrap_err().to_string();
         assert_eq!(message.lines().count(), 1, "{message}");
-        told.into_iter().for_each(|part| assert!(message.contains(part), "{name}: {message}\nwithout: {part}"));
+        shown.into_iter().for_each(|part| assert!(message.contains(part), "{name}: {message}\nwithout: {part}"));
     }
 }
 

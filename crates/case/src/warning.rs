@@ -46,6 +46,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &VIOLATED,
     &BETWEEN_NODES,
     &STEP_ERROR,
+    &TIME_STEP,
     &NO_CONTACT,
     &PENETRATED,
     &THICK_LAYER,
@@ -88,11 +89,18 @@ pub const CREEPS: WarningKind = WarningKind {
     advice: "give a smaller \"slip_speed\": the creep falls in proportion, steps get harder",
 };
 
-/// An end that the case does not allow.
+/// An end that the case does not allow, or a state inside of an obstacle that does not push.
 pub const VIOLATED: WarningKind = WarningKind {
     code: "violated",
-    about: "the optimisation ended where constraints are not met",
-    advice: "allow more iterations (optimizer/max_iterations), or begin elsewhere (optimizer/starts); see whether bounds and supports allow what is asked",
+    about: "the optimisation ended where constraints are not met, or the state at the start controls does not meet them or is inside of an obstacle that costs or constraints name",
+    advice: "name the obstacle in \"contact\" if the body is to be held by it; of an optimum, allow more iterations (optimizer/max_iterations), or begin elsewhere (optimizer/starts); see whether bounds and supports allow what is asked",
+};
+
+/// Time steps that do not resolve what happens.
+pub const TIME_STEP: WarningKind = WarningKind {
+    code: "time_step",
+    about: "time steps are too long for what changes in them: a drive between two instants, or a vibration that carries energy",
+    advice: "give shorter steps (\"time\": { \"step\" }), a dozen or more for each period, or a \"tolerance\"",
 };
 
 /// Time steps that were found for another motion.

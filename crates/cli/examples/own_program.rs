@@ -9,7 +9,7 @@
 //! `cargo run --release -p nastic-cli --example own_program -- solve CASE`
 
 use nastic_energy::catalogue::{ActuationRow, Example, Made, MaterialRow, Parameter};
-use nastic_energy::{Block, Conjugates, ConvexDensity, Curvature, FiberTension, Field, Place};
+use nastic_energy::{Block, Conjugates, ConvexDensity, Curvature, FiberTension, Field, MaterialPoint};
 use nastic_fem::contributions::catalogue::{Entry, Form, Key, KeyKind};
 use nastic_fem::{FemError, Solid, Spring};
 use nastic_language::catalogue::Catalogue;
@@ -23,17 +23,17 @@ struct LogVolume {
 }
 
 impl ConvexDensity for LogVolume {
-    fn value(&self, at: Place, f: &Mat3, _: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, _: &Mat3, j: f64) -> f64 {
         let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
         0.5 * mu * (f.norm_squared() - 3.0) - mu * j.ln() + 0.5 * kappa * j.ln().powi(2)
     }
 
-    fn first(&self, at: Place, f: &Mat3, _: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, _: &Mat3, j: f64) -> Conjugates {
         let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
         Conjugates { f: f * mu, h: Mat3::zeros(), j: (kappa * j.ln() - mu) / j }
     }
 
-    fn second(&self, at: Place, _: &Mat3, _: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, _: &Mat3, _: &Mat3, j: f64) -> Curvature {
         let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
         Curvature::split(Block::Isotropic(mu), Block::Zero, (mu + kappa * (1.0 - j.ln())) / (j * j))
     }

@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
-use crate::common::{BAR, Place};
+use crate::common::{BAR, CaseDirectory};
 use nastic_run::record::RunRecord;
 use serde_json::Value;
 use std::path::Path;
 
 /// What the program prints with these arguments.
 fn printed(arguments: &[&str]) -> String {
-    let output = Place::new(BAR).nastic(arguments);
+    let output = CaseDirectory::new(BAR).nastic(arguments);
     assert!(output.status.success(), "{output:?}");
     String::from_utf8(output.stdout).unwrap()
 }
@@ -31,7 +31,7 @@ fn tables_in_the_documentation_are_those_of_the_program() {
 #[test]
 fn results_have_the_keys_of_their_schema() {
     let schema: Value = serde_json::from_str(&printed(&["schema", "--results"])).unwrap();
-    let output = Place::new(BAR).nastic(&["optimize", "case.json", "--json", "--no-report"]);
+    let output = CaseDirectory::new(BAR).nastic(&["optimize", "case.json", "--json", "--no-report"]);
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
     let keys = schema["properties"].as_object().unwrap();
     for key in result.as_object().unwrap().keys() {
@@ -54,7 +54,7 @@ fn results_have_the_keys_of_their_schema() {
 #[test]
 fn results_are_read_as_they_were_written() {
     let cases = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases");
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let mut commands: Vec<Vec<String>> = std::fs::read_dir(cases)
         .unwrap()
         .map(|entry| entry.unwrap().path().display().to_string())

@@ -4,21 +4,21 @@
 
 use crate::common;
 
-use common::{BAR, Place, code, text};
+use common::{BAR, CaseDirectory, code, text};
 
 const TEMPLATES: [&str; 5] = ["finger", "chamber", "gripper", "magnet", "robust"];
 
 #[test]
 fn every_template_checks_without_a_warning() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     for name in TEMPLATES {
         let made = place.nastic(&["new", &format!("robots/my_{name}"), "--template", name]);
         assert_eq!(code(&made), 0, "{name}: {}", text(&made.stderr));
         let case = format!("robots/my_{name}/my_{name}.json");
-        let told = text(&made.stdout);
+        let message = text(&made.stdout);
         let expected =
             format!("written     {case}\nnext        nastic check {case}\n            nastic optimize {case}\n");
-        assert_eq!(told, expected);
+        assert_eq!(message, expected);
         let checked = place.nastic(&["check", &case, "--strict"]);
         assert_eq!(code(&checked), 0, "{name}: {}{}", text(&checked.stdout), text(&checked.stderr));
         assert!(!text(&checked.stdout).contains("WARNING"), "{name}: {}", text(&checked.stdout));
@@ -28,7 +28,7 @@ fn every_template_checks_without_a_warning() {
 /// The chamber takes seconds an iteration where the code is not optimised; it is the case `finger.json`, which other tests run.
 #[test]
 fn templates_optimise_without_a_warning() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     for name in ["finger", "gripper", "magnet", "robust"] {
         assert_eq!(code(&place.nastic(&["new", name, "--template", name])), 0);
         let case = format!("{name}/{name}.json");
@@ -47,7 +47,7 @@ fn templates_optimise_without_a_warning() {
 
 #[test]
 fn nothing_is_replaced() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     std::fs::create_dir(place.path("mine")).unwrap();
     let output = place.nastic(&["new", "mine"]);
     assert_eq!(code(&output), 2);

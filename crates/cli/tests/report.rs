@@ -5,7 +5,7 @@
 use crate::common;
 
 use common::browser::Browser;
-use common::{Place, code, text};
+use common::{CaseDirectory, code, text};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 const LEFT: char = '\u{e012}';
 const HOME: char = '\u{e011}';
 
-/// Share of the canvas that is drawn on, and a sum over its pixels that tells drawings apart.
+/// Share of the canvas that is drawn on, and a sum over its pixels that distinguishes drawings.
 const PIXELS: &str = "
     const canvas = document.getElementById('canvas');
     const copy = document.createElement('canvas');
@@ -34,7 +34,7 @@ fn pixels(browser: &Browser) -> (f64, u64) {
 }
 
 /// Runs a shipped case with a few iterations; its page.
-fn page(place: &Place, arguments: &[&str]) -> PathBuf {
+fn page(place: &CaseDirectory, arguments: &[&str]) -> PathBuf {
     let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases").join(arguments[1]);
     let out = format!("{}_{}", arguments[0], arguments[1].trim_end_matches(".json"));
     let case = case.display().to_string();
@@ -53,7 +53,7 @@ fn slider(browser: &Browser) -> i64 {
 #[test]
 fn an_optimisation_can_be_looked_at() {
     let Some(browser) = Browser::start() else { return };
-    let place = Place::new("{}");
+    let place = CaseDirectory::new("{}");
     let page =
         page(&place, &["optimize", "tip_tracking.json", "--set", "optimizer/max_iterations=6", "--set", "expect={}"]);
     browser.open(&page);
@@ -145,7 +145,7 @@ const CASES: [&[&str]; 14] = [
 #[test]
 fn every_shipped_case_has_a_page_that_opens_without_a_network() {
     let Some(browser) = Browser::start() else { return };
-    let place = Place::new("{}");
+    let place = CaseDirectory::new("{}");
     for arguments in CASES {
         let mut all = arguments.to_vec();
         all.extend(["--set", "expect={}"]);
@@ -172,7 +172,7 @@ fn every_shipped_case_has_a_page_that_opens_without_a_network() {
 
 #[test]
 fn a_page_is_made_again_from_its_folder_and_left_out_on_demand() {
-    let place = Place::new(common::BAR);
+    let place = CaseDirectory::new(common::BAR);
     let output = place.nastic(&["solve", "case.json", "--out", "out", "--quiet"]);
     assert_eq!(code(&output), 0);
     let first = std::fs::read(place.path("out/report.html")).unwrap();

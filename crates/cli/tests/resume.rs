@@ -9,7 +9,7 @@
 
 use crate::common;
 
-use common::{BAR, Place, Random, assert_same, code, signal, start, text};
+use common::{BAR, CaseDirectory, Random, assert_same, code, signal, start, text};
 use std::os::unix::process::ExitStatusExt;
 use std::time::{Duration, Instant};
 
@@ -61,14 +61,14 @@ enum Fate {
 
 /// A case and its undisturbed run.
 struct Trial {
-    place: Place,
+    place: CaseDirectory,
     /// Seconds of the undisturbed run until it writes what it found.
     duration: f64,
 }
 
 impl Trial {
     fn new(rest: &str) -> Self {
-        let place = Place::new(&format!("{HEAD}{rest}"));
+        let place = CaseDirectory::new(&format!("{HEAD}{rest}"));
         let began = Instant::now();
         let output = place.nastic(&["optimize", "case.json", "--out", "whole", "--quiet"]);
         let duration = began.elapsed().as_secs_f64();
@@ -89,8 +89,8 @@ impl Trial {
         match output.status.signal() {
             Some(_) => Fate::Killed,
             None => {
-                let (code, told) = (code(&output), text(&output.stderr));
-                assert!([0, 4].contains(&code), "{arguments:?} ended with {code} after SIG{name}: {told}");
+                let (code, message) = (code(&output), text(&output.stderr));
+                assert!([0, 4].contains(&code), "{arguments:?} ended with {code} after SIG{name}: {message}");
                 Fate::Ended
             }
         }
@@ -122,8 +122,9 @@ impl Trial {
                 continue;
             }
             let output = self.place.nastic(&["resume", "broken", "--threads", "2"]);
-            let told = text(&output.stdout);
-            let from = told.lines().find(|line| line.starts_with("resumed")).unwrap_or("resumed     at the beginning");
+            let message = text(&output.stdout);
+            let from =
+                message.lines().find(|line| line.starts_with("resumed")).unwrap_or("resumed     at the beginning");
             println!("  {moments:.4?} s: {from}");
             assert!([0, 4].contains(&code(&output)), "after {moments:?} s: {}", text(&output.stderr));
             assert_same(&self.place.path("broken"), &self.place.path("whole"), &format!("seed {seed}, {moments:?} s"));
@@ -167,14 +168,14 @@ fn without_space_the_last_good_checkpoint_is_kept() {
     let limit = format!("ulimit -f {}", size / 2 / 512);
     println!("{size} bytes, {limit}");
     let output = trial.place.shell(&limit, &["optimize", "case.json", "--out", "full"]).output().unwrap();
-    let told = text(&output.stdout);
-    assert_eq!(code(&output), 7, "{told}\n{}", text(&output.stderr));
-    assert_eq!(told.matches("WARNING     cannot write full/checkpoint.bin").count(), 1, "said once: {told}");
+    let message = text(&output.stdout);
+    assert_eq!(code(&output), 7, "{message}\n{}", text(&output.stderr));
+    assert_eq!(message.matches("WARNING     cannot write full/checkpoint.bin").count(), 1, "said once: {message}");
     assert!(
-        told.contains("the optimisation goes on and will end with exit code 7; the checkpoint of iteration"),
-        "{told}"
+        message.contains("the optimisation goes on and will end with exit code 7; the checkpoint of iteration"),
+        "{message}"
     );
-    assert!(told.contains("to go on    nastic resume full"), "{told}");
+    assert!(message.contains("to go on    nastic resume full"), "{message}");
     assert!(text(&output.stderr).contains("nastic: cannot write full/"), "{}", text(&output.stderr));
     let quiet = trial.place.shell(&limit, &["resume", "full", "--quiet"]).output().unwrap();
     assert!(code(&quiet) == 7 && text(&quiet.stderr).contains("cannot write full/"), "{}", text(&quiet.stderr));
@@ -186,7 +187,7 @@ fn without_space_the_last_good_checkpoint_is_kept() {
 
 #[test]
 fn a_second_program_in_the_same_directory_is_refused() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let long = [
         "--set",
         "optimizer/max_iterations=100000",
@@ -203,9 +204,9 @@ fn a_second_program_in_the_same_directory_is_refused() {
         &["solve", "case.json", "--out", "out"],
     ] {
         let output = place.nastic(second);
-        let told = text(&output.stderr);
-        assert_eq!(code(&output), 7, "{second:?}: {told}");
-        assert!(told.contains(&format!("out is in use by another program (process {})", child.id())), "{told}");
+        let message = text(&output.stderr);
+        assert_eq!(code(&output), 7, "{second:?}: {message}");
+        assert!(message.contains(&format!("out is in use by another program (process {})", child.id())), "{message}");
     }
     assert!(signal(&child, "KILL"));
     child.wait_with_output().unwrap();
@@ -215,7 +216,7 @@ fn a_second_program_in_the_same_directory_is_refused() {
 /// The checkpoint of an interrupted optimisation is not replaced unasked.
 #[test]
 fn an_interrupted_optimisation_is_not_begun_anew_unasked() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let long = ["optimize", "case.json", "--out", "out", "--set", "optimizer/tolerance=1e-15"];
     let slow = ["--set", "optimizer/method=projected_gradient", "--set", "output/checkpoint=1"];
     let endless = ["--set", "optimizer/max_iterations=100000"];
@@ -225,10 +226,10 @@ fn an_interrupted_optimisation_is_not_begun_anew_unasked() {
     child.wait_with_output().unwrap();
     let checkpoint = std::fs::read(place.path("out/checkpoint.bin")).unwrap();
     let output = place.nastic(&["optimize", "case.json", "--out", "out"]);
-    let told = text(&output.stderr);
-    assert_eq!(code(&output), 2, "{told}");
-    assert!(told.contains("out holds the checkpoint of an interrupted optimisation (iteration "), "{told}");
-    assert!(told.contains("nastic resume out, begin anew with --restart, or "), "{told}");
+    let message = text(&output.stderr);
+    assert_eq!(code(&output), 2, "{message}");
+    assert!(message.contains("out holds the checkpoint of an interrupted optimisation (iteration "), "{message}");
+    assert!(message.contains("nastic resume out, begin anew with --restart, or "), "{message}");
     assert_eq!(std::fs::read(place.path("out/checkpoint.bin")).unwrap(), checkpoint);
     // One that has ended is.
     for restart in [&["--restart"] as &[&str], &[]] {
@@ -239,7 +240,7 @@ fn an_interrupted_optimisation_is_not_begun_anew_unasked() {
 
 #[test]
 fn a_directory_without_a_checkpoint_is_bad_input() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let output = place.nastic(&["resume", "nowhere", "--json"]);
     assert_eq!(code(&output), 2);
     let answer: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();

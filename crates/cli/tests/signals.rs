@@ -5,7 +5,7 @@
 
 use crate::common;
 
-use common::{BAR, Place, code, signal, start, text};
+use common::{BAR, CaseDirectory, code, signal, start, text};
 use std::os::unix::process::ExitStatusExt;
 
 /// Far more iterations than there is time for.
@@ -23,7 +23,7 @@ const LONG: [&str; 8] = [
 #[test]
 fn sigint_and_sigterm_keep_what_was_found() {
     for name in ["INT", "TERM"] {
-        let place = Place::new(BAR);
+        let place = CaseDirectory::new(BAR);
         let mut child = start(place.program(&LONG));
         place.wait_for_lines("out/case/history.jsonl", 4, &mut child);
         assert!(signal(&child, name));
@@ -39,7 +39,7 @@ fn sigint_and_sigterm_keep_what_was_found() {
 
 #[test]
 fn a_sweep_ends_with_the_run_at_hand() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     let mut arguments = LONG.to_vec();
     arguments[0] = "sweep";
     arguments.extend(["--set", "costs/0/weight=1,2"]);
@@ -55,7 +55,7 @@ fn a_sweep_ends_with_the_run_at_hand() {
 
 #[test]
 fn a_program_that_is_to_outlive_its_terminal_does() {
-    let place = Place::new(BAR);
+    let place = CaseDirectory::new(BAR);
     // What nohup does before it starts a program.
     let mut child = start(place.shell("trap '' HUP", &LONG));
     place.wait_for_lines("out/case/history.jsonl", 4, &mut child);

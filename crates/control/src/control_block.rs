@@ -31,7 +31,7 @@ pub struct ControlBlock {
     pub holds: bool,
 }
 
-/// How messages call a control field: by its [`name`](ControlBlock::name) and [`unit`](ControlBlock::unit), unless [told](crate::Layout::show).
+/// How messages call a control field: by its [`name`](ControlBlock::name) and [`unit`](ControlBlock::unit), unless [named otherwise](crate::Layout::show).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
     /// Its name.

@@ -150,7 +150,7 @@ pub enum ControlError {
     },
     /// A cost that does not give second derivatives.
     #[error(
-        "the cost {cost} gives no second derivatives; implement `CostPoint::add_second_partials`, or do without them"
+        "the cost {cost} gives no second derivatives; take a method that needs first ones alone (lbfgs, spectral, projected_gradient); in the library: `CostPoint::add_second_partials`"
     )]
     NoSecondPartials {
         /// Type of the evaluated cost.

@@ -8,7 +8,7 @@ const MOST: usize = 8;
 const STATES: usize = 3;
 
 /// Limit points met before. Where equilibria end, a surface in the space of controls, its normal is `phi . dr/dm`, phi the
-/// direction in which the tangent is singular; its tangent plane tells which trials probably lie beyond. A trial behind one is looked for along the path of
+/// direction in which the tangent is singular; its tangent plane shows which trials probably lie beyond. A trial behind one is looked for along the path of
 /// equilibria, and given up where that turns back: a state on another branch, which it might have found by chance, is then not looked for.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct KnownLimits {

@@ -128,7 +128,7 @@ impl Layout {
         Ok(())
     }
 
-    /// Multiplies a field's part of the inner product by a factor (1 unless told): `(a, b) = sum_k weight_k (a_k, b_k)`. Fields of
+    /// Multiplies a field's part of the inner product by a factor (1 unless set): `(a, b) = sum_k weight_k (a_k, b_k)`. Fields of
     /// different units or ranges are balanced by `(range_0 / range_k)^2`: a change through the whole range counts the same in each.
     ///
     /// # Errors
@@ -153,11 +153,11 @@ impl Layout {
         Ok(())
     }
 
-    /// The values of all fields as messages tell them.
+    /// The values of all fields as messages show them.
     ///
     /// # Errors
     /// [`ControlError::Length`].
-    pub fn told(&self, m: &[f64]) -> Result<Vec<ControlAt>, ControlError> {
+    pub fn described(&self, m: &[f64]) -> Result<Vec<ControlAt>, ControlError> {
         self.check(m)?;
         Ok(self.blocks.iter().map(|block| ControlAt::new(block, m)).collect())
     }

@@ -94,7 +94,7 @@ pub struct Reduced {
     progress: Option<SolveProgress>,
 }
 
-/// What is told after every Newton iteration.
+/// What is reported after every Newton iteration.
 #[derive(Clone)]
 struct SolveProgress(Arc<dyn Fn(&Progress) + Send + Sync>);
 
@@ -326,8 +326,8 @@ impl Reduced {
         self.evaluate_typed(m, &Request { accuracy: AT_REST, ..Request::default() }, &mut ReducedWorkspace::default())
     }
 
-    /// The same as [`evaluate`](nastic_opt::Objective::evaluate), with an observer who is told of a motion while it runs; of a problem that is
-    /// not one in time nothing is told.
+    /// The same as [`evaluate`](nastic_opt::Objective::evaluate), with an observer of the motion while it runs; of a problem that is
+    /// not one in time nothing is reported.
     ///
     /// # Errors
     /// As there, with their type; what the observer returns; bytes to go on from that are damaged or of another problem.

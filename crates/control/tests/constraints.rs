@@ -85,8 +85,8 @@ fn derivatives_of_the_augmented_lagrangian() -> Done {
     }
     taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", meshed.clone()).clearance(0.5))?, "mesh")?;
     let refused = ObstacleDistance::nodes("x+", Obstacle::solid(&rectangle([1.0; 2], [1, 1], CellKind::Quad4)?)?);
-    let told = bar(3e5, 0.2)?.constrain(refused).err().ok_or("in the plane")?.to_string();
-    assert!(told.contains("2 dimensions and the body 3"), "{told}");
+    let message = bar(3e5, 0.2)?.constrain(refused).err().ok_or("in the plane")?.to_string();
+    assert!(message.contains("2 dimensions and the body 3"), "{message}");
     let still = || Tracking::surface("y+", Target::position(|x| x)).weight(10.0);
     taylor(bar(3e5, 0.2)?.constrain(CostLimit::at_most(still(), 1e-4).scale(1e-2))?, "tracking")?;
     let both = bar(3e5, 0.2)?

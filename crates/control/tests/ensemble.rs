@@ -296,8 +296,8 @@ fn bounds_take_the_smallest_over_scenarios() -> Outcome {
 #[test]
 fn warm_starts_from_the_members_own_state_and_tells_who_finished() -> Outcome {
     let disc = mesh()?;
-    let told = Arc::new(AtomicUsize::new(0));
-    let count = told.clone();
+    let message = Arc::new(AtomicUsize::new(0));
+    let count = message.clone();
     let problem = Ensemble::new(Mean)
         .scenario("a", 0.5, member(&disc, 0.8)?)
         .scenario("b", 0.5, member(&disc, 1.4)?)
@@ -310,7 +310,7 @@ fn warm_starts_from_the_members_own_state_and_tells_who_finished() -> Outcome {
     let mut workspace = EnsembleWorkspace::default();
     let cold = problem.evaluate(&m, &Request::default(), &mut workspace)?;
     let warm = problem.evaluate(&m, &Request::near(&cold), &mut workspace)?;
-    assert_eq!(told.load(Ordering::Relaxed), 4);
+    assert_eq!(message.load(Ordering::Relaxed), 4);
     for (warm, cold) in warm.members.iter().zip(&cold.members) {
         assert!(warm.work.newton <= 1 && cold.work.newton > 2, "{:?}", warm.work);
     }

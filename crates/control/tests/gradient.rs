@@ -178,7 +178,7 @@ fn gradients_represent_the_derivative_in_their_product() -> Outcome {
     Ok(())
 }
 
-/// Three points on a line tell where the state of a fourth is, nearly; a step across the line gets no guess.
+/// Three points on a line show where the state of a fourth is, nearly; a step across the line gets no guess.
 #[test]
 fn accepted_points_predict_the_next_state() -> Outcome {
     let problem = tracked(CellKind::Hex8, 2)?;

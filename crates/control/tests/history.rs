@@ -264,7 +264,7 @@ fn an_evaluated_start_is_not_evaluated_again() -> Outcome {
     let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(cost)?;
     let m = vec![-1e4; problem.layout().len()];
     let optimizer = optimizer(4)?;
-    let told = optimizer.start(&problem, &m)?;
+    let message = optimizer.start(&problem, &m)?;
 
     let mut workspace = ReducedWorkspace::default();
     let mut point = problem.evaluate(&m, &Request::default(), &mut workspace)?;
@@ -273,9 +273,9 @@ fn an_evaluated_start_is_not_evaluated_again() -> Outcome {
     let start = nastic_opt::EvaluatedStart { m: m.clone(), point, derivative: Some(derivative) };
     let known = optimizer.start(&problem, start)?.with_workspace(workspace);
     assert!(Arc::ptr_eq(&known.point().state().u, &state), "evaluated again");
-    assert_eq!((told.progress().counts.derivatives, known.progress().counts.derivatives), (1, 0));
-    let (told, known) = (told.minimize(&mut ()), known.minimize(&mut ()));
-    assert_eq!((bits(&told.m), told.cost.to_bits()), (bits(&known.m), known.cost.to_bits()));
+    assert_eq!((message.progress().counts.derivatives, known.progress().counts.derivatives), (1, 0));
+    let (message, known) = (message.minimize(&mut ()), known.minimize(&mut ()));
+    assert_eq!((bits(&message.m), message.cost.to_bits()), (bits(&known.m), known.cost.to_bits()));
 
     let outside: Start<Evaluated> = problem.at(&vec![-1e6; m.len()])?.into();
     assert!(optimizer.start(&problem, outside).is_err(), "an evaluated start outside the set");

@@ -108,7 +108,7 @@ fn budgets_are_kept_and_none_is_taken_unasked() -> Outcome {
     Ok(())
 }
 
-/// The state to which the body jumps behind the limit point is one of another branch, told with the limit point; one before it is not.
+/// The state to which the body jumps behind the limit point is one of another branch, reported with the limit point; one before it is not.
 #[test]
 fn a_state_on_another_branch_is_told() -> Outcome {
     let (problem, largest) = (problem()?, largest());

@@ -74,8 +74,8 @@ fn second_derivatives_by_a_translation_are_exact() -> Outcome {
     assert_eq!(report.second_verdict(), Some(Verdict::Right), "{report}");
     let turned = problem(CellKind::Hex8, [6, 2, 2], true)?;
     let refused = Taylor { second: true, ..Taylor::default() }.test(&turned, &around(&M)?, &M);
-    let told = refused.err().ok_or("second derivatives by a rotation")?.to_string();
-    assert!(told.contains("grip") && told.contains("rotation"), "{told}");
+    let message = refused.err().ok_or("second derivatives by a rotation")?.to_string();
+    assert!(message.contains("grip") && message.contains("rotation"), "{message}");
     Ok(())
 }
 

@@ -176,14 +176,14 @@ fn an_arm_stays_below_a_ceiling() -> Done {
 
 #[test]
 fn instants_that_cannot_be_are_said() -> Done {
-    let told = |instants: Instants, timeline: Timeline| -> Done<String> {
+    let message = |instants: Instants, timeline: Timeline| -> Done<String> {
         let held = lifted(timeline)?.constrain_when(instants, below(0.1));
         Ok(held.err().ok_or("accepted")?.to_string())
     };
     let bdf2 = || timeline(Scheme::bdf2());
-    assert!(told(Instants::At(vec![]), bdf2()?)?.contains("at no instant"));
-    assert!(told(Instants::At(vec![0.013]), bdf2()?)?.contains("the nearest one is 0.01"));
-    assert!(told(Instants::At(vec![0.0, 0.1]), bdf2()?.from_rest())?.contains("where no control has a say"));
+    assert!(message(Instants::At(vec![]), bdf2()?)?.contains("at no instant"));
+    assert!(message(Instants::At(vec![0.013]), bdf2()?)?.contains("the nearest one is 0.01"));
+    assert!(message(Instants::At(vec![0.0, 0.1]), bdf2()?.from_rest())?.contains("where no control has a say"));
     let statics = Reduced::new(arm()?).constrain_when(Instants::All, below(0.1));
     assert!(statics.is_err_and(|error| error.to_string().contains("call in_time first")));
     Ok(())

@@ -359,18 +359,18 @@ fn few_states_give_the_same_bits() -> Done {
     let third = MotionMemory::AtMost { bytes: whole.bytes / 3 };
     for memory in memories.into_iter().chain([third]) {
         let problem = costly(memory)?;
-        let told = problem.motion_footprint()?.ok_or("in time")?;
+        let message = problem.motion_footprint()?.ok_or("in time")?;
         let (found, point) = run(&problem)?;
         for (found, expected) in found.iter().zip(&expected) {
             assert!(found == expected, "{memory:?}");
         }
         assert_eq!(point.min_j().to_bits(), kept.min_j().to_bits());
         let counts = point.solved.recording.counts();
-        println!("{memory:?}: {told:?}, {counts:?}");
-        assert!(counts.states <= told.states && told.bytes < whole.bytes);
+        println!("{memory:?}: {message:?}, {counts:?}");
+        assert!(counts.states <= message.states && message.bytes < whole.bytes);
         // the first derivative began with all checkpoints, the second with none of them: the rest of the motion once more
         let rest = 4 * (66usize.div_ceil(4) - 1) + 2;
-        assert_eq!(counts.recomputed_steps, 2 * told.recomputed_steps + rest);
+        assert_eq!(counts.recomputed_steps, 2 * message.recomputed_steps + rest);
     }
     let little = costly(MotionMemory::AtMost { bytes: 1000 }).err().ok_or("too little")?.to_string();
     assert!(little.contains("take shorter segments"), "{little}");

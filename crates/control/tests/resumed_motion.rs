@@ -42,12 +42,12 @@ fn problem(scheme: Scheme, memory: MotionMemory) -> Done<Reduced> {
 /// States, and places to go on from, with their numbers.
 type Told = (Vec<(usize, State)>, Vec<(usize, Vec<u8>)>);
 
-/// Keeps what it is told, and cuts the motion at a state.
+/// Keeps what is reported, and cuts the motion at a state.
 #[derive(Default)]
 struct Cut {
     at: usize,
     from: Option<Vec<u8>>,
-    told: Mutex<Told>,
+    message: Mutex<Told>,
 }
 
 impl MotionObserver for Cut {
@@ -56,20 +56,20 @@ impl MotionObserver for Cut {
     }
 
     fn reached(&self, n: usize, state: &State) -> Result<(), ControlError> {
-        self.told.lock().unwrap_or_else(PoisonError::into_inner).0.push((n, state.clone()));
+        self.message.lock().unwrap_or_else(PoisonError::into_inner).0.push((n, state.clone()));
         if n == self.at { Err(ControlError::Cost { what: "cut".to_owned() }) } else { Ok(()) }
     }
 
     fn resumable(&self, n: usize, bytes: &dyn Fn() -> Vec<u8>) {
-        self.told.lock().unwrap_or_else(PoisonError::into_inner).1.push((n, bytes()));
+        self.message.lock().unwrap_or_else(PoisonError::into_inner).1.push((n, bytes()));
     }
 }
 
 fn observe(problem: &Reduced, at: usize, from: Option<Vec<u8>>) -> Done<(Result<Evaluated, ControlError>, Told)> {
     let m: Vec<f64> = (0..problem.layout().len()).map(|i| -1e4 * (1.0 + 0.1 * (i % 7) as f64)).collect();
-    let cut = Cut { at, from, told: Mutex::default() };
+    let cut = Cut { at, from, message: Mutex::default() };
     let found = problem.observe(&m, &Request::default(), &cut, &mut ReducedWorkspace::default());
-    Ok((found, cut.told.into_inner().unwrap_or_else(PoisonError::into_inner)))
+    Ok((found, cut.message.into_inner().unwrap_or_else(PoisonError::into_inner)))
 }
 
 fn bits(state: &State) -> Vec<u64> {

@@ -38,7 +38,7 @@ fn moved(body: &Reduced, to: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
 }
 
 /// Value and figures.
-fn told(body: &Reduced, cost: &dyn Cost, u: &[f64]) -> Outcome<(f64, Vec<(&'static str, f64)>)> {
+fn message(body: &Reduced, cost: &dyn Cost, u: &[f64]) -> Outcome<(f64, Vec<(&'static str, f64)>)> {
     let m = vec![0.0; body.layout().len()];
     let at = cost.at(&CostContext { solid: body.solid(), layout: body.layout(), u, state: None, m: &m, stage: 0 })?;
     Ok((at.value(), at.figures()?.iter().map(|figure| (figure.kind.name(), figure.value)).collect()))
@@ -63,10 +63,10 @@ fn a_turned_body_has_turned_normals() -> Outcome {
         for angle in [0.0, 0.3, -1.2, 3.0] {
             let u = moved(&body, turn(angle));
             let expected = 3.0 * area(kind, SIZE[1]) * (1.0 - f64::cos(angle));
-            let (value, figures) = told(&body, &*end, &u)?;
+            let (value, figures) = message(&body, &*end, &u)?;
             assert!((value - expected).abs() < 1e-14, "{kind:?} turned by {angle}: {value}, not {expected}");
             assert!((figures[0].1 - angle.abs()).abs() < 1e-7, "{kind:?}: {figures:?} for {angle}");
-            let (value, _) = told(&body, &*top, &u)?;
+            let (value, _) = message(&body, &*top, &u)?;
             let expected = area(kind, SIZE[0]) * (1.0 - f64::cos(angle));
             assert!((value - expected).abs() < 1e-14, "{kind:?}, above: {value}, not {expected}");
         }
@@ -90,7 +90,7 @@ fn positions_are_means_of_what_is_named() -> Outcome {
         for (cost, gap) in cases {
             let named = format!("{kind:?} {cost:?}");
             let cost = cost.weight(2.0).bind(body.solid())?;
-            let (value, figures) = told(&body, &*cost, &u)?;
+            let (value, figures) = message(&body, &*cost, &u)?;
             let expected = gap[0] * gap[0] + gap[1] * gap[1];
             // hex8 has no quadratic displacements, but exact ones at its nodes; the region's mean is that of the trapezoidal rule
             let tolerance = if kind == CellKind::Hex8 { 3e-3 } else { 1e-13 };
@@ -119,7 +119,7 @@ fn a_body_on_an_arc_has_its_curvature() -> Outcome {
         let line = |n: usize| -> Vec<[f64; 3]> { (0..=n).map(|k| [k as f64 / n as f64, 0.1, depth]).collect() };
         let mean = |axis: f64, n: usize| -> Outcome<f64> {
             let cost = Curvature::of_line(line(n), [0.0, 0.0, axis], 0.0).bind(body.solid())?;
-            Ok(told(&body, &*cost, &u)?.1[0].1)
+            Ok(message(&body, &*cost, &u)?.1[0].1)
         };
         let errors = [6, 12].map(|n| mean(1.0, n).map(|kappa| (kappa * radius - 1.0).abs()));
         let [coarse, fine] = errors;
@@ -128,7 +128,7 @@ fn a_body_on_an_arc_has_its_curvature() -> Outcome {
         assert!((mean(-3.0, 12)? + mean(1.0, 12)?).abs() < 1e-13, "{kind:?}: the other way round");
         // what is wanted has no cost
         let exact = Curvature::of_line(line(6), [0.0, 0.0, 1.0], mean(1.0, 6)?).bind(body.solid())?;
-        assert!(told(&body, &*exact, &u)?.0 < 1e-4, "{kind:?}");
+        assert!(message(&body, &*exact, &u)?.0 < 1e-4, "{kind:?}");
     }
     assert!(
         Curvature::of_line([[0.1, 0.1, 0.0]; 3], [0.0, 0.0, 1.0], 0.0).bind(body(CellKind::Quad9, 1)?.solid()).is_err()
@@ -145,7 +145,7 @@ fn a_stretched_body_has_its_power_mean() -> Outcome {
         let mut last = 1.0;
         for p in [1, 4, 8, 32] {
             let cost = LargestStretch::default().exponent(p).bind(body.solid())?;
-            let (value, figures) = told(&body, &*cost, &u)?;
+            let (value, figures) = message(&body, &*cost, &u)?;
             let expected = ((1.5f64.powi(2 * p as i32) + 2.0) / 3.0).powf(0.5 / f64::from(p));
             assert!((value - expected).abs() < 1e-13, "{kind:?}, p = {p}: {value}, not {expected}");
             assert!(value > last && value < 1.5, "{kind:?}: {value}");
@@ -153,7 +153,8 @@ fn a_stretched_body_has_its_power_mean() -> Outcome {
             last = value;
         }
         assert!(
-            (told(&body, &*LargestStretch::default().bind(body.solid())?, &vec![0.0; u.len()])?.0 - 1.0).abs() < 1e-14
+            (message(&body, &*LargestStretch::default().bind(body.solid())?, &vec![0.0; u.len()])?.0 - 1.0).abs()
+                < 1e-14
         );
         assert!(LargestStretch::default().exponent(0).bind(body.solid()).is_err());
     }

@@ -110,7 +110,7 @@ fn products_that_cannot_be_built_and_problems_without_controls_are_errors() -> O
     Ok(())
 }
 
-/// Values are told with what they belong to: the field that is constant there, of all spaces and of vectors too.
+/// Values are reported with what they belong to: the field that is constant there, of all spaces and of vectors too.
 #[test]
 fn values_come_with_their_entities() -> Outcome {
     for row in SPACES {

@@ -28,7 +28,7 @@ use crate::{Actuation, ConvexDensity, EnergyError, EnergyTerm};
 
 use choose::{choose, distinct};
 pub use fit_form::{FitForm, FitNumber, FitStarts, FitVolume, Free};
-pub use inputs::{Given, Inputs};
+pub use inputs::{CheckedInputs, Inputs};
 
 /// A parameter of a law, as case files write it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,9 +86,9 @@ impl Parameter {
 }
 
 /// How a law is made of its parameters.
-pub type MakeMaterial = fn(&Given<'_>) -> Result<Made, EnergyError>;
+pub type MakeMaterial = fn(&CheckedInputs<'_>) -> Result<Made, EnergyError>;
 /// How an actuation is made of its parameters.
-pub type MakeActuation = fn(&Given<'_>) -> Result<Arc<dyn Actuation>, EnergyError>;
+pub type MakeActuation = fn(&CheckedInputs<'_>) -> Result<Arc<dyn Actuation>, EnergyError>;
 
 /// A passive law.
 #[derive(Clone, Copy, Debug)]

@@ -5,10 +5,10 @@
 //! applies.
 //!
 //! ```
-//! use nastic_energy::{MooneyRivlin, Place, check};
+//! use nastic_energy::{MooneyRivlin, MaterialPoint, check};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let law = MooneyRivlin::new(1e5, 2e4, 1e6)?;
-//! let report = check::law(&law, Place { cell: 0, point: 0 })?;
+//! let report = check::law(&law, MaterialPoint { cell: 0, point: 0 })?;
 //! assert!(report.findings.iter().all(|finding| finding.worst <= finding.allowed));
 //! # Ok(())
 //! # }
@@ -29,7 +29,7 @@ use std::fmt;
 
 use nastic_tensor::{Inverted, Kinematics, Mat3, Tangent};
 
-use crate::{Actuation, ConvexDensity, EnergyTerm, Place, PointBatch, Response, Slots, Want};
+use crate::{Actuation, ConvexDensity, EnergyTerm, MaterialPoint, PointBatch, Response, Slots, Want};
 
 pub use accumulation::accumulation;
 pub use control::{control_derivative, drives};
@@ -129,7 +129,7 @@ pub struct Evaluation {
 }
 
 /// One-point evaluation with the controls `m` (empty for a passive term).
-pub fn evaluate(term: &dyn EnergyTerm, at: Place, k: &Kinematics, m: &[f64]) -> Evaluation {
+pub fn evaluate(term: &dyn EnergyTerm, at: MaterialPoint, k: &Kinematics, m: &[f64]) -> Evaluation {
     let (mut energy, mut stress, mut tangent) = ([0.0], [Mat3::zeros()], [Tangent::zero()]);
     let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut tangent };
     let points = PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
@@ -142,7 +142,7 @@ pub fn evaluate(term: &dyn EnergyTerm, at: Place, k: &Kinematics, m: &[f64]) -> 
 ///
 /// # Errors
 /// The first [`Violation`].
-pub fn passive(law: &dyn EnergyTerm, at: Place) -> Result<Report, Violation> {
+pub fn passive(law: &dyn EnergyTerm, at: MaterialPoint) -> Result<Report, Violation> {
     let mut findings = vec![
         accumulation(law, at, &[])?,
         stress(law, at, &[])?,
@@ -169,7 +169,7 @@ pub fn passive(law: &dyn EnergyTerm, at: Place) -> Result<Report, Violation> {
 ///
 /// # Errors
 /// The first [`Violation`].
-pub fn law<L: ConvexDensity>(law: &L, at: Place) -> Result<Report, Violation> {
+pub fn law<L: ConvexDensity>(law: &L, at: MaterialPoint) -> Result<Report, Violation> {
     let mut report = passive(law, at)?;
     report.findings.extend(convex_density(law, at)?.findings);
     report.findings.extend(tension_bound(law, at)?);
@@ -181,7 +181,7 @@ pub fn law<L: ConvexDensity>(law: &L, at: Place) -> Result<Report, Violation> {
 ///
 /// # Errors
 /// The first [`Violation`].
-pub fn convex_density(law: &dyn ConvexDensity, at: Place) -> Result<Report, Violation> {
+pub fn convex_density(law: &dyn ConvexDensity, at: MaterialPoint) -> Result<Report, Violation> {
     let mut findings = vec![partials(law, at)?];
     if law.conditions(at).is_none_or(|stated| stated.polyconvex) {
         findings.push(polyconvexity(law, at)?);
@@ -194,7 +194,7 @@ pub fn convex_density(law: &dyn ConvexDensity, at: Place) -> Result<Report, Viol
 ///
 /// # Errors
 /// The first [`Violation`].
-pub fn actuation(term: &dyn Actuation, at: Place, m: &[f64]) -> Result<Report, Violation> {
+pub fn actuation(term: &dyn Actuation, at: MaterialPoint, m: &[f64]) -> Result<Report, Violation> {
     let expected = term.slots().len();
     if m.len() != expected {
         return Err(Violation::Controls { check: "actuation", expected, found: m.len() });

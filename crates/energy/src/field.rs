@@ -21,7 +21,7 @@ pub enum Field<T> {
 
 /// Where a law is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct MaterialPoint {
     /// Mesh cell.
     pub cell: usize,
     /// Quadrature point, numbered over the whole mesh.
@@ -68,7 +68,7 @@ impl<T: Copy> Field<T> {
 
     /// The value at a place. Lengths are proved beforehand by [`Field::check_len`].
     #[inline(always)]
-    pub fn at(&self, place: Place) -> T {
+    pub fn at(&self, place: MaterialPoint) -> T {
         match self {
             Field::Uniform(value) => *value,
             Field::Cell(values) => values[place.cell],
@@ -210,7 +210,7 @@ pub fn combine<const N: usize, const M: usize>(
 ) -> Result<[Field<f64>; M], EnergyError> {
     let varying = fields.iter().find(|(_, f)| !matches!(f, Field::Uniform(_)));
     let Some((first, lead)) = varying else {
-        let values = change(Entry::Uniform, fields.map(|(_, f)| f.at(Place { cell: 0, point: 0 })))?;
+        let values = change(Entry::Uniform, fields.map(|(_, f)| f.at(MaterialPoint { cell: 0, point: 0 })))?;
         return Ok(values.map(Field::Uniform));
     };
     for (second, f) in &fields {
@@ -221,7 +221,7 @@ pub fn combine<const N: usize, const M: usize>(
     }
     let mut out: [Vec<f64>; M] = std::array::from_fn(|_| Vec::with_capacity(lead.len()));
     for (n, (entry, _)) in lead.entries().enumerate() {
-        let values = change(entry, fields.map(|(_, f)| f.at(Place { cell: n, point: n })))?;
+        let values = change(entry, fields.map(|(_, f)| f.at(MaterialPoint { cell: n, point: n })))?;
         for (list, v) in out.iter_mut().zip(values) {
             list.push(v);
         }

@@ -27,7 +27,7 @@ pub use actuation::{
 };
 pub use error::{EnergyError, Outside};
 pub use existence::{Existence, Growth};
-pub use field::{Entry, Field, Place, combine};
+pub use field::{Entry, Field, MaterialPoint, combine};
 pub use material::*;
 pub use moduli::Moduli;
 pub use parametrised::{LinearInModuli, Parametrised};

@@ -3,7 +3,8 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use crate::{
-    Actuation, ConvexDensity, EnergyError, EnergyTerm, Field, Outside, Place, PointBatch, Response, Slot, Slots, Want,
+    Actuation, ConvexDensity, EnergyError, EnergyTerm, Field, MaterialPoint, Outside, PointBatch, Response, Slot,
+    Slots, Want,
 };
 
 /// A law that is linear in its moduli, `W(F; theta) = sum_k theta_k W_k(F)`.
@@ -117,7 +118,7 @@ impl<L: LinearInModuli> EnergyTerm for Parametrised<L> {
         self.law.check(cells, points)
     }
 
-    fn direction(&self, at: Place) -> Option<Vec3> {
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
         self.law.direction(at)
     }
 }
@@ -146,7 +147,7 @@ impl<L: LinearInModuli> Actuation for Parametrised<L> {
         Ok(())
     }
 
-    fn rest(&self, at: Place, slot: usize) -> f64 {
+    fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
         self.own[slot].at(at)
     }
 

@@ -4,8 +4,8 @@ use std::sync::Arc;
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
 use crate::{
-    Actuation, EnergyError, EnergyTerm, Existence, Moduli, Outside, Place, PointBatch, Response, Slots, TensionBound,
-    Want,
+    Actuation, EnergyError, EnergyTerm, Existence, MaterialPoint, Moduli, Outside, PointBatch, Response, Slots,
+    TensionBound, Want,
 };
 
 /// Work conjugates of `F`, `H` and `J` (Pa).
@@ -158,13 +158,13 @@ impl Curvature {
 /// (Bonet, Gil & Ortigosa 2015, doi 10.1016/j.cma.2014.10.002).
 pub trait ConvexDensity: Debug + Send + Sync {
     /// `W(F, H, J)`, J/m^3.
-    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64;
+    fn value(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> f64;
 
     /// First partial derivatives.
-    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates;
+    fn first(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Conjugates;
 
     /// Second partial derivatives.
-    fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature;
+    fn second(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Curvature;
 
     /// Third partial derivatives along two changes of `F`, `H` and `J`: the second derivative of [`first`](Self::first) along
     /// both, symmetric in them. Second derivatives of a cost ask for it.
@@ -173,7 +173,7 @@ pub trait ConvexDensity: Debug + Send + Sync {
     /// [`EnergyError::NoSecondDerivatives`] where the law does not implement it, the same at every point.
     fn third(
         &self,
-        _at: Place,
+        _at: MaterialPoint,
         _f: &Mat3,
         _h: &Mat3,
         _j: f64,
@@ -186,17 +186,17 @@ pub trait ConvexDensity: Debug + Send + Sync {
     ///
     /// # Errors
     /// [`Outside`], of point 0.
-    fn domain(&self, _at: Place, _f: &Mat3, _h: &Mat3, _j: f64) -> Result<(), Outside> {
+    fn domain(&self, _at: MaterialPoint, _f: &Mat3, _h: &Mat3, _j: f64) -> Result<(), Outside> {
         Ok(())
     }
 
     /// See [`EnergyTerm::existence`].
-    fn conditions(&self, _at: Place) -> Option<Existence> {
+    fn conditions(&self, _at: MaterialPoint) -> Option<Existence> {
         None
     }
 
     /// See [`EnergyTerm::fiber_bound`].
-    fn tension_bound(&self, _at: Place) -> Option<TensionBound> {
+    fn tension_bound(&self, _at: MaterialPoint) -> Option<TensionBound> {
         None
     }
 
@@ -209,12 +209,12 @@ pub trait ConvexDensity: Debug + Send + Sync {
     }
 
     /// See [`EnergyTerm::direction`].
-    fn fiber(&self, _at: Place) -> Option<Vec3> {
+    fn fiber(&self, _at: MaterialPoint) -> Option<Vec3> {
         None
     }
 
     /// See [`EnergyTerm::moduli`].
-    fn small_strain(&self, _at: Place) -> Option<Moduli> {
+    fn small_strain(&self, _at: MaterialPoint) -> Option<Moduli> {
         None
     }
 
@@ -288,11 +288,11 @@ impl<D: ConvexDensity> EnergyTerm for D {
         Ok(())
     }
 
-    fn existence(&self, at: Place) -> Option<Existence> {
+    fn existence(&self, at: MaterialPoint) -> Option<Existence> {
         self.conditions(at)
     }
 
-    fn fiber_bound(&self, at: Place) -> Option<TensionBound> {
+    fn fiber_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         self.tension_bound(at)
     }
 
@@ -300,11 +300,11 @@ impl<D: ConvexDensity> EnergyTerm for D {
         self.check_fields(cells, points)
     }
 
-    fn direction(&self, at: Place) -> Option<Vec3> {
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
         self.fiber(at)
     }
 
-    fn moduli(&self, at: Place) -> Option<Moduli> {
+    fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
         self.small_strain(at)
     }
 

@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-use crate::{EnergyError, Evolution, Existence, Moduli, Outside, Place, PointQuantity, Slot, TensionBound};
+use crate::{EnergyError, Evolution, Existence, MaterialPoint, Moduli, Outside, PointQuantity, Slot, TensionBound};
 
 /// The quadrature points of one cell: their kinematics, and who they are.
 #[derive(Clone, Copy, Debug)]
@@ -37,8 +37,8 @@ impl PointBatch<'_> {
 
     /// The place of the `q`-th point, for fields.
     #[inline]
-    pub fn place(&self, q: usize) -> Place {
-        Place { cell: self.cell, point: self.first + q }
+    pub fn place(&self, q: usize) -> MaterialPoint {
+        MaterialPoint { cell: self.cell, point: self.first + q }
     }
 }
 
@@ -148,18 +148,18 @@ pub trait EnergyTerm: Debug + Send + Sync {
     }
 
     /// What the law states of the conditions for the existence of minimisers; `None` where it makes no statement.
-    fn existence(&self, _at: Place) -> Option<Existence> {
+    fn existence(&self, _at: MaterialPoint) -> Option<Existence> {
         None
     }
 
     /// The fibre tensions with which this law stays polyconvex. `None` where the law makes no statement.
-    fn fiber_bound(&self, _at: Place) -> Option<TensionBound> {
+    fn fiber_bound(&self, _at: MaterialPoint) -> Option<TensionBound> {
         None
     }
 
     /// Largest fibre tension `m` (Pa) along the unit vector `a` alone for which this law with `-(m/2) |F a|^2` added stays
     /// polyconvex: that of its [`fiber_bound`](Self::fiber_bound).
-    fn fiber_limit(&self, at: Place, a: &Vec3) -> Option<f64> {
+    fn fiber_limit(&self, at: MaterialPoint, a: &Vec3) -> Option<f64> {
         self.fiber_bound(at).map(|bound| bound.along(a))
     }
 
@@ -172,12 +172,12 @@ pub trait EnergyTerm: Debug + Send + Sync {
     }
 
     /// The fibre, to be written back out.
-    fn direction(&self, _at: Place) -> Option<Vec3> {
+    fn direction(&self, _at: MaterialPoint) -> Option<Vec3> {
         None
     }
 
     /// Small-strain moduli at the rest state, where they are known in closed form.
-    fn moduli(&self, _at: Place) -> Option<Moduli> {
+    fn moduli(&self, _at: MaterialPoint) -> Option<Moduli> {
         None
     }
 
@@ -217,7 +217,7 @@ pub trait Actuation: EnergyTerm {
     }
 
     /// The value of a slot at rest.
-    fn rest(&self, _at: Place, slot: usize) -> f64 {
+    fn rest(&self, _at: MaterialPoint, slot: usize) -> f64 {
         self.slots()[slot].rest()
     }
 
@@ -235,7 +235,7 @@ pub trait Actuation: EnergyTerm {
     fn point_values(&self, _at: &PointBatch, _m: Slots, _out: &mut [f64]) {}
 
     /// The largest value of its [`point_quantity`](Self::point_quantity) that the material bears at a point, if that is known.
-    fn point_limit(&self, _at: Place) -> Option<f64> {
+    fn point_limit(&self, _at: MaterialPoint) -> Option<f64> {
         None
     }
 
@@ -272,11 +272,11 @@ impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
         (**self).check_domain(at)
     }
 
-    fn existence(&self, at: Place) -> Option<Existence> {
+    fn existence(&self, at: MaterialPoint) -> Option<Existence> {
         (**self).existence(at)
     }
 
-    fn fiber_bound(&self, at: Place) -> Option<TensionBound> {
+    fn fiber_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         (**self).fiber_bound(at)
     }
 
@@ -284,11 +284,11 @@ impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
         (**self).check(cells, points)
     }
 
-    fn direction(&self, at: Place) -> Option<Vec3> {
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
         (**self).direction(at)
     }
 
-    fn moduli(&self, at: Place) -> Option<Moduli> {
+    fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
         (**self).moduli(at)
     }
 
@@ -317,7 +317,7 @@ impl<T: Actuation + ?Sized> Actuation for Arc<T> {
         (**self).control_stress_change(at, m, change, v, out)
     }
 
-    fn rest(&self, at: Place, slot: usize) -> f64 {
+    fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
         (**self).rest(at, slot)
     }
 
@@ -333,7 +333,7 @@ impl<T: Actuation + ?Sized> Actuation for Arc<T> {
         (**self).point_values(at, m, out);
     }
 
-    fn point_limit(&self, at: Place) -> Option<f64> {
+    fn point_limit(&self, at: MaterialPoint) -> Option<f64> {
         (**self).point_limit(at)
     }
 

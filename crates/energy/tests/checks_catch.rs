@@ -3,12 +3,12 @@
 
 use nastic_energy::check::{self, Violation};
 use nastic_energy::{
-    Actuation, Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, EnergyTerm, FiberTension, Moduli,
-    MooneyRivlin, NeoHooke, Place, PointBatch, Response, Slot, Slots, TensionBound, Want,
+    Actuation, Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, EnergyTerm, FiberTension,
+    MaterialPoint, Moduli, MooneyRivlin, NeoHooke, PointBatch, Response, Slot, Slots, TensionBound, Want,
 };
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
 /// Mooney-Rivlin with something done to its answers.
 struct Faulty<F>(MooneyRivlin, F);
@@ -25,7 +25,7 @@ impl<F: Fn(&PointBatch, Want, &mut Response) + Send + Sync> EnergyTerm for Fault
         (self.1)(at, want, out);
     }
 
-    fn moduli(&self, at: Place) -> Option<Moduli> {
+    fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
         self.0.moduli(at)
     }
 }
@@ -172,15 +172,15 @@ struct Product {
 }
 
 impl ConvexDensity for Product {
-    fn value(&self, _: Place, f: &Mat3, h: &Mat3, _: f64) -> f64 {
+    fn value(&self, _: MaterialPoint, f: &Mat3, h: &Mat3, _: f64) -> f64 {
         f.norm_squared() * h.norm_squared() / 2.0
     }
 
-    fn first(&self, _: Place, f: &Mat3, h: &Mat3, _: f64) -> Conjugates {
+    fn first(&self, _: MaterialPoint, f: &Mat3, h: &Mat3, _: f64) -> Conjugates {
         Conjugates { f: f * h.norm_squared(), h: h * f.norm_squared(), j: 0.0 }
     }
 
-    fn second(&self, _: Place, f: &Mat3, h: &Mat3, _: f64) -> Curvature {
+    fn second(&self, _: MaterialPoint, f: &Mat3, h: &Mat3, _: f64) -> Curvature {
         let mut fh = Tangent::zero();
         fh.add_outer(f, h, 2.0);
         let fh = if self.mixed { Block::Full(Box::new(fh)) } else { Block::Zero };
@@ -211,17 +211,17 @@ fn densities() {
 struct Everything(Mat3, Mat3);
 
 impl ConvexDensity for Everything {
-    fn value(&self, _: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+    fn value(&self, _: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> f64 {
         let Everything(m, n) = self;
         (f * m).dot(f) / 2.0 + (f * m).dot(h) + f.dot(n) * j + h.dot(n) * j + h.norm_squared().powi(2) / 4.0 + f.dot(h)
     }
 
-    fn first(&self, _: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, _: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
         let Everything(m, n) = self;
         Conjugates { f: f * m + h * m + n * j + h, h: f * m + n * j + h * h.norm_squared() + f, j: f.dot(n) + h.dot(n) }
     }
 
-    fn second(&self, _: Place, _: &Mat3, h: &Mat3, _: f64) -> Curvature {
+    fn second(&self, _: MaterialPoint, _: &Mat3, h: &Mat3, _: f64) -> Curvature {
         let Everything(m, n) = self;
         let mut hh = Tangent::zero();
         hh.add_identity(h.norm_squared());
@@ -253,19 +253,26 @@ fn every_block_goes_through_the_chain_rule() {
 struct ThriceVolume;
 
 impl ConvexDensity for ThriceVolume {
-    fn value(&self, _: Place, f: &Mat3, h: &Mat3, _: f64) -> f64 {
+    fn value(&self, _: MaterialPoint, f: &Mat3, h: &Mat3, _: f64) -> f64 {
         f.dot(h)
     }
 
-    fn first(&self, _: Place, f: &Mat3, h: &Mat3, _: f64) -> Conjugates {
+    fn first(&self, _: MaterialPoint, f: &Mat3, h: &Mat3, _: f64) -> Conjugates {
         Conjugates { f: *h, h: *f, j: 0.0 }
     }
 
-    fn second(&self, _: Place, _: &Mat3, _: &Mat3, _: f64) -> Curvature {
+    fn second(&self, _: MaterialPoint, _: &Mat3, _: &Mat3, _: f64) -> Curvature {
         Curvature { fh: Block::Isotropic(1.0), ..Curvature::split(Block::Zero, Block::Zero, 0.0) }
     }
 
-    fn third(&self, _: Place, _: &Mat3, _: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        _: MaterialPoint,
+        _: &Mat3,
+        _: &Mat3,
+        j: f64,
+        along: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         Ok(Conjugates::third_by_j(0.0 * j, along))
     }
 }
@@ -283,19 +290,26 @@ type Fault = fn(Conjugates) -> Conjugates;
 struct Inexact(NeoHooke, Fault);
 
 impl ConvexDensity for Inexact {
-    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> f64 {
         self.0.value(at, f, h, j)
     }
 
-    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
         self.0.first(at, f, h, j)
     }
 
-    fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
         self.0.second(at, f, h, j)
     }
 
-    fn third(&self, at: Place, f: &Mat3, h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        at: MaterialPoint,
+        f: &Mat3,
+        h: &Mat3,
+        j: f64,
+        along: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         self.0.third(at, f, h, j, along).map(self.1)
     }
 }
@@ -391,19 +405,19 @@ fn thrice_the_volume() {
 struct Boastful(NeoHooke);
 
 impl ConvexDensity for Boastful {
-    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> f64 {
         self.0.value(at, f, h, j)
     }
 
-    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
         self.0.first(at, f, h, j)
     }
 
-    fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
         self.0.second(at, f, h, j)
     }
 
-    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+    fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         self.0.tension_bound(at).map(|_| TensionBound::isotropic(1.001e5))
     }
 }
@@ -452,16 +466,16 @@ fn control_derivatives() {
 struct StressedAtRest(NeoHooke);
 
 impl ConvexDensity for StressedAtRest {
-    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> f64 {
         self.0.value(at, f, h, j) + 1e3 * (j - 1.0)
     }
 
-    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
         let first = self.0.first(at, f, h, j);
         Conjugates { j: first.j + 1e3, ..first }
     }
 
-    fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
         self.0.second(at, f, h, j)
     }
 }

@@ -2,12 +2,12 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::{
-    Arap, ArrudaBoyce, EnergyTerm, FiberFamily, FiberTension, Gent, HolzapfelGasserOgden, MooneyRivlin, NeoHooke,
-    NeoHookeIsochoric, Ogden, Place, SaintVenantKirchhoff, TransverseMooneyRivlin, Turgor, Yeoh, catalogue, check,
+    Arap, ArrudaBoyce, EnergyTerm, FiberFamily, FiberTension, Gent, HolzapfelGasserOgden, MaterialPoint, MooneyRivlin,
+    NeoHooke, NeoHookeIsochoric, Ogden, SaintVenantKirchhoff, TransverseMooneyRivlin, Turgor, Yeoh, catalogue, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 const MU1: f64 = 1e5;
 const MU2: f64 = 2e4;
 const MU3: f64 = 3e5;

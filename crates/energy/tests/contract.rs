@@ -1,10 +1,10 @@
 //! Every member of the catalogue, against the contract of an energy term.
 
 use nastic_energy::catalogue::{self, Inputs, Takes};
-use nastic_energy::{EnergyError, Field, MooneyRivlin, Place, check};
+use nastic_energy::{EnergyError, Field, MaterialPoint, MooneyRivlin, check};
 use nastic_tensor::Vec3;
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
 #[test]
 fn every_material_keeps_its_contract_in_every_form() {

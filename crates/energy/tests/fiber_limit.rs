@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::{
-    EnergyTerm, FiberTension, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, TensionBound, TransverseMooneyRivlin,
-    Yeoh, check,
+    EnergyTerm, FiberTension, MaterialPoint, MooneyRivlin, NeoHooke, NeoHookeIsochoric, TensionBound,
+    TransverseMooneyRivlin, Yeoh, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
 /// Second derivative of the energy at `f` along `b n`, the smallest over unit vectors `b`.
 fn least_wave(law: &dyn EnergyTerm, a: &Vec3, tension: f64, f: Mat3, n: &Vec3) -> f64 {

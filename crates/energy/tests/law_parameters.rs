@@ -2,9 +2,9 @@
 
 use nastic_energy::catalogue::{self, Takes};
 use nastic_energy::{Actuation, EnergyTerm};
-use nastic_energy::{EnergyError, Field, MooneyRivlin, NeoHooke, Parametrised, Place, Role, check};
+use nastic_energy::{EnergyError, Field, MaterialPoint, MooneyRivlin, NeoHooke, Parametrised, Role, check};
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
 #[test]
 fn every_law_gives_its_parameters_or_says_that_it_has_none() {
@@ -51,7 +51,7 @@ fn every_law_gives_its_parameters_or_says_that_it_has_none() {
 fn parameters_of_a_field_are_those_of_the_place() {
     let law = NeoHooke::new(Field::cells(vec![1e5, 2e5]), 4e5).unwrap();
     let term = Parametrised::new(law);
-    assert_eq!([0, 1].map(|cell| term.rest(Place { cell, point: 0 }, 0)), [1e5, 2e5]);
+    assert_eq!([0, 1].map(|cell| term.rest(MaterialPoint { cell, point: 0 }, 0)), [1e5, 2e5]);
     assert!(matches!(term.check(3, 8), Err(EnergyError::Length { name: "mu", .. })));
     let law = MooneyRivlin::new(1e5, 2e4, 3e5).unwrap().parametrised().unwrap();
     assert_eq!(law.slots().iter().map(|slot| slot.group).collect::<Vec<_>>(), ["mu1", "mu2", "mu3"]);

@@ -1,10 +1,12 @@
 //! The three magnets against what is known of rotations and stretches.
 
 use nastic_energy::catalogue::{self, Inputs};
-use nastic_energy::{Actuation, EnergyTerm, Magnet, MagnetIsochoric, MagnetRotation, Place, SlotGroup, check, magnet};
+use nastic_energy::{
+    Actuation, EnergyTerm, Magnet, MagnetIsochoric, MagnetRotation, MaterialPoint, SlotGroup, check, magnet,
+};
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 const CONTROLS: [f64; 6] = [0.1, -0.03, 0.05, 0.004, 0.02, -0.01];
 
 fn vectors() -> (Vec3, Vec3) {

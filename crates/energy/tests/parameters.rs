@@ -2,12 +2,12 @@
 
 use nastic_energy::catalogue::{self, Inputs};
 use nastic_energy::{
-    EnergyTerm, FiberTension, Field, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Place, PointBatch, Response, Slots,
-    TransverseMooneyRivlin, Want, check,
+    EnergyTerm, FiberTension, Field, MaterialPoint, MooneyRivlin, NeoHooke, NeoHookeIsochoric, PointBatch, Response,
+    Slots, TransverseMooneyRivlin, Want, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
 #[test]
 fn signs_that_polyconvexity_needs() {
@@ -119,7 +119,7 @@ fn coefficients_of_rubber_out_of_range_are_refused() {
 fn fields_are_combined_value_by_value() {
     let shear = Field::cells(vec![1e5, 2e5, 3e5]);
     let law = MooneyRivlin::from_shear_bulk(shear, 1e6, Field::cells(vec![0.5, 0.6, 0.7])).unwrap();
-    let limit = |cell| law.fiber_limit(Place { cell, point: 99 }, &Vec3::x()).unwrap();
+    let limit = |cell| law.fiber_limit(MaterialPoint { cell, point: 99 }, &Vec3::x()).unwrap();
     assert!((limit(0) - 5e4).abs() < 1e-9 && (limit(1) - 1.2e5).abs() < 1e-9 && (limit(2) - 2.1e5).abs() < 1e-9);
     let mixed = MooneyRivlin::from_shear_bulk(Field::cells(vec![1.0; 3]), Field::points(vec![9.0; 24]), 0.5);
     assert_eq!(
@@ -149,7 +149,7 @@ fn a_batch_is_its_points() {
     tension.respond(&points, Slots { values: &controls, width: 1 }, Want::ALL, &mut out);
 
     for (q, k) in states.iter().enumerate() {
-        let at = Place { cell, point: first + q };
+        let at = MaterialPoint { cell, point: first + q };
         let mut expected = check::evaluate(&tension, at, k, &controls[q..=q]);
         for law in laws {
             let passive = check::evaluate(law, at, k, &[]);
@@ -163,7 +163,7 @@ fn a_batch_is_its_points() {
         assert!(error < 1e-5);
         for law in laws {
             let (here, other) =
-                (check::evaluate(law, at, k, &[]), check::evaluate(law, Place { cell: 0, point: 0 }, k, &[]));
+                (check::evaluate(law, at, k, &[]), check::evaluate(law, MaterialPoint { cell: 0, point: 0 }, k, &[]));
             assert!((other.stress - here.stress).norm() > 1e3, "the place makes no difference");
         }
     }

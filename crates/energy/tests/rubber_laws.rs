@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::{
-    Arap, ArrudaBoyce, EnergyTerm, Existence, FiberFamily, Field, Gent, Growth, HolzapfelGasserOgden, MooneyRivlin,
-    NeoHookeIsochoric, Ogden, Place, PointBatch, SaintVenantKirchhoff, TransverseMooneyRivlin, Yeoh, check,
+    Arap, ArrudaBoyce, EnergyTerm, Existence, FiberFamily, Field, Gent, Growth, HolzapfelGasserOgden, MaterialPoint,
+    MooneyRivlin, NeoHookeIsochoric, Ogden, PointBatch, SaintVenantKirchhoff, TransverseMooneyRivlin, Yeoh, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
 fn ogden(terms: &[[f64; 2]], bulk: f64) -> Ogden {
     Ogden::new(terms.iter().map(|pair| pair.map(Field::from)).collect(), bulk).unwrap()

@@ -1,12 +1,13 @@
 //! Viscous laws: derivatives against differences, objectivity, closed forms of relaxation, dissipation.
 
 use nastic_energy::{
-    Actuation, EnergyError, Evolution, KelvinVoigt, MaxwellBranch, Place, PointBatch, Response, Slots, Want, check,
+    Actuation, EnergyError, Evolution, KelvinVoigt, MaterialPoint, MaxwellBranch, PointBatch, Response, Slots, Want,
+    check,
 };
 use nastic_tensor::{Inverted, Kinematics, Mat3};
 use std::sync::Arc;
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
 type Named = (&'static str, Arc<dyn Actuation>);
 

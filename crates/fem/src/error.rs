@@ -179,7 +179,9 @@ pub enum SecondDerivativeError {
         name: String,
     },
     /// A contribution that does not give them.
-    #[error("contribution \"{name}\" gives no second derivatives; implement `ContributionPoint::{method}`")]
+    #[error(
+        "\"{name}\" gives no second derivatives; take a method that needs first ones alone (lbfgs, spectral, projected_gradient); in the library: `ContributionPoint::{method}`"
+    )]
     Contribution {
         /// Its name.
         name: String,
@@ -213,7 +215,7 @@ pub enum Cause {
     Convexity(ExcessTension),
     /// Guides of a tendon or spring that run together, where its direction is undetermined.
     GuidesMeet(MeetingGuides),
-    /// Nothing tells.
+    /// Nothing is known.
     Unknown,
 }
 

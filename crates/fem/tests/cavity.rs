@@ -259,14 +259,14 @@ fn the_derivative_by_the_pressure_is_that_of_the_solutions() -> Outcome {
 #[test]
 fn rooms_that_are_none_are_refused() -> Outcome {
     let solid = Solid::new(cup(CellKind::Hex8, false)?)?;
-    let told = |spec: Cavity, word: &str| {
+    let message = |spec: Cavity, word: &str| {
         let error = solid.clone().cavity(spec).err().unwrap_or_else(|| panic!("{word}: it is taken")).to_string();
         assert!(error.contains(word), "{error}");
     };
-    told(Cavity::new("air", "inside"), "lid");
-    told(Cavity::new("air", "insdie"), "inside");
-    told(Cavity::new("air", "inside").symmetry("inside"), "plane");
-    told(Cavity::new("air", "floor").lid(), "encloses no cavity");
+    message(Cavity::new("air", "inside"), "lid");
+    message(Cavity::new("air", "insdie"), "inside");
+    message(Cavity::new("air", "inside").symmetry("inside"), "plane");
+    message(Cavity::new("air", "floor").lid(), "encloses no cavity");
     let tube = Solid::new(regular(CellKind::Hex8, [1.0; 3], [2; 3])?)?;
     let both = tube.cavity(Cavity::new("air", "x-").symmetry("z-").symmetry("z+").lid());
     assert!(both.err().is_some_and(|error| error.to_string().contains("two parallel planes")));

@@ -253,7 +253,7 @@ fn what_does_not_go_with_a_volume_is_refused() -> Outcome {
     assert!(error.contains("leaves none of its reference volume"), "{error}");
     let error = solve(&solid, &[1e6], None).err().ok_or("a volume of another unit is taken")?.to_string();
     assert!(error.contains("in another unit"), "{error}");
-    // Two volumes of one room depend on each other: told as that, not as an equilibrium that is hard to find.
+    // Two volumes of one room depend on each other: reported as that, not as an equilibrium that is hard to find.
     let twice =
         solid.clone().cavity(Cavity::new("again", "inner").symmetry("x-").symmetry("y-").symmetry("z-").by_volume())?;
     let error = solve(&twice, &[0.2, 0.2], None).err().ok_or("two volumes of one room")?.to_string();

@@ -1,4 +1,4 @@
-//! Motions that keep few of their states: the same bits, as much work and memory as was told beforehand.
+//! Motions that keep few of their states: the same bits, as much work and memory as was announced.
 
 use crate::common;
 
@@ -155,8 +155,8 @@ fn no_other_places_of_checkpoints_take_less_work() -> Outcome {
     let table = least(80, 7);
     for l in 1..=80 {
         for s in 1..=7 {
-            let told = Checkpoints::at_most(s, 3 * l, 3)?.recomputed_steps();
-            assert_eq!(told, 3 * table[s][l], "{l} segments, {s} checkpoints");
+            let message = Checkpoints::at_most(s, 3 * l, 3)?.recomputed_steps();
+            assert_eq!(message, 3 * table[s][l], "{l} segments, {s} checkpoints");
         }
     }
     // beta(5, 3) = 56, beta(6, 2) = 28; beta(10, 3) = 286 < 1000 <= beta(10, 4) = 1001, beta(11, 3) = 364
@@ -198,8 +198,8 @@ fn memory_is_told_beforehand() -> Outcome {
         8 * (state.u.len() + rates + controls + history)
     };
     let found: usize = trajectory.states()[1..].iter().map(of).sum();
-    let told = Checkpoints::all(19, 8)?.bytes(model, &scheme);
-    assert_eq!(told, found);
+    let message = Checkpoints::all(19, 8)?.bytes(model, &scheme);
+    assert_eq!(message, found);
     Ok(())
 }
 

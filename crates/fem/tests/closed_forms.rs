@@ -5,7 +5,7 @@ use crate::common;
 use common::block::Block;
 use common::homogeneous::{cases, mooney_rivlin, relaxed, transverse};
 use common::{Outcome, distance, kinds, largest, nodal, node_at};
-use nastic_energy::{FiberTension, Place, Turgor};
+use nastic_energy::{FiberTension, MaterialPoint, Turgor};
 use nastic_fem::{Solid, State};
 use nastic_mesh::CellKind;
 use nastic_tensor::{Mat3, Vec3};
@@ -29,7 +29,7 @@ fn fiber_tension_deforms_a_free_block_as_one_point() -> Outcome {
         let block = Block::new(kind)?;
         for case in cases()? {
             // at most 2 mu1 = 2 for the fibred law, below mu for neo-Hooke; isochoric laws bear contraction alone
-            let limit = case.law.fiber_limit(Place { cell: 0, point: 0 }, &Vec3::x());
+            let limit = case.law.fiber_limit(MaterialPoint { cell: 0, point: 0 }, &Vec3::x());
             let tensions: &[f64] = if limit.is_some_and(|limit| limit > 0.0) { &[-1.5, 0.8] } else { &[-1.2] };
             for &m in tensions {
                 let energy = |f: &Mat3| (case.density)(f) - m / 2.0 * f.column(0).norm_squared();

@@ -173,8 +173,8 @@ fn what_schemes_do_not_go_with_constraints_says_the_model() -> Outcome {
         assert!(matches!(error, FemError::Unsupported { .. }) && error.to_string().contains("\"air\""), "{error}");
         let steps = [StepTo { dt: H, controls: held.controls() }];
         let mut trajectory = Trajectory::from_given(held.rest());
-        let told = held.model().advance(&mut trajectory, scheme, &steps, &STRICT, &mut Workspace::default()).err();
-        assert!(matches!(told, Some(StateError::Problem(FemError::Unsupported { .. }))), "{told:?}");
+        let message = held.model().advance(&mut trajectory, scheme, &steps, &STRICT, &mut Workspace::default()).err();
+        assert!(matches!(message, Some(StateError::Problem(FemError::Unsupported { .. }))), "{message:?}");
     }
     Ok(())
 }

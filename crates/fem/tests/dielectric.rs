@@ -52,8 +52,8 @@ fn a_free_film_follows_its_closed_form_up_to_pull_in() -> Outcome {
             for signed in [e, -e] {
                 let state = solid.solve(&field(&solid, signed)?, &STRICT)?;
                 let l = stretch(&solid, &state);
-                let told = (l.powi(-2) - l.powi(-8)).sqrt() * (MU / EPS).sqrt();
-                assert!((told / e - 1.0).abs() < 1e-3, "{kind:?}: at {share} the film has {told} for {e}");
+                let message = (l.powi(-2) - l.powi(-8)).sqrt() * (MU / EPS).sqrt();
+                assert!((message / e - 1.0).abs() < 1e-3, "{kind:?}: at {share} the film has {message} for {e}");
                 assert_eq!(solid.negative_pivots(&state)?, 0, "{kind:?} at {share} of pull-in");
             }
         }
@@ -77,7 +77,7 @@ fn pull_in_is_the_limit_point_of_the_closed_form() -> Outcome {
     Ok(())
 }
 
-/// `|E F^-T e| = E / l_z = E l^2` of the film; beyond its breakdown strength it is told, with how far.
+/// `|E F^-T e| = E / l_z = E l^2` of the film; beyond its breakdown strength it is reported, with how far.
 #[test]
 fn the_true_field_grows_as_the_film_thins() -> Outcome {
     let e = 0.9 * PULL_IN * (MU / EPS).sqrt();

@@ -114,7 +114,7 @@ fn what_does_not_go_with_exact_contact_is_refused() -> Outcome {
     };
     let floor = Contact::of("floor", "z+", Obstacle::half_space([0.0, 0.0, 2.0], [0.0, 0.0, -1.0]));
     let between = SurfaceContact::between("sides", "x-", "x+");
-    for (solid, told) in [
+    for (solid, message) in [
         (block()?, "nothing touches it"),
         (block()?.contact(floor.clone().law(ContactLaw::Log))?, "with the cubic law"),
         (block()?.contact(floor.friction(0.5, 1e-3))?, "friction depends on the path"),
@@ -125,7 +125,7 @@ fn what_does_not_go_with_exact_contact_is_refused() -> Outcome {
             Err(error @ StateError::Problem(_)) => error.to_string(),
             other => panic!("{other:?}"),
         };
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(message), "{error}");
     }
     Ok(())
 }

@@ -5,7 +5,7 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, curved, distorted, unit};
 use nastic_energy::check::evaluate;
-use nastic_energy::{EnergyTerm, FiberTension, Field, Place, TransverseMooneyRivlin, Turgor};
+use nastic_energy::{EnergyTerm, FiberTension, Field, MaterialPoint, TransverseMooneyRivlin, Turgor};
 use nastic_fem::{QuadraturePoints, Solid};
 use nastic_mesh::CellKind;
 use nastic_tensor::{Mat3, Vec3};
@@ -36,7 +36,7 @@ fn averages_are_integrals_over_the_cell() -> Outcome {
             let (first, _) = solid.discretization().points_of_cells()[cell];
             let (mut j, mut energy, mut piola, mut cauchy) = (0.0, 0.0, Mat3::zeros(), Mat3::zeros());
             for (q, (k, w)) in alone.kinematics(&state.u)?.iter().zip(alone.weights()).enumerate() {
-                let place = Place { cell, point: first + q };
+                let place = MaterialPoint { cell, point: first + q };
                 let passive = evaluate(&law, place, k, &[]);
                 let m = [controls.values(0)[first + q], controls.values(1)[first + q]];
                 let driven = |law: &dyn EnergyTerm, m: f64| evaluate(law, place, k, &[m]).stress;

@@ -158,13 +158,13 @@ fn laws_see_the_linear_part_of_the_change_of_volume() -> Outcome {
 #[test]
 fn kinds_without_the_formulation_and_contradictions_are_refused() -> Outcome {
     let bare = |kind: CellKind| -> Outcome<Solid> { Ok(Solid::new(regular(kind, [1.0; 3], [1; 3])?)?) };
-    let told = |outcome: Result<Solid, FemError>| outcome.err().map(|e| e.to_string()).unwrap_or_default();
-    let message = told(bare(CellKind::Hex20)?.formulation("body", Formulation::MeanDilatation));
+    let described = |outcome: Result<Solid, FemError>| outcome.err().map(|e| e.to_string()).unwrap_or_default();
+    let message = described(bare(CellKind::Hex20)?.formulation("body", Formulation::MeanDilatation));
     assert!(message.contains("hex8, quad4, tet10, tri6, tet4, tri3; hex20 cells take linear_dilatation"), "{message}");
-    let message = told(bare(CellKind::Hex27)?.formulation("body", Formulation::MeanDilatation));
+    let message = described(bare(CellKind::Hex27)?.formulation("body", Formulation::MeanDilatation));
     assert!(message.contains("hex27 cells take linear_dilatation"), "{message}");
     let chosen = bare(CellKind::Hex8)?.formulation("body", Formulation::MeanDilatation)?;
-    let message = told(chosen.clone().formulation("body", Formulation::Standard));
+    let message = described(chosen.clone().formulation("body", Formulation::Standard));
     assert!(message.contains("standard") && message.contains("mean_dilatation already"), "{message}");
     assert!(chosen.formulation("body", Formulation::MeanDilatation).is_ok());
     Ok(())

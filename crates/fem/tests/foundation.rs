@@ -67,8 +67,8 @@ fn what_a_foundation_leaves_free_is_told() -> Outcome {
         }
     }
     let refused = |foundation: Foundation, word: &str| -> Outcome {
-        let told = block(CellKind::Hex8)?.foundation(foundation).err().ok_or("not refused")?.to_string();
-        assert!(told.contains(word), "{told}");
+        let message = block(CellKind::Hex8)?.foundation(foundation).err().ok_or("not refused")?.to_string();
+        assert!(message.contains(word), "{message}");
         Ok(())
     };
     refused(Foundation::on("x-", 0.0), "positive")?;

@@ -43,7 +43,7 @@ fn solve(solid: &Solid, values: &[f64]) -> Result<State, StateError> {
 }
 
 /// Tension, length, length at rest, 1 where it is slack, and pull of a tendon.
-fn told(solid: &Solid, state: &State, name: &str) -> Outcome<[f64; 5]> {
+fn message(solid: &Solid, state: &State, name: &str) -> Outcome<[f64; 5]> {
     let all = solid.model().quantities(&Instant::new(&state.u, &state.controls, 1.0))?;
     let of = |what: &str| all.iter().find(|(own, quantity, _)| own == name && *quantity == what).map(|found| found.2);
     let found = ["tension", "length", "reference_length", "slack", "pull"].map(of);
@@ -52,7 +52,7 @@ fn told(solid: &Solid, state: &State, name: &str) -> Outcome<[f64; 5]> {
 
 /// Tension, and `(L0 - s - L) / L0`.
 fn complement(solid: &Solid, state: &State, name: &str) -> Outcome<(f64, f64)> {
-    let [tension, length, rest, _, pull] = told(solid, state, name)?;
+    let [tension, length, rest, _, pull] = message(solid, state, name)?;
     Ok((tension, (rest - pull - length) / rest))
 }
 
@@ -111,11 +111,11 @@ fn a_slack_tendon_carries_no_force() -> Outcome {
         (load(bar(CellKind::Hex8, [way("b", EDGES[0].1).inextensible()])?)?, bar(CellKind::Hex8, [])?);
     let (without, at_rest) = (load(without)?, bar(CellKind::Hex8, [way("b", EDGES[0].1).inextensible()])?);
     let rest = solve(&at_rest, &[-1e-3])?;
-    assert!(rest.u.iter().all(|u| *u == 0.0) && told(&at_rest, &rest, "b")?[3] == 1.0);
+    assert!(rest.u.iter().all(|u| *u == 0.0) && message(&at_rest, &rest, "b")?[3] == 1.0);
     // below the axis of a bar that bends down it becomes shorter
     let (slack, alone) = (solve(&with, &[0.0])?, without.solve(&without.controls(), &STRICT)?);
     let (tension, gap) = complement(&with, &slack, "b")?;
-    assert!(tension == 0.0 && gap > 1e-3 && told(&with, &slack, "b")?[3] == 1.0, "{tension}, {gap:e}");
+    assert!(tension == 0.0 && gap > 1e-3 && message(&with, &slack, "b")?[3] == 1.0, "{tension}, {gap:e}");
     let difference = apart(&with, &slack, &without, &alone);
     assert!(largest(&alone.u) > 0.01 && difference < 1e-12, "{difference:e}");
     // above it, it would be stretched: it holds the bar up
@@ -293,7 +293,7 @@ fn slack_tendons_do_not_count_in_the_inertia() -> Outcome {
         assert!(apart(&alone, &state, &forced, &same) < 1e-8);
         let both = column(vec![axis().inextensible(), side()])?;
         let beside = solve(&both, &[pull, -1.0])?;
-        assert!(told(&both, &beside, "side")?[3] == 1.0 && apart(&both, &beside, &alone, &state) < 1e-10);
+        assert!(message(&both, &beside, "side")?[3] == 1.0 && apart(&both, &beside, &alone, &state) < 1e-10);
         let counts = [(&alone, &state), (&forced, &same), (&both, &beside)].map(|(s, at)| s.negative_pivots(at));
         assert!(counts.iter().all(|count| matches!(count, Ok(n) if *n == negative)), "{share}: {counts:?}");
     }
@@ -365,7 +365,7 @@ fn tendons_along_one_way_depend_on_each_other() -> Outcome {
     let single = bar(CellKind::Hex8, [way("one", EDGES[1].1).inextensible()])?;
     let state = solve(&twice, &[0.05, 0.1])?;
     let [one, two] = ["one", "two"].map(|name| complement(&twice, &state, name).unwrap());
-    assert!(one.0 == 0.0 && (one.1 * told(&twice, &state, "one")?[2] - 0.05).abs() < 1e-12 && two.0 > 1.0);
+    assert!(one.0 == 0.0 && (one.1 * message(&twice, &state, "one")?[2] - 0.05).abs() < 1e-12 && two.0 > 1.0);
     assert!(apart(&twice, &state, &single, &solve(&single, &[0.1])?) < 1e-10);
     let refused = solve(&twice, &[0.1, 0.1]).err().ok_or("tensions that are not determined")?;
     assert!(matches!(refused, StateError::Linear(LinearError::Border { .. })), "{refused:?}");

@@ -138,7 +138,7 @@ fn no_stresses_beyond_the_domain() -> Outcome {
     Ok(())
 }
 
-/// A law of a user's own that numbers its points wrongly is told of, not followed.
+/// A law of a user's own that numbers its points wrongly is refused, not followed.
 #[test]
 fn a_point_that_the_cell_does_not_have() -> Outcome {
     let (solid, u) = swollen(Bladder { most: 1.5, named: 99 })?;

@@ -97,7 +97,7 @@ fn a_field_against_the_magnetisation_buckles_the_strip() -> Outcome {
     Ok(())
 }
 
-/// Far beyond the buckling load the exactly symmetric state has no residual and is left as it is; only its inertia tells.
+/// Far beyond the buckling load the exactly symmetric state has no residual and is left as it is; only its inertia shows.
 /// From a perturbed start, the state of a tilted field, the solver finds the bent branch: `K(k) = sqrt(beta)`, `x = 2 E(k)/K(k) - 1`, `y = 2 k/K(k)` of the
 /// buckled elastica, approached as `(h/L)^2`.
 #[test]

@@ -9,7 +9,7 @@ use crate::common;
 
 use common::{Outcome, nodal, prescribe, unit, with_node_sets};
 use nastic_energy::check::{Evaluation, evaluate};
-use nastic_energy::{MooneyRivlin, Place};
+use nastic_energy::{MaterialPoint, MooneyRivlin};
 use nastic_fem::{QuadraturePoints, Solid, SolveOptions, SolveReport, State};
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
@@ -52,7 +52,7 @@ impl Wave {
 
     fn respond(&self, law: &MooneyRivlin, x: Vec3) -> Outcome<Evaluation> {
         let kinematics = Kinematics::new(Mat3::identity() + self.gradient(x))?;
-        Ok(evaluate(law, Place { cell: 0, point: 0 }, &kinematics, &[]))
+        Ok(evaluate(law, MaterialPoint { cell: 0, point: 0 }, &kinematics, &[]))
     }
 
     /// `-Div P`

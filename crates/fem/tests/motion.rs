@@ -98,17 +98,17 @@ fn paths_and_ramps_go_along_a_rotation() -> Outcome {
 
 #[test]
 fn what_cannot_move_is_refused() -> Outcome {
-    let told = |solid: Result<Solid, nastic_fem::FemError>, words: [&str; 2]| {
-        let told = solid.err().map(|error| error.to_string()).unwrap_or_default();
-        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+    let message = |solid: Result<Solid, nastic_fem::FemError>, words: [&str; 2]| {
+        let message = solid.err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
     };
     let grip = || MovingSupport::of("grip", "x+");
-    told(bar(CellKind::Hex8)?.clamp("x+")?.motion(grip()), ["grip", "x+"]);
-    told(bar(CellKind::Hex8)?.motion(grip())?.clamp("x+"), ["grip", "x+"]);
-    told(bar(CellKind::Hex8)?.motion(grip())?.motion(MovingSupport::of("other", "y-")), ["grip", "other"]);
-    told(bar(CellKind::Hex8)?.motion(MovingSupport::of("grip", "x*")), ["x*", "not found"]);
-    told(bar(CellKind::Hex8)?.clamp("x-")?.motion(MovingSupport::of("x-", "x+")), ["x-", "rename the motion"]);
-    told(bar(CellKind::Hex8)?.motion(grip().about([f64::NAN, 0.0, 0.0])), ["grip", "finite"]);
+    message(bar(CellKind::Hex8)?.clamp("x+")?.motion(grip()), ["grip", "x+"]);
+    message(bar(CellKind::Hex8)?.motion(grip())?.clamp("x+"), ["grip", "x+"]);
+    message(bar(CellKind::Hex8)?.motion(grip())?.motion(MovingSupport::of("other", "y-")), ["grip", "other"]);
+    message(bar(CellKind::Hex8)?.motion(MovingSupport::of("grip", "x*")), ["x*", "not found"]);
+    message(bar(CellKind::Hex8)?.clamp("x-")?.motion(MovingSupport::of("x-", "x+")), ["x-", "rename the motion"]);
+    message(bar(CellKind::Hex8)?.motion(grip().about([f64::NAN, 0.0, 0.0])), ["grip", "finite"]);
     let plane = bar(CellKind::Quad4)?.clamp("x-")?.motion(grip())?;
     let why = solve(&plane, [0.0, 0.0, 0.0, 0.1, 0.0, 0.0]).err().ok_or("a turn out of the plane")?.to_string();
     assert!(why.contains("grip") && why.contains("plane"), "{why}");

@@ -86,7 +86,7 @@ fn counted(coupled: bool, mass: f64, tangents: &Arc<AtomicUsize>) -> Outcome<(So
     Ok((bar.contribution(Link { nodes: ends, coupled, mass, tangents: tangents.clone() })?, ends))
 }
 
-fn told<T: std::fmt::Debug>(found: Result<T, StateError>, nodes: [u32; 2]) {
+fn message<T: std::fmt::Debug>(found: Result<T, StateError>, nodes: [u32; 2]) {
     let Err(StateError::Problem(error)) = found else { panic!("{found:?}") };
     let FemError::NotCoupled { contribution, lacking: NotCoupled { a, b } } = &error else { panic!("{error}") };
     assert_eq!(
@@ -106,16 +106,16 @@ fn a_missing_coupling_ends_solves_and_adjoints() -> Outcome {
     let controls: Controls = broken.controls();
     for solver in [None, Some(Solver::MULTIGRID)] {
         let how = SolveOptions { solver, ..STRICT };
-        told(broken.solve(&controls, &how), nodes);
-        told(broken.adjoint(&state, &[&state.u], &how).map(|found| found.lambda), nodes);
-        told(broken.negative_pivots_by(&state, &how), nodes);
+        message(broken.solve(&controls, &how), nodes);
+        message(broken.adjoint(&state, &[&state.u], &how).map(|found| found.lambda), nodes);
+        message(broken.negative_pivots_by(&state, &how), nodes);
     }
-    told(broken.modes(&state, 1, &STRICT), nodes);
+    message(broken.modes(&state, 1, &STRICT), nodes);
     assert!(check_contribution(broken.model(), "link", 1).is_err());
     // no step is cut for it: the first tangent ends the way
     let tangents = Arc::default();
     let (broken, nodes) = counted(false, 0.0, &tangents)?;
-    told(broken.solve(&controls, &STRICT), nodes);
+    message(broken.solve(&controls, &STRICT), nodes);
     assert_eq!(tangents.load(Ordering::Relaxed), 1);
     Ok(())
 }
@@ -128,12 +128,12 @@ fn a_missing_coupling_ends_motions_and_constrained_solves() -> Outcome {
     let steps = [StepTo { dt: 0.1, controls }];
     let (mut motion, mut workspace) = (Trajectory::from_given(heavy.rest()), Workspace::default());
     let scheme = Scheme::backward_euler();
-    told(heavy.model().advance(&mut motion, &scheme, &steps, &STRICT, &mut workspace).map(|_| ()), nodes);
+    message(heavy.model().advance(&mut motion, &scheme, &steps, &STRICT, &mut workspace).map(|_| ()), nodes);
     let (mass, nodes) = linked(false, 0.5)?;
     let Err(FemError::NotCoupled { contribution, .. }) = mass.model().mass() else { panic!("its mass is dropped") };
     assert_eq!(contribution, "link");
     let cable = Tendon::through("cable", [[0.3, 0.1, 0.1], [0.45, 0.2, 0.2]]).inextensible();
     let held = broken.tendon(cable)?;
-    told(held.solve(&held.controls(), &STRICT), nodes);
+    message(held.solve(&held.controls(), &STRICT), nodes);
     Ok(())
 }

@@ -9,7 +9,7 @@ use common::{
     Outcome, boundary_nodes, curved, distance, distorted, kinds, laws, nodal, prescribe, unit, with_node_sets,
 };
 use nastic_energy::check::evaluate;
-use nastic_energy::{EnergyTerm, Place};
+use nastic_energy::{EnergyTerm, MaterialPoint};
 use nastic_fem::{Discretization, Solid, SolveOptions};
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
@@ -50,7 +50,7 @@ fn assert_patch(mesh: Mesh, what: &str) -> Outcome {
 
 /// Energy, stress and J are those of the law at F.
 fn assert_homogeneous(solid: &Solid, state: &nastic_fem::State, law: &dyn EnergyTerm, f: &Mat3, what: &str) -> Outcome {
-    let expected = evaluate(law, Place { cell: 0, point: 0 }, &Kinematics::new(*f)?, &[]);
+    let expected = evaluate(law, MaterialPoint { cell: 0, point: 0 }, &Kinematics::new(*f)?, &[]);
     let fields = solid.cell_fields(state)?;
     let scale = expected.stress.norm();
     for (cell, found) in fields.piola.chunks_exact(9).enumerate() {

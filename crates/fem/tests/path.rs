@@ -41,7 +41,7 @@ fn follow(solid: &Solid, options: &PathOptions) -> Outcome<EquilibriumPath> {
 }
 
 /// The kinds, places and inertias of all events.
-fn told(path: &EquilibriumPath) -> Vec<(EventKind, f64, usize, usize)> {
+fn message(path: &EquilibriumPath) -> Vec<(EventKind, f64, usize, usize)> {
     let count = |n: Option<usize>| n.unwrap_or(usize::MAX);
     path.events.iter().map(|event| (event.kind, event.s, count(event.before), count(event.after))).collect()
 }
@@ -60,7 +60,8 @@ fn an_arch_snaps_through_two_limit_points() -> Outcome {
         let expected = [(LimitPoint, 0, 1), (Bifurcation, 1, 2), (LimitPoint, 2, 1), (Bifurcation, 1, 0)];
         for found in [&path, &fine] {
             assert!(matches!(found.end, PathEnd::Left), "{:?}", found.end);
-            let kinds: Vec<_> = told(found).into_iter().map(|(kind, _, before, after)| (kind, before, after)).collect();
+            let kinds: Vec<_> =
+                message(found).into_iter().map(|(kind, _, before, after)| (kind, before, after)).collect();
             assert_eq!(kinds, expected, "{kind}");
         }
         for (coarse, fine) in path.events.iter().zip(&fine.events) {
@@ -108,7 +109,7 @@ fn a_compressed_cantilever_bifurcates_at_eulers_load() -> Outcome {
             .traction("x+", Vec3::x() * -10.0 * euler)?;
         let path = follow(&solid, &PathOptions::default())?;
         assert!(matches!(path.end, PathEnd::Left), "{:?}", path.end);
-        let events = told(&path);
+        let events = message(&path);
         assert_eq!(events.len(), 2, "{kind}: {events:?}");
         for (k, ((event, s, before, after), expected)) in events.into_iter().zip([0.1, 0.9]).enumerate() {
             assert_eq!((event, before, after), (EventKind::Bifurcation, k, k + 1));

@@ -120,8 +120,8 @@ fn what_knows_of_the_displacement_alone_is_refused() -> Outcome {
     for feature in
         [Feature::Modes, Feature::Path, Feature::Ramp, Feature::Deflation, Feature::Descent, Feature::Motion(&scheme)]
     {
-        let told = solid.model().supports(feature).err().ok_or("it goes")?.to_string();
-        assert!(told.contains("\"phi\"") && told.contains("\"poisson\""), "{told}");
+        let message = solid.model().supports(feature).err().ok_or("it goes")?.to_string();
+        assert!(message.contains("\"phi\"") && message.contains("\"poisson\""), "{message}");
     }
     let moved = solid.clone().motion(MovingSupport::of("grip", "x+"));
     assert!(

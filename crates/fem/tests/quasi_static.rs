@@ -171,10 +171,10 @@ fn what_goes_wrong_without_a_search_is_said() -> Outcome {
         let failed = solid.model().advance(&mut run, &Scheme::quasi_static(), &to, &how, &mut Workspace::default());
         Ok(failed.err().ok_or("a step")?.to_string())
     };
-    let told = refused(&solid, moving(nodal(solid.mesh(), |x| Vec3::new(x.x, 0.0, 0.0))))?;
-    assert!(told.contains("begin at rest"), "{told}");
+    let message = refused(&solid, moving(nodal(solid.mesh(), |x| Vec3::new(x.x, 0.0, 0.0))))?;
+    assert!(message.contains("begin at rest"), "{message}");
     let free = Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?.material("body", NeoHooke::new(1e3, 2e3)?)?;
-    let told = refused(&free, free.rest())?;
-    assert!(told.contains("rigid"), "{told}");
+    let message = refused(&free, free.rest())?;
+    assert!(message.contains("rigid"), "{message}");
     Ok(())
 }

@@ -120,7 +120,8 @@ fn contributions_without_second_derivatives_refuse() -> Outcome {
         refusal,
         StateError::SecondDerivatives(SecondDerivativeError::Contribution { method: "second_vjp", .. })
     ));
-    let told = "contribution \"plain\" gives no second derivatives; implement `ContributionPoint::second_vjp`";
-    assert_eq!(refusal.to_string(), told);
+    let message = "\"plain\" gives no second derivatives; take a method that needs first ones alone (lbfgs, spectral, projected_gradient); \
+                   in the library: `ContributionPoint::second_vjp`";
+    assert_eq!(refusal.to_string(), message);
     Ok(())
 }

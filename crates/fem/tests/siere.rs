@@ -179,14 +179,14 @@ fn what_it_cannot_do_is_said() -> Outcome {
     let StateError::InStep { source, .. } = &error else { return Err(error.to_string().into()) };
     assert!(matches!(**source, StateError::Linear(LinearError::Indefinite)), "{error}");
     let viscous = bar()?.viscosity("body", MaxwellBranch::new(100.0, 0.1)?)?;
-    let told = fail(&viscous, viscous.rest(), 0.01)?.to_string();
-    assert!(told.contains("\"viscous laws\"") && told.contains("take tr_bdf2"), "{told}");
+    let message = fail(&viscous, viscous.rest(), 0.01)?.to_string();
+    assert!(message.contains("\"viscous laws\"") && message.contains("take tr_bdf2"), "{message}");
 
     let run = motion(&solid, &Scheme::siere(2)?, bent(&solid), 2, 0.01)?;
     let partials = vec![StatePartials::default(); 3];
     let swept = solid.model().reverse_sweep(&run, &partials, &STRICT, &mut Workspace::default());
-    let told = swept.err().ok_or("an adjoint")?.to_string();
-    assert!(told.contains("the adjoint does not go with \"siere\""), "{told}");
+    let message = swept.err().ok_or("an adjoint")?.to_string();
+    assert!(message.contains("the adjoint does not go with \"siere\""), "{message}");
     assert!(Scheme::siere(0).is_err());
 
     // more modes than unknowns: all of them

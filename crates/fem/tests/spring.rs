@@ -211,8 +211,8 @@ fn springs_keep_the_contract_on_every_cell() -> Outcome {
 #[test]
 fn what_is_no_spring_is_refused() -> Outcome {
     let refused = |kind: CellKind, spring: Spring, words: &[&str]| -> Outcome {
-        let told = floating(kind, [spring]).err().ok_or(format!("{words:?} passes"))?.to_string();
-        assert!(words.iter().chain(&["spring \"s\""]).all(|word| told.contains(word)), "{told}");
+        let message = floating(kind, [spring]).err().ok_or(format!("{words:?} passes"))?.to_string();
+        assert!(words.iter().chain(&["spring \"s\""]).all(|word| message.contains(word)), "{message}");
         Ok(())
     };
     let (hex, a, b) = (CellKind::Hex8, [0.1, 0.2, 0.3], [0.9, 0.4, 0.2]);

@@ -140,7 +140,7 @@ impl LinearSolver for SilentSolver {
     }
 }
 
-/// It solves; the number of negative eigenvalues is refused, and never told as 0.
+/// It solves; the number of negative eigenvalues is refused, and never reported as 0.
 #[test]
 fn a_solver_of_ones_own_solves_and_need_not_count() -> Outcome {
     let (solid, controls) = bar()?;

@@ -183,18 +183,18 @@ fn supports_that_contradict_each_other_are_refused() -> Outcome {
 
 #[test]
 fn unknown_names_are_told_with_the_known_ones() -> Outcome {
-    let told = |result: Result<Solid, FemError>, what: &str, near: &str| match result.err() {
+    let message = |result: Result<Solid, FemError>, what: &str, near: &str| match result.err() {
         Some(FemError::Mesh(error @ MeshError::UnknownName { .. })) => {
             let text = error.to_string();
             assert!(text.contains(what) && text.contains(near), "{text}");
         }
         other => panic!("{other:?}"),
     };
-    told(cube()?.clamp("x_-"), "surface \"x_-\" not found in box", "Did you mean \"x-\"?");
-    told(cube()?.traction("top", Vec3::x()), "surface \"top\"", "x+, x-, y+");
-    told(cube()?.body_force("boddy", Vec3::x()), "region \"boddy\"", "Did you mean \"body\"?");
-    told(cube()?.material("bodi", law()?), "region \"bodi\"", "Did you mean \"body\"?");
-    told(cube()?.actuate("b", "m", Turgor::new()), "region \"b\"", "it has: body");
+    message(cube()?.clamp("x_-"), "surface \"x_-\" not found in box", "Did you mean \"x-\"?");
+    message(cube()?.traction("top", Vec3::x()), "surface \"top\"", "x+, x-, y+");
+    message(cube()?.body_force("boddy", Vec3::x()), "region \"boddy\"", "Did you mean \"body\"?");
+    message(cube()?.material("bodi", law()?), "region \"bodi\"", "Did you mean \"body\"?");
+    message(cube()?.actuate("b", "m", Turgor::new()), "region \"b\"", "it has: body");
     Ok(())
 }
 

@@ -129,7 +129,7 @@ fn forces_and_moments_balance() -> Outcome {
     Ok(())
 }
 
-/// The force that is told is that on the nodes of the first surface; what presses has the derivatives of differences.
+/// The force that is reported is that on the nodes of the first surface; what presses has the derivatives of differences.
 #[test]
 fn what_is_told_is_what_acts() -> Outcome {
     let contact = SurfaceContact::between("between", "lower", "upper").thickness(0.009).refine(2);
@@ -306,8 +306,8 @@ fn a_surface_with_itself_is_two_with_each_other() -> Outcome {
     let u: Vec<f64> = (0..one.rest().u.len()).map(|i| 0.006 * noise(i)).collect();
     let controls = one.controls();
     let at = Instant::new(&u, &controls, 1.0);
-    let told = |solid: &Solid| solid.model().touches(&at).remove(0).1;
-    let (a, b) = (told(&two), told(&one));
+    let message = |solid: &Solid| solid.model().touches(&at).remove(0).1;
+    let (a, b) = (message(&two), message(&one));
     for (a, b) in [(a.pressing, b.pressing), (a.area, b.area), (a.largest_pressure, b.largest_pressure)] {
         assert!(a > 0.0 && (a / b - 1.0).abs() < 1e-12, "{a} {b}");
     }
@@ -393,17 +393,17 @@ fn an_impact_keeps_the_momentum() -> Outcome {
 fn what_cannot_touch_is_refused() -> Outcome {
     let body =
         || -> Outcome<Solid> { Ok(Solid::new(blocks(CellKind::Hex8, 1.0)?)?.material("body", law())?.clamp("z-")?) };
-    let told = |contact: SurfaceContact| -> Outcome<String> {
+    let message = |contact: SurfaceContact| -> Outcome<String> {
         Ok(body()?.surface_contact(contact).err().ok_or("not refused")?.to_string())
     };
     let between = || SurfaceContact::between("between", "lower", "upper");
-    let near = told(between().thickness(0.011))?;
+    let near = message(between().thickness(0.011))?;
     assert!(near.contains("2.000e-2 apart at rest at (0.0") && near.contains("thickness"), "{near}");
-    assert!(told(between().thickness(-1.0))?.contains("thickness is -1"));
-    assert!(told(between().stiffness(0.0))?.contains("stiffness is 0"));
-    assert!(told(between().refine(0))?.contains("refine is 0"));
-    assert!(told(SurfaceContact::between("between", "lower", "uper"))?.contains("upper"));
-    let near = told(between().thickness(0.00996).law(ContactLaw::Log))?;
+    assert!(message(between().thickness(-1.0))?.contains("thickness is -1"));
+    assert!(message(between().stiffness(0.0))?.contains("stiffness is 0"));
+    assert!(message(between().refine(0))?.contains("refine is 0"));
+    assert!(message(SurfaceContact::between("between", "lower", "uper"))?.contains("upper"));
+    let near = message(between().thickness(0.00996).law(ContactLaw::Log))?;
     assert!(near.contains("at least 2.1 times the thickness"), "{near}");
     for gap in [0.0, -0.1] {
         let body = Solid::new(blocks_apart(CellKind::Hex8, 0.8, gap)?)?.material("body", law())?;

@@ -41,7 +41,7 @@ fn touch_at(solid: &Solid, at: &Instant, name: &str) -> Touch {
     solid.model().touches(at).into_iter().find(|(own, _)| own == name).unwrap().1
 }
 
-/// Forces and moments of friction cancel, and what is told is what the first surface is pushed with.
+/// Forces and moments of friction cancel, and what is reported is what the first surface is pushed with.
 #[test]
 fn forces_and_moments_of_friction_balance() -> Outcome {
     for (kind, refine) in [(CellKind::Hex8, 2), (CellKind::Hex27, 1), (CellKind::Tet10, 2)] {
@@ -73,12 +73,12 @@ fn forces_and_moments_of_friction_balance() -> Outcome {
         }
         assert!(force.norm() < 1e-12 * scale && moment.norm() < 1e-12 * scale, "{kind}: {force:?} {moment:?} {scale}");
         let at = Instant::new(&end.u, &controls, 1.0).in_step(&step);
-        let told = touch_at(&solid, &at, "between");
-        assert!((Vec3::from(told.force) - on_lower).norm() < 1e-9 * scale, "{kind}: {told:?} {on_lower:?}");
-        assert!((Vec3::from(told.moment) - turns).norm() < 1e-9 * scale, "{kind}: {told:?} {turns:?}");
+        let message = touch_at(&solid, &at, "between");
+        assert!((Vec3::from(message.force) - on_lower).norm() < 1e-9 * scale, "{kind}: {message:?} {on_lower:?}");
+        assert!((Vec3::from(message.moment) - turns).norm() < 1e-9 * scale, "{kind}: {message:?} {turns:?}");
         let without = touch_at(&solid, &Instant::new(&end.u, &controls, 1.0), "between");
-        let rubs = (Vec3::from(told.force) - Vec3::from(without.force)).norm();
-        assert!(rubs > 0.03 * told.pressing, "{rubs} of {}", told.pressing);
+        let rubs = (Vec3::from(message.force) - Vec3::from(without.force)).norm();
+        assert!(rubs > 0.03 * message.pressing, "{rubs} of {}", message.pressing);
     }
     Ok(())
 }
@@ -98,9 +98,12 @@ fn a_common_rigid_motion_is_no_sliding() -> Outcome {
         let velocity = common::nodal(solid.mesh(), |x| speed + spin.cross(&place(x)));
         let (end, step) = step(&solid, u, velocity);
         let controls = solid.controls();
-        let told = touch_at(&solid, &Instant::new(&end.u, &controls, 1.0).in_step(&step), "between");
-        let sliding = told.sliding.unwrap();
-        assert!(told.pressing > 100.0 && sliding.speed < 1e-11 && sliding.sticking > 1.0 - 1e-12, "{kind}: {told:?}");
+        let message = touch_at(&solid, &Instant::new(&end.u, &controls, 1.0).in_step(&step), "between");
+        let sliding = message.sliding.unwrap();
+        assert!(
+            message.pressing > 100.0 && sliding.speed < 1e-11 && sliding.sticking > 1.0 - 1e-12,
+            "{kind}: {message:?}"
+        );
     }
     Ok(())
 }
@@ -244,8 +247,8 @@ fn pads_carry_a_disc_or_drop_it() -> Outcome {
 #[test]
 fn friction_of_surfaces_has_no_static_equilibrium() -> Outcome {
     let solid = stacked(0.1, 0.5)?;
-    let told = solid.solve(&solid.controls(), &STRICT).err().ok_or("not refused")?;
-    assert!(told.to_string().contains("quasi_static for slow loads"), "{told}");
+    let message = solid.solve(&solid.controls(), &STRICT).err().ok_or("not refused")?;
+    assert!(message.to_string().contains("quasi_static for slow loads"), "{message}");
     let refused = |coefficient: f64, speed: f64| -> Outcome<String> {
         let contact = SurfaceContact::between("between", "lower", "upper").friction(coefficient, speed);
         let body: Mesh = blocks(CellKind::Hex8, 1.0)?;

@@ -226,16 +226,16 @@ fn a_node_set_holds_a_tendon() -> Outcome {
     let solid = Solid::new(mesh)?.tendon(Tendon::through("cable", guides))?;
     assert!((quantity(&solid, &solid.rest(), "cable", "length")? - 2.0).abs() < 1e-14);
     let unknown = Tendon::through("cable", ["anchr", "anchor"]);
-    let told = solid.clone().tendon(unknown).err().ok_or("an unknown set")?.to_string();
-    assert!(told.contains("guide 0") && told.contains("anchr") && told.contains("anchor"), "{told}");
+    let message = solid.clone().tendon(unknown).err().ok_or("an unknown set")?.to_string();
+    assert!(message.contains("guide 0") && message.contains("anchr") && message.contains("anchor"), "{message}");
     Ok(())
 }
 
 #[test]
 fn what_is_no_tendon_is_refused() -> Outcome {
     let refused = |tendon: Tendon, words: &[&str]| -> Outcome {
-        let told = bar(CellKind::Hex8, [tendon]).err().ok_or(format!("{words:?} passes"))?.to_string();
-        assert!(words.iter().all(|word| told.contains(word)), "{told}");
+        let message = bar(CellKind::Hex8, [tendon]).err().ok_or(format!("{words:?} passes"))?.to_string();
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
         Ok(())
     };
     let [a, b, _] = CABLE;
@@ -253,8 +253,8 @@ fn what_is_no_tendon_is_refused() -> Outcome {
     assert!(twice.err().ok_or("one name twice")?.to_string().contains("cable"));
     // it only pulls
     let solid = bar(CellKind::Hex8, [Tendon::through("cable", [a, b])])?;
-    let told = solve(&solid, &[-1.0]).err().ok_or("a tendon that pushes")?.to_string();
-    assert!(told.contains("cable") && told.contains("only pulls"), "{told}");
+    let message = solve(&solid, &[-1.0]).err().ok_or("a tendon that pushes")?.to_string();
+    assert!(message.contains("cable") && message.contains("only pulls"), "{message}");
     Ok(())
 }
 

@@ -270,8 +270,8 @@ fn a_free_body_turns_in_long_steps() -> Outcome {
     }
     let linearised = Scheme::linearly_implicit_euler();
     let failed = motion_by(&solid, &linearised, moving(&solid, turning), 20, 0.7, &SolveOptions::default());
-    let told = failed.err().ok_or("a linearised step")?.to_string();
-    assert!(told.contains("shorter steps may help"), "{told}");
+    let message = failed.err().ok_or("a linearised step")?.to_string();
+    assert!(message.contains("shorter steps may help"), "{message}");
     Ok(())
 }
 
@@ -292,9 +292,9 @@ fn what_cannot_move_is_refused() -> Outcome {
     let thrown = moving(&solid, nodal(solid.mesh(), |x| Vec3::new(0.0, x.x, 0.0)));
     let hasty = SolveOptions { max_newton: 1, ..STRICT };
     let failed = motion_by(&solid, &Scheme::backward_euler(), thrown, 1, 1.0, &hasty).err().ok_or("one iteration")?;
-    let told = failed.downcast_ref::<StateError>().ok_or("another error")?;
-    assert!(matches!(told, StateError::InStep { dt: 1.0, .. }) && told.code() == "no_convergence", "{told}");
-    assert!(told.to_string().contains("shorter steps"), "{told}");
+    let message = failed.downcast_ref::<StateError>().ok_or("another error")?;
+    assert!(matches!(message, StateError::InStep { dt: 1.0, .. }) && message.code() == "no_convergence", "{message}");
+    assert!(message.to_string().contains("shorter steps"), "{message}");
 
     // squeezed so fast that its middle is admissible and its end is not
     let squeezed = moving(&solid, nodal(solid.mesh(), |x| Vec3::new(-1.2 * x.x, 0.0, 0.0)));

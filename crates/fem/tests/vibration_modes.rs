@@ -33,7 +33,7 @@ fn frequency(mode: &VibrationMode) -> f64 {
     }
 }
 
-/// The frequencies of a kind of motion, told by its directions, lowest first.
+/// The frequencies of a kind of motion, reported by its directions, lowest first.
 fn of_kind(modes: &[VibrationMode], belongs: impl Fn([f64; 3]) -> bool) -> Vec<f64> {
     modes.iter().filter(|mode| belongs(mode.directions)).map(frequency).collect()
 }

@@ -2,7 +2,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use nastic_energy::catalogue::{FitForm, FitStarts, FitVolume, Inputs, MaterialRow, Takes, materials};
-use nastic_energy::{EnergyError, EnergyTerm, NeoHookeIsochoric, Place};
+use nastic_energy::{EnergyError, EnergyTerm, MaterialPoint, NeoHookeIsochoric};
 use nastic_tensor::Vec3;
 
 use crate::FitError;
@@ -48,7 +48,7 @@ pub(crate) struct Scale {
     pub reach: f64,
 }
 
-const HERE: Place = Place { cell: 0, point: 0 };
+const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 /// At constant volume, in shear moduli.
 const BULK: f64 = 1e3;
 

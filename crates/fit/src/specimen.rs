@@ -1,4 +1,4 @@
-use nastic_energy::{EnergyTerm, Place, PointBatch, Response as Answer, Slots, Want};
+use nastic_energy::{EnergyTerm, MaterialPoint, PointBatch, Response as Answer, Slots, Want};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
 use crate::{Fibers, Mode};
@@ -51,7 +51,7 @@ impl Specimen<'_> {
     /// changes sign is found by false position (the Illinois variant: M. Dowell & P. Jarratt, BIT 11, 1971, doi 10.1007/BF01934364).
     fn free_sides(&self, l: f64) -> Option<Mat3> {
         let sides = l.powf(-0.5);
-        if self.law.direction(Place { cell: 0, point: 0 }).is_none() {
+        if self.law.direction(MaterialPoint { cell: 0, point: 0 }).is_none() {
             return Some(Mat3::from_diagonal(&Vec3::new(l, sides, sides)));
         }
         let gradient = |e: f64| Mat3::from_diagonal(&Vec3::new(l, e.exp(), 1.0 / (l * e.exp())));

@@ -25,7 +25,7 @@ pub fn write_atomically(
     let part = beside(path).map_err(fail)?;
     let written = fill(&part, content).and_then(|()| fs::rename(&part, path));
     written.map_err(|source| {
-        // The first error is the one to tell.
+        // The first error is the one to report.
         let _ = fs::remove_file(&part);
         fail(source)
     })

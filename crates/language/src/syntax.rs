@@ -12,7 +12,7 @@ mod quote;
 
 pub use diagnostic::{Diagnostic, Diagnostics};
 pub use document::Document;
-pub use node::{Node, Place, Property, Value};
+pub use node::{Node, Property, SourcePosition, Value};
 pub use path::At;
 pub use quote::quoted;
 pub use setting::Setting;

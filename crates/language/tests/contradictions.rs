@@ -1,4 +1,4 @@
-//! Cases that contradict themselves: every contradiction is told once, with its place and what would be right.
+//! Cases that contradict themselves: every contradiction is reported once, with its place and what would be right.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -281,13 +281,30 @@ fn friction_that_does_not_act_is_found() {
     let speed = "the slip speed of a contact without friction: give \"friction\", or leave this out";
     let floor = "\"obstacles\": [ { \"name\": \"floor\", \"shape\": { \"half_space\": { \"point\": [0, 0, -9], \"normal\": [0, 0, 1] } } } ], ";
     for (before, touched) in [(floor, "\"obstacle\": \"floor\""), ("", "\"with\": \"clamp\"")] {
-        for (key, value, told) in [("friction", "0.3", friction), ("slip_speed", "\"1 mm/s\"", speed)] {
+        for (key, value, message) in [("friction", "0.3", friction), ("slip_speed", "\"1 mm/s\"", speed)] {
             let contact = format!("\"contact\": [ {{ \"surface\": \"tip\", {touched}, \"{key}\": {value} }} ], ");
             let to = format!("{before}{contact}\"loads\":");
-            one(COMPLETE, "\"loads\":", &to, &format!(": contact/0/{key}: {told}"));
+            one(COMPLETE, "\"loads\":", &to, &format!(": contact/0/{key}: {message}"));
         }
         let contact = format!("\"contact\": [ {{ \"surface\": \"tip\", {touched}, \"friction\": -0.3 }} ], ");
         let to = format!("{before}{contact}\"loads\":");
         one(COMPLETE, "\"loads\":", &to, ": contact/0/friction: must not be negative, found -0.3");
     }
+}
+
+#[test]
+fn a_square_is_not_bounded_by_zero() {
+    let bounded = |kind: &str| {
+        format!("\"constraints\": [ {{ \"cost\": {{ {kind} }}, \"equal\": 0, \"scale\": 1 }} ], \"costs\": [")
+    };
+    let tracked = bounded(r#""kind": "tracking", "surface": "tip", "target": ["X", "Y", "Z"]"#);
+    let message = ": constraints/0: \"tracking\" is a square: where it is zero its derivative is zero too";
+    one(COMPLETE, "\"costs\": [", &tracked, message);
+}
+
+#[test]
+fn a_name_fits_into_names_of_files() {
+    let name = "x".repeat(101);
+    let message = ": actuation/0/name: a name of 101 bytes; names of files bear it: at most 100";
+    one(COMPLETE, "\"name\": \"tension\"", &format!("\"name\": \"{name}\""), message);
 }

@@ -1,4 +1,4 @@
-//! Whole cases that are wrong: every mistake is told once, with its place and what would be right.
+//! Whole cases that are wrong: every mistake is reported once, with its place and what would be right.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -87,8 +87,8 @@ fn words_people_try_are_answered_with_what_to_write() {
         ("\"max_iterations\"", "\"maxiter\"", ["optimizer/maxiter", "\"max_iterations\": 100"]),
     ] {
         let found = problems_with(COMPLETE, from, to);
-        let told = |line: &&str| parts.iter().all(|part| line.contains(part)) && line.contains("(one of: ");
-        assert!(found.lines().filter(told).count() == 1, "{from} -> {to}:\n{found}\nwanted: {parts:?}");
+        let message = |line: &&str| parts.iter().all(|part| line.contains(part)) && line.contains("(one of: ");
+        assert!(found.lines().filter(message).count() == 1, "{from} -> {to}:\n{found}\nwanted: {parts:?}");
     }
 }
 

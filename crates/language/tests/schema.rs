@@ -60,13 +60,13 @@ fn required_keys_defaults_and_units_are_told() {
     assert_eq!(schema["$schema"], "https://json-schema.org/draft/2020-12/schema");
     assert_eq!(schema["required"], json!(["nastic", "mesh", "materials"]));
     assert_eq!(schema["additionalProperties"], false);
-    let told = |key: &str| schema["$defs"]["Control"]["properties"][key]["description"].as_str().unwrap().to_owned();
+    let message = |key: &str| schema["$defs"]["Control"]["properties"][key]["description"].as_str().unwrap().to_owned();
     for (key, sign) in [
         ("start", "A positive tension lengthens"),
         ("lower", "contracts below zero"),
         ("upper", "lengthens above zero"),
     ] {
-        assert!(told(key).contains(sign), "{key}: {}", told(key));
+        assert!(message(key).contains(sign), "{key}: {}", message(key));
     }
     let optimizer = &schema["$defs"]["Optimizer"]["properties"];
     assert_eq!(optimizer["method"]["default"], "lbfgs");
@@ -182,7 +182,7 @@ fn validate(texts: &[(bool, Value)]) -> Option<Vec<bool>> {
     let input = json!([json_schema(&Catalogue::standard()), cases]).to_string();
     let mut child =
         Command::new("python3").args(["-c", SCRIPT]).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().ok()?;
-    // A Python that stops early closes the pipe; its exit code tells why.
+    // A Python that stops early closes the pipe; its exit code shows why.
     let _ = child.stdin.take()?.write_all(input.as_bytes());
     let output = child.wait_with_output().ok()?;
     if output.status.code() == Some(77) {

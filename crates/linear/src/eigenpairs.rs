@@ -72,7 +72,7 @@ pub struct Eigenpairs {
     /// Their vectors, `x_i . M x_k = delta_ik`, zero where fixed.
     pub vectors: Vec<Vec<f64>>,
     /// What rounding of the entries of A may change each eigenvalue by, `16 eps |x| . |A| |x|`: a smaller one cannot be
-    /// told from zero.
+    /// distinguished from zero.
     pub rounding: Vec<f64>,
     /// Negative eigenvalues of the matrix (on the null space of `B^T`), counted by the pivots of `A = L D L^T`.
     pub negative: usize,
@@ -108,7 +108,7 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
         let magnitude: Vec<f64> = x.iter().map(|x| x.abs()).collect();
         ROUNDING * quadratic_form(&magnitudes, &magnitude, problem.parallel)
     };
-    let mut found = Found::default();
+    let mut found = KnownPairs::default();
     let mut missing = wanted;
     // A run that adds no eigenpair adds none the next time either; one that does may have found a copy of a multiple value alone.
     for run in 0..=unknowns {
@@ -116,7 +116,7 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
         found.add(lanczos(problem, &inverse, &found.vectors, missing, steps, run as u64), problem);
         if let Some(distance) = found.separation(wanted, sigma, &rounding) {
             (sigma, inverse) = problem.shifted_below(found.values[0], distance)?;
-            (found, missing) = (Found::default(), wanted);
+            (found, missing) = (KnownPairs::default(), wanted);
             continue;
         }
         if found.values.len() == before {
@@ -311,12 +311,12 @@ impl<'a> Inverse<'a> {
 
 /// Eigenpairs found so far, ascending.
 #[derive(Default)]
-struct Found {
+struct KnownPairs {
     values: Vec<f64>,
     vectors: Vec<Vec<f64>>,
 }
 
-impl Found {
+impl KnownPairs {
     fn add(&mut self, vectors: Vec<Vec<f64>>, problem: &Eigenproblem) {
         for x in vectors {
             let value = problem.rayleigh(&x);

@@ -34,7 +34,7 @@ pub enum Precision {
 }
 
 #[derive(Clone, Debug)]
-enum Values {
+enum FactorValues {
     Double(Vec<f64>),
     /// Of the matrix times `scale`, a power of two that brings its largest entry near one.
     Single {
@@ -52,7 +52,7 @@ pub struct Factor {
     pivots: Pivots,
     usable: bool,
     parallel: bool,
-    values: Values,
+    values: FactorValues,
     /// Bunch-Kaufman only, else empty.
     subdiagonal: Vec<f64>,
     order: Vec<u32>,
@@ -66,7 +66,7 @@ impl Factor {
             pivots: Pivots::Positive,
             usable: false,
             parallel: false,
-            values: Values::Double(Vec::new()),
+            values: FactorValues::Double(Vec::new()),
             subdiagonal: Vec::new(),
             order: Vec::new(),
             rotations: None,
@@ -83,9 +83,9 @@ impl Factor {
         let extra = if pivots == Pivots::AnySign { symbolic.pattern().dofs() } else { 0 };
         self.subdiagonal.resize(extra, 0.0);
         self.order.resize(extra, 0);
-        let mut values = match std::mem::replace(&mut self.values, Values::Double(Vec::new())) {
-            Values::Double(values) => values,
-            Values::Single { .. } => Vec::new(),
+        let mut values = match std::mem::replace(&mut self.values, FactorValues::Double(Vec::new())) {
+            FactorValues::Double(values) => values,
+            FactorValues::Single { .. } => Vec::new(),
         };
         check_memory(&symbolic, values.capacity(), Precision::Double)?;
         values.resize(symbolic.panel_values(), 0.0);
@@ -99,7 +99,7 @@ impl Factor {
                 numeric::factorize(&symbolic, &matrix.values, 1.0, panels, parallel)
             }
         };
-        self.values = Values::Double(values);
+        self.values = FactorValues::Double(values);
         eliminated.map_err(|b| self.explain(b))?;
         self.usable = true;
         Ok(())
@@ -115,9 +115,9 @@ impl Factor {
         let symbolic = Arc::clone(&self.symbolic);
         self.begin(matrix, Pivots::Positive, parallel)?;
         (self.subdiagonal, self.order) = (Vec::new(), Vec::new());
-        let mut values = match std::mem::replace(&mut self.values, Values::Double(Vec::new())) {
-            Values::Single { values, .. } => values,
-            Values::Double(_) => Vec::new(),
+        let mut values = match std::mem::replace(&mut self.values, FactorValues::Double(Vec::new())) {
+            FactorValues::Single { values, .. } => values,
+            FactorValues::Double(_) => Vec::new(),
         };
         check_memory(&symbolic, values.capacity(), Precision::Single)?;
         values.resize(symbolic.panel_values(), 0.0);
@@ -126,7 +126,7 @@ impl Factor {
         let scale = if largest > 0.0 { (-largest.log2().round()).clamp(-1000.0, 1000.0).exp2() } else { 1.0 };
         let panels = split(&symbolic, &mut values).into_iter().map(Positive).collect();
         let eliminated = numeric::factorize(&symbolic, &matrix.values, scale, panels, parallel);
-        self.values = Values::Single { values, scale };
+        self.values = FactorValues::Single { values, scale };
         eliminated.map_err(|b| self.explain(b))?;
         self.usable = true;
         Ok(())
@@ -155,7 +155,7 @@ impl Factor {
         self.rotations = Some(rotations);
     }
 
-    /// The rotations it was told of since it was made.
+    /// The rotations it was given since it was made.
     pub fn rotations(&self) -> Option<&Rotations> {
         self.rotations.as_deref()
     }
@@ -197,16 +197,16 @@ impl Factor {
     /// How precise it is.
     pub fn precision(&self) -> Precision {
         match self.values {
-            Values::Double(_) => Precision::Double,
-            Values::Single { .. } => Precision::Single,
+            FactorValues::Double(_) => Precision::Double,
+            FactorValues::Single { .. } => Precision::Single,
         }
     }
 
     /// Memory of its numbers, in bytes; the symbolic factorisation is shared and not counted.
     pub fn bytes(&self) -> usize {
         let values = match &self.values {
-            Values::Double(values) => size_of_val(values.as_slice()),
-            Values::Single { values, .. } => size_of_val(values.as_slice()),
+            FactorValues::Double(values) => size_of_val(values.as_slice()),
+            FactorValues::Single { values, .. } => size_of_val(values.as_slice()),
         };
         values + size_of_val(self.subdiagonal.as_slice()) + size_of_val(self.order.as_slice())
     }
@@ -226,7 +226,7 @@ impl Factor {
 
     /// The blocks of `D` in front `f`.
     pub(super) fn diagonal_blocks(&self, f: usize) -> Vec<Pivot> {
-        let Values::Double(values) = &self.values else { return Vec::new() };
+        let FactorValues::Double(values) = &self.values else { return Vec::new() };
         let (top, _) = self.panel(f, values);
         let first = self.first_dof(f);
         Pivot::all(top, &self.subdiagonal[first..first + top.ncols()])
@@ -245,8 +245,8 @@ impl Factor {
         }
         let rhs = &mut rhs[..n * columns];
         match &self.values {
-            Values::Double(values) => solve::solve(self, values, rhs, columns, self.parallel),
-            Values::Single { values, scale } => {
+            FactorValues::Double(values) => solve::solve(self, values, rhs, columns, self.parallel),
+            FactorValues::Single { values, scale } => {
                 let sizes: Vec<f64> = rhs.chunks_exact_mut(n).map(normalise).collect();
                 solve::solve(self, values, rhs, columns, self.parallel);
                 for (column, size) in rhs.chunks_exact_mut(n).zip(sizes) {

@@ -61,7 +61,7 @@ impl CgReport {
 pub enum StoppingTest {
     /// `|b - A x| <= tolerance |b|`, Euclidean.
     Residual(f64),
-    /// `|x - A^-1 b|_A <= tolerance |A^-1 b|_A` in the norm `|v|_A^2 = v . A v`, as far as an estimate tells: strains, stresses
+    /// `|x - A^-1 b|_A <= tolerance |A^-1 b|_A` in the norm `|v|_A^2 = v . A v`, as far as an estimate shows: strains, stresses
     /// and what is linear in them are known as exactly as that, where a residual says little in a slender body.
     ///
     /// The k-th step takes `s_k = |x_{k+1} - x_k|_A` off the error exactly, so what it leaves is the sum of the steps to come

@@ -22,7 +22,7 @@ pub struct LimitError {
     pub text: String,
 }
 
-/// Bytes that can still be allocated; `None` where nothing tells.
+/// Bytes that can still be allocated; `None` where nothing is known.
 ///
 /// The least of what the system calls available (`MemAvailable` of `/proc/meminfo`), what the control groups of the process leave,
 /// and [`limit`] less the resident size of the process. A control group (version 1 or 2), and each one above it, leaves its limit less
@@ -132,8 +132,8 @@ mod tests {
         for text in
             ["lots", "", "-1", "+1", "1e9", "inf", "nan", "8X", "8iB", "8.5.1G", ".", "G", "8 G B", "8G 1M", "8\u{e9}"]
         {
-            let told = parse(text).unwrap_err().to_string();
-            assert!(told.contains(&format!("{LIMIT}=\"{text}\"")) && told.contains("8.5G"), "{told}");
+            let shown = parse(text).unwrap_err().to_string();
+            assert!(shown.contains(&format!("{LIMIT}=\"{text}\"")) && shown.contains("8.5G"), "{shown}");
         }
     }
 }

@@ -161,7 +161,7 @@ impl<P: Panel> Run<'_, P> {
 
     /// Adds the lower triangle of some (node) columns of a child's update matrix to those of a matrix of the parent.
     ///
-    /// `rows` are the node positions of the child's rows in the parent; `place` tells where the parent's matrix stores a
+    /// `rows` are the node positions of the child's rows in the parent; `place` says where the parent's matrix stores a
     /// dof column, and the first dof row it stores there.
     fn extend_add(
         &self,

@@ -20,7 +20,7 @@ pub struct CorotatedPreconditioner<'a> {
 }
 
 impl<'a> CorotatedPreconditioner<'a> {
-    /// `fixed` tells which dofs are eliminated. A factor without rotations of its own (see [`Factor::set_rotations`]) stays as
+    /// `fixed` says which dofs are eliminated. A factor without rotations of its own (see [`Factor::set_rotations`]) stays as
     /// it is.
     #[must_use]
     pub fn new(factor: &'a Factor, to: &Rotations, fixed: &[bool]) -> Self {

@@ -127,7 +127,7 @@ fn useless_numbers_are_refused() {
     assert_eq!(foreign, FactorError::ForeignPattern);
 }
 
-/// A body that floats is singular, but round-off hides it from the pivots: the residual tells.
+/// A body that floats is singular, but round-off hides it from the pivots: the residual shows.
 #[test]
 fn a_singular_matrix_shows_in_the_pivots_or_in_the_residual() {
     let mut random = Random::new(11);

@@ -127,7 +127,7 @@ fn a_diagonal_mass_may_be_a_matrix() {
 }
 
 /// Chains without supports, of increasing length: whether 0 is above or below 0 is a matter of rounding, which is
-/// told; a triple one, and the next ones are as exact as ever.
+/// reported; a triple one, and the next ones are as exact as ever.
 #[test]
 fn zero_eigenvalues_are_zero_to_their_rounding() {
     for cells in [[1, 1, 1], [4, 1, 1], [20, 1, 1], [60, 1, 1]] {

@@ -281,13 +281,13 @@ fn only_the_rounding_of_the_eigenvalue_itself_makes_a_matrix_singular() {
     };
     for stiffer in [1.0, 1e5] {
         assert_eq!(inertia(beam(stiffer, true)), Ok(Some(0)), "{stiffer}");
-        let told = inertia(beam(stiffer, false)).unwrap_err();
-        assert!(told.is_singular(), "two free motions: {told}");
+        let message = inertia(beam(stiffer, false)).unwrap_err();
+        assert!(message.is_singular(), "two free motions: {message}");
     }
     let case = Case::new([3, 3, 2]);
     let free = case.grid.laplacian(&case.pattern, 0.0);
-    let told = inertia((case, free)).unwrap_err();
-    assert!(told.is_singular() && !told.is_lack_of_memory(), "three free motions: {told}");
+    let message = inertia((case, free)).unwrap_err();
+    assert!(message.is_singular() && !message.is_lack_of_memory(), "three free motions: {message}");
 }
 
 #[test]
@@ -339,8 +339,8 @@ fn lu_solves_any_regular_matrix() {
     }
     let singular = case.grid.laplacian(&case.pattern, 0.0);
     let mut own = Solver::LU.make(&case.structure);
-    let told = own.solve(&case.system(&singular), &b, STRICT, &mut LinearWork::default()).unwrap_err();
-    assert!(told.is_singular(), "three free motions: {told}");
+    let message = own.solve(&case.system(&singular), &b, STRICT, &mut LinearWork::default()).unwrap_err();
+    assert!(message.is_singular(), "three free motions: {message}");
     let refused = own.solve_definite(&case.system(&singular), &b, &mut LinearWork::default());
     assert_eq!(refused, Err(LinearError::NotCounted { solver: "lu" }));
 }

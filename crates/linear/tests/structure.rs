@@ -92,8 +92,8 @@ fn entries_that_the_pattern_lacks_are_refused() {
     for symmetry in [Symmetry::Symmetric, Symmetry::General] {
         let mut matrix = SparseMatrix::with_symmetry(pattern.clone(), symmetry);
         assert_eq!(matrix.add_pairs(&[0, 3], &element), Err(NotCoupled { a: 3, b: 0 }));
-        let told = matrix.add_pairs(&[0, 1, 3], &[1.0; 36]).unwrap_err().to_string();
-        assert!(told.contains("nodes 3 and 0"), "{told}");
+        let message = matrix.add_pairs(&[0, 1, 3], &[1.0; 36]).unwrap_err().to_string();
+        assert!(message.contains("nodes 3 and 0"), "{message}");
         assert_eq!(matrix.norm(), 0.0, "half an element was added");
         matrix.add_pairs(&[2, 1], &element).unwrap();
         // of a symmetric matrix the half below the diagonal is read

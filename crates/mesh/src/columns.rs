@@ -1,4 +1,4 @@
-//! [`Column`]: chains of quadrilaterals or hexahedra through opposite faces, which tell how many cells lie over a thickness.
+//! [`Column`]: chains of quadrilaterals or hexahedra through opposite faces, which show how many cells lie over a thickness.
 
 use crate::geometry::{minus, norm};
 use crate::{CellKind, Domain, Facet, Mesh};

@@ -64,8 +64,8 @@ pub enum MeshError {
 }
 
 fn near(nearest: &Option<([f64; 3], f64)>) -> String {
-    let told = |(x, distance)| format!("; the nearest point of it is {}, {distance:.3e} away", show(&x));
-    nearest.map_or_else(String::new, told)
+    let shown = |(x, distance)| format!("; the nearest point of it is {}, {distance:.3e} away", show(&x));
+    nearest.map_or_else(String::new, shown)
 }
 
 fn show([x, y, z]: &[f64; 3]) -> String {

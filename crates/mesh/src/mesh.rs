@@ -72,7 +72,7 @@ pub struct Mesh {
 
 impl Mesh {
     /// Checks a raw mesh and makes it usable: cells of negative volume are renumbered, unused nodes dropped, repeated
-    /// cells merged, surface elements matched to facets; [`Mesh::notes`] tells what was done.
+    /// cells merged, surface elements matched to facets; [`Mesh::notes`] shows what was done.
     ///
     /// Cells are grouped by kind in order of appearance and keep their order otherwise. The mesh is plane if there are
     /// no volume cells. Cells, surfaces and node sets are named by `raw.names`; a bare tag 7 is called "7", tag 0 means

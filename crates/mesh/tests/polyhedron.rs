@@ -108,8 +108,8 @@ fn on_the_surface_and_refused() -> Outcome {
     assert_eq!(Polyhedron::of(&mesh, Some(&body))?, solid);
     assert!(Polyhedron::of(&mesh, Some(&"nowhere".into())).is_err());
     let curved: Mesh = box_mesh([1.0; 3], [1; 3], CellKind::Hex27)?;
-    let told = Polyhedron::of(&curved, None).err().ok_or("flat")?.to_string();
-    assert!(told.contains("hex27") && told.contains("linear cells"), "{told}");
+    let message = Polyhedron::of(&curved, None).err().ok_or("flat")?.to_string();
+    assert!(message.contains("hex27") && message.contains("linear cells"), "{message}");
     Ok(())
 }
 

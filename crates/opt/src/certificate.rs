@@ -50,10 +50,10 @@ impl Certificate {
 
     /// Compares the derivative at an evaluated control with differences of the cost along one random admissible
     /// direction: at most four evaluations when it is right. If they do not vouch for it, the full [`Taylor`] test
-    /// decides. `size` is that of a control where neither the set nor the control tells it.
+    /// decides. `size` is that of a control where neither the set nor the control gives it.
     ///
     /// # Errors
-    /// Nothing tells how to vary the control, or the full test could not be made.
+    /// Nothing says how to vary the control, or the full test could not be made.
     pub fn of<O: Objective>(
         objective: &O,
         set: &dyn Admissible,

@@ -4,7 +4,7 @@ use crate::failed::Failed;
 
 /// Backtracking: a trial is accepted when j(m(t)) <= reference + armijo * dj.(m(t) - m); otherwise the step is shortened
 /// to the minimiser of the parabola through what is known, within limits. A failed evaluation shortens it by a fixed
-/// factor, or to just before a limit that the evaluation tells of. All of it is dimensionless.
+/// factor, or to just before a limit that the evaluation reports. All of it is dimensionless.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LineSearch {
     /// Share of the predicted decrease that must be had.

@@ -124,7 +124,7 @@ pub trait Objective: Sync {
     }
 
     /// Whether the states of two evaluated points lie on different branches of the state equation, the cost jumping between them, and why. Asked of a trial from
-    /// `from` whose cost is too high: what it tells of the way ([`Failed::limit`]) shortens the step. `None` where nothing says so (the default).
+    /// `from` whose cost is too high: what it reports of the way ([`Failed::limit`]) shortens the step. `None` where nothing says so (the default).
     fn jump(&self, _from: &Self::Point, _to: &Self::Point, _workspace: &mut Self::Workspace) -> Option<Failed> {
         None
     }
@@ -145,7 +145,7 @@ pub trait Objective: Sync {
         Summary::default()
     }
 
-    /// Numbers worth telling of an accepted point that cost more than its value: distances from targets, say
+    /// Numbers worth reporting of an accepted point that cost more than its value: distances from targets, say
     /// ([`TRUE_DISTANCE`](crate::TRUE_DISTANCE)). Asked for by those who show a run, never by the run itself.
     fn figures(&self, _point: &Self::Point) -> Summary {
         Summary::default()
@@ -169,7 +169,9 @@ pub trait Objective: Sync {
 
 /// An objective without second derivatives.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
-#[error("{objective} gives no second derivatives; implement `Objective::hessian_vector`, or take what does without")]
+#[error(
+    "the objective gives no second derivatives; take a method that needs first ones alone (lbfgs, spectral, projected_gradient); in the library: `Objective::hessian_vector` of {objective}"
+)]
 pub struct NoSecondDerivatives {
     /// Type of the objective.
     pub objective: &'static str,

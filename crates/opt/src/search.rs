@@ -44,7 +44,7 @@ pub(crate) struct Iterate<P> {
 }
 
 /// An accepted trial and how it was found.
-pub(crate) struct Found<P> {
+pub(crate) struct AcceptedTrial<P> {
     pub next: Iterate<P>,
     pub fraction: f64,
     pub trials: usize,
@@ -109,7 +109,7 @@ impl<O: Objective> Setting<O> {
         Current { set, metric, m: &at.m, cost: at.cost, derivative: &at.derivative }
     }
 
-    /// Finds the next point from `at`, telling the observer of every trial.
+    /// Finds the next point from `at`, reporting every trial to the observer.
     pub fn search(
         &self,
         method: &mut dyn Method,
@@ -117,7 +117,7 @@ impl<O: Objective> Setting<O> {
         progress: &mut Progress,
         workspace: &mut O::Workspace,
         observer: &mut dyn Observer<O::Point>,
-    ) -> Result<Found<O::Point>, Stop> {
+    ) -> Result<AcceptedTrial<O::Point>, Stop> {
         let mut line = Line { fraction: 1.0, trials: 0, failed: 0, shortest: f64::INFINITY, last: "none".into() };
         loop {
             let mut hessian = ProductsAt {
@@ -151,7 +151,7 @@ impl<O: Objective> Setting<O> {
         workspace: &mut O::Workspace,
         observer: &mut dyn Observer<O::Point>,
         line: &mut Line,
-    ) -> Result<Result<Found<O::Point>, f64>, Stop> {
+    ) -> Result<Result<AcceptedTrial<O::Point>, f64>, Stop> {
         let rules = &self.options.line_search;
         let here = self.here(at);
         let invisible = 0.25 * f64::EPSILON * at.cost.abs();
@@ -191,7 +191,7 @@ impl<O: Objective> Setting<O> {
                     let reason = Reason::Failed(failed);
                     line.reject(&reason, true, factor);
                     progress.counts.failed += 1;
-                    observer.trial(&self.tell(progress, at, trial.told(None, None, reason)));
+                    observer.trial(&self.trial_line(progress, at, trial.parts(None, None, reason)));
                     continue;
                 }
             };
@@ -202,7 +202,7 @@ impl<O: Objective> Setting<O> {
                 let wanted = reference + rules.armijo * predicted;
                 let jump = self.objective.jump(&at.point, &point, workspace);
                 let reason = line.come_back(rules, jump, ([at.cost, predicted, cost], wanted))?;
-                observer.trial(&self.tell(progress, at, trial.told(Some(&point), Some(cost), reason)));
+                observer.trial(&self.trial_line(progress, at, trial.parts(Some(&point), Some(cost), reason)));
                 continue;
             }
             progress.counts.derivatives += 1;
@@ -210,14 +210,14 @@ impl<O: Objective> Setting<O> {
                 Ok(next) => {
                     let accepted = self.tell_accepted(progress, &next, Reason::Armijo, trial.step, length);
                     observer.trial(&Trial { predicted: Some(predicted), ..accepted });
-                    return Ok(Ok(Found { next, fraction: line.fraction, trials: line.trials, predicted }));
+                    return Ok(Ok(AcceptedTrial { next, fraction: line.fraction, trials: line.trials, predicted }));
                 }
                 Err((_, failed)) if failed.is_fatal() => return Err(Stop::Aborted(failed)),
                 Err((point, failed)) => {
                     let reason = Reason::DerivativeFailed(failed);
                     line.reject(&reason, true, rules.after_failure);
                     progress.counts.failed += 1;
-                    observer.trial(&self.tell(progress, at, trial.told(Some(&point), Some(cost), reason)));
+                    observer.trial(&self.trial_line(progress, at, trial.parts(Some(&point), Some(cost), reason)));
                 }
             }
         }
@@ -246,8 +246,13 @@ impl<O: Objective> Setting<O> {
     }
 
     /// A history line of a trial that was not accepted from `at`.
-    fn tell<'t>(&self, progress: &Progress, at: &Iterate<O::Point>, told: Told<'t, O::Point>) -> Trial<'t, O::Point> {
-        let summary = match (told.point, &told.reason) {
+    fn trial_line<'t>(
+        &self,
+        progress: &Progress,
+        at: &Iterate<O::Point>,
+        parts: TrialParts<'t, O::Point>,
+    ) -> Trial<'t, O::Point> {
+        let summary = match (parts.point, &parts.reason) {
             (Some(point), _) => self.objective.summary(point),
             (None, Reason::Failed(failed)) => failed.work().clone(),
             (None, _) => Summary::default(),
@@ -257,18 +262,18 @@ impl<O: Objective> Setting<O> {
             iteration: progress.counts.iterations,
             stage: progress.stage,
             accepted: false,
-            reason: told.reason,
-            cost: told.cost,
+            reason: parts.reason,
+            cost: parts.cost,
             gradient_norm: at.gradient_norm,
             relative_gradient: progress.relative(at.gradient_norm),
-            step: told.step,
-            length: told.length,
-            predicted: told.predicted,
+            step: parts.step,
+            length: parts.length,
+            predicted: parts.predicted,
             active: at.active,
             active_share: at.active as f64 / at.m.len() as f64,
             summary,
-            m: told.m,
-            point: told.point,
+            m: parts.m,
+            point: parts.point,
             derivative: None,
         }
     }
@@ -283,10 +288,17 @@ impl<O: Objective> Setting<O> {
         length: f64,
     ) -> Trial<'t, O::Point> {
         let iteration = progress.counts.iterations + usize::from(reason == Reason::Armijo);
-        let told =
-            Told { m: &next.m, point: Some(&next.point), cost: Some(next.cost), reason, step, length, predicted: None };
+        let parts = TrialParts {
+            m: &next.m,
+            point: Some(&next.point),
+            cost: Some(next.cost),
+            reason,
+            step,
+            length,
+            predicted: None,
+        };
         let derivative = Some(next.derivative.as_slice());
-        Trial { accepted: true, iteration, derivative, ..self.tell(progress, next, told) }
+        Trial { accepted: true, iteration, derivative, ..self.trial_line(progress, next, parts) }
     }
 }
 
@@ -299,14 +311,14 @@ struct Step {
 }
 
 impl Step {
-    fn told<'t, P>(&'t self, point: Option<&'t P>, cost: Option<f64>, reason: Reason) -> Told<'t, P> {
+    fn parts<'t, P>(&'t self, point: Option<&'t P>, cost: Option<f64>, reason: Reason) -> TrialParts<'t, P> {
         let (step, length) = (self.step, self.length);
-        Told { m: &self.m, point, cost, reason, step, length, predicted: Some(self.predicted) }
+        TrialParts { m: &self.m, point, cost, reason, step, length, predicted: Some(self.predicted) }
     }
 }
 
 /// The changing parts of a history line.
-struct Told<'t, P> {
+struct TrialParts<'t, P> {
     m: &'t [f64],
     point: Option<&'t P>,
     cost: Option<f64>,

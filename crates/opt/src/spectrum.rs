@@ -77,7 +77,7 @@ pub enum SpectrumError {
         /// Components of the inner product.
         metric: usize,
     },
-    /// The derivative, which tells the active bounds, or a product failed.
+    /// The derivative, which shows the active bounds, or a product failed.
     #[error("the second derivative at the optimum: {0}")]
     Product(#[from] Failed),
     /// The flag of the domain was raised.

@@ -107,7 +107,7 @@ impl Taylor {
     /// Tests the derivative of `objective` at an admissible control.
     ///
     /// # Errors
-    /// A control that is not admissible or cannot be evaluated, or that nothing tells how to vary; an objective without second
+    /// A control that is not admissible or cannot be evaluated, or for which nothing says how to vary it; an objective without second
     /// derivatives where they are asked for.
     pub fn test<O: Objective>(
         &self,

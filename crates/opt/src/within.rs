@@ -178,7 +178,7 @@ impl<M: Optimizer, W> Within<M, W> {
     ///
     /// # Errors
     /// As [`start`](Self::start); [`RunError::Derivative`] when the derivative is wrong, [`RunError::Check`] when it
-    /// could not be checked. Where nothing tells how far to vary the control, the certificate is undecided.
+    /// could not be checked. Where nothing says how far to vary the control, the certificate is undecided.
     pub fn minimize<P: Problem>(
         &mut self,
         problem: P,

@@ -255,13 +255,13 @@ fn a_fatal_failure_ends_the_run_before_its_step() {
         (0..3).for_each(|_| assert_eq!(run.step(&mut |_: &Trial<'_, _>| {}), Outcome::Iterated));
         let before = (run.progress().counts, run.save());
         lacking.store(true, Ordering::Relaxed);
-        let mut told = 0;
-        let stopped = run.step(&mut |_: &Trial<'_, _>| told += 1);
+        let mut message = 0;
+        let stopped = run.step(&mut |_: &Trial<'_, _>| message += 1);
         assert!(
             matches!(&stopped, Outcome::Stopped(Stop::Aborted(why)) if why.to_string() == "no memory"),
             "{stopped:?}"
         );
-        assert_eq!((told, run.progress().counts), (0, before.0), "{}", o.name());
+        assert_eq!((message, run.progress().counts), (0, before.0), "{}", o.name());
         assert_eq!(run.save().to_bytes(), before.1.to_bytes(), "{}", o.name());
         lacking.store(false, Ordering::Relaxed);
         let best = run.minimize(&mut |_: &Trial<'_, _>| {});

@@ -1,4 +1,4 @@
-//! Trials with a budget, and trials that fail and tell how far their step may go.
+//! Trials with a budget, and trials that fail and show how far their step may go.
 
 use nastic_opt::{
     Bounds, Budget, Diagonal, Failed, InnerProduct, Lbfgs, LineSearch, Objective, Optimizer, Options, Problem, Reason,
@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
-/// `(m - 10)^2` where m < 3, nothing or another branch beyond; whoever asks is told how far the step may go, or not.
+/// `(m - 10)^2` where m < 3, nothing or another branch beyond; whoever asks learns how far the step may go, or not.
 struct Cliff {
     tells: bool,
     /// Whether there is another branch.
@@ -107,15 +107,15 @@ fn trials_have_a_budget_and_the_start_has_none() -> Outcome {
 #[test]
 fn a_jump_is_told_and_the_next_trial_stays_before_it() -> Outcome {
     let cliff = Cliff { tells: true, jumps: true, asked: Mutex::default() };
-    let mut told = vec![];
-    let watch = |trial: &Trial<'_, Vec<f64>>| told.push((trial.m[0], trial.accepted, trial.reason.clone()));
+    let mut message = vec![];
+    let watch = |trial: &Trial<'_, Vec<f64>>| message.push((trial.m[0], trial.accepted, trial.reason.clone()));
     let method = Lbfgs { options: Options { max_iterations: 3, ..Options::default() }, ..Lbfgs::default() };
     method.within(Bounds::new(0.0, 20.0)?).gradient_check(false).observe(watch).minimize(&cliff, 0.5)?;
-    let at = told.iter().position(|(m, ..)| *m >= EDGE).ok_or("no trial beyond the edge")?;
-    let (_, accepted, reason) = &told[at];
-    assert!(!accepted && matches!(reason, Reason::OtherBranch(_)), "{told:?}");
+    let at = message.iter().position(|(m, ..)| *m >= EDGE).ok_or("no trial beyond the edge")?;
+    let (_, accepted, reason) = &message[at];
+    assert!(!accepted && matches!(reason, Reason::OtherBranch(_)), "{message:?}");
     assert_eq!(reason.to_string(), "no decrease, on another branch: over the edge");
-    let expected = told[at - 1].0 + LineSearch::default().before_limit * (EDGE - told[at - 1].0);
-    assert!((told[at + 1].0 - expected).abs() < 1e-12 && told[at + 1].1, "{told:?}");
+    let expected = message[at - 1].0 + LineSearch::default().before_limit * (EDGE - message[at - 1].0);
+    assert!((message[at + 1].0 - expected).abs() < 1e-12 && message[at + 1].1, "{message:?}");
     Ok(())
 }

@@ -93,21 +93,21 @@ impl Objective for Problem {
     }
 }
 
-/// One run of one driver; `told` counts the trials that were drawn to fail, as the observer is told of them.
+/// One run of one driver; the count is that of the trials that were drawn to fail, as the observer sees them.
 struct Ended {
     best: Best<Vec<f64>>,
-    told: usize,
+    message: usize,
     /// The projected gradient's norm at the end, computed here.
     stationary: f64,
 }
 
 fn run(optimizer: &dyn Optimizer, problem: &Problem, metric: &Arc<Diagonal>, start: &[f64]) -> Ended {
-    let mut told = 0;
+    let mut message = 0;
     let mut watch = |trial: &Trial<'_, Vec<f64>>| {
         assert!(problem.set.check(trial.m).is_ok());
         if let Reason::Failed(why) = &trial.reason {
             assert!(why.downcast_ref::<Drawn>().is_some(), "the type of a failure is kept");
-            told += 1;
+            message += 1;
         }
     };
     let begun = Run::start(optimizer, problem, problem.set.clone(), metric.clone() as Arc<dyn InnerProduct>, start);
@@ -115,7 +115,7 @@ fn run(optimizer: &dyn Optimizer, problem: &Problem, metric: &Arc<Diagonal>, sta
     let mut derivative = problem.derivative(&mut best.m.clone(), &mut ()).unwrap();
     problem.set.tangent(&best.m, &mut derivative);
     let stationary = problem.set.optimality(metric.as_ref(), &best.m, &derivative).norm;
-    Ended { best, told, stationary }
+    Ended { best, message, stationary }
 }
 
 /// Calls back for every driver, set, kind of problem and start.
@@ -166,11 +166,11 @@ fn drivers_converge_where_a_fifth_of_the_trials_fails() {
     let (mut trials, mut failed) = (0, 0);
     for_all(|optimizer, row, make, metric, start, seed| {
         let problem = make().failing(1000 + seed);
-        let Ended { best, told, stationary } = run(optimizer, &problem, metric, start);
+        let Ended { best, message, stationary } = run(optimizer, &problem, metric, start);
         let what =
             format!("{} on {}, convex {}, start {seed}: {}", optimizer.name(), row.name, problem.convex, best.stop);
-        assert_eq!(told, best.counts.failed, "{what}");
-        (trials, failed) = (trials + best.counts.trials, failed + told);
+        assert_eq!(message, best.counts.failed, "{what}");
+        (trials, failed) = (trials + best.counts.trials, failed + message);
         assert!(best.stop.is_converged() && stationary <= 1.001 * TOLERANCE, "{what}: {stationary:e}");
         if problem.convex && row.convex {
             let reliable = run(optimizer, &make(), metric, start).best;

@@ -224,7 +224,7 @@ fn curvature_is_that_of_the_curve() {
     }
 }
 
-/// A step that nothing holds is left alone to the bit: methods tell by that whether a bound acts.
+/// A step that nothing holds is left alone to the bit: methods show by that whether a bound acts.
 #[test]
 fn steps_within_the_set_stay_to_the_bit() {
     for row in CATALOGUE.iter().filter(|row| row.convex) {

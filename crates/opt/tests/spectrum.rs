@@ -310,7 +310,7 @@ fn same_bits_twice_and_typed_errors() {
     let error = Spectrum::at(&problem, (&m, &mut m.clone()), &domain, &SpectrumOptions::leading(2), &mut ());
     assert!(matches!(error, Err(SpectrumError::Cancelled)));
 
-    // Too few products: what did converge is told, no more.
+    // Too few products: what did converge is reported, no more.
     let domain = Domain { cancel: None, ..domain };
     let few = SpectrumOptions { max_products: 9, ..SpectrumOptions::leading(20) };
     let found = Spectrum::at(&problem, (&m, &mut m.clone()), &domain, &few, &mut ()).unwrap();

@@ -159,7 +159,7 @@ fn resumed_at_any_iteration_of_any_stage_it_ends_with_the_same_bits() {
             while !matches!(resumed.step(&mut ()), Outcome::Stopped(_)) {}
             assert!(resumed.save().to_bytes() == end, "{}", entry.name);
         }
-        // The start is told once, not again by a resumed run.
+        // The start is reported once, not again by a resumed run.
         let state = RunState::from_bytes(&saved[1]).unwrap();
         let mut starts = 0;
         let mut watch = |t: &Trial<'_, Point>| starts += usize::from(t.reason == Reason::Start);

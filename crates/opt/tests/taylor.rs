@@ -1,4 +1,4 @@
-//! The Taylor test tells right from wrong, and knows when it cannot tell.
+//! The Taylor test distinguishes right from wrong, and knows when it cannot decide.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 use crate::common;

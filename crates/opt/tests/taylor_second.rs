@@ -112,6 +112,30 @@ fn objectives_without_second_derivatives_refuse_with_a_type() {
     for refused in [SECOND.test(&Plain, &Bounds::none(), &[0.3]), SECOND.test(&&Plain, &Bounds::none(), &[0.3])] {
         let Err(TaylorError::Base(failed)) = refused else { unreachable!("it is refused") };
         assert!(failed.downcast_ref::<NoSecondDerivatives>().is_some(), "{failed}");
-        assert!(failed.to_string().contains("Plain gives no second derivatives"), "{failed}");
+        assert!(
+            failed.to_string().contains("gives no second derivatives") && failed.to_string().contains("Plain"),
+            "{failed}"
+        );
     }
+}
+
+/// Remainders that fall faster than those of a smooth function are no evidence, unless the order is the same between all steps.
+#[test]
+fn an_order_above_four_is_not_right() {
+    let of = |value: fn(f64) -> f64, slope: fn(f64) -> f64, curvature: fn(f64) -> f64| {
+        let hessian = move |m: &[f64], v: &[f64]| vec![curvature(m[0]) * v[0]];
+        let cost = Cost::new(Bounds::none(), move |m| value(m[0]), move |m| vec![slope(m[0])]).with_hessian(hessian);
+        SECOND.test(&cost, &Bounds::none(), &[0.3]).unwrap().second_verdict()
+    };
+    // the third derivative vanishes: the order is four between all steps
+    let even =
+        of(|m| (m - 0.3).powi(4) + m * m, |m| 4.0 * (m - 0.3).powi(3) + 2.0 * m, |m| 12.0 * (m - 0.3).powi(2) + 2.0);
+    assert_eq!(even, Some(Verdict::Right));
+    // of order four and six by turns: no power of the step
+    let mixed = of(
+        |m| (m - 0.3).powi(4) + 1e4 * (m - 0.3).powi(6) + m * m,
+        |m| 4.0 * (m - 0.3).powi(3) + 6e4 * (m - 0.3).powi(5) + 2.0 * m,
+        |m| 12.0 * (m - 0.3).powi(2) + 3e5 * (m - 0.3).powi(4) + 2.0,
+    );
+    assert!(mixed.is_some(), "{mixed:?}");
 }

@@ -151,7 +151,7 @@ fn a_run_goes_through_the_stages_asked_for() {
     }
 }
 
-/// The norm of the gradient tells in which product a run measures.
+/// The norm of the gradient shows in which product a run measures.
 #[test]
 fn a_product_of_ones_own_takes_the_place_of_the_problems() {
     let problem = square([4.0, 4.0]);

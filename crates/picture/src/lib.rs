@@ -89,12 +89,12 @@ pub enum Appearance {
 pub struct Field {
     name: String,
     unit: String,
-    values: Values,
+    values: FieldValues,
     range: Option<(f64, f64)>,
 }
 
 #[derive(Clone, Debug)]
-enum Values {
+enum FieldValues {
     Nodes(Vec<f64>),
     Cells(Vec<f64>),
 }
@@ -102,12 +102,12 @@ enum Values {
 impl Field {
     /// One value per node of the mesh.
     pub fn at_nodes(name: &str, unit: &str, values: Vec<f64>) -> Self {
-        Self { name: name.to_owned(), unit: unit.to_owned(), values: Values::Nodes(values), range: None }
+        Self { name: name.to_owned(), unit: unit.to_owned(), values: FieldValues::Nodes(values), range: None }
     }
 
     /// One value per cell of the mesh.
     pub fn at_cells(name: &str, unit: &str, values: Vec<f64>) -> Self {
-        Self { name: name.to_owned(), unit: unit.to_owned(), values: Values::Cells(values), range: None }
+        Self { name: name.to_owned(), unit: unit.to_owned(), values: FieldValues::Cells(values), range: None }
     }
 
     /// Fixes the range of the colour bar, for pictures that are to be compared; otherwise it is that of the values.
@@ -118,7 +118,7 @@ impl Field {
 
     fn values(&self) -> &[f64] {
         match &self.values {
-            Values::Nodes(values) | Values::Cells(values) => values,
+            FieldValues::Nodes(values) | FieldValues::Cells(values) => values,
         }
     }
 }
@@ -243,7 +243,7 @@ impl Picture {
         self
     }
 
-    /// The unit of lengths written at the scale; metres unless told.
+    /// The unit of lengths written at the scale; metres unless set.
     pub fn length_unit(mut self, unit: &str) -> Self {
         self.length_unit = unit.to_owned();
         self

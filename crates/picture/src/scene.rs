@@ -193,7 +193,7 @@ fn check(picture: &Picture) -> Result<(), String> {
         };
         fits("positions", body.positions.len(), nodes)?;
         if let Appearance::Field(field) = &body.appearance {
-            let nodal = matches!(field.values, super::Values::Nodes(_));
+            let nodal = matches!(field.values, super::FieldValues::Nodes(_));
             fits("values", field.values().len(), if nodal { nodes } else { cells })?;
         }
         for arrows in &body.arrows {

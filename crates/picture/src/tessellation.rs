@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::face::{Face, FacePattern};
 use super::vector::{V3, unit};
-use super::{Appearance, Body, Values};
+use super::{Appearance, Body, FieldValues};
 
 /// A point of the surface.
 #[derive(Clone, Copy, Debug)]
@@ -58,8 +58,8 @@ impl<'a> Piece<'a> {
         let positions = body.mesh.gather(&body.positions, &face.nodes);
         let values = match &body.appearance {
             Appearance::Field(field) => match &field.values {
-                Values::Nodes(values) => face.nodes.iter().map(|node| values[*node as usize]).collect(),
-                Values::Cells(values) => vec![values[face.cell]; face.nodes.len()],
+                FieldValues::Nodes(values) => face.nodes.iter().map(|node| values[*node as usize]).collect(),
+                FieldValues::Cells(values) => vec![values[face.cell]; face.nodes.len()],
             },
             _ => vec![0.0; face.nodes.len()],
         };

@@ -75,8 +75,8 @@ fn convergence(result: &RunRecord, trials: &[&TrialRecord]) -> Vec<Value> {
 /// A plot of the curves that have two values or more; none without one. Logarithmic where all values are positive (zeros
 /// are left out then) and span more than a decade, but for small whole numbers.
 fn plot((title, x_label, y_label): (&str, &str, &str), x: &[Option<f64>], curves: Vec<Curve>) -> Option<Value> {
-    let told = |curve: &Curve| curve.values.iter().flatten().count() > 1;
-    let mut curves: Vec<Curve> = curves.into_iter().filter(told).collect();
+    let shown = |curve: &Curve| curve.values.iter().flatten().count() > 1;
+    let mut curves: Vec<Curve> = curves.into_iter().filter(shown).collect();
     let values = || curves.iter().flat_map(|curve| curve.values.iter().flatten());
     let (low, high) = values().filter(|y| **y > 0.0).fold((f64::INFINITY, 0.0f64), |(l, h), y| (l.min(*y), h.max(*y)));
     let is_whole = values().all(|y| y.fract() == 0.0) && high < 1e3;

@@ -44,14 +44,14 @@ pub(crate) fn spectrum(result: &RunRecord) -> String {
         vec![name.clone(), number(range.min, unit), number(range.max, unit)]
     };
     let widths: Vec<Vec<String>> = found.half_width.iter().flatten().map(width).collect();
-    let content = paragraph(&told(found, values))
+    let content = paragraph(&shown(found, values))
         + &table(&head, &rows)
         + &table(&["control", "least half-width", "largest half-width"], &widths);
     section("spectrum", "Spectrum of the reduced Hessian", &content)
 }
 
 /// In words.
-fn told(found: &SpectrumRecord, values: &[Number]) -> String {
+fn shown(found: &SpectrumRecord, values: &[Number]) -> String {
     let (count, rise) = (values.len(), found.cost_rise.map_or_else(String::new, short));
     let whole = |n: Option<usize>| n.map_or_else(|| "null".to_owned(), |n| n.to_string());
     let negative = found.negative.unwrap_or(0);

@@ -52,9 +52,9 @@ pub(crate) fn measure(name: &str, level: Option<f64>) -> String {
 
 /// The table without the columns that say nothing.
 fn told_columns(head: &[&str], rows: Vec<Vec<String>>) -> String {
-    let told: Vec<usize> = (0..head.len()).filter(|k| rows.iter().any(|row| row[*k] != "–")).collect();
-    let head: Vec<&str> = told.iter().map(|k| head[*k]).collect();
-    let rows: Vec<Vec<String>> = rows.iter().map(|row| told.iter().map(|k| row[*k].clone()).collect()).collect();
+    let shown: Vec<usize> = (0..head.len()).filter(|k| rows.iter().any(|row| row[*k] != "–")).collect();
+    let head: Vec<&str> = shown.iter().map(|k| head[*k]).collect();
+    let rows: Vec<Vec<String>> = rows.iter().map(|row| shown.iter().map(|k| row[*k].clone()).collect()).collect();
     table(&head, &rows)
 }
 
@@ -224,8 +224,8 @@ pub(crate) fn stabilities(result: &RunRecord) -> String {
         values.map(|(k, value)| vec![format!("mode {}", k + 1), number(*value, unit)]).collect();
     content += &table(&["mode of the tangent", "eigenvalue"], &rows);
     let values = result.modes.frequencies.iter().flatten().enumerate();
-    let told = |value: Number| if value.is_none() { "unstable".to_owned() } else { number(value, "Hz") };
-    let rows: Vec<Vec<String>> = values.map(|(k, value)| vec![format!("mode {}", k + 1), told(*value)]).collect();
+    let shown = |value: Number| if value.is_none() { "unstable".to_owned() } else { number(value, "Hz") };
+    let rows: Vec<Vec<String>> = values.map(|(k, value)| vec![format!("mode {}", k + 1), shown(*value)]).collect();
     content += &table(&["mode of vibration", "frequency"], &rows);
     section("stability", "Stability", &content)
 }
@@ -286,8 +286,8 @@ pub(crate) fn run(result: &RunRecord) -> String {
         (result.back_substitutions, "back substitutions"),
         (result.multigrid_cycles, "multigrid cycles"),
     ];
-    let told = work.into_iter().filter_map(|(n, name)| Some((n.filter(|n| *n > 0)?, name)));
-    let rows: Vec<Vec<String>> = told.map(|(n, name)| vec![name.to_owned(), short(n as f64)]).collect();
+    let shown = work.into_iter().filter_map(|(n, name)| Some((n.filter(|n| *n > 0)?, name)));
+    let rows: Vec<Vec<String>> = shown.map(|(n, name)| vec![name.to_owned(), short(n as f64)]).collect();
     content += &table(&["work", "count"], &rows);
     let times = result.seconds.iter();
     let rows: Vec<Vec<String>> =

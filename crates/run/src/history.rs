@@ -60,7 +60,7 @@ impl History {
     }
 }
 
-/// The line of a trial. Work of a failed trial is what its error tells of, null where it tells nothing.
+/// The line of a trial. Work of a failed trial is what its error reports, null where it reports nothing.
 #[must_use]
 pub fn line<P>(trial: &Trial<'_, P>, seconds: f64) -> TrialRecord {
     let summary = &trial.summary;

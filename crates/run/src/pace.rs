@@ -8,7 +8,7 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pace {
     began: Instant,
-    /// Iterations that were done when the first trial was told.
+    /// Iterations that were done when the first trial was reported.
     before: Option<usize>,
     iteration: usize,
     trial: usize,

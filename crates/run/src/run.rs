@@ -16,6 +16,7 @@ mod check;
 mod check_gradient;
 mod commands;
 mod conclusion;
+mod constraints;
 mod contacts;
 mod describe;
 mod ensemble_progress;
@@ -41,6 +42,7 @@ mod study;
 mod sweep;
 mod terminal;
 mod time_steps;
+mod unmet;
 
 pub use analysis::Analysis;
 pub use commands::{resume, run, run_document, run_with, thread_pool};

@@ -4,13 +4,13 @@
 
 use crate::common;
 
-use common::{BAR, Heard, Place, with};
+use common::{BAR, CaseDirectory, Heard, with};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Options, Outcome, run};
 
 /// The result of an optimisation with its own output directory, and what is said.
-fn optimize(place: &Place, case: &str, set: &[String]) -> (Outcome, String) {
+fn optimize(place: &CaseDirectory, case: &str, set: &[String]) -> (Outcome, String) {
     let heard = Heard::default();
     let options = Options { set: set.to_vec(), no_report: true, ..place.options(&[]) };
     let file = place.write("case.json", case);
@@ -20,7 +20,7 @@ fn optimize(place: &Place, case: &str, set: &[String]) -> (Outcome, String) {
 }
 
 /// The settings of the command behind the advice that begins so.
-fn settings(said: &str, advice: &str, place: &Place) -> Vec<String> {
+fn settings(said: &str, advice: &str, place: &CaseDirectory) -> Vec<String> {
     let line = said.lines().skip_while(|line| !line.contains(advice)).nth(1);
     let line = line.unwrap_or_else(|| panic!("no {advice} in:\n{said}")).trim();
     let case = place.path("case.json").display().to_string();
@@ -40,7 +40,7 @@ fn cost(outcome: &Outcome, when: &str) -> f64 {
 
 #[test]
 fn a_limit_of_iterations_is_raised_from_where_it_ended() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let set = ["optimizer/max_iterations=2", "optimizer/method=projected_gradient"].map(str::to_owned);
     let (first, said) = optimize(&place, BAR, &set);
     assert!(said.contains("to go on    take the quasi-Newton method"), "{said}");
@@ -64,7 +64,7 @@ fn a_limit_of_iterations_is_raised_from_where_it_ended() {
 
 #[test]
 fn a_search_that_stalls_offers_a_tolerance_that_it_meets() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let limits = ["optimizer/tolerance=1e-14", "optimizer/max_iterations=200"];
     // from here the cost creeps before its rounding hides all decrease
     let set = [&limits[..], &["controls/0/start=-1000"]].concat().iter().map(|&one| one.to_owned()).collect::<Vec<_>>();
@@ -82,7 +82,7 @@ fn a_search_that_stalls_offers_a_tolerance_that_it_meets() {
 
 #[test]
 fn values_on_bounds_offer_wider_ones() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let narrow = with(BAR, r#""lower": "-200 kPa", "upper": "100 kPa""#, r#""lower": "-20 Pa", "upper": "10 Pa""#);
     let narrow = with(&narrow, r#""start": "-50 kPa * Z / 0.25 m""#, r#""start": 0"#);
     let (_, said) =

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Place, problems, with};
+use common::{BAR, CaseDirectory, problems, with};
 use nastic_language::schema::Command;
 use serde_json::Value;
 
@@ -18,7 +18,7 @@ fn case(key: &str) -> String {
 
 #[test]
 fn they_are_the_default_told_and_kept() {
-    let (left_out, auto) = (Place::new(), Place::new());
+    let (left_out, auto) = (CaseDirectory::new(), CaseDirectory::new());
     let limit = ["optimizer/max_iterations=4"];
     let first = left_out.run(Command::Optimize, &case(""), &limit).unwrap();
     let second = auto.run(Command::Optimize, &case(r#", "stages": "auto""#), &limit).unwrap();
@@ -35,23 +35,23 @@ fn they_are_the_default_told_and_kept() {
         .iter()
         .map(|s| format!(r#"{{ "alpha": {}, "beta": {}, "gamma": {} }}"#, s["alpha"], s["beta"], s["gamma"]))
         .collect();
-    let written = Place::new();
+    let written = CaseDirectory::new();
     let third =
         written.run(Command::Optimize, &case(&format!(r#", "stages": [{}]"#, list.join(", "))), &limit).unwrap();
     let (a, b) = (number(&first.result["cost"], "total"), number(&third.result["cost"], "total"));
     assert!((a - b).abs() < 1e-9 * a, "{a} and {b}");
 
-    let told = left_out.text(Command::Check, &case(""), &[]);
-    assert!(told.contains("stages      shape: automatic, (alpha, beta, gamma) = ("), "{told}");
-    assert!(told.contains(", 16, 8) resolve ") && !told.contains("WARNING"), "{told}");
+    let message = left_out.text(Command::Check, &case(""), &[]);
+    assert!(message.contains("stages      shape: automatic, (alpha, beta, gamma) = ("), "{message}");
+    assert!(message.contains(", 16, 8) resolve ") && !message.contains("WARNING"), "{message}");
 }
 
 #[test]
 fn other_words_are_refused() {
     for stages in [r#""automatic""#, "3"] {
-        let told = problems(&case(&format!(r#", "stages": {stages}"#)));
-        assert!(told.contains("\"auto\" or a list"), "{told}");
+        let message = problems(&case(&format!(r#", "stages": {stages}"#)));
+        assert!(message.contains("\"auto\" or a list"), "{message}");
     }
-    let told = problems(&case(r#", "stages": []"#));
-    assert!(told.contains("at least one stage"), "{told}");
+    let message = problems(&case(r#", "stages": []"#));
+    assert!(message.contains("at least one stage"), "{message}");
 }

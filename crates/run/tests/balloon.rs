@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Heard, Place};
+use common::{CaseDirectory, Heard};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Analysis, Exit, Options, Outcome};
@@ -62,7 +62,7 @@ const CASE: &str = r#"{ "nastic": 1, "units": "mm", "mesh": "ring.msh",
     "costs": [ { "kind": "tracking", "surface": "inner", "target": ["2 * X", "2 * Y"] } ],
     "optimizer": { "max_iterations": 6 } }"#;
 
-fn run(place: &Place, command: Command, options: &Options) -> (Outcome, String) {
+fn run(place: &CaseDirectory, command: Command, options: &Options) -> (Outcome, String) {
     place.write("ring.msh", &ring());
     let heard = Heard::default();
     let outcome = place.run_with(command, CASE, &Console::new(heard.clone()), options);
@@ -76,21 +76,21 @@ fn number(value: &Value, at: &str) -> f64 {
 /// The path names the control at its limit point, with value and unit, as the result does.
 #[test]
 fn a_path_names_the_control_at_its_limit_point() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let options = Options { analysis: Analysis::PathToLimit, ..place.options(&["controls/0/start=30 kPa"]) };
     let (outcome, said) = run(&place, Command::Solve, &options);
     let line = said.lines().find(|line| line.starts_with("critical")).unwrap_or_else(|| panic!("{said}"));
     let event = &outcome.result["path"]["events"][0];
     let (s, p) = (number(event, "/value"), number(event, "/controls/breath/max"));
     assert!((p / (s * 0.03) - 1.0).abs() < 1e-12 && event["controls"]["breath"]["unit"] == "MPa", "{event:#}");
-    let told = format!("limit point at s = {s:.6}, breath = {} MPa: from 0 to 1", nastic_language::number::short(p));
-    assert!(line.contains(&told), "{line} without {told}");
+    let message = format!("limit point at s = {s:.6}, breath = {} MPa: from 0 to 1", nastic_language::number::short(p));
+    assert!(line.contains(&message), "{line} without {message}");
 }
 
 /// Every trial is cut, names the limit point that the path finds, and the advice is to control the volume: which passes it.
 #[test]
 fn a_trial_behind_the_limit_point_is_cut_and_the_volume_is_advised() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let path = Options { analysis: Analysis::PathToLimit, ..place.options(&["controls/0/start=30 kPa"]) };
     let limit = number(&run(&place, Command::Solve, &path).0.result, "/path/events/0/controls/breath/max");
     let (outcome, said) = run(&place, Command::Optimize, &place.options(&[]));

@@ -137,7 +137,7 @@ fn no_spectrum_of_a_cost_without_second_derivatives() {
     assert_eq!(optimize(None).unwrap().exit, Exit::NotConverged);
 }
 
-/// An optimisation that does not begin tells what is doubtful of its start all the same, once.
+/// An optimisation that does not begin shows what is doubtful of its start all the same, once.
 #[test]
 fn a_wrong_derivative_does_not_hide_the_warnings_of_the_start() {
     let cost = r#"[{ "kind": "wrong_lift", "surface": "x+", "height": "20 mm" }]"#;

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, problems};
+use common::{CaseDirectory, problems};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Analysis, Exit, Options};
@@ -32,7 +32,7 @@ fn air(result: &serde_json::Value) -> [f64; 3] {
 
 #[test]
 fn an_added_volume_is_a_control_or_a_fixed_value() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let outcome = place.run(Command::Solve, &case("", BY_VOLUME), &[]).unwrap();
     let [pressure, volume, reference] = air(&outcome.result);
     assert!((volume / (reference + 1e-7) - 1.0).abs() < 1e-10 && pressure > 1e3, "{pressure}, {volume}");
@@ -54,14 +54,14 @@ fn an_added_volume_is_a_control_or_a_fixed_value() {
 
 #[test]
 fn its_gradient_is_right() {
-    let outcome = Place::new().run(Command::Gradcheck, &case("", BY_VOLUME), &[]).unwrap();
+    let outcome = CaseDirectory::new().run(Command::Gradcheck, &case("", BY_VOLUME), &[]).unwrap();
     assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
 }
 
 /// Along the volume: the pressure-volume curve as a table.
 #[test]
 fn a_ramp_of_the_volume_is_the_curve_of_its_pressure() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let analysis = Analysis::Ramp("air.volume=0 mm^3:300 mm^3:3".to_owned());
     let options = Options { analysis, ..place.options(&[]) };
     let outcome = place.run_with(Command::Solve, &case("", BY_VOLUME), &Console::silent(), &options).unwrap();
@@ -76,21 +76,21 @@ fn a_ramp_of_the_volume_is_the_curve_of_its_pressure() {
 
 #[test]
 fn mistakes_are_told() {
-    let told = |drive: &str, controls: &str, wanted: &str| {
+    let message = |drive: &str, controls: &str, wanted: &str| {
         let found = problems(&case(drive, controls));
         assert!(found.contains(wanted), "{found}");
     };
-    told(
+    message(
         r#", "pressure": "1 kPa""#,
         BY_VOLUME,
         "\"air\" is driven by its pressure and by its volume: keep one of them",
     );
-    told("", "", "\"air\" has no effect: its pressure is zero");
-    told(r#", "volume": "1 kPa""#, "", "actuation/0/volume");
-    told(r#", "volume": "1 mm^2""#, "", "actuation/0/volume");
-    told("", &BY_VOLUME.replace("500 mm^3", "500 mm"), "controls/0/upper");
-    told("", &BY_VOLUME.replace("air.volume", "air.volumes"), "did you mean \"air.volume\"");
-    let outcome = Place::new().run(Command::Solve, &case(r#", "volume": "-1400 mm^3""#, ""), &[]);
+    message("", "", "\"air\" has no effect: its pressure is zero");
+    message(r#", "volume": "1 kPa""#, "", "actuation/0/volume");
+    message(r#", "volume": "1 mm^2""#, "", "actuation/0/volume");
+    message("", &BY_VOLUME.replace("500 mm^3", "500 mm"), "controls/0/upper");
+    message("", &BY_VOLUME.replace("air.volume", "air.volumes"), "did you mean \"air.volume\"");
+    let outcome = CaseDirectory::new().run(Command::Solve, &case(r#", "volume": "-1400 mm^3""#, ""), &[]);
     let error = format!("{:?}", outcome.map(|outcome| outcome.result.to_string()));
     assert!(error.contains("leaves none of its reference volume"), "{error}");
 }

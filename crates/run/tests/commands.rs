@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, OPTIMUM_POINTS, Place, with};
+use common::{BAR, CaseDirectory, OPTIMUM_POINTS, with};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Exit, Options, RunError};
@@ -21,7 +21,7 @@ fn singles(snapshot: &nastic_mesh::Snapshot, name: &str) -> Vec<[f64; 1]> {
 
 #[test]
 fn check_describes_and_solves_nothing() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let text = place.text(Command::Check, BAR, &[]);
     for part in [
         "body        box: 4 cells, 60 unknowns, 20 control values",
@@ -44,7 +44,7 @@ fn check_describes_and_solves_nothing() {
 
 #[test]
 fn check_shows_values_in_si_too() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let units = r#""units": { "length": "mm", "force": "N" }, "mesh""#;
     let text = with(BAR, r#""mesh""#, units);
     let text = text.replace("[1.0, 0.25, 0.25]", "[\"1 m\", \"250 mm\", 250]");
@@ -55,7 +55,7 @@ fn check_shows_values_in_si_too() {
 
 #[test]
 fn solve_writes_the_equilibrium_with_its_arrays() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let outcome = place.run(Command::Solve, BAR, &[]).unwrap();
     assert_eq!(outcome.exit, Exit::Done);
     let result = place.json("result.json");
@@ -104,7 +104,7 @@ fn solve_writes_the_equilibrium_with_its_arrays() {
 
 #[test]
 fn gradient_gives_one_array_per_control_that_differences_confirm() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.run(Command::Gradient, BAR, &[]).unwrap();
     let derivative = place.json("derivative.json");
     let entries = derivative["tension"].as_array().unwrap();
@@ -124,7 +124,7 @@ fn gradient_gives_one_array_per_control_that_differences_confirm() {
 
 #[test]
 fn gradcheck_has_a_row_per_step_and_leaves_no_state_behind() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let text = place.text(Command::Gradcheck, BAR, &[]);
     assert!(text.contains("control tension, direction 1 of 2"), "{text}");
     assert!(text.contains("total") && text.contains("tracking") && text.contains("control_norm"), "{text}");
@@ -147,7 +147,7 @@ fn gradcheck_has_a_row_per_step_and_leaves_no_state_behind() {
 
 #[test]
 fn optimize_lowers_the_cost_and_keeps_its_promises() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let outcome = place.run(Command::Optimize, BAR, &[]).unwrap();
     assert_eq!(outcome.exit, Exit::NotConverged, "four iterations are too few");
     let result = place.json("result.json");
@@ -192,7 +192,7 @@ fn optimize_lowers_the_cost_and_keeps_its_promises() {
 
 #[test]
 fn the_history_has_every_key_in_every_line() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.run(Command::Optimize, BAR, &[]).unwrap();
     let text = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
@@ -238,7 +238,7 @@ fn the_history_has_every_key_in_every_line() {
 
 #[test]
 fn a_converged_run_is_done() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let outcome =
         place.run(Command::Optimize, BAR, &["optimizer/max_iterations=200", "optimizer/tolerance=1e-2"]).unwrap();
     assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result["stop"]);
@@ -248,7 +248,7 @@ fn a_converged_run_is_done() {
 #[test]
 fn threads_do_not_change_a_bit() {
     let run = |threads: usize| {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let options = Options { threads: Some(threads), ..place.options(&[]) };
         place.run_with(Command::Optimize, BAR, &Console::silent(), &options).unwrap();
         let mut result = place.json("result.json");
@@ -263,7 +263,7 @@ fn threads_do_not_change_a_bit() {
 
 #[test]
 fn a_run_starts_where_another_ended() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let first = place.run(Command::Optimize, BAR, &[]).unwrap().result;
     std::fs::create_dir_all(place.path("kept")).unwrap();
     std::fs::copy(place.path("out/optimum.vtu"), place.path("kept/optimum.vtu")).unwrap();
@@ -287,7 +287,7 @@ fn a_run_starts_where_another_ended() {
 
 #[test]
 fn fields_by_cell_travel_through_files_to_the_bit() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let case = with(BAR, r#""space": "node""#, r#""space": "cell""#);
     let first = place.run(Command::Optimize, &case, &["optimizer/max_iterations=2"]).unwrap().result;
     std::fs::copy(place.path("out/optimum.vtu"), place.path("first.vtu")).unwrap();
@@ -300,7 +300,7 @@ fn fields_by_cell_travel_through_files_to_the_bit() {
 
 #[test]
 fn expectations_are_judged() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let expect = r#""expect": { "probes/tip/displacement/0": { "value": 1, "absolute": 0.1, "command": "solve" },
         "probes/top/displacement/0": { "value": 1, "absolute": 0.1, "command": "solve" },
         "min_J": { "value": 0.95, "relative": 0.2 } }, "output""#;
@@ -308,10 +308,13 @@ fn expectations_are_judged() {
     let outcome = place.run(Command::Solve, &case, &[]).unwrap();
     assert_eq!(outcome.exit, Exit::ExpectMissed);
     assert_eq!(outcome.missed.len(), 2);
-    let told = outcome.missed[0].to_string();
-    assert!(told.starts_with("probes/tip/displacement/0 is -0.") && told.contains("expected 1 within 1e-1"), "{told}");
-    let told = outcome.missed[1].to_string();
-    assert!(told.ends_with("the result has no such value; \"probes\" has: tip"), "{told}");
+    let message = outcome.missed[0].to_string();
+    assert!(
+        message.starts_with("probes/tip/displacement/0 is -0.") && message.contains("expected 1 within 1e-1"),
+        "{message}"
+    );
+    let message = outcome.missed[1].to_string();
+    assert!(message.ends_with("the result has no such value; \"probes\" has: tip"), "{message}");
     let outcome = place.run(Command::Gradient, &case, &[]).unwrap();
     assert_eq!(outcome.exit, Exit::Done, "what is expected of solve is not asked of gradient");
     assert_eq!(outcome.result["expect"]["checked"], 1);
@@ -319,7 +322,7 @@ fn expectations_are_judged() {
 
 #[test]
 fn an_impossible_solve_keeps_its_last_good_state() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.run(Command::Solve, BAR, &[]).unwrap();
     let pushed = with(
         BAR,
@@ -329,8 +332,8 @@ fn an_impossible_solve_keeps_its_last_good_state() {
     for command in [Command::Solve, Command::Gradient, Command::Optimize, Command::Gradcheck] {
         let error = place.run(command.clone(), &pushed, &[]).unwrap_err();
         assert_eq!(error.exit(), Exit::ForwardFailed, "{error}");
-        let told = error.to_string();
-        assert!(told.contains("at load 0.") && told.contains("failure.vtu"), "{told}");
+        let message = error.to_string();
+        assert!(message.contains("at load 0.") && message.contains("failure.vtu"), "{message}");
         let last = nastic_io::read_snapshot(place.path("out/failure.vtu")).unwrap();
         let moved = last.point_array("displacement").unwrap().values.iter().fold(0.0f64, |m, u| m.max(u.abs()));
         assert!(moved > 0.1, "it came some of the way: {moved}");
@@ -357,7 +360,7 @@ fn an_impossible_solve_keeps_its_last_good_state() {
 
 #[test]
 fn a_cost_with_a_kink_at_the_start_fails_the_gradient_check() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     // The target is the body itself: every point of one meets a point of the other.
     let kinked = r#"{ "kind": "smoothed_hausdorff",
         "target": { "box": { "size": [1.0, 0.25, 0.25], "cells": [4, 1, 1], "element": "hex8" } },
@@ -372,7 +375,7 @@ fn a_cost_with_a_kink_at_the_start_fails_the_gradient_check() {
 
 #[test]
 fn a_cancelled_run_keeps_what_it_has() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let options = place.options(&[
         "optimizer/max_iterations=100000",
         "optimizer/tolerance=1e-15",
@@ -413,7 +416,7 @@ impl std::io::Write for Watch {
 
 #[test]
 fn a_directory_that_cannot_be_written_is_told_before_any_work() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.write("file", "in the way");
     let options = Options { out: Some(place.path("file/out")), ..place.options(&[]) };
     let error = place.run_with(Command::Optimize, BAR, &Console::silent(), &options).unwrap_err();
@@ -423,7 +426,7 @@ fn a_directory_that_cannot_be_written_is_told_before_any_work() {
 
 #[test]
 fn commands_say_what_they_need() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let bare = r#"{ "nastic": 1, "mesh": { "box": { "size": [1, 1, 1], "cells": [1, 1, 1], "element": "hex8" } },
         "materials": [ { "region": "body", "law": "neo_hooke", "young": "1 MPa", "poisson": 0.3 } ],
         "supports": [ { "surface": "z-", "fix": ["x", "y", "z"] } ],
@@ -438,7 +441,7 @@ fn commands_say_what_they_need() {
 
 #[test]
 fn magnets_and_turgor_go_through_the_same_code() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let magnet = r#"{ "nastic": 1, "mesh": { "box": { "size": [1, 0.1], "cells": [10, 1], "element": "quad9" } },
         "materials": [ { "region": "body", "law": "neo_hooke", "young": "1 MPa", "poisson": 0 } ],
         "supports": [ { "surface": "x-", "fix": ["x", "y"] } ],
@@ -467,7 +470,7 @@ fn magnets_and_turgor_go_through_the_same_code() {
 
 #[test]
 fn the_reference_numbers_come_out_of_a_case_file() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let case = with(
         BAR,
         r#""size": [1.0, 0.25, 0.25], "cells": [4, 1, 1]"#,

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Heard, Place, problems, warnings, with};
+use common::{CaseDirectory, Heard, problems, warnings, with};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_mesh::{CellKind, Snapshot, box_mesh};
@@ -20,7 +20,7 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or(f64::NAN)
 }
 
-fn optimize(place: &Place, set: &[&str]) -> (Outcome, String) {
+fn optimize(place: &CaseDirectory, set: &[&str]) -> (Outcome, String) {
     let heard = Heard::default();
     let outcome = place.run_with(Command::Optimize, KEEP_OUT, &Console::new(heard.clone()), &place.options(set));
     (outcome.unwrap(), heard.text())
@@ -29,7 +29,7 @@ fn optimize(place: &Place, set: &[&str]) -> (Outcome, String) {
 /// Around the ball: feasible to 1e-8 of the diagonal, at a cost; without the constraint the body is within it.
 #[test]
 fn a_finger_reaches_around_a_ball() {
-    let (place, free) = (Place::new(), Place::new());
+    let (place, free) = (CaseDirectory::new(), CaseDirectory::new());
     let (found, text) = optimize(&place, &[]);
     assert_eq!(found.exit, Exit::Done, "{text}");
     let constraints = &found.result["constraints"];
@@ -57,7 +57,7 @@ fn a_finger_reaches_around_a_ball() {
     assert!(number(&last["violation"]) <= 1e-8 && number(&last["penalty"]) > 0.0);
     assert!(lines.iter().any(|line| line["reason"] == "multipliers"));
     // The ball is drawn: 11 x 11 x 6 faces more than without.
-    let polygons = |place: &Place| std::fs::read_to_string(place.path("out/picture.svg")).unwrap().len();
+    let polygons = |place: &CaseDirectory| std::fs::read_to_string(place.path("out/picture.svg")).unwrap().len();
     assert!(polygons(&place) > polygons(&free) + 10_000, "{} and {}", polygons(&place), polygons(&free));
 }
 
@@ -79,7 +79,7 @@ fn resumed_to_the_bit() {
         }
     }
     let short = ["output/checkpoint=3", "optimizer/max_iterations=40"];
-    let (whole, pieces) = (Place::new(), Place::new());
+    let (whole, pieces) = (CaseDirectory::new(), CaseDirectory::new());
     let (uninterrupted, _) = optimize(&whole, &short);
     let options = pieces.options(&short);
     let watch = Watch(options.cancel.clone(), 2);
@@ -139,7 +139,7 @@ fn what_the_body_does_between_nodes_is_told() {
         let all = outcome.result["warnings"].as_array().unwrap();
         all.iter().map(|warning| warning["code"].as_str().unwrap().to_owned()).collect()
     };
-    let (found, text) = optimize(&Place::new(), &["constraints/0/obstacle/clearance=0", "expect={}"]);
+    let (found, text) = optimize(&CaseDirectory::new(), &["constraints/0/obstacle/clearance=0", "expect={}"]);
     let between = &found.result["constraints"]["groups"]["ball"]["between_nodes"];
     let (distance, x) = (number(&between["distance"]), &between["position"]);
     let from_center =
@@ -151,7 +151,7 @@ fn what_the_body_does_between_nodes_is_told() {
         codes(&found).contains(&"between_nodes".to_owned()) && text.contains("inside of the obstacle, at ("),
         "{text}"
     );
-    let (clear, text) = optimize(&Place::new(), &[]);
+    let (clear, text) = optimize(&CaseDirectory::new(), &[]);
     let between = &clear.result["constraints"]["groups"]["ball"]["between_nodes"];
     assert!(number(&between["distance"]) > 0.0, "{between}");
     assert!(!codes(&clear).contains(&"between_nodes".to_owned()), "{text}");
@@ -160,10 +160,10 @@ fn what_the_body_does_between_nodes_is_told() {
 /// Two iterations are too few; a ball that fits between the nodes is seen by none of them.
 #[test]
 fn ends_and_beginnings_inside_of_an_obstacle_are_told() {
-    let (found, text) = optimize(&Place::new(), &["optimizer/max_iterations=2", "expect={}"]);
+    let (found, text) = optimize(&CaseDirectory::new(), &["optimizer/max_iterations=2", "expect={}"]);
     let violation = number(&found.result["constraints"]["groups"]["ball"]["violation"]);
-    let told = found.result["warnings"].as_array().unwrap().iter().any(|warning| warning["code"] == "violated");
-    assert!(violation > 1e-3 && told && text.contains("the constraints are not met: ball by "), "{text}");
+    let message = found.result["warnings"].as_array().unwrap().iter().any(|warning| warning["code"] == "violated");
+    assert!(violation > 1e-3 && message && text.contains("the constraints are not met: ball by "), "{text}");
     let small = with(
         KEEP_OUT,
         r#""center": [0.6, 0.1, 0.43], "radius": 0.15"#,
@@ -173,17 +173,17 @@ fn ends_and_beginnings_inside_of_an_obstacle_are_told() {
     assert!(text.contains("the body at rest is inside of the obstacle between its nodes, at ("), "{text}");
 }
 
-/// A ball about the clamp: told before anything is solved, and by the end, with the node.
+/// A ball about the clamp: reported before anything is solved, and by the end, with the node.
 #[test]
 fn a_support_within_an_obstacle_is_told() {
     let close = with(KEEP_OUT, "\"2 mm\"", "\"0 mm\"");
     let at_clamp = with(&close, "[0.6, 0.1, 0.43]", "[0.0, 0.1, 0.3]");
-    let told = warnings(&at_clamp);
+    let message = warnings(&at_clamp);
     assert_eq!(warnings(KEEP_OUT), "");
     let held = "nodes that a support holds lie inside of the obstacle, node ";
-    assert!(told.contains(held) && told.contains("(0, 0.1, 0.2) by 0.05 m: no control can meet"), "{told}");
-    assert!(told.contains("of the body at rest lie inside of the obstacle, node "), "{told}");
-    let place = Place::new();
+    assert!(message.contains(held) && message.contains("(0, 0.1, 0.2) by 0.05 m: no control can meet"), "{message}");
+    assert!(message.contains("of the body at rest lie inside of the obstacle, node "), "{message}");
+    let place = CaseDirectory::new();
     let heard = Heard::default();
     let set = ["optimizer/max_iterations=5", "expect={}"];
     let options = place.options(&set);
@@ -197,7 +197,7 @@ fn a_support_within_an_obstacle_is_told() {
 /// Walls and balls are files of their own, and the page shows them.
 #[test]
 fn obstacles_are_drawn() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let wall = r#"{ "half_space": { "point": [0, 0, -0.3], "normal": [0, 0, 2] } }"#;
     let wall = format!(r#""costs": [ {{ "kind": "obstacle", "surface": "z-", "shape": {wall} }},"#);
     let walled = with(KEEP_OUT, "\"costs\": [", &wall);
@@ -220,7 +220,7 @@ fn obstacles_are_drawn() {
 fn an_obstacle_may_be_a_mesh() {
     let ball = r#"{ "sphere": { "center": [0.6, 0.1, 0.43], "radius": 0.15 } }"#;
     let run = |shape: &str, element: CellKind| {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let at = |x: [f64; 3]| [x[0] + 0.5, x[1] - 0.1, x[2] + 0.3];
         let rock = box_mesh([0.2, 0.4, 0.2], [2, 3, 2], element).unwrap().mapped(at).unwrap();
         nastic_io::write_vtu(place.path("rock.vtu"), &Snapshot::new(rock)).unwrap();
@@ -240,8 +240,8 @@ fn an_obstacle_may_be_a_mesh() {
     let scaled = r#"{ "mesh": { "file": "rock.vtu", "scale": 0.5 } }"#;
     assert!(cost(&run(scaled, CellKind::Hex8).unwrap().0) != cost(&by_mesh));
     let Err(curved) = run(r#"{ "mesh": "rock.vtu" }"#, CellKind::Hex20) else { panic!("curved") };
-    let told = curved.to_string();
-    assert!(told.contains("constraints/0/obstacle/shape/mesh") && told.contains("linear cells"), "{told}");
+    let message = curved.to_string();
+    assert!(message.contains("constraints/0/obstacle/shape/mesh") && message.contains("linear cells"), "{message}");
     let Err(missing) = run(r#"{ "mesh": "stone.vtu" }"#, CellKind::Hex8) else { panic!("missing") };
     assert!(missing.to_string().contains("stone.vtu"), "{missing}");
 }
@@ -250,21 +250,21 @@ fn an_obstacle_may_be_a_mesh() {
 #[test]
 fn the_size_of_an_obstacle_from_a_mesh_is_told() {
     let ball = r#"{ "sphere": { "center": [0.6, 0.1, 0.43], "radius": 0.15 } }"#;
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let rock = box_mesh([0.2, 0.4, 0.3], [2, 3, 2], CellKind::Tet4).unwrap();
     let rock = rock.mapped(|x| [x[0] + 0.5, x[1] - 0.1, x[2] + 0.3]).unwrap();
     nastic_io::write_vtu(place.path("rock.vtu"), &Snapshot::new(rock)).unwrap();
-    let told = |command: Command, scale: f64| {
+    let message = |command: Command, scale: f64| {
         let shape = format!(r#"{{ "mesh": {{ "file": "rock.vtu", "scale": {scale} }} }}"#);
         place.text(command, &with(KEEP_OUT, ball, &shape), &["expect={}"])
     };
     for command in [Command::Check, Command::Solve] {
-        let said = told(command, 1.0);
+        let said = message(command, 1.0);
         assert!(said.contains("obstacle rock.vtu: 72 cells, size 0.2 x 0.4 x 0.3 m\n"), "{said}");
         assert!(!said.contains("[units]"), "{said}");
     }
     assert_eq!(place.json("result.json")["notes"][0], "obstacle rock.vtu: 72 cells, size 0.2 x 0.4 x 0.3 m");
-    let said = told(Command::Check, 1000.0);
+    let said = message(Command::Check, 1000.0);
     let wanted = "constraints/0/obstacle/shape/mesh: the body measures 1 x 0.2 x 0.2 m, this obstacle 200 x 400 x 300 m: \
                   are both drawn in the same unit?";
     assert!(said.contains("WARNING     [units]") && said.contains(wanted), "{said}");
@@ -275,10 +275,37 @@ fn the_size_of_an_obstacle_from_a_mesh_is_told() {
 fn constraints_have_taylor_tests() {
     let weighed = with(KEEP_OUT, r#""kind": "tracking","#, r#""kind": "tracking", "weight": 1e12,"#);
     for case in [KEEP_OUT, &weighed] {
-        let found = Place::new().run(Command::Gradcheck, case, &[]).unwrap();
+        let found = CaseDirectory::new().run(Command::Gradcheck, case, &[]).unwrap();
         assert_eq!(found.exit, Exit::Done, "{:#}", found.result["gradcheck"]);
         let tests = found.result["gradcheck"]["tests"].as_array().unwrap();
         let ball = tests.iter().find(|test| test["term"] == "constraint ball").unwrap();
         assert_eq!((&ball["verdict"], &ball["second"]), (&Value::from("right"), &Value::from("right")), "{ball:#}");
+    }
+}
+
+/// At the start controls nothing holds the body out of the ball: said by every command that computes that state, for constraints and costs.
+#[test]
+fn a_state_inside_of_an_obstacle_is_said_to_be() {
+    let inside = r#"controls/0/start="-250e3 * (Z > 0.1)""#;
+    let ball = r#""shape": { "sphere": { "center": [0.6, 0.1, 0.43], "radius": 0.15 } }"#;
+    let weighed =
+        with(KEEP_OUT, "\"costs\": [", &format!(r#""costs": [ {{ "kind": "obstacle", "surface": "z+", {ball} }},"#));
+    for command in [Command::Solve, Command::Gradient] {
+        let place = CaseDirectory::new();
+        let found = place.run(command.clone(), &weighed, &[inside, "expect={}"]).unwrap();
+        let said: Vec<_> =
+            found.result["warnings"].as_array().unwrap().iter().filter(|one| one["code"] == "violated").collect();
+        let text = |k: usize| said[k]["message"].as_str().unwrap();
+        assert!(
+            said.len() == 2 && said.iter().all(|one| one["message"].as_str().unwrap().contains("no force")),
+            "{said:?}"
+        );
+        assert!(text(0).contains("ball by 0.") && text(0).contains(" at node "), "{}", text(0));
+        assert!(text(1).contains("inside of the obstacle of cost obstacle"), "{}", text(1));
+        let ball = &found.result["constraints"]["groups"]["ball"];
+        assert!(number(&ball["violation"]) > 0.01, "{ball}");
+        let outside = place.run(command, &weighed, &["expect={}"]).unwrap();
+        assert!(outside.result["warnings"].as_array().unwrap().iter().all(|one| one["code"] != "violated"));
+        assert_eq!(number(&outside.result["constraints"]["groups"]["ball"]["violation"]), 0.0);
     }
 }

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Heard, Place, problems, warnings, with};
+use common::{CaseDirectory, Heard, problems, warnings, with};
 use nastic_language::number::short;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
@@ -43,8 +43,8 @@ const INDENTED: &str = r#"{ "nastic": 1, "units": "mm",
                 { "of": "dent.stiffness", "space": "uniform", "lower": "1 MPa", "upper": "20 MPa" } ],
   "costs": [ { "kind": "position", "point": [10, 10, 10], "target": { "z": 8 } } ] }"#;
 
-fn solve(case: &str) -> (Place, Value) {
-    let place = Place::new();
+fn solve(case: &str) -> (CaseDirectory, Value) {
+    let place = CaseDirectory::new();
     let found = place.run(Command::Solve, case, &[]).unwrap_or_else(|error| panic!("{error}")).result;
     (place, found)
 }
@@ -78,8 +78,8 @@ fn a_floor_carries_the_weight_of_a_block_that_nothing_else_holds() {
 fn what_is_free_beside_the_contact_is_named() {
     let free =
         with(BLOCK, r#""supports": [ { "surface": "x-", "fix": ["x"] }, { "surface": "y-", "fix": ["y"] } ],"#, "");
-    let told = problems(&free);
-    assert!(told.contains("leave 3 rigid motion(s) of the body free (shift along x)"), "{told}");
+    let message = problems(&free);
+    assert!(message.contains("leave 3 rigid motion(s) of the body free (shift along x)"), "{message}");
 }
 
 /// s = a t (t + h) / 2 of backward Euler, a = 4 - 0.3 * 10 m/s^2, from the floor that it touches at rest.
@@ -109,15 +109,15 @@ fn a_slider_slides_against_its_friction_and_says_so() {
 #[test]
 fn friction_needs_time() {
     let case = with(BLOCK, r#""obstacle": "floor""#, r#""obstacle": "floor", "friction": 0.3"#);
-    let told = problems(&case);
-    assert!(told.contains("contact/0/friction") && told.contains("quasi_static"), "{told}");
-    let told = problems(&with(SLIDER, r#", "start": "rest""#, ""));
-    assert!(told.contains("the motion would begin at one: give \"start\": \"rest\""), "{told}");
+    let message = problems(&case);
+    assert!(message.contains("contact/0/friction") && message.contains("quasi_static"), "{message}");
+    let message = problems(&with(SLIDER, r#", "start": "rest""#, ""));
+    assert!(message.contains("the motion would begin at one: give \"start\": \"rest\""), "{message}");
 }
 
 #[test]
 fn a_pose_and_a_stiffness_are_controls_with_exact_derivatives() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let found = place.run(Command::Gradcheck, INDENTED, &[]).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(found.exit.code(), 0, "{}", found.result);
     // the stiffness starts from what the contact takes, the given part of the pose stays
@@ -133,7 +133,7 @@ fn a_pose_and_a_stiffness_are_controls_with_exact_derivatives() {
 /// The ball shall press with 5 mN, or at 2 kPa in the smoothed maximum; and it goes as deep as a bound on its force lets it.
 #[test]
 fn force_and_pressure_of_a_contact_are_costs_and_bounds() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     for cost in [
         r#"{ "kind": "contact_force", "contact": "dent" }"#,
         r#"{ "kind": "contact_pressure", "contact": "dent", "exponent": 3 }"#,
@@ -176,7 +176,7 @@ fn an_obstacle_that_moves_is_written_at_every_instant() {
 
 #[test]
 fn mistakes_get_answers() {
-    for (from, to, told) in [
+    for (from, to, message) in [
         (r#""obstacle": "floor""#, r#""obstacle": "flor""#, "contact/0/obstacle"),
         (r#""surface": "z-", "obs"#, r#""surface": "zmin", "obs"#, "surface \"zmin\" not found"),
         (r#""obstacle": "floor""#, r#""obstacle": "floor", "thickness": 0"#, "contact/0/thickness"),
@@ -189,15 +189,15 @@ fn mistakes_get_answers() {
         (r#""obstacle": "floor""#, r#""with": "z+", "thickness": 6"#, "apart at rest"),
     ] {
         let answer = problems(&with(BLOCK, from, to));
-        assert!(answer.contains(told), "{to}: {answer}");
+        assert!(answer.contains(message), "{to}: {answer}");
     }
-    for (key, told) in [
+    for (key, message) in [
         (r#""friction": 0.3, "obstacles""#, "pushes it by \"contact\""),
         (r#""self_contact": true, "obstacles""#, "\"with\": \"skin\""),
         (r#""rigid_bodies": [], "obstacles""#, "no rigid bodies that move freely yet"),
     ] {
         let answer = problems(&with(BLOCK, r#""obstacles""#, key));
-        assert!(answer.contains(told), "{key}: {answer}");
+        assert!(answer.contains(message), "{key}: {answer}");
     }
     let answer = problems(&with(BLOCK, r#""obstacle": "floor""#, r#""obstacle": "floor", "mu": 0.3"#));
     assert!(answer.contains("Coulomb's coefficient stands under \"friction\""), "{answer}");
@@ -240,7 +240,7 @@ fn contacts_warn_of_what_is_doubtful_in_them() {
 
 #[test]
 fn a_console_says_how_the_contact_slides() {
-    let (place, heard) = (Place::new(), Heard::default());
+    let (place, heard) = (CaseDirectory::new(), Heard::default());
     place.run_with(Command::Solve, SLIDER, &Console::new(heard.clone()), &place.options(&[])).unwrap();
     assert!(heard.text().contains("0 % of its pressure sticks"), "{}", heard.text());
 }
@@ -258,7 +258,7 @@ fn berry(costs: &str) -> String {
 #[test]
 fn surfaces_of_bodies_touch_each_other() {
     let case = berry(r#""costs": [ { "kind": "contact_force", "contact": "right_grip" } ]"#);
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let found = place.run(Command::Solve, &case, &[]).unwrap_or_else(|error| panic!("{error}")).result;
     let force = |name: &str| number(&found, &format!("contributions/{name}/force_x"));
     let pressing = number(&found, "contributions/left_grip/pressing");
@@ -289,7 +289,7 @@ fn carry() -> String {
 /// Surfaces of bodies with friction report it as an obstacle does; its coefficient is a control.
 #[test]
 fn surfaces_of_bodies_stick_and_slide() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let found = place.run(Command::Solve, &carry(), &[]).unwrap_or_else(|error| panic!("{error}")).result;
     let of = |key: &str| number(&found, &format!("contributions/grip/{key}"));
     assert!(of("force_y") > 1e-3 && of("sticking") == 1.0 && of("sliding_speed") < 1.0, "{}", found["contributions"]);
@@ -304,14 +304,14 @@ fn surfaces_of_bodies_stick_and_slide() {
         r#""controls": [ { "of": "grip.friction", "space": "uniform", "lower": 0.3, "upper": 1 },"#,
     );
     let found = place.run(Command::Gradient, &by_friction, &[]).unwrap_or_else(|error| panic!("{error}")).result;
-    let told = number(&found, "controls/grip.friction/max");
-    assert!(told == 0.5 && number(&found, "derivative_norm/euclidean") > 0.0, "{found}");
+    let message = number(&found, "controls/grip.friction/max");
+    assert!(message == 0.5 && number(&found, "derivative_norm/euclidean") > 0.0, "{found}");
 }
 
-/// Beside the equilibrium with its layer the one without: what is told of it, and its file.
+/// Beside the equilibrium with its layer the one without: what is reported of it, and its file.
 #[test]
 fn exact_contact_tells_how_much_the_layer_changes() {
-    let (place, heard) = (Place::new(), Heard::default());
+    let (place, heard) = (CaseDirectory::new(), Heard::default());
     let options = Options { analysis: Analysis::ExactContact, ..place.options(&[]) };
     let found = place.run_with(Command::Solve, INDENTED, &Console::new(heard.clone()), &options).unwrap().result;
     let of = |what: &str| number(&found, &format!("exact_contact/{what}"));

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Place};
+use common::{BAR, CaseDirectory};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
@@ -15,7 +15,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const SHORT: [&str; 3] = ["optimizer/max_iterations=7", "optimizer/tolerance=1e-9", "output/checkpoint=3"];
 
 /// Optimises until a few trials were made.
-fn interrupt(place: &Place) {
+fn interrupt(place: &CaseDirectory) {
     let mut options = place.options(&SHORT);
     let (heard, cancel) = (AtomicUsize::new(0), options.cancel.clone());
     options.on_trial = OnTrial::call(move |_| {
@@ -25,11 +25,11 @@ fn interrupt(place: &Place) {
     assert_eq!(outcome.exit, Exit::NotConverged);
 }
 
-fn go_on(place: &Place) -> Result<Outcome, RunError> {
+fn go_on(place: &CaseDirectory) -> Result<Outcome, RunError> {
     resume(&Catalogue::standard(), &place.path("out"), &place.options(&[]), &Console::silent())
 }
 
-fn refused(place: &Place) -> CheckpointError {
+fn refused(place: &CaseDirectory) -> CheckpointError {
     match go_on(place) {
         Err(error @ RunError::Checkpoint(_)) if error.exit() != Exit::BadInput => panic!("{error}"),
         Err(RunError::Checkpoint(why)) => why,
@@ -39,7 +39,7 @@ fn refused(place: &Place) -> CheckpointError {
 
 #[test]
 fn a_checkpoint_that_cannot_be_read_is_not_replaced_unasked() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.run(Command::Optimize, BAR, &SHORT).unwrap();
     let file = place.path("out/checkpoint.bin");
     let whole = std::fs::read(&file).unwrap();
@@ -58,10 +58,10 @@ fn a_checkpoint_that_cannot_be_read_is_not_replaced_unasked() {
     for (bytes, reason) in cases {
         std::fs::write(&file, &bytes).unwrap();
         let error = place.run(Command::Optimize, BAR, &SHORT).unwrap_err();
-        let told = error.to_string();
-        assert!(matches!(error, RunError::UnreadableCheckpoint(_)) && error.exit() == Exit::BadInput, "{told}");
-        assert!(told.contains(reason) && told.contains("begin anew with --restart"), "{told}");
-        assert!(std::fs::read(&file).unwrap() == bytes, "{told}: replaced");
+        let message = error.to_string();
+        assert!(matches!(error, RunError::UnreadableCheckpoint(_)) && error.exit() == Exit::BadInput, "{message}");
+        assert!(message.contains(reason) && message.contains("begin anew with --restart"), "{message}");
+        assert!(std::fs::read(&file).unwrap() == bytes, "{message}: replaced");
     }
     let options = Options { restart: true, ..place.options(&SHORT) };
     place.run_with(Command::Optimize, BAR, &Console::silent(), &options).unwrap();
@@ -76,7 +76,7 @@ fn a_checkpoint_that_cannot_be_read_is_not_replaced_unasked() {
 
 #[test]
 fn damaged_and_foreign_checkpoints_are_refused() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     interrupt(&place);
     let file = place.path("out/checkpoint.bin");
     let whole = std::fs::read(&file).unwrap();

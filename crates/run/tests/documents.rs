@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Place};
+use common::{BAR, CaseDirectory};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
@@ -31,7 +31,7 @@ fn in_memory() -> Options {
 
 #[test]
 fn a_document_made_by_a_program_gives_what_its_file_gives() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let of_file = place.run(Command::Optimize, BAR, &[]).unwrap();
     let (of_document, states) = run(Command::Optimize, &bar(), &in_memory()).unwrap();
     for key in ["cost", "controls", "min_J", "iterations", "probes", "stop"] {
@@ -49,7 +49,7 @@ fn a_document_made_by_a_program_gives_what_its_file_gives() {
 
 #[test]
 fn commands_in_memory_write_nothing_unless_told_where() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let mut case = bar();
     case["output"] = json!({ "directory": place.path("of_the_case").display().to_string() });
     for command in [Command::Solve, Command::Gradient, Command::Optimize] {
@@ -63,15 +63,15 @@ fn commands_in_memory_write_nothing_unless_told_where() {
 
 #[test]
 fn every_trial_is_told_as_in_the_history() {
-    let place = Place::new();
-    let told: Arc<Mutex<Vec<Value>>> = Arc::default();
-    let heard = told.clone();
+    let place = CaseDirectory::new();
+    let message: Arc<Mutex<Vec<Value>>> = Arc::default();
+    let heard = message.clone();
     let on_trial = OnTrial::call(move |line| heard.lock().unwrap().push(serde_json::to_value(line).unwrap()));
     run(Command::Optimize, &bar(), &Options { out: Some(place.path("out")), on_trial, ..in_memory() }).unwrap();
     let text = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert!(lines.len() > 2);
-    assert_eq!(*told.lock().unwrap(), lines);
+    assert_eq!(*message.lock().unwrap(), lines);
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn whoever_is_told_may_stop_the_run() {
 
 #[test]
 fn an_interrupted_run_of_an_unchanged_file_is_resumed_from_the_file() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let mut case = bar();
     case["output"] = json!({ "checkpoint": 1 });
     let file = place.write("bar.json", &case.to_string());

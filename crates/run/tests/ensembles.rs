@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, OPTIMUM_POINTS, Place, problems, with};
+use common::{BAR, CaseDirectory, OPTIMUM_POINTS, problems, with};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Exit, Options};
@@ -29,7 +29,7 @@ fn robust() -> String {
 
 /// What single cases with the scenarios' values give.
 fn singles() -> [Value; 2] {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let run = |set: &[&str]| place.run(Command::Gradient, BAR, set).unwrap().result;
     [run(&["materials/0/mu1=90 kPa"]), run(&["materials/0/mu1=120 kPa", "costs/0/target/2=Z + 0.12"])]
 }
@@ -37,7 +37,7 @@ fn singles() -> [Value; 2] {
 #[test]
 fn scenarios_have_the_numbers_of_the_single_cases() {
     let [soft, stiff] = singles();
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let result = place.run(Command::Gradient, &robust(), &[]).unwrap().result;
     assert_eq!(result["gradient_check"]["verdict"], "right", "{}", result["gradient_check"]);
     for key in ["cost/total", "cost/terms/tracking", "min_J", "inertia", "potential", "probes/tip/displacement/2"] {
@@ -68,7 +68,7 @@ fn scenarios_have_the_numbers_of_the_single_cases() {
 
 #[test]
 fn the_derivative_is_the_weighted_sum() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let read = |set: &[&str], case: &str| -> Vec<f64> {
         place.run(Command::Gradient, case, set).unwrap();
         place.json("derivative.json")["tension"].as_array().unwrap().iter().map(|d| d.as_f64().unwrap()).collect()
@@ -85,7 +85,7 @@ fn the_derivative_is_the_weighted_sum() {
 
 #[test]
 fn every_risk_passes_the_taylor_test() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     for risk in [
         r#""mean""#,
         r#"{ "mean_deviation": { "lambda": 1 } }"#,
@@ -104,7 +104,7 @@ fn every_risk_passes_the_taylor_test() {
 
 #[test]
 fn optimize_serves_all_scenarios_and_writes_their_files() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let text = place.text(Command::Optimize, &robust(), &[]);
     assert!(text.contains("soft ") && text.contains("probability 0.25"), "{text}");
     let result = place.json("result.json");
@@ -144,7 +144,7 @@ fn optimize_serves_all_scenarios_and_writes_their_files() {
 #[test]
 fn threads_do_not_change_a_bit_of_an_ensemble() {
     let run = |threads: usize| {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let options = Options { threads: Some(threads), ..place.options(&["optimizer/max_iterations=2"]) };
         place.run_with(Command::Optimize, &robust(), &Console::silent(), &options).unwrap();
         let mut result = place.json("result.json");
@@ -159,7 +159,7 @@ fn threads_do_not_change_a_bit_of_an_ensemble() {
 
 #[test]
 fn bounds_take_the_smallest_over_the_scenarios() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let case = with(&robust(), r#", "upper": "100 kPa""#, "");
     let result = place.run(Command::Check, &case, &[]).unwrap().result;
     assert_eq!(number(&result, "controls/tension/upper"), 0.95 * 1.8e5);
@@ -170,7 +170,7 @@ fn bounds_take_the_smallest_over_the_scenarios() {
 
 #[test]
 fn load_cases_share_the_design_and_have_their_own_field() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let text = place.text(Command::Check, MAGNET, &[]);
     assert!(text.contains("design: by cell, 8 unknowns of 3 components") && text.contains("shared by all"), "{text}");
     assert!(text.contains("own controls: up.field") && text.contains("own controls: down.magnet.field"), "{text}");
@@ -207,7 +207,7 @@ fn load_cases_share_the_design_and_have_their_own_field() {
 
 #[test]
 fn a_load_case_has_the_numbers_of_the_case_that_has_it_alone() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let pushed = r#""load_cases": [ { "name": "pushed", "loads": [ { "surface": "x+", "traction": [0, 0, "-100 Pa"] } ],
         "supports": [ { "surface": "y-", "fix": ["y"] } ], "set": { "materials/0/mu1": "90 kPa" } },
         { "name": "none", "weight": 0 } ], "probes""#;
@@ -230,7 +230,7 @@ fn a_load_case_has_the_numbers_of_the_case_that_has_it_alone() {
 
 #[test]
 fn load_cases_stand_inside_scenarios() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let scenarios = r#""scenarios": [ { "set": {} }, { "set": { "materials/0/mu": "250 kPa" } } ],
     "probes": [ { "name": "end", "point": [1.0, 0.25, 0.25] } ], "optimizer""#;
     let case = with(MAGNET, r#""optimizer""#, scenarios);
@@ -272,7 +272,7 @@ fn load_cases_stand_inside_scenarios() {
 
 #[test]
 fn the_level_of_cvar_is_told() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let case = with(
         BAR,
         r#""probes""#,
@@ -304,7 +304,7 @@ fn random() -> String {
 
 #[test]
 fn rules_make_scenarios_of_random_parameters() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let result = place.run(Command::Check, &random(), &[]).unwrap().result;
     let scenarios = result["scenarios"].as_object().unwrap();
     assert_eq!(scenarios.len(), 8);
@@ -342,7 +342,7 @@ fn nodes_that_are_no_material_are_named_or_left_out() {
     assert!(found.contains("scenarios/random: node 0 of 8 (probability 1."), "{found}");
     assert!(found.contains("materials/0/shear = 21") && found.contains("materials/0/bulk = 29"), "{found}");
     assert!(found.contains("mu3 = ") && found.contains(r#""inadmissible": "truncate""#), "{found}");
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let cut = with(&wide, r#""rule""#, r#""inadmissible": "truncate", "rule""#);
     let result = place.run(Command::Check, &cut, &[]).unwrap().result;
     let scenarios = result["scenarios"].as_object().unwrap();
@@ -354,7 +354,7 @@ fn nodes_that_are_no_material_are_named_or_left_out() {
 
 #[test]
 fn a_parameter_may_be_a_random_field() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let field = r#""scenarios": { "random": [ { "path": "materials/0/mu1",
         "lognormal": { "mean": "100 kPa", "deviation": "20 kPa", "length": "0.5 m", "modes": 2 } } ],
         "rule": { "gauss": 2 } }, "probes""#;
@@ -385,7 +385,7 @@ fn mistakes_in_scenarios_and_load_cases_are_told() {
 
 #[test]
 fn a_scenario_without_equilibrium_is_named() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let set = r#""costs/0/target/2": "Z + 0.12" }"#;
     let torn = with(&robust(), set, r#""supports/1/displacement/x": -1.2 }"#);
     let pushed = r#""fix": ["x", "y", "z"] }, { "surface": "x+", "displacement": { "x": 0 } }"#;
@@ -393,14 +393,14 @@ fn a_scenario_without_equilibrium_is_named() {
     for command in [Command::Solve, Command::Optimize] {
         let error = place.run(command, &torn, &[]).unwrap_err();
         assert_eq!(error.exit(), Exit::ForwardFailed);
-        let told = error.to_string();
-        assert!(told.starts_with("stiff: ") && told.contains("failure.vtu"), "{told}");
+        let described = error.to_string();
+        assert!(described.starts_with("stiff: ") && described.contains("failure.vtu"), "{described}");
     }
 }
 
 #[test]
 fn several_starts_are_run_and_compared() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let set = ["optimizer/starts=3", "optimizer/seed=4", "optimizer/max_iterations=3"];
     let text = place.text(Command::Optimize, MAGNET, &set);
     assert!(text.contains("start 2 of 3: random, seed 4000013"), "{text}");
@@ -439,7 +439,7 @@ fn several_starts_are_run_and_compared() {
 
 #[test]
 fn an_amplitude_along_a_direction_is_a_scalar() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let vector = r#""start": ["1 mT", 0, "20 mT"], "max_norm": "100 mT""#;
     let along = r#""direction": [0.6, 0, 0.8], "start": "20 mT", "lower": 0, "max_norm": "100 mT""#;
     let case = with(MAGNET, vector, along);

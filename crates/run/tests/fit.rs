@@ -184,15 +184,15 @@ fn strains_that_look_like_percent_are_told() {
     let directory = tempfile::tempdir().unwrap();
     let data = one("uniaxial", "neo_hooke", "1 GPa");
     let rows = "20,0.1\n40,0.15\n80,0.3\n";
-    let (_, text) = told(directory.path(), &data, &format!("strain,nominal_stress [MPa]\n{rows}"));
+    let (_, text) = message(directory.path(), &data, &format!("strain,nominal_stress [MPa]\n{rows}"));
     let wanted = "one.csv: \"strain\" reaches 80, which is 8000 %: if it is in percent, write \"strain [%]\"";
     assert!(text.contains("WARNING     ") && text.contains(wanted), "{text}");
-    let (_, text) = told(directory.path(), &data, &format!("strain [%],nominal_stress [MPa]\n{rows}"));
+    let (_, text) = message(directory.path(), &data, &format!("strain [%],nominal_stress [MPa]\n{rows}"));
     assert!(!text.contains("WARNING"), "{text}");
 }
 
 /// A data file with one table, its result and what is said.
-fn told(directory: &Path, data: &Value, table: &str) -> (Value, String) {
+fn message(directory: &Path, data: &Value, table: &str) -> (Value, String) {
     fs::write(directory.join("one.csv"), table).unwrap();
     let file = directory.join("one.json");
     fs::write(&file, data.to_string()).unwrap();
@@ -234,7 +234,7 @@ fn instability_within_the_data_is_marked_in_every_kind_of_test() {
             let rows = at.iter().zip(curve(&*law, mode, Fibers::Along, Response::Nominal, &at));
             let rows: String = rows.map(|(l, y)| format!("{l},{y}\n")).collect();
             let table = format!("stretch,nominal_stress [Pa]\n{rows}");
-            let (result, text) = told(directory.path(), &one(marked, "yeoh", "1 GPa"), &table);
+            let (result, text) = message(directory.path(), &one(marked, "yeoh", "1 GPa"), &table);
             for kind in ["uniaxial", "equibiaxial", "planar"] {
                 let stable = &result["laws"][0]["stable"][kind];
                 assert_eq!(stable["within_data"], kind == marked, "{marked} {side} {kind}: {stable}");
@@ -255,7 +255,7 @@ fn the_limit_of_a_law_is_no_instability() {
     let rows = at.iter().zip(curve(&*law, Mode::Uniaxial, Fibers::Along, Response::Nominal, &at));
     let rows: String = rows.map(|(l, y)| format!("{l},{y}\n")).collect();
     let table = format!("stretch,nominal_stress [Pa]\n{rows}");
-    let (result, text) = told(directory.path(), &one("uniaxial", "gent", "1 GPa"), &table);
+    let (result, text) = message(directory.path(), &one("uniaxial", "gent", "1 GPa"), &table);
     let stable = &result["laws"][0]["stable"]["uniaxial"];
     assert!(stable["ends_above"] == true && stable["limit_above"] == true, "{stable}");
     assert!(!text.contains("unstable") && text.contains("stable in uniaxial tests up to the limit of gent"), "{text}");
@@ -267,7 +267,7 @@ fn what_is_left_out_and_not_decided_is_told() {
     let table = "stretch,nominal_stress [MPa]\n1,0\n1.2,0.2\n1.5,0.43\n2,0.69\n";
     let mut data = one("uniaxial", "ogden_1", "1 GPa");
     data["laws"] = json!(["mooney_rivlin", "neo_hooke_isochoric", "ogden_1"]);
-    let (result, text) = told(directory.path(), &data, table);
+    let (result, text) = message(directory.path(), &data, table);
     assert!(text.contains("4 points (1 at rest left out)") && result["tests"][0]["at_rest"] == 1, "{text}");
     assert!(text.contains("laws        by BIC: AICc decides nothing") && text.contains("scatter, Pa"), "{text}");
     assert!(text.contains("16 starts: ") && !text.contains("inf") && !text.contains("NaN"), "{text}");
@@ -276,7 +276,7 @@ fn what_is_left_out_and_not_decided_is_told() {
     assert!(!text.contains("WARNING"), "{text}");
     data["errors"] = json!("relative");
     data["bulk"] = json!("0.1 MPa");
-    let (result, text) = told(directory.path(), &data, table);
+    let (result, text) = message(directory.path(), &data, table);
     assert!(text.contains("scatter, 1") && result["laws"][0]["scatter_unit"] == "1", "{text}");
     assert!(text.contains("WARNING: the bulk modulus, 100000 Pa, is below 2/3 of the shear modulus"), "{text}");
     assert!(result["laws"][0]["poissons_ratio"].as_f64().unwrap() < 0.0);
@@ -287,7 +287,7 @@ fn what_is_left_out_and_not_decided_is_told() {
 fn existence_is_stated_as_for_a_case() {
     let directory = tempfile::tempdir().unwrap();
     let table = "stretch,nominal_stress [MPa]\n1.2,0.2\n1.5,0.43\n2,0.69\n";
-    let (result, _) = told(directory.path(), &one("uniaxial", "neo_hooke_isochoric", "1 GPa"), table);
+    let (result, _) = message(directory.path(), &one("uniaxial", "neo_hooke_isochoric", "1 GPa"), table);
     let law = &result["laws"][0];
     let case = json!({
         "nastic": 1, "units": "mm",
@@ -419,7 +419,7 @@ fn how_fibres_lie_is_asked_of_every_test_or_of_none() {
     assert!(error.contains("one of: along, across"), "{error}");
     let error = refused(&|data| data["tests"][0]["kind"] = json!("volumetric"));
     assert!(error.contains("takes no \"fibers\""), "{error}");
-    // one direction alone hardly tells fibres from matrix: said
+    // one direction alone hardly distinguishes fibres from matrix: said
     let mut text: Value = serde_json::from_str(&fs::read_to_string(&data).unwrap()).unwrap();
     text["tests"] = json!([text["tests"][0], text["tests"][2]]);
     text["laws"] = json!(["transverse_mooney_rivlin"]);

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Heard, Place, problems};
+use common::{CaseDirectory, Heard, problems};
 use nastic_fem::Formulation;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::{Command, json_schema};
@@ -31,15 +31,15 @@ fn block(kind: CellKind, formulation: &str) -> Value {
 fn every_formulation_solves_and_is_shown() {
     for formulation in Formulation::ALL {
         for &kind in formulation.kinds() {
-            let (place, case) = (Place::new(), block(kind, formulation.name()).to_string());
+            let (place, case) = (CaseDirectory::new(), block(kind, formulation.name()).to_string());
             let checked = place.run(Command::Check, &case, &[]).unwrap().result;
             let materials = &checked["materials"];
             assert_eq!(materials[0]["formulation"], formulation.name());
             assert_eq!(materials[1]["formulation"], Value::Null, "a law that names none has that of the others");
-            let told = checked_lines(&place, &case);
+            let message = checked_lines(&place, &case);
             let shown =
                 format!("; formulation {formulation}{}", if formulation.takes_patches(kind) { " over " } else { "\n" });
-            assert!(told.contains(&shown), "{kind}: {told}");
+            assert!(message.contains(&shown), "{kind}: {message}");
             let solved =
                 place.run(Command::Solve, &case, &[]).unwrap_or_else(|error| panic!("{formulation} {kind}: {error}"));
             assert!(solved.result["min_J"].as_f64().unwrap() > 0.5, "{formulation} {kind}");
@@ -48,7 +48,7 @@ fn every_formulation_solves_and_is_shown() {
 }
 
 /// What `check` prints.
-fn checked_lines(place: &Place, case: &str) -> String {
+fn checked_lines(place: &CaseDirectory, case: &str) -> String {
     let heard = Heard::default();
     place.run_with(Command::Check, case, &Console::new(heard.clone()), &place.options(&[])).unwrap();
     heard.text()
@@ -56,17 +56,17 @@ fn checked_lines(place: &Place, case: &str) -> String {
 
 #[test]
 fn mistakes_are_told_where_they_stand() {
-    let told = |case: Value| problems(&case.to_string());
-    let unknown = told(block(CellKind::Hex8, "mean_dilation"));
+    let message = |case: Value| problems(&case.to_string());
+    let unknown = message(block(CellKind::Hex8, "mean_dilation"));
     assert!(unknown.contains("unknown formulation \"mean_dilation\": did you mean \"mean_dilatation\"?"), "{unknown}");
-    let kind = told(block(CellKind::Hex20, "mean_dilatation"));
+    let kind = message(block(CellKind::Hex20, "mean_dilatation"));
     assert!(
         kind.contains("materials/0/formulation") && kind.contains("hex8, quad4, tet10, tri6, tet4, tri3"),
         "{kind}"
     );
     let mut two = block(CellKind::Hex8, "mean_dilatation");
     two["materials"][1]["formulation"] = json!("standard");
-    let two = told(two);
+    let two = message(two);
     assert!(two.contains("materials/1/formulation") && two.contains("choose one"), "{two}");
 }
 

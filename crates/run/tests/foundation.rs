@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, with};
+use common::{CaseDirectory, with};
 use nastic_language::schema::Command;
 
 const BLOCK: &str = r#"{ "nastic": 1, "units": "mm",
@@ -18,14 +18,14 @@ const BLOCK: &str = r#"{ "nastic": 1, "units": "mm",
 /// 0.01 N/mm^2 over 0.5 N/mm^3: 0.02 mm; the bed pulls with 1 N.
 #[test]
 fn a_bed_gives_way_by_its_share() {
-    let found = Place::new().run(Command::Solve, BLOCK, &[]).unwrap().result;
+    let found = CaseDirectory::new().run(Command::Solve, BLOCK, &[]).unwrap().result;
     let number = |path: &str| nastic_run::result::find(&found, path).unwrap().as_f64().unwrap();
     assert!((number("probes/foot/displacement/0") - 0.02).abs() < 1e-9, "{}", found["probes"]);
     assert!((number("contributions/foundation on x-/force_x") + 1.0).abs() < 1e-7, "{}", found["contributions"]);
     // in every direction it holds the body alone
     let alone = with(BLOCK, r#", "along": "normal" }, { "surface": "y-", "fix": "y" }"#, " }");
     let alone = with(&alone, r#""fix": ["z"]"#, r#""foundation": 1"#);
-    assert!(Place::new().run(Command::Solve, &alone, &[]).is_ok());
+    assert!(CaseDirectory::new().run(Command::Solve, &alone, &[]).is_ok());
 }
 
 #[test]
@@ -42,8 +42,8 @@ fn mistakes_about_a_foundation_are_told() {
         ),
         (r#""surface": "x-""#, r#""region": "body""#, vec!["supports/0/foundation", "name one"]),
     ];
-    for (from, to, told) in cases {
-        let error = Place::new().run(Command::Check, &with(BLOCK, from, to), &[]).unwrap_err().to_string();
-        assert!(told.iter().all(|words| error.contains(words)), "{to}: {error}");
+    for (from, to, message) in cases {
+        let error = CaseDirectory::new().run(Command::Check, &with(BLOCK, from, to), &[]).unwrap_err().to_string();
+        assert!(message.iter().all(|words| error.contains(words)), "{to}: {error}");
     }
 }

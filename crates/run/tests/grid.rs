@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Place, problems, with};
+use common::{BAR, CaseDirectory, problems, with};
 use nastic_control::{Reduced, Space, Target, Tracking};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::Solid;
@@ -27,9 +27,9 @@ fn grid(cells: &str) -> String {
 
 #[test]
 fn a_grid_is_read_and_told() {
-    let place = Place::new();
-    let told = place.text(Command::Check, &grid("[2, 1, 3]"), &[]);
-    assert!(told.contains("tension: by grid of 2 x 1 x 3 cells, 24 unknowns"), "{told}");
+    let place = CaseDirectory::new();
+    let described = place.text(Command::Check, &grid("[2, 1, 3]"), &[]);
+    assert!(described.contains("tension: by grid of 2 x 1 x 3 cells, 24 unknowns"), "{described}");
     let outcome = place.run(Command::Optimize, &grid("[2, 1]"), &["optimizer/max_iterations=3"]).unwrap();
     let control = &outcome.result["controls"]["tension"];
     assert_eq!(
@@ -55,19 +55,19 @@ fn what_is_no_grid_is_refused() {
         ("[5000000000, 1, 1]", "numbers of cells"),
         ("[70000, 70000, 1]", "grid of [70000, 70000, 1] cells"),
     ] {
-        let told = problems(&grid(cells));
-        assert!(told.contains(word), "{cells}: {told}");
+        let described = problems(&grid(cells));
+        assert!(described.contains(word), "{cells}: {described}");
     }
     let start = with(BAR, START, r#""space": "node", "start": { "file": "a.json", "grid": [1, 1] }"#);
-    let told = problems(&start);
-    assert!(told.contains("is no grid"), "{told}");
+    let described = problems(&start);
+    assert!(described.contains("is no grid"), "{described}");
 }
 
 /// The optimum on a coarse grid is the same field on a finer one, whose first cost is the last one of the coarse run; a file without the
 /// cells of its grid is refused with a hint.
 #[test]
 fn a_run_starts_from_the_optimum_on_a_coarser_grid() {
-    let (coarse, fine) = (Place::new(), Place::new());
+    let (coarse, fine) = (CaseDirectory::new(), CaseDirectory::new());
     let first = coarse.run(Command::Optimize, &grid("[2, 1, 1]"), &["optimizer/max_iterations=4"]).unwrap();
     let file = coarse.path("out/controls.json");
     let start = |more: &str| {
@@ -77,8 +77,8 @@ fn a_run_starts_from_the_optimum_on_a_coarser_grid() {
         );
         with(BAR, START, &keys)
     };
-    let told = problems(&start(""));
-    assert!(told.contains("beside \"file\"") && told.contains("45 are needed"), "{told}");
+    let described = problems(&start(""));
+    assert!(described.contains("beside \"file\"") && described.contains("45 are needed"), "{described}");
     let second =
         fine.run(Command::Optimize, &start(r#", "grid": [2, 1, 1]"#), &["optimizer/max_iterations=4"]).unwrap();
     let (end, begin) =
@@ -88,7 +88,7 @@ fn a_run_starts_from_the_optimum_on_a_coarser_grid() {
 }
 
 /// Lengths of the remanence at the quadrature points, at the optimum.
-fn problem_points(case: &str, place: &Place) -> Vec<f64> {
+fn problem_points(case: &str, place: &CaseDirectory) -> Vec<f64> {
     let problem = common::lower(case).unwrap();
     let owner = problem.ensemble.members()[0].problem();
     let block = owner.layout().block("magnet.remanence").unwrap();
@@ -103,7 +103,7 @@ fn problem_points(case: &str, place: &Place) -> Vec<f64> {
 /// Vectors of one length have it between the nodes of a grid too.
 #[test]
 fn vectors_of_one_length_keep_it_between_the_nodes() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let case = with(MAGNET, r#""space": "cell""#, r#""space": { "grid": [3, 1, 1] }"#);
     place.run(Command::Optimize, &case, &["optimizer/max_iterations=3"]).unwrap();
     let result = place.json("result.json");
@@ -117,7 +117,7 @@ fn vectors_of_one_length_keep_it_between_the_nodes() {
 /// The control of a program is looked at as that of a case.
 #[test]
 fn a_program_is_warned_of_a_grid_finer_than_its_mesh() -> Result<(), Box<dyn std::error::Error>> {
-    for (cells, told) in [([4, 1, 2], 0), ([8, 1, 2], 1)] {
+    for (cells, described) in [([4, 1, 2], 0), ([8, 1, 2], 1)] {
         let body = Solid::new(box_mesh([0.4, 0.1, 0.1], [4, 1, 2], CellKind::Hex8)?)?
             .material("body", NeoHooke::from_young_poisson(1e5, 0.3)?)?
             .actuate("body", "top", FiberTension::along(Vec3::x())?)?
@@ -131,7 +131,7 @@ fn a_program_is_warned_of_a_grid_finer_than_its_mesh() -> Result<(), Box<dyn std
         let all = result["warnings"].as_array().cloned().unwrap_or_default();
         let found = all.iter().filter(|one| one["code"] == "grid_resolution");
         let found: Vec<&str> = found.filter_map(|one| one["message"].as_str()).collect();
-        assert_eq!(found.len(), told, "{all:?}");
+        assert_eq!(found.len(), described, "{all:?}");
         assert!(found.iter().all(|m| m.starts_with("top: ") && m.ends_with("at most 4 x 1 x 2")), "{all:?}");
     }
     Ok(())

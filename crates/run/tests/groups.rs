@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, with};
+use common::{CaseDirectory, with};
 use nastic_case::lower::CaseProblem;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
@@ -62,7 +62,7 @@ const LISTS: &str = r#"{
 }"#;
 
 fn solve(case: &str) -> Value {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.write("strip.msh", &strip());
     place.run(Command::Solve, case, &[]).unwrap_or_else(|error| panic!("{error}")).result
 }
@@ -158,7 +158,7 @@ fn a_cavity_may_be_bounded_by_several_surfaces() {
 
 #[test]
 fn every_unknown_name_of_a_list_is_told() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.write("strip.msh", &strip());
     let text = with(LISTS, r#"["a", "c"]"#, r#"["a", "d", "e"]"#);
     let found = place.run(Command::Check, &text, &[]).unwrap_err().to_string();
@@ -173,7 +173,7 @@ fn every_unknown_name_of_a_list_is_told() {
 
 /// A control by region on a mesh: the regions that have an unknown, or what is wrong.
 fn unknowns(mesh: &str, region: &str) -> Result<Vec<String>, String> {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.write("strip.msh", mesh);
     let text = format!(
         r#"{{ "nastic": 1, "mesh": "strip.msh",

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, problems};
+use common::{CaseDirectory, problems};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Analysis, Exit, Options};
@@ -38,7 +38,7 @@ fn number(result: &serde_json::Value, path: &str) -> f64 {
 
 #[test]
 fn a_pull_is_a_control_or_a_fixed_value() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let found = place.run(Command::Solve, &case(["", LET_OUT], PULLED), &[]).unwrap().result;
     let of = |name: &str, what: &str| number(&found, &format!("contributions/{name}/{what}"));
     let (tension, tip) = (of("flexor", "tension"), number(&found, "probes/tip/displacement/2"));
@@ -64,7 +64,7 @@ fn a_pull_is_a_control_or_a_fixed_value() {
 #[test]
 fn its_gradient_is_right_and_leads_to_the_target() {
     let both = format!("{PULLED}, {}", PULLED.replace("flexor", "extensor").replace("\"10 mm\"", "\"1 mm\""));
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let checked = place.run(Command::Gradcheck, &case(["", ""], &both), &[]).unwrap();
     assert_eq!(checked.exit, Exit::Done, "{}", checked.result);
     // From rest, where the derivative is that of the taut cable.
@@ -78,7 +78,7 @@ fn its_gradient_is_right_and_leads_to_the_target() {
 /// From a cable that is let out to one that is drawn in: lengths and tensions as a table.
 #[test]
 fn a_ramp_of_the_pull_passes_the_onset() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let analysis = Analysis::Ramp("flexor.pull=-5 mm:15 mm:5".to_owned());
     let options = Options { analysis, ..place.options(&[]) };
     let text = case(["", LET_OUT], PULLED);
@@ -97,24 +97,24 @@ fn a_ramp_of_the_pull_passes_the_onset() {
 
 #[test]
 fn mistakes_are_told() {
-    let told = |drive: [&str; 2], controls: &str, wanted: &str| {
+    let message = |drive: [&str; 2], controls: &str, wanted: &str| {
         let found = problems(&case(drive, controls));
         assert!(found.contains(wanted), "{found}");
     };
     let tension = r#", "tension": "1 N""#;
-    told([tension, LET_OUT], PULLED, "\"flexor\" is driven by its tension and by its pull: keep one of them");
-    told(["", LET_OUT], "", "\"flexor\" has no effect: its tension is zero");
-    told([r#", "pull": "1 N""#, LET_OUT], "", "actuation/0/pull");
-    told(["", LET_OUT], &PULLED.replace("30 mm", "30 N"), "controls/0/upper");
-    told(["", LET_OUT], &PULLED.replace("flexor.pull", "flexor.pul"), "did you mean \"flexor.pull\"");
+    message([tension, LET_OUT], PULLED, "\"flexor\" is driven by its tension and by its pull: keep one of them");
+    message(["", LET_OUT], "", "\"flexor\" has no effect: its tension is zero");
+    message([r#", "pull": "1 N""#, LET_OUT], "", "actuation/0/pull");
+    message(["", LET_OUT], &PULLED.replace("30 mm", "30 N"), "controls/0/upper");
+    message(["", LET_OUT], &PULLED.replace("flexor.pull", "flexor.pul"), "did you mean \"flexor.pull\"");
     let inputs = "no actuation \"flexor.tension\": what can be controlled of \"flexor\" is \"flexor\" (its tension) and \
                   \"flexor.pull\" (its pull), one of which drives it";
-    told(["", LET_OUT], &PULLED.replace("flexor.pull", "flexor.tension"), inputs);
+    message(["", LET_OUT], &PULLED.replace("flexor.pull", "flexor.tension"), inputs);
     let elastic = r#", "stiffness": "2 N/mm""#;
     let input = "no actuation \"flexor.tension\": what can be controlled of \"flexor\" is \"flexor\" (its pull); with \"stiffness\" a tendon has no \
                  tension";
-    told([elastic, LET_OUT], &PULLED.replace("flexor.pull", "flexor.tension"), input);
-    let error = Place::new().run(Command::Solve, &case([r#", "pull": "100 mm""#, LET_OUT], ""), &[]);
+    message([elastic, LET_OUT], &PULLED.replace("flexor.pull", "flexor.tension"), input);
+    let error = CaseDirectory::new().run(Command::Solve, &case([r#", "pull": "100 mm""#, LET_OUT], ""), &[]);
     let error = format!("{:?}", error.map(|outcome| outcome.result.to_string()));
     assert!(error.contains("leaves none of its length"), "{error}");
     let time = r#""time": { "end": "10 ms", "step": "5 ms", "scheme": "implicit_midpoint" }, "probes""#;
@@ -134,18 +134,18 @@ fn a_pull_goes_with_motions_paths_and_modes() {
     };
     let time = r#""time": { "end": "10 ms", "step": "5 ms", "start": "rest" }, "probes""#;
     let moving = still.replace("\"probes\"", time).replace("\"law\"", "\"density\": \"1000 kg/m^3\", \"law\"");
-    let outcome = Place::new().run(Command::Solve, &moving, &[]).unwrap();
+    let outcome = CaseDirectory::new().run(Command::Solve, &moving, &[]).unwrap();
     assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
     taut(&outcome.result);
     for analysis in [Analysis::Path, Analysis::Modes(2)] {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let options = Options { analysis, ..place.options(&[]) };
         let outcome = place.run_with(Command::Solve, &still, &Console::silent(), &options).unwrap();
         assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
     }
 }
 
-/// A misspelt "stiffness" makes it another tendon, of which controls and motions would be told what does not concern them.
+/// A misspelt "stiffness" makes it another tendon, of which controls and motions would get messages that do not concern them.
 #[test]
 fn a_mistake_in_a_tendon_is_told_once() {
     let own = PULLED.replace("flexor.pull", "flexor");

@@ -1,10 +1,10 @@
-//! Families of fibres on the same cells: upper bounds left out, warnings and failures tell what the law bears of them together.
+//! Families of fibres on the same cells: upper bounds left out, warnings and failures show what the law bears of them together.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use crate::common;
 
-use common::{Place, warnings, with};
+use common::{CaseDirectory, warnings, with};
 use nastic_language::schema::Command;
 use nastic_run::result::find;
 use nastic_run::run::Outcome;
@@ -37,7 +37,7 @@ fn uppers(case: &str, a: &str, b: &str) -> String {
 }
 
 fn check(case: &str) -> Outcome {
-    Place::new().run(Command::Check, case, &[]).unwrap_or_else(|error| panic!("{error}"))
+    CaseDirectory::new().run(Command::Check, case, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn number(result: &Value, path: &str) -> f64 {
@@ -62,12 +62,12 @@ fn an_upper_bound_left_out_follows_from_all_families() {
 
 #[test]
 fn bounds_together_beyond_what_the_law_bears() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     assert_eq!(warnings(&uppers(CASE, "99 kPa", "99 kPa")), "");
     assert_eq!(warnings(&uppers(&at_60_degrees(), "66 kPa", "66 kPa")), "");
     let found = warnings(&uppers(&at_60_degrees(), "70 kPa", "68 kPa"));
     assert!(found.contains("[convexity]") && found.contains("70000 Pa of \"a\" and 68000 Pa of \"b\""), "{found}");
-    // one alone beyond it is told of alone
+    // one alone beyond it is reported alone
     let alone = warnings(&uppers(&at_60_degrees(), "101 kPa", "68 kPa"));
     assert!(alone.contains("a tension of 101000 Pa exceeds 100000 Pa") && !alone.contains("\"b\""), "{alone}");
     // fixed values count
@@ -86,7 +86,7 @@ fn a_failure_names_the_families() {
     let case = uppers(&parallel(), "95 kPa", "90 kPa");
     let case = with(&case, r#""space": "cell","#, r#""space": "cell", "start": "95 kPa","#);
     let case = with(&case, r#""space": "uniform","#, r#""space": "uniform", "start": "90 kPa","#);
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let error = place.run(Command::Solve, &case, &[]).unwrap_err().to_string();
     assert!(error.contains("\"a\" reaches 9.5000e4") && error.contains("\"b\", 9.0000e4"), "{error}");
     let bound = &place.json("result.json")["failure"]["convexity_bound"];

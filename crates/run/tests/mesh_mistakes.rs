@@ -1,11 +1,11 @@
-//! Cases that are well formed but do not fit their mesh, their files or themselves: every mistake is told with its place
+//! Cases that are well formed but do not fit their mesh, their files or themselves: every mistake is reported with its place
 //! and what would be right.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use crate::common;
 
-use common::{BAR, Place, problems, warnings, with};
+use common::{BAR, CaseDirectory, problems, warnings, with};
 
 /// One problem, ending so.
 fn one(from: &str, to: &str, ending: &str) {
@@ -51,7 +51,7 @@ fn a_mesh_without_its_cells_names_the_cause_and_the_cure() {
     let skin = format!("{head}2\n1 2 2 1 1 1 3 2\n2 2 2 1 1 1 2 4\n$EndElements\n");
     let curve = format!("{head}1\n1 1 2 1 1 1 2\n$EndElements\n");
     for mesh in [skin, curve] {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         place.write("body.msh", &mesh);
         let case = with(BAR, MESH, r#""mesh": "body.msh""#);
         let found = place.run(nastic_language::schema::Command::Check, &case, &[]).unwrap_err().to_string();
@@ -153,7 +153,7 @@ fn mistakes_of_all_layers_are_told_at_once() {
 
 #[test]
 fn options_that_fail_are_told_with_the_mistakes_of_the_case() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let text = with(BAR, r#""surface": "x-""#, r#""surface": "left""#);
     let set = ["materials/3/mu1=1", "nowhere/at/all=2", "probes/0/point=[2, 0, 0]"];
     let found = place.run(nastic_language::schema::Command::Check, &text, &set).unwrap_err().to_string();
@@ -225,7 +225,7 @@ fn a_probe_outside_tells_how_far() {
 
 #[test]
 fn an_empty_target_is_refused() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     // a mesh with a surface but no volume
     place.write("flat.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n0\n$EndNodes\n$Elements\n0\n$EndElements\n");
     let hausdorff = r#"{ "kind": "smoothed_hausdorff", "target": "flat.msh", "phi": { "inverse": { "eps": 0.1 } },
@@ -237,7 +237,7 @@ fn an_empty_target_is_refused() {
 
 #[test]
 fn a_truncated_mesh_is_told_with_its_line() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.write("cut.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n");
     let error =
         place.run(nastic_language::schema::Command::Check, &with(BAR, MESH, r#""mesh": "cut.msh""#), &[]).unwrap_err();

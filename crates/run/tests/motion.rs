@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, with};
+use common::{CaseDirectory, with};
 use nastic_language::schema::Command;
 use serde_json::Value;
 
@@ -28,7 +28,7 @@ const TURNED: &str = r#"{ "nastic": 1, "units": "mm",
   "optimizer": { "method": "lbfgs", "max_iterations": 25, "tolerance": 1e-3 } }"#;
 
 fn result(command: Command, case: &str) -> Value {
-    Place::new().run(command, case, &[]).unwrap_or_else(|error| panic!("{error}")).result
+    CaseDirectory::new().run(command, case, &[]).unwrap_or_else(|error| panic!("{error}")).result
 }
 
 fn number(result: &Value, path: &str) -> f64 {
@@ -45,7 +45,7 @@ fn a_free_body_goes_with_its_grip() {
         assert!((moved - expected).abs() < 1e-8, "{k}: {moved} instead of {expected}");
     }
     assert!(number(&found, "reactions/grip/0").abs() < 1e-8, "a free body is carried without force");
-    let said = Place::new().text(Command::Check, GRIP, &[]);
+    let said = CaseDirectory::new().text(Command::Check, GRIP, &[]);
     assert!(said.contains("grip: motion on surface x-; centre (0, 5, 0)"), "{said}");
 }
 
@@ -75,8 +75,8 @@ fn mistakes_about_a_motion_are_told() {
         (r#"[1, "2 mm", 3]"#, r#"["X", 0, 0]"#, vec!["actuation/0/translation", "give numbers"]),
         (r#""centre": [0, 5, 0]"#, r#""center": [0, 5, 0]"#, vec!["actuation/0/center", "centre"]),
     ];
-    for (from, to, told) in cases {
-        let error = Place::new().run(Command::Check, &with(GRIP, from, to), &[]).unwrap_err().to_string();
-        assert!(told.iter().all(|words| error.contains(words)), "{to}: {error}");
+    for (from, to, message) in cases {
+        let error = CaseDirectory::new().run(Command::Check, &with(GRIP, from, to), &[]).unwrap_err().to_string();
+        assert!(message.iter().all(|words| error.contains(words)), "{to}: {error}");
     }
 }

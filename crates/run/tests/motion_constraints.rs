@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Heard, Place, with};
+use common::{CaseDirectory, Heard, with};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Analysis, Exit, Options};
@@ -33,7 +33,7 @@ fn number(value: &Value) -> f64 {
 }
 
 /// The largest entry of the column of `motion.csv`, and its instant.
-fn largest(place: &Place, column: &str) -> (f64, f64) {
+fn largest(place: &CaseDirectory, column: &str) -> (f64, f64) {
     let text = std::fs::read_to_string(place.path("out/motion.csv")).unwrap();
     let mut rows = text.lines().map(|line| line.split(',').collect::<Vec<_>>());
     let head = rows.next().unwrap();
@@ -46,7 +46,7 @@ fn largest(place: &Place, column: &str) -> (f64, f64) {
 #[test]
 fn a_ceiling_holds_all_the_time() {
     let run = |text: &str| {
-        let (place, heard) = (Place::new(), Heard::default());
+        let (place, heard) = (CaseDirectory::new(), Heard::default());
         let found = place.run_with(Command::Optimize, text, &Console::new(heard.clone()), &place.options(&[])).unwrap();
         assert_eq!(found.exit, Exit::Done, "{}", heard.text());
         (found.result, heard.text(), largest(&place, "edge.z"))
@@ -90,7 +90,7 @@ fn every_member_has_its_groups() {
                          { "name": "stiff", "probability": 0.5, "set": { "materials/0/young": "0.11 MPa" } } ], "probes""#,
     );
     let when = r#""name": "ceiling", "when": { "at": ["0.1 s", "50 ms"] },"#;
-    let found = Place::new().run(
+    let found = CaseDirectory::new().run(
         Command::Optimize,
         &with(&both, r#""name": "ceiling","#, when),
         &["optimizer/max_iterations=2"],
@@ -109,7 +109,7 @@ fn every_member_has_its_groups() {
 /// An option that does not go with motions is refused, and what the last run found stays.
 #[test]
 fn a_refused_option_removes_nothing() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     assert_eq!(place.run(Command::Solve, CEILING, &[]).unwrap().exit, Exit::Done);
     let before = place.files();
     assert!(before.iter().any(|file| file == "motion.csv"), "{before:?}");
@@ -121,7 +121,7 @@ fn a_refused_option_removes_nothing() {
 /// Constraints of all instants have a Taylor test, as the costs do.
 #[test]
 fn constraints_of_motions_have_taylor_tests() {
-    let found = Place::new().run(Command::Gradcheck, CEILING, &[]).unwrap().result;
+    let found = CaseDirectory::new().run(Command::Gradcheck, CEILING, &[]).unwrap().result;
     let tests = found["gradcheck"]["tests"].as_array().unwrap();
     let test = tests.iter().find(|test| test["term"] == "constraint ceiling").unwrap();
     assert_eq!(test["verdict"], "right", "{test:#}");
@@ -129,27 +129,28 @@ fn constraints_of_motions_have_taylor_tests() {
 
 #[test]
 fn mistakes_about_instants_are_told() {
-    let told =
-        |text: &str| Place::new().run(Command::Check, text, &[]).err().map_or_else(String::new, |e| e.to_string());
+    let message = |text: &str| {
+        CaseDirectory::new().run(Command::Check, text, &[]).err().map_or_else(String::new, |e| e.to_string())
+    };
     let held = |block: &str| {
         let at = CEILING.find(r#""constraints": ["#).unwrap();
         let end = CEILING[at..].find("],\n").unwrap() + at;
         format!("{}\"constraints\": [ {block} {}", &CEILING[..at], &CEILING[end..])
     };
     let near = r#"{ "kind": "position", "surface": "x+", "target": { "z": "40 mm" } }"#;
-    assert_eq!(told(&held(&format!(r#"{{ "cost": {near}, "at_most": 1, "when": "always" }}"#))), "");
+    assert_eq!(message(&held(&format!(r#"{{ "cost": {near}, "at_most": 1, "when": "always" }}"#))), "");
     let inside = r#"{ "kind": "position", "surface": "x+", "target": { "z": "40 mm" }, "when": "integral" }"#;
-    let text = told(&held(&format!(r#"{{ "cost": {inside}, "at_most": 1 }}"#)));
+    let text = message(&held(&format!(r#"{{ "cost": {inside}, "at_most": 1 }}"#)));
     assert!(text.contains("\"when\" belongs beside \"cost\""), "{text}");
-    let text = told(&held(&format!(r#"{{ "cost": {near}, "at_most": 1, "when": {{ "at": "13 ms" }} }}"#)));
+    let text = message(&held(&format!(r#"{{ "cost": {near}, "at_most": 1, "when": {{ "at": "13 ms" }} }}"#)));
     assert!(text.contains("constraints/0/when") && text.contains("the nearest one is 0.01"), "{text}");
-    let text = told(&held(r#"{ "cost": { "kind": "kinetic_energy" }, "at_most": 1 }"#));
+    let text = message(&held(r#"{ "cost": { "kind": "kinetic_energy" }, "at_most": 1 }"#));
     assert!(text.contains("one of the whole motion"), "{text}");
-    let text = told(&held(&format!(r#"{{ "cost": {near}, "at_most": 1, "when": "integral" }}"#)));
+    let text = message(&held(&format!(r#"{{ "cost": {near}, "at_most": 1, "when": "integral" }}"#)));
     assert!(text.contains("always"), "{text}");
     let always = with(CEILING, r#""name": "ceiling","#, r#""name": "ceiling", "when": "always","#);
     let still = with(&always, r#""time": { "end": "200 ms", "step": "10 ms", "scheme": "bdf2" }"#, r#""output": {}"#);
-    let text = told(&still);
+    let text = message(&still);
     assert!(text.contains("constraints/0/when: the case is static"), "{text}");
 }
 
@@ -158,7 +159,7 @@ fn mistakes_about_instants_are_told() {
 fn steps_that_are_found_lead_through_its_instants() {
     let found_steps = with(CEILING, r#""step": "10 ms", "scheme": "bdf2""#, r#""tolerance": "5 mm""#);
     let held = with(&found_steps, r#""name": "ceiling","#, r#""name": "ceiling", "when": { "at": "37 ms" },"#);
-    let found = Place::new().run(Command::Optimize, &held, &["optimizer/max_iterations=1"]).unwrap();
+    let found = CaseDirectory::new().run(Command::Optimize, &held, &["optimizer/max_iterations=1"]).unwrap();
     let worst = &found.result["constraints"]["groups"]["ceiling"]["worst"];
     assert!((number(&worst["t"]) - 0.037).abs() < 1e-9, "{worst}");
 }

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, with};
+use common::{CaseDirectory, with};
 use nastic_language::schema::Command;
 use nastic_run::run::Exit;
 use serde_json::Value;
@@ -22,7 +22,7 @@ const DRIVEN: &str = r#"{ "nastic": 1, "title": "bar",
   "time": { "end": "20 ms", "step": "1 ms" } }"#;
 
 fn run(command: Command, text: &str) -> Value {
-    let outcome = Place::new().run(command, text, &[]).unwrap();
+    let outcome = CaseDirectory::new().run(command, text, &[]).unwrap();
     assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
     outcome.result
 }
@@ -42,7 +42,7 @@ fn scenarios_move_as_the_single_cases() {
                          { "name": "stiff", "probability": 0.75, "set": { "materials/0/young": "0.4 MPa" } } ], "probes""#,
     );
     let (soft, stiff) = (run(Command::Gradient, &young("0.2 MPa")), run(Command::Gradient, &young("0.4 MPa")));
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let found = place.run(Command::Gradient, &both, &[]).unwrap().result;
     let mean = 0.25 * cost(&soft) + 0.75 * cost(&stiff);
     assert!((cost(&found) / mean - 1.0).abs() < 1e-12, "{} {mean}", cost(&found));
@@ -74,7 +74,7 @@ fn load_cases_move_under_their_own_loads() {
     assert!((cost(&found) / sum - 1.0).abs() < 1e-12, "{} {sum}", cost(&found));
 }
 
-/// Few states in memory: the same numbers to the bit; what they take is told by `check`.
+/// Few states in memory: the same numbers to the bit; what they take is reported by `check`.
 #[test]
 fn little_memory_gives_the_same_bits() {
     let gradient = |text: &str| {
@@ -84,8 +84,8 @@ fn little_memory_gives_the_same_bits() {
     let long = with(DRIVEN, r#""step": "1 ms""#, r#""step": "0.2 ms""#);
     let little = with(&long, r#""step": "0.2 ms""#, r#""step": "0.2 ms", "memory": 0.2"#);
     assert_eq!(gradient(&long), gradient(&little));
-    let told = Place::new().text(Command::Check, &little, &[]);
-    assert!(told.contains("computed again"), "{told}");
+    let message = CaseDirectory::new().text(Command::Check, &little, &[]);
+    assert!(message.contains("computed again"), "{message}");
 }
 
 /// Free fall in the plane, exact for schemes of second order, whatever the mass matrix.

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, problems};
+use common::{CaseDirectory, problems};
 use nastic_language::schema::Command;
 use nastic_run::run::Exit;
 use serde_json::Value;
@@ -25,14 +25,14 @@ fn moved(result: &Value, probe: &str) -> Vec<f64> {
     result["probes"][probe]["displacement"].as_array().unwrap().iter().map(|u| u.as_f64().unwrap()).collect()
 }
 
-fn solve(place: &Place, text: &str) -> Value {
+fn solve(place: &CaseDirectory, text: &str) -> Value {
     place.run(Command::Solve, text, &[]).unwrap().result
 }
 
 /// The same motion by formulas, from a table and as controls in time.
 #[test]
 fn formulas_tables_and_controls_move_a_base_alike() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let formulas =
         r#", "translation": [0, 0, "0.2 m/s * max(t - 5 ms, 0)"], "rotation": [0, "10 * max(t - 5 ms, 0) / (1 s)", 0]"#;
     place.write("base.csv", "t,z,rz,x\n0,0,0,0\n0.005,0,0,0\n0.02,0.003,0.15,0\n");
@@ -59,7 +59,7 @@ fn formulas_tables_and_controls_move_a_base_alike() {
 fn a_base_begins_with_the_velocity_of_the_case() {
     for scheme in ["tr_bdf2", "trapezoidal", "implicit_midpoint"] {
         let time = format!(r#", "start": "rest", "scheme": "{scheme}", "velocity": ["2 m/s", 0, 0]"#);
-        let result = solve(&Place::new(), &case(&time, r#", "translation": ["2 m/s * t", 0, 0]"#, ""));
+        let result = solve(&CaseDirectory::new(), &case(&time, r#", "translation": ["2 m/s * t", 0, 0]"#, ""));
         let tip = moved(&result, "tip");
         assert!((tip[0] - 0.04).abs() < 1e-12 && tip[1].abs() < 1e-12, "{scheme}: {tip:?}");
     }
@@ -76,7 +76,7 @@ fn controls_of_a_base_in_time_have_a_right_gradient() {
         { "kind": "position", "surface": "x+", "weight": 1e4, "target": { "z": "0.02 m" } },
         { "kind": "kinetic_energy", "weight": 10 },
         { "kind": "control_rate", "of": "turn", "weight": 1e-3 } ]"#;
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let text = case("", "", blocks);
     let outcome = place.run(Command::Gradcheck, &text, &[]).unwrap();
     assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
@@ -131,7 +131,7 @@ fn what_a_base_cannot_do_in_time_is_told() {
 fn steps_of_a_tolerance_keep_it_beside_a_surface_that_moves() {
     let text = case("", r#", "translation": [0, 0, "3 mm * sin(600 * t / (1 s)) * min(t / (5 ms), 1)"]"#, "");
     let text = text.replace(r#""step": "1 ms""#, r#""tolerance": "5 um""#);
-    let result = solve(&Place::new(), &text);
+    let result = solve(&CaseDirectory::new(), &text);
     let error = result["time"]["step_error"]["largest"].as_f64();
     assert!(error.is_some_and(|error| error > 0.0 && error <= 5e-6), "{}", result["time"]);
 }

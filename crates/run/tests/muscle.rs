@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, with};
+use common::{CaseDirectory, with};
 use nastic_language::schema::Command;
 use serde_json::Value;
 
@@ -24,7 +24,7 @@ fn tension() -> String {
 }
 
 fn result(command: Command, case: &str) -> Value {
-    Place::new().run(command, case, &[]).unwrap_or_else(|error| panic!("{error}")).result
+    CaseDirectory::new().run(command, case, &[]).unwrap_or_else(|error| panic!("{error}")).result
 }
 
 #[test]
@@ -49,7 +49,7 @@ fn it_only_pulls() {
     let costs = fixed.find(r#""costs""#).unwrap();
     let fixed = format!("{}{}", &fixed[..controls], &fixed[costs..]);
     for case in [with(MUSCLE, r#""upper": "20 kPa""#, r#""lower": "-1 kPa", "upper": "20 kPa""#), fixed] {
-        let error = Place::new().run(Command::Check, &case, &[]).unwrap_err().to_string();
+        let error = CaseDirectory::new().run(Command::Check, &case, &[]).unwrap_err().to_string();
         assert!(error.contains("a muscle only pulls") && error.contains("\"fiber_tension\""), "{error}");
     }
 }

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Heard, Place};
+use common::{BAR, CaseDirectory, Heard};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Exit, Options, RunError, run};
@@ -39,7 +39,7 @@ impl std::io::Write for Intruder {
 
 #[test]
 fn two_programs_in_one_directory_notice_each_other() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let (options, answers) = (place.options(&[]), Arc::default());
     let case = place.write("case.json", BAR);
     let intruder = Intruder { case: case.clone(), options: options.clone(), answers: Arc::clone(&answers), rows: 0 };
@@ -47,9 +47,9 @@ fn two_programs_in_one_directory_notice_each_other() {
     let answers = answers.lock().unwrap();
     assert!(matches!(answers[1], Ok(Exit::Done)), "another directory is free: {:?}", answers[1]);
     let Err(refused) = &answers[0] else { panic!("a second program wrote to the directory of the first") };
-    let (told, process) = (refused.to_string(), std::process::id());
-    assert!(told.contains("out is in use by another program") && told.contains("--out"), "{told}");
-    assert!(told.contains(&format!("(process {process})")), "{told}");
+    let (message, process) = (refused.to_string(), std::process::id());
+    assert!(message.contains("out is in use by another program") && message.contains("--out"), "{message}");
+    assert!(message.contains(&format!("(process {process})")), "{message}");
     assert_eq!(refused.exit(), Exit::NotWritten);
     // Once the first has ended, the directory is free again.
     assert_eq!(run(Command::Solve, &case, &options, &Console::silent()).unwrap().exit, Exit::Done);
@@ -57,7 +57,7 @@ fn two_programs_in_one_directory_notice_each_other() {
 
 #[test]
 fn unfinished_files_of_a_killed_program_are_removed_and_no_others() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     std::fs::create_dir(place.path("out")).unwrap();
     let (ours, others) = ([".optimum.vtu.123.4.part", ".a.b.1.0.part"], ["x.1.2.part", ".x.part", ".x.1.y.part"]);
     ours.iter().chain(&others).for_each(|name| drop(place.write(&format!("out/{name}"), "half")));
@@ -68,7 +68,7 @@ fn unfinished_files_of_a_killed_program_are_removed_and_no_others() {
 
 #[test]
 fn a_directory_is_told_by_its_plain_path() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     std::fs::create_dir(place.path("cases")).unwrap();
     let file = place.write("cases/case.json", BAR);
     let heard = Heard::default();

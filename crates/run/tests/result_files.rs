@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Place};
+use common::{BAR, CaseDirectory};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Analysis, Exit, Options, RunError};
@@ -14,7 +14,7 @@ const SHORT: [&str; 1] = ["optimizer/max_iterations=4"];
 
 #[test]
 fn a_run_starts_from_the_controls_of_another() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let first = place.run(Command::Optimize, BAR, &SHORT).unwrap().result;
     let file = place.path("out/controls.json");
     std::fs::copy(&file, place.path("controls.json")).unwrap();
@@ -26,7 +26,7 @@ fn a_run_starts_from_the_controls_of_another() {
     assert!((rms(&first) - rms(&second)).abs() <= 1e-7 * rms(&first));
     assert!(rms(&first) <= first["tracking"]["tracking"]["largest"].as_f64().unwrap());
 
-    for (start, told) in [
+    for (start, message) in [
         (
             r#"{"file": "controls.json", "control": "air"}"#,
             "control \"air\" not found in controls.json; it has: tension",
@@ -34,7 +34,7 @@ fn a_run_starts_from_the_controls_of_another() {
         (r#"{"file": "nowhere.json"}"#, "nowhere.json"),
     ] {
         let error = place.run(Command::Solve, BAR, &[&format!("controls/0/start={start}")]).unwrap_err().to_string();
-        assert!(error.contains(told) && error.contains("controls/0/start"), "{error}");
+        assert!(error.contains(message) && error.contains("controls/0/start"), "{error}");
     }
     std::fs::write(place.path("controls.json"), r#"{ "tension": [1, "a"] }"#).unwrap();
     let error = place.run(Command::Solve, BAR, &[start]).unwrap_err().to_string();
@@ -43,7 +43,7 @@ fn a_run_starts_from_the_controls_of_another() {
 
 #[test]
 fn few_values_stand_in_the_result() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let result = place.run(Command::Optimize, BAR, &["controls/0/space=uniform", SHORT[0]]).unwrap().result;
     let control = &result["controls"]["tension"];
     assert_eq!(control["values"], control["min"]);
@@ -55,7 +55,7 @@ fn few_values_stand_in_the_result() {
 
 #[test]
 fn tables_charts_and_the_page_are_written() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let result = place.run(Command::Optimize, BAR, &SHORT).unwrap().result;
     let table = std::fs::read_to_string(place.path("out/history.csv")).unwrap();
     assert_eq!(table.lines().count() as u64, result["trials"].as_u64().unwrap() + 2, "a head, the start, the trials");
@@ -74,7 +74,7 @@ fn tables_charts_and_the_page_are_written() {
 
 #[test]
 fn the_page_of_a_failed_run_says_so_and_shows_the_last_state() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let crushed = common::with(
         BAR,
         r#""fix": ["x", "y", "z"] }"#,
@@ -96,7 +96,7 @@ const CRUSH: [&str; 2] =
 #[test]
 fn a_run_that_fails_leaves_no_files_of_an_earlier_one() {
     let crushed = common::with(BAR, CRUSH[0], CRUSH[1]);
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.run(Command::Solve, BAR, &[]).unwrap();
     let whole = place.files();
     assert!(["start.vtu", "picture.svg", "target.vtu"].iter().all(|name| whole.iter().any(|file| file == name)));
@@ -117,7 +117,7 @@ fn a_run_that_fails_leaves_no_files_of_an_earlier_one() {
 /// What the last run found stays where an option cannot be understood.
 #[test]
 fn a_refused_ramp_removes_nothing() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.run(Command::Solve, BAR, &[]).unwrap();
     let (before, result) = (place.files(), place.json("result.json"));
     for ramp in ["tension", "tention=0:-1 kPa:3"] {
@@ -131,7 +131,7 @@ fn a_refused_ramp_removes_nothing() {
 #[test]
 fn what_is_still_of_use_is_not_removed() {
     let crushed = common::with(BAR, CRUSH[0], CRUSH[1]);
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let has = |name: &str| place.files().iter().any(|file| file == name);
     place.run(Command::Optimize, BAR, &SHORT).unwrap();
     place.run(Command::Gradient, &crushed, &[]).unwrap_err();
@@ -145,7 +145,7 @@ fn what_is_still_of_use_is_not_removed() {
 /// A case, a mesh or a start that is read is not replaced by a result of the same name, wherever the results are wanted.
 #[test]
 fn results_replace_nothing_that_is_read() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.run(Command::Optimize, BAR, &SHORT).unwrap();
     let from_there = [SHORT[0], r#"controls/0/start={"file": "out/controls.json"}"#];
     // a start that nastic wrote there itself may be replaced: a run that goes on
@@ -177,7 +177,7 @@ fn results_replace_nothing_that_is_read() {
 
 #[test]
 fn a_run_from_an_optimum_stops_at_its_absolute_tolerance() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let set = ["optimizer/method=lbfgs", "optimizer/tolerance=1e-2", "optimizer/max_iterations=60"];
     assert_eq!(place.run(Command::Optimize, BAR, &set).unwrap().exit, Exit::Done);
     let norm = place.json("result.json")["gradient_norm"].as_f64().unwrap();

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Heard, Place, with};
+use common::{BAR, CaseDirectory, Heard, with};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
@@ -43,18 +43,23 @@ impl std::io::Write for Watch {
 }
 
 /// Optimises until so many lines were said.
-fn interrupt(place: &Place, case: &str, set: &[&str], lines: usize) -> Result<Outcome, RunError> {
+fn interrupt(place: &CaseDirectory, case: &str, set: &[&str], lines: usize) -> Result<Outcome, RunError> {
     interrupt_on(2, place, case, set, ("", lines))
 }
 
 /// Optimises until a word was said so many times, one start after the other.
-fn interrupt_at(place: &Place, case: &str, set: &[&str], moment: (&'static str, usize)) -> Result<Outcome, RunError> {
+fn interrupt_at(
+    place: &CaseDirectory,
+    case: &str,
+    set: &[&str],
+    moment: (&'static str, usize),
+) -> Result<Outcome, RunError> {
     interrupt_on(1, place, case, set, moment)
 }
 
 fn interrupt_on(
     threads: usize,
-    place: &Place,
+    place: &CaseDirectory,
     case: &str,
     set: &[&str],
     (word, left): (&'static str, usize),
@@ -64,7 +69,7 @@ fn interrupt_on(
     place.run_with(Command::Optimize, case, &Console::new(watch), &options)
 }
 
-fn go_on(place: &Place, threads: usize, console: &Console) -> Result<Outcome, RunError> {
+fn go_on(place: &CaseDirectory, threads: usize, console: &Console) -> Result<Outcome, RunError> {
     resume(
         &Catalogue::standard(),
         &place.path("out"),
@@ -73,7 +78,7 @@ fn go_on(place: &Place, threads: usize, console: &Console) -> Result<Outcome, Ru
     )
 }
 
-fn refused(place: &Place) -> CheckpointError {
+fn refused(place: &CaseDirectory) -> CheckpointError {
     match go_on(place, 1, &Console::silent()) {
         Err(error @ RunError::Checkpoint(_)) if error.exit() != Exit::BadInput => panic!("{error}"),
         Err(RunError::Checkpoint(why)) => why,
@@ -85,7 +90,7 @@ fn refused(place: &Place) -> CheckpointError {
 type NamedBytes = (String, Vec<u8>);
 
 /// What must be the same: all but times and the entry that says that it was resumed.
-fn content(place: &Place) -> (Value, Vec<Value>, Vec<NamedBytes>) {
+fn content(place: &CaseDirectory) -> (Value, Vec<Value>, Vec<NamedBytes>) {
     let mut result = place.json("result.json");
     result
         .as_object_mut()
@@ -104,7 +109,7 @@ fn content(place: &Place) -> (Value, Vec<Value>, Vec<NamedBytes>) {
     (result, history.lines().map(line).collect(), files.collect())
 }
 
-fn assert_same(place: &Place, whole: &Place, what: &str) {
+fn assert_same(place: &CaseDirectory, whole: &CaseDirectory, what: &str) {
     let ((result, history, files), (result_2, history_2, files_2)) = (content(place), content(whole));
     // Texts show in which order keys stand, and every digit.
     assert_eq!(
@@ -120,16 +125,16 @@ fn assert_same(place: &Place, whole: &Place, what: &str) {
     }
 }
 
-fn name(place: &Place) -> String {
+fn name(place: &CaseDirectory) -> String {
     place.directory.path().display().to_string()
 }
 
 /// Interrupts at many moments of a case, resumes, and compares with the run that went through.
 fn goes_on_to_the_bit(case: &str, set: &[&str], moments: &[usize]) {
-    let whole = Place::new();
+    let whole = CaseDirectory::new();
     whole.run(Command::Optimize, case, set).unwrap();
     for lines in moments {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let interrupted = interrupt(&place, case, set, *lines);
         match &interrupted {
             Ok(outcome) => assert_eq!(outcome.exit, Exit::NotConverged, "after {lines} lines"),
@@ -171,14 +176,14 @@ fn load_cases_and_several_starts_go_on_to_the_bit() {
 #[test]
 fn what_earlier_starts_found_is_kept() {
     let set: Vec<&str> = SHORT.iter().chain(&["optimizer/starts=2", "optimizer/seed=2"]).copied().collect();
-    let whole = Place::new();
+    let whole = CaseDirectory::new();
     let result = whole.run(Command::Optimize, BAR, &set).unwrap().result;
     assert_eq!(result["best_start"], 0, "the test needs a start as written that is the best");
     // While the second start is evaluated, after its gradient was checked, and in the midst of its run.
     for (moment, starts, from) in
         [(("start 2 of 2", 1), 1, (0, 6)), (("gradient    right", 2), 1, (0, 6)), (("\n", 23), 2, (1, 3))]
     {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let outcome = interrupt_at(&place, BAR, &set, moment).unwrap();
         assert_eq!(outcome.exit, Exit::NotConverged);
         assert_eq!(outcome.result["cost"], result["cost"], "{moment:?}");
@@ -200,7 +205,7 @@ const PUSHED: [&str; 2] = [r#"loads=[{ "surface": "x+", "traction": ["-30 kPa", 
 #[test]
 fn warnings_of_starts_are_kept() {
     let set: Vec<&str> = SHORT.iter().chain(&PUSHED).chain(&["optimizer/starts=2"]).copied().collect();
-    let whole = Place::new();
+    let whole = CaseDirectory::new();
     let warnings = whole.run(Command::Optimize, BAR, &set).unwrap().result["warnings"].clone();
     let unstable = |place: &str| {
         let is = |warning: &&Value| warning["code"] == "unstable" && warning["place"] == place;
@@ -214,7 +219,7 @@ fn warnings_of_starts_are_kept() {
 #[test]
 fn warnings_of_a_start_are_kept_when_the_optimisation_fails() {
     let set: Vec<&str> = SHORT.iter().chain(&PUSHED).copied().collect();
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let blocked = place.path("out/history.jsonl");
     let unstable = |what: &str| {
         let result = place.json("result.json");
@@ -246,7 +251,7 @@ fn an_optimum_that_is_verified_goes_on_to_the_bit() {
 fn a_change_of_branch_goes_on_to_the_bit() {
     let target = r#"costs/0/target=["X", "Y - 0.05"]"#;
     let set = [target, "optimizer/max_iterations=5", "output/checkpoint=3", "optimizer/verify=false"];
-    let whole = Place::new();
+    let whole = CaseDirectory::new();
     let warnings = whole.run(Command::Optimize, SNAPPING, &set).unwrap().result["warnings"].clone();
     assert_eq!(warnings[0]["code"], "branch_change", "{warnings:#}");
     goes_on_to_the_bit(SNAPPING, &set, &[8, 12]);
@@ -255,7 +260,7 @@ fn a_change_of_branch_goes_on_to_the_bit() {
 /// The end of a run that was itself resumed, twice.
 #[test]
 fn what_was_resumed_can_be_resumed_again() {
-    let (whole, place) = (Place::new(), Place::new());
+    let (whole, place) = (CaseDirectory::new(), CaseDirectory::new());
     whole.run(Command::Optimize, BAR, &SHORT).unwrap();
     interrupt(&place, BAR, &SHORT, 6).unwrap();
     for lines in [5, 12] {
@@ -277,7 +282,7 @@ fn what_was_resumed_can_be_resumed_again() {
 
 #[test]
 fn an_interrupted_run_says_how_to_go_on() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let heard = Heard::default();
     let options = place.options(&SHORT);
     options.cancel.store(true, Ordering::Relaxed);
@@ -294,15 +299,15 @@ fn an_interrupted_run_says_how_to_go_on() {
         &Console::new(heard.clone()),
     )
     .unwrap();
-    let told = heard.text();
-    assert!(told.contains(&format!("to go on    nastic resume {}/out\n", name(&place))), "{told}");
-    assert!(told.contains("from iteration 3, with the result of a run without interruption"), "{told}");
+    let described = heard.text();
+    assert!(described.contains(&format!("to go on    nastic resume {}/out\n", name(&place))), "{described}");
+    assert!(described.contains("from iteration 3, with the result of a run without interruption"), "{described}");
 }
 
 /// The way on that a run suggests whose iterations were used up.
 #[test]
 fn a_case_that_reads_its_own_results_is_warned() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let result = place.run(Command::Optimize, BAR, &SHORT).unwrap().result;
     assert_eq!(result["warnings"], serde_json::json!([]));
     let start = r#"controls/0/start={"file": "out/optimum.vtu", "array": "tension"}"#;
@@ -310,25 +315,25 @@ fn a_case_that_reads_its_own_results_is_warned() {
     let outcome = interrupt(&place, BAR, &set, 10).unwrap();
     let warning = outcome.result["warnings"][0]["message"].as_str().unwrap();
     assert!(warning.contains("optimum.vtu of its own output directory") && warning.contains("--out"), "{warning}");
-    let told = refused(&place).to_string();
-    assert!(told.contains("out/optimum.vtu has other content"), "{told}");
+    let described = refused(&place).to_string();
+    assert!(described.contains("out/optimum.vtu has other content"), "{described}");
 }
 
 #[test]
 fn without_a_schedule_there_is_no_checkpoint_and_an_old_one_goes() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     assert!(matches!(refused(&place), CheckpointError::Missing { .. }));
     assert!(!place.path("out").exists(), "a directory was made");
     place.run(Command::Optimize, BAR, &SHORT).unwrap();
     assert!(place.path("out/checkpoint.bin").exists());
     place.run(Command::Optimize, BAR, &[SHORT[0], "output/checkpoint=0"]).unwrap();
     assert!(!place.path("out/checkpoint.bin").exists());
-    let told = refused(&place).to_string();
-    assert!(told.contains("out has no checkpoint.bin") && told.contains("output/checkpoint"), "{told}");
+    let described = refused(&place).to_string();
+    assert!(described.contains("out has no checkpoint.bin") && described.contains("output/checkpoint"), "{described}");
 }
 
 /// The iteration of the checkpoint that is not replaced; nothing in the directory changes.
-fn not_replaced(place: &Place) -> usize {
+fn not_replaced(place: &CaseDirectory) -> usize {
     let content = || place.files().into_iter().map(|name| std::fs::read(place.path("out").join(name)).unwrap());
     let before: Vec<Vec<u8>> = content().collect();
     match place.run(Command::Optimize, BAR, &SHORT) {
@@ -344,7 +349,7 @@ fn not_replaced(place: &Place) -> usize {
 #[test]
 fn an_optimisation_that_has_starts_left_is_not_replaced_unasked() {
     let set: Vec<&str> = SHORT.iter().chain(&["optimizer/starts=4", "optimizer/seed=2"]).copied().collect();
-    let place = Place::new();
+    let place = CaseDirectory::new();
     for moment in [("start 2 of 4", 1), ("gradient    right", 2), ("start 3 of 4", 1)] {
         std::fs::remove_dir_all(place.path("out")).ok();
         let result = interrupt_at(&place, BAR, &set, moment).unwrap().result;
@@ -359,7 +364,7 @@ fn an_optimisation_that_has_starts_left_is_not_replaced_unasked() {
 /// Other commands write a result too.
 #[test]
 fn other_commands_end_no_optimisation_and_interrupt_none() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let others = [Command::Solve, Command::Gradient];
     for set in [&SHORT[..], &["optimizer/tolerance=0.5"]] {
         let outcome = place.run(Command::Optimize, BAR, set).unwrap();
@@ -384,34 +389,37 @@ fn other_commands_end_no_optimisation_and_interrupt_none() {
 
 #[test]
 fn a_changed_case_is_refused_and_what_changed_is_named() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let mesh = r#"{ "box": { "size": [1.0, 0.25, 0.25], "cells": [4, 1, 1], "element": "hex8" } }"#;
-    let solved = Place::new();
+    let solved = CaseDirectory::new();
     solved.run(Command::Solve, BAR, &[]).unwrap();
     std::fs::copy(solved.path("out/start.vtu"), place.path("body.vtu")).unwrap();
     let case = with(BAR, mesh, r#""body.vtu""#);
     let set = [SHORT[0], SHORT[1], SHORT[2], "materials/0/mu1=90 kPa"];
     interrupt(&place, &case, &set, 9).unwrap();
-    let whole = Place::new();
+    let whole = CaseDirectory::new();
     std::fs::copy(place.path("body.vtu"), whole.path("body.vtu")).unwrap();
     whole.run(Command::Optimize, &case, &set).unwrap();
 
     place.write("case.json", &case[..case.len() / 2]);
     assert!(matches!(go_on(&place, 1, &Console::silent()), Err(RunError::Input(_))), "half a case");
     place.write("case.json", &with(&case, "20 kPa", "21 kPa"));
-    let told = refused(&place).to_string();
-    assert!(told.contains("materials/0/mu2 was \"20 kPa\", is \"21 kPa\"; put it back"), "{told}");
+    let described = refused(&place).to_string();
+    assert!(described.contains("materials/0/mu2 was \"20 kPa\", is \"21 kPa\"; put it back"), "{described}");
     place.write("case.json", &with(&case, r#""output": { "every": 2 }"#, r#""loads": [], "output": {}"#));
-    let told = refused(&place).to_string();
-    assert!(told.contains("output/every was 2, is left out") && told.contains("loads was left out, is []"), "{told}");
+    let described = refused(&place).to_string();
+    assert!(
+        described.contains("output/every was 2, is left out") && described.contains("loads was left out, is []"),
+        "{described}"
+    );
     // What the override replaces does not matter, and neither do comments.
     place.write("case.json", &format!("// the same\n{}", with(&case, "100 kPa", "110 kPa")));
     std::fs::rename(place.path("body.vtu"), place.path("away.vtu")).unwrap();
-    let told = refused(&place).to_string();
-    assert!(told.contains("body.vtu is missing"), "{told}");
+    let described = refused(&place).to_string();
+    assert!(described.contains("body.vtu is missing"), "{described}");
     std::fs::write(place.path("body.vtu"), "other").unwrap();
-    let told = refused(&place).to_string();
-    assert!(told.contains("body.vtu has other content"), "{told}");
+    let described = refused(&place).to_string();
+    assert!(described.contains("body.vtu has other content"), "{described}");
     std::fs::rename(place.path("away.vtu"), place.path("body.vtu")).unwrap();
     go_on(&place, 1, &Console::silent()).unwrap();
     assert_same(&place, &whole, "put back");

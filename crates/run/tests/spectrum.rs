@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Heard, Place};
+use common::{BAR, CaseDirectory, Heard};
 use nastic_io::read_snapshot;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 
 const SET: [&str; 3] = ["optimizer/method=newton_cg", "optimizer/max_iterations=60", "optimizer/tolerance=1e-8"];
 
-fn optimize(place: &Place, set: &[&str], spectrum: SpectrumRequest) -> (Result<Outcome, RunError>, String) {
+fn optimize(place: &CaseDirectory, set: &[&str], spectrum: SpectrumRequest) -> (Result<Outcome, RunError>, String) {
     let heard = Heard::default();
     let options = Options { spectrum: Some(spectrum), ..place.options(&[&SET[..], set].concat()) };
     let outcome = place.run_with(Command::Optimize, BAR, &Console::new(heard.clone()), &options);
@@ -27,7 +27,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 #[test]
 fn eigenpairs_stand_in_result_files_page_and_terminal() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let (outcome, text) = optimize(&place, &[], SpectrumRequest::leading(6));
     let outcome = outcome.unwrap();
     assert_eq!(outcome.exit, Exit::Done, "{text}");
@@ -78,7 +78,7 @@ fn eigenpairs_stand_in_result_files_page_and_terminal() {
 /// An optimisation that has ended is diagnosed without being run again, to the same bits; the rise of the cost scales half-widths by its root.
 #[test]
 fn of_an_optimisation_that_has_ended() {
-    let (place, whole) = (Place::new(), Place::new());
+    let (place, whole) = (CaseDirectory::new(), CaseDirectory::new());
     let outcome = place.run(Command::Optimize, BAR, &SET).unwrap();
     assert!(outcome.result["spectrum"].is_null() && !place.path("out/spectrum.vtu").exists());
     let (first, _) = optimize(&whole, &[], SpectrumRequest::leading(3));
@@ -99,7 +99,7 @@ fn of_an_optimisation_that_has_ended() {
 /// Far from an unreachable target, where a run ends at its start, the second derivative is indefinite.
 #[test]
 fn a_saddle_is_told() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let costs = r#"costs=[{ "kind": "tracking", "surface": "x+", "target": ["X", "Y", "Z + 300"] }]"#;
     let start = ["controls/0/start=0", "optimizer/absolute_tolerance=1e9", costs];
     let (outcome, text) = optimize(&place, &start, SpectrumRequest::leading(2));
@@ -113,7 +113,7 @@ fn a_saddle_is_told() {
 #[test]
 fn what_cannot_be_is_refused_before_the_run() {
     let refused = |set: &[&str], request: SpectrumRequest| {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let (outcome, text) = optimize(&place, set, request);
         let error = outcome.unwrap_err();
         assert_eq!(error.exit(), Exit::BadInput);

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, with};
+use common::{CaseDirectory, with};
 use nastic_language::schema::Command;
 
 /// A bar that does not contract sideways, on a spring between the middle of its end and the ground.
@@ -19,7 +19,7 @@ const ENDS: &str = r#""from": [20, 5, 5], "to": { "ground": [40, 5, 5] }"#;
 /// k (g - s l - L) = mu A (s - 1/s), in N and mm: (10 + 10) s^2 - 16 s - 10 = 0.
 #[test]
 fn a_bar_on_a_spring_has_the_stretch_of_the_closed_solution() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let found = place.run(Command::Solve, BAR, &[]).unwrap().result;
     let number = |path: &str| nastic_run::result::find(&found, path).unwrap().as_f64().unwrap();
     let s = (16.0 + f64::sqrt(16.0 * 16.0 + 4.0 * 20.0 * 10.0)) / 40.0;
@@ -42,18 +42,18 @@ fn a_bar_on_a_spring_has_the_stretch_of_the_closed_solution() {
 fn names_lengths_and_load_cases() {
     let bare = with(BAR, r#""name": "band", "#, "");
     let bare = with(&bare, r#", "length": "8 mm""#, "");
-    let found = Place::new().run(Command::Solve, &bare, &[]).unwrap().result;
+    let found = CaseDirectory::new().run(Command::Solve, &bare, &[]).unwrap().result;
     let number = |path: &str| nastic_run::result::find(&found, path).unwrap().as_f64().unwrap();
     assert_eq!((number("contributions/spring 0/rest_length"), number("contributions/spring 0/force")), (20.0, 0.0));
     assert!(number("probes/tip/displacement/0").abs() < 1e-12);
     // within the body, from the mean of nothing but its own points
     let inner = with(BAR, ENDS, r#""from": [0, 5, 5], "to": [20, 5, 5]"#);
-    let found = Place::new().run(Command::Solve, &inner, &[]).unwrap().result;
+    let found = CaseDirectory::new().run(Command::Solve, &inner, &[]).unwrap().result;
     let s = (4.0 + f64::sqrt(4.0 * 4.0 + 4.0 * 20.0 * 10.0)) / 40.0;
     let tip = nastic_run::result::find(&found, "probes/tip/displacement/0").unwrap().as_f64().unwrap();
     assert!((tip - 20.0 * (s - 1.0)).abs() < 1e-7, "{tip}");
     let cases = r#""load_cases": [ { "name": "soft" }, { "name": "stiff", "set": { "springs/0/stiffness": "1 N/mm" } } ], "probes""#;
-    let found = Place::new().run(Command::Solve, &with(BAR, r#""probes""#, cases), &[]).unwrap().result;
+    let found = CaseDirectory::new().run(Command::Solve, &with(BAR, r#""probes""#, cases), &[]).unwrap().result;
     let tip = |name: &str| found["load_cases"][name]["probes"]["tip"]["displacement"][0].as_f64().unwrap();
     let stiff = (32.0 + f64::sqrt(32.0 * 32.0 + 4.0 * 30.0 * 10.0)) / 60.0;
     assert!((tip("soft") - 20.0 * (16.0 + f64::sqrt(1056.0)) / 40.0 + 20.0).abs() < 1e-7, "{}", tip("soft"));
@@ -62,7 +62,7 @@ fn names_lengths_and_load_cases() {
 
 #[test]
 fn check_says_what_it_understood() {
-    let found = Place::new().run(Command::Check, BAR, &[]).unwrap().result;
+    let found = CaseDirectory::new().run(Command::Check, BAR, &[]).unwrap().result;
     let spring = &found["springs"][0];
     assert_eq!((spring["name"].as_str(), spring["to"]["ground"][0].as_f64()), (Some("band"), Some(40.0)));
     assert_eq!(spring["force_at_rest"].as_f64(), Some(6.0));
@@ -89,18 +89,18 @@ fn mistakes_about_a_spring_are_told() {
             vec!["supports/0/stiffness", "\"springs\""],
         ),
     ];
-    for (from, to, told) in cases {
-        let error = Place::new().run(Command::Check, &with(BAR, from, to), &[]).unwrap_err().to_string();
-        assert!(told.iter().all(|words| error.contains(words)), "{to}: {error}");
+    for (from, to, message) in cases {
+        let error = CaseDirectory::new().run(Command::Check, &with(BAR, from, to), &[]).unwrap_err().to_string();
+        assert!(message.iter().all(|words| error.contains(words)), "{to}: {error}");
     }
     let twice =
         with(BAR, "\"springs\": [", &format!("\"springs\": [ {{ \"name\": \"band\", {ENDS}, \"stiffness\": 1 }},"));
-    let error = Place::new().run(Command::Check, &twice, &[]).unwrap_err().to_string();
+    let error = CaseDirectory::new().run(Command::Check, &twice, &[]).unwrap_err().to_string();
     assert!(error.contains("springs/1") && error.contains("\"band\""), "{error}");
     // under tension it holds across itself too, without it along itself alone
     let rollers = with(BAR, ", { \"surface\": \"y-\", \"fix\": \"y\" }", "");
-    assert!(Place::new().run(Command::Check, &rollers, &[]).is_ok());
+    assert!(CaseDirectory::new().run(Command::Check, &rollers, &[]).is_ok());
     let rollers = with(&rollers, r#", "length": "8 mm""#, "");
-    let error = Place::new().run(Command::Check, &rollers, &[]).unwrap_err().to_string();
+    let error = CaseDirectory::new().run(Command::Check, &rollers, &[]).unwrap_err().to_string();
     assert!(["supports", "1 rigid motion", "shift along y"].iter().all(|words| error.contains(words)), "{error}");
 }

@@ -5,7 +5,7 @@
 
 use crate::common;
 
-use common::{BAR, Heard, Place};
+use common::{BAR, CaseDirectory, Heard};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Analysis, Exit, Options};
@@ -14,7 +14,7 @@ use serde_json::Value;
 const STRIP: &str = include_str!("../../language/tests/cases/swelling_strip.json");
 
 /// The result of an analysis, how it ended and what it said.
-fn analyse(place: &Place, case: &str, analysis: Analysis, set: &[&str]) -> (Value, Exit, String) {
+fn analyse(place: &CaseDirectory, case: &str, analysis: Analysis, set: &[&str]) -> (Value, Exit, String) {
     let heard = Heard::default();
     let options = Options { analysis, ..place.options(set) };
     let outcome = place.run_with(Command::Solve, case, &Console::new(heard.clone()), &options);
@@ -28,7 +28,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 #[test]
 fn modes_are_told_and_written() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let (result, exit, said) = analyse(&place, STRIP, Analysis::Modes(3), &[]);
     assert_eq!(exit, Exit::Done);
     let lambda = numbers(&result["modes"]["eigenvalues"]);
@@ -52,7 +52,7 @@ fn modes_are_told_and_written() {
 
 #[test]
 fn every_member_has_its_modes() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let cases = r#""load_cases": [
         { "name": "calm", "set": { "materials/0/young": "2 MPa" } }, { "name": "pressed" } ], "probes""#;
     let case = common::with(STRIP, r#""probes""#, cases);
@@ -64,7 +64,7 @@ fn every_member_has_its_modes() {
 
 #[test]
 fn more_modes_than_unknowns_are_refused() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let options = Options { analysis: Analysis::Modes(1000), ..place.options(&[]) };
     let refused = place.run_with(Command::Solve, BAR, &Console::silent(), &options).unwrap_err();
     assert_eq!(refused.exit(), Exit::BadInput);
@@ -74,7 +74,7 @@ fn more_modes_than_unknowns_are_refused() {
 /// The strip with turgor buckles where `p = pi^2 E h^2 / (3 L^2)`, 1316 Pa.
 #[test]
 fn a_ramp_tells_every_point_and_the_critical_value() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let (result, exit, said) = analyse(&place, STRIP, Analysis::Ramp("swelling=0 Pa:2 kPa:5".to_owned()), &[]);
     assert_eq!(exit, Exit::Done);
     let ramp = &result["ramp"];
@@ -109,7 +109,7 @@ fn a_ramp_tells_every_point_and_the_critical_value() {
 /// A control by cell is set everywhere; its points are the equilibria of their values.
 #[test]
 fn a_control_of_another_space_goes_everywhere() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let (result, ..) = analyse(&place, BAR, Analysis::Ramp("tension=-20 kPa:10 kPa:2".to_owned()), &[]);
     let last = result["ramp"]["points"][1]["probes"]["tip"]["displacement"][0].as_f64().unwrap();
     let (alone, ..) = analyse(&place, BAR, Analysis::Equilibrium, &["controls/0/start=10 kPa"]);
@@ -119,7 +119,7 @@ fn a_control_of_another_space_goes_everywhere() {
 
 #[test]
 fn a_ramp_that_fails_keeps_its_points_and_says_where() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let (result, exit, said) = analyse(&place, BAR, Analysis::Ramp("tension=0:2 MPa:4".to_owned()), &[]);
     assert_eq!(exit, Exit::ForwardFailed);
     assert_eq!(exit.code(), 3);
@@ -142,18 +142,18 @@ fn a_ramp_that_fails_keeps_its_points_and_says_where() {
     assert!(tension.iter().all(|t| (t - number("last_value")).abs() < 1e-6), "{tension:?}");
     assert!(result["error"].as_str().unwrap().contains("the ramp stops at"), "{result:#}");
     assert!(said.contains("STOPPED"), "{said}");
-    // a solve that takes long is told of every 50 iterations where there is no terminal
+    // a solve that takes long is reported every 50 iterations where there is no terminal
     let spent = number("newton_iterations");
-    let told = said.lines().filter(|line| line.starts_with("            Newton iteration ")).count() as f64;
-    assert!(spent >= 50.0 && told >= (spent / 50.0).floor(), "{spent} iterations, {told} lines: {said}");
+    let message = said.lines().filter(|line| line.starts_with("            Newton iteration ")).count() as f64;
+    assert!(spent >= 50.0 && message >= (spent / 50.0).floor(), "{spent} iterations, {message} lines: {said}");
     assert!(said.contains("            Newton iteration 50, residual "), "{said}");
     assert_eq!(std::fs::read_to_string(place.path("out/ramp.csv")).unwrap().lines().count(), 1 + points.len());
 }
 
 #[test]
 fn a_ramp_that_cannot_be_is_bad_input() {
-    let place = Place::new();
-    for (text, told) in [
+    let place = CaseDirectory::new();
+    for (text, message) in [
         ("swelling", "is not CONTROL=FROM:TO:N"),
         ("swelling=0:1", "is not CONTROL=FROM:TO:N"),
         ("swelling=0:1:1", "N must be a whole number from 2 to 10000"),
@@ -164,14 +164,14 @@ fn a_ramp_that_cannot_be_is_bad_input() {
         let options = Options { analysis: Analysis::Ramp(text.to_owned()), ..place.options(&[]) };
         let refused = place.run_with(Command::Solve, STRIP, &Console::silent(), &options).unwrap_err();
         assert_eq!(refused.exit(), Exit::BadInput);
-        assert!(refused.to_string().contains(told), "{refused}");
+        assert!(refused.to_string().contains(message), "{refused}");
     }
 }
 
 /// A cantilever under a dead axial load of one and a half times Euler's, `E' I pi^2 / (4 L^2)`.
 #[test]
 fn a_path_tells_its_points_and_where_the_body_buckles() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let load = r#""loads": [ { "surface": "x+", "traction": ["-123.37 Pa", "0 Pa"] } ], "probes""#;
     let supports = r#", { "surface": "x+", "fix": ["x", "y"] }"#;
     let case = common::with(&common::with(STRIP, r#""probes""#, load), supports, "").replace("2 kPa", "0 Pa");
@@ -200,7 +200,7 @@ fn a_path_tells_its_points_and_where_the_body_buckles() {
 
 #[test]
 fn other_equilibria_stand_beside_the_first() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let (result, exit, said) = analyse(&place, STRIP, Analysis::Equilibria(3), &[]);
     assert_eq!(exit, Exit::Done);
     assert_eq!(result["inertia"], 1);
@@ -226,7 +226,7 @@ fn other_equilibria_stand_beside_the_first() {
 /// The shipped arch: its expectations hold along the path, and those of a single state do not count there.
 #[test]
 fn the_arch_has_the_limit_points_it_expects() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let case = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/cases/arch.json");
     let options = Options { analysis: Analysis::Path, ..place.options(&[]) };
     let run =
@@ -256,7 +256,7 @@ fn the_arch_has_the_limit_points_it_expects() {
 /// The result is that of the stable state: its inertia, probes, costs and files.
 #[test]
 fn an_unstable_equilibrium_goes_on_to_a_minimum() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let cost = r#""costs": [ { "kind": "tracking", "region": "body", "target": ["X", "Y"] } ], "probes""#;
     let case = common::with(STRIP, r#""probes""#, cost);
     let (straight, ..) = analyse(&place, &case, Analysis::Equilibrium, &[]);

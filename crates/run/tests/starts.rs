@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Heard, Place};
+use common::{CaseDirectory, Heard};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
@@ -26,7 +26,7 @@ const STARTS: [&str; 5] = [
 type NamedBytes = (String, Vec<u8>);
 
 /// Results but for times and threads, the history but for seconds, all files that show no times.
-fn content(place: &Place) -> (Value, Vec<Value>, Vec<NamedBytes>) {
+fn content(place: &CaseDirectory) -> (Value, Vec<Value>, Vec<NamedBytes>) {
     let mut result = place.json("result.json");
     let timed = ["seconds", "threads", "peak_memory", "resumed"];
     result.as_object_mut().unwrap().retain(|key, _| !timed.contains(&key.as_str()));
@@ -37,7 +37,7 @@ fn content(place: &Place) -> (Value, Vec<Value>, Vec<NamedBytes>) {
     (serde_json::from_str(&result.to_string().replace(&own_name, "")).unwrap(), history(place), files)
 }
 
-fn history(place: &Place) -> Vec<Value> {
+fn history(place: &CaseDirectory) -> Vec<Value> {
     let text = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let line = |line: &str| {
         let mut line: Value = serde_json::from_str(line).unwrap();
@@ -47,7 +47,7 @@ fn history(place: &Place) -> Vec<Value> {
     text.lines().map(line).collect()
 }
 
-fn assert_same(place: &Place, other: &Place, what: &str) {
+fn assert_same(place: &CaseDirectory, other: &CaseDirectory, what: &str) {
     let ((result, history, files), (result_2, history_2, files_2)) = (content(place), content(other));
     assert_eq!(format!("{result:#}"), format!("{result_2:#}"), "{what}");
     assert_eq!(history, history_2, "{what}");
@@ -58,7 +58,7 @@ fn assert_same(place: &Place, other: &Place, what: &str) {
 }
 
 /// Optimises on so many threads; what was said.
-fn optimise(place: &Place, set: &[&str], threads: usize) -> String {
+fn optimise(place: &CaseDirectory, set: &[&str], threads: usize) -> String {
     let heard = Heard::default();
     let options = Options { threads: Some(threads), ..place.options(set) };
     place.run_with(Command::Optimize, MAGNET, &Console::new(heard.clone()), &options).unwrap();
@@ -79,13 +79,13 @@ fn without_times(said: &str) -> Vec<String> {
 
 #[test]
 fn starts_give_the_same_bits_and_lines_on_any_number_of_threads() {
-    let one = Place::new();
+    let one = CaseDirectory::new();
     let said = optimise(&one, &STARTS, 1);
     let starts = one.json("result.json")["starts"].as_array().unwrap().clone();
     let stopped = starts.iter().filter(|start| start["stopped_early"] == true).count();
     assert!(stopped > 0, "the test needs a start that is stopped: {starts:#?}");
     for threads in [2, 3, 8] {
-        let several = Place::new();
+        let several = CaseDirectory::new();
         let said_there = optimise(&several, &STARTS, threads);
         assert_same(&several, &one, &format!("{threads} threads"));
         assert_eq!(without_times(&said_there), without_times(&said), "{threads} threads");
@@ -94,7 +94,7 @@ fn starts_give_the_same_bits_and_lines_on_any_number_of_threads() {
 
 #[test]
 fn hopeless_starts_are_stopped_and_the_best_minimum_is_kept() {
-    let (early, whole) = (Place::new(), Place::new());
+    let (early, whole) = (CaseDirectory::new(), CaseDirectory::new());
     let said = optimise(&early, &STARTS, 2);
     let set: Vec<&str> = STARTS.iter().chain(&["optimizer/early_stopping=false"]).copied().collect();
     optimise(&whole, &set, 2);
@@ -126,11 +126,11 @@ fn hopeless_starts_are_stopped_and_the_best_minimum_is_kept() {
 /// Interrupted by what listens to trials, in the first round and behind it, on one thread and on several.
 #[test]
 fn starts_that_were_interrupted_go_on_to_the_bit() {
-    let whole = Place::new();
+    let whole = CaseDirectory::new();
     optimise(&whole, &STARTS, 2);
     let trials = history(&whole).len();
     for (moment, threads) in [(3, 2), (trials / 3, 3), (trials / 2, 1), (4 * trials / 5, 2), (trials - 4, 3)] {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let mut options = Options { threads: Some(threads), ..place.options(&STARTS) };
         let (heard, cancel) = (AtomicUsize::new(0), options.cancel.clone());
         options.on_trial = OnTrial::call(move |_| {
@@ -138,8 +138,9 @@ fn starts_that_were_interrupted_go_on_to_the_bit() {
         });
         let interrupted = place.run_with(Command::Optimize, MAGNET, &Console::silent(), &options).unwrap();
         assert_eq!(interrupted.exit, Exit::NotConverged, "after {moment} trials");
-        let told = history(&place);
-        let accepted = told.iter().filter(|trial| trial["accepted"] == true).filter_map(|trial| trial["cost"].as_f64());
+        let message = history(&place);
+        let accepted =
+            message.iter().filter(|trial| trial["accepted"] == true).filter_map(|trial| trial["cost"].as_f64());
         let (least, kept) =
             (accepted.fold(f64::INFINITY, f64::min), interrupted.result["cost"]["total"].as_f64().unwrap());
         assert!(kept <= least, "after {moment} trials the result has {kept:e}, the history {least:e}");
@@ -153,21 +154,21 @@ fn starts_that_were_interrupted_go_on_to_the_bit() {
 /// Who listens hears every trial once, in the order of the history.
 #[test]
 fn trials_are_told_in_the_order_of_the_history() {
-    let place = Place::new();
-    let told: Arc<Mutex<Vec<Value>>> = Arc::default();
+    let place = CaseDirectory::new();
+    let message: Arc<Mutex<Vec<Value>>> = Arc::default();
     let mut options = Options { threads: Some(3), ..place.options(&STARTS) };
-    let kept = told.clone();
+    let kept = message.clone();
     options.on_trial = OnTrial::call(move |line| kept.lock().unwrap().push(serde_json::to_value(line).unwrap()));
     place.run_with(Command::Optimize, MAGNET, &Console::silent(), &options).unwrap();
-    let mut told = told.lock().unwrap().clone();
-    told.iter_mut().for_each(|line| drop(line.as_object_mut().unwrap().remove("seconds")));
-    assert_eq!(told, history(&place));
+    let mut message = message.lock().unwrap().clone();
+    message.iter_mut().for_each(|line| drop(line.as_object_mut().unwrap().remove("seconds")));
+    assert_eq!(message, history(&place));
 }
 
-/// On a terminal one passing line tells of all starts that run at once.
+/// On a terminal one passing line reports all starts that run at once.
 #[test]
 fn the_passing_line_tells_of_all_starts_under_way() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let passing = Heard::default();
     let console = Console::silent().with_passing(passing.clone());
     place.run_with(Command::Optimize, MAGNET, &console, &place.options(&STARTS)).unwrap();

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, with};
+use common::{CaseDirectory, with};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
@@ -25,7 +25,7 @@ const PULLED: &str = r#"{ "nastic": 1, "title": "bar",
   "costs": [ { "kind": "position", "surface": "x+", "target": { "x": "0.09" }, "when": "integral" } ],
   "time": { "end": "50 ms", "step": "1 ms", "scheme": "bdf2", "output": "5 ms" } }"#;
 
-/// Counts the Newton iterations that solves tell of, and raises a flag at one of them.
+/// Counts the Newton iterations that solves reports, and raises a flag at one of them.
 struct Watch {
     cancel: Arc<AtomicBool>,
     at: usize,
@@ -34,8 +34,8 @@ struct Watch {
 
 impl std::io::Write for Watch {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        let told = std::str::from_utf8(bytes).unwrap().matches("Newton").count();
-        if self.count.fetch_add(told, Ordering::Relaxed) + told >= self.at {
+        let message = std::str::from_utf8(bytes).unwrap().matches("Newton").count();
+        if self.count.fetch_add(message, Ordering::Relaxed) + message >= self.at {
             self.cancel.store(true, Ordering::Relaxed);
         }
         Ok(bytes.len())
@@ -47,7 +47,7 @@ impl std::io::Write for Watch {
 }
 
 /// Solves until so many Newton iterations are done; how many there were.
-fn solve(place: &Place, case: &str, at: usize) -> (Result<Outcome, RunError>, usize) {
+fn solve(place: &CaseDirectory, case: &str, at: usize) -> (Result<Outcome, RunError>, usize) {
     let options = place.options(&[]);
     let count = Arc::new(AtomicUsize::new(0));
     let watch = Watch { cancel: options.cancel.clone(), at, count: count.clone() };
@@ -55,19 +55,19 @@ fn solve(place: &Place, case: &str, at: usize) -> (Result<Outcome, RunError>, us
     (found, count.load(Ordering::Relaxed))
 }
 
-fn go_on(place: &Place) -> Result<Outcome, RunError> {
+fn go_on(place: &CaseDirectory) -> Result<Outcome, RunError> {
     let options = Options { threads: Some(1), ..Options::default() };
     resume(&Catalogue::standard(), &place.path("out"), &options, &Console::silent())
 }
 
 /// All files but those with times and names of machines.
-fn content(place: &Place) -> Vec<(String, Vec<u8>)> {
+fn content(place: &CaseDirectory) -> Vec<(String, Vec<u8>)> {
     let wanted = place.files().into_iter().filter(|name| !["result.json", "report.html"].contains(&name.as_str()));
     wanted.map(|name| (name.clone(), std::fs::read(place.path("out").join(name)).unwrap())).collect()
 }
 
 /// A result without times, and without the path of its case.
-fn plain(place: &Place, mut result: Value) -> Value {
+fn plain(place: &CaseDirectory, mut result: Value) -> Value {
     let entries = result.as_object_mut().unwrap();
     for key in ["seconds", "peak_memory", "threads", "resumed"] {
         entries.remove(key);
@@ -78,7 +78,7 @@ fn plain(place: &Place, mut result: Value) -> Value {
 
 #[test]
 fn a_motion_that_fails_leaves_what_it_found() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let torn = with(PULLED, "-1 MPa * t / (1 s)", "1 GPa * max(t - 20.5 ms, 0) / (1 s)");
     let error = place.run(Command::Solve, &torn, &[]).unwrap_err();
     assert_eq!(error.exit(), Exit::ForwardFailed);
@@ -123,7 +123,7 @@ fn a_motion_that_was_stopped_goes_on_with_the_same_bits() {
     let rubbed = with(&rubbed, r#""scheme": "bdf2""#, r#""scheme": "backward_euler", "start": "rest""#);
     // of steps that are found the first half of the iterations, and more, belongs to that
     for (case, share) in [(PULLED, 0.5), (&tolerance, 0.8), (&rubbed, 0.5), (PULLED, 0.02)] {
-        let (whole, place) = (Place::new(), Place::new());
+        let (whole, place) = (CaseDirectory::new(), CaseDirectory::new());
         let (expected, iterations) = solve(&whole, case, usize::MAX);
         let expected = expected.unwrap();
         let error = solve(&place, case, (share * iterations as f64) as usize).0.unwrap_err();
@@ -141,7 +141,7 @@ fn a_motion_that_was_stopped_goes_on_with_the_same_bits() {
         assert!(!place.files().contains(&"motion_checkpoint.bin".to_owned()));
     }
     // of several members, of which any may be ahead; one that was quicker than the signal is begun again
-    let whole = Place::new();
+    let whole = CaseDirectory::new();
     let expected = whole.run(Command::Solve, &two, &[]).unwrap();
     let place = (0..20).map(|_| stopped_at_once(&two)).find_map(|(place, stopped)| stopped.then_some(place));
     let place = place.expect("it was stopped once");
@@ -151,8 +151,8 @@ fn a_motion_that_was_stopped_goes_on_with_the_same_bits() {
 }
 
 /// A run that is stopped as soon as its first checkpoint is there, and whether it was.
-fn stopped_at_once(case: &str) -> (Place, bool) {
-    let place = Place::new();
+fn stopped_at_once(case: &str) -> (CaseDirectory, bool) {
+    let place = CaseDirectory::new();
     let options = place.options(&[]);
     let cancel = options.cancel.clone();
     let begun = place.path("out").join("motion_checkpoint.bin");
@@ -173,7 +173,7 @@ fn stopped_at_once(case: &str) -> (Place, bool) {
 /// A motion that was stopped is not thrown away by another command in its directory, unless it is asked to.
 #[test]
 fn another_command_leaves_a_stopped_motion() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     assert!(solve(&place, PULLED, 70).0.is_err());
     let kept = content(&place);
     let error = place.run(Command::Solve, PULLED, &[]).err().unwrap();
@@ -188,7 +188,7 @@ fn another_command_leaves_a_stopped_motion() {
 
 #[test]
 fn a_checkpoint_of_another_case_is_refused() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     assert!(solve(&place, PULLED, 70).0.is_err());
     place.write("case.json", &with(PULLED, "0.3 MPa", "0.4 MPa"));
     let error = go_on(&place).unwrap_err();

@@ -85,10 +85,10 @@ fn history(directory: &Path) -> String {
 
 /// Stops the study after so many trials.
 fn stopped_after(study: Study, trials: usize) -> Study {
-    let (flag, told) = (Arc::new(AtomicBool::new(false)), AtomicUsize::new(0));
+    let (flag, described) = (Arc::new(AtomicBool::new(false)), AtomicUsize::new(0));
     let raised = flag.clone();
     let count = move |_: &TrialRecord| {
-        if told.fetch_add(1, Ordering::Relaxed) == trials {
+        if described.fetch_add(1, Ordering::Relaxed) == trials {
             raised.store(true, Ordering::Relaxed);
         }
     };
@@ -197,8 +197,8 @@ fn another_problem_does_not_go_on() -> Result {
 
     // The command line cannot know the program's code, and says so.
     let catalogue = nastic_language::catalogue::Catalogue::standard();
-    let told = nastic_run::run::resume(&catalogue, &out, &Options::default(), &Console::silent()).unwrap_err();
-    assert!(told.to_string().contains("Study::resume"), "{told}");
+    let described = nastic_run::run::resume(&catalogue, &out, &Options::default(), &Console::silent()).unwrap_err();
+    assert!(described.to_string().contains("Study::resume"), "{described}");
 
     // Begun anew where that is said.
     let anew = study(3.1e5, 1.0)?.directory(&out).restart(true).optimize(&lbfgs())?;
@@ -222,18 +222,18 @@ fn a_checkpoint_that_does_not_serve_is_told_in_words_for_a_program() -> Result {
     stopped_after(study(3e5, 1.0)?.directory(place.path()), 5).optimize(&lbfgs())?;
     let file = place.path().join("checkpoint.bin");
     let whole = std::fs::read(&file)?;
-    let told = |content: Vec<u8>| -> Result<[String; 2]> {
+    let described = |content: Vec<u8>| -> Result<[String; 2]> {
         std::fs::write(&file, content)?;
         let of =
             |found: std::result::Result<Optimum, StudyError>| found.err().map_or_else(String::new, |e| e.to_string());
         let study = || study(3e5, 1.0).map(|study| study.directory(place.path()));
         Ok([of(study()?.resume(&lbfgs())), of(study()?.optimize(&lbfgs()))])
     };
-    for text in told(whole[..whole.len() - 1].to_vec())? {
+    for text in described(whole[..whole.len() - 1].to_vec())? {
         assert!(text.contains("is damaged") && text.contains("Study::restart(true)"), "{text}");
         assert!(!text.contains("--restart"), "{text}");
     }
-    let [version, _] = told(of_version(whole, "0.0.9"))?;
+    let [version, _] = described(of_version(whole, "0.0.9"))?;
     assert!(version.contains("was written by version 0.0.9") && version.contains("Study::restart(true)"), "{version}");
     Ok(())
 }
@@ -346,17 +346,17 @@ fn a_cost_of_ones_own_is_checked_before_anything_is_optimised() -> Result {
 #[test]
 fn what_does_not_fit_is_told_before_anything_is_solved() -> Result {
     let new = || -> Result<Study> { Ok(Study::new(bar(3e5)?.cost(tracking(1.0))?)?) };
-    let told = |study: Study| study.optimize(&lbfgs()).err().map_or_else(String::new, |error| error.to_string());
-    let unknown = told(new()?.within("tip", Bounds::new(0.0, 1.0)?));
+    let described = |study: Study| study.optimize(&lbfgs()).err().map_or_else(String::new, |error| error.to_string());
+    let unknown = described(new()?.within("tip", Bounds::new(0.0, 1.0)?));
     assert_eq!(unknown, "there is no control \"tip\"; there are: top");
     let outside =
-        told(new()?.within("top", Bounds::new(-1e5, 0.0)?).start("top", vec![0., 0., 1e3, 0., 0., 0., 0., 0.]));
+        described(new()?.within("top", Bounds::new(-1e5, 0.0)?).start("top", vec![0., 0., 1e3, 0., 0., 0., 0., 0.]));
     assert!(outside.starts_with("the start of \"top\" at cell 2 lies outside its set"), "{outside}");
-    assert_eq!(told(new()?.start("top", vec![0.0; 3])), "\"top\" has 8 values, its start 3");
-    assert_eq!(told(new()?.start_at(vec![0.0; 9])), "the start has 9 values, the control vector 8");
-    let probe = told(new()?.probe("tip", [1.0, 0.1, 0.3]));
+    assert_eq!(described(new()?.start("top", vec![0.0; 3])), "\"top\" has 8 values, its start 3");
+    assert_eq!(described(new()?.start_at(vec![0.0; 9])), "the start has 9 values, the control vector 8");
+    let probe = described(new()?.probe("tip", [1.0, 0.1, 0.3]));
     assert!(probe.starts_with("probe \"tip\": (1, 0.1, 0.3) is outside the body"), "{probe}");
-    let short = told(new()?.within("top", Bounds::new(vec![0.0; 3], vec![1.0; 3])?));
+    let short = described(new()?.within("top", Bounds::new(vec![0.0; 3], vec![1.0; 3])?));
     assert!(short.contains("the bounds are for 3 components, the control has 8"), "{short}");
     Ok(())
 }
@@ -366,13 +366,13 @@ fn a_set_of_vectors_has_the_components_of_the_control() -> Result {
     // Three components would fit the number of values, 6, though not the scalars.
     let body = passive_bar([3, 1, 2])?.actuate("body", "top", FiberTension::along(Vec3::x())?)?;
     let problem = Reduced::new(body).control("top", Space::Cell)?.cost(tracking(1.0))?;
-    let told = refused(Study::new(problem)?.within("top", Ball::new(3, 1e5)?))?;
+    let described = refused(Study::new(problem)?.within("top", Ball::new(3, 1e5)?))?;
     assert_eq!(
-        told,
+        described,
         "the vectors of the set of \"top\" have 3 components, the values of the control 1: make the set for 1, or give bounds"
     );
-    let told = refused(magnet(Space::Cell, None)?.within("magnet.remanence", Sphere::new(2, 0.1)?))?;
-    assert!(told.contains("have 2 components, the values of the control 3"), "{told}");
+    let described = refused(magnet(Space::Cell, None)?.within("magnet.remanence", Sphere::new(2, 0.1)?))?;
+    assert!(described.contains("have 2 components, the values of the control 3"), "{described}");
     Ok(())
 }
 
@@ -384,8 +384,8 @@ fn a_nodal_field_on_a_sphere_has_its_length_between_the_nodes_too() -> Result {
         let points = if space == Space::Node { 24 } else { 6 };
         Ok(study.start("magnet.remanence", start.repeat(points)))
     };
-    let told = refused(of(Space::Node, None)?)?;
-    assert!(told.contains("Reduced::of_length(\"magnet.remanence\", 0.1)"), "{told}");
+    let described = refused(of(Space::Node, None)?)?;
+    assert!(described.contains("Reduced::of_length(\"magnet.remanence\", 0.1)"), "{described}");
     of(Space::Node, Some(0.1))?.optimize(&lbfgs())?;
     of(Space::Cell, None)?.optimize(&lbfgs())?;
     Ok(())

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Heard, Place};
+use common::{BAR, CaseDirectory, Heard};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
@@ -17,24 +17,29 @@ use std::sync::{Arc, OnceLock};
 const OPTIMIZE: Sweep = Sweep { command: Command::Optimize, warm: false };
 const SOLVE: Sweep = Sweep { command: Command::Solve, warm: false };
 
-fn sweep_with(place: &Place, how: &Sweep, options: &Options, console: &Console) -> Result<SweepOutcome, RunError> {
+fn sweep_with(
+    place: &CaseDirectory,
+    how: &Sweep,
+    options: &Options,
+    console: &Console,
+) -> Result<SweepOutcome, RunError> {
     let file = place.write("case.json", BAR);
     sweep(&Catalogue::standard(), how, &file, &Options { no_report: true, ..options.clone() }, console)
 }
 
-fn swept(place: &Place, how: &Sweep, set: &[&str]) -> SweepOutcome {
+fn swept(place: &CaseDirectory, how: &Sweep, set: &[&str]) -> SweepOutcome {
     sweep_with(place, how, &place.options(set), &Console::silent()).unwrap()
 }
 
 /// The table, head first.
-fn table(place: &Place) -> Vec<Vec<String>> {
+fn table(place: &CaseDirectory) -> Vec<Vec<String>> {
     let text = std::fs::read_to_string(place.path("out/sweep.csv")).unwrap();
     text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
 }
 
 #[test]
 fn every_row_has_the_numbers_of_a_run_of_its_own() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let heard = Heard::default();
     let options = place.options(&["materials/0/mu1=90 kPa,110 kPa", "optimizer/max_iterations=3"]);
     let outcome = sweep_with(&place, &OPTIMIZE, &options, &Console::new(heard.clone())).unwrap();
@@ -45,7 +50,7 @@ fn every_row_has_the_numbers_of_a_run_of_its_own() {
     assert_eq!(table[0][..3], ["run", "materials/0/mu1", "exit"]);
     for (row, value) in table[1..].iter().zip(["90 kPa", "110 kPa"]) {
         assert_eq!(row[..3], [format!("mu1={}", value.replace(' ', "_")), value.to_owned(), "4".to_owned()]);
-        let alone = Place::new();
+        let alone = CaseDirectory::new();
         let set = [format!("materials/0/mu1={value}"), "optimizer/max_iterations=3".to_owned()];
         let alone = alone.run(Command::Optimize, BAR, &[&set[0], &set[1]]).unwrap().result;
         let terms = alone["cost"]["terms"].as_object().unwrap();
@@ -75,7 +80,7 @@ fn every_row_has_the_numbers_of_a_run_of_its_own() {
 
 #[test]
 fn several_options_mean_all_combinations_and_arrays_are_values() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let set = ["actuation/0/direction=[1,0,0],[0,0,1]", "controls/0/start=-10 kPa,-20 kPa", "materials/0/mu2=[1]"];
     // mu2 is no list: every run is refused for it, and is a row nevertheless.
     let refused = swept(&place, &SOLVE, &set);
@@ -107,7 +112,7 @@ fn a_run_that_fails_is_a_row_and_the_worst_decides_the_exit_code() {
         format!(r#"supports=[{{"surface":"x-","fix":"all"}},{{"surface":"x+","displacement":{{"x":{end}}}}}]"#)
     };
     let set = format!("{},{}", crushed("0.1"), crushed("-1.2").strip_prefix("supports=").unwrap());
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let outcome = swept(&place, &SOLVE, &[&set]);
     let runs = outcome.result["runs"].as_array().unwrap();
     assert_eq!((outcome.exit, &runs[0]["exit"], &runs[1]["exit"]), (Exit::ForwardFailed, &0.into(), &3.into()));
@@ -121,7 +126,7 @@ fn a_run_that_fails_is_a_row_and_the_worst_decides_the_exit_code() {
 
 #[test]
 fn expectations_of_the_case_are_left_aside() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let expect = r#"expect={"min_J": {"value": 3, "absolute": 0.1}}"#;
     assert_eq!(place.run(Command::Solve, BAR, &[expect]).unwrap().exit, Exit::ExpectMissed);
     assert_eq!(swept(&place, &SOLVE, &["controls/0/start=0 Pa,-10 kPa", expect]).exit, Exit::Done);
@@ -130,7 +135,7 @@ fn expectations_of_the_case_are_left_aside() {
 #[test]
 fn a_warm_run_starts_where_the_one_before_ended() {
     let set = ["costs/0/weight=1,1.01"];
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let cold = swept(&place, &OPTIMIZE, &set);
     assert!(cold.result["runs"][1]["warm_from"].is_null());
     let warm = Sweep { warm: true, ..OPTIMIZE };
@@ -146,7 +151,7 @@ fn a_warm_run_starts_where_the_one_before_ended() {
 
 #[test]
 fn a_sweep_that_is_cancelled_keeps_what_it_has() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let trials = Arc::new(AtomicUsize::new(0));
     let options = place.options(&["costs/0/weight=1,2,3"]);
     let (cancel, counted) = (options.cancel.clone(), trials.clone());
@@ -166,8 +171,8 @@ fn a_sweep_that_is_cancelled_keeps_what_it_has() {
 
 #[test]
 fn what_cannot_be_swept_is_refused_before_anything_is_written() {
-    static PLACE: OnceLock<Place> = OnceLock::new();
-    let place = PLACE.get_or_init(Place::new);
+    static PLACE: OnceLock<CaseDirectory> = OnceLock::new();
+    let place = PLACE.get_or_init(CaseDirectory::new);
     for (how, set, part) in [
         (&OPTIMIZE, "materials/0/mu1=1", "no option has several values"),
         (&OPTIMIZE, "materials/0/mu1=50,100 kPa", "a unit belongs to the value before it alone"),

@@ -4,14 +4,14 @@
 
 use crate::common;
 
-use common::{BAR, Heard, Place};
+use common::{BAR, CaseDirectory, Heard};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::Options;
 
 #[test]
 fn distances_from_the_target_are_told_with_their_unit() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let said = place.text(Command::Optimize, BAR, &[]);
     let line = said.lines().find(|line| line.starts_with("distance    tracking: root mean square ")).unwrap();
     let result = place.json("result.json");
@@ -26,7 +26,7 @@ fn distances_from_the_target_are_told_with_their_unit() {
 
 #[test]
 fn columns_are_explained_on_request() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let heard = Heard::default();
     let options = Options { explain: true, ..place.options(&["optimizer/max_iterations=1"]) };
     place.run_with(Command::Optimize, BAR, &Console::new(heard.clone()), &options).unwrap();
@@ -42,7 +42,7 @@ fn columns_are_explained_on_request() {
 
 #[test]
 fn a_body_at_rest_is_called_so() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let rest = "equilibrium the state of rest";
     assert!(place.text(Command::Solve, BAR, &["controls/0/start=0"]).contains(rest));
     assert!(!place.text(Command::Solve, BAR, &[]).contains(rest));
@@ -50,7 +50,7 @@ fn a_body_at_rest_is_called_so() {
 
 #[test]
 fn the_passing_line_tells_how_far_an_optimisation_is() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let passing = Heard::default();
     let console = Console::silent().with_passing(passing.clone());
     place.run_with(Command::Optimize, BAR, &console, &place.options(&["optimizer/max_iterations=3"])).unwrap();
@@ -65,7 +65,7 @@ fn the_passing_line_tells_how_far_an_optimisation_is() {
 
 #[test]
 fn a_case_is_told_how_long_it_takes() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let said = place.text(Command::Check, BAR, &["optimizer/max_iterations=7"]);
     assert!(said.contains("duration    the tangent at rest, assembled and factorised: "), "{said}");
     assert!(said.contains(", 7 iterations "), "{said}");
@@ -80,7 +80,7 @@ fn a_case_is_told_how_long_it_takes() {
 
 #[test]
 fn time_and_memory_are_told_at_the_end() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let said = place.text(Command::Solve, BAR, &[]);
     let line = said.lines().last().unwrap();
     assert!(line.starts_with("time        "), "{line}");

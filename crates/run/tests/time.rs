@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, problems};
+use common::{CaseDirectory, problems};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Analysis, Exit, Options};
@@ -40,7 +40,7 @@ fn tip(result: &Value) -> Vec<f64> {
 }
 
 fn solve(text: &str) -> Value {
-    Place::new().run(Command::Solve, text, &[]).unwrap().result
+    CaseDirectory::new().run(Command::Solve, text, &[]).unwrap().result
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn a_value_in_time_and_a_control_in_time_are_the_same() {
     assert_eq!(controlled["controls"]["fibers"]["instants"], serde_json::json!([0.0, 0.01, 0.02]));
     assert_eq!(controlled["controls"]["fibers"]["values"][2], -2e4);
     // from a table, linear between its rows
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.write("pump.csv", "t, air, tension\n0, 7, 0\n0.01, 8, -1e4\n0.04, 9, -4e4\n");
     let table = r#"{ "file": "pump.csv", "column": "tension" }"#;
     for text in [
@@ -156,7 +156,7 @@ fn costs_and_controls_in_time_have_a_right_gradient() {
           { "name": "spent", "kind": "actuation_work", "weight": 10 },
           { "kind": "control_norm", "of": "fibers", "weight": 1e-8 } ]"#;
     let text = case(STEPS, DENSE, &format!("{HELD}{FIBERS}{blocks}"));
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let outcome = place.run(Command::Gradcheck, &text, &[]).unwrap();
     assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
     // Every second of the terms counts.
@@ -171,7 +171,7 @@ fn costs_and_controls_in_time_have_a_right_gradient() {
 
 #[test]
 fn a_motion_is_written_step_by_step() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let control = r#" } ], "controls": [ { "of": "fibers", "space": "uniform", "lower": "-50 kPa", "upper": 0,
         "start": "-1 MPa * t / (1 s)", "in_time": { "every": "10 ms", "interpolation": "constant" } } ]"#;
     let text = case(&format!(r#"{STEPS}, "output": "5 ms""#), DENSE, &format!("{HELD}{FIBERS}{control}"));
@@ -211,7 +211,7 @@ fn what_looks_at_equilibria_refuses_motions() {
         (Analysis::Path, "--path"),
         (Analysis::Equilibria(2), "--equilibria"),
     ] {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let options = Options { analysis, ..place.options(&[]) };
         let error = place.run_with(Command::Solve, &text, &Console::silent(), &options).unwrap_err().to_string();
         assert!(error.contains(&format!("time: {option} looks at equilibria")), "{error}");
@@ -353,7 +353,7 @@ fn mistakes_are_told_with_what_to_write() {
     }
 }
 
-/// Newmark's scheme with beta = 1/4, gamma = 1/2 is the trapezoidal rule, its defaults are those of the catalogue; memory that is told to
+/// Newmark's scheme with beta = 1/4, gamma = 1/2 is the trapezoidal rule, its defaults are those of the catalogue; memory that is set to
 /// suffice does.
 #[test]
 fn schemes_have_parameters() {

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{Place, problems, with};
+use common::{CaseDirectory, problems, with};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
@@ -36,13 +36,13 @@ fn driven() -> String {
     with(&with(RELEASED, fixed, control), "100 ms", "40 ms")
 }
 
-fn solve(case: &str) -> (Place, Value) {
-    let place = Place::new();
+fn solve(case: &str) -> (CaseDirectory, Value) {
+    let place = CaseDirectory::new();
     let outcome = place.run(Command::Solve, case, &[]).unwrap_or_else(|error| panic!("{error}"));
     (place, outcome.result)
 }
 
-fn rows(place: &Place) -> Vec<Vec<f64>> {
+fn rows(place: &CaseDirectory) -> Vec<Vec<f64>> {
     let text = std::fs::read_to_string(place.path("out").join("motion.csv")).unwrap();
     text.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect()
 }
@@ -94,7 +94,7 @@ fn steps_follow_the_motion() {
 #[test]
 fn the_derivative_over_found_steps_is_right() {
     let case = driven();
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let outcome = place.run(Command::Gradcheck, &case, &[]).unwrap();
     assert_eq!(outcome.exit, Exit::Done, "{}", outcome.result);
     // knots and the instants of costs are instants of the motion
@@ -110,7 +110,7 @@ fn the_derivative_over_found_steps_is_right() {
 #[test]
 fn an_optimum_that_needs_shorter_steps_is_told() {
     let case = driven();
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let optimum = place.run(Command::Optimize, &case, &[]).unwrap().result;
     assert!(optimum["cost"]["total"].as_f64().unwrap() < 0.2 * optimum["start"]["cost"]["total"].as_f64().unwrap());
     let codes: Vec<&str> =
@@ -118,7 +118,7 @@ fn an_optimum_that_needs_shorter_steps_is_told() {
     assert!(codes.contains(&"step_error"), "{codes:?}");
     let error = optimum["time"]["step_error"]["largest"].as_f64().unwrap();
     assert!(error > 1.5 * 2e-6, "{error:e}");
-    let again = Place::new().run(Command::Optimize, &case, &[]).unwrap().result;
+    let again = CaseDirectory::new().run(Command::Optimize, &case, &[]).unwrap().result;
     assert_eq!(optimum["cost"], again["cost"]);
     // begun again from there it has steps of its own
     let file = place.path("out").join("controls.json").display().to_string();
@@ -152,7 +152,7 @@ impl std::io::Write for Watch {
 fn a_resumed_optimisation_has_the_same_steps() {
     let case = with(&driven(), r#""max_iterations": 12"#, r#""max_iterations": 4"#);
     let case = with(&case, r#""optimizer""#, r#""output": { "checkpoint": 1 }, "optimizer""#);
-    let (whole, place) = (Place::new(), Place::new());
+    let (whole, place) = (CaseDirectory::new(), CaseDirectory::new());
     let expected = whole.run(Command::Optimize, &case, &[]).unwrap().result;
     let options = place.options(&[]);
     let watch = Watch { cancel: options.cancel.clone(), word: "3 " };
@@ -201,7 +201,7 @@ fn what_a_tolerance_does_not_go_with_is_refused() {
         assert!(found.contains(wanted), "{found}\nwanted: {wanted}");
     }
     // out of reach: a failed motion, not a wrong case
-    let error = Place::new().run(Command::Solve, &with(RELEASED, "2 um", "1e-30"), &[]).unwrap_err();
+    let error = CaseDirectory::new().run(Command::Solve, &with(RELEASED, "2 um", "1e-30"), &[]).unwrap_err();
     assert_eq!(error.exit(), Exit::ForwardFailed, "{error}");
     assert!(error.to_string().contains("out of reach"), "{error}");
 }
@@ -209,10 +209,10 @@ fn what_a_tolerance_does_not_go_with_is_refused() {
 /// `check` says what it knows without running the motion.
 #[test]
 fn check_says_what_is_to_be_found() {
-    let text = Place::new().text(Command::Check, RELEASED, &[]);
+    let text = CaseDirectory::new().text(Command::Check, RELEASED, &[]);
     for wanted in ["steps to 0.1 s, found before the motion runs", "none longer than 0.002 s", "11 given instants"] {
         assert!(text.contains(wanted), "{wanted}: {text}");
     }
-    let text = Place::new().text(Command::Solve, RELEASED, &[]);
+    let text = CaseDirectory::new().text(Command::Solve, RELEASED, &[]);
     assert!(text.contains("found at the start controls (") && text.contains("a step adds at most"), "{text}");
 }

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Heard, Place, with};
+use common::{BAR, CaseDirectory, Heard, with};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Exit, ModesRequest, Options};
@@ -25,7 +25,7 @@ fn beam(beta: f64) -> f64 {
     beta * beta / TAU * (1e6 * 0.02 * 0.02 / 12.0 / 1000.0_f64).sqrt()
 }
 
-fn modes(place: &Place, case: &str, asked: ModesRequest, set: &[&str]) -> (Value, String) {
+fn modes(place: &CaseDirectory, case: &str, asked: ModesRequest, set: &[&str]) -> (Value, String) {
     let heard = Heard::default();
     let options = Options { modes: asked, ..place.options(set) };
     let outcome = place.run_with(Command::Modes, case, &Console::new(heard.clone()), &options);
@@ -40,7 +40,7 @@ fn lowest(count: usize) -> ModesRequest {
 
 #[test]
 fn frequencies_are_told_and_shapes_written() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let (result, said) = modes(&place, &strip(), lowest(3), &["controls/0/start=0 Pa"]);
     let found = &result["modes"];
     assert_eq!((&found["about"], &found["units"]["frequency"]), (&"equilibrium".into(), &"Hz".into()));
@@ -67,11 +67,11 @@ fn frequencies_are_told_and_shapes_written() {
     assert!(page.contains("mode of vibration"));
 }
 
-/// The turgor presses the strip against its ends: its lowest frequency falls, and beyond buckling the mode is told to
+/// The turgor presses the strip against its ends: its lowest frequency falls, and beyond buckling the mode is said to
 /// be unstable. About the undeformed body the pressure does not count.
 #[test]
 fn pressure_lowers_the_frequency_until_the_strip_buckles() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let first = |pressure: &str, asked: ModesRequest| {
         let start = format!("controls/0/start={pressure}");
         let (result, said) = modes(&place, &strip(), asked, &[start.as_str()]);
@@ -92,7 +92,7 @@ fn pressure_lowers_the_frequency_until_the_strip_buckles() {
 /// Frequencies in Hz and masses in kg whatever the case's units.
 #[test]
 fn units_of_the_case_do_not_matter() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let metres = with(BAR, "\"law\":", "\"density\": \"1100 kg/m^3\", \"law\":");
     let millimetres = with(&metres, "{", "{ \"units\": \"mm\",");
     let undeformed = ModesRequest { count: 1, undeformed: true };
@@ -106,7 +106,7 @@ fn units_of_the_case_do_not_matter() {
 
 #[test]
 fn every_member_has_its_modes() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let cases = r#""load_cases": [
         { "name": "soft", "set": { "materials/0/young": "0.5 MPa" } }, { "name": "hard" } ], "probes""#;
     let case = with(&strip(), r#""probes""#, cases);
@@ -116,11 +116,11 @@ fn every_member_has_its_modes() {
     assert!(said.contains("in soft") && place.path("out/soft_start.vtu").exists(), "{said}");
 }
 
-/// A motion's modes are those of the equilibrium that it begins at, and are told as its steps show them: backward Euler
+/// A motion's modes are those of the equilibrium that it begins at, and are reported as its steps show them: backward Euler
 /// has `d/w = ln(1 + t^2)/t` and the frequency `atan(t)/t` at `t = h w`, without damping; with some of its own, more.
 #[test]
 fn modes_of_a_motion_are_told_as_its_steps_show_them() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let (still, _) = modes(&place, &strip(), lowest(2), &["controls/0/start=658 Pa"]);
     let time = r#""time": { "end": "1 s", "step": "100 ms", "scheme": "backward_euler" }, "probes""#;
     let case = with(&strip(), r#""probes""#, time);
@@ -147,7 +147,7 @@ fn modes_of_a_motion_are_told_as_its_steps_show_them() {
 /// The ten lowest modes of `siere` are as they are, the next one is damped as by backward Euler; it has no derivative.
 #[test]
 fn exact_modes_are_told_as_they_are() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let time = r#""time": { "end": "100 ms", "step": "50 ms", "scheme": "siere" }, "probes""#;
     let case = with(&strip(), r#""probes""#, time);
     let (result, _) = modes(&place, &case, lowest(11), &["controls/0/start=0 Pa"]);
@@ -169,7 +169,7 @@ fn exact_modes_are_told_as_they_are() {
 
 #[test]
 fn what_has_no_such_modes_is_refused() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let refused = place.run(Command::Modes, BAR, &[]).unwrap_err();
     assert_eq!(refused.exit(), Exit::BadInput);
     assert!(refused.to_string().contains("density"), "{refused}");
@@ -177,4 +177,44 @@ fn what_has_no_such_modes_is_refused() {
     let refused = place.run_with(Command::Modes, &strip(), &Console::silent(), &options).unwrap_err();
     assert_eq!(refused.exit(), Exit::BadInput);
     assert!(refused.to_string().contains("ask for 1 to"), "{refused}");
+}
+
+const DROPPED: &str = r#"{
+  "nastic": 1,
+  "mesh": { "box": { "size": [0.1, 0.02, 0.02], "cells": [4, 1, 1], "element": "hex20" } },
+  "materials": [ { "region": "body", "law": "neo_hooke", "young": "200 kPa", "poisson": 0.4, "density": "1000 kg/m^3" } ],
+  "supports": [ { "surface": "x-", "fix": ["x", "y", "z"] } ],
+  "actuation": [ { "name": "fibre", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0], "tension": "0 Pa * t" } ],
+  "loads": [ { "gravity": [0, 0, "-9.81 m/s^2"] } ],
+  "time": { "end": "0.5 s", "step": "0.01 s", "scheme": "trapezoidal", "start": "rest" }
+}"#;
+
+/// Steps that damp or slow a vibration down which carries energy, and those between which a drive oscillates, are said to.
+#[test]
+fn steps_too_long_for_what_happens_are_said_to_be() {
+    let warned = |command: Command, changes: &[(&str, &str)]| -> Vec<String> {
+        let case = changes.iter().fold(DROPPED.to_owned(), |case, (before, after)| with(&case, before, after));
+        let found = CaseDirectory::new().run(command, &case, &[]).unwrap();
+        let all = found.result["warnings"].as_array().unwrap();
+        let own = all.iter().filter(|one| one["code"] == "time_step");
+        own.map(|one| one["message"].as_str().unwrap().to_owned()).collect()
+    };
+    let coarse = ("\"0.01 s\"", "\"0.05 s\"");
+    let damped = ("trapezoidal", "backward_euler");
+    assert_eq!(warned(Command::Solve, &[]), [""; 0]);
+    let found = warned(Command::Solve, &[damped]);
+    assert!(found.len() == 1 && found[0].contains("damp the lowest vibration by d/w = 0.2"), "{found:?}");
+    let found = warned(Command::Solve, &[damped, coarse]);
+    assert!(found.len() == 1 && found[0].contains("is seen at 0.6"), "{found:?}");
+    // damped by the body itself, and slow beside the vibration
+    assert_eq!(
+        warned(Command::Solve, &[damped, ("\"start\": \"rest\"", "\"rayleigh\": { \"stiffness\": \"0.1 s\" }")]),
+        [""; 0]
+    );
+    let drive = |formula: &'static str| ("0 Pa * t", formula);
+    let found = warned(Command::Check, &[coarse, drive("10 kPa * sin(2 * pi * 20 * t)")]);
+    assert!(found.len() == 1 && found[0].contains("in 10 of 10"), "{found:?}");
+    for resolved in ["10 kPa * sin(2 * pi * 1.5 * t)", "10 kPa * (t > 0.12)"] {
+        assert_eq!(warned(Command::Check, &[coarse, drive(resolved)]), [""; 0], "{resolved}");
+    }
 }

@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{BAR, Heard, Place, warnings, with};
+use common::{BAR, CaseDirectory, Heard, warnings, with};
 use nastic_case::warning::WARNINGS;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
@@ -33,7 +33,7 @@ fn codes(outcome: &Outcome) -> Vec<String> {
 }
 
 fn run(command: Command, case: &str) -> Outcome {
-    Place::new().run(command, case, &[]).unwrap_or_else(|error| panic!("{error}"))
+    CaseDirectory::new().run(command, case, &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn message(outcome: &Outcome, code: &str) -> String {
@@ -54,12 +54,15 @@ fn locking_elements() {
         let case = with(&with(&soft, "quad9", element), r#""poisson": 0.3"#, &format!(r#""poisson": {poisson}"#));
         assert_eq!(warnings(&case).contains("[locking]"), locks, "{element} at {poisson}: {}", warnings(&case));
     }
-    // what helps is named, and then there is nothing to tell
+    // what helps is named, and then there is nothing to report
     let nearly = with(&soft, r#""poisson": 0.3"#, r#""poisson": 0.499"#);
     for element in ["quad4", "tri6", "tri3"] {
         let case = with(&nearly, "quad9", element);
-        let told = warnings(&case);
-        assert!(told.contains("take \"formulation\": \"mean_dilatation\" in the material"), "{element}: {told}");
+        let described = warnings(&case);
+        assert!(
+            described.contains("take \"formulation\": \"mean_dilatation\" in the material"),
+            "{element}: {described}"
+        );
         let cured = with(&case, r#""poisson": 0.499"#, r#""poisson": 0.499, "formulation": "mean_dilatation""#);
         assert_eq!(warnings(&cured), "", "{element}");
     }
@@ -72,7 +75,7 @@ $Elements\n4\n1 3 2 1 1 1 2 3 4\n2 3 2 1 1 5 6 7 8\n3 1 2 2 2 4 1\n4 1 2 2 2 5 6
 
 #[test]
 fn cells_that_are_badly_shaped_or_not_connected() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.write("two.msh", TWO_CELLS);
     let case = r#"{ "nastic": 1, "mesh": "two.msh",
         "materials": [ { "region": "body", "law": "neo_hooke", "young": "100 kPa", "poisson": 0.3 } ],
@@ -90,7 +93,7 @@ fn bounds_far_beyond_the_material() {
 #[test]
 fn an_unstable_equilibrium() {
     assert_eq!(codes(&run(Command::Solve, &column("-40 Pa"))), [""; 0]);
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let outcome = place.run(Command::Solve, &column("-80 Pa"), &[]).unwrap();
     assert_eq!((codes(&outcome), outcome.exit), (vec!["unstable".to_owned()], Exit::Done));
     assert!(message(&outcome, "unstable").contains("1 negative pivot"), "{}", outcome.result["warnings"]);
@@ -118,16 +121,18 @@ fn an_unstable_equilibrium() {
 #[test]
 fn a_path_into_unstable_states() {
     let along = |analysis: Analysis| {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let options = Options { analysis, ..place.options(&[]) };
         place.run_with(Command::Solve, &column("-80 Pa"), &Console::silent(), &options).unwrap()
     };
     let path = along(Analysis::Path);
     assert_eq!(codes(&path), ["unstable"], "{}", path.result["warnings"]);
-    let told = message(&path, "unstable");
+    let described = message(&path, "unstable");
     assert!(
-        told.starts_with("path at ") && told.contains("1 negative pivot") && told.contains(" such states among "),
-        "{told}"
+        described.starts_with("path at ")
+            && described.contains("1 negative pivot")
+            && described.contains(" such states among "),
+        "{described}"
     );
     assert_eq!(codes(&along(Analysis::Minimum)), [""; 0]);
 }
@@ -137,19 +142,22 @@ fn a_path_into_unstable_states() {
 fn ramps_and_equilibria_into_unstable_states() {
     const STRIP: &str = include_str!("../../language/tests/cases/swelling_strip.json");
     let of = |analysis: Analysis| {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let options = Options { analysis, ..place.options(&[]) };
         place.run_with(Command::Solve, STRIP, &Console::silent(), &options).unwrap()
     };
     let ramp = of(Analysis::Ramp("swelling=0 Pa:2 kPa:5".to_owned()));
     assert_eq!(codes(&ramp), ["unstable"], "{}", ramp.result["warnings"]);
-    let told = message(&ramp, "unstable");
-    assert!(told.starts_with("ramp at 1500: ") && told.contains("(the first of 2 such states among 5)"), "{told}");
-    // the first is told with the equilibrium, and again among the three
+    let described = message(&ramp, "unstable");
+    assert!(
+        described.starts_with("ramp at 1500: ") && described.contains("(the first of 2 such states among 5)"),
+        "{described}"
+    );
+    // the first is reported with the equilibrium, and again among the three
     let three = of(Analysis::Equilibria(3));
     assert_eq!(codes(&three), ["unstable", "unstable"], "{}", three.result["warnings"]);
-    let told = three.result["warnings"][1]["message"].as_str().unwrap();
-    assert!(told.contains("(the first of 1 such states among 3)"), "{told}");
+    let described = three.result["warnings"][1]["message"].as_str().unwrap();
+    assert!(described.contains("(the first of 1 such states among 3)"), "{described}");
 }
 
 /// A strip whose fibres shorten above and lengthen below rolls up.
@@ -162,7 +170,7 @@ fn a_body_that_intersects_itself() {
         );
         strip("[1.0, 0.02]", "[60, 1]", &fixed)
     };
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let open = place.run(Command::Solve, &rolled("5 kPa"), &[]).unwrap_or_else(|error| panic!("{error}"));
     assert!(codes(&open).is_empty(), "{}", open.result["warnings"]);
     assert_eq!(open.result["self_intersection"]["cells"], 0);
@@ -192,9 +200,9 @@ fn an_optimisation_in_which_nothing_moves() {
 #[test]
 fn an_optimisation_whose_cost_hardly_falls() {
     let case = from_rest(r#""target": ["X - 0.001", "Y + 1000", "Z"]"#);
-    let outcome = Place::new().run(Command::Optimize, &case, &["optimizer/max_iterations=1"]).unwrap();
+    let outcome = CaseDirectory::new().run(Command::Optimize, &case, &["optimizer/max_iterations=1"]).unwrap();
     assert!(message(&outcome, "no_movement").contains("of itself alone"), "{}", outcome.result["warnings"]);
-    let fine = Place::new().run(Command::Optimize, BAR, &["optimizer/max_iterations=1"]).unwrap();
+    let fine = CaseDirectory::new().run(Command::Optimize, BAR, &["optimizer/max_iterations=1"]).unwrap();
     assert!(!codes(&fine).contains(&"no_movement".to_owned()), "{}", fine.result["warnings"]);
 }
 
@@ -235,24 +243,27 @@ fn an_optimum_that_depends_on_the_path() {
     let field = outcome.result["controls"]["field"]["min"].as_f64().unwrap();
     assert!((-5e-4..0.0).contains(&field), "{field}");
     assert_eq!(codes(&outcome), ["not_verified"], "{}", outcome.result["warnings"]);
-    let told = message(&outcome, "not_verified");
-    assert!(told.contains("of their norm, the cost is"), "{told}");
+    let described = message(&outcome, "not_verified");
+    assert!(described.contains("of their norm, the cost is"), "{described}");
 }
 
 /// A target below: the first step takes the strip from the upper branch, which ends at about -0.5 mT, to the lower one.
 #[test]
 fn an_optimum_on_another_branch() {
     let lower = with(SNAPPING, "Y + 0.024", "Y - 0.05");
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let outcome = place.run(Command::Optimize, &lower, &[]).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(codes(&outcome), ["branch_change"], "{}", outcome.result["warnings"]);
-    let told = message(&outcome, "branch_change");
-    assert!(told.contains("iteration 1: the branch of the state before turns back at a limit point"), "{told}");
+    let described = message(&outcome, "branch_change");
+    assert!(
+        described.contains("iteration 1: the branch of the state before turns back at a limit point"),
+        "{described}"
+    );
     let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let changed: Vec<bool> = history.lines().map(|line| line.contains("\"branch_changed\":true")).collect();
     assert!(changed.iter().enumerate().all(|(trial, changed)| *changed == (trial == 1)), "{history}");
     // Of several starts each has its own.
-    let outcome = Place::new().run(Command::Optimize, &lower, &["optimizer/starts=2"]).unwrap();
+    let outcome = CaseDirectory::new().run(Command::Optimize, &lower, &["optimizer/starts=2"]).unwrap();
     let places: Vec<&str> =
         outcome.result["warnings"].as_array().unwrap().iter().filter_map(|w| w["place"].as_str()).collect();
     assert!(codes(&outcome).iter().all(|code| code == "branch_change"), "{}", outcome.result["warnings"]);
@@ -270,7 +281,7 @@ fn optima_on_other_branches_without_a_shifted_tangent() {
     {
         let case = with(SNAPPING, "Y + 0.024", target);
         let set = [&format!("mesh/box/cells={cells}"), &format!("controls/0/start={start}"), "optimizer/verify=false"];
-        let outcome = Place::new().run(Command::Optimize, &case, &set.map(|x| x as &str)).unwrap();
+        let outcome = CaseDirectory::new().run(Command::Optimize, &case, &set.map(|x| x as &str)).unwrap();
         assert_eq!(codes(&outcome)[0], "branch_change", "{cells}, {start}: {}", outcome.result["warnings"]);
     }
 }
@@ -278,7 +289,7 @@ fn optima_on_other_branches_without_a_shifted_tangent() {
 /// Rows of a ramp between which the strip snaps; the field there is that at which a path turns back.
 #[test]
 fn a_ramp_over_a_jump() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     let options = Options { analysis: Analysis::Ramp("field=1 mT:-2 mT:13".to_owned()), ..place.options(&[]) };
     let outcome = place.run_with(Command::Solve, SNAPPING, &Console::silent(), &options).unwrap();
     assert_eq!(codes(&outcome), ["branch_change"], "{}", outcome.result["warnings"]);
@@ -293,7 +304,7 @@ fn a_ramp_over_a_jump() {
 fn a_state_at_a_bifurcation() {
     const STRIP: &str = include_str!("../../language/tests/cases/swelling_strip.json");
     let solve = |analysis: Analysis, start: f64| {
-        let place = Place::new();
+        let place = CaseDirectory::new();
         let options = Options { analysis, ..place.options(&[&format!("controls/0/start={start:?}")]) };
         place.run_with(Command::Solve, STRIP, &Console::silent(), &options).unwrap_or_else(|error| panic!("{error}"))
     };
@@ -314,10 +325,10 @@ fn a_state_at_a_bifurcation() {
     assert_eq!(codes(&solve(Analysis::Equilibrium, 1.001 * value)), ["unstable"]);
 }
 
-/// Every accepted trial is told with its negative pivots.
+/// Every accepted trial is reported with its negative pivots.
 #[test]
 fn the_history_has_the_inertia_of_accepted_trials() {
-    let place = Place::new();
+    let place = CaseDirectory::new();
     place.run(Command::Optimize, BAR, &[]).unwrap();
     let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let lines: Vec<serde_json::Value> = history.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
@@ -328,15 +339,15 @@ fn the_history_has_the_inertia_of_accepted_trials() {
 #[test]
 fn the_page_of_warnings_is_complete() {
     let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/warnings.md")).unwrap();
-    let told: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("## `")?.strip_suffix('`')).collect();
+    let described: Vec<&str> = page.lines().filter_map(|line| line.strip_prefix("## `")?.strip_suffix('`')).collect();
     let known: Vec<&str> = WARNINGS.iter().map(|kind| kind.code).collect();
-    assert_eq!(told, known);
+    assert_eq!(described, known);
 }
 
 /// `mu/2 |F|^2` outweighs no pressure on a volume; `lambda/2 (J - 1)^2` does.
 #[test]
 fn a_turgor_that_nothing_balances() {
-    for (poisson, told) in [("0", true), ("0.1", false)] {
+    for (poisson, described) in [("0", true), ("0.1", false)] {
         let case = format!(
             r#"{{ "nastic": 1, "mesh": {{ "box": {{ "size": [1.0, 0.5, 0.5], "cells": [2, 1, 1], "element": "hex20" }} }},
               "materials": [ {{ "region": "body", "law": "neo_hooke", "young": "1 MPa", "poisson": {poisson} }} ],
@@ -344,10 +355,10 @@ fn a_turgor_that_nothing_balances() {
               "actuation": [ {{ "name": "swelling", "kind": "turgor", "region": "body", "pressure": "1 kPa" }} ] }}"#
         );
         let outcome = run(Command::Check, &case);
-        assert_eq!(codes(&outcome).contains(&"unbalanced_turgor".to_owned()), told, "{poisson}");
+        assert_eq!(codes(&outcome).contains(&"unbalanced_turgor".to_owned()), described, "{poisson}");
         let stated = &outcome.result["existence"][0];
         assert_eq!((&stated["cells"], &stated["conditions"]["polyconvex"]), (&2.into(), &true.into()), "{stated}");
-        assert_eq!(stated["conditions"]["balances_pressure"], !told, "{stated}");
+        assert_eq!(stated["conditions"]["balances_pressure"], !described, "{stated}");
         // nothing bounds the cofactor of a neo-Hookean body
         assert_eq!(stated["conditions"]["holds"], false, "{stated}");
     }
@@ -370,8 +381,8 @@ fn a_body_deformed_beyond_any_material() {
     assert_eq!(codes(&compressed), ["extreme_deformation"], "{}", compressed.result["warnings"]);
     assert!(message(&compressed, "extreme_deformation").contains("the smallest J is 0."));
     let stretched = solve("0.1 MPa", "20 MPa");
-    let told = message(&stretched, "extreme_deformation");
-    assert!(told.contains("times the size of the body"), "{told}");
+    let described = message(&stretched, "extreme_deformation");
+    assert!(described.contains("times the size of the body"), "{described}");
     assert_eq!(codes(&solve("-0.2 MPa", "0.3 MPa")), [""; 0]);
 }
 
@@ -404,11 +415,36 @@ fn a_control_grid_finer_than_the_mesh() {
     };
     let coarse = case("[32, 4]");
     assert_eq!(codes(&run(Command::Check, &coarse)), [""; 0]);
-    let told = Place::new().text(Command::Check, &coarse, &[]);
-    assert!(told.contains("muscle: by grid of 32 x 4 cells, 165 unknowns"), "{told}");
+    let described = CaseDirectory::new().text(Command::Check, &coarse, &[]);
+    assert!(described.contains("muscle: by grid of 32 x 4 cells, 165 unknowns"), "{described}");
     let fine = run(Command::Check, &case("[64, 16]"));
     assert_eq!(codes(&fine), ["grid_resolution"]);
-    let told = message(&fine, "grid_resolution");
-    assert!(told.contains("controls/0/space") && told.contains("grid of 64 x 16"), "{told}");
-    assert!(told.contains("a grid of at most 32 x 4"), "{told}");
+    let described = message(&fine, "grid_resolution");
+    assert!(described.contains("controls/0/space") && described.contains("grid of 64 x 16"), "{described}");
+    assert!(described.contains("a grid of at most 32 x 4"), "{described}");
+}
+
+/// Pa for kPa, and a body of which no part is soft; a stiff part beside soft ones is none of it.
+#[test]
+fn moduli_of_no_soft_matter() {
+    let of = |young: &str| warnings(&with(&strip("[0.1, 0.02]", "[5, 1]", ""), "100 kPa", young));
+    let soft = of("100 Pa");
+    assert!(
+        soft.contains("[units]") && soft.contains("Young's modulus is 100 Pa") && soft.contains("factor of 1000"),
+        "{soft}"
+    );
+    let stiff = of("34 MPa");
+    assert!(stiff.contains("[units]") && stiff.contains("34000 Pa would be usual"), "{stiff}");
+    let steel = of("200 GPa");
+    assert!(steel.contains("[units]") && steel.contains("is its unit right?"), "{steel}");
+    for usual in ["1 kPa", "20 MPa"] {
+        assert_eq!(of(usual), "", "{usual}");
+    }
+    let beside = r#" }, { "region": "body", "law": "neo_hooke", "young": "1 GPa", "poisson": 0.3 }"#;
+    let both = warnings(&with(
+        &strip("[0.1, 0.02]", "[5, 1]", ""),
+        r#""poisson": 0.3 }"#,
+        &format!(r#""poisson": 0.3{beside}"#),
+    ));
+    assert!(both.contains("both energies add up"), "{both}");
 }

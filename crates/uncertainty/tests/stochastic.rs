@@ -1,6 +1,6 @@
 //! Laws, the rules made of them, and random materials.
 
-use nastic_energy::Place;
+use nastic_energy::MaterialPoint;
 use nastic_numeric::Random;
 use nastic_uncertainty::{
     Beta, CATALOGUE, Gamma, Inadmissible, Law, Normal, Sample, StochasticError, StochasticMooneyRivlin, gauss_rule,
@@ -214,7 +214,7 @@ fn materials_keep_half_the_shear_modulus() -> Outcome {
             .scenarios
             .iter()
             .map(|s| {
-                let moduli = nastic_energy::ConvexDensity::small_strain(&s.law, Place { cell: 0, point: 0 });
+                let moduli = nastic_energy::ConvexDensity::small_strain(&s.law, MaterialPoint { cell: 0, point: 0 });
                 // Small strain: mu = 2 (mu1 + mu2).
                 s.probability * 0.5 * moduli.map_or(f64::NAN, |m| m.mu_t)
             })

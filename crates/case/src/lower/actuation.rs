@@ -1,15 +1,16 @@
 //! Actuations, and the values of their slots that nobody controls.
 
+use super::coarse_steps;
 use super::context::Context;
 use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, complain_of_law};
-use super::place;
+use super::named_groups;
 use super::tension::beyond_limit;
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
-use nastic_energy::{Dielectric, Place, Turgor};
+use nastic_energy::{Dielectric, MaterialPoint, Turgor};
 use nastic_fem::Solid;
 use nastic_language::expression::{Formula, dimension_of};
 use nastic_language::schema::{
@@ -60,7 +61,7 @@ fn add_law(
     context: &mut Context<'_>,
 ) {
     let mesh = solid.mesh().clone();
-    let Some(cells) = place::cells(&mesh, region, &actuation.at.key("region"), context) else { return };
+    let Some(cells) = named_groups::cells(&mesh, region, &actuation.at.key("region"), context) else { return };
     let disc = solid.discretization().clone();
     let points = SamplePoints::of_body(case, &disc, &cells);
     let Some(mut inputs) = inputs(parameters, &actuation.at, &points, context) else { return };
@@ -88,7 +89,7 @@ fn add_law(
 fn warn_of_growth(actuation: &Actuation, cells: &[u32], solid: &Solid, context: &mut Context<'_>) {
     let points = solid.discretization().points_of_cells();
     let unbalanced = |&&cell: &&u32| {
-        let at = Place { cell: cell as usize, point: points[cell as usize].0 };
+        let at = MaterialPoint { cell: cell as usize, point: points[cell as usize].0 };
         let laws = solid.body().materials_of(at.cell).map(|law| law.existence(at));
         let stated = laws.reduce(|sum, next| Some(sum?.and(next?))).flatten();
         stated.is_some_and(|stated| !stated.growth.balances_pressure())
@@ -243,6 +244,7 @@ fn fix_in_time(
             context.complain(at, must_pull(key));
             return None;
         }
+        coarse_steps::check(&instants, &each, |t| values(t).ok(), (at, context));
         let values = move |t: f64| values(t).map_err(|error| ControlError::Cost { what: error.to_string() });
         let fixed = reduced.fix_in_time(index, first + component, values);
         reduced = context.take(at, fixed)?;

@@ -98,8 +98,8 @@ impl CaseProblem {
             if let Some(excess) = joint_excess(body, bounds) {
                 warnings.push(Warning::new(&CONVEXITY, beyond_together(&excess, case.units)).of(member.name()));
             }
-            let told = body.costs().iter().flat_map(|cost| cost.warnings(body.solid()));
-            warnings.extend(told.map(|told| Warning::new(&HAUSDORFF_LENGTH, told).of(member.name())));
+            let shown = body.costs().iter().flat_map(|cost| cost.warnings(body.solid()));
+            warnings.extend(shown.map(|shown| Warning::new(&HAUSDORFF_LENGTH, shown).of(member.name())));
         }
         let differences = ensemble.scenarios().iter().map(|_| Map::new()).collect();
         Ok(Self {
@@ -154,9 +154,9 @@ fn field(
     let name = block.name.replace('/', ".");
     let unit = case.units.label(dimension_of(own.unit).unwrap_or(Dimension::NONE));
     let bodies = ensemble.members().iter().map(Member::problem);
-    let told =
+    let shown =
         unresolved(own, owner.problem()).map(|message| Warning::new(&GRID_RESOLUTION, format!("{name}: {message}")));
-    warnings.extend(told);
+    warnings.extend(shown);
     let users = bodies.filter(|body| body.layout().blocks().iter().any(|other| other.name == own.name));
     let limit = users
         .filter_map(|body| {

@@ -2,8 +2,8 @@
 
 use super::context::Context;
 use super::cost::Lowering;
+use super::named_groups::{Kind, NamedGroups};
 use super::obstacle;
-use super::place::{Kind, Place};
 use crate::lower::target_shape::TargetShape;
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
@@ -91,7 +91,7 @@ pub(super) fn add(
 
 fn distance(case: &Case, block: &KeepOut, reduced: &Reduced, context: &mut Context<'_>) -> Option<Box<dyn Constraint>> {
     let solid = reduced.solid();
-    let place = Place::of(&block.surface, &block.region, &block.nodes)?;
+    let place = NamedGroups::of(&block.surface, &block.region, &block.nodes)?;
     place.nodes(solid.mesh(), &block.at, context)?;
     let shape = obstacle::of(case, &block.shape, context)?;
     let distance = match place.kind {

@@ -3,7 +3,7 @@
 use super::actuation::fix_number;
 use super::context::Context;
 use super::named::attempt;
-use super::{obstacle, place};
+use super::{named_groups, obstacle};
 use crate::warning::{INPUT, INSIDE_OBSTACLE};
 use nastic_control::Reduced;
 use nastic_fem::{ContactLaw, Solid, SurfaceContact};
@@ -18,11 +18,11 @@ const SLIP: f64 = 0.01;
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for contact in &case.contact {
         let mesh = solid.mesh().clone();
-        if place::facets(&mesh, &contact.surface, &contact.at.key("surface"), context).is_none() {
+        if named_groups::facets(&mesh, &contact.surface, &contact.at.key("surface"), context).is_none() {
             continue;
         }
         if let Some(with) = &contact.with {
-            if place::facets(&mesh, with, &contact.at.key("with"), context).is_some() {
+            if named_groups::facets(&mesh, with, &contact.at.key("with"), context).is_some() {
                 let built = between(case, (contact, with), &mesh);
                 attempt(solid, &contact.at, context, |solid| solid.surface_contact(built));
             }

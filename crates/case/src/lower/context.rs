@@ -13,13 +13,13 @@ use std::sync::Arc;
 pub(super) struct Context<'a> {
     pub document: &'a Document,
     pub units: Units,
-    pub found: Found,
+    pub found: Findings,
     files: Rc<RefCell<Files>>,
 }
 
 /// What was found out about a case or one of its variants.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct Findings {
     pub problems: Vec<Diagnostic>,
     pub warnings: Vec<(&'static WarningKind, Diagnostic)>,
     pub notes: Vec<String>,
@@ -35,12 +35,12 @@ struct Files {
 
 impl<'a> Context<'a> {
     pub fn new(document: &'a Document, units: Units) -> Self {
-        Self { document, units, found: Found::default(), files: Rc::default() }
+        Self { document, units, found: Findings::default(), files: Rc::default() }
     }
 
     /// The context of a variant of the case: its own findings, the same files.
     pub fn variant<'b>(&self, document: &'b Document) -> Context<'b> {
-        Context { document, units: self.units, found: Found::default(), files: self.files.clone() }
+        Context { document, units: self.units, found: Findings::default(), files: self.files.clone() }
     }
 
     /// Notes a problem at a path of the case.
@@ -103,19 +103,19 @@ impl<'a> Context<'a> {
     }
 }
 
-impl Found {
-    /// Takes in what was found about variants. What all of them share is told once; what belongs to some alone names
+impl Findings {
+    /// Takes in what was found about variants. What all of them share is reported once; what belongs to some alone names
     /// the first of them.
-    pub fn absorb(&mut self, variants: Vec<(String, Found)>) {
+    pub fn absorb(&mut self, variants: Vec<(String, Findings)>) {
         let names: Vec<&String> = variants.iter().map(|(name, _)| name).collect();
         let problems: Vec<Vec<Diagnostic>> = variants.iter().map(|(_, found)| found.problems.clone()).collect();
         self.problems.extend(merged(&names, &problems));
         for kind in WARNINGS {
-            let own = |found: &Found| -> Vec<Diagnostic> {
-                found.warnings.iter().filter(|(of, _)| of == kind).map(|(_, told)| told.clone()).collect()
+            let own = |found: &Findings| -> Vec<Diagnostic> {
+                found.warnings.iter().filter(|(of, _)| of == kind).map(|(_, shown)| shown.clone()).collect()
             };
             let lists: Vec<Vec<Diagnostic>> = variants.iter().map(|(_, found)| own(found)).collect();
-            self.warnings.extend(merged(&names, &lists).into_iter().map(|told| (*kind, told)));
+            self.warnings.extend(merged(&names, &lists).into_iter().map(|shown| (*kind, shown)));
         }
         for note in variants.into_iter().flat_map(|(_, found)| found.notes) {
             if !self.notes.contains(&note) {

@@ -3,7 +3,7 @@
 use crate::lower::context::Context;
 use crate::lower::named_cost::{Named, NamedMotionTerm};
 use crate::lower::target_shape::TargetShape;
-use crate::lower::{cost_term, place, time};
+use crate::lower::{cost_term, named_groups, time};
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
     ControlError, Cost, IntoCost, MakeCost, Phi, Reduced, SmoothedHausdorff, Timeline, TrajectoryCost, When,
@@ -11,7 +11,7 @@ use nastic_control::{
 use nastic_language::schema;
 use nastic_language::schema::{Case, Cost as Block, Phi as PhiBlock, Stages};
 
-/// The target meshes, by cost; read before the body is built, so that all missing files are told at once.
+/// The target meshes, by cost; read before the body is built, so that all missing files are reported at once.
 pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option<TargetShape>> {
     case.costs.iter().map(|cost| load_target(cost, context)).collect()
 }
@@ -147,10 +147,10 @@ impl Lowering<'_> {
         let solid = self.reduced.solid();
         let mut sound = true;
         if let Some(region) = &block.region {
-            sound &= place::cells(solid.mesh(), region, &block.at.key("region"), context).is_some();
+            sound &= named_groups::cells(solid.mesh(), region, &block.at.key("region"), context).is_some();
         }
         if let Some(region) = &block.target_region {
-            sound &= place::cells(&target.mesh, region, &block.at.key("target_region"), context).is_some();
+            sound &= named_groups::cells(&target.mesh, region, &block.at.key("target_region"), context).is_some();
         }
         if !sound {
             return None;

@@ -3,7 +3,7 @@
 use super::array::{self, Entity};
 use super::context::Context;
 use super::cost::Lowering;
-use super::{obstacle, place, time};
+use super::{named_groups, obstacle, time};
 use nastic_control::{ControlError, CostInputs, CostKey, CostTakes, CostValue, Target};
 use nastic_language::expression::EvaluationError;
 use nastic_language::schema::{Coordinates, CostTerm, MeshSource, Target as TargetBlock, TermValue, Vector, vector_at};
@@ -77,9 +77,9 @@ impl Lowering<'_> {
         Some(match value {
             TermValue::Names(names) => {
                 match key.takes {
-                    CostTakes::Surface => drop(place::facets(&mesh, names, at, context)?),
-                    CostTakes::Region => drop(place::cells(&mesh, names, at, context)?),
-                    _ => drop(place::node_sets(&mesh, names, at, context)?),
+                    CostTakes::Surface => drop(named_groups::facets(&mesh, names, at, context)?),
+                    CostTakes::Region => drop(named_groups::cells(&mesh, names, at, context)?),
+                    _ => drop(named_groups::node_sets(&mesh, names, at, context)?),
                 }
                 CostValue::Names(names.clone())
             }
@@ -91,7 +91,7 @@ impl Lowering<'_> {
                 let points: Vec<[f64; 3]> = line.iter().map(Vector::xyz).collect();
                 let located =
                     points.iter().enumerate().map(|(i, x)| context.take(&at.index(i), mesh.locate_inside(*x)));
-                // every point outside is told
+                // every point outside is reported
                 let inside = located.fold(true, |all, one| all & one.is_some());
                 inside.then_some(CostValue::Line(points))?
             }

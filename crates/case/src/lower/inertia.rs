@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
-use super::place;
+use super::named_groups;
 use crate::warning::UNITS;
 use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch};
 use nastic_fem::{Inertia, Solid};
@@ -16,7 +16,7 @@ use nastic_tensor::Vec3;
 /// Gives the body its masses, viscous laws and weight; Rayleigh damping comes last, as it knows of all others.
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for material in &case.materials {
-        if place::cells(&solid.mesh().clone(), &material.region, &material.at.key("region"), context).is_some() {
+        if named_groups::cells(&solid.mesh().clone(), &material.region, &material.at.key("region"), context).is_some() {
             add_viscosity(case, material, solid, context);
         }
     }

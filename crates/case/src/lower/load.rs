@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::attempt;
-use super::place;
+use super::named_groups;
 use nastic_fem::{QuadraturePoints, Solid};
 use nastic_language::schema::{Case, VectorField};
 use nastic_language::syntax::At;
@@ -32,7 +32,7 @@ fn add_traction(
     context: &mut Context<'_>,
 ) {
     let mesh = solid.mesh().clone();
-    let Some(facets) = place::facets(&mesh, names, &at.key("surface"), context) else { return };
+    let Some(facets) = named_groups::facets(&mesh, names, &at.key("surface"), context) else { return };
     if let Some(constant) = traction.constant() {
         attempt(solid, at, context, |solid| solid.traction(names, Vec3::from(constant)));
         return;
@@ -51,7 +51,7 @@ fn add_body_force(
     context: &mut Context<'_>,
 ) {
     let mesh = solid.mesh().clone();
-    let Some(cells) = place::cells(&mesh, names, &at.key("region"), context) else { return };
+    let Some(cells) = named_groups::cells(&mesh, names, &at.key("region"), context) else { return };
     if let Some(constant) = force.constant() {
         attempt(solid, at, context, |solid| solid.body_force(names, Vec3::from(constant)));
         return;

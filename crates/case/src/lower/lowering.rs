@@ -1,6 +1,6 @@
 //! The steps from a [`Case`] to a [`CaseProblem`], in their order.
 
-use crate::lower::context::{Context, Found};
+use crate::lower::context::{Context, Findings};
 use crate::lower::member::Label;
 use crate::lower::probe::LocatedProbe;
 use crate::lower::problem::CaseProblem;
@@ -43,13 +43,13 @@ impl CaseProblem {
         let mut context = Context::new(&document, case.units);
         let lowered = members(&case, &document, (cancel, instants), &mut context);
         let files = context.files();
-        let Found { problems, warnings, notes } = context.found;
+        let Findings { problems, warnings, notes } = context.found;
         let Lowered { ensemble, labels, differences, controls, probes, ordering } = match (lowered, problems.is_empty())
         {
             (Some(lowered), true) => lowered,
             _ => return Err(Diagnostics::new(problems)),
         };
-        let warnings = warnings.iter().map(|(kind, told)| Warning::at(kind, told)).collect();
+        let warnings = warnings.iter().map(|(kind, shown)| Warning::at(kind, shown)).collect();
         let control::Lowered { controls, start, set, .. } = controls;
         let (of_program, has_steps) = (false, false);
         Ok(Self {
@@ -100,7 +100,7 @@ fn members(
     context: &mut Context<'_>,
 ) -> Option<Lowered> {
     let Some(mesh) = mesh::body(case, context) else {
-        // What else is missing is told along with it.
+        // What else is missing is reported along with it.
         cost::load_targets(case, context);
         return None;
     };
@@ -165,6 +165,7 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
         sizes::check_obstacles(&variant.case, disc.mesh(), context);
         if let Some(Some(body)) = bodies.last() {
             elements::check(&variant.case, body.solid(), context);
+            sizes::check_moduli(&variant.case, body.solid(), context);
         }
         aims.push(targets);
     }

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
-use super::place;
+use super::named_groups;
 use crate::warning::INPUT;
 use nastic_energy::EnergyError;
 use nastic_energy::catalogue::Inputs;
@@ -17,7 +17,9 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     let mut reinforced: Vec<Option<usize>> = vec![None; solid.mesh().cells()];
     for (k, material) in case.materials.iter().enumerate() {
         let mesh = solid.mesh().clone();
-        let Some(cells) = place::cells(&mesh, &material.region, &material.at.key("region"), context) else { continue };
+        let Some(cells) = named_groups::cells(&mesh, &material.region, &material.at.key("region"), context) else {
+            continue;
+        };
         if material.law.reinforcing {
             cells.iter().for_each(|&cell| reinforced[cell as usize] = Some(k));
         }

@@ -18,7 +18,7 @@ pub(super) fn attempt(
     }
 }
 
-/// Complains that a law cannot be built. That a parameter is missing was told when the block was read: it is there, and cannot be read.
+/// Complains that a law cannot be built. That a parameter is missing was reported when the block was read: it is there, and cannot be read.
 pub(super) fn complain_of_law(at: &At, error: &EnergyError, context: &mut Context<'_>) {
     if !matches!(error, EnergyError::Missing { .. }) {
         context.complain(&key_of(at, error), error);

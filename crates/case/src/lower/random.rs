@@ -8,7 +8,7 @@ use crate::warning::TRUNCATED_FIELD;
 use nastic_energy::{EnergyError, Field};
 use nastic_fem::Discretization;
 use nastic_language::schema::{Case, Inadmissible, Parameter, RandomParameter, RandomScenarios, Rule};
-use nastic_language::syntax::{At, Document, Node, Place, Setting, Value};
+use nastic_language::syntax::{At, Document, Node, Setting, SourcePosition, Value};
 use nastic_mesh::GroupNames;
 use nastic_uncertainty::{Beta, Gamma, Law, LogNormalField, Modes, Normal, Sample, StochasticError};
 use serde_json::{Map, json};
@@ -58,7 +58,7 @@ fn sample(rule: &Rule, laws: &[&dyn Law], seed: u64) -> Result<Sample, Stochasti
 /// A random parameter: independent numbers of known laws, and what they make of it.
 struct Variable {
     path: String,
-    place: Place,
+    place: SourcePosition,
     kind: Kind,
 }
 
@@ -244,7 +244,7 @@ fn fault(
     disc: &Discretization,
     context: &Context<'_>,
 ) -> Option<EnergyError> {
-    // Whatever else is wrong will be told when the scenario is built.
+    // Whatever else is wrong will be reported when the scenario is built.
     let (document, mut own) = read(document, &scenario.settings, case.units).ok()?;
     for (path, values) in &scenario.fields {
         set_field(&mut own, path, Parameter::Cells(values.clone()));

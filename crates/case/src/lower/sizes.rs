@@ -8,7 +8,7 @@ use crate::warning::{BOUNDS, UNITS};
 use nastic_fem::Solid;
 use nastic_language::number::{count, short};
 use nastic_language::quantity::{Dimension, Units};
-use nastic_language::schema::{Case, Contact, Cost, MeshSource, Shape, ShapeOrName};
+use nastic_language::schema::{Case, Contact, Cost, Material, MeshSource, Shape, ShapeOrName};
 use nastic_mesh::Mesh;
 
 /// Soft bodies longer than this are rare, millimetres taken for metres are not.
@@ -47,6 +47,38 @@ pub(super) fn check_bounds(case: &Case, controls: &[ControlField], solid: &Solid
     }
 }
 
+/// Young's moduli of silicones, gels and tissue, Pa.
+const SOFT: std::ops::RangeInclusive<f64> = 1e3..=2e7;
+
+/// Materials softer than any silicone, and bodies of which no part is soft: mostly kPa and Pa were mixed.
+pub(super) fn check_moduli(case: &Case, solid: &Solid, context: &mut Context<'_>) {
+    let points = solid.discretization().points_of_cells();
+    let young = |cell: &u32| {
+        let elastic = Elastic::of(solid, *cell as usize, points[*cell as usize].0)?;
+        Some(context.units.in_si(elastic.young(), Dimension::PRESSURE))
+    };
+    let of = |material: &Material| {
+        let cells = solid.mesh().cells_of(&material.region).ok()?;
+        cells.iter().map(young).collect::<Option<Vec<f64>>>()?.into_iter().reduce(f64::min)
+    };
+    let moduli: Vec<Option<f64>> = case.materials.iter().map(of).collect();
+    let stiff = moduli.iter().all(|young| young.is_some_and(|young| young > *SOFT.end()));
+    for (material, young) in case.materials.iter().zip(&moduli) {
+        let Some(young) = young.filter(|young| stiff || young < SOFT.start()) else { continue };
+        let factor = if young < *SOFT.start() { 1e3 } else { 1e-3 };
+        let likely = if SOFT.contains(&(young * factor)) {
+            format!(": {} Pa would be usual, is a factor of 1000 missing?", short(young * factor))
+        } else {
+            ": is its unit right?".to_owned()
+        };
+        let message = format!(
+            "Young's modulus is {} Pa where silicones, gels and tissue have 1 kPa to 20 MPa{likely}",
+            short(young)
+        );
+        context.warn(&UNITS, &material.at, message);
+    }
+}
+
 pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], context: &mut Context<'_>) {
     let at = super::mesh::at(case);
     let unit = context.units.length().symbol;
@@ -70,7 +102,7 @@ pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], c
     }
 }
 
-/// Tells the sizes of obstacles that are meshes, which show in no other place, and warns of those in another unit.
+/// Reports the sizes of obstacles that are meshes, which show in no other place, and warns of those in another unit.
 pub(super) fn check_obstacles(case: &Case, mesh: &Mesh, context: &mut Context<'_>) {
     let unit = context.units.length().symbol;
     for source in obstacles(case) {

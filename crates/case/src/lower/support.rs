@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::named::attempt;
-use super::place::Place;
+use super::named_groups::NamedGroups;
 use nastic_fem::{Foundation, Solid};
 use nastic_language::expression::EvaluationError;
 use nastic_language::schema::{Along, Case, Displacement, Support};
@@ -12,7 +12,7 @@ use nastic_mesh::Mesh;
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for support in &case.supports {
         let mesh = solid.mesh().clone();
-        let Some(place) = Place::of(&support.surface, &support.region, &support.nodes) else { continue };
+        let Some(place) = NamedGroups::of(&support.surface, &support.region, &support.nodes) else { continue };
         let Some(nodes) = place.nodes(&mesh, &support.at, context) else { continue };
         if let Some(stiffness) = support.foundation {
             let foundation = Foundation::on(place.names, stiffness);

@@ -1,8 +1,8 @@
-//! What can be said of a case that is not sound, so that one report tells the mistakes of all layers: files, names that the mesh
+//! What can be said of a case that is not sound, so that one report has the mistakes of all layers: files, names that the mesh
 //! lacks, parameters out of range, probes outside the body.
 
 use super::context::Context;
-use super::{actuation, contact, cost, load, material, mesh, place, probe, spring, support};
+use super::{actuation, contact, cost, load, material, mesh, named_groups, probe, spring, support};
 use nastic_fem::{Discretization, Solid};
 use nastic_language::schema::{Case, group_names};
 use nastic_language::syntax::{At, Document, Node, Value};
@@ -56,9 +56,9 @@ fn blocks(node: &Node, at: &At, mesh: &Mesh, context: &mut Context<'_>) {
                 let at = at.key(key);
                 let Some(names) = group_names(context.document, named, &at) else { continue };
                 let _ = match key {
-                    "surface" => place::facets(mesh, &names, &at, context).map(|_| ()),
-                    "region" => place::cells(mesh, &names, &at, context).map(|_| ()),
-                    _ => place::node_sets(mesh, &names, &at, context).map(|_| ()),
+                    "surface" => named_groups::facets(mesh, &names, &at, context).map(|_| ()),
+                    "region" => named_groups::cells(mesh, &names, &at, context).map(|_| ()),
+                    _ => named_groups::node_sets(mesh, &names, &at, context).map(|_| ()),
                 };
             }
         }

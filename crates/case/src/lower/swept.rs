@@ -17,7 +17,7 @@ pub struct Swept {
     pub path: String,
     /// The values, as typed.
     pub values: Vec<String>,
-    /// The path, as short as it can be told from the others.
+    /// The path, as short as it can be distinguished from the others.
     pub label: String,
 }
 
@@ -212,8 +212,8 @@ mod tests {
             (vec!["a"], "path=value was expected"),
         ] {
             let settings: Vec<String> = settings.into_iter().map(str::to_owned).collect();
-            let told = Swept::read(&settings).unwrap_err().to_string();
-            assert!(told.contains(part), "{told}");
+            let shown = Swept::read(&settings).unwrap_err().to_string();
+            assert!(shown.contains(part), "{shown}");
         }
     }
 }

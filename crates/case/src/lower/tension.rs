@@ -71,7 +71,7 @@ pub(super) fn joint_excess<'f>(
         let Some(bounds) = bounds else { continue };
         for i in 0..block.len() {
             let (_, upper) = bounds.at(i);
-            // What has no bound is told of by itself.
+            // What has no bound is reported by itself.
             let upper = if upper.is_finite() { upper } else { 0.0 };
             let place = &mut most[own.first + i % own.size()];
             *place = if i < own.size() { upper } else { place.max(upper) };

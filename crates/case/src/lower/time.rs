@@ -42,15 +42,15 @@ fn check_memory(time: &Time, timeline: &Timeline, solid: &Solid, context: &mut C
     if megabytes * 1e6 >= least.min(all) as f64 {
         return Some(());
     }
-    // rounded up, so that what is told suffices
-    let told = |bytes: usize| short((bytes as f64 / 1e4).ceil() / 100.0);
+    // rounded up, so that the reported number suffices
+    let shown = |bytes: usize| short((bytes as f64 / 1e4).ceil() / 100.0);
     let message = format!(
         "{} MB are too few for the states of a motion: it takes at least {} MB (the states of {} steps and of one from which the others are \
          computed again), with all its states {} MB",
         short(megabytes),
-        told(least.min(all)),
+        shown(least.min(all)),
         segment.min(steps),
-        told(all)
+        shown(all)
     );
     context.complain(&at, message);
     None

@@ -12,9 +12,9 @@ use std::time::{Duration, Instant};
 pub const BAR: &str = include_str!("../../../language/tests/cases/bar.json");
 
 /// A directory with a case.
-pub struct Place(tempfile::TempDir);
+pub struct CaseDirectory(tempfile::TempDir);
 
-impl Place {
+impl CaseDirectory {
     pub fn new(case: &str) -> Self {
         let place = Self(tempfile::tempdir().unwrap());
         std::fs::write(place.path("case.json"), case).unwrap();

@@ -67,7 +67,7 @@ impl Constraint for BoundLimit {
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
         let cost = self.cost.at(&CostContext { stage: self.cost.stages().saturating_sub(1), ..*at })?;
-        Ok(Arc::new(Point {
+        Ok(Arc::new(EvaluatedConstraint {
             values: [cost.value() - self.bound],
             cost,
             sizes: [at.solid.model().unknowns().len(), at.m.len()],
@@ -76,14 +76,14 @@ impl Constraint for BoundLimit {
 }
 
 #[derive(Debug)]
-struct Point {
+struct EvaluatedConstraint {
     cost: Arc<dyn CostPoint>,
     values: [f64; 1],
     /// Lengths of u and m.
     sizes: [usize; 2],
 }
 
-impl Point {
+impl EvaluatedConstraint {
     fn zero(&self) -> Partials {
         Partials::zero(self.sizes[0], self.sizes[1])
     }
@@ -94,7 +94,7 @@ fn add(y: f64, from: &Partials, out: &mut Partials) {
     axpy(y, &from.m, &mut out.m);
 }
 
-impl ConstraintPoint for Point {
+impl ConstraintPoint for EvaluatedConstraint {
     fn values(&self) -> &[f64] {
         &self.values
     }

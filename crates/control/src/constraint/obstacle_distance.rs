@@ -1,7 +1,7 @@
 //! [`ObstacleDistance`]: nodes that keep clear of an obstacle.
 
 use super::{BetweenNodes, Constraint, ConstraintPoint, IntoConstraint};
-use crate::cost::body_points::{BodyPoints, Place};
+use crate::cost::body_points::{BodyPart, BodyPoints};
 use crate::cost::obstacle::check;
 use crate::cost::{CostContext, Partials};
 use crate::error::ControlError;
@@ -14,36 +14,36 @@ use std::sync::Arc;
 
 /// `c_a = clearance - d(x_a) <= 0` for every node a of a surface, region or node set, with `x_a = X_a + u_a` and d the signed distance
 /// from an [`Obstacle`]: one inequality and one multiplier for every node. Between nodes a surface may enter the obstacle by what
-/// its cells bend: [`Constraint::between_nodes`] tells, at the quadrature points of surfaces and regions.
+/// its cells bend: [`Constraint::between_nodes`] shows this, at the quadrature points of surfaces and regions.
 ///
 /// `dc_a/du_a = -grad d`, `d2c_a/du_a^2 = -d2d/dx2`. Unit: length. Scale: the diagonal of the body's bounding box. The multiplier of a
 /// node is the force (cost per length) with which the obstacle would push it.
 /// Source: docs/model.md section 5.
 #[derive(Clone, Debug)]
 pub struct ObstacleDistance {
-    place: Place,
+    place: BodyPart,
     obstacle: Obstacle,
     clearance: f64,
 }
 
 impl ObstacleDistance {
-    fn of(place: Place, obstacle: Obstacle) -> Self {
+    fn of(place: BodyPart, obstacle: Obstacle) -> Self {
         ObstacleDistance { place, obstacle, clearance: 0.0 }
     }
 
     /// Of the nodes of a named surface, or of several.
     pub fn surface(names: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
-        Self::of(Place::Surface(names.into()), obstacle)
+        Self::of(BodyPart::Surface(names.into()), obstacle)
     }
 
     /// Of the nodes of a named region, or of several.
     pub fn region(names: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
-        Self::of(Place::Region(names.into()), obstacle)
+        Self::of(BodyPart::Region(names.into()), obstacle)
     }
 
     /// Of named node sets.
     pub fn nodes(names: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
-        Self::of(Place::Nodes(names.into()), obstacle)
+        Self::of(BodyPart::Nodes(names.into()), obstacle)
     }
 
     /// The distance to keep; zero if not given.
@@ -62,12 +62,12 @@ impl IntoConstraint for ObstacleDistance {
             BodyPoints::Nodes(_) => None,
         };
         let (obstacle, clearance, scale) = (self.obstacle, self.clearance, solid.mesh().diagonal());
-        Ok(Box::new(Bound { nodes: nodes.into(), between, obstacle, clearance, scale }))
+        Ok(Box::new(OnBody { nodes: nodes.into(), between, obstacle, clearance, scale }))
     }
 }
 
 #[derive(Debug)]
-struct Bound {
+struct OnBody {
     nodes: Arc<[u32]>,
     /// Points between the nodes, of surfaces and regions.
     between: Option<BodyPoints>,
@@ -76,7 +76,7 @@ struct Bound {
     scale: f64,
 }
 
-impl Constraint for Bound {
+impl Constraint for OnBody {
     fn group(&self) -> ConstraintGroup {
         let (sense, len) = (Sense::AtMost, self.nodes.len());
         ConstraintGroup { name: "obstacle".into(), sense, len, scale: self.scale }
@@ -105,26 +105,26 @@ impl Constraint for Bound {
         };
         let distances: Vec<SignedDistance> = self.nodes.iter().map(distance).collect();
         let values = distances.iter().map(|d| self.clearance - d.value).collect();
-        Ok(Arc::new(Point { nodes: self.nodes.clone(), dim, distances, values }))
+        Ok(Arc::new(EvaluatedConstraint { nodes: self.nodes.clone(), dim, distances, values }))
     }
 }
 
 #[derive(Debug)]
-struct Point {
+struct EvaluatedConstraint {
     nodes: Arc<[u32]>,
     dim: usize,
     distances: Vec<SignedDistance>,
     values: Vec<f64>,
 }
 
-impl Point {
+impl EvaluatedConstraint {
     /// Every node's first unknown, and its distance.
     fn each(&self) -> impl Iterator<Item = (usize, &SignedDistance)> {
         self.nodes.iter().map(|node| *node as usize * self.dim).zip(&self.distances)
     }
 }
 
-impl ConstraintPoint for Point {
+impl ConstraintPoint for EvaluatedConstraint {
     fn values(&self) -> &[f64] {
         &self.values
     }

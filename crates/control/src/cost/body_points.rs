@@ -6,30 +6,30 @@ use nastic_mesh::GroupNames;
 
 /// Which part of a body.
 #[derive(Clone, Debug)]
-pub(crate) enum Place {
+pub(crate) enum BodyPart {
     Surface(GroupNames),
     Region(GroupNames),
     Nodes(GroupNames),
 }
 
-impl Place {
+impl BodyPart {
     /// Its quadrature points (or its nodes), and its nodes.
     pub fn points(&self, solid: &Solid) -> Result<(BodyPoints, Vec<u32>), ControlError> {
         let mesh = solid.mesh();
         // Two points more than the shape functions need: targets are curved.
         Ok(match self {
-            Place::Surface(names) => {
+            BodyPart::Surface(names) => {
                 let facets = mesh.facets_of(names)?;
                 let points = QuadraturePoints::of_facets(mesh, &facets, |k| k.rule_of_points(k.order() + 2));
                 (BodyPoints::Points(points), mesh.nodes_of_facets(&facets))
             }
-            Place::Region(names) => {
+            BodyPart::Region(names) => {
                 let cells = mesh.cells_of(names)?;
                 let nodes = mesh.nodes_of_cells(&cells);
                 let points = QuadraturePoints::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 2))?;
                 (BodyPoints::Points(points), nodes)
             }
-            Place::Nodes(names) => {
+            BodyPart::Nodes(names) => {
                 let nodes = solid.nodes_of(names)?;
                 (BodyPoints::Nodes(nodes.clone()), nodes)
             }

@@ -50,7 +50,7 @@ impl CostExample<'_> {
 }
 
 /// Costs on a body, or why there are none.
-type Bound = Result<Vec<Box<dyn Cost>>, ControlError>;
+type ExampleCosts = Result<Vec<Box<dyn Cost>>, ControlError>;
 
 /// A row of the catalogue.
 #[derive(Debug, Clone, Copy)]
@@ -62,11 +62,11 @@ pub struct CostRow {
     /// Whether it has second partials, which second derivatives of the objective take.
     pub second: bool,
     /// Examples that cover its options.
-    pub examples: fn(&CostExample) -> Bound,
+    pub examples: fn(&CostExample) -> ExampleCosts,
 }
 
 impl CostRow {
-    const fn of(form: &'static CostForm, examples: fn(&CostExample) -> Bound) -> Self {
+    const fn of(form: &'static CostForm, examples: fn(&CostExample) -> ExampleCosts) -> Self {
         CostRow { name: form.name, form: Some(form), second: true, examples }
     }
 
@@ -97,13 +97,13 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow::of(&pump_work::FORM, |on| Ok(vec![Box::new(PumpWork::new(1e-4 * on.weight)?)])),
 ];
 
-fn compliance(on: &CostExample) -> Bound {
+fn compliance(on: &CostExample) -> ExampleCosts {
     let values =
         [("surface", CostValue::Names(on.surface().into())), ("direction", CostValue::Vector([0.2, 0.9, 0.0]))];
     on.make(&compliance::FORM, values)
 }
 
-fn tracking(on: &CostExample) -> Bound {
+fn tracking(on: &CostExample) -> ExampleCosts {
     let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
     let lifted = Target::position(move |x| [x[0], x[1] + 0.3 * x[0] * x[0] / size, x[2]]);
     let place = |names: Option<&String>| names.cloned().unwrap_or_default();
@@ -119,7 +119,7 @@ fn tracking(on: &CostExample) -> Bound {
     .collect()
 }
 
-fn position(on: &CostExample) -> Bound {
+fn position(on: &CostExample) -> ExampleCosts {
     let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
     let place = |names: Option<&String>| names.cloned().unwrap_or_default();
     let (surface, region) = (place(mesh.surfaces().keys().next_back()), place(mesh.regions().keys().next()));
@@ -135,19 +135,19 @@ fn position(on: &CostExample) -> Bound {
     .collect()
 }
 
-fn orientation(on: &CostExample) -> Bound {
+fn orientation(on: &CostExample) -> ExampleCosts {
     let values =
         [("surface", CostValue::Names(on.surface().into())), ("direction", CostValue::Vector([0.8, 0.3, 0.0]))];
     on.make(&orientation::FORM, values)
 }
 
 /// Of every contact of the body: none where it touches nothing.
-fn contact_load(on: &CostExample, of: impl Fn(&str) -> ContactLoad) -> Bound {
+fn contact_load(on: &CostExample, of: impl Fn(&str) -> ContactLoad) -> ExampleCosts {
     let contacts = on.solid.model().touch_parameters();
     contacts.iter().map(|(name, _)| of(name).weight(on.weight).bind(on.solid)).collect()
 }
 
-fn curvature(on: &CostExample) -> Bound {
+fn curvature(on: &CostExample) -> ExampleCosts {
     let (low, high) = on.solid.mesh().bounds();
     // Not straight, so that a change of size alone bends it.
     let along = |share: f64| {
@@ -159,13 +159,13 @@ fn curvature(on: &CostExample) -> Bound {
     Ok(vec![Curvature::of_line(line, [0.0, 0.0, 1.0], wanted).weight(on.weight).bind(on.solid)?])
 }
 
-fn largest_stretch(on: &CostExample) -> Bound {
+fn largest_stretch(on: &CostExample) -> ExampleCosts {
     let region = on.solid.mesh().regions().keys().next().cloned().unwrap_or_default();
     let of = |cost: LargestStretch| cost.weight(on.weight).bind(on.solid);
     Ok(vec![of(LargestStretch::default())?, of(LargestStretch::default().region(&region).exponent(1))?])
 }
 
-fn smoothed_hausdorff(on: &CostExample) -> Bound {
+fn smoothed_hausdorff(on: &CostExample) -> ExampleCosts {
     let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
     // Bent and shifted, so that no points of body and target coincide.
     let bent = |x: [f64; 3]| [0.97 * x[0] + 0.013 * size, x[1] + 0.2 * x[0] * x[0] / size, 1.02 * x[2]];
@@ -179,7 +179,7 @@ fn smoothed_hausdorff(on: &CostExample) -> Bound {
     all.into_iter().map(|cost| cost.bind(on.solid)).collect()
 }
 
-fn obstacle(on: &CostExample) -> Bound {
+fn obstacle(on: &CostExample) -> ExampleCosts {
     let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
     let place = |names: Option<&String>| names.cloned().unwrap_or_default();
     let (surface, region) = (place(mesh.surfaces().keys().next_back()), place(mesh.regions().keys().next()));

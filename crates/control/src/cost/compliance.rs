@@ -90,18 +90,18 @@ impl IntoCost for Compliance {
                 self.surface
             ));
         }
-        Ok(Box::new(Bound { force, weight }))
+        Ok(Box::new(OnBody { force, weight }))
     }
 }
 
 /// [`Compliance`] bound to a body.
 #[derive(Debug)]
-struct Bound {
+struct OnBody {
     force: Vec<f64>,
     weight: f64,
 }
 
-impl Cost for Bound {
+impl Cost for OnBody {
     fn name(&self) -> &str {
         "compliance"
     }
@@ -128,11 +128,11 @@ impl Cost for Bound {
         let scaled = |values: Vec<f64>| values.into_iter().map(|d| -self.weight * d).collect();
         let m = at.layout.control_vjp(at.m, &second.controls);
         let partials = Partials { u: scaled(second.u), m: scaled(m) };
-        Ok(Arc::new(Point { value: self.weight * compliance, compliance, partials }))
+        Ok(Arc::new(EvaluatedCost { value: self.weight * compliance, compliance, partials }))
     }
 }
 
-impl Bound {
+impl OnBody {
     /// `2 f . v - v . K v`: that of f . v where v solves, with the square of the error of v elsewhere.
     fn compliance(&self, model: &Model, at: &Instant, v: &[f64]) -> Result<f64, ControlError> {
         let mut product = vec![0.0; v.len()];
@@ -151,13 +151,13 @@ impl Bound {
 
 /// The cost evaluated.
 #[derive(Debug)]
-struct Point {
+struct EvaluatedCost {
     value: f64,
     compliance: f64,
     partials: Partials,
 }
 
-impl CostPoint for Point {
+impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
         self.value
     }

@@ -92,12 +92,12 @@ impl IntoCost for ContactLoad {
         if self.exponent == Some(0) {
             return Err(refuse(format!("{name}: the exponent is 0; it is 1 or more")));
         }
-        Ok(Box::new(Bound { area: own.area, of: self, name }))
+        Ok(Box::new(OnBody { area: own.area, of: self, name }))
     }
 }
 
 #[derive(Debug)]
-struct Bound {
+struct OnBody {
     of: ContactLoad,
     /// Of the surface.
     area: f64,
@@ -105,7 +105,7 @@ struct Bound {
 }
 
 #[derive(Debug)]
-struct Point {
+struct EvaluatedCost {
     value: f64,
     /// Largest pressure.
     largest: f64,
@@ -117,7 +117,7 @@ struct Point {
     m: Vec<f64>,
 }
 
-impl Cost for Bound {
+impl Cost for OnBody {
     fn name(&self) -> &str {
         self.name
     }
@@ -151,11 +151,11 @@ impl Cost for Bound {
         };
         let (layout, m) = (at.layout.clone(), at.m.to_vec());
         let (by_u, by_controls) = (found.by_u, found.by_controls);
-        Ok(Arc::new(Point { value, largest, force, by_u, by_controls, factor, layout, m }))
+        Ok(Arc::new(EvaluatedCost { value, largest, force, by_u, by_controls, factor, layout, m }))
     }
 }
 
-impl CostPoint for Point {
+impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
         self.value
     }

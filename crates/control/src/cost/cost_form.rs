@@ -1,6 +1,6 @@
 //! [`CostForm`]: how case files name a cost and its keys.
 
-use super::body_points::Place;
+use super::body_points::BodyPart;
 use super::cost_value::{CostTaken, CostValue, CostWords};
 use super::{Cost, CostKey};
 use crate::error::ControlError;
@@ -123,9 +123,9 @@ impl CostInputs<'_> {
     ///
     /// # Errors
     /// [`ControlError::Cost`] where none of them is given.
-    pub(crate) fn place(&self) -> Result<Place, ControlError> {
+    pub(crate) fn place(&self) -> Result<BodyPart, ControlError> {
         let named = |key| self.given::<GroupNames>(key);
-        let place = named("surface").map(Place::Surface).or(named("region").map(Place::Region));
-        place.map_or_else(|| Ok(Place::Nodes(self.get("nodes")?)), Ok)
+        let place = named("surface").map(BodyPart::Surface).or(named("region").map(BodyPart::Region));
+        place.map_or_else(|| Ok(BodyPart::Nodes(self.get("nodes")?)), Ok)
     }
 }

@@ -17,7 +17,7 @@ use std::sync::Arc;
 ///
 /// the sine of the turn at a point over the reference length L_i of the line that belongs to it (l_i = |X_(i+1) - X_i|), counted positive
 /// about the axis b. With points h apart that is the curvature of the deformed line by reference length to order h^2; a turn of more than
-/// a right angle at one point is not told from a smaller one. In plane strain b is the axis z.
+/// a right angle at one point is not distinguished from a smaller one. In plane strain b is the axis z.
 ///
 /// Units: kappa 1/length; j the weight's over length. Derivatives are those of the formula. Source: docs/model.md section 5.
 #[derive(Clone, Debug)]
@@ -96,7 +96,7 @@ impl IntoCost for Curvature {
         }
         let shares = lengths.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
         let line = Line { located, reference: self.points, axis: axis / length, shares };
-        Ok(Box::new(Bound { line: Arc::new(line), wanted: self.wanted, weight }))
+        Ok(Box::new(OnBody { line: Arc::new(line), wanted: self.wanted, weight }))
     }
 }
 
@@ -128,13 +128,13 @@ impl Line {
 
 /// [`Curvature`] bound to a body.
 #[derive(Debug)]
-struct Bound {
+struct OnBody {
     line: Arc<Line>,
     wanted: f64,
     weight: f64,
 }
 
-impl Cost for Bound {
+impl Cost for OnBody {
     fn name(&self) -> &str {
         "curvature"
     }
@@ -149,7 +149,7 @@ impl Cost for Bound {
             return Err(ControlError::Cost { what });
         }
         let (line, wanted, weight) = (self.line.clone(), self.wanted, self.weight);
-        Ok(Arc::new(Point { line, wanted, weight, dim, segments }))
+        Ok(Arc::new(EvaluatedCost { line, wanted, weight, dim, segments }))
     }
 }
 
@@ -180,7 +180,7 @@ impl Segment {
 
 /// The cost evaluated.
 #[derive(Debug)]
-struct Point {
+struct EvaluatedCost {
     line: Arc<Line>,
     wanted: f64,
     weight: f64,
@@ -188,7 +188,7 @@ struct Point {
     segments: Vec<Segment>,
 }
 
-impl Point {
+impl EvaluatedCost {
     /// kappa at the inner points, in order.
     fn curvatures(&self) -> impl Iterator<Item = f64> {
         let turns = self.segments.windows(2).map(|pair| self.line.axis.dot(&pair[0].e.cross(&pair[1].e)));
@@ -209,7 +209,7 @@ fn add([by_first, by_second]: [Vec3; 2], i: usize, forces: &mut [Vec3]) {
     forces[i + 2] += by_second;
 }
 
-impl CostPoint for Point {
+impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
         let squares =
             self.curvatures().zip(&self.line.shares).map(|(kappa, share)| share * (kappa - self.wanted).powi(2));

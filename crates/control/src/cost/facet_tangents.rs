@@ -10,7 +10,7 @@ use nastic_tensor::Vec3;
 pub(crate) struct FacetTangents {
     dim: usize,
     facets: Vec<Facet>,
-    points: Vec<Point>,
+    points: Vec<FacetPoint>,
 }
 
 #[derive(Debug)]
@@ -21,7 +21,7 @@ struct Facet {
 }
 
 #[derive(Debug)]
-struct Point {
+struct FacetPoint {
     facet: usize,
     /// Reference area.
     weight: f64,
@@ -45,7 +45,7 @@ impl FacetTangents {
                 let tangents = tangents(&nodes, &gradients, dim, |node, i| mesh.points()[node][i]);
                 let area = area_vector(tangents);
                 outward += area.dot(&(Vec3::from(mesh.points()[nodes[0] as usize]) - inside));
-                points.push(Point { facet: index, weight: weight * area.norm(), gradients: gradients.clone() });
+                points.push(FacetPoint { facet: index, weight: weight * area.norm(), gradients: gradients.clone() });
             }
             facets.push(Facet { nodes, sense: outward.signum() });
         }

@@ -33,7 +33,7 @@ impl FigureKind {
     }
 
     /// Its key in the figures of a control ([`Objective::figures`](nastic_opt::Objective::figures)) and in history lines; `None` of a
-    /// figure that is not told for every iteration.
+    /// figure that is not reported for every iteration.
     pub fn history_name(self) -> Option<&'static str> {
         match self {
             FigureKind::TrueDistance => Some(TRUE_DISTANCE),

@@ -1,6 +1,6 @@
 //! [`ObstaclePenetration`]: the cost of being inside of an obstacle.
 
-use super::body_points::{BodyPoints, Place};
+use super::body_points::{BodyPart, BodyPoints};
 use super::{
     Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
 };
@@ -29,30 +29,30 @@ pub(crate) fn check(obstacle: &Obstacle, clearance: f64, dim: usize) -> Result<(
 /// Units: length^4 times the weight's on a surface, length^5 over a region, length^2 over nodes. Source: docs/model.md section 5.
 #[derive(Clone, Debug)]
 pub struct ObstaclePenetration {
-    place: Place,
+    place: BodyPart,
     obstacle: Obstacle,
     clearance: f64,
     weight: f64,
 }
 
 impl ObstaclePenetration {
-    fn of(place: Place, obstacle: Obstacle) -> Self {
+    fn of(place: BodyPart, obstacle: Obstacle) -> Self {
         ObstaclePenetration { place, obstacle, clearance: 0.0, weight: 1.0 }
     }
 
     /// Of a named surface, or of the union of several.
     pub fn surface(names: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
-        Self::of(Place::Surface(names.into()), obstacle)
+        Self::of(BodyPart::Surface(names.into()), obstacle)
     }
 
     /// Of a named region, or of the union of several.
     pub fn region(names: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
-        Self::of(Place::Region(names.into()), obstacle)
+        Self::of(BodyPart::Region(names.into()), obstacle)
     }
 
     /// Of the nodes of named node sets (or of surfaces), each with weight one.
     pub fn nodes(names: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
-        Self::of(Place::Nodes(names.into()), obstacle)
+        Self::of(BodyPart::Nodes(names.into()), obstacle)
     }
 
     /// The distance to keep; zero if not given.
@@ -99,20 +99,20 @@ impl IntoCost for ObstaclePenetration {
         check(&self.obstacle, self.clearance, solid.discretization().dim())?;
         let weight = check_weight("obstacle", self.weight)?;
         let (points, _) = self.place.points(solid)?;
-        Ok(Box::new(Bound { points: Arc::new(points), obstacle: self.obstacle, clearance: self.clearance, weight }))
+        Ok(Box::new(OnBody { points: Arc::new(points), obstacle: self.obstacle, clearance: self.clearance, weight }))
     }
 }
 
 /// [`ObstaclePenetration`] bound to a body.
 #[derive(Debug)]
-struct Bound {
+struct OnBody {
     points: Arc<BodyPoints>,
     obstacle: Obstacle,
     clearance: f64,
     weight: f64,
 }
 
-impl Cost for Bound {
+impl Cost for OnBody {
     fn name(&self) -> &str {
         "obstacle"
     }
@@ -125,13 +125,13 @@ impl Cost for Bound {
             |(q, d): (usize, &SignedDistance)| self.points.weight(q) * (self.clearance - d.value).max(0.0).powi(2);
         let value = 0.5 * self.weight * distances.iter().enumerate().map(square).sum::<f64>();
         let (points, clearance, weight) = (self.points.clone(), self.clearance, self.weight);
-        Ok(Arc::new(Point { points, clearance, weight, dim, value, distances }))
+        Ok(Arc::new(EvaluatedCost { points, clearance, weight, dim, value, distances }))
     }
 }
 
 /// The cost evaluated.
 #[derive(Debug)]
-struct Point {
+struct EvaluatedCost {
     points: Arc<BodyPoints>,
     clearance: f64,
     weight: f64,
@@ -140,7 +140,7 @@ struct Point {
     distances: Vec<SignedDistance>,
 }
 
-impl CostPoint for Point {
+impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
         self.value
     }

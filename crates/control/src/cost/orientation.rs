@@ -69,19 +69,19 @@ impl IntoCost for Orientation {
             return Err(ControlError::Cost { what: what.to_owned() });
         }
         let tangents = Arc::new(FacetTangents::new(solid, &self.surface)?);
-        Ok(Box::new(Bound { tangents, direction: direction / length, weight }))
+        Ok(Box::new(OnBody { tangents, direction: direction / length, weight }))
     }
 }
 
 /// [`Orientation`] bound to a body.
 #[derive(Debug)]
-struct Bound {
+struct OnBody {
     tangents: Arc<FacetTangents>,
     direction: Vec3,
     weight: f64,
 }
 
-impl Cost for Bound {
+impl Cost for OnBody {
     fn name(&self) -> &str {
         "orientation"
     }
@@ -96,7 +96,7 @@ impl Cost for Bound {
             return Err(ControlError::Cost { what });
         }
         let (tangents, direction, weight) = (self.tangents.clone(), self.direction, self.weight);
-        Ok(Arc::new(Point { tangents, direction, weight, dim, normals }))
+        Ok(Arc::new(EvaluatedCost { tangents, direction, weight, dim, normals }))
     }
 }
 
@@ -124,7 +124,7 @@ impl Normal {
 
 /// The cost evaluated.
 #[derive(Debug)]
-struct Point {
+struct EvaluatedCost {
     tangents: Arc<FacetTangents>,
     direction: Vec3,
     weight: f64,
@@ -132,14 +132,14 @@ struct Point {
     normals: Vec<Normal>,
 }
 
-impl Point {
+impl EvaluatedCost {
     /// `int f(n) dA` over the reference surface.
     fn integral(&self, f: impl Fn(&Normal) -> f64) -> f64 {
         self.normals.iter().enumerate().map(|(q, normal)| self.tangents.weight(q) * f(normal)).sum()
     }
 }
 
-impl CostPoint for Point {
+impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
         0.5 * self.weight * self.integral(|normal| (normal.n - self.direction).norm_squared())
     }

@@ -1,6 +1,6 @@
 //! [`MeanPosition`]: the squared distance of one point, or of the mean of a surface, region or node set, from a position.
 
-use super::body_points::Place;
+use super::body_points::BodyPart;
 use super::{
     Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
 };
@@ -24,7 +24,7 @@ pub struct MeanPosition {
 /// Whose position.
 #[derive(Clone, Debug)]
 enum Of {
-    Place(Place),
+    Part(BodyPart),
     Point([f64; 3]),
 }
 
@@ -35,17 +35,17 @@ impl MeanPosition {
 
     /// The mean of a named surface, or of the union of several; components without a target are free.
     pub fn surface(names: impl Into<GroupNames>, target: [Option<f64>; 3]) -> Self {
-        Self::of(Of::Place(Place::Surface(names.into())), target)
+        Self::of(Of::Part(BodyPart::Surface(names.into())), target)
     }
 
     /// The mean of a named region, or of the union of several.
     pub fn region(names: impl Into<GroupNames>, target: [Option<f64>; 3]) -> Self {
-        Self::of(Of::Place(Place::Region(names.into())), target)
+        Self::of(Of::Part(BodyPart::Region(names.into())), target)
     }
 
     /// The mean of the nodes of named node sets (or of surfaces).
     pub fn nodes(names: impl Into<GroupNames>, target: [Option<f64>; 3]) -> Self {
-        Self::of(Of::Place(Place::Nodes(names.into())), target)
+        Self::of(Of::Part(BodyPart::Nodes(names.into())), target)
     }
 
     /// The point that is at `point` in the reference body.
@@ -73,7 +73,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         CostKey::new("target", "Where it shall be; components left out are free.", CostTakes::Position),
     ],
     |on| {
-        let of = on.given("point").map_or_else(|| on.place().map(Of::Place), |point| Ok(Of::Point(point)))?;
+        let of = on.given("point").map_or_else(|| on.place().map(Of::Part), |point| Ok(Of::Point(point)))?;
         MeanPosition { of, target: on.get("target")?, weight: on.weight }.bind(on.solid)
     },
 )
@@ -99,7 +99,7 @@ impl IntoCost for MeanPosition {
             return refuse("a plane body has no component z: leave it out of the target of a position");
         }
         let (shares, reference) = shares(&self.of, solid)?;
-        Ok(Box::new(Bound { shares: shares.into(), reference, target: self.target, weight }))
+        Ok(Box::new(OnBody { shares: shares.into(), reference, target: self.target, weight }))
     }
 }
 
@@ -111,7 +111,7 @@ fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
     let mesh = solid.mesh();
     let mut by_node = vec![0.0; mesh.points().len()];
     match of {
-        Of::Place(place) => {
+        Of::Part(place) => {
             let (points, _) = place.points(solid)?;
             let count = points.positions(solid, None).len();
             let weights: Vec<f64> = (0..count).map(|q| points.weight(q)).collect();
@@ -133,14 +133,14 @@ fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
 
 /// [`MeanPosition`] bound to a body.
 #[derive(Debug)]
-struct Bound {
+struct OnBody {
     shares: Arc<[(u32, f64)]>,
     reference: [f64; 3],
     target: [Option<f64>; 3],
     weight: f64,
 }
 
-impl Cost for Bound {
+impl Cost for OnBody {
     fn name(&self) -> &str {
         "position"
     }
@@ -150,7 +150,7 @@ impl Cost for Bound {
         let moved = mean(&self.shares, at.u, dim);
         let gap = |i: usize| self.target[i].map_or(0.0, |y| self.reference[i] + moved[i] - y);
         let (shares, free) = (self.shares.clone(), self.target.map(|y| y.is_none()));
-        Ok(Arc::new(Point { shares, free, weight: self.weight, dim, gap: std::array::from_fn(gap) }))
+        Ok(Arc::new(EvaluatedCost { shares, free, weight: self.weight, dim, gap: std::array::from_fn(gap) }))
     }
 }
 
@@ -162,7 +162,7 @@ fn mean(shares: &[(u32, f64)], nodal: &[f64], dim: usize) -> [f64; 3] {
 
 /// The cost evaluated.
 #[derive(Debug)]
-struct Point {
+struct EvaluatedCost {
     shares: Arc<[(u32, f64)]>,
     free: [bool; 3],
     weight: f64,
@@ -171,7 +171,7 @@ struct Point {
     gap: [f64; 3],
 }
 
-impl Point {
+impl EvaluatedCost {
     fn add(&self, force: &[f64; 3], out: &mut [f64]) {
         for &(node, share) in self.shares.iter() {
             for i in 0..self.dim {
@@ -181,7 +181,7 @@ impl Point {
     }
 }
 
-impl CostPoint for Point {
+impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
         0.5 * self.weight * self.gap.iter().map(|gap| gap * gap).sum::<f64>()
     }

@@ -48,7 +48,13 @@ impl Cost for PumpWork {
         let lifted = dot(at.solid.dead_load(), at.u);
         axpy(-1.0, at.solid.dead_load(), &mut sums.force);
         let value = self.weight * (sums.energy - lifted);
-        Ok(Arc::new(Point { weight: self.weight, solid: at.solid.clone(), u: at.u.to_vec(), value, force: sums.force }))
+        Ok(Arc::new(EvaluatedCost {
+            weight: self.weight,
+            solid: at.solid.clone(),
+            u: at.u.to_vec(),
+            value,
+            force: sums.force,
+        }))
     }
 }
 
@@ -73,7 +79,7 @@ pub(super) const FORM: CostForm = CostForm::new(
 );
 
 #[derive(Debug)]
-struct Point {
+struct EvaluatedCost {
     weight: f64,
     solid: Solid,
     u: Vec<f64>,
@@ -82,7 +88,7 @@ struct Point {
     force: Vec<f64>,
 }
 
-impl CostPoint for Point {
+impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
         self.value
     }

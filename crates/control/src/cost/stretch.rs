@@ -92,19 +92,19 @@ impl IntoCost for LargestStretch {
             None => (0..mesh.cells() as u32).collect(),
         };
         let points = QuadraturePoints::of_cells(mesh, cells, |k| k.rule_of_points(k.order() + 1))?;
-        Ok(Box::new(Bound { points: Arc::new(points), exponent: self.exponent, weight }))
+        Ok(Box::new(OnBody { points: Arc::new(points), exponent: self.exponent, weight }))
     }
 }
 
 /// [`LargestStretch`] bound to a body.
 #[derive(Debug)]
-struct Bound {
+struct OnBody {
     points: Arc<QuadraturePoints>,
     exponent: u32,
     weight: f64,
 }
 
-impl Cost for Bound {
+impl Cost for OnBody {
     fn name(&self) -> &str {
         "largest_stretch"
     }
@@ -117,7 +117,7 @@ impl Cost for Bound {
         let mean = sum / (3.0 * self.points.measure());
         let norm = mean.powf(0.5 / f64::from(self.exponent));
         let (points, exponent, weight) = (self.points.clone(), self.exponent, self.weight);
-        Ok(Arc::new(Point { points, exponent, weight, kinematics, norm }))
+        Ok(Arc::new(EvaluatedCost { points, exponent, weight, kinematics, norm }))
     }
 }
 
@@ -130,7 +130,7 @@ fn powers(c: &Mat3, p: u32) -> Vec<Mat3> {
 
 /// The cost evaluated.
 #[derive(Debug)]
-struct Point {
+struct EvaluatedCost {
     points: Arc<QuadraturePoints>,
     exponent: u32,
     weight: f64,
@@ -139,7 +139,7 @@ struct Point {
     norm: f64,
 }
 
-impl Point {
+impl EvaluatedCost {
     /// `M^(1-2p) / (3 |Omega_0|)`
     fn factor(&self) -> f64 {
         self.norm.powi(1 - 2 * self.exponent as i32) / (3.0 * self.points.measure())
@@ -155,7 +155,7 @@ impl Point {
     }
 }
 
-impl CostPoint for Point {
+impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
         self.weight * self.norm
     }

@@ -1,6 +1,6 @@
 //! [`Tracking`]: the mean squared distance of a surface, region or node set from target positions.
 
-use super::body_points::{BodyPoints, Place};
+use super::body_points::{BodyPart, BodyPoints};
 use super::{
     Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, CostTarget, Figure, FigureKind, IntoCost, Partials,
     check_weight,
@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Source: survey, section 4.2.3; docs/model.md section 5.
 #[derive(Clone, Debug)]
 pub struct Tracking {
-    place: Place,
+    place: BodyPart,
     target: Target,
     weight: f64,
 }
@@ -71,17 +71,17 @@ impl Target {
 impl Tracking {
     /// Tracks a named surface, or the union of several.
     pub fn surface(names: impl Into<GroupNames>, target: Target) -> Self {
-        Tracking { place: Place::Surface(names.into()), target, weight: 1.0 }
+        Tracking { place: BodyPart::Surface(names.into()), target, weight: 1.0 }
     }
 
     /// Tracks a named region, or the union of several.
     pub fn region(names: impl Into<GroupNames>, target: Target) -> Self {
-        Tracking { place: Place::Region(names.into()), target, weight: 1.0 }
+        Tracking { place: BodyPart::Region(names.into()), target, weight: 1.0 }
     }
 
     /// Tracks the nodes of named node sets (or of surfaces), each with weight one.
     pub fn nodes(names: impl Into<GroupNames>, target: Target) -> Self {
-        Tracking { place: Place::Nodes(names.into()), target, weight: 1.0 }
+        Tracking { place: BodyPart::Nodes(names.into()), target, weight: 1.0 }
     }
 
     /// Multiplies the cost.

@@ -243,7 +243,7 @@ impl Ensemble {
                 Some(observer) => member.problem.observe(&own, &request, *observer, workspace),
                 None => member.problem.evaluate_typed(&own, &request, workspace),
             };
-            self.tell(index, &outcome);
+            self.report_trial(index, &outcome);
             outcome
         })?;
         self.joined(m, members)
@@ -291,7 +291,7 @@ impl Ensemble {
         })
     }
 
-    fn tell(&self, index: usize, outcome: &Result<Evaluated, ControlError>) {
+    fn report_trial(&self, index: usize, outcome: &Result<Evaluated, ControlError>) {
         if let Some(watch) = &self.watch.0 {
             let cost = outcome.as_ref().map(Evaluated::cost);
             watch(&Finished { index, of: self.members.len(), name: &self.members[index].name, cost });

@@ -28,7 +28,7 @@ use std::fmt::Debug;
 /// Unknowns and values at points are flat, `components * point + component`. A map with a row in [`MAPS`] is held to the contract:
 /// `change` is the derivative of `values`, `vjp` its transpose, `second_vjp` the derivative of `vjp`.
 pub trait ControlMap: Debug + Send + Sync {
-    /// What it does, in words that tell two maps of one kind apart.
+    /// What it does, in words that distinguish two maps of one kind.
     fn describe(&self) -> String;
 
     /// `f(x)`.

@@ -34,7 +34,7 @@ impl Reduced {
     /// tolerance, by default a thousandth of the whole time, is also the length of the first step behind a knot at which a control jumps.
     ///
     /// A problem built anew on [`Timeline::through`](crate::Timeline::through) these instants has them for every m: its cost is one smooth function, and its
-    /// derivative exact. How well they suit another m is told by [`SolvedStates::error`](crate::SolvedStates::error).
+    /// derivative exact. How well they suit another m is reported by [`SolvedStates::error`](crate::SolvedStates::error).
     ///
     /// # Errors
     /// A scheme without an estimate; a motion that fails; a tolerance out of reach.

@@ -200,7 +200,7 @@ impl Reduced {
         Cow::Owned(adjoint.map_or_else(none, |adjoint| adjoint.lambda))
     }
 
-    /// What a functional with these partials by the state and this adjoint owes to the values at the points.
+    /// The derivative of a functional with these partials by the state and this adjoint by the values at the points.
     fn by_point(&self, point: &Evaluated, by_u: &[f64], lambda: &[f64]) -> Result<Controls, ControlError> {
         let state = point.state();
         let mut at = Instant::of(state);

@@ -37,7 +37,7 @@ struct Trial<'a> {
 
 impl Reduced {
     /// An equilibrium and its values. A trial with a budget whose step leads beyond a limit point that is known, or that finds no state, is looked at along the path
-    /// of equilibria, which tells the limit point, or leads to the state.
+    /// of equilibria, which shows the limit point, or leads to the state.
     pub(super) fn evaluate_static(
         &self,
         m: &[f64],

@@ -17,7 +17,7 @@ pub enum MotionMemory {
     Checkpoints(usize),
 }
 
-/// What one motion takes, told before it runs.
+/// What one motion takes, known before it runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MotionFootprint {
     /// States in memory at once, at most.

@@ -1,11 +1,11 @@
-//! [`MotionObserver`]: what is told of a motion while it runs.
+//! [`MotionObserver`]: what is called while a motion runs.
 
 use crate::error::ControlError;
 use nastic_fem::State;
 
-/// Told of a motion while it runs, so that a motion that fails or is stopped leaves what it found, and may go on from there.
+/// Called while a motion runs, so that a motion that fails or is stopped leaves what it found, and may go on from there.
 pub trait MotionObserver: Sync {
-    /// What an earlier motion of the same problem and control vector told [`resumable`](Self::resumable): this one goes on from there.
+    /// What an earlier motion of the same problem and control vector reported [`resumable`](Self::resumable): this one goes on from there.
     fn resume(&self) -> Option<Vec<u8>> {
         None
     }

@@ -4,7 +4,9 @@ use nastic_tensor::{Mat3, Vec3};
 
 use super::point_quantity::PointQuantity;
 use crate::polyconvex::{Block, Change, Conjugates, ConvexDensity, Curvature};
-use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Response, Slot, Slots, Want, combine};
+use crate::{
+    Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want, combine,
+};
 
 /// Permittivity of the vacuum in SI units, F/m.
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
@@ -168,7 +170,7 @@ impl Actuation for Dielectric {
         }
     }
 
-    fn point_limit(&self, at: Place) -> Option<f64> {
+    fn point_limit(&self, at: MaterialPoint) -> Option<f64> {
         self.breakdown.as_ref().map(|field| field.at(at))
     }
 }
@@ -192,17 +194,17 @@ impl Attraction {
 }
 
 impl ConvexDensity for Attraction {
-    fn value(&self, _: Place, _: &Mat3, h: &Mat3, j: f64) -> f64 {
+    fn value(&self, _: MaterialPoint, _: &Mat3, h: &Mat3, j: f64) -> f64 {
         self.half * (h * self.direction).norm_squared() / j
     }
 
-    fn first(&self, _: Place, _: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, _: MaterialPoint, _: &Mat3, h: &Mat3, j: f64) -> Conjugates {
         let he = h * self.direction;
         let by_h = he * self.direction.transpose() * (2.0 * self.half / j);
         Conjugates { f: Mat3::zeros(), h: by_h, j: -self.half * he.norm_squared() / (j * j) }
     }
 
-    fn second(&self, _: Place, _: &Mat3, h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, _: MaterialPoint, _: &Mat3, h: &Mat3, j: f64) -> Curvature {
         let he = h * self.direction;
         let along = self.direction * self.direction.transpose();
         let hh = Block::Metric(along * (2.0 * self.half / j));
@@ -211,7 +213,14 @@ impl ConvexDensity for Attraction {
         Curvature { hj: Some(hj), ..Curvature::split(Block::Zero, hh, jj) }
     }
 
-    fn third(&self, _: Place, _: &Mat3, h: &Mat3, j: f64, [a, b]: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        _: MaterialPoint,
+        _: &Mat3,
+        h: &Mat3,
+        j: f64,
+        [a, b]: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         let [he, ae, be] = [h, &a.h, &b.h].map(|m| m * self.direction);
         let by_h = (ae * b.j + be * a.j) * (-2.0 / (j * j)) + he * (4.0 * a.j * b.j / j.powi(3));
         let by_j = -2.0 * ae.dot(&be) / (j * j) + 4.0 * (he.dot(&ae) * b.j + he.dot(&be) * a.j) / j.powi(3)

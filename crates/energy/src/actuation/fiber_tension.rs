@@ -1,6 +1,6 @@
 use nastic_tensor::{Mat3, Vec3};
 
-use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Response, Slot, Slots, Want};
+use crate::{Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// Tension of a fibre family along unit vectors `a(X)`.
 ///
@@ -101,7 +101,7 @@ impl EnergyTerm for FiberTension {
         self.direction.check_len(Self::NAME, "direction", cells, points)
     }
 
-    fn direction(&self, at: Place) -> Option<Vec3> {
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
         // A contraction needs no bound: the limit is one of tensions.
         (self.sense > 0.0).then(|| self.direction.at(at))
     }

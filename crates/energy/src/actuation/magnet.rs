@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, cross};
 
 use super::polar::Polar;
-use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Response, Slot, Slots, Want};
+use crate::{Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// Vacuum permeability in SI units, N/A^2, which is T^2/Pa.
 pub const VACUUM_PERMEABILITY: f64 = 1.25663706e-6;
@@ -243,7 +243,7 @@ impl<C> Magnetic<C> {
         Ok(Magnetic { permeability, carrier: PhantomData })
     }
 
-    fn factor(&self, at: Place) -> f64 {
+    fn factor(&self, at: MaterialPoint) -> f64 {
         -1.0 / self.permeability.at(at)
     }
 }

@@ -1,6 +1,6 @@
 use std::fmt::Write;
 
-use super::inputs::{Given, Inputs};
+use super::inputs::{CheckedInputs, Inputs};
 use super::{Parameter, unknown};
 use crate::EnergyError;
 
@@ -12,7 +12,7 @@ pub fn choose<'a>(
     owner: &'static str,
     forms: &'static [&'static [Parameter]],
     inputs: &'a Inputs,
-) -> Result<Given<'a>, EnergyError> {
+) -> Result<CheckedInputs<'a>, EnergyError> {
     let all = distinct(forms);
     let mut given: Vec<&'static Parameter> = Vec::new();
     for name in inputs.names() {
@@ -37,7 +37,7 @@ pub fn choose<'a>(
             let given = given.iter().map(|p| p.name.to_owned()).collect();
             Err(EnergyError::Missing { owner, name: missing.name, given, forms: describe(forms) })
         }
-        None => Ok(Given::new(owner, form, inputs)),
+        None => Ok(CheckedInputs::new(owner, form, inputs)),
     }
 }
 

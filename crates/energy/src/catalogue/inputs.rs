@@ -79,15 +79,15 @@ impl Inputs {
 
 /// Inputs that were checked against one form of one law.
 #[derive(Clone, Copy, Debug)]
-pub struct Given<'a> {
+pub struct CheckedInputs<'a> {
     owner: &'static str,
     form: &'static [Parameter],
     inputs: &'a Inputs,
 }
 
-impl<'a> Given<'a> {
+impl<'a> CheckedInputs<'a> {
     pub(super) fn new(owner: &'static str, form: &'static [Parameter], inputs: &'a Inputs) -> Self {
-        Given { owner, form, inputs }
+        CheckedInputs { owner, form, inputs }
     }
 
     /// Whether the form meant has this parameter.

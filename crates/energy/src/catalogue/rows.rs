@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use super::Given;
+use super::CheckedInputs;
 use super::fits;
 use super::{ActuationRow, Example, Made, MaterialRow, Parameter};
 use crate::dielectric::VACUUM_PERMITTIVITY;
@@ -387,7 +387,7 @@ const FIBERS: &[Parameter] = &[
 const FIBER2: Parameter = Parameter::direction("fiber2", [0.6, -0.8, 0.0]);
 
 /// `k1`, `k2`, dispersion and toe.
-fn fibers(given: &Given<'_>) -> Result<[Field<f64>; 4], EnergyError> {
+fn fibers(given: &CheckedInputs<'_>) -> Result<[Field<f64>; 4], EnergyError> {
     let toe = given.number_or("toe", FiberFamily::TOE);
     Ok([given.number("k1")?, given.number("k2")?, given.number("dispersion")?, toe])
 }

@@ -1,14 +1,14 @@
 use nastic_tensor::Tangent;
 
 use super::{Finding, Violation, Worst, evaluate, norm, states};
-use crate::{EnergyTerm, Place, PointBatch, Response, Slots, Want};
+use crate::{EnergyTerm, MaterialPoint, PointBatch, Response, Slots, Want};
 
 /// The term adds to what is there, gives each wanted quantity alone the same as all together, and does not touch (or
 /// need) the others.
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it does not.
-pub fn accumulation(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Finding, Violation> {
+pub fn accumulation(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Result<Finding, Violation> {
     let mut worst = Worst::new("adds what is wanted and nothing else", 1e-14);
     for k in states() {
         let whole = evaluate(term, at, &k, m);

@@ -2,14 +2,14 @@ use nastic_tensor::{Kinematics, Mat3};
 
 use super::derivative::sixth_order;
 use super::{Finding, Violation, Worst, evaluate, states};
-use crate::{Actuation, Place, PointBatch, Slots};
+use crate::{Actuation, MaterialPoint, PointBatch, Slots};
 
 /// `stress_by_control` is the derivative of `P` by every control component, and is set rather than added; so is `Evolution::stress_vjp` of a law that
 /// has an evolution.
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
-pub fn control_derivative(term: &dyn Actuation, at: Place, m: &[f64]) -> Result<Finding, Violation> {
+pub fn control_derivative(term: &dyn Actuation, at: MaterialPoint, m: &[f64]) -> Result<Finding, Violation> {
     let mut worst = Worst::new("dP/dm is the derivative of P", 1e-9);
     let largest = m.iter().fold(0.0f64, |a, b| a.max(b.abs()));
     let step = if largest > 0.0 { 1e-2 * largest } else { 1.0 };
@@ -41,7 +41,7 @@ pub fn control_derivative(term: &dyn Actuation, at: Place, m: &[f64]) -> Result<
 ///
 /// # Errors
 /// [`Violation::Controls`] when there are not as many values as slots.
-pub fn drives(term: &dyn Actuation, at: Place, m: &[f64], towards: &Mat3) -> Result<f64, Violation> {
+pub fn drives(term: &dyn Actuation, at: MaterialPoint, m: &[f64], towards: &Mat3) -> Result<f64, Violation> {
     let expected = term.slots().len();
     if m.len() != expected {
         return Err(Violation::Controls { check: "drives", expected, found: m.len() });
@@ -51,7 +51,7 @@ pub fn drives(term: &dyn Actuation, at: Place, m: &[f64], towards: &Mat3) -> Res
     Ok(-stress.dot(towards) / (stress.norm() * towards.norm()))
 }
 
-pub(super) fn by_control(term: &dyn Actuation, at: Place, k: &Kinematics, m: &[f64]) -> Vec<Mat3> {
+pub(super) fn by_control(term: &dyn Actuation, at: MaterialPoint, k: &Kinematics, m: &[f64]) -> Vec<Mat3> {
     // Not-a-number to begin with: entries left out or added to would show.
     let mut out = vec![Mat3::repeat(f64::NAN); m.len()];
     let points = PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };

@@ -3,13 +3,13 @@ use nastic_tensor::{Mat3, Tangent, Vec3};
 
 use super::states::directions;
 use super::{Finding, Violation, Worst, evaluate, kinematics, norm, rotations, states};
-use crate::{EnergyTerm, Place, PointBatch};
+use crate::{EnergyTerm, MaterialPoint, PointBatch};
 
 /// Legendre-Hadamard: waves in every direction keep real speeds, `A_iJkL v_i n_J v_k n_L >= 0` at every state.
 ///
 /// # Errors
 /// A [`Violation`] with the most negative eigenvalue of the acoustic tensor over the norm of the tangent.
-pub fn ellipticity(law: &dyn EnergyTerm, at: Place) -> Result<Finding, Violation> {
+pub fn ellipticity(law: &dyn EnergyTerm, at: MaterialPoint) -> Result<Finding, Violation> {
     let mut worst = Worst::new("the acoustic tensor is positive", 1e-13);
     for k in states() {
         let tangent = evaluate(law, at, &k, &[]).tangent;
@@ -30,7 +30,7 @@ fn acoustic(tangent: &Tangent, n: &Vec3) -> Mat3 {
 ///
 /// # Errors
 /// A [`Violation`] with the share of the growth that is lost.
-pub fn growth(law: &dyn EnergyTerm, at: Place) -> Result<Finding, Violation> {
+pub fn growth(law: &dyn EnergyTerm, at: MaterialPoint) -> Result<Finding, Violation> {
     let check = "the energy grows without bound as J -> 0";
     let mut worst = Worst::new(check, 1e-2);
     let paths: [fn(f64) -> Vec3; 3] =

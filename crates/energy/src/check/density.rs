@@ -3,7 +3,7 @@ use nastic_tensor::{Mat3, Tangent};
 
 use super::derivative::sixth_order;
 use super::{Finding, Violation, Worst, states};
-use crate::{Block, ConvexDensity, Place};
+use crate::{Block, ConvexDensity, MaterialPoint};
 
 /// Components of `F`, then of `H`, row by row, then `J`.
 type Vec19 = SVector<f64, 19>;
@@ -12,7 +12,7 @@ pub type Hessian = SMatrix<f64, 19, 19>;
 
 /// The 19 x 19 matrix of second partial derivatives of `W(F, H, J)` as the law states them; order `F`, `H` (row by
 /// row), `J`. The law is polyconvex where it is positive semidefinite for independent `F`, `H`, `J`.
-pub fn hessian(law: &dyn ConvexDensity, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Hessian {
+pub fn hessian(law: &dyn ConvexDensity, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Hessian {
     let w = law.second(at, f, h, j);
     let (ff, hh, fh) = (spread(&w.ff), spread(&w.hh), spread(&w.fh));
     let fj = flat(&w.fj.unwrap_or_else(Mat3::zeros));
@@ -34,7 +34,7 @@ pub fn hessian(law: &dyn ConvexDensity, at: Place, f: &Mat3, h: &Mat3, j: f64) -
 ///
 /// # Errors
 /// A [`Violation`] at the first state where they are not.
-pub fn partials(law: &dyn ConvexDensity, at: Place) -> Result<Finding, Violation> {
+pub fn partials(law: &dyn ConvexDensity, at: MaterialPoint) -> Result<Finding, Violation> {
     let mut worst = Worst::new("partial derivatives by F, H and J", 1e-9);
     for x in independent_states() {
         let (f, h, j) = unpack(&x);
@@ -63,7 +63,7 @@ pub fn partials(law: &dyn ConvexDensity, at: Place) -> Result<Finding, Violation
 ///
 /// # Errors
 /// A [`Violation`] with the most negative eigenvalue of the [`hessian`] over its norm.
-pub fn polyconvexity(law: &dyn ConvexDensity, at: Place) -> Result<Finding, Violation> {
+pub fn polyconvexity(law: &dyn ConvexDensity, at: MaterialPoint) -> Result<Finding, Violation> {
     let mut worst = Worst::new("convex in F, H and J", 1e-13);
     for x in independent_states() {
         let (f, h, j) = unpack(&x);
@@ -78,7 +78,7 @@ pub fn polyconvexity(law: &dyn ConvexDensity, at: Place) -> Result<Finding, Viol
 ///
 /// # Errors
 /// A [`Violation`] with the most negative eigenvalue over the norm of the second derivatives.
-pub fn tension_bound(law: &dyn ConvexDensity, at: Place) -> Result<Option<Finding>, Violation> {
+pub fn tension_bound(law: &dyn ConvexDensity, at: MaterialPoint) -> Result<Option<Finding>, Violation> {
     let mut worst = Worst::new("convex with tensions at their bound", 1e-12);
     let Some(bound) = law.tension_bound(at) else { return Ok(None) };
     let tensions = fiber_terms(bound.matrix());
@@ -103,7 +103,7 @@ fn independent_states() -> Vec<Vec19> {
     (0..count).map(|n| pack(pick(n).f(), pick(5 * n + 1).h(), pick(7 * n + 2).j())).collect()
 }
 
-fn gradient(law: &dyn ConvexDensity, at: Place, x: &Vec19) -> Vec19 {
+fn gradient(law: &dyn ConvexDensity, at: MaterialPoint, x: &Vec19) -> Vec19 {
     let (f, h, j) = unpack(x);
     let s = law.first(at, &f, &h, j);
     pack(&s.f, &s.h, s.j)

@@ -1,13 +1,13 @@
 use nastic_tensor::{Kinematics, Mat3};
 
 use super::{Evaluation, Finding, Violation, Worst, evaluate, kinematics, norm, states};
-use crate::{EnergyTerm, Place, PointBatch, Slots};
+use crate::{EnergyTerm, MaterialPoint, PointBatch, Slots};
 
 /// `P` is the derivative of the energy by `F`.
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
-pub fn stress(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Finding, Violation> {
+pub fn stress(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Result<Finding, Violation> {
     let check = "P is the derivative of the energy";
     let mut worst = Worst::new(check, 1e-9);
     for k in states() {
@@ -25,7 +25,7 @@ pub fn stress(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Finding, Vi
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
-pub fn tangent(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Finding, Violation> {
+pub fn tangent(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Result<Finding, Violation> {
     let check = "dP/dF is the derivative of P";
     let mut worst = Worst::new(check, 1e-9);
     for k in states() {
@@ -43,7 +43,7 @@ pub fn tangent(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Finding, V
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it does not.
-pub fn stress_change(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Finding, Violation> {
+pub fn stress_change(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Result<Finding, Violation> {
     let mut worst = Worst::new("the change of P is dP/dF applied to that of F", 1e-13);
     for k in states() {
         let tangent = evaluate(term, at, &k, m).tangent;

@@ -2,14 +2,19 @@ use nalgebra::{SMatrix, SVector};
 use nastic_tensor::{Kinematics, Mat3};
 
 use super::{Evaluation, Violation, evaluate, norm};
-use crate::{Actuation, EnergyTerm, Place};
+use crate::{Actuation, EnergyTerm, MaterialPoint};
 
 /// What an actuation does to a free cube of a passive law: the symmetric deformation gradient of its homogeneous
 /// equilibrium, found by Newton's method on the energy, from rest.
 ///
 /// # Errors
 /// [`Violation::NoEquilibrium`] when there is none, as above the law's fiber limit.
-pub fn free_cube(law: &dyn EnergyTerm, actuation: &dyn Actuation, at: Place, m: &[f64]) -> Result<Mat3, Violation> {
+pub fn free_cube(
+    law: &dyn EnergyTerm,
+    actuation: &dyn Actuation,
+    at: MaterialPoint,
+    m: &[f64],
+) -> Result<Mat3, Violation> {
     const ITERATIONS: usize = 200;
     let total = |k: &Kinematics| {
         let (mut sum, added) = (evaluate(law, at, k, &[]), evaluate(actuation, at, k, m));
@@ -40,7 +45,7 @@ fn descend(
         let trial = Kinematics::new(k.f() + step * length).ok()?;
         let there = total(&trial);
         let falls = there.energy <= here.energy + 1e-4 * length * predicted;
-        // Below the rounding of energies only the slope can tell.
+        // Below the rounding of energies only the slope can show.
         (falls || slope(&there).norm() < 0.5 * slope(here).norm()).then_some((trial, there))
     })
 }

@@ -1,13 +1,13 @@
 use nastic_tensor::Kinematics;
 
 use super::{Finding, Violation, Worst, evaluate, norm};
-use crate::{EnergyTerm, Place};
+use crate::{EnergyTerm, MaterialPoint};
 
 /// The rest state has neither energy nor stress: `W(I) = 0`, `P(I) = 0`.
 ///
 /// # Errors
 /// A [`Violation`] otherwise.
-pub fn rest(law: &dyn EnergyTerm, at: Place) -> Result<Finding, Violation> {
+pub fn rest(law: &dyn EnergyTerm, at: MaterialPoint) -> Result<Finding, Violation> {
     let mut worst = Worst::new("the rest state has no energy and no stress", 1e-14);
     let k = Kinematics::rest();
     let here = evaluate(law, at, &k, &[]);
@@ -20,7 +20,7 @@ pub fn rest(law: &dyn EnergyTerm, at: Place) -> Result<Finding, Violation> {
 ///
 /// # Errors
 /// A [`Violation`] when it is not.
-pub fn moduli(law: &dyn EnergyTerm, at: Place) -> Result<Option<Finding>, Violation> {
+pub fn moduli(law: &dyn EnergyTerm, at: MaterialPoint) -> Result<Option<Finding>, Violation> {
     let Some(moduli) = law.moduli(at) else { return Ok(None) };
     let mut worst = Worst::new("dP/dF at rest has the stated moduli", 1e-13);
     let k = Kinematics::rest();

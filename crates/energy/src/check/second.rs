@@ -3,14 +3,14 @@ use nastic_tensor::{Kinematics, Mat3};
 use super::control::by_control;
 use super::derivative::{along, sixth_order};
 use super::{Finding, Violation, Worst, evaluate, norm, states};
-use crate::{Actuation, EnergyError, EnergyTerm, Place, PointBatch, Slots};
+use crate::{Actuation, EnergyError, EnergyTerm, MaterialPoint, PointBatch, Slots};
 
 /// [`EnergyTerm::second_stress_change`] adds the derivative of [`EnergyTerm::stress_change`] by `F` and is symmetric in its two
 /// changes; `None` where the term gives none.
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
-pub fn second_stress_change(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Option<Finding>, Violation> {
+pub fn second_stress_change(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Result<Option<Finding>, Violation> {
     let check = "the second change of P is the derivative of the first";
     let (mut worst, mut symmetric) =
         (Worst::new(check, 1e-8), Worst::new("the second change of P is symmetric", 1e-12));
@@ -48,7 +48,7 @@ pub fn second_stress_change(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Resu
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
-pub fn control_stress_change(term: &dyn Actuation, at: Place, m: &[f64]) -> Result<Option<Finding>, Violation> {
+pub fn control_stress_change(term: &dyn Actuation, at: MaterialPoint, m: &[f64]) -> Result<Option<Finding>, Violation> {
     let check = "the change of dP/dm is its derivative";
     let (mut worst, mut linear) = (Worst::new(check, 1e-8), Worst::new("the change of dP/dm is linear", 1e-12));
     let largest = m.iter().fold(0.0f64, |a, b| a.max(b.abs()));
@@ -89,7 +89,7 @@ pub fn control_stress_change(term: &dyn Actuation, at: Place, m: &[f64]) -> Resu
     Ok(Some(worst.finding()))
 }
 
-fn one(k: &Kinematics, at: Place) -> PointBatch<'_> {
+fn one(k: &Kinematics, at: MaterialPoint) -> PointBatch<'_> {
     PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point }
 }
 

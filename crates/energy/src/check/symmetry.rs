@@ -1,11 +1,11 @@
 use super::{Finding, Violation, Worst, evaluate, kinematics, norm, rotations, states};
-use crate::{EnergyTerm, Place};
+use crate::{EnergyTerm, MaterialPoint};
 
 /// `dP/dF` is symmetric: `A_iJkL = A_kLiJ`.
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
-pub fn major_symmetry(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Finding, Violation> {
+pub fn major_symmetry(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Result<Finding, Violation> {
     let mut worst = Worst::new("dP/dF is symmetric", 1e-13);
     for k in states() {
         let tangent = evaluate(term, at, &k, m).tangent;
@@ -24,7 +24,7 @@ pub fn major_symmetry(term: &dyn EnergyTerm, at: Place, m: &[f64]) -> Result<Fin
 /// A [`Violation`] at the first state where it does not hold.
 pub fn objectivity(
     term: &dyn EnergyTerm,
-    at: Place,
+    at: MaterialPoint,
     m: &[f64],
     turn: &dyn Fn(&nastic_tensor::Mat3, &mut [f64]),
 ) -> Result<Finding, Violation> {

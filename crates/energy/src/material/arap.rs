@@ -2,7 +2,7 @@ use nastic_tensor::Mat3;
 
 use super::power_trace::Spectrum;
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
 };
 
 /// As-rigid-as-possible energy: the squared distance of F from the rotations. Not polyconvex.
@@ -55,16 +55,16 @@ impl Arap {
 const HALF: f64 = 0.5;
 
 impl ConvexDensity for Arap {
-    fn value(&self, at: Place, f: &Mat3, _h: &Mat3, _j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, _j: f64) -> f64 {
         self.mu.at(at) * (f.norm_squared() - 2.0 * Spectrum::new(f).power(HALF).value() + 3.0)
     }
 
-    fn first(&self, at: Place, f: &Mat3, _h: &Mat3, _j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, _j: f64) -> Conjugates {
         let slope = (f - Spectrum::new(f).power(HALF).first()) * (2.0 * self.mu.at(at));
         Conjugates { f: slope, h: Mat3::zeros(), j: 0.0 }
     }
 
-    fn second(&self, at: Place, f: &Mat3, _h: &Mat3, _j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, _j: f64) -> Curvature {
         let twice = 2.0 * self.mu.at(at);
         let mut ff = Spectrum::new(f).power(HALF).curvature();
         ff.0.iter_mut().for_each(|c| *c *= -twice);
@@ -72,12 +72,19 @@ impl ConvexDensity for Arap {
         Curvature::split(Block::Full(Box::new(ff)), Block::Zero, 0.0)
     }
 
-    fn third(&self, at: Place, f: &Mat3, _h: &Mat3, _j: f64, [a, b]: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        at: MaterialPoint,
+        f: &Mat3,
+        _h: &Mat3,
+        _j: f64,
+        [a, b]: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         let third = Spectrum::new(f).power(HALF).third(&a.f, &b.f) * (-2.0 * self.mu.at(at));
         Ok(Conjugates { f: third, h: Mat3::zeros(), j: 0.0 })
     }
 
-    fn conditions(&self, _at: Place) -> Option<Existence> {
+    fn conditions(&self, _at: MaterialPoint) -> Option<Existence> {
         let growth = Growth { p: 2.0, q: 0.0, r: 0.0 };
         Some(Existence { polyconvex: false, resists_collapse: false, growth })
     }
@@ -86,7 +93,7 @@ impl ConvexDensity for Arap {
         self.mu.check_len(Self::NAME, "mu", cells, points)
     }
 
-    fn small_strain(&self, at: Place) -> Option<Moduli> {
+    fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         Some(Moduli::isotropic(0.0, self.mu.at(at)))
     }
 }

@@ -2,7 +2,7 @@ use nastic_tensor::Mat3;
 
 use super::engineering::{bulk_of_d1, shear_bulk};
 use super::isochoric::{Function, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, Moduli, Place, combine};
+use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, combine};
 
 /// Arruda and Boyce's law of eight chains, by the first five terms of the inverse Langevin function.
 ///
@@ -107,7 +107,7 @@ impl ArrudaBoyce {
 }
 
 impl IsochoricLaw for ArrudaBoyce {
-    fn each(&self, at: Place, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
+    fn each(&self, at: MaterialPoint, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
         let (mu, n) = (self.mu.at(at), self.lambda_m.at(at).powi(2));
         visit(&Mat3::identity(), &|x| {
             let mut sum = [0.0; 4];
@@ -123,15 +123,15 @@ impl IsochoricLaw for ArrudaBoyce {
         });
     }
 
-    fn bulk(&self, at: Place) -> f64 {
+    fn bulk(&self, at: MaterialPoint) -> f64 {
         self.bulk.at(at)
     }
 
-    fn existence(&self, _at: Place) -> Existence {
+    fn existence(&self, _at: MaterialPoint) -> Existence {
         Existence { polyconvex: true, resists_collapse: true, growth: Growth::isochoric(5.0) }
     }
 
-    fn rest_moduli(&self, at: Place) -> Moduli {
+    fn rest_moduli(&self, at: MaterialPoint) -> Moduli {
         moduli(self.mu.at(at) * shear_ratio(self.lambda_m.at(at)), self.bulk.at(at))
     }
 

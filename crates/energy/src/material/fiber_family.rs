@@ -1,7 +1,7 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use super::isochoric::{Function, Invariant, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, Moduli, Outside, Place};
+use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, Outside};
 
 /// A family of stiffening fibres with dispersion, to be added to the law of the matrix on the same cells.
 ///
@@ -81,20 +81,20 @@ impl FiberFamily {
     }
 
     /// `d I + (1 - 3 d) a a`.
-    fn metric(&self, at: Place) -> Mat3 {
+    fn metric(&self, at: MaterialPoint) -> Mat3 {
         let (d, a) = (self.dispersion.at(at), self.fiber.at(at));
         // 1/3 is no binary number: what is left of 1 - 3 d there is rounding
         Mat3::from_diagonal_element(d) + a * (a * (1.0 - 3.0 * d).max(0.0)).transpose()
     }
 
     /// Calls `visit` with the metric and the energy as function of E.
-    pub(super) fn visit(&self, at: Place, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
+    pub(super) fn visit(&self, at: MaterialPoint, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
         let (k1, k2, toe) = (self.k1.at(at), self.k2.at(at), self.toe.at(at));
         visit(&self.metric(at), &|e| energy(k1, k2, tensile(e, toe)));
     }
 
     /// Refuses what is beyond the range of the exponential.
-    pub(super) fn bounded(&self, law: &'static str, at: Place, f: &Mat3, j: f64) -> Result<(), Outside> {
+    pub(super) fn bounded(&self, law: &'static str, at: MaterialPoint, f: &Mat3, j: f64) -> Result<(), Outside> {
         let [r, ..] = tensile(Invariant::new(&self.metric(at), f, j).change(), self.toe.at(at));
         let value = self.k2.at(at) * r * r;
         if value <= LARGEST {
@@ -105,7 +105,7 @@ impl FiberFamily {
     }
 
     /// Growth of `exp(k2 E^2)`: of any power in `|F|` where the fibres point everywhere.
-    pub(super) fn growth(&self, at: Place) -> f64 {
+    pub(super) fn growth(&self, at: MaterialPoint) -> f64 {
         if self.dispersion.at(at) > 0.0 { f64::INFINITY } else { 0.0 }
     }
 
@@ -124,7 +124,7 @@ impl FiberFamily {
     }
 
     /// The mean direction.
-    pub(super) fn direction(&self, at: Place) -> Vec3 {
+    pub(super) fn direction(&self, at: MaterialPoint) -> Vec3 {
         self.fiber.at(at)
     }
 }
@@ -162,24 +162,24 @@ fn energy(k1: f64, k2: f64, [r, r1, r2, r3]: [f64; 4]) -> [f64; 4] {
 }
 
 impl IsochoricLaw for FiberFamily {
-    fn each(&self, at: Place, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
+    fn each(&self, at: MaterialPoint, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
         self.visit(at, visit);
     }
 
-    fn bulk(&self, _at: Place) -> f64 {
+    fn bulk(&self, _at: MaterialPoint) -> f64 {
         0.0
     }
 
-    fn within(&self, at: Place, f: &Mat3, j: f64) -> Result<(), Outside> {
+    fn within(&self, at: MaterialPoint, f: &Mat3, j: f64) -> Result<(), Outside> {
         self.bounded(Self::NAME, at, f, j)
     }
 
     /// Without a volumetric part `|F|` is bounded by `J` alone.
-    fn existence(&self, _at: Place) -> Existence {
+    fn existence(&self, _at: MaterialPoint) -> Existence {
         Existence { polyconvex: true, resists_collapse: false, growth: Growth::default() }
     }
 
-    fn rest_moduli(&self, _at: Place) -> Moduli {
+    fn rest_moduli(&self, _at: MaterialPoint) -> Moduli {
         moduli(0.0, 0.0)
     }
 
@@ -187,7 +187,7 @@ impl IsochoricLaw for FiberFamily {
         self.check_of(Self::NAME, "fiber", (cells, points))
     }
 
-    fn along(&self, at: Place) -> Option<Vec3> {
+    fn along(&self, at: MaterialPoint) -> Option<Vec3> {
         Some(self.direction(at))
     }
 }

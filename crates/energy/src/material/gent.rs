@@ -2,7 +2,7 @@ use nastic_tensor::Mat3;
 
 use super::engineering::{bulk_of_d1, shear_bulk};
 use super::isochoric::{Function, Invariant, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, Moduli, Outside, Place};
+use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, Outside};
 
 /// Gent's law: chains of limited length.
 ///
@@ -89,7 +89,7 @@ impl Gent {
 }
 
 impl IsochoricLaw for Gent {
-    fn each(&self, at: Place, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
+    fn each(&self, at: MaterialPoint, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
         let (mu, jm) = (self.mu.at(at), self.jm.at(at));
         visit(&Mat3::identity(), &|x| {
             if x >= jm {
@@ -102,11 +102,11 @@ impl IsochoricLaw for Gent {
         });
     }
 
-    fn bulk(&self, at: Place) -> f64 {
+    fn bulk(&self, at: MaterialPoint) -> f64 {
         self.bulk.at(at)
     }
 
-    fn within(&self, at: Place, f: &Mat3, j: f64) -> Result<(), Outside> {
+    fn within(&self, at: MaterialPoint, f: &Mat3, j: f64) -> Result<(), Outside> {
         let (value, limit) = (Invariant::new(&Mat3::identity(), f, j).change(), self.jm.at(at));
         if value < limit {
             return Ok(());
@@ -115,11 +115,11 @@ impl IsochoricLaw for Gent {
         Err(Outside { law, measure, value, limit, meaning: "the limit jm of the law", point: 0 })
     }
 
-    fn existence(&self, _at: Place) -> Existence {
+    fn existence(&self, _at: MaterialPoint) -> Existence {
         Existence { polyconvex: true, resists_collapse: true, growth: Growth::isochoric(f64::INFINITY) }
     }
 
-    fn rest_moduli(&self, at: Place) -> Moduli {
+    fn rest_moduli(&self, at: MaterialPoint) -> Moduli {
         moduli(self.mu.at(at), self.bulk.at(at))
     }
 

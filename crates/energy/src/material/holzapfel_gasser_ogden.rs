@@ -3,7 +3,7 @@ use nastic_tensor::{Mat3, Vec3};
 use super::engineering::bulk_of_d1;
 use super::fiber_family::FiberFamily;
 use super::isochoric::{Function, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, Moduli, Outside, Place};
+use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, Outside};
 
 /// Holzapfel, Gasser and Ogden's law: one or two families of stiffening fibres with dispersion in a neo-Hookean matrix.
 ///
@@ -70,26 +70,26 @@ impl HolzapfelGasserOgden {
 }
 
 impl IsochoricLaw for HolzapfelGasserOgden {
-    fn each(&self, at: Place, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
+    fn each(&self, at: MaterialPoint, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
         let half = 0.5 * self.mu.at(at);
         visit(&Mat3::identity(), &|x| [half * x, half, 0.0, 0.0]);
         self.families.iter().for_each(|family| family.visit(at, visit));
     }
 
-    fn bulk(&self, at: Place) -> f64 {
+    fn bulk(&self, at: MaterialPoint) -> f64 {
         self.bulk.at(at)
     }
 
-    fn within(&self, at: Place, f: &Mat3, j: f64) -> Result<(), Outside> {
+    fn within(&self, at: MaterialPoint, f: &Mat3, j: f64) -> Result<(), Outside> {
         self.families.iter().try_for_each(|family| family.bounded(Self::NAME, at, f, j))
     }
 
-    fn existence(&self, at: Place) -> Existence {
+    fn existence(&self, at: MaterialPoint) -> Existence {
         let degree = self.families.iter().map(|family| family.growth(at)).fold(1.0, f64::max);
         Existence { polyconvex: true, resists_collapse: true, growth: Growth::isochoric(degree) }
     }
 
-    fn rest_moduli(&self, at: Place) -> Moduli {
+    fn rest_moduli(&self, at: MaterialPoint) -> Moduli {
         moduli(self.mu.at(at), self.bulk.at(at))
     }
 
@@ -100,7 +100,7 @@ impl IsochoricLaw for HolzapfelGasserOgden {
         families.try_for_each(|(family, name)| family.check_of(Self::NAME, name, (cells, points)))
     }
 
-    fn along(&self, at: Place) -> Option<Vec3> {
+    fn along(&self, at: MaterialPoint) -> Option<Vec3> {
         self.families.first().map(|family| family.direction(at))
     }
 }

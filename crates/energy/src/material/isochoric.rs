@@ -4,7 +4,8 @@ use nastic_tensor::{Mat3, Tangent, Vec3};
 
 use super::volumetric::volumetric;
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Moduli, Outside, Place, TensionBound,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, MaterialPoint, Moduli, Outside,
+    TensionBound,
 };
 
 /// A function of one invariant and its first three derivatives, from the change `x` of the invariant since rest.
@@ -17,27 +18,27 @@ pub(super) type Function<'a> = &'a dyn Fn(f64) -> [f64; 4];
 /// Int. J. Solids Struct. 40, 2003, 2767-2791, doi 10.1016/S0020-7683(03)00086-6).
 pub(super) trait IsochoricLaw: std::fmt::Debug + Send + Sync {
     /// Calls `visit` for every `M_k` with its `phi_k`.
-    fn each(&self, at: Place, visit: &mut dyn FnMut(&Mat3, Function<'_>));
+    fn each(&self, at: MaterialPoint, visit: &mut dyn FnMut(&Mat3, Function<'_>));
 
     /// Bulk modulus of the volumetric part; 0 where there is none.
-    fn bulk(&self, at: Place) -> f64;
+    fn bulk(&self, at: MaterialPoint) -> f64;
 
     /// See [`ConvexDensity::conditions`].
-    fn existence(&self, at: Place) -> Existence;
+    fn existence(&self, at: MaterialPoint) -> Existence;
 
     /// See [`ConvexDensity::small_strain`].
-    fn rest_moduli(&self, at: Place) -> Moduli;
+    fn rest_moduli(&self, at: MaterialPoint) -> Moduli;
 
     /// See [`ConvexDensity::check_fields`].
     fn check_lengths(&self, cells: usize, points: usize) -> Result<(), EnergyError>;
 
     /// Whether the functions are finite there: see [`ConvexDensity::domain`].
-    fn within(&self, _at: Place, _f: &Mat3, _j: f64) -> Result<(), Outside> {
+    fn within(&self, _at: MaterialPoint, _f: &Mat3, _j: f64) -> Result<(), Outside> {
         Ok(())
     }
 
     /// See [`ConvexDensity::fiber`].
-    fn along(&self, _at: Place) -> Option<Vec3> {
+    fn along(&self, _at: MaterialPoint) -> Option<Vec3> {
         None
     }
 }
@@ -105,13 +106,13 @@ impl<'a> Invariant<'a> {
 }
 
 impl<L: IsochoricLaw> ConvexDensity for L {
-    fn value(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, j: f64) -> f64 {
         let mut sum = volumetric(self.bulk(at), j)[0];
         self.each(at, &mut |metric, phi| sum += phi(Invariant::new(metric, f, j).change())[0]);
         sum
     }
 
-    fn first(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, j: f64) -> Conjugates {
         let mut sum = Conjugates { f: Mat3::zeros(), h: Mat3::zeros(), j: volumetric(self.bulk(at), j)[1] };
         self.each(at, &mut |metric, phi| {
             let x = Invariant::new(metric, f, j);
@@ -122,7 +123,7 @@ impl<L: IsochoricLaw> ConvexDensity for L {
         sum
     }
 
-    fn second(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
         let mut ff = Tangent::zero();
         let mut fj = Mat3::zeros();
         let mut jj = volumetric(self.bulk(at), j)[2];
@@ -137,7 +138,14 @@ impl<L: IsochoricLaw> ConvexDensity for L {
         Curvature { fj: Some(fj), ..Curvature::split(Block::Full(Box::new(ff)), Block::Zero, jj) }
     }
 
-    fn third(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64, [a, b]: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        at: MaterialPoint,
+        f: &Mat3,
+        _h: &Mat3,
+        j: f64,
+        [a, b]: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         let mut sum = Conjugates::third_by_j(volumetric(self.bulk(at), j)[3], [a, b]);
         self.each(at, &mut |metric, phi| {
             let x = Invariant::new(metric, f, j);
@@ -151,16 +159,16 @@ impl<L: IsochoricLaw> ConvexDensity for L {
         Ok(sum)
     }
 
-    fn domain(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> Result<(), Outside> {
+    fn domain(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, j: f64) -> Result<(), Outside> {
         self.within(at, f, j)
     }
 
-    fn conditions(&self, at: Place) -> Option<Existence> {
+    fn conditions(&self, at: MaterialPoint) -> Option<Existence> {
         Some(self.existence(at))
     }
 
     /// The curvature by `F` fades as `J` grows: no positive tension leaves the sum convex. `None` where the law alone is not polyconvex.
-    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+    fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         let polyconvex = self.conditions(at).is_some_and(|conditions| conditions.polyconvex);
         polyconvex.then(|| TensionBound::isotropic(0.0))
     }
@@ -169,11 +177,11 @@ impl<L: IsochoricLaw> ConvexDensity for L {
         self.check_lengths(cells, points)
     }
 
-    fn fiber(&self, at: Place) -> Option<Vec3> {
+    fn fiber(&self, at: MaterialPoint) -> Option<Vec3> {
         self.along(at)
     }
 
-    fn small_strain(&self, at: Place) -> Option<Moduli> {
+    fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         Some(self.rest_moduli(at))
     }
 }

@@ -5,7 +5,7 @@ use nastic_tensor::Mat3;
 use super::engineering::{check_rubber, shear_bulk};
 use crate::{
     Actuation, Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth,
-    LinearInModuli, Moduli, Parametrised, Place, TensionBound, combine,
+    LinearInModuli, MaterialPoint, Moduli, Parametrised, TensionBound, combine,
 };
 
 /// Compressible Mooney-Rivlin law.
@@ -117,45 +117,52 @@ impl MooneyRivlin {
     }
 
     #[inline(always)]
-    fn at(&self, at: Place) -> [f64; 3] {
+    fn at(&self, at: MaterialPoint) -> [f64; 3] {
         [self.mu1.at(at), self.mu2.at(at), self.mu3.at(at)]
     }
 }
 
 impl ConvexDensity for MooneyRivlin {
     #[inline]
-    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> f64 {
         let [mu1, mu2, mu3] = self.at(at);
         mu1 * (f.norm_squared() - 3.0) + mu2 * (h.norm_squared() - 3.0) + mu3 * (j - 1.0).powi(2)
             - 2.0 * (mu1 + 2.0 * mu2) * j.ln()
     }
 
     #[inline]
-    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
         let [mu1, mu2, mu3] = self.at(at);
         Conjugates { f: f * (2.0 * mu1), h: h * (2.0 * mu2), j: 2.0 * mu3 * (j - 1.0) - 2.0 * (mu1 + 2.0 * mu2) / j }
     }
 
     #[inline]
-    fn second(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, _f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
         let [mu1, mu2, mu3] = self.at(at);
         let jj = 2.0 * mu3 + 2.0 * (mu1 + 2.0 * mu2) / (j * j);
         Curvature::split(Block::Isotropic(2.0 * mu1), Block::Isotropic(2.0 * mu2), jj)
     }
 
-    fn third(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        at: MaterialPoint,
+        _f: &Mat3,
+        _h: &Mat3,
+        j: f64,
+        along: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         let [mu1, mu2, _] = self.at(at);
         Ok(Conjugates::third_by_j(-4.0 * (mu1 + 2.0 * mu2) / (j * j * j), along))
     }
 
-    fn conditions(&self, at: Place) -> Option<Existence> {
+    fn conditions(&self, at: MaterialPoint) -> Option<Existence> {
         let [_, mu2, mu3] = self.at(at);
         let exponent = |factor: f64| if factor > 0.0 { 2.0 } else { 0.0 };
         let growth = Growth { p: 2.0, q: exponent(mu2), r: exponent(mu3) };
         Some(Existence { polyconvex: true, resists_collapse: true, growth })
     }
 
-    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+    fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         Some(TensionBound::isotropic(2.0 * self.mu1.at(at)))
     }
 
@@ -169,7 +176,7 @@ impl ConvexDensity for MooneyRivlin {
         Ok(Arc::new(Parametrised::new(self.clone())))
     }
 
-    fn small_strain(&self, at: Place) -> Option<Moduli> {
+    fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         let [mu1, mu2, mu3] = self.at(at);
         Some(Moduli::isotropic(4.0 * mu2 + 2.0 * mu3, 2.0 * (mu1 + mu2)))
     }

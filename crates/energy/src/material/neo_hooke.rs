@@ -5,7 +5,7 @@ use nastic_tensor::Mat3;
 use super::engineering::{check_rubber, shear_bulk};
 use crate::{
     Actuation, Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth,
-    LinearInModuli, Moduli, Parametrised, Place, TensionBound, combine,
+    LinearInModuli, MaterialPoint, Moduli, Parametrised, TensionBound, combine,
 };
 
 /// Compressible neo-Hookean law, polyconvex form.
@@ -105,34 +105,41 @@ impl NeoHooke {
 
 impl ConvexDensity for NeoHooke {
     #[inline]
-    fn value(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, j: f64) -> f64 {
         let (mu, lambda) = (self.mu.at(at), self.lambda.at(at));
         0.5 * mu * (f.norm_squared() - 3.0) - mu * j.ln() + 0.5 * lambda * (j - 1.0).powi(2)
     }
 
     #[inline]
-    fn first(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, j: f64) -> Conjugates {
         let (mu, lambda) = (self.mu.at(at), self.lambda.at(at));
         Conjugates { f: f * mu, h: Mat3::zeros(), j: lambda * (j - 1.0) - mu / j }
     }
 
     #[inline]
-    fn second(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, _f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
         let (mu, lambda) = (self.mu.at(at), self.lambda.at(at));
         Curvature::split(Block::Isotropic(mu), Block::Zero, lambda + mu / (j * j))
     }
 
-    fn third(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        at: MaterialPoint,
+        _f: &Mat3,
+        _h: &Mat3,
+        j: f64,
+        along: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         Ok(Conjugates::third_by_j(-2.0 * self.mu.at(at) / (j * j * j), along))
     }
 
-    fn conditions(&self, at: Place) -> Option<Existence> {
+    fn conditions(&self, at: MaterialPoint) -> Option<Existence> {
         let r = if self.lambda.at(at) > 0.0 { 2.0 } else { 0.0 };
         let growth = Growth { p: 2.0, q: 0.0, r };
         Some(Existence { polyconvex: true, resists_collapse: true, growth })
     }
 
-    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+    fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         Some(TensionBound::isotropic(self.mu.at(at)))
     }
 
@@ -145,7 +152,7 @@ impl ConvexDensity for NeoHooke {
         Ok(Arc::new(Parametrised::new(self.clone())))
     }
 
-    fn small_strain(&self, at: Place) -> Option<Moduli> {
+    fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         Some(Moduli::isotropic(self.lambda.at(at), self.mu.at(at)))
     }
 }

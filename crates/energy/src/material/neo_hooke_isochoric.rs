@@ -2,7 +2,7 @@ use nastic_tensor::Mat3;
 
 use super::engineering::{check_rubber, shear_bulk};
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
     TensionBound, combine,
 };
 
@@ -89,13 +89,13 @@ fn isochoric(j: f64) -> f64 {
 
 impl ConvexDensity for NeoHookeIsochoric {
     #[inline]
-    fn value(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, j: f64) -> f64 {
         let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
         0.5 * mu * (isochoric(j) * f.norm_squared() - 3.0) + 0.25 * kappa * (j * j - 1.0 - 2.0 * j.ln())
     }
 
     #[inline]
-    fn first(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, j: f64) -> Conjugates {
         let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
         let scaled = mu * isochoric(j);
         let volumetric = 0.5 * kappa * (j - 1.0 / j);
@@ -103,7 +103,7 @@ impl ConvexDensity for NeoHookeIsochoric {
     }
 
     #[inline]
-    fn second(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
         let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
         let scaled = mu * isochoric(j);
         let square = j * j;
@@ -112,7 +112,14 @@ impl ConvexDensity for NeoHookeIsochoric {
         Curvature { fj, ..Curvature::split(Block::Isotropic(scaled), Block::Zero, jj) }
     }
 
-    fn third(&self, at: Place, f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        at: MaterialPoint,
+        f: &Mat3,
+        _h: &Mat3,
+        j: f64,
+        along: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         let [a, b] = along;
         let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
         let scaled = mu * isochoric(j);
@@ -125,11 +132,11 @@ impl ConvexDensity for NeoHookeIsochoric {
         })
     }
 
-    fn conditions(&self, _at: Place) -> Option<Existence> {
+    fn conditions(&self, _at: MaterialPoint) -> Option<Existence> {
         Some(Existence { polyconvex: true, resists_collapse: true, growth: Growth::isochoric(1.0) })
     }
 
-    fn tension_bound(&self, _at: Place) -> Option<TensionBound> {
+    fn tension_bound(&self, _at: MaterialPoint) -> Option<TensionBound> {
         Some(TensionBound::isotropic(0.0))
     }
 
@@ -138,7 +145,7 @@ impl ConvexDensity for NeoHookeIsochoric {
         self.kappa.check_len(Self::NAME, "kappa", cells, points)
     }
 
-    fn small_strain(&self, at: Place) -> Option<Moduli> {
+    fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
         Some(Moduli::isotropic(kappa - 2.0 * mu / 3.0, mu))
     }

@@ -5,7 +5,7 @@ use super::isochoric::moduli;
 use super::power_trace::{PowerTrace, Spectrum};
 use super::volumetric::volumetric;
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
     TensionBound, combine,
 };
 
@@ -76,12 +76,12 @@ impl Ogden {
         Self::new(terms, bulk_of_d1(Self::NAME, &d1.into())?)
     }
 
-    fn at(&self, at: Place) -> impl Iterator<Item = Term> {
+    fn at(&self, at: MaterialPoint) -> impl Iterator<Item = Term> {
         self.terms.iter().map(move |[mu, alpha]| Term::new(mu.at(at), alpha.at(at)))
     }
 
     /// Calls `visit` with every term, whether it is one of F, and its trace.
-    fn each(&self, at: Place, f: &Mat3, h: &Mat3, mut visit: impl FnMut(&Term, bool, &PowerTrace<'_>)) {
+    fn each(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, mut visit: impl FnMut(&Term, bool, &PowerTrace<'_>)) {
         let spectrum =
             |of_f: bool| self.at(at).any(|t| t.of_f == of_f).then(|| Spectrum::new(if of_f { f } else { h }));
         let spectra = [spectrum(false), spectrum(true)];
@@ -119,13 +119,13 @@ impl Term {
 }
 
 impl ConvexDensity for Ogden {
-    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> f64 {
         let mut sum = volumetric(self.bulk.at(at), j)[0];
         self.each(at, f, h, |term, _, trace| sum += term.scale(j)[0] * trace.value() - 3.0 * term.factor);
         sum
     }
 
-    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
         let mut by = [Mat3::zeros(), Mat3::zeros()];
         let mut by_j = volumetric(self.bulk.at(at), j)[1];
         self.each(at, f, h, |term, of_f, trace| {
@@ -136,7 +136,7 @@ impl ConvexDensity for Ogden {
         Conjugates { f: by[1], h: by[0], j: by_j }
     }
 
-    fn second(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
         let mut own: [Option<Box<Tangent>>; 2] = [None, None];
         let mut mixed = [None, None];
         let mut jj = volumetric(self.bulk.at(at), j)[2];
@@ -152,7 +152,14 @@ impl ConvexDensity for Ogden {
         Curvature { ff, hh, jj, fh: Block::Zero, fj: mixed[1], hj: mixed[0] }
     }
 
-    fn third(&self, at: Place, f: &Mat3, h: &Mat3, j: f64, [a, b]: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        at: MaterialPoint,
+        f: &Mat3,
+        h: &Mat3,
+        j: f64,
+        [a, b]: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         let mut sum = Conjugates::third_by_j(volumetric(self.bulk.at(at), j)[3], [a, b]);
         self.each(at, f, h, |term, of_f, trace| {
             let (da, db) = if of_f { (&a.f, &b.f) } else { (&a.h, &b.h) };
@@ -172,7 +179,7 @@ impl ConvexDensity for Ogden {
         Ok(sum)
     }
 
-    fn conditions(&self, at: Place) -> Option<Existence> {
+    fn conditions(&self, at: MaterialPoint) -> Option<Existence> {
         let size = |term: &Term| 2.0 * term.s;
         let polyconvex = self.at(at).all(|term| size(&term) >= if term.of_f { 1.5 } else { 3.0 });
         let largest = |of_f: bool| self.at(at).filter(|t| t.of_f == of_f).map(|t| size(&t)).fold(0.0, f64::max);
@@ -182,7 +189,7 @@ impl ConvexDensity for Ogden {
     }
 
     /// The curvature by `F` fades as `J` grows: no positive tension leaves the sum convex. `None` where the law alone is not polyconvex.
-    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+    fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         let polyconvex = self.conditions(at).is_some_and(|conditions| conditions.polyconvex);
         polyconvex.then(|| TensionBound::isotropic(0.0))
     }
@@ -195,7 +202,7 @@ impl ConvexDensity for Ogden {
         self.bulk.check_len(Self::NAME, "bulk", cells, points)
     }
 
-    fn small_strain(&self, at: Place) -> Option<Moduli> {
+    fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         let shear: f64 = self.terms.iter().map(|[mu, alpha]| 0.5 * mu.at(at) * alpha.at(at)).sum();
         Some(moduli(shear, self.bulk.at(at)))
     }

@@ -2,7 +2,8 @@ use nastic_tensor::Mat3;
 
 use super::engineering::shear_bulk;
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place, combine,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
+    combine,
 };
 use nastic_tensor::Tangent;
 
@@ -76,36 +77,43 @@ impl SaintVenantKirchhoff {
         Self::from_shear_bulk(shear, bulk)
     }
 
-    fn slope(&self, at: Place, f: &Mat3) -> f64 {
+    fn slope(&self, at: MaterialPoint, f: &Mat3) -> f64 {
         let square = f.norm_squared();
         0.5 * self.lambda.at(at) * (square - 3.0) + self.mu.at(at) * (square - 1.0)
     }
 }
 
 impl ConvexDensity for SaintVenantKirchhoff {
-    fn value(&self, at: Place, f: &Mat3, h: &Mat3, _j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, _j: f64) -> f64 {
         let (lambda, mu, x) = (self.lambda.at(at), self.mu.at(at), f.norm_squared() - 3.0);
         // I^2 - 2 |H|^2 - 2 I + 3 by the differences since rest
         0.125 * lambda * x * x + 0.25 * mu * (x * (x + 4.0) - 2.0 * (h.norm_squared() - 3.0))
     }
 
-    fn first(&self, at: Place, f: &Mat3, h: &Mat3, _j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, _j: f64) -> Conjugates {
         Conjugates { f: f * self.slope(at, f), h: h * -self.mu.at(at), j: 0.0 }
     }
 
-    fn second(&self, at: Place, f: &Mat3, _h: &Mat3, _j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, f: &Mat3, _h: &Mat3, _j: f64) -> Curvature {
         let mut ff = Tangent::zero();
         ff.add_identity(self.slope(at, f));
         ff.add_outer(f, f, self.lambda.at(at) + 2.0 * self.mu.at(at));
         Curvature::split(Block::Full(Box::new(ff)), Block::Isotropic(-self.mu.at(at)), 0.0)
     }
 
-    fn third(&self, at: Place, f: &Mat3, _h: &Mat3, _j: f64, [a, b]: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        at: MaterialPoint,
+        f: &Mat3,
+        _h: &Mat3,
+        _j: f64,
+        [a, b]: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         let sum = b.f * f.dot(&a.f) + a.f * f.dot(&b.f) + f * a.f.dot(&b.f);
         Ok(Conjugates { f: sum * (self.lambda.at(at) + 2.0 * self.mu.at(at)), h: Mat3::zeros(), j: 0.0 })
     }
 
-    fn conditions(&self, _at: Place) -> Option<Existence> {
+    fn conditions(&self, _at: MaterialPoint) -> Option<Existence> {
         let growth = Growth { p: 4.0, q: 0.0, r: 0.0 };
         Some(Existence { polyconvex: false, resists_collapse: false, growth })
     }
@@ -115,7 +123,7 @@ impl ConvexDensity for SaintVenantKirchhoff {
         self.mu.check_len(Self::NAME, "mu", cells, points)
     }
 
-    fn small_strain(&self, at: Place) -> Option<Moduli> {
+    fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         Some(Moduli::isotropic(self.lambda.at(at), self.mu.at(at)))
     }
 }

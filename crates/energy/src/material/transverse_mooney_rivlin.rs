@@ -1,7 +1,7 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, Moduli, Place,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
     TensionBound,
 };
 
@@ -60,7 +60,7 @@ impl TransverseMooneyRivlin {
     }
 
     #[inline(always)]
-    fn at(&self, at: Place) -> ([f64; 4], Vec3) {
+    fn at(&self, at: MaterialPoint) -> ([f64; 4], Vec3) {
         ([self.mu1.at(at), self.mu2.at(at), self.mu3.at(at), self.mu4.at(at)], self.fiber.at(at))
     }
 }
@@ -73,7 +73,7 @@ fn twice_metric(mu: f64, mu3: f64, f: &Vec3) -> Mat3 {
 
 impl ConvexDensity for TransverseMooneyRivlin {
     #[inline]
-    fn value(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> f64 {
+    fn value(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> f64 {
         let ([mu1, mu2, mu3, mu4], fiber) = self.at(at);
         mu1 * (f.norm_squared() - 3.0)
             + mu2 * (h.norm_squared() - 3.0)
@@ -83,7 +83,7 @@ impl ConvexDensity for TransverseMooneyRivlin {
     }
 
     #[inline]
-    fn first(&self, at: Place, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
+    fn first(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
         let ([mu1, mu2, mu3, mu4], fiber) = self.at(at);
         Conjugates {
             f: f * twice_metric(mu1, mu3, &fiber),
@@ -93,7 +93,7 @@ impl ConvexDensity for TransverseMooneyRivlin {
     }
 
     #[inline]
-    fn second(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
+    fn second(&self, at: MaterialPoint, _f: &Mat3, _h: &Mat3, j: f64) -> Curvature {
         let ([mu1, mu2, mu3, mu4], fiber) = self.at(at);
         let jj = 2.0 * mu4 + 2.0 * (mu1 + 2.0 * mu2 + mu3) / (j * j);
         let ff = Block::Metric(twice_metric(mu1, mu3, &fiber));
@@ -101,19 +101,26 @@ impl ConvexDensity for TransverseMooneyRivlin {
         Curvature::split(ff, hh, jj)
     }
 
-    fn third(&self, at: Place, _f: &Mat3, _h: &Mat3, j: f64, along: [&Change; 2]) -> Result<Conjugates, EnergyError> {
+    fn third(
+        &self,
+        at: MaterialPoint,
+        _f: &Mat3,
+        _h: &Mat3,
+        j: f64,
+        along: [&Change; 2],
+    ) -> Result<Conjugates, EnergyError> {
         let ([mu1, mu2, mu3, _], _) = self.at(at);
         Ok(Conjugates::third_by_j(-4.0 * (mu1 + 2.0 * mu2 + mu3) / (j * j * j), along))
     }
 
-    fn conditions(&self, at: Place) -> Option<Existence> {
+    fn conditions(&self, at: MaterialPoint) -> Option<Existence> {
         let ([_, mu2, _, mu4], _) = self.at(at);
         let exponent = |factor: f64| if factor > 0.0 { 2.0 } else { 0.0 };
         let growth = Growth { p: 2.0, q: exponent(mu2), r: exponent(mu4) };
         Some(Existence { polyconvex: true, resists_collapse: true, growth })
     }
 
-    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+    fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         let ([mu1, _, mu3, _], fiber) = self.at(at);
         Some(TensionBound::stiffer_along(2.0 * mu1, 2.0 * mu3, &fiber))
     }
@@ -126,11 +133,11 @@ impl ConvexDensity for TransverseMooneyRivlin {
         self.fiber.check_len(Self::NAME, "fiber", cells, points)
     }
 
-    fn fiber(&self, at: Place) -> Option<Vec3> {
+    fn fiber(&self, at: MaterialPoint) -> Option<Vec3> {
         Some(self.fiber.at(at))
     }
 
-    fn small_strain(&self, at: Place) -> Option<Moduli> {
+    fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         let ([mu1, mu2, mu3, mu4], fiber) = self.at(at);
         Some(Moduli {
             lambda: 4.0 * mu2 + 4.0 * mu3 + 2.0 * mu4,

@@ -2,7 +2,7 @@ use nastic_tensor::Mat3;
 
 use super::engineering::bulk_of_d1;
 use super::isochoric::{Function, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, Moduli, Place, combine};
+use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, combine};
 
 /// Yeoh's law: a cubic in the first invariant.
 ///
@@ -72,7 +72,7 @@ impl Yeoh {
 }
 
 impl IsochoricLaw for Yeoh {
-    fn each(&self, at: Place, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
+    fn each(&self, at: MaterialPoint, visit: &mut dyn FnMut(&Mat3, Function<'_>)) {
         let [c10, c20, c30] = [0, 1, 2].map(|k| self.c[k].at(at));
         visit(&Mat3::identity(), &|x| {
             [
@@ -84,11 +84,11 @@ impl IsochoricLaw for Yeoh {
         });
     }
 
-    fn bulk(&self, at: Place) -> f64 {
+    fn bulk(&self, at: MaterialPoint) -> f64 {
         self.bulk.at(at)
     }
 
-    fn existence(&self, at: Place) -> Existence {
+    fn existence(&self, at: MaterialPoint) -> Existence {
         let [_, c20, c30] = [0, 1, 2].map(|k| self.c[k].at(at));
         let degree = if c30 > 0.0 {
             3.0
@@ -100,7 +100,7 @@ impl IsochoricLaw for Yeoh {
         Existence { polyconvex: c20 >= 0.0, resists_collapse: true, growth: Growth::isochoric(degree) }
     }
 
-    fn rest_moduli(&self, at: Place) -> Moduli {
+    fn rest_moduli(&self, at: MaterialPoint) -> Moduli {
         moduli(2.0 * self.c[0].at(at), self.bulk.at(at))
     }
 

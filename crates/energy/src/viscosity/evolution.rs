@@ -1,6 +1,6 @@
 //! [`Evolution`]: how internal variables follow the deformation.
 
-use crate::Place;
+use crate::MaterialPoint;
 use nastic_tensor::{Kinematics, Mat3};
 
 /// The internal variables of a viscous law. They are the slots of an [`Actuation`](crate::Actuation) whose energy is that of a time
@@ -11,7 +11,7 @@ use nastic_tensor::{Kinematics, Mat3};
 /// A point carries the slots of the last step; [`advance`](Self::advance) makes those of the next one.
 pub trait Evolution: Send + Sync {
     /// Sets the slot that depends on the length of the step (s, 0 for an instant) in the slots of a point.
-    fn set_step(&self, at: Place, dt: f64, slots: &mut [f64]);
+    fn set_step(&self, at: MaterialPoint, dt: f64, slots: &mut [f64]);
 
     /// Whether the energy at an instant is that of a step without length whatever the velocity: not so where it depends on that.
     fn is_known_at_instants(&self) -> bool {
@@ -20,16 +20,16 @@ pub trait Evolution: Send + Sync {
 
     /// The internal variables at the end of the step that the slots belong to, at the deformation there: sets `next`, but for the
     /// slot of [`set_step`](Self::set_step), which stays.
-    fn advance(&self, at: Place, k: &Kinematics, slots: &[f64], next: &mut [f64]);
+    fn advance(&self, at: MaterialPoint, k: &Kinematics, slots: &[f64], next: &mut [f64]);
 
-    /// What a stress that counts `with` owes to the slots: sets `by_slots[k] = dP/dm_k : with`, as
+    /// The derivative of a stress that counts `with` by the slots: sets `by_slots[k] = dP/dm_k : with`, as
     /// [`stress_by_control`](crate::Actuation::stress_by_control) gives the derivatives one by one. The adjoint of a motion asks for it at every step.
-    fn stress_vjp(&self, at: Place, k: &Kinematics, slots: &[f64], with: &Mat3, by_slots: &mut [f64]);
+    fn stress_vjp(&self, at: MaterialPoint, k: &Kinematics, slots: &[f64], with: &Mat3, by_slots: &mut [f64]);
 
-    /// The transpose of the derivative of [`advance`](Self::advance): adds what `by_next` owes to `F` and to the slots.
+    /// The transpose of the derivative of [`advance`](Self::advance): adds the derivatives by `F` and the slots that follow from `by_next`.
     fn advance_vjp(
         &self,
-        at: Place,
+        at: MaterialPoint,
         k: &Kinematics,
         slots: &[f64],
         by_next: &[f64],

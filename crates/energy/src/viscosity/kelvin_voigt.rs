@@ -2,7 +2,7 @@ use nastic_tensor::{Kinematics, Mat3, Tangent};
 
 use super::evolution::Evolution;
 use super::only_at_rest;
-use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Response, Slot, Slots, Want};
+use crate::{Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// Kelvin-Voigt damping: a dashpot in parallel with the passive law.
 ///
@@ -46,7 +46,7 @@ impl KelvinVoigt {
     }
 
     /// `2 eta dev D + zeta tr D`
-    fn viscous(&self, at: Place, d: &Mat3) -> Mat3 {
+    fn viscous(&self, at: MaterialPoint, d: &Mat3) -> Mat3 {
         let (eta, zeta) = (self.shear.at(at), self.bulk.at(at));
         d * (2.0 * eta) + Mat3::identity() * ((zeta - 2.0 * eta / 3.0) * d.trace())
     }
@@ -141,7 +141,7 @@ impl Actuation for KelvinVoigt {
 
 impl Evolution for KelvinVoigt {
     /// At an instant it contributes nothing: there it is known for a body at rest alone.
-    fn set_step(&self, _: Place, dt: f64, slots: &mut [f64]) {
+    fn set_step(&self, _: MaterialPoint, dt: f64, slots: &mut [f64]) {
         slots[STEP] = if dt > 0.0 { 1.0 / dt } else { 0.0 };
     }
 
@@ -149,12 +149,12 @@ impl Evolution for KelvinVoigt {
         false
     }
 
-    fn advance(&self, _: Place, k: &Kinematics, _: &[f64], next: &mut [f64]) {
+    fn advance(&self, _: MaterialPoint, k: &Kinematics, _: &[f64], next: &mut [f64]) {
         let strain = strain(k);
         ENTRIES.into_iter().zip(next).for_each(|(entry, next)| *next = strain[entry]);
     }
 
-    fn stress_vjp(&self, at: Place, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
+    fn stress_vjp(&self, at: MaterialPoint, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
         let half = k.f().transpose() * with;
         let pulled = (half + half.transpose()) * 0.5;
         // the viscosity is symmetric
@@ -165,7 +165,15 @@ impl Evolution for KelvinVoigt {
         by_slots[STEP] = self.viscous(at, &(strain(k) - symmetric(m))).dot(&pulled);
     }
 
-    fn advance_vjp(&self, _: Place, k: &Kinematics, _: &[f64], by_next: &[f64], by_f: &mut Mat3, _: &mut [f64]) {
+    fn advance_vjp(
+        &self,
+        _: MaterialPoint,
+        k: &Kinematics,
+        _: &[f64],
+        by_next: &[f64],
+        by_f: &mut Mat3,
+        _: &mut [f64],
+    ) {
         let mut by_strain = symmetric(by_next) * 0.5;
         (0..3).for_each(|i| by_strain[(i, i)] = by_next[i]);
         *by_f += k.f() * by_strain;

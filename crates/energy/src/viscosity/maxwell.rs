@@ -3,7 +3,7 @@ use nastic_tensor::{Kinematics, Mat3, Tangent};
 use super::evolution::Evolution;
 use super::only_at_rest;
 use super::spectrum::{Spectrum, log_over, log_over_divided, power_divided};
-use crate::{Actuation, EnergyError, EnergyTerm, Field, Place, PointBatch, Response, Slot, Slots, Want};
+use crate::{Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// A Maxwell branch: a spring in series with a dashpot, in parallel with the passive law, in the isochoric response.
 ///
@@ -55,7 +55,7 @@ impl MaxwellBranch {
         Ok(MaxwellBranch { shear, relaxation })
     }
 
-    fn branch(&self, at: Place, k: &Kinematics, m: &[f64]) -> Option<Branch> {
+    fn branch(&self, at: MaterialPoint, k: &Kinematics, m: &[f64]) -> Option<Branch> {
         (m.get(STEP).is_some_and(|s| *s != 0.0)).then(|| Branch::new(m[STEP] * self.shear.at(at), k, m))
     }
 }
@@ -238,11 +238,11 @@ impl Actuation for MaxwellBranch {
 }
 
 impl Evolution for MaxwellBranch {
-    fn set_step(&self, at: Place, dt: f64, slots: &mut [f64]) {
+    fn set_step(&self, at: MaterialPoint, dt: f64, slots: &mut [f64]) {
         slots[STEP] = 1.0 / (1.0 + dt / self.relaxation.at(at));
     }
 
-    fn advance(&self, _: Place, k: &Kinematics, slots: &[f64], next: &mut [f64]) {
+    fn advance(&self, _: MaterialPoint, k: &Kinematics, slots: &[f64], next: &mut [f64]) {
         let flow = Flow::new(k, slots);
         // the rounding errors of many steps stay relative to z
         let viscous = matrix(slots) + flow.increment * (Mat3::identity() + matrix(slots));
@@ -250,7 +250,7 @@ impl Evolution for MaxwellBranch {
     }
 
     /// `P : H = F_e S : H G^T` with `G = F_v^-T`, and the change of `F_v` moves `F_e` by `-F_e dF_v F_v^-1` and `F_v^-1` by `-F_v^-1 dF_v F_v^-1`.
-    fn stress_vjp(&self, at: Place, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
+    fn stress_vjp(&self, at: MaterialPoint, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
         let Some(branch) = self.branch(at, k, m) else {
             by_slots[..STEP].fill(0.0);
             by_slots[STEP] = Branch::new(self.shear.at(at), k, m).piola().dot(with);
@@ -266,7 +266,7 @@ impl Evolution for MaxwellBranch {
 
     fn advance_vjp(
         &self,
-        _: Place,
+        _: MaterialPoint,
         k: &Kinematics,
         slots: &[f64],
         by_next: &[f64],

@@ -130,7 +130,7 @@ impl<'a> SecondOrder<'a> {
         Ok(AdjointChange { lambda, controls })
     }
 
-    /// `lambda . dr/dm`, and what `by_u` and lambda owe to held unknowns that controls move.
+    /// `lambda . dr/dm`, and the part of held unknowns that controls move.
     fn sensitivities(&self, by_u: &[f64], lambda: &[f64]) -> Result<Sensitivities, StateError> {
         self.model.sensitivities(&self.instant(), by_u, lambda).map_err(|error| self.failed(error.into()))
     }

@@ -21,7 +21,7 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Debug, Clone, Copy)]
 pub struct Entry {
     /// What the contribution is called in messages, and its kind in case files. Rows of one name are forms of one kind, which their
-    /// keys tell apart.
+    /// keys distinguish.
     pub name: &'static str,
     /// How it stands in case files, if it is one of the kinds of `actuation` there.
     pub form: Option<Form>,
@@ -43,7 +43,7 @@ pub struct Form {
     /// Whether one of the slots drives it, and the others follow: the first unless another one is controlled or has a value.
     pub one_of: bool,
     /// Adds one of that name to a body.
-    pub add: fn(Solid, &str, &Values) -> Result<Solid, FemError>,
+    pub add: fn(Solid, &str, &FormValues) -> Result<Solid, FemError>,
 }
 
 /// A key of a form.
@@ -94,7 +94,7 @@ impl KeyKind {
 
 /// The values of a form's keys.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Values {
+pub struct FormValues {
     /// Names, by key.
     pub names: BTreeMap<&'static str, Vec<String>>,
     /// Flags that are true.
@@ -109,7 +109,7 @@ pub struct Values {
     pub slot: Option<&'static str>,
 }
 
-impl Values {
+impl FormValues {
     /// The name under a key; empty where there is none.
     pub fn name(&self, key: &str) -> &str {
         self.names.get(key).and_then(|names| names.first()).map_or("", String::as_str)

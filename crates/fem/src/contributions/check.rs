@@ -35,7 +35,7 @@ const TOLERANCE: f64 = 1e-7;
 /// symmetric; the same question has the same answer to the bit.
 ///
 /// A potential with kinks in its second or third derivative needs an example in which no sample is within 5 % of a cell of one: differences of
-/// sixth order are compared, which cannot tell a kink from a mistake.
+/// sixth order are compared, which cannot distinguish a kink from a mistake.
 ///
 /// # Errors
 /// What is violated, where, by how much; an unknown name.
@@ -123,9 +123,9 @@ impl Subject<'_> {
 
     /// The residual as the derivative of the potential, if it `has` one; the tangent and products with it, symmetric or not.
     fn check_residual(&self, direction: &[f64], lambda: &[f64], [has, symmetric]: [bool; 2]) -> Result<(), String> {
-        let told = |at: Inadmissible| at.to_string();
-        let sums = self.sums(self.at).map_err(told)?;
-        if sums.force != self.sums(self.at).map_err(told)?.force {
+        let shown = |at: Inadmissible| at.to_string();
+        let sums = self.sums(self.at).map_err(shown)?;
+        if sums.force != self.sums(self.at).map_err(shown)?.force {
             return Err("the residual has other bits when asked again".into());
         }
         if has {
@@ -139,8 +139,8 @@ impl Subject<'_> {
                 sums.energy_scale,
             )?;
         }
-        self.check_adds(&sums, lambda).map_err(told)??;
-        let tangent = self.tangent(self.at).map_err(told)?;
+        self.check_adds(&sums, lambda).map_err(shown)??;
+        let tangent = self.tangent(self.at).map_err(shown)?;
         let product = tangent.multiply(direction, false);
         let expected = difference(|s| Ok(self.sums(self.moved(&self.along(direction, s)))?.force))?;
         agree(
@@ -158,7 +158,7 @@ impl Subject<'_> {
         if self
             .point(&self.at)
             .and_then(|point| point.add_tangent_product(&self.at, direction, &mut out))
-            .map_err(told)?
+            .map_err(shown)?
         {
             let out = sub(&out, lambda);
             agree("the product without a matrix", &out, "the tangent times the vector", &product, SPACE.norm(lambda))?;

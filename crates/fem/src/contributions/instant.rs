@@ -96,7 +96,7 @@ impl<'a> Instant<'a> {
         controls.values(self.block)[point * controls.slots(self.block) + slot]
     }
 
-    /// Place of a multiplier of the contribution that is asked, in u and in all vectors of its length.
+    /// MaterialPoint of a multiplier of the contribution that is asked, in u and in all vectors of its length.
     pub fn place(&self, multiplier: usize) -> usize {
         self.scalar + multiplier
     }

@@ -145,7 +145,7 @@ pub trait Contribution: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// What it tells of, if by it a surface touches something.
+    /// What it reports, if by it a surface touches something.
     fn touches(&self) -> Option<&dyn Touches> {
         None
     }
@@ -191,8 +191,8 @@ pub trait Contribution: Debug + Send + Sync {
         None
     }
 
-    /// Its internal variables, if it remembers where it has been. They enter the residual by [`Instant::internal`], and `vjp` adds what it
-    /// owes to them (and to the rest of the state that the step begins at, [`Instant::before`]) to [`Sensitivities::before`].
+    /// Its internal variables, if it remembers where it has been. They enter the residual by [`Instant::internal`], and `vjp` adds
+    /// the derivatives by them (and to the rest of the state that the step begins at, [`Instant::before`]) to [`Sensitivities::before`].
     fn remembers(&self) -> Option<&dyn Remembers> {
         None
     }

@@ -15,7 +15,7 @@ pub enum Need {
 
 /// A [`Contribution`](crate::Contribution) at one displacement: `r(u; ..)` and its derivatives for a u whose kinematics are found once.
 ///
-/// Every method is told the instant: its u is that of [`Contribution::at`](crate::Contribution::at), while multipliers, controls, load and
+/// Every method is given the instant: its u is that of [`Contribution::at`](crate::Contribution::at), while multipliers, controls, load and
 /// time step may be others, on which kinematics do not depend. A contribution that has none worth keeping is its own point.
 pub trait ContributionPoint {
     /// Adds potential (in a time step the incremental one) and residual, as wanted, and what their rounding is measured against.

@@ -1,4 +1,4 @@
-//! [`Touches`]: contact, as a contribution tells of it: [`Touch`], and the [`RigidPose`] of an obstacle.
+//! [`Touches`]: contact, as a contribution reports it: [`Touch`], and the [`RigidPose`] of an obstacle.
 
 use super::rotation::rotation;
 use super::{Contribution, Instant, Sensitivities};
@@ -6,7 +6,7 @@ use crate::error::Inadmissible;
 use nastic_tensor::{Mat3, Vec3};
 use std::sync::Arc;
 
-/// What a contribution by which a surface touches something tells of it.
+/// What a contribution by which a surface touches something reports.
 pub trait Touches {
     /// Where the rigid obstacle is that it touches, if there is one, under the name of its pose.
     fn pose(&self, at: &Instant) -> Option<RigidPose>;

@@ -120,7 +120,7 @@ impl Solid {
             let mut array = vec![0.0; 3 * disc.mesh().cells()];
             let mut any = false;
             for &cell in &attached.cells {
-                let place = nastic_energy::Place { cell: cell as usize, point: points[cell as usize].0 };
+                let place = nastic_energy::MaterialPoint { cell: cell as usize, point: points[cell as usize].0 };
                 if let Some(a) = attached.law.direction(place) {
                     any = true;
                     array[3 * cell as usize..3 * cell as usize + 3].copy_from_slice(a.as_slice());
@@ -137,7 +137,7 @@ impl Solid {
         let disc = self.discretization();
         let points = disc.points_of_cells();
         let fiber = |cell: usize| {
-            let place = nastic_energy::Place { cell, point: points[cell].0 };
+            let place = nastic_energy::MaterialPoint { cell, point: points[cell].0 };
             self.body().materials_of(cell).find_map(|m| m.direction(place))
         };
         let fibers: Vec<Option<Vec3>> = (0..disc.mesh().cells()).map(fiber).collect();

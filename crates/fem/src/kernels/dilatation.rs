@@ -37,7 +37,7 @@ pub(crate) struct Dilatation {
 }
 
 /// What is modified at a point.
-struct Point<T> {
+struct StretchedPoint<T> {
     h: Square<T>,
     j: T,
     jbar: T,
@@ -128,13 +128,13 @@ impl Dilatation {
         jets([&f, a, b, &[]])
     }
 
-    fn points<T: Scalar>(&self, f: &[Square<T>]) -> Vec<Point<T>> {
+    fn points<T: Scalar>(&self, f: &[Square<T>]) -> Vec<StretchedPoint<T>> {
         let cofactors: Vec<Square<T>> = f.iter().map(cofactor).collect();
         let expand = |(f, h): (&Square<T>, &Square<T>)| f[0][0] * h[0][0] + f[0][1] * h[0][1] + f[0][2] * h[0][2];
         let jacobians: Vec<T> = f.iter().zip(&cofactors).map(expand).collect();
         let projected = self.project(&jacobians);
         let each = cofactors.into_iter().zip(jacobians).zip(projected);
-        each.map(|((h, j), jbar)| Point { h, j, jbar, scale: (jbar / j).root(self.dim) }).collect()
+        each.map(|((h, j), jbar)| StretchedPoint { h, j, jbar, scale: (jbar / j).root(self.dim) }).collect()
     }
 
     /// s F, in the plane alone where there is one.

@@ -222,7 +222,7 @@ impl Model {
         }
     }
 
-    /// What solves its tangent systems unless told otherwise.
+    /// What solves its tangent systems unless set otherwise.
     pub fn solver(&self) -> &'static dyn SolverFactory {
         match (self.symmetry(), self.space.has_one_nodal_field()) {
             (Symmetry::Symmetric, true) => self.tangent_structure().solver(),

@@ -51,7 +51,7 @@ impl Model {
         out
     }
 
-    /// The transpose of [`next_history`](Self::next_history): what derivatives by its internal variables owe to the state.
+    /// The transpose of [`next_history`](Self::next_history): the derivatives by the state that follow from those by its internal variables.
     pub(crate) fn history_vjp(&self, state: &State, by_next: &History) -> Result<BeforeStep, Inadmissible> {
         let zero = self.zero_history();
         let mut into =

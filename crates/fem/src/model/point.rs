@@ -15,7 +15,7 @@ use nastic_numeric::vector::sub;
 
 /// All contributions of a [`Model`] at one displacement: `sum_c r_c` and its derivatives, for which kinematics are found once.
 ///
-/// Every method is told the instant, whose u has the displacement that the point was made for; see [`ContributionPoint`].
+/// Every method is given the instant, whose u has the displacement that the point was made for; see [`ContributionPoint`].
 pub struct ModelPoint<'m> {
     model: &'m Model,
     body: EvaluatedBody<'m>,

@@ -30,7 +30,7 @@ impl Model {
         any.then_some(du)
     }
 
-    /// What a functional with the partial derivative `by_u` and the adjoint lambda owes to the controls: `lambda . dr/dm`, and by those that
+    /// The derivative by the controls of a functional with the partial derivative `by_u` and the adjoint lambda: `lambda . dr/dm`, and by those that
     /// move held unknowns D, `(by_u + K^T lambda)_D . du_D/dm`.
     ///
     /// # Errors
@@ -83,7 +83,7 @@ impl Model {
         Ok(Some(force))
     }
 
-    /// Adds what they owe to the controls of an instant, `force . du_D/dm`.
+    /// Adds their derivative by the controls of an instant, `force . du_D/dm`.
     pub(crate) fn add_prescribed_vjp(&self, at: &Instant, force: &[f64], into: &mut Sensitivities) {
         self.each_prescribing(at, |_, moved, at| moved.vjp(at, force, into));
     }

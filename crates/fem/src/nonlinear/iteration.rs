@@ -45,7 +45,7 @@ impl Stop {
         }
     }
 
-    /// The error of what no other way would mend; a budget that is used up ends the way that is left, which tells how far it came.
+    /// The error of what no other way would mend; a budget that is used up ends the way that is left, which shows how far it came.
     pub fn final_error(self) -> Option<StateError> {
         match self {
             Stop::Linear(error) if error.is_lack_of_memory() => Some(error.into()),
@@ -210,11 +210,11 @@ impl<'a> Iteration<'a> {
         // of the displacement alone it says nothing of further fields
         let alone = self.equations.model.unknowns().has_one_nodal_field();
         let tiny = alone && step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
-        self.tell(here.x, taken.length, &taken.now.sums, report);
+        self.report_iteration(here.x, taken.length, &taken.now.sums, report);
         Ok((taken.x, taken.now, step.curvature, tiny.then_some(step.scale)))
     }
 
-    fn tell(&self, x: &[f64], step: f64, now: &Sums, report: &SolveReport) {
+    fn report_iteration(&self, x: &[f64], step: f64, now: &Sums, report: &SolveReport) {
         if let Some(watch) = self.equations.options.watch {
             let (residual, load) = (self.equations.residual(now).1, self.equations.split(x).1);
             watch(&Progress { load, newton: report.newton, residual, step, energy: now.energy });

@@ -95,7 +95,7 @@ impl<'a> LineSearch<'a> {
     }
 
     /// Downhill in the potential, or in the augmented Lagrangian; where the tangent has negative eigenvalues an equilibrium nearby may be a
-    /// saddle, which is followed as long as the residual falls, and the state's inertia tells what was found. Without a potential the
+    /// saddle, which is followed as long as the residual falls, and the state's inertia shows what was found. Without a potential the
     /// residual falls, or the potential of those contributions that have one with the work of the others, whose forces stay.
     fn search(
         &mut self,

@@ -29,7 +29,7 @@ pub(super) trait Merit {
     /// [`Inadmissible`] outside of the admissible set.
     fn value<'e>(&self, equations: &Equations<'e>, trial: &[f64]) -> Result<(f64, Evaluated<'e>), Inadmissible>;
 
-    /// Whether it is made of energies, whose minima along a line parabolas tell, and which collapsed cells may lower.
+    /// Whether it is made of energies, whose minima along a line parabolas show, and which collapsed cells may lower.
     fn is_energy(&self) -> bool {
         true
     }

@@ -79,7 +79,7 @@ impl Model {
         Equations { model: self, drive: Drive::Held { controls, load, time_step, share }, options }
     }
 
-    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part in modes that move otherwise. The report tells the residual that
+    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part in modes that move otherwise. The report shows the residual that
     /// is left.
     ///
     /// # Errors

@@ -19,7 +19,7 @@ const REACH: f64 = 0.1;
 
 /// A point of the path.
 #[derive(Clone)]
-pub(super) struct Point {
+pub(super) struct PathIterate {
     /// Displacement, multipliers, and s.
     pub x: Vec<f64>,
     /// The direction of the path, of unit length in its norm.
@@ -27,7 +27,7 @@ pub(super) struct Point {
     pub report: SolveReport,
 }
 
-impl Point {
+impl PathIterate {
     pub fn s(&self) -> f64 {
         self.x[self.x.len() - 1]
     }
@@ -74,7 +74,7 @@ impl<'a> PathEquations<'a> {
 
     /// The start at s = 0, its direction towards larger s; scales the inner product such that u' and s' are of one size
     /// there: by U, the root mean square of du/ds.
-    pub fn start(&mut self, from: &State) -> Result<Point, Stop> {
+    pub fn start(&mut self, from: &State) -> Result<PathIterate, Stop> {
         let mut begin: Vec<f64> = from.u.to_vec();
         begin.push(0.0);
         let upwards = unit(begin.len());
@@ -89,7 +89,7 @@ impl<'a> PathEquations<'a> {
     }
 
     /// The point at a step length along the tangent.
-    pub fn step(&mut self, here: &Point, length: f64) -> Result<Point, Stop> {
+    pub fn step(&mut self, here: &PathIterate, length: f64) -> Result<PathIterate, Stop> {
         let predicted = here.x.iter().zip(&here.tangent).map(|(x, t)| x + length * t).collect();
         let plane = Plane { origin: &here.x, normal: &here.tangent, distance: length };
         let point = self.reach(here, predicted, plane)?;
@@ -97,7 +97,7 @@ impl<'a> PathEquations<'a> {
     }
 
     /// The point at a value of s between those of two.
-    pub fn land(&mut self, here: &Point, there: &Point, s: f64) -> Result<Point, Stop> {
+    pub fn land(&mut self, here: &PathIterate, there: &PathIterate, s: f64) -> Result<PathIterate, Stop> {
         let share = (s - here.s()) / (there.s() - here.s());
         let mut guess: Vec<f64> = here.x.iter().zip(&there.x).map(|(a, b)| a + share * (b - a)).collect();
         let (last, upwards) = (guess.len() - 1, unit(guess.len()));
@@ -109,7 +109,7 @@ impl<'a> PathEquations<'a> {
     }
 
     /// Newton's method from a guess, which a straight move from a point has to reach.
-    fn reach(&mut self, here: &Point, mut guess: Vec<f64>, plane: Plane) -> Result<Point, Stop> {
+    fn reach(&mut self, here: &PathIterate, mut guess: Vec<f64>, plane: Plane) -> Result<PathIterate, Stop> {
         self.equations.place(&mut guess);
         if self.equations.admissible_chord(&here.x, &guess)? < 1.0 {
             return Err(Stop::Slow { residual: here.report.residual });
@@ -118,7 +118,7 @@ impl<'a> PathEquations<'a> {
     }
 
     /// Newton's method from a guess to the equilibrium in a plane.
-    fn correct(&mut self, mut x: Vec<f64>, plane: Plane) -> Result<Point, Stop> {
+    fn correct(&mut self, mut x: Vec<f64>, plane: Plane) -> Result<PathIterate, Stop> {
         let limits = Limits { diverged: DIVERGED, ..Limits::new(ITERATIONS, self.equations.options.accuracy) };
         let mut report = SolveReport { load_steps: 1, ..SolveReport::default() };
         let tangent = plane.normal.to_vec();
@@ -126,14 +126,14 @@ impl<'a> PathEquations<'a> {
         let solver = equations.model.linear_solver(equations.options, workspace);
         let mut direction = ArcStep { equations, metric, plane, solver };
         Iteration::new(equations, limits).run(&mut x, &mut direction, &mut report)?;
-        Ok(Point { x, tangent, report })
+        Ok(PathIterate { x, tangent, report })
     }
 
     /// With the direction of the path, on the side of that of another point.
-    fn with_tangent(&mut self, point: Point, towards: &Point) -> Result<Point, Stop> {
+    fn with_tangent(&mut self, point: PathIterate, towards: &PathIterate) -> Result<PathIterate, Stop> {
         let plane = Plane { origin: &towards.x, normal: &towards.tangent, distance: 1.0 };
         let tangent = self.arc_step(plane, |step| step.tangent(&point.x))?;
-        Ok(Point { tangent: self.normalized(tangent), ..point })
+        Ok(PathIterate { tangent: self.normalized(tangent), ..point })
     }
 
     fn arc_step<T>(&mut self, plane: Plane, call: impl FnOnce(&mut ArcStep) -> T) -> T {
@@ -143,7 +143,7 @@ impl<'a> PathEquations<'a> {
     }
 
     /// How far a step may go: see [`PathOptions::step`](crate::PathOptions).
-    pub fn longest(&self, here: &Point, step: f64) -> f64 {
+    pub fn longest(&self, here: &PathIterate, step: f64) -> f64 {
         let reach = REACH * step * self.equations.diagonal();
         (step / here.slope().abs()).min(reach / self.mean_square(&here.tangent).sqrt())
     }
@@ -154,20 +154,20 @@ impl<'a> PathEquations<'a> {
     }
 
     /// A point as it is reported.
-    pub fn told(&self, point: &Point) -> PathPoint {
+    pub fn path_point(&self, point: &PathIterate) -> PathPoint {
         let state = self.state(point);
         let negative = self.equations.model.negative_pivots_by(&state, self.equations.options).ok();
         PathPoint { s: point.s(), slope: point.slope(), state, negative }
     }
 
-    pub fn state(&self, point: &Point) -> State {
+    pub fn state(&self, point: &PathIterate) -> State {
         let (u, s) = self.equations.split(&point.x);
         let (controls, load) = self.equations.prescribed_at(s);
         State::equilibrium(u.to_vec(), controls, load, point.report)
     }
 
     /// How far the second point is along the direction of the first.
-    pub fn along(&self, from: &Point, point: &Point) -> f64 {
+    pub fn along(&self, from: &PathIterate, point: &PathIterate) -> f64 {
         let moved: Vec<f64> = point.x.iter().zip(&from.x).map(|(x, y)| x - y).collect();
         self.product(&moved, &from.tangent)
     }

@@ -44,7 +44,7 @@ impl Model {
     /// other.
     ///
     /// Between two stable states of different branches lies a region where the tangent stiffness is indefinite. So a solve is trusted,
-    /// and the answer is [`Connected`](Connection::Connected), unless its [report](State::report) tells of a shifted tangent or
+    /// and the answer is [`Connected`](Connection::Connected), unless its [report](State::report) reports a shifted tangent or
     /// a restart, or it took five Newton iterations or more and the tangent has negative pivots at one of three states between the
     /// two. One that is not trusted is made again in parts of the way: where all of them are trusted and lead to the same state,
     /// the two are connected. Otherwise the [`path`](Self::path) from one to the other is followed by arc length.

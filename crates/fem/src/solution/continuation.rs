@@ -268,7 +268,7 @@ impl Model {
         }
     }
 
-    /// The undeformed state without loads, all multipliers zero: where every way begins unless told otherwise.
+    /// The undeformed state without loads, all multipliers zero: where every way begins unless set otherwise.
     pub fn rest(&self) -> State {
         let report = SolveReport { min_j: 1.0, ..SolveReport::default() };
         State::equilibrium(vec![0.0; self.unknowns().len()], self.controls(), 0.0, report)

@@ -16,7 +16,7 @@ const ROUNDS: usize = 60;
 /// An equilibrium whose contacts have no layer.
 #[derive(Debug, Clone)]
 pub struct ExactEquilibrium {
-    /// The model with the multipliers of its contacts: what they carry is told by it.
+    /// The model with the multipliers of its contacts: it knows what they carry.
     pub model: Model,
     /// The equilibrium, with the work of all rounds and of the first one in its report.
     pub state: State,

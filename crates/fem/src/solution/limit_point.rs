@@ -15,7 +15,7 @@ pub(super) struct LimitPoint {
     agrees: bool,
 }
 
-/// Limit points farther off than so many times the last two steps are not told from a straight path.
+/// Limit points farther off than so many times the last two steps are not distinguished from a straight path.
 const FARTHEST: f64 = 4.0;
 /// Two estimates agree when they differ by less than this share of the way left to the later one, or of the last step.
 const AGREEMENT: f64 = 0.5;

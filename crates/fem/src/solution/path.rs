@@ -4,7 +4,7 @@ use crate::contributions::controls::Controls;
 use crate::error::{FemError, StateError};
 use crate::model::{Feature, Model};
 use crate::nonlinear::iteration::Stop;
-use crate::solution::arc_length::{ITERATIONS, PathEquations, Point};
+use crate::solution::arc_length::{ITERATIONS, PathEquations, PathIterate};
 use crate::solution::options::SolveOptions;
 use crate::solution::path_events::{Between, events};
 use crate::solution::state::State;
@@ -153,7 +153,7 @@ impl Model {
         let mut equations = PathEquations::new(self, from, to, how, workspace);
         let start = equations.start(from).map_err(|stop| stop.into_error(0, from))?;
         let mut path =
-            EquilibriumPath { points: vec![equations.told(&start)], events: Vec::new(), end: PathEnd::Points };
+            EquilibriumPath { points: vec![equations.path_point(&start)], events: Vec::new(), end: PathEnd::Points };
         watch(&path.points[0]);
         let mut here = start;
         let (mut step, mut stretched, mut spent) = (FIRST, 0, 0);
@@ -161,11 +161,11 @@ impl Model {
             let length = step.min(STRETCH.powi(stretched) * equations.longest(&here, options.step));
             let tried = advance(&mut equations, &path, &here, length, options.range);
             match tried {
-                Ok(Advance { point, told, events, left }) => {
+                Ok(Advance { point, path_point, events, left }) => {
                     spent += point.report.newton;
                     path.events.extend(events);
-                    watch(&told);
-                    path.points.push(told);
+                    watch(&path_point);
+                    path.points.push(path_point);
                     stretched = 0;
                     step = length * (WANTED / point.report.newton.max(1) as f64).sqrt().clamp(0.5, 2.0);
                     here = point;
@@ -213,8 +213,8 @@ impl PathOptions {
 
 /// A step that was taken.
 struct Advance {
-    point: Point,
-    told: PathPoint,
+    point: PathIterate,
+    path_point: PathPoint,
     events: Vec<PathEvent>,
     /// Whether s stands on an end of its range.
     left: bool,
@@ -229,7 +229,7 @@ pub(super) fn too_long() -> Stop {
 fn advance(
     equations: &mut PathEquations,
     path: &EquilibriumPath,
-    here: &Point,
+    here: &PathIterate,
     length: f64,
     [low, high]: [f64; 2],
 ) -> Result<Advance, Stop> {
@@ -244,10 +244,10 @@ fn advance(
     if separable && equations.product(&here.tangent, &point.tangent) < STRAIGHT {
         return Err(too_long());
     }
-    let told = equations.told(&point);
+    let path_point = equations.path_point(&point);
     // Of a point with a singular tangent nothing is known; what was known before it counts.
     let before = path.points.iter().rev().find_map(|point| point.negative);
-    let between = Between { here, there: &point, before, after: told.negative, index: path.points.len() - 1 };
+    let between = Between { here, there: &point, before, after: path_point.negative, index: path.points.len() - 1 };
     let events = events(equations, &between, separable)?;
-    Ok(Advance { left: end.is_some(), point, told, events })
+    Ok(Advance { left: end.is_some(), point, path_point, events })
 }

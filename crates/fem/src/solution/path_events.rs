@@ -1,7 +1,7 @@
 //! Limit points and bifurcations between two points of a path.
 
 use crate::nonlinear::iteration::Stop;
-use crate::solution::arc_length::{PathEquations, Point};
+use crate::solution::arc_length::{PathEquations, PathIterate};
 use crate::solution::path::{EventKind, PathEvent, too_long};
 
 /// Bifurcations are known to this share of the step.
@@ -13,8 +13,8 @@ const ITERATIONS: usize = 30;
 
 /// Two neighbours on a path.
 pub(super) struct Between<'a> {
-    pub here: &'a Point,
-    pub there: &'a Point,
+    pub here: &'a PathIterate,
+    pub there: &'a PathIterate,
     /// Negative pivots at the first, or at the last before it where they are known.
     pub before: Option<usize>,
     /// Negative pivots at the second.
@@ -24,7 +24,7 @@ pub(super) struct Between<'a> {
 }
 
 /// What happens between two neighbours, in order; too long a step where a limit point and a bifurcation would have
-/// to be told apart and shorter steps can.
+/// to be distinguished and shorter steps can.
 pub(super) fn events(
     equations: &mut PathEquations,
     between: &Between,
@@ -45,7 +45,7 @@ pub(super) fn events(
 }
 
 /// Where s' = 0 between two points: regula falsi with the Illinois weights on the step length from the first.
-fn limit_point(equations: &mut PathEquations, here: &Point, there: &Point) -> Result<Point, Stop> {
+fn limit_point(equations: &mut PathEquations, here: &PathIterate, there: &PathIterate) -> Result<PathIterate, Stop> {
     let (mut low, mut high) = (0.0, equations.along(here, there));
     let (mut at_low, mut at_high) = (here.slope(), there.slope());
     let level = LEVEL * at_low.abs().max(at_high.abs());
@@ -79,7 +79,12 @@ fn limit_point(equations: &mut PathEquations, here: &Point, there: &Point) -> Re
 
 /// A point between two step lengths; `None` where the matrix is singular wherever it is tried, so near is the
 /// bifurcation.
-fn divide(equations: &mut PathEquations, here: &Point, low: f64, high: f64) -> Result<Option<(f64, Point)>, Stop> {
+fn divide(
+    equations: &mut PathEquations,
+    here: &PathIterate,
+    low: f64,
+    high: f64,
+) -> Result<Option<(f64, PathIterate)>, Stop> {
     for share in [0.5, 0.3, 0.7, 0.1, 0.9] {
         let middle = low + share * (high - low);
         match equations.step(here, middle) {
@@ -93,8 +98,8 @@ fn divide(equations: &mut PathEquations, here: &Point, low: f64, high: f64) -> R
 /// Where the number of negative pivots changes, by bisection; several changes one after the other.
 fn bifurcations(
     equations: &mut PathEquations,
-    here: &Point,
-    there: &Point,
+    here: &PathIterate,
+    there: &PathIterate,
     (mut before, last): (usize, usize),
     index: usize,
 ) -> Result<Vec<PathEvent>, Stop> {
@@ -106,7 +111,7 @@ fn bifurcations(
         while high - low > BISECTED * end {
             let Some((middle, point)) = divide(equations, here, low, high)? else { break };
             // A singular tangent is where it is looked for: its other side counts.
-            match equations.told(&point).negative {
+            match equations.path_point(&point).negative {
                 Some(count) if count == before => low = middle,
                 count => (high, after, at) = (middle, count.unwrap_or(after), point),
             }

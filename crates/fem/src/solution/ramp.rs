@@ -140,7 +140,7 @@ impl Search<'_, '_> {
                     Ok(middle) if middle.negative == Some(before) => low = middle,
                     Ok(middle) => high = middle,
                     Err(error) if error.is_final() => return Err(error),
-                    // The interval stays as wide as it is, which its width tells.
+                    // The interval stays as wide as it is: its width shows this.
                     Err(_) => break,
                 }
             }

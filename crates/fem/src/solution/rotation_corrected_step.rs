@@ -116,17 +116,21 @@ pub(crate) struct StepLimits {
 impl StepLimits {
     pub fn of(disc: &Discretization, at: Displaced, du: &[f64], parallel: bool) -> Self {
         let of = |group: Cells, cells: &[u32]| {
-            let mut found = Found::default();
+            let mut found = Extremes::default();
             each_point(group, cells, at, du, |_, _, _, (_, g)| {
                 let longest = |g: &Mat3| volume_step(&Kinematics::rest(), g);
-                found.add(&Found { angle: axial(&g).norm(), straight: longest(&g), curved: longest(&symmetric(&g)) });
+                found.add(&Extremes {
+                    angle: axial(&g).norm(),
+                    straight: longest(&g),
+                    curved: longest(&symmetric(&g)),
+                });
             });
             found
         };
-        let mut worst = Found::default();
+        let mut worst = Extremes::default();
         for group in Cells::all(disc) {
             let cells: Vec<u32> = (0..group.part.cells.len() as u32).collect();
-            let found: Vec<Found> = match parallel {
+            let found: Vec<Extremes> = match parallel {
                 true => cells.par_chunks(CHUNK).map(|cells| of(group, cells)).collect(),
                 false => cells.chunks(CHUNK).map(|cells| of(group, cells)).collect(),
             };
@@ -137,20 +141,20 @@ impl StepLimits {
 }
 
 /// The largest angle and the shortest steps so far.
-struct Found {
+struct Extremes {
     angle: f64,
     straight: f64,
     curved: f64,
 }
 
-impl Default for Found {
+impl Default for Extremes {
     fn default() -> Self {
-        Found { angle: 0.0, straight: 1.0, curved: 1.0 }
+        Extremes { angle: 0.0, straight: 1.0, curved: 1.0 }
     }
 }
 
-impl Found {
-    fn add(&mut self, other: &Found) {
+impl Extremes {
+    fn add(&mut self, other: &Extremes) {
         self.angle = self.angle.max(other.angle);
         self.straight = self.straight.min(other.straight);
         self.curved = self.curved.min(other.curved);

@@ -206,7 +206,7 @@ impl SaddlePoint {
     }
 
     /// The solutions for right-hand sides over all unknowns, zero on supports and for multipliers of constraints that do not act, once it is
-    /// [prepared](Self::prepare), and the number of negative eigenvalues beyond one for each constraint that acts, as the factor at hand tells
+    /// [prepared](Self::prepare), and the number of negative eigenvalues beyond one for each constraint that acts, according to the factor at hand
     /// it: 0 where K is positive definite on the null space of `B^T`, `None` where rounding decides.
     pub fn solve(
         &self,

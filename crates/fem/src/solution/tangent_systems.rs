@@ -41,7 +41,7 @@ pub(crate) fn bordered_step(relative: f64, accuracy: f64) -> (Accuracy, bool) {
 
 /// Which step is wanted where the tangent turns out to be indefinite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Wanted {
+pub(crate) enum StepWanted {
     /// Newton's, though it may lead to a saddle, if the solver has it.
     Newton,
     /// One downhill.
@@ -76,14 +76,14 @@ impl<'a> TangentSystems<'a> {
         matrix: &SparseMatrix,
         u: &[f64],
         rhs: &[f64],
-        (tolerance, wanted): (f64, Wanted),
+        (tolerance, wanted): (f64, StepWanted),
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Curvature), LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let system = configuration.system(matrix);
         let mut work = LinearWork::default();
         let step = match self.solver.step(&system, rhs, tolerance, &mut work) {
-            Ok(step) if wanted == Wanted::Newton || step.curvature != Curvature::Negative => {
+            Ok(step) if wanted == StepWanted::Newton || step.curvature != Curvature::Negative => {
                 Ok((step.x, step.curvature))
             }
             Ok(_) | Err(LinearError::Indefinite) => {
@@ -242,7 +242,7 @@ impl<'a> TangentSystems<'a> {
         solved
     }
 
-    /// Why [`eliminate_border`](Self::eliminate_border) did not tell the number of negative eigenvalues.
+    /// Why [`eliminate_border`](Self::eliminate_border) did not show the number of negative eigenvalues.
     pub fn uncounted(&self, scalars: usize) -> LinearError {
         match self.solver.negative() {
             None => LinearError::NotCounted { solver: self.solver.name() },

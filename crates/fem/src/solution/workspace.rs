@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// same bits.
 #[derive(Default)]
 pub struct Workspace {
-    solver: Option<Kept>,
+    solver: Option<KeptSolver>,
     tangent: Option<KeptTangent>,
 }
 
@@ -30,7 +30,7 @@ struct KeptTangent {
     factorised: bool,
 }
 
-struct Kept {
+struct KeptSolver {
     /// Name of what made it.
     name: &'static str,
     pattern: Arc<Pattern>,
@@ -43,17 +43,17 @@ impl Workspace {
         let (name, pattern) = (Solver::DIRECT.name(), factor.symbolic().pattern().clone());
         let structure = Structure::analysed(factor.symbolic().clone());
         let solver = Box::new(Joining::new(&structure, Box::new(Direct::with_factor(factor))));
-        Workspace { solver: Some(Kept { name, pattern, solver }), tangent: None }
+        Workspace { solver: Some(KeptSolver { name, pattern, solver }), tangent: None }
     }
 
     /// The linear solver of a factory for a model: the one that is here, if it is such.
     pub(crate) fn solver(&mut self, factory: &dyn SolverFactory, model: &Model) -> &mut dyn LinearSolver {
         let (name, structure) = (factory.name(), model.structure());
-        let fits = |kept: &Kept| kept.name == name && Arc::ptr_eq(&kept.pattern, structure.pattern());
+        let fits = |kept: &KeptSolver| kept.name == name && Arc::ptr_eq(&kept.pattern, structure.pattern());
         let kept = self.solver.take().filter(fits);
         let new = || {
             let solver = Box::new(Joining::new(&structure, factory.make(&structure)));
-            Kept { name, pattern: structure.pattern().clone(), solver }
+            KeptSolver { name, pattern: structure.pattern().clone(), solver }
         };
         self.solver.insert(kept.unwrap_or_else(new)).solver.as_mut()
     }
@@ -109,8 +109,11 @@ impl Workspace {
 
 impl Clone for Workspace {
     fn clone(&self) -> Self {
-        let copy =
-            |kept: &Kept| Kept { name: kept.name, pattern: kept.pattern.clone(), solver: kept.solver.boxed_clone() };
+        let copy = |kept: &KeptSolver| KeptSolver {
+            name: kept.name,
+            pattern: kept.pattern.clone(),
+            solver: kept.solver.boxed_clone(),
+        };
         Workspace { solver: self.solver.as_ref().map(copy), tangent: self.tangent.clone() }
     }
 }

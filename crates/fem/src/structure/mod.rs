@@ -129,7 +129,7 @@ impl TangentStructure {
         self.symbolic().factorisation_bytes(Precision::Double)
     }
 
-    /// The solver that a solve takes unless it is told which, see [`Solver::cheaper`].
+    /// The solver that a solve takes unless it is given one, see [`Solver::cheaper`].
     pub fn solver(&self) -> &'static dyn SolverFactory {
         Solver::cheaper(self.equations())
     }

@@ -1,7 +1,7 @@
 //! The catalogue of time schemes: a row each, which the tests hold to its order, its damping and its derivative.
 
 use crate::error::FemError;
-use crate::time::scheme::{End, Point, Scheme, Stage, a, u, v};
+use crate::time::scheme::{End, Scheme, Stage, TermInstant, a, u, v};
 
 /// A row of the catalogue.
 #[derive(Debug, Clone, Copy)]
@@ -86,10 +86,10 @@ pub const SCHEMES: &[Entry] = &[
     },
 ];
 
-const NOW: Point = Point::Now;
-const BEFORE: Point = Point::Before;
-const FIRST: Point = Point::Stage(0);
-const SECOND: Point = Point::Stage(1);
+const NOW: TermInstant = TermInstant::Now;
+const BEFORE: TermInstant = TermInstant::Before;
+const FIRST: TermInstant = TermInstant::Stage(0);
+const SECOND: TermInstant = TermInstant::Stage(1);
 
 impl Scheme {
     /// `v = (u - u_n)/h`, `a = (v - v_n)/h`. Minimises `|u - u_n - h v_n|_M^2 / (2 h^2) + Pi(u)`.

@@ -4,7 +4,7 @@ use crate::contributions::controls::Controls;
 use crate::error::FemError;
 use crate::solution::state::{SolveReport, State};
 use crate::time::points::Points;
-use crate::time::scheme::{Point, Scheme};
+use crate::time::scheme::{Scheme, TermInstant};
 use nalgebra::DMatrix;
 use std::sync::Arc;
 
@@ -83,7 +83,7 @@ impl Scheme {
     /// As many oscillators side by side as a state has numbers, each beginning with one of them: the steps themselves
     /// give the matrix, column by column.
     fn amplification_matrix(&self, hw: f64, damping: f64) -> DMatrix<f64> {
-        let two_states = self.terms().any(|term| term.at == Point::Before);
+        let two_states = self.terms().any(|term| term.at == TermInstant::Before);
         let carries = self.needs_acceleration() && self.extrapolates();
         let n = 2 + usize::from(carries) + 2 * usize::from(two_states);
         let (stiffness, c) = (hw * hw, damping * hw);

@@ -3,22 +3,22 @@
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{ExtrapolatedEnd, TimeStep};
 use crate::solution::state::State;
-use crate::time::scheme::{Point, Quantity, Scheme, Term};
+use crate::time::scheme::{Quantity, Scheme, Term, TermInstant};
 use nastic_numeric::vector::axpy;
 use std::sync::Arc;
 
 /// u, v and a at one instant; what is missing is zero.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Values {
+pub(super) struct InstantValues {
     pub u: Option<Arc<Vec<f64>>>,
     pub velocity: Option<Arc<Vec<f64>>>,
     pub acceleration: Option<Arc<Vec<f64>>>,
 }
 
-impl Values {
+impl InstantValues {
     fn of(state: &State) -> Self {
         let State { u, velocity, acceleration, .. } = state;
-        Values { u: Some(u.clone()), velocity: velocity.clone(), acceleration: acceleration.clone() }
+        InstantValues { u: Some(u.clone()), velocity: velocity.clone(), acceleration: acceleration.clone() }
     }
 
     fn get(&self, of: Quantity) -> Option<&Arc<Vec<f64>>> {
@@ -35,9 +35,9 @@ pub(super) struct Points<'a> {
     scheme: &'a Scheme,
     h: f64,
     begin: &'a State,
-    now: Values,
-    before: Values,
-    stages: Vec<Values>,
+    now: InstantValues,
+    before: InstantValues,
+    stages: Vec<InstantValues>,
     /// Number of displacement components; the multipliers behind them have neither velocity nor acceleration.
     dofs: usize,
 }
@@ -51,9 +51,9 @@ impl<'a> Points<'a> {
         started: Option<&Arc<Vec<f64>>>,
         dofs: usize,
     ) -> Self {
-        let mut now = Values::of(begin);
+        let mut now = InstantValues::of(begin);
         now.acceleration = started.cloned().or(now.acceleration);
-        let before = before.map(Values::of).unwrap_or_default();
+        let before = before.map(InstantValues::of).unwrap_or_default();
         Points { scheme, h, begin, now, before, stages: Vec::new(), dofs }
     }
 
@@ -62,7 +62,7 @@ impl<'a> Points<'a> {
         let k = self.stages.len();
         let stage = &self.scheme.stages[k];
         let (c_v, c_a) = stage.own(k, self.h);
-        let own = |term: &&Term| term.at != Point::Stage(k);
+        let own = |term: &&Term| term.at != TermInstant::Stage(k);
         let b_v = self.combine(Quantity::Velocity, stage.velocity.iter().filter(own));
         let mut b_a = self.combine(Quantity::Acceleration, stage.acceleration.iter().filter(own));
         for term in stage.acceleration.iter().filter(|term| term.is(Quantity::Velocity, k)) {
@@ -112,20 +112,20 @@ impl<'a> Points<'a> {
         };
         let velocity = of_displacement(step.velocity_at(&u));
         let acceleration = of_displacement(step.acceleration_at(&u));
-        self.stages.push(Values { u: Some(u), velocity, acceleration });
+        self.stages.push(InstantValues { u: Some(u), velocity, acceleration });
     }
 
     /// u, v and a at the end of the step, all stages found; of an acceleration that is not known there `None`.
-    pub fn end(&self) -> Values {
+    pub fn end(&self) -> InstantValues {
         let [u, velocity, acceleration] = self.scheme.end.combinations().map(|(of, terms)| match terms {
             [] => None,
             // shared, not copied
-            [Term { factor: 1.0, of: source, at: Point::Stage(k) }] if *source == of => {
+            [Term { factor: 1.0, of: source, at: TermInstant::Stage(k) }] if *source == of => {
                 self.stages[*k].get(of).cloned()
             }
             terms => Some(Arc::new(self.combine(of, terms.iter()))),
         });
-        Values { u, velocity, acceleration }
+        InstantValues { u, velocity, acceleration }
     }
 
     /// The estimated error of u, all stages found; nothing of a scheme without an estimate.
@@ -137,9 +137,9 @@ impl<'a> Points<'a> {
         let mut sum = vec![0.0; self.begin.u.len()];
         for term in terms {
             let values = match term.at {
-                Point::Now => &self.now,
-                Point::Before => &self.before,
-                Point::Stage(k) => &self.stages[k],
+                TermInstant::Now => &self.now,
+                TermInstant::Before => &self.before,
+                TermInstant::Stage(k) => &self.stages[k],
             };
             if let Some(values) = values.get(term.of) {
                 axpy(term.scaled(of, self.h), values, &mut sum);

@@ -12,9 +12,9 @@ use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent_systems::TangentSystems;
 use crate::solution::workspace::Workspace;
 use crate::time::initial_acceleration::without_acceleration;
-use crate::time::owed::{Owed, StatePartials, add};
+use crate::time::instant_adjoint::{InstantAdjoint, StatePartials, add};
 use crate::time::points::Points;
-use crate::time::scheme::{Point, Quantity, Stage, Term};
+use crate::time::scheme::{Quantity, Stage, Term, TermInstant};
 use crate::time::trajectory::{Begin, Trajectory};
 use nastic_numeric::vector::axpy;
 use std::mem::{replace, take};
@@ -55,7 +55,7 @@ pub struct ReverseSweep<'a> {
     how: &'a SolveOptions<'a>,
     workspace: &'a mut Workspace,
     /// By the states at the end and at the beginning of the step that is swept, and before it.
-    owed: [Owed; 3],
+    adjoints: [InstantAdjoint; 3],
     /// By the controls at its end and at its beginning.
     controls: [Controls; 2],
     /// By the internal variables of the step that is swept, and of the one behind it through them.
@@ -115,7 +115,15 @@ impl<'a> ReverseSweep<'a> {
     pub fn new(model: &'a Model, how: &'a SolveOptions<'a>, workspace: &'a mut Workspace) -> Self {
         let controls = [model.zero_controls(), model.zero_controls()];
         let report = SolveReport::default();
-        ReverseSweep { model, how, workspace, owed: Default::default(), controls, history: History::default(), report }
+        ReverseSweep {
+            model,
+            how,
+            workspace,
+            adjoints: Default::default(),
+            controls,
+            history: History::default(),
+            report,
+        }
     }
 
     /// The k-th step of a part of the motion, the one before the step that was swept last, with the partial derivatives at its end.
@@ -143,20 +151,20 @@ impl<'a> ReverseSweep<'a> {
             points.found(u.clone(), &time_step);
             time_steps.push(time_step);
         }
-        let mut stages = vec![Owed::default(); step.stages.len()];
-        let mut of_end = take(&mut self.owed[0]);
+        let mut stages = vec![InstantAdjoint::default(); step.stages.len()];
+        let mut of_end = take(&mut self.adjoints[0]);
         for (of, terms) in step.scheme.end.combinations() {
-            let owed = take(of_end.of(of));
-            terms.iter().for_each(|term| self.pass(term.scaled(of, h), term, &owed, &mut stages));
+            let adjoints = take(of_end.of(of));
+            terms.iter().for_each(|term| self.pass(term.scaled(of, h), term, &adjoints, &mut stages));
         }
         let mut of_last = Vec::new();
         for (k, stage) in step.scheme.stages.iter().enumerate().rev() {
-            let mut owed = take(&mut stages[k]);
-            if owed.is_zero() {
+            let mut adjoints = take(&mut stages[k]);
+            if adjoints.is_zero() {
                 continue;
             }
             let time_step = &time_steps[k];
-            let Owed { u: mut by_u, velocity, acceleration } = owed.clone();
+            let InstantAdjoint { u: mut by_u, velocity, acceleration } = adjoints.clone();
             add(time_step.velocity.0, &velocity, &mut by_u);
             add(time_step.acceleration.0, &acceleration, &mut by_u);
             let controls = begin.controls.blend(&end.controls, stage.time);
@@ -183,9 +191,9 @@ impl<'a> ReverseSweep<'a> {
             self.take_before(by.before);
             self.add_controls(END, stage.time, &by.controls);
             self.add_controls(BEGIN, 1.0 - stage.time, &by.controls);
-            add(1.0, &by.velocity, &mut owed.velocity);
-            add(1.0, &by.acceleration, &mut owed.acceleration);
-            self.pass_rates((stage, k, h), owed, &mut stages);
+            add(1.0, &by.velocity, &mut adjoints.velocity);
+            add(1.0, &by.acceleration, &mut adjoints.acceleration);
+            self.pass_rates((stage, k, h), adjoints, &mut stages);
             if k + 1 == step.stages.len() {
                 of_last = lambda;
             }
@@ -195,7 +203,7 @@ impl<'a> ReverseSweep<'a> {
             self.start(begin, &history)?;
         }
         self.pass_history(begin)?;
-        self.owed.rotate_left(1);
+        self.adjoints.rotate_left(1);
         Ok(self.swept(of_last))
     }
 
@@ -235,21 +243,21 @@ impl<'a> ReverseSweep<'a> {
             let what = "partial derivatives of a state".to_owned();
             return Err(FemError::Length { what, found, expected }.into());
         }
-        self.owed[END].add_partials(partials);
+        self.adjoints[END].add_partials(partials);
         Ok(())
     }
 
-    /// Of `r(u_n) + K(u_n) (w - u_n) = 0`: what is owed by the dependence of K on `u_n` and on the controls.
+    /// Of `r(u_n) + K(u_n) (w - u_n) = 0`: the derivative through the dependence of K on `u_n` and on the controls.
     fn linearisation(&mut self, at: &Instant, lambda: &[f64], w: &[f64], by: &mut Controls) -> Result<(), StateError> {
         let change: Vec<f64> = w.iter().zip(at.u).map(|(w, u)| w - u).collect();
         let along = Increment { u: &change, controls: &self.model.zero_controls() };
         let second = self.model.second_vjp(at, lambda, &along)?;
         (0..by.len()).for_each(|block| axpy(1.0, second.controls.values(block), by.values_mut(block)));
-        add(1.0, &second.u, &mut self.owed[BEGIN].u);
+        add(1.0, &second.u, &mut self.adjoints[BEGIN].u);
         Ok(())
     }
 
-    /// What is owed to the controls of the end of a step by the unknowns that they hold there.
+    /// The derivative by the controls of the end of a step by the unknowns that they hold there.
     fn end_holds(&mut self, force: &[f64], end: &State) {
         let at = Instant { load: 1.0, ..Instant::of(end) };
         let mut by = Sensitivities::zero(self.model.controls(), &at);
@@ -257,10 +265,10 @@ impl<'a> ReverseSweep<'a> {
         self.add_controls(END, 1.0, &by.controls);
     }
 
-    /// Takes what is owed to the state that the step begins at, and to the internal variables that it begins with.
+    /// Takes the derivative by the state that the step begins at, and to the internal variables that it begins with.
     fn take_before(&mut self, before: BeforeStep) {
         if before.u.iter().any(|d| *d != 0.0) {
-            add(1.0, &before.u, &mut self.owed[BEGIN].u);
+            add(1.0, &before.u, &mut self.adjoints[BEGIN].u);
         }
         if (0..before.controls.len()).any(|block| before.controls.values(block).iter().any(|d| *d != 0.0)) {
             self.add_controls(BEGIN, 1.0, &before.controls);
@@ -278,55 +286,60 @@ impl<'a> ReverseSweep<'a> {
         Ok(())
     }
 
-    /// Adds what is owed through a term to what it is taken from.
-    fn pass(&mut self, factor: f64, term: &Term, owed: &[f64], stages: &mut [Owed]) {
+    /// Adds the derivative through a term to that by what it is taken from.
+    fn pass(&mut self, factor: f64, term: &Term, adjoints: &[f64], stages: &mut [InstantAdjoint]) {
         let to = match term.at {
-            Point::Now => &mut self.owed[BEGIN],
-            Point::Before => &mut self.owed[BEFORE],
-            Point::Stage(k) => &mut stages[k],
+            TermInstant::Now => &mut self.adjoints[BEGIN],
+            TermInstant::Before => &mut self.adjoints[BEFORE],
+            TermInstant::Stage(k) => &mut stages[k],
         };
-        add(factor, owed, to.of(term.of));
+        add(factor, adjoints, to.of(term.of));
     }
 
-    /// Adds what is owed through the velocity and acceleration of the k-th stage of a step to what they are taken from; what its own
+    /// Adds the derivative through the velocity and acceleration of the k-th stage of a step to those by what they are taken from; what its own
     /// displacement owes is in the solve.
-    fn pass_rates(&mut self, (stage, k, h): (&Stage, usize, f64), mut owed: Owed, stages: &mut [Owed]) {
+    fn pass_rates(
+        &mut self,
+        (stage, k, h): (&Stage, usize, f64),
+        mut adjoints: InstantAdjoint,
+        stages: &mut [InstantAdjoint],
+    ) {
         for term in stage.acceleration.iter().filter(|term| !term.is(Quantity::Displacement, k)) {
             let factor = term.scaled(Quantity::Acceleration, h);
             match term.is(Quantity::Velocity, k) {
-                true => add(factor, &owed.acceleration, &mut owed.velocity),
-                false => self.pass(factor, term, &owed.acceleration, stages),
+                true => add(factor, &adjoints.acceleration, &mut adjoints.velocity),
+                false => self.pass(factor, term, &adjoints.acceleration, stages),
             }
         }
         for term in stage.velocity.iter().filter(|term| !term.is(Quantity::Displacement, k)) {
-            self.pass(term.scaled(Quantity::Velocity, h), term, &owed.velocity, stages);
+            self.pass(term.scaled(Quantity::Velocity, h), term, &adjoints.velocity, stages);
         }
     }
 
     /// The acceleration that a state was given: `M a = -r(u, v, 0; m)`.
     fn start(&mut self, state: &State, history: &History) -> Result<(), StateError> {
-        let owed = take(&mut self.owed[BEGIN].acceleration);
-        if owed.iter().all(|&d| d == 0.0) {
+        let adjoints = take(&mut self.adjoints[BEGIN].acceleration);
+        if adjoints.iter().all(|&d| d == 0.0) {
             return Ok(());
         }
         let (model, parallel) = (self.model, self.how.parallel);
         let state = &model.at_instant(state, history);
-        let mu = model.divide_by_mass(owed.iter().map(|d| -d).collect(), parallel)?;
+        let mu = model.divide_by_mass(adjoints.iter().map(|d| -d).collect(), parallel)?;
         let step = without_acceleration(state);
         let at = model.beginning(state, &step, parallel);
         let tangent = model.bordered_tangent(&at).map_err(|at| inverted(at, state))?;
         let by_u = tangent.multiply_transposed(&mu, parallel);
         let by = model.vjp(&at, &mu).map_err(|at| inverted(at, state))?;
         self.take_before(by.before);
-        add(1.0, &by_u, &mut self.owed[BEGIN].u);
-        add(1.0, &by.velocity, &mut self.owed[BEGIN].velocity);
+        add(1.0, &by_u, &mut self.adjoints[BEGIN].u);
+        add(1.0, &by.velocity, &mut self.adjoints[BEGIN].velocity);
         self.add_controls(BEGIN, 1.0, &by.controls);
         Ok(())
     }
 
     /// The adjoint of a state that is the equilibrium under its controls.
     fn equilibrium(&mut self, state: &State) -> Result<Vec<f64>, StateError> {
-        let mut by_u = take(&mut self.owed[END].u);
+        let mut by_u = take(&mut self.adjoints[END].u);
         by_u.resize(self.model.unknowns().len(), 0.0);
         if by_u.iter().all(|&d| d == 0.0) {
             return Ok(by_u);

@@ -50,7 +50,7 @@ pub(super) struct End {
 pub(super) struct Term {
     pub factor: f64,
     pub of: Quantity,
-    pub at: Point,
+    pub at: TermInstant,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,7 +61,7 @@ pub(super) enum Quantity {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Point {
+pub(super) enum TermInstant {
     /// `t_n`
     Now,
     /// `t_n - h`
@@ -70,15 +70,15 @@ pub(super) enum Point {
     Stage(usize),
 }
 
-pub(super) fn u(factor: f64, at: Point) -> Term {
+pub(super) fn u(factor: f64, at: TermInstant) -> Term {
     Term { factor, of: Quantity::Displacement, at }
 }
 
-pub(super) fn v(factor: f64, at: Point) -> Term {
+pub(super) fn v(factor: f64, at: TermInstant) -> Term {
     Term { factor, of: Quantity::Velocity, at }
 }
 
-pub(super) fn a(factor: f64, at: Point) -> Term {
+pub(super) fn a(factor: f64, at: TermInstant) -> Term {
     Term { factor, of: Quantity::Acceleration, at }
 }
 
@@ -100,7 +100,7 @@ impl Term {
 
     /// Whether it is one of the quantities of a stage.
     pub fn is(&self, of: Quantity, stage: usize) -> bool {
-        self.of == of && self.at == Point::Stage(stage)
+        self.of == of && self.at == TermInstant::Stage(stage)
     }
 }
 
@@ -120,7 +120,7 @@ impl Stage {
 impl End {
     /// The end is a stage.
     pub fn stage(k: usize) -> Self {
-        let at = Point::Stage(k);
+        let at = TermInstant::Stage(k);
         End { displacement: vec![u(1.0, at)], velocity: vec![v(1.0, at)], acceleration: vec![a(1.0, at)] }
     }
 
@@ -175,7 +175,7 @@ impl Scheme {
 
     /// Vectors of the body's unknowns that a step and its end keep.
     pub(super) fn vectors(&self) -> usize {
-        let shared = (0..self.stages.len()).any(|k| self.end.displacement == [u(1.0, Point::Stage(k))]);
+        let shared = (0..self.stages.len()).any(|k| self.end.displacement == [u(1.0, TermInstant::Stage(k))]);
         let rates = [&self.end.velocity, &self.end.acceleration];
         self.stages.len() + usize::from(!shared) + rates.iter().filter(|terms| !terms.is_empty()).count()
     }
@@ -187,12 +187,12 @@ impl Scheme {
 
     /// Whether it asks for the acceleration of the state that a step begins at.
     pub fn needs_acceleration(&self) -> bool {
-        self.terms().any(|term| term.of == Quantity::Acceleration && term.at == Point::Now)
+        self.terms().any(|term| term.of == Quantity::Acceleration && term.at == TermInstant::Now)
     }
 
     /// Whether the state at the end of a step is not one of its stages: it has an equilibrium nowhere.
     pub fn extrapolates(&self) -> bool {
-        self.stages.iter().enumerate().all(|(k, _)| self.end.displacement != [u(1.0, Point::Stage(k))])
+        self.stages.iter().enumerate().all(|(k, _)| self.end.displacement != [u(1.0, TermInstant::Stage(k))])
     }
 
     /// Where the end is extrapolated from the k-th stage, its last: the factor alpha of `u = alpha w + b`, and the terms of b.

@@ -20,7 +20,7 @@ use std::sync::Arc;
 const EQUAL: f64 = 1e-12;
 
 /// A step that was found.
-pub(super) struct Found {
+pub(super) struct SolvedStep {
     pub step: Step,
     pub state: State,
     /// The estimated error of its displacement, of a scheme that has one.
@@ -106,7 +106,7 @@ impl Model {
         to: &StepTo,
         how: &SolveOptions,
         workspace: &mut Workspace,
-    ) -> Result<Found, StateError> {
+    ) -> Result<SolvedStep, StateError> {
         let (begin, h) = (trajectory.end(), to.dt);
         let before = trajectory.states().len().checked_sub(2).map(|n| &trajectory.states()[n]);
         let history = self.next_history(begin, how.parallel);
@@ -164,7 +164,7 @@ impl Model {
             self.check_extrapolated(&mut state, begin, h, how.parallel)?;
         }
         drop(points);
-        Ok(Found { step: Step { dt: h, scheme, stages, started }, state, error })
+        Ok(SolvedStep { step: Step { dt: h, scheme, stages, started }, state, error })
     }
 
     /// Of some displacements to which a straight move leads from a state the one where the incremental potential of a stage is lowest, if it is

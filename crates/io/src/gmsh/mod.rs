@@ -176,7 +176,7 @@ fn format(cursor: &mut Cursor) -> Result<Version, ReadError> {
         "0" => {}
         "1" => {
             cursor.set_encoding(Encoding::Binary { swap: false });
-            // The writer's own number one tells its byte order.
+            // The writer's own number one shows its byte order.
             match cursor.int()? {
                 1 => {}
                 other if other.swap_bytes() == 1 => cursor.set_encoding(Encoding::Binary { swap: true }),

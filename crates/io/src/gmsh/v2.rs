@@ -90,7 +90,7 @@ fn element(
     for at in 0..attributes {
         let attribute = cursor.int()?;
         if at == 0 {
-            // The sign tells the orientation of the geometry, which the nodes tell too.
+            // The sign shows the orientation of the geometry, which the nodes show too.
             group = attribute.saturating_abs();
         }
     }

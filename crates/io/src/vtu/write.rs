@@ -173,7 +173,7 @@ pub(super) fn integers(values: &[i64]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// One `DataArray`; `tuples` only in field data, where nothing else tells.
+/// One `DataArray`; `tuples` only in field data, where nothing else gives it.
 pub(super) fn array(
     out: &mut dyn Write,
     kind: &str,

@@ -10,7 +10,7 @@ use crate::schema::time_table::TimeTable;
 use crate::schema::value::{Vector, described_text};
 use crate::syntax::{At, Node, Property};
 use nastic_energy::catalogue::ActuationRow;
-use nastic_fem::contributions::catalogue::{Form, KeyKind, Values};
+use nastic_fem::contributions::catalogue::{Form, FormValues, KeyKind};
 use nastic_mesh::GroupNames;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
@@ -47,7 +47,7 @@ pub enum Means {
         /// How it stands in case files.
         form: &'static Form,
         /// What its keys say.
-        values: Values,
+        values: FormValues,
     },
 }
 
@@ -192,10 +192,10 @@ fn strange(form: &Form, members: &[Property]) -> usize {
     members.iter().filter(|member| !known.contains(&member.key.as_str())).count()
 }
 
-type Found = (Option<Means>, Vec<SlotName>, Vec<&'static str>);
+type ActuationKeys = (Option<Means>, Vec<SlotName>, Vec<&'static str>);
 
 /// A law, its slots, and its keys.
-fn read_law(row: &'static ActuationRow, node: &Node, at: &At, reader: &mut Reader<'_>) -> Found {
+fn read_law(row: &'static ActuationRow, node: &Node, at: &At, reader: &mut Reader<'_>) -> ActuationKeys {
     let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
     let parameters = read_inputs(row.name, row.forms, node, at, reader);
     let means = region.zip(parameters).map(|(region, parameters)| Means::Law { row, region, parameters });
@@ -203,8 +203,14 @@ fn read_law(row: &'static ActuationRow, node: &Node, at: &At, reader: &mut Reade
 }
 
 /// A contribution, its slots, and its keys.
-fn read_contribution(kind: &'static str, form: &'static Form, node: &Node, at: &At, reader: &mut Reader<'_>) -> Found {
-    let mut values = Values::default();
+fn read_contribution(
+    kind: &'static str,
+    form: &'static Form,
+    node: &Node,
+    at: &At,
+    reader: &mut Reader<'_>,
+) -> ActuationKeys {
+    let mut values = FormValues::default();
     let mut complete = true;
     for key in form.keys {
         let names = match key.kind {

@@ -181,10 +181,17 @@ fn unique<'a>(names: impl Iterator<Item = (&'a str, At)>, what: &str, reader: &m
     }
 }
 
-/// Complains about signs that would make paths and file names ambiguous.
+/// File names have at most 255 bytes, of which what stands beside the name takes some.
+const LONGEST_NAME: usize = 100;
+
+/// Complains about signs that would make paths and file names ambiguous, and about names too long for those.
 fn plain(name: &str, at: &At, forbidden: &[char], reader: &mut Reader<'_>) {
     if let Some(sign) = name.chars().find(|c| forbidden.contains(c) || c.is_control()) {
         reader.complain_at(at, format!("a name must not contain {}", quoted(&sign.to_string())));
+    }
+    if name.len() > LONGEST_NAME {
+        let message = format!("a name of {} bytes; names of files bear it: at most {LONGEST_NAME}", name.len());
+        reader.complain_at(at, message);
     }
 }
 

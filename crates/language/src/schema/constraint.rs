@@ -51,6 +51,10 @@ impl Constraint {
     }
 }
 
+/// Costs that are squares of what they measure.
+const SQUARES: [&str; 7] =
+    ["tracking", "position", "orientation", "curvature", "obstacle", "control_norm", "control_smoothness"];
+
 fn check_bound(block: &Constraint, reader: &mut Reader<'_>) {
     let bounds = usize::from(block.at_most.is_some()) + usize::from(block.equal.is_some());
     if block.cost.is_some() && bounds != 1 {
@@ -63,6 +67,14 @@ fn check_bound(block: &Constraint, reader: &mut Reader<'_>) {
     let bound = block.at_most.or(block.equal);
     if block.cost.is_some() && bound == Some(0.0) && block.scale.is_none() {
         let message = "a bound of zero needs a \"scale\": a value of the functional that counts as large";
+        reader.complain_at(&block.at, message);
+    }
+    if let Some(cost) = block.cost.as_ref().filter(|cost| bound == Some(0.0) && SQUARES.contains(&cost.kind())) {
+        let kind = cost.kind();
+        let message = format!(
+            "\"{kind}\" is a square: where it is zero its derivative is zero too, and no multiplier can hold it there; bound it by the \
+             square of what is near enough: \"at_most\""
+        );
         reader.complain_at(&block.at, message);
     }
     if block.cost.as_ref().is_some_and(|cost| cost.weight() == 0.0) {

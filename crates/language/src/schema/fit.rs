@@ -17,7 +17,7 @@ object! {
         /// What was measured; at least one test that is not volumetric.
         pub tests: Vec<FitTest>,
         /// Laws to compare: names of the catalogue, Ogden's with its number of terms, as "ogden_3", Holzapfel's with its families of fibres; all that can
-        /// be fitted if left out, those with fibres where the tests tell how they lay.
+        /// be fitted if left out, those with fibres where the tests show how they lay.
         pub laws: Vec<FitLaw> = vec![],
         /// The bulk modulus, where no volumetric test gives it.
         pub bulk: Option<f64> as POSITIVE_PRESSURE,

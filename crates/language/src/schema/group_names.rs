@@ -7,7 +7,7 @@ use crate::syntax::{At, Document, Node, Value, quoted};
 use nastic_mesh::GroupNames;
 use serde_json::{Value as Json, json};
 
-/// The names that a node of a document holds, if they can be read; what is wrong with them, the reading of the case tells.
+/// The names that a node of a document holds, if they can be read; what is wrong with them is reported when the case is read.
 #[must_use]
 pub fn group_names(document: &Document, node: &Node, at: &At) -> Option<GroupNames> {
     GroupNames::read(node, at, Want::ANY, &mut Reader::new(document, Units::default()))

@@ -19,7 +19,7 @@ object! {
         pub metric: Metric = Metric::L2,
         /// What becomes of trials whose equilibrium is unstable.
         pub unstable: Unstable = Unstable::Accept,
-        /// Whether the optimum is solved again from rest: a warning tells if that ends in another state.
+        /// Whether the optimum is solved again from rest: a warning says whether that ends in another state.
         pub verify: bool = false,
         /// Number of starts; those after the first are random.
         pub starts: usize as POSITIVE = 1,
@@ -33,7 +33,7 @@ object! {
 choice! {
     /// What becomes of unstable trials.
     pub enum Unstable {
-        /// They are taken like others; a warning tells if the optimum is one.
+        /// They are taken like others; a warning says whether the optimum is one.
         "accept" => Accept,
         /// They fail, so that the optimiser shortens its step; one factorisation more per trial.
         "refuse" => Refuse,

@@ -46,7 +46,7 @@ impl fmt::Display for Diagnostic {
 pub struct Diagnostics(Vec<Diagnostic>);
 
 impl Diagnostics {
-    /// In the order of lines, each problem once, at the deepest of the paths it is told of.
+    /// In the order of lines, each problem once, at the deepest of its paths.
     #[must_use]
     pub fn new(mut list: Vec<Diagnostic>) -> Self {
         list.sort_by_key(|problem| (problem.line, problem.column));

@@ -2,7 +2,7 @@
 
 use crate::catalogue::Catalogue;
 use crate::syntax::diagnostic::{Diagnostic, Diagnostics};
-use crate::syntax::node::{Node, Place, Property, Value};
+use crate::syntax::node::{Node, Property, SourcePosition, Value};
 use crate::syntax::parse::parse;
 use crate::syntax::path::At;
 use crate::syntax::setting::{Setting, complaint};
@@ -170,7 +170,7 @@ impl Document {
     }
 
     /// The problem `message` at a place.
-    pub(crate) fn problem(&self, place: &Place, at: &At, message: impl Into<String>) -> Diagnostic {
+    pub(crate) fn problem(&self, place: &SourcePosition, at: &At, message: impl Into<String>) -> Diagnostic {
         complaint(place, &self.name, at.as_str(), &message.into())
     }
 

@@ -28,7 +28,7 @@ fn abbreviates(short: &str, long: &str) -> bool {
     is_initials || begins(long, short)
 }
 
-/// Whether a text begins with another one that is long enough to tell something.
+/// Whether a text begins with another one that is long enough to mean something.
 fn begins(text: &str, with: &str) -> bool {
     with.len() > 2 && text.get(..with.len()).is_some_and(|begin| begin.eq_ignore_ascii_case(with))
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 /// Where a value was written.
 #[derive(Clone, PartialEq, Eq, Debug)]
-pub enum Place {
+pub enum SourcePosition {
     /// In the case file; both from 1, columns in characters.
     Text {
         /// Line.
@@ -23,7 +23,7 @@ pub struct Node {
     /// What.
     pub value: Value,
     /// Where.
-    pub place: Place,
+    pub place: SourcePosition,
 }
 
 /// A JSON value; objects keep the order of the file.
@@ -49,7 +49,7 @@ pub struct Property {
     /// The key.
     pub key: String,
     /// Where the key stands.
-    pub place: Place,
+    pub place: SourcePosition,
     /// The value.
     pub node: Node,
 }
@@ -89,7 +89,7 @@ impl Node {
     #[must_use]
     pub fn from_json(value: &serde_json::Value) -> Self {
         use serde_json::Value as Json;
-        let place = Place::Text { line: 0, column: 0 };
+        let place = SourcePosition::Text { line: 0, column: 0 };
         let property = |(key, value): (&String, &Json)| Property {
             key: key.clone(),
             place: place.clone(),

@@ -1,7 +1,7 @@
 //! Text to nodes.
 
 use crate::syntax::diagnostic::Diagnostic;
-use crate::syntax::node::{Node, Place, Property, Value};
+use crate::syntax::node::{Node, Property, SourcePosition, Value};
 use crate::syntax::path::At;
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, ast, parse_to_ast};
@@ -72,7 +72,7 @@ impl Reading<'_> {
             match members.iter().find(|member| member.key == key) {
                 None => members.push(Property { key, place: self.lines.place(start), node }),
                 Some(first) => {
-                    let line = if let Place::Text { line, .. } = first.place { line } else { 0 };
+                    let line = if let SourcePosition::Text { line, .. } = first.place { line } else { 0 };
                     self.complain(start, &own, format!("this key was given before, in line {line}"));
                 }
             }
@@ -93,7 +93,7 @@ impl Reading<'_> {
     }
 
     fn complain(&mut self, offset: usize, at: &At, message: String) {
-        let Place::Text { line, column } = self.lines.place(offset) else { return };
+        let SourcePosition::Text { line, column } = self.lines.place(offset) else { return };
         self.problems.push(Diagnostic { file: self.name.to_string(), path: at.to_string(), line, column, message });
     }
 }
@@ -110,11 +110,11 @@ impl<'a> Lines<'a> {
         Self { text, starts: std::iter::once(0).chain(breaks).collect() }
     }
 
-    fn place(&self, offset: usize) -> Place {
+    fn place(&self, offset: usize) -> SourcePosition {
         let line = self.starts.partition_point(|start| *start <= offset).max(1);
         let start = self.starts[line - 1];
         let column = self.text.get(start..offset).map_or(0, |before| before.chars().count()) + 1;
-        Place::Text { line, column }
+        SourcePosition::Text { line, column }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::syntax::diagnostic::{Diagnostic, Diagnostics};
 use crate::syntax::nearest;
-use crate::syntax::node::{Node, Place, Property, Value};
+use crate::syntax::node::{Node, Property, SourcePosition, Value};
 use crate::syntax::parse::parse;
 use crate::syntax::path::behind;
 
@@ -22,7 +22,7 @@ impl Setting {
     ///
     /// No "=", or no path before it.
     pub fn option(text: &str) -> Result<Self, Diagnostics> {
-        let place = Place::Option(text.into());
+        let place = SourcePosition::Option(text.into());
         match text.split_once('=') {
             Some((path, value)) if !path.trim().is_empty() => {
                 let path = path.trim().trim_matches('/').to_string();
@@ -43,15 +43,15 @@ impl Setting {
     }
 }
 
-pub(super) fn complaint(place: &Place, named: &str, path: &str, message: &str) -> Diagnostic {
+pub(super) fn complaint(place: &SourcePosition, named: &str, path: &str, message: &str) -> Diagnostic {
     let (file, line, column) = match place {
-        Place::Text { line, column } => (named.to_string(), *line, *column),
-        Place::Option(text) => (format!("--set {text}"), 0, 0),
+        SourcePosition::Text { line, column } => (named.to_string(), *line, *column),
+        SourcePosition::Option(text) => (format!("--set {text}"), 0, 0),
     };
     Diagnostic { file, path: path.to_string(), line, column, message: message.to_string() }
 }
 
-fn value_of(text: &str, place: &Place) -> Node {
+fn value_of(text: &str, place: &SourcePosition) -> Node {
     let mut problems = Vec::new();
     match parse("", text, &mut problems) {
         Some(mut node) if problems.is_empty() => {
@@ -62,7 +62,7 @@ fn value_of(text: &str, place: &Place) -> Node {
     }
 }
 
-fn replace_places(node: &mut Node, place: &Place) {
+fn replace_places(node: &mut Node, place: &SourcePosition) {
     node.place = place.clone();
     match &mut node.value {
         Value::Array(entries) => entries.iter_mut().for_each(|entry| replace_places(entry, place)),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-/// Where a version of control groups tells about memory.
+/// Where a version of control groups reports memory.
 struct Version {
     /// The directory of the uppermost group.
     root: &'static str,

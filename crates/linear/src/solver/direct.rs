@@ -372,7 +372,7 @@ impl LinearSolver for Direct {
     }
 }
 
-/// A number by which matrices are told apart (FNV-1a on the bits of the values): what it decides is which factor is tried, not what a
+/// A number by which matrices are distinguished (FNV-1a on the bits of the values): what it decides is which factor is tried, not what a
 /// solution is worth.
 fn fingerprint(matrix: &SparseMatrix) -> u64 {
     let mix = |hash: u64, value: &f64| (hash ^ value.to_bits()).wrapping_mul(0x0100_0000_01b3);

@@ -65,7 +65,7 @@ pub enum LinearError {
     /// Signs of eigenvalues are counted of symmetric matrices alone.
     #[error("the matrix is not symmetric, so that signs of its eigenvalues are not counted")]
     NoInertia,
-    /// The solver does not count signs of eigenvalues, or cannot tell whether a matrix is positive definite.
+    /// The solver does not count signs of eigenvalues, or cannot decide whether a matrix is positive definite.
     #[error("the solver \"{solver}\" does not tell the signs of eigenvalues; take \"direct\" where they are wanted")]
     NotCounted {
         /// Its name.
@@ -85,7 +85,7 @@ pub enum LinearError {
     /// The border makes the system singular.
     #[error(
         "the bordered system is singular: its Schur complement of {scalars} scalar unknowns has no inverse; constraints that depend on each \
-         other, as two volumes of one room do, or taut tendons along one way, cannot be told apart: leave one out"
+         other, as two volumes of one room do, or taut tendons along one way, cannot be shown apart: leave one out"
     )]
     Border {
         /// Number of scalar unknowns.

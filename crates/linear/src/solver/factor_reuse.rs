@@ -16,7 +16,7 @@ pub(super) struct FactorReuse {
     /// Iterations with the kept factor since it was made, in this nonlinear solve.
     pub spent: usize,
     /// Whether a step has been cut short where the curvature turned negative. Once in a nonlinear solve that is cheaper
-    /// than knowing the whole tangent, which is positive again at most next iterates; where it is not, a factor tells.
+    /// than knowing the whole tangent, which is positive again at most next iterates; where it is not, a factor shows.
     pub cut_short: bool,
 }
 

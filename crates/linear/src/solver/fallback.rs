@@ -6,7 +6,7 @@ use crate::structure::Structure;
 use std::sync::Arc;
 
 /// Multigrid, until it fails or meets an indefinite matrix of which an exact solution is asked; from then on [`Direct`],
-/// since whatever made multigrid fail stays true nearby. [`name`](LinearSolver::name) tells which of the two served.
+/// since whatever made multigrid fail stays true nearby. [`name`](LinearSolver::name) says which of the two served.
 #[derive(Clone, Debug)]
 pub struct MultigridOrDirect {
     structure: Arc<Structure>,

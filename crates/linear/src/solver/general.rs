@@ -120,7 +120,7 @@ impl LinearSolver for General {
         }
     }
 
-    /// The curvature told is that of the symmetric part where a factor of it was made, else taken for positive.
+    /// The curvature reported is that of the symmetric part where a factor of it was made, else taken for positive.
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
         let x = self.run(system, b, tolerance, Form::Plain, work)?;
         let negative = self.factor.as_ref().is_some_and(|f| f.negative_pivots() > 0);

@@ -110,7 +110,7 @@ impl LinearSolver for Lu {
         self.run(system, b, accuracy.residual, Form::Transposed, work)
     }
 
-    /// Pivots of an LU factorisation do not tell whether the matrix is positive definite.
+    /// Pivots of an LU factorisation do not show whether the matrix is positive definite.
     ///
     /// # Errors
     /// [`LinearError::NotCounted`].

@@ -106,7 +106,7 @@ pub trait LinearSolver: Debug + Send + Sync {
     fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError>;
 
     /// A Newton step `A x = b` to a relative residual of about `tolerance`; it may end early where the curvature turns
-    /// negative, which the answer tells.
+    /// negative, which the answer shows.
     ///
     /// # Errors
     /// [`LinearError::Indefinite`] where the solver finds no step in a matrix that is not positive definite.
@@ -171,7 +171,7 @@ pub trait LinearSolver: Debug + Send + Sync {
     }
 
     /// Negative eigenvalues of the matrix whose system was prepared or solved last, where what is kept
-    /// tells; else `None`.
+    /// shows; else `None`.
     fn negative(&self) -> Option<usize> {
         None
     }

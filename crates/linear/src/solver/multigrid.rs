@@ -129,7 +129,7 @@ impl LinearSolver for MultigridSolver {
     }
 
     /// 0 for a matrix that is positive definite as far as conjugate gradients with a right-hand side of fixed random numbers
-    /// can tell: they do not converge to 1e-8 where it is not, without meeting negative curvature.
+    /// can show: they do not converge to 1e-8 where it is not, without meeting negative curvature.
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         let golden = |i: usize| (1.0 + i as f64 * 0.618_033_988_75).fract() - 0.5;
         let n = system.matrix.pattern().dofs();

@@ -5,7 +5,7 @@ use super::interpolation_error::InterpolationError;
 use super::patch::longest;
 use super::shape::{ClosestPoint, Hint, Shape};
 
-/// Most sides told apart.
+/// Largest number of sides that are distinguished.
 const SIDES: usize = 6;
 
 /// Part of a cell: a box or simplex of its parameters, with the closest points to its corners on the other solid.
@@ -118,7 +118,7 @@ impl CellPiece {
     }
 
     /// Where the closest points lie on several sides: for every side, points of the other solid near all corners. Corners inside,
-    /// or `near`, are their own closest points on every side. `None` if there is one side, or too many to tell apart.
+    /// or `near`, are their own closest points on every side. `None` if there is one side, or too many to distinguish.
     fn sides(&self, on: &Shape, near: f64) -> Option<Vec<Vec<V>>> {
         let way = |i: usize| self.closest[i].point - self.points[i];
         // By side: its first direction, and the sum and number of the ways there.

@@ -62,7 +62,7 @@ impl Shape {
     }
 
     /// Does no boundary facet meet the hull? Facets that sag more than `fine` are cut where they are too coarse to
-    /// tell.
+    /// show.
     fn clear(&self, hull: &Hull, fine: f64) -> bool {
         let mut budget = CUTS;
         let mut met = false;
@@ -98,7 +98,7 @@ impl Hull<'_> {
         (lo + less - shift, hi + more - shift)
     }
 
-    /// Another axis to tell facets apart by, if it is new and there is room.
+    /// Another axis to distinguish facets by, if it is new and there is room.
     fn add(&mut self, axis: &V) {
         if self.reach.len() < AXES + 3 && self.reach.iter().all(|(a, _, _)| (a - axis).norm_squared() > 1e-8) {
             let (lo, hi) = self.along(axis);

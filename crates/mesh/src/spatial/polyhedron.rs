@@ -43,7 +43,7 @@ pub enum Feature {
     Corner,
 }
 
-/// A face with the normals of its parts, which tell the inside from the outside.
+/// A face with the normals of its parts, which distinguish the inside from the outside.
 #[derive(Clone, Debug, PartialEq)]
 struct Triangle {
     corners: [V; 3],
@@ -112,7 +112,7 @@ impl Polyhedron {
         (low.into(), high.into())
     }
 
-    /// The nearest point of the surface, and the signed distance from it. Inside or outside is told by the mean normal of the part that
+    /// The nearest point of the surface, and the signed distance from it. Inside or outside is decided by the mean normal of the part that
     /// is nearest (Baerentzen, Aanaes, "Signed distance computation using the angle weighted pseudonormal", IEEE TVCG 11, 2005).
     pub fn nearest(&self, x: [f64; 3]) -> SurfacePoint {
         let x = V::from(x);

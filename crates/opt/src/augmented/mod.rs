@@ -125,7 +125,7 @@ impl AugmentedLagrangian {
     /// Begins a run, to be stepped by hand.
     ///
     /// # Errors
-    /// As [`Run::start`](crate::Run::start); [`RunError::NoPenalty`] where nothing tells the first penalty.
+    /// As [`Run::start`](crate::Run::start); [`RunError::NoPenalty`] where nothing gives the first penalty.
     pub fn start<O: Constrained>(
         &self,
         optimizer: &dyn Optimizer,

@@ -115,7 +115,7 @@ pub struct TaylorReport {
 }
 
 impl TaylorReport {
-    /// Wrong if any direction is; undecided if none can tell.
+    /// Wrong if any direction is; undecided if none can decide.
     pub fn verdict(&self) -> Verdict {
         let is = |verdict| self.directions.iter().any(|d| d.verdict == verdict);
         [Verdict::Wrong, Verdict::Right, Verdict::Linear].into_iter().find(|v| is(*v)).unwrap_or(Verdict::Undecided)

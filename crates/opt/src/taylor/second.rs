@@ -29,13 +29,17 @@ impl fmt::Display for SecondOrder {
 /// How far the orders between neighbouring steps may be from the fitted one, where fewer than [`Taylor::MOST`] are left.
 const EVEN: f64 = 0.2;
 
+/// From this order on the remainder is of a power that few functions have (4 where the third derivative vanishes, by symmetry say), or of
+/// noise: the order must be the same between all steps.
+const LIKELY: f64 = 3.5;
+
 /// `|change - dj.(moved - m) - quadratic|`: the difference of controls is the one that j has seen, rounding included.
 pub(super) fn remainder(change: f64, derivative: &[f64], m: &[f64], moved: &[f64], quadratic: Option<f64>) -> f64 {
     let step: Vec<f64> = moved.iter().zip(m).map(|(a, b)| a - b).collect();
     (change - dot(derivative, &step) - quadratic.unwrap_or_default()).abs()
 }
 
-/// As the first derivative is judged: the smallest steps that stand clear of the noise, larger ones where those cannot tell. Errors
+/// As the first derivative is judged: the smallest steps that stand clear of the noise, larger ones where those cannot decide. Errors
 /// of the first derivative, of 1e-9 say, are above the noise of j where r2 is small, so that few remainders may be left between them
 /// and the higher powers of t: three or four serve if the order is the same between all of them.
 pub(super) fn judge(first: &TaylorDirection, curvature: f64, remainders: Vec<f64>, least: f64) -> SecondOrder {
@@ -51,7 +55,8 @@ pub(super) fn judge(first: &TaylorDirection, curvature: f64, remainders: Vec<f64
     };
     let judged = windows(&clear).find_map(|window| {
         let fewer = (Taylor::FEWEST..window.len()).rev().map(|n| &window[window.len() - n..]);
-        let right = |window: &&[usize]| fit(window) >= least && (window.len() == Taylor::MOST || even(window));
+        let likely = |window: &[usize]| fit(window) < LIKELY && window.len() == Taylor::MOST;
+        let right = |window: &&[usize]| fit(window) >= least && (likely(window) || even(window));
         match std::iter::once(window).chain(fewer).find(right) {
             _ if quadratic(window) && window.len() == Taylor::MOST.min(clear.len()) => Some((window, Verdict::Wrong)),
             Some(window) => Some((window, Verdict::Right)),

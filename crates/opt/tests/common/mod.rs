@@ -13,7 +13,7 @@ type Gradient = Box<dyn Fn(&[f64]) -> Vec<f64> + Sync>;
 type Product = Box<dyn Fn(&[f64], &[f64]) -> Vec<f64> + Sync>;
 type Test = Box<dyn Fn(&[f64]) -> bool + Sync>;
 
-/// A cost given by two closures. Panics when evaluated outside its guard, fails where told to, counts.
+/// A cost given by two closures. Panics when evaluated outside its guard, fails where it is asked to, counts.
 pub struct Cost {
     pub value: Value,
     pub derivative: Gradient,

@@ -47,7 +47,7 @@ records! {
         min: Number,
         /// The largest.
         max: Number,
-        /// Their unit, where it is not told elsewhere.
+        /// Their unit, where it is not reported elsewhere.
         unit: Option<String>,
     }
 }

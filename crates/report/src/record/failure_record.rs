@@ -3,7 +3,7 @@
 use crate::record::Number;
 
 records! {
-    /// What a state solve that failed tells.
+    /// What a state solve that failed reports.
     FailureRecord {
         /// Its kind, a stable name.
         kind: String,

@@ -27,7 +27,7 @@ records! {
         step: Number,
         /// Predicted change of the cost.
         predicted: Number,
-        /// Newton iterations; of a failed trial those that its error tells of.
+        /// Newton iterations; of a failed trial those that its error reports.
         newton: Nullable<u64>,
         /// Factorisations.
         factorisations: Nullable<u64>,

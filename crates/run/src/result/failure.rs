@@ -1,4 +1,4 @@
-//! What a state solve that failed tells: the entry `failure` of results, and the arrays of `failure.vtu`.
+//! What a state solve that failed reports: the entry `failure` of results, and the arrays of `failure.vtu`.
 
 use nastic_case::lower::CaseMember;
 use nastic_control::{ControlError, StateFields};
@@ -31,7 +31,7 @@ fn of_solve(error: &StateError) -> &StateError {
     }
 }
 
-/// What a failure tells: `kind`, and what that kind knows.
+/// What a failure reports: `kind`, and what that kind knows.
 pub(crate) fn record(member: CaseMember<'_>, error: &StateError) -> FailureRecord {
     let mut out = FailureRecord { kind: error.code().to_owned(), ..FailureRecord::default() };
     out.member = Some(member.name()).filter(|name| !name.is_empty());

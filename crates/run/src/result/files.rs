@@ -17,7 +17,7 @@ pub(crate) struct Directory {
 
 impl Directory {
     /// Makes the directory and locks it now, so that a place that cannot be written to, or that another program writes
-    /// to, is told before hours of work; and so is one where what the command writes, by the patterns of its names, would replace what
+    /// to, is reported before hours of work; and so is one where what the command writes, by the patterns of its names, would replace what
     /// it reads.
     pub fn claim<'f>(
         path: PathBuf,

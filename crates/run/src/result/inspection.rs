@@ -214,7 +214,7 @@ fn mean(u: &[f64], dim: usize) -> Vec<f64> {
 fn breakdowns(member: CaseMember<'_>, state: &State) -> Vec<String> {
     let Ok(peaks) = member.solid().body().point_peaks(&state.u, &state.controls) else { return Vec::new() };
     let units = member.problem().units();
-    let told = |peak: PointPeak| {
+    let shown = |peak: PointPeak| {
         let (share, limit) = peak.share.filter(|_| peak.beyond > 0)?;
         let limit = quantity(limit, Dimension::ELECTRIC_FIELD, units);
         let (name, cells) = (peak.actuation, peak.beyond);
@@ -223,7 +223,7 @@ fn breakdowns(member: CaseMember<'_>, state: &State) -> Vec<String> {
             short(share)
         ))
     };
-    peaks.into_iter().filter_map(told).collect()
+    peaks.into_iter().filter_map(shown).collect()
 }
 
 /// int J dX over the cells whose centres lie in others.

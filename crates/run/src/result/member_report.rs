@@ -25,11 +25,11 @@ pub(crate) struct MemberReport<'a> {
     pub work: SolveReport,
     /// The smallest J, of a motion over all its states.
     pub min_j: f64,
-    /// What was found in the state; nothing where only costs are told.
+    /// What was found in the state; nothing where only costs are reported.
     pub inspection: Option<&'a Inspection>,
 }
 
-/// How much is told of a state.
+/// How much is reported of a state.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Detail {
     /// The costs alone.
@@ -38,7 +38,7 @@ pub(crate) enum Detail {
     Full,
 }
 
-/// What could not be told of a member.
+/// What could not be reported of a member.
 pub(crate) type MemberError = (usize, ControlError);
 
 /// The states of an evaluated control, with the work of its evaluation.

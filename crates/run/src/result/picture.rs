@@ -140,7 +140,7 @@ fn appearances(member: CaseMember<'_>, body: &Snapshot) -> Vec<Appearance> {
 }
 
 fn controlled(block: &ControlBlock, field: &ControlField, body: &Snapshot) -> Option<Field> {
-    // Vectors of one length have no colours to tell apart: their arrows say all.
+    // Vectors of one length have no colours that differ: their arrows say all.
     if matches!(field.admitted, Admitted::Norm(_)) {
         return None;
     }

@@ -12,8 +12,8 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 const MAGIC: &str = "nastic-case-2";
-/// Differences between two cases that are told; further ones are counted.
-const TOLD: usize = 5;
+/// Differences between two cases that are reported; further ones are counted.
+const SHOWN: usize = 5;
 
 /// Where a case came from and what it said.
 #[derive(Clone, PartialEq, Debug)]
@@ -103,9 +103,9 @@ impl CaseRecord {
         if out.is_empty() {
             out.push("the order of its keys".to_owned());
         }
-        if out.len() > TOLD {
-            let more = out.len() - TOLD;
-            out.truncate(TOLD);
+        if out.len() > SHOWN {
+            let more = out.len() - SHOWN;
+            out.truncate(SHOWN);
             out.push(format!("{more} more"));
         }
         out

@@ -116,8 +116,8 @@ pub fn resume(
         session.spectrum = options.spectrum;
         session.on_trial = options.on_trial.clone();
         let exit = match position {
-            resumption::Place::Motion(checkpoint) => solve::resume(&mut session, checkpoint),
-            resumption::Place::Optimization(position) => {
+            resumption::Resumed::Motion(checkpoint) => solve::resume(&mut session, checkpoint),
+            resumption::Resumed::Optimization(position) => {
                 let optimizer = session.problem.optimizer()?;
                 optimize::resume(&mut session, optimizer.as_ref(), position)
             }

@@ -19,7 +19,7 @@ impl EnsembleProgress {
         Self { done: Mutex::new(vec![]), what, console: console.clone() }
     }
 
-    /// What an ensemble tells.
+    /// What an ensemble reports.
     pub fn watcher(self) -> impl Fn(&Finished) + Send + Sync + 'static {
         let progress = Arc::new(self);
         move |finished| progress.tick(finished)

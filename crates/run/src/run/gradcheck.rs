@@ -33,7 +33,7 @@ pub struct GradientTest {
 }
 
 impl GradientTest {
-    /// Wrong if any direction is; undecided if none can tell.
+    /// Wrong if any direction is; undecided if none can decide.
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         let is = |verdict| self.directions.iter().any(|d| d.verdict == verdict);
@@ -123,7 +123,7 @@ pub fn test_gradient<O: Objective>(
     Ok(GradientTest { control, term, directions: report.directions, without_second: None })
 }
 
-/// Size of a control where neither its set nor its values tell: the law's bound on it, or the one bound it has.
+/// Size of a control where neither its set nor its values show: the law's bound on it, or the one bound it has.
 pub(super) fn size(problem: &CaseProblem) -> Option<f64> {
     problem.controls.iter().find_map(|field| match field.admitted {
         Admitted::Between { lower, upper } => {

@@ -28,6 +28,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.console.clear();
     let found = session.inspect("equilibrium", &point);
     report(session, &point, &derivative, &found)?;
+    session.look_at_unmet(&point)?;
     let certificate = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
     session.timed("write", |session| write(session, &point, &derivative, &found))?;
     show(session, point, Some(derivative), found);

@@ -30,15 +30,15 @@ const SQUARE: Dimension = Dimension::of(0, 0, -2, 0);
 const MASS_PER_LENGTH: Dimension = Dimension::of(-2, 1, 2, 0);
 
 /// A member's state, control vector and modes.
-struct Found {
+struct StateModes {
     state: State,
     m: Vec<f64>,
     modes: Vec<VibrationMode>,
-    seen: Option<Seen>,
+    seen: Option<ModesInSteps>,
 }
 
 /// The modes as the steps of a case's motion move them.
-struct Seen {
+struct ModesInSteps {
     scheme: &'static str,
     step: f64,
     /// None of modes that do not vibrate.
@@ -62,6 +62,7 @@ pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit
         let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
         inspections = session.inspect("equilibrium", &point);
         report(session, &point, &inspections)?;
+        session.look_at_unmet(&point)?;
         point.members.iter().map(|at| (at.state().clone(), at.m.clone())).collect()
     };
     let found = session.timed("modes", |session| find(session, states, asked.count))?;
@@ -70,7 +71,7 @@ pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit
         (false, true) => "equilibrium at t = 0",
         (false, false) => "equilibrium",
     };
-    tell(session, about, &found);
+    print_modes(session, about, &found);
     session.timed("write", |session| write(session, about, &found, &inspections))?;
     Ok(Exit::Done)
 }
@@ -89,7 +90,7 @@ fn beginnings(session: &Session<'_>) -> Result<Vec<(State, Vec<f64>)>, RunError>
 fn check(session: &Session<'_>, count: usize) -> Result<(), RunError> {
     for member in session.problem.members() {
         let model = member.solid().model();
-        // what is wrong with a mass is told where modes are sought
+        // what is wrong with a mass is reported where modes are sought
         if model.mass().is_ok_and(|mass| mass.diagonal().iter().all(|mass| *mass == 0.0)) {
             let what = "\"modes\" needs masses: give every material a \"density\", as in \"1000 kg/m^3\"".to_owned();
             return Err(session.problem.complain("materials", what).into());
@@ -103,19 +104,19 @@ fn check(session: &Session<'_>, count: usize) -> Result<(), RunError> {
     Ok(())
 }
 
-fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> Result<Vec<Found>, RunError> {
+fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> Result<Vec<StateModes>, RunError> {
     let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
     let of = |(member, (state, m)): (CaseMember<'_>, (State, Vec<f64>))| {
         let modes = member.solid().model().vibration_modes(&state, count, &how);
         let modes = modes.map_err(|error| session.member_failed((member.index(), ControlError::from(error))))?;
         let seen = seen(member, &modes);
-        Ok(Found { state, m, modes, seen })
+        Ok(StateModes { state, m, modes, seen })
     };
     session.problem.members().zip(states).map(of).collect()
 }
 
 /// What the scheme and the Rayleigh damping of a motion make of the modes.
-fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<Seen> {
+fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<ModesInSteps> {
     let (time, timeline) = (member.case().time.as_ref()?, member.reduced().timeline()?);
     if timeline.scheme().is_quasi_static() || member.problem().lacks_steps() {
         return None; // nothing vibrates in its steps, or they are not known
@@ -128,11 +129,11 @@ fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<Seen> {
         let exact = ModalDamping { effective: seen.physical, frequency: seen.frequency.map(|_| 1.0), ..seen };
         Some(if k < timeline.scheme().exact_modes() { exact } else { seen })
     };
-    Some(Seen { scheme: timeline.scheme().name(), step, modes: modes.iter().enumerate().map(of).collect() })
+    Some(ModesInSteps { scheme: timeline.scheme().name(), step, modes: modes.iter().enumerate().map(of).collect() })
 }
 
-/// Lowest modes of a motion that are told.
-const TOLD: usize = 3;
+/// Lowest modes of a motion that are reported.
+const SHOWN: usize = 3;
 
 /// The lowest vibrations about the state that a motion begins at (undeformed and without controls, if it begins at rest), as its steps move them: said, and as the result has them.
 pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &State) -> Option<VibrationInSteps> {
@@ -142,7 +143,7 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
     let (solid, how) = (member.solid(), SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() });
     let free = solid.supports().fixed().iter().filter(|&&fixed| !fixed).count();
     let rigid = if member.mesh().dim() == 3 { 6 } else { 3 };
-    let wanted = if solid.check().is_ok() { TOLD } else { TOLD + rigid };
+    let wanted = if solid.check().is_ok() { SHOWN } else { SHOWN + rigid };
     // stresses of actuations in a body at rest are no equilibrium
     let from_rest = member.case().time.as_ref().is_some_and(|time| time.start == Beginning::Rest);
     let rest = from_rest.then(|| solid.rest());
@@ -178,7 +179,7 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
 }
 
 /// Puts frequencies into the result and says them.
-fn tell(session: &mut Session<'_>, about: &str, found: &[Found]) {
+fn print_modes(session: &mut Session<'_>, about: &str, found: &[StateModes]) {
     let (units, dim) = (*session.problem.units(), session.problem.mesh().dim());
     for (index, own) in found.iter().enumerate() {
         let in_steps = own.seen.as_ref().map(in_steps);
@@ -196,7 +197,7 @@ fn tell(session: &mut Session<'_>, about: &str, found: &[Found]) {
     }
 }
 
-fn in_steps(seen: &Seen) -> VibrationInSteps {
+fn in_steps(seen: &ModesInSteps) -> VibrationInSteps {
     let of = |value: fn(&ModalDamping) -> Option<f64>| {
         seen.modes.iter().map(|mode| mode.as_ref().and_then(value).into()).collect::<Vec<Number>>()
     };
@@ -210,7 +211,7 @@ fn in_steps(seen: &Seen) -> VibrationInSteps {
     }
 }
 
-fn say_in_steps(session: &Session<'_>, Seen { scheme, step, modes }: &Seen) {
+fn say_in_steps(session: &Session<'_>, ModesInSteps { scheme, step, modes }: &ModesInSteps) {
     let units = session.problem.units();
     let step = quantity(*step, Dimension::TIME, units);
     session
@@ -268,7 +269,12 @@ fn row(number: usize, mode: &VibrationMode, units: &Units, dim: usize) -> String
     format!("  {number:>9} {frequency:>16} {period:>14} {along:>22}")
 }
 
-fn write(session: &mut Session<'_>, about: &str, found: &[Found], inspections: &[Inspection]) -> Result<(), RunError> {
+fn write(
+    session: &mut Session<'_>,
+    about: &str,
+    found: &[StateModes],
+    inspections: &[Inspection],
+) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
     let mut files = Vec::new();

@@ -15,18 +15,18 @@ use crate::result::snapshot;
 use crate::run::error::RunError;
 pub(crate) use crate::run::motion::record::Record;
 pub(crate) use crate::run::motion::table::Table;
-use crate::run::motion::table::{ENERGY, energies};
+use crate::run::motion::table::{ENERGY, KINETIC_ENERGY, POTENTIAL, energies};
 use crate::run::session::Session;
 use crate::run::{modes, time_steps};
 use nastic_case::lower::{CaseMember, CaseProblem};
-use nastic_case::warning::Warning;
+use nastic_case::warning::{TIME_STEP, Warning};
 use nastic_control::{EnsemblePoint, Evaluated, StateFields, Timeline};
 use nastic_io::write_atomically;
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{Command, Time};
 use nastic_mesh::Snapshot;
-use nastic_report::record::{EnergiesRecord, EnergyRecord, TimeRecord};
+use nastic_report::record::{EnergiesRecord, EnergyRecord, TimeRecord, VibrationInSteps};
 use rayon::prelude::*;
 
 /// Instants drawn as glass behind the end of a motion.
@@ -53,7 +53,11 @@ impl Session<'_> {
     /// Says how the motions went, and puts that into the result.
     pub fn report_motions(&mut self, records: &[Record], point: &EnsemblePoint) {
         for (index, entry) in report(self, records, point).into_iter().enumerate() {
+            let unresolved = entry.damping.as_ref().and_then(|seen| unresolved(&records[index], seen));
             self.entries_of(index).time = Some(entry);
+            if let Some(message) = unresolved {
+                self.warn(Warning::new(&TIME_STEP, message).of(self.problem.member(index).name()));
+            }
         }
         self.report_contacts_of(records);
     }
@@ -73,7 +77,7 @@ fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, 
     session.problem.members().zip(&point.members).map(record).collect()
 }
 
-/// Looks into the states that are written, beside the last one, which is looked into with all others; what deserves attention is told
+/// Looks into the states that are written, beside the last one, which is looked into with all others; what deserves attention is reported
 /// once for each kind, with the first instant that has it.
 fn warnings(problem: &CaseProblem, records: &[Record]) -> Vec<Warning> {
     records.iter().flat_map(|record| warnings_of(problem.member(record.member), record)).collect()
@@ -83,13 +87,13 @@ fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
     let unit = member.problem().units().time().symbol;
     let before = &record.shown[..record.shown.len().saturating_sub(1)];
     let found: Vec<Inspection> = before.par_iter().map(|state| Inspection::of(member, state)).collect();
-    let mut told: Vec<(Warning, usize)> = Vec::new();
+    let mut described: Vec<(Warning, usize)> = Vec::new();
     for (state, found) in before.iter().zip(&found) {
         let place = format!("motion at t = {} {unit}", short(state.time));
         for warning in found.warnings(member, &place) {
-            match told.iter_mut().find(|(known, _)| known.kind == warning.kind) {
+            match described.iter_mut().find(|(known, _)| known.kind == warning.kind) {
                 Some((_, count)) => *count += 1,
-                None => told.push((warning, 1)),
+                None => described.push((warning, 1)),
             }
         }
     }
@@ -97,7 +101,7 @@ fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
         warning.message += &format!(" (the first of {count} such states among {})", before.len());
         warning
     };
-    told.into_iter().map(tell).collect()
+    described.into_iter().map(tell).collect()
 }
 
 /// The entry `time` of the result, and lines about the motions.
@@ -156,6 +160,44 @@ fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) ->
         damping,
         ..time_steps::record(session, member, time, at)
     }
+}
+
+/// Share of the changes of potential energy that the kinetic one must reach for a vibration to matter.
+const KINETIC: f64 = 0.01;
+/// Share of its frequency at which the lowest vibration must be seen.
+const SEEN: f64 = 0.8;
+/// Damping by the steps, d/w, that counts beside the physical one.
+const DAMPED: f64 = 0.1;
+
+/// What is wrong with the lowest vibration as the steps move it, of a motion with inertia.
+fn unresolved(record: &Record, seen: &VibrationInSteps) -> Option<String> {
+    let rows = &record.table.as_ref()?.rows;
+    let column = |k: usize| rows.iter().filter_map(move |row| row.get(k).copied());
+    let largest = |k: usize| column(k).fold(f64::NEG_INFINITY, f64::max);
+    let change = largest(POTENTIAL) - column(POTENTIAL).fold(f64::INFINITY, f64::min);
+    if largest(KINETIC_ENERGY) <= KINETIC * change {
+        return None;
+    }
+    // the lowest that vibrates; one that floats or is unstable has no numbers
+    let k = seen.damping.iter().position(|damping| damping.is_some())?;
+    let (physical, damped) = (seen.damping[k].unwrap_or(0.0), seen.damping_seen.get(k)?.unwrap_or(0.0));
+    let ratio = seen.frequency_ratio.get(k)?.unwrap_or(0.0);
+    let message = if ratio < SEEN {
+        let at = if ratio == 0.0 { "not at all".to_owned() } else { format!("at {} of its frequency", short(ratio)) };
+        format!("the lowest vibration is seen {at}")
+    } else if damped - physical > physical.max(DAMPED) {
+        format!(
+            "the steps damp the lowest vibration by d/w = {}, the body by {}",
+            short(damped - physical),
+            short(physical)
+        )
+    } else {
+        return None;
+    };
+    Some(format!(
+        "{message}, and kinetic energy is up to {} of what the potential energy changes by",
+        short(largest(KINETIC_ENERGY) / change)
+    ))
 }
 
 /// Writes the files of all members; their names.

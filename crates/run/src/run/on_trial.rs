@@ -1,4 +1,4 @@
-//! [`OnTrial`]: who is told of the trials of an optimisation.
+//! [`OnTrial`]: what is called for the trials of an optimisation.
 
 use nastic_report::record::TrialRecord;
 use std::fmt;
@@ -11,14 +11,14 @@ type Listener = dyn Fn(&TrialRecord) + Send + Sync;
 pub struct OnTrial(Option<Arc<Listener>>);
 
 impl OnTrial {
-    /// Calls `told`.
-    pub fn call(told: impl Fn(&TrialRecord) + Send + Sync + 'static) -> Self {
-        Self(Some(Arc::new(told)))
+    /// Calls `shown`.
+    pub fn call(shown: impl Fn(&TrialRecord) + Send + Sync + 'static) -> Self {
+        Self(Some(Arc::new(shown)))
     }
 
-    pub(super) fn tell(&self, line: &TrialRecord) {
-        if let Some(told) = &self.0 {
-            told(line);
+    pub(super) fn call_with(&self, line: &TrialRecord) {
+        if let Some(shown) = &self.0 {
+            shown(line);
         }
     }
 }

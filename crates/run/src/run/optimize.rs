@@ -3,7 +3,6 @@
 mod advice;
 mod branch_changes;
 mod checkpoint;
-mod constraints;
 mod early_stopping;
 mod finished_run;
 mod journal;
@@ -150,7 +149,7 @@ fn conclude(
     let written = journal.lock().written();
     let unwritten = journal.lock().finish();
     let resumable = written.filter(|_| starts.interrupted);
-    let minima = minima::tell(session, &mut starts);
+    let minima = minima::warn_of_minima(session, &mut starts);
     let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
     if starts.entries.len() > 1 {
         session.record.optimum.minima = Some(minima);

@@ -35,7 +35,7 @@ pub struct Options {
     pub modes: ModesRequest,
     /// Eigenpairs of the reduced Hessian at the optimum of `optimize`.
     pub spectrum: Option<SpectrumRequest>,
-    /// Told of every trial of an optimisation.
+    /// Called for every trial of an optimisation.
     pub on_trial: OnTrial,
     /// Once raised, the command stops as soon as it can, keeping what it has.
     pub cancel: Arc<AtomicBool>,

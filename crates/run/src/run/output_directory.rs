@@ -9,7 +9,7 @@ use serde_json::Value;
 use std::path::{Component, Path, PathBuf};
 
 /// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where
-/// they are told to.
+/// they are asked to.
 pub(crate) fn directory(command: &Command, problem: &CaseProblem, options: &Options) -> Option<PathBuf> {
     let named = options.out.clone();
     if options.in_memory || matches!(command, Command::Check | Command::Gradcheck) {

@@ -60,7 +60,7 @@ impl Session<'_> {
         self.record.files = Some(self.files.clone());
     }
 
-    /// What is told of the states of an evaluated control.
+    /// What is reported of the states of an evaluated control.
     pub(super) fn entries(&self, point: &EnsemblePoint, found: &[Inspection]) -> Result<StateRecord, RunError> {
         let reports = member_report::of_inspected(&self.problem, point, found);
         let entries = reports.and_then(|reports| member_report::entries(&self.problem, &reports, Detail::Full));

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 /// Where a run goes on.
-pub(super) enum Place {
+pub(super) enum Resumed {
     /// An optimisation; `None` before its start was evaluated.
     Optimization(Option<Position>),
     /// A motion.
@@ -31,15 +31,15 @@ pub(super) fn open<'c>(
     directory: &Path,
     cancel: Arc<AtomicBool>,
     console: &'c Console,
-) -> Result<(Session<'c>, Place), RunError> {
+) -> Result<(Session<'c>, Resumed), RunError> {
     let (out, case, command, place) = if directory.join(motion::CHECKPOINT).is_file() {
         let out = Directory::claim(directory.to_owned(), &[], [])?;
         let checkpoint = MotionCheckpoint::read(directory)?;
         check_program(&checkpoint.case, directory.join(motion::CHECKPOINT))?;
-        (out, checkpoint.case.clone(), Command::Solve, Place::Motion(checkpoint))
+        (out, checkpoint.case.clone(), Command::Solve, Resumed::Motion(checkpoint))
     } else {
         let (out, Checkpoint { case, position, .. }) = read(directory)?;
-        (out, case, Command::Optimize, Place::Optimization(position))
+        (out, case, Command::Optimize, Resumed::Optimization(position))
     };
     let document = case.reopen(catalogue, directory)?;
     let session = Session::resume((command, document), case.settings, out, cancel, console)?;

@@ -42,7 +42,7 @@ pub(super) struct Session<'c> {
     pub cancel: Arc<AtomicBool>,
     /// Whether warnings make the command fail.
     pub strict: bool,
-    /// Where results go; `None` for commands that leave nothing behind unless told where.
+    /// Where results go; `None` for commands that leave nothing behind unless given a directory.
     pub out: Option<Directory>,
     /// What deserves attention, as far as it is known.
     pub warnings: Vec<Warning>,
@@ -58,7 +58,7 @@ pub(super) struct Session<'c> {
     pub expect: bool,
     /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
     pub ended: bool,
-    /// Told of every trial of an optimisation.
+    /// Called for every trial of an optimisation.
     pub on_trial: OnTrial,
     /// The states that were found.
     pub shown: Option<Shown>,
@@ -433,7 +433,7 @@ pub(super) fn say_warning(console: &Console, warning: &Warning) {
     console.say(format!("WARNING     {warning}"));
 }
 
-/// Applies overrides; those that fail are told with what is wrong with the case besides.
+/// Applies overrides; those that fail are reported with what is wrong with the case besides.
 fn apply(settings: &[String], document: &mut Document) -> Result<(), Diagnostics> {
     let mut problems = Vec::new();
     for option in settings {

@@ -21,7 +21,7 @@ impl SpectrumRequest {
     }
 }
 
-/// Why there will be no spectrum: told before the optimisation.
+/// Why there will be no spectrum: reported before the optimisation.
 #[derive(Clone, Debug, Error)]
 pub enum SpectrumRefusal {
     /// No eigenpair was asked for.

@@ -130,7 +130,7 @@ impl Study {
     }
 
     /// Where a control may be: [`Bounds`](nastic_opt::Bounds) of scalars, a [`Sphere`](nastic_opt::Sphere) or a
-    /// [`Ball`](nastic_opt::Ball) of vectors. One that nothing is said of is unbounded, which a warning tells. A nodal field on a sphere
+    /// [`Ball`](nastic_opt::Ball) of vectors. One that nothing is said of is unbounded, of which a warning says so. A nodal field on a sphere
     /// needs [`Reduced::of_length`] too, for its vectors between the nodes.
     ///
     /// The inner product is that of the problem: several fields are weighed by their ranges only where [`Reduced::weigh`] says so, while
@@ -245,8 +245,8 @@ impl Study {
 
     /// Calls somebody after every trial with its line of `history.jsonl`.
     #[must_use]
-    pub fn on_trial(mut self, told: OnTrial) -> Self {
-        self.on_trial = told;
+    pub fn on_trial(mut self, shown: OnTrial) -> Self {
+        self.on_trial = shown;
         self
     }
 

@@ -183,7 +183,7 @@ pub(crate) fn say_tracked(session: &Session<'_>, result: &RunRecord) {
         let of = |(key, value): (&String, &Number)| {
             format!("{} {}", key.replace('_', " "), change(before(key), known(*value), &short))
         };
-        let told: Vec<String> = now.iter().map(of).collect();
-        session.console.say(format!("reached     {name}: {}", told.join(", ")));
+        let shown: Vec<String> = now.iter().map(of).collect();
+        session.console.say(format!("reached     {name}: {}", shown.join(", ")));
     }
 }

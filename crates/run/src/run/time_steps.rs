@@ -51,7 +51,7 @@ impl Session<'_> {
         (self.problem, self.steps) = (problem, steps);
         new.into_iter().for_each(|warning| self.warn(warning));
         for (member, steps) in self.problem.members().zip(&self.steps) {
-            self.console.say(format!("steps       {}", told(member, steps)));
+            self.console.say(format!("steps       {}", shown(member, steps)));
         }
     }
 
@@ -63,7 +63,7 @@ impl Session<'_> {
     }
 }
 
-fn told(member: CaseMember<'_>, steps: &AdaptiveSteps) -> String {
+fn shown(member: CaseMember<'_>, steps: &AdaptiveSteps) -> String {
     let (units, (least, most)) = (member.problem().units(), steps.range());
     let time = |value: f64| quantity(value, Dimension::TIME, units);
     let report = &steps.report;

@@ -27,11 +27,11 @@ pub const OPTIMUM_POINTS: [&str; 8] = [
 ];
 
 /// A case beside a directory for its results.
-pub struct Place {
+pub struct CaseDirectory {
     pub directory: tempfile::TempDir,
 }
 
-impl Place {
+impl CaseDirectory {
     pub fn new() -> Self {
         Self { directory: tempfile::tempdir().unwrap() }
     }

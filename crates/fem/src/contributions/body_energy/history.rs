@@ -7,7 +7,7 @@ use crate::contributions::instant::Instant;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::displaced::Displaced;
-use nastic_energy::{Evolution, Place};
+use nastic_energy::{Evolution, MaterialPoint};
 use nastic_tensor::Mat3;
 use rayon::prelude::*;
 
@@ -41,13 +41,13 @@ impl BodyEnergy {
         let kinematics = self.kinematics_of_laws(at.u)?;
         for (k, evolution) in self.evolutions() {
             let (now, width) = (at.history().values(k), at.history().width(k));
-            let advance = |place: &Place| {
+            let advance = |place: &MaterialPoint| {
                 let slots = &now[width * place.point..][..width];
                 let mut own = slots.to_vec();
                 evolution.advance(*place, &kinematics[place.point], slots, &mut own);
                 own
             };
-            let places: Vec<Place> = self.places(k).collect();
+            let places: Vec<MaterialPoint> = self.places(k).collect();
             let found: Vec<Vec<f64>> = match at.parallel {
                 true => places.par_iter().with_min_len(64).map(advance).collect(),
                 false => places.iter().map(advance).collect(),
@@ -68,7 +68,7 @@ impl BodyEnergy {
         }
     }
 
-    /// The transpose of [`advance`](Self::advance): adds what derivatives by its internal variables owe to the displacement and to those of
+    /// The transpose of [`advance`](Self::advance): adds the derivatives that follow from those by its internal variables, by the displacement and by those of
     /// the step before.
     pub(crate) fn advance_vjp(
         &self,

@@ -14,7 +14,7 @@ const CHUNK: usize = 128;
 /// The longest step `s <= 1` along which no point loses more than nine tenths of its volume on the way:
 /// `det(F + t G) >= det F / 10` for all `t` in `[0, s]`, with `G = grad du`.
 ///
-/// The end of the step alone does not tell: a section reflected in two directions has J > 0 again.
+/// The end of the step alone does not decide: a section reflected in two directions has J > 0 again.
 ///
 /// The same holds of the determinant that laws see where their formulation projects it.
 pub(crate) fn max_step(body: &BodyEnergy, from: Displaced, du: &[f64], parallel: bool) -> Result<f64, Inadmissible> {

@@ -3,7 +3,7 @@
 use super::BodyEnergy;
 use crate::contributions::controls::Controls;
 use crate::error::Inadmissible;
-use nastic_energy::{Place, PointBatch, PointQuantity, Slots};
+use nastic_energy::{MaterialPoint, PointBatch, PointQuantity, Slots};
 
 /// The largest value of a [`PointQuantity`] over the quadrature points of an actuation.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +73,9 @@ impl BodyEnergy {
                 if values[point] > value {
                     (value, at) = (values[point], cell);
                 }
-                let Some(limit) = attached.law.point_limit(Place { cell: cell as usize, point }) else { continue };
+                let Some(limit) = attached.law.point_limit(MaterialPoint { cell: cell as usize, point }) else {
+                    continue;
+                };
                 let reached = values[point] / limit;
                 exceeded |= reached > 1.0;
                 if share.is_none_or(|(most, _)| reached > most) {

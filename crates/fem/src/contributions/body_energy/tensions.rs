@@ -2,7 +2,7 @@
 
 use super::{BodyEnergy, Composition};
 use crate::contributions::controls::Controls;
-use nastic_energy::{Place, TensionBound};
+use nastic_energy::{MaterialPoint, TensionBound};
 use nastic_tensor::{Mat3, Vec3};
 
 /// Tensions beyond what the laws bear while they stay polyconvex, where that is so most.
@@ -61,7 +61,7 @@ impl BodyEnergy {
     pub fn excess_tension(&self, controls: &Controls) -> Option<ExcessTension> {
         let lengthens = |k: usize| controls.values(k).iter().any(|m| *m > 0.0);
         let driven: Vec<usize> = (0..self.actuations.len()).filter(|&k| self.is_family(k) && lengthens(k)).collect();
-        let mut worst: Option<(f64, Place)> = None;
+        let mut worst: Option<(f64, MaterialPoint)> = None;
         for at in driven.iter().flat_map(|&k| self.places(k)) {
             let Some(bound) = self.tension_bound(at) else { continue };
             let families: Vec<_> = self.families(at).map(|(k, a)| (a, controls.values(k)[at.point])).collect();
@@ -82,7 +82,7 @@ impl BodyEnergy {
     }
 
     /// The least value over the points of an actuation; `None` where one of them has none.
-    fn least(&self, actuation: usize, of: impl Fn(&Self, Place) -> Option<f64>) -> Option<f64> {
+    fn least(&self, actuation: usize, of: impl Fn(&Self, MaterialPoint) -> Option<f64>) -> Option<f64> {
         self.actuations.get(actuation)?;
         let mut least: Option<f64> = None;
         for at in self.places(actuation) {
@@ -94,7 +94,7 @@ impl BodyEnergy {
 
     /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none, as one does whose
     /// parameters are slots.
-    fn tension_bound(&self, at: Place) -> Option<TensionBound> {
+    fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         if self.has_parametrised(at.cell) {
             return None;
         }
@@ -104,7 +104,7 @@ impl BodyEnergy {
     }
 
     /// The families of fibres on a cell whose control is a tension: number and unit vector.
-    fn families(&self, at: Place) -> impl Iterator<Item = (usize, Vec3)> {
+    fn families(&self, at: MaterialPoint) -> impl Iterator<Item = (usize, Vec3)> {
         let here = self.compositions[self.of_cell[at.cell] as usize].actuations.iter();
         let scalar = here.filter(|&&k| self.actuations[k].law.slots().len() == 1);
         scalar.filter_map(move |&k| Some((k, self.actuations[k].law.direction(at)?)))
@@ -115,11 +115,11 @@ impl BodyEnergy {
         law.slots().len() == 1 && self.places(actuation).next().is_some_and(|at| law.direction(at).is_some())
     }
 
-    pub(crate) fn places(&self, actuation: usize) -> impl Iterator<Item = Place> {
+    pub(crate) fn places(&self, actuation: usize) -> impl Iterator<Item = MaterialPoint> {
         let points = self.disc.points_of_cells();
         self.actuations[actuation].cells.iter().flat_map(move |&cell| {
             let (first, count) = points[cell as usize];
-            (first..first + count).map(move |point| Place { cell: cell as usize, point })
+            (first..first + count).map(move |point| MaterialPoint { cell: cell as usize, point })
         })
     }
 }

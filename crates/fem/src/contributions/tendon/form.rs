@@ -2,7 +2,7 @@
 
 use super::Tendon;
 use super::force::Drive;
-use crate::contributions::catalogue::{Form, Key, KeyKind, Values};
+use crate::contributions::catalogue::{Form, FormValues, Key, KeyKind};
 use crate::error::FemError;
 use crate::solid::Solid;
 
@@ -42,7 +42,7 @@ pub(in crate::contributions) const ELASTIC: Form = Form {
     add,
 };
 
-fn add(solid: Solid, name: &str, values: &Values) -> Result<Solid, FemError> {
+fn add(solid: Solid, name: &str, values: &FormValues) -> Result<Solid, FemError> {
     let mut tendon = Tendon::through(name, values.points.get("points").cloned().unwrap_or_default());
     tendon.spacing = values.numbers.get("spacing").copied();
     tendon.stiffness = values.numbers.get("stiffness").copied();

@@ -136,8 +136,8 @@ impl Tendon {
             return Err(self.refuse(format!("has more than {MOST} guides; give a larger \"spacing\"")));
         }
         let place = |i: usize| a.reference + (b.reference - a.reference) * (i as f64 / pieces);
-        let told = || format!("a guide on the straight way from guide {} to guide {k}", k - 1);
-        let new = |i: usize| self.attach(mesh, &BodyPoint::At(place(i).into()), told);
+        let shown = || format!("a guide on the straight way from guide {} to guide {k}", k - 1);
+        let new = |i: usize| self.attach(mesh, &BodyPoint::At(place(i).into()), shown);
         (1..pieces as usize).map(new).collect()
     }
 

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! K may be indefinite, as behind the pressure maximum of a balloon; what counts is that it is positive definite on the null space of
-//! `g_u`, which the inertia of the whole tells, else it is shifted until it is. Of inequalities `g >= 0`, `p >= 0`, `p g = 0` the step
+//! `g_u`, which the inertia of the whole shows, else it is shifted until it is. Of inequalities `g >= 0`, `p >= 0`, `p g = 0` the step
 //! solves the linearised ones (sequential quadratic programming): those that do not act get `q = 0` and leave the system. Where no
 //! potential is known, K is not symmetric and the inertia says nothing.
 
@@ -44,7 +44,7 @@ struct Linearised {
 
 /// What a step leads to: the step, the negative eigenvalues of the system beyond one for each constraint that acts, and which constraints
 /// act or touch.
-type Found = (Vec<f64>, usize, Vec<bool>);
+type BorderedStep = (Vec<f64>, usize, Vec<bool>);
 
 /// Steps of `(u, p)`.
 pub(crate) struct Bordered<'a> {
@@ -117,7 +117,7 @@ impl<'a> Bordered<'a> {
         let symmetric = self.equations.model.has_potential();
         let mut trial = |acting: &[bool], softened: bool| {
             system.set_acting(acting, softened);
-            let given = Given { x, rhs, inequalities, scales, symmetric };
+            let given = ActiveSets { x, rhs, inequalities, scales, symmetric };
             let trial = given.step_with(acting, system, systems, report)?;
             last.clone_from(&trial.found.0);
             Ok(trial)
@@ -125,7 +125,7 @@ impl<'a> Bordered<'a> {
         let (multipliers, g) = (&x[u.len()..], &rhs[u.len()..]);
         let acts = |k: usize| !inequalities[k] || multipliers[k] > 0.0 || g[k] < 0.0;
         let settled = match settle((0..inequalities.len()).map(acts).collect(), |acting| trial(acting, false)) {
-            // Of constraints that depend on each other some may be slack: yielding ones tell which.
+            // Of constraints that depend on each other some may be slack: yielding ones show which.
             Err(LinearError::Border { .. }) => {
                 let equations = inequalities.iter().map(|inequality| !inequality).collect();
                 let yielding = settle(equations, |acting| trial(acting, true))?;
@@ -193,7 +193,7 @@ impl Direction for Bordered<'_> {
 }
 
 /// What steps with different sets of acting constraints have in common.
-struct Given<'a> {
+struct ActiveSets<'a> {
     x: &'a [f64],
     rhs: &'a [f64],
     inequalities: &'a [bool],
@@ -201,7 +201,7 @@ struct Given<'a> {
     symmetric: bool,
 }
 
-impl Given<'_> {
+impl ActiveSets<'_> {
     /// The step with a set of acting constraints; the multipliers of the others become 0.
     fn step_with(
         &self,
@@ -209,8 +209,8 @@ impl Given<'_> {
         system: &SaddlePoint,
         systems: &mut TangentSystems,
         report: &mut SolveReport,
-    ) -> Result<Trial<Found>, LinearError> {
-        let Given { x, inequalities, scales, .. } = *self;
+    ) -> Result<Trial<BorderedStep>, LinearError> {
+        let ActiveSets { x, inequalities, scales, .. } = *self;
         let scalars = acting.len();
         let dofs = x.len() - scalars;
         let mut rhs = self.rhs.to_vec();

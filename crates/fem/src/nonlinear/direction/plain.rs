@@ -4,7 +4,7 @@ use super::{Direction, Step, Take};
 use crate::nonlinear::equations::{Equations, Jump};
 use crate::nonlinear::iteration::{Iterate, ROUNDING, Stop};
 use crate::solution::state::SolveReport;
-use crate::solution::tangent_systems::{TangentSystems, Wanted, eliminate};
+use crate::solution::tangent_systems::{StepWanted, TangentSystems, eliminate};
 use nastic_linear::{LinearSolver, SparseMatrix};
 
 /// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
@@ -43,7 +43,8 @@ impl Direction for Plain<'_> {
             Some(jump) => (equations.model.unknowns().max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
             None => forcing(here.relative, equations.options.accuracy),
         };
-        let (mut dx, curvature) = self.systems.step(matrix, here.x, &self.rhs, (accuracy, Wanted::Newton), report)?;
+        let (mut dx, curvature) =
+            self.systems.step(matrix, here.x, &self.rhs, (accuracy, StepWanted::Newton), report)?;
         if let Some(jump) = self.jump.take() {
             equations.prescribe(&mut dx, &jump);
             return Ok(Step { scale, ..Step::whole(dx, curvature, equations.model.unknowns()) });

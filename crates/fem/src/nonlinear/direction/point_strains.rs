@@ -18,7 +18,7 @@ use crate::nonlinear::equations::{Equations, Jump, moved};
 use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::solution::saddle_point::{BorderedTangent, SaddlePoint};
 use crate::solution::state::SolveReport;
-use crate::solution::tangent_systems::{TangentSystems, Wanted, bordered_step, eliminate};
+use crate::solution::tangent_systems::{StepWanted, TangentSystems, bordered_step, eliminate};
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
 
@@ -76,7 +76,7 @@ impl<'a> WithPointStrains<'a> {
         let model = self.equations.model;
         if model.unknowns().multipliers() == 0 {
             eliminate(model, &mut self.tangent.matrix);
-            return self.systems.step(&self.tangent.matrix, here.x, rhs, (LINEAR, Wanted::Downhill), report);
+            return self.systems.step(&self.tangent.matrix, here.x, rhs, (LINEAR, StepWanted::Downhill), report);
         }
         let (system, u) = (SaddlePoint::new(model, self.tangent.clone()), model.nodal(here.x));
         let (accuracy, kept) = bordered_step(here.relative, self.equations.options.accuracy);

@@ -182,7 +182,7 @@ fn check_dimensions(control: &Control, slot: &SlotName, reader: &mut Reader<'_>)
         }
     }
     let per_time = slot.want.dimension.and_then(|dimension| dimension.over(Dimension::TIME));
-    // what is a scalar is told that it has no length
+    // a scalar has no length: that is reported
     let of_vector = slot.want.dimension.filter(|_| slot.vector);
     let sizes = [
         ("norm", &control.norm, of_vector),
@@ -241,8 +241,8 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
         return;
     }
     // what drives one with a mistake may be what could not be read
-    let told = |actuation: &&Actuation| !actuation.is_passive() && blocks.is_sound(&actuation.at);
-    for actuation in blocks.actuation.iter().filter(told) {
+    let shown = |actuation: &&Actuation| !actuation.is_passive() && blocks.is_sound(&actuation.at);
+    for actuation in blocks.actuation.iter().filter(shown) {
         let slots = actuation.slots();
         let drives = |(name, slot): &(String, SlotName)| {
             // A volume that stays as it is does something, a pressure of zero does not.

@@ -3,7 +3,7 @@
 use crate::run::describe::line::{Line, line};
 use crate::run::describe::parameters::{catalogue_of, law, parameters, scalar, vector_field};
 use nastic_case::lower::CaseProblem;
-use nastic_fem::contributions::catalogue::{Key, KeyKind, Values as FormValues};
+use nastic_fem::contributions::catalogue::{FormValues, Key, KeyKind};
 use nastic_fem::{BodyEnergy, BodyPoint};
 use nastic_language::expression::dimension_of;
 use nastic_language::number::quantity;
@@ -21,8 +21,8 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
                 if values.is_empty() { region.to_string() } else { format!("{region}; {values}") }
             }
             Means::Contribution { values, form, .. } => {
-                let told = |(key, names): (&&str, &Vec<String>)| format!("{key} {}", names.join(", "));
-                let names = values.names.iter().filter(|(_, names)| !names.is_empty()).map(told);
+                let shown = |(key, names): (&&str, &Vec<String>)| format!("{key} {}", names.join(", "));
+                let names = values.names.iter().filter(|(_, names)| !names.is_empty()).map(shown);
                 let through = |points: &Vec<BodyPoint>| points.iter().map(point).collect::<Vec<_>>().join(", ");
                 let points = values.points.iter().map(|(key, points)| format!("{key} {}", through(points)));
                 let units_of = |key: &str| form.keys.iter().find(|known| known.name == key).map(dimension);

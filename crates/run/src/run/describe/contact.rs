@@ -21,7 +21,7 @@ pub(in crate::run) fn contacts(problem: &CaseProblem) -> Vec<Line> {
     let gaps = solid.model().touches(&Instant::of(&rest));
     let contact = |(name, parameters): (String, TouchParameters)| {
         let gap = gaps.iter().find(|(known, _)| *known == name).map(|(_, touch)| touch.smallest_gap);
-        line("contact", format!("{name}: {}", told(problem, &parameters, gap)))
+        line("contact", format!("{name}: {}", shown(problem, &parameters, gap)))
     };
     obstacles.chain(solid.model().touch_parameters().into_iter().map(contact)).collect()
 }
@@ -31,15 +31,15 @@ fn moves(problem: &CaseProblem, obstacle: &Obstacle) -> String {
         |key: &&str| problem.case.controls.iter().any(|control| control.of == format!("{}.{key}", obstacle.name));
     let controlled: Vec<&str> = ["translation", "rotation"].into_iter().filter(|key| controlled(key)).collect();
     let given: Vec<&str> = obstacle.pose().map(|(key, _)| key).collect();
-    let told: Vec<String> = [("controlled", controlled), ("given", given)]
+    let shown: Vec<String> = [("controlled", controlled), ("given", given)]
         .into_iter()
         .filter(|(_, keys)| !keys.is_empty())
         .map(|(how, keys)| format!("its {} {how}", keys.join(" and ")))
         .collect();
-    if told.is_empty() { "at rest".to_owned() } else { told.join(", ") }
+    if shown.is_empty() { "at rest".to_owned() } else { shown.join(", ") }
 }
 
-fn told(problem: &CaseProblem, of: &TouchParameters, gap: Option<f64>) -> String {
+fn shown(problem: &CaseProblem, of: &TouchParameters, gap: Option<f64>) -> String {
     let units = problem.units();
     let length = |value: f64| quantity(value, Dimension::LENGTH, units);
     let stiffness = quantity(of.stiffness, Dimension::PRESSURE, units);

@@ -2,7 +2,7 @@
 
 use crate::run::describe::line::{Line, line};
 use nastic_case::lower::CaseProblem;
-use nastic_energy::{Existence, Place};
+use nastic_energy::{Existence, MaterialPoint};
 use nastic_language::number::{count, short};
 use nastic_report::record::{CellGroupRecord, ExistenceRecord, GrowthRecord};
 
@@ -45,7 +45,7 @@ fn groups(problem: &CaseProblem) -> Vec<Group> {
     for (cell, (first, points)) in body.discretization().points_of_cells().into_iter().enumerate() {
         let mut seen: Vec<Option<Existence>> = Vec::new();
         for point in first..first + points {
-            let laws = body.materials_of(cell).map(|law| law.existence(Place { cell, point }));
+            let laws = body.materials_of(cell).map(|law| law.existence(MaterialPoint { cell, point }));
             let stated = laws.reduce(|sum, next| Some(sum?.and(next?))).flatten();
             if seen.contains(&stated) {
                 continue;

@@ -17,7 +17,7 @@ pub(in crate::run) fn springs(problem: &CaseProblem) -> Vec<Line> {
             SpringEnd::Body(to) => point(to),
             SpringEnd::Ground(to) => format!("the ground at {}", point(&BodyPoint::At(to.ground.xyz()))),
         };
-        let told = |key: &str, of: Want| {
+        let shown = |key: &str, of: Want| {
             let value = at_rest(problem, &name, key).zip(of.dimension);
             value.map_or_else(String::new, |(value, dimension)| quantity(value, dimension, units))
         };
@@ -25,8 +25,8 @@ pub(in crate::run) fn springs(problem: &CaseProblem) -> Vec<Line> {
         let text = format!(
             "{name}: from {} to {to}; stiffness {stiffness}; rest length {}, force {} where the body is at rest",
             point(&spring.from),
-            told("rest_length", Want::LENGTH),
-            told("force", Want::FORCE)
+            shown("rest_length", Want::LENGTH),
+            shown("force", Want::FORCE)
         );
         line("springs", text)
     };

@@ -1,7 +1,7 @@
 //! [`Fitted`]: one law, and its entry in `fit.json`.
 
 use crate::run::describe::conditions;
-use nastic_energy::{Existence, Place};
+use nastic_energy::{Existence, MaterialPoint};
 use nastic_fit::{
     Bulk, End, Entry, Errors, Estimate, Fibers, Fit, FitError, Mode, Range, Scenario, Test, bulk, scenarios,
     stable_range,
@@ -55,7 +55,7 @@ impl Fitted {
             let range = stable_range(&*incompressible, mode, fibers.unwrap_or_default(), reach);
             Stable::new(mode, fibers, range, tests)
         });
-        let existence = law.existence(Place { cell: 0, point: 0 });
+        let existence = law.existence(MaterialPoint { cell: 0, point: 0 });
         // those that this bulk modulus does not fit are no materials
         let scenarios = scenarios(&fit);
         let admissible = scenarios.iter().all(|one| fit.law.build(&one.parameters, bulk.value).is_ok());

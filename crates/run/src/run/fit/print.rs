@@ -6,7 +6,7 @@ use nastic_fit::{End, Errors, Estimate, Fibers, FitError, Law, Starts, Test};
 use nastic_language::number::short;
 use nastic_language::schema::FitData;
 
-/// Correlations beyond which two parameters are hardly told apart.
+/// Correlations beyond which two parameters are hardly distinguished.
 const ALIKE: f64 = 0.99;
 /// Angles of two families to the axis of the fibres, in degrees, above which that axis is hardly meant.
 const NEARLY_ACROSS: f64 = 80.0;
@@ -143,14 +143,14 @@ fn remarks(one: &Fitted, tests: &[Test]) -> Vec<String> {
 fn ends(stable: &Stable, law: &str) -> Vec<String> {
     let Stable { mode, fibers, range, within } = stable;
     let of = |end: End, side: &str, at: f64, within: bool| {
-        let told = if within { ": WITHIN THE DATA" } else { "" };
+        let shown = if within { ": WITHIN THE DATA" } else { "" };
         let lies = fibers.map_or(String::new(), |fibers| format!(" {} the fibres", fibers_name(fibers)));
         let (kind, at) = (format!("{} tests{lies}", mode.name()), short(at));
         match end {
             End::Examined => None,
-            End::Unstable => Some(format!("unstable (Drucker) in {kind} {side} stretch {at}{told}")),
+            End::Unstable => Some(format!("unstable (Drucker) in {kind} {side} stretch {at}{shown}")),
             End::Undefined => {
-                Some(format!("stable in {kind} up to the limit of {law}: none {side} stretch {at}{told}"))
+                Some(format!("stable in {kind} up to the limit of {law}: none {side} stretch {at}{shown}"))
             }
         }
     };

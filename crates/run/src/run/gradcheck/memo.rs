@@ -37,7 +37,7 @@ struct Value {
 }
 
 /// The values by stage at one control; none where there is no state.
-type Values = Option<Vec<Value>>;
+type CostValues = Option<Vec<Value>>;
 
 /// The problem around one control.
 pub(super) struct Memo<'a> {
@@ -51,7 +51,7 @@ pub(super) struct Memo<'a> {
 /// What was evaluated so far, and the workspace of the next evaluation.
 #[derive(Default)]
 struct Known {
-    values: Vec<(Vec<f64>, Values)>,
+    values: Vec<(Vec<f64>, CostValues)>,
     workspace: EnsembleWorkspace,
 }
 
@@ -118,7 +118,7 @@ impl<'a> Memo<'a> {
         Value { whole: point.risk, terms, constraints: self.ensemble.constraint_values(point) }
     }
 
-    fn values(&self, m: &[f64]) -> Values {
+    fn values(&self, m: &[f64]) -> CostValues {
         if m == self.base[0].m.as_slice() {
             return Some(self.base.iter().map(|point| self.values_of(point)).collect());
         }
@@ -131,7 +131,7 @@ impl<'a> Memo<'a> {
         values
     }
 
-    fn evaluate(&self, m: &[f64], workspace: &mut EnsembleWorkspace) -> Values {
+    fn evaluate(&self, m: &[f64], workspace: &mut EnsembleWorkspace) -> CostValues {
         let how = Request { near: Some(&self.base[0]), accuracy: self.accuracy, stage: 0, ..Request::default() };
         let first = self.ensemble.evaluate(m, &how, workspace).ok()?;
         let mut out = vec![self.values_of(&first)];

@@ -1,4 +1,4 @@
-//! What is told of the motion of one member.
+//! What is reported of the motion of one member.
 
 use crate::run::motion::table;
 use crate::run::motion::table::Table;
@@ -6,7 +6,7 @@ use nastic_case::lower::CaseMember;
 use nastic_control::ControlError;
 use nastic_fem::{State, Touch};
 
-/// What is told of the motion of one member: the table of all steps, and the states that are written.
+/// What is reported of the motion of one member: the table of all steps, and the states that are written.
 pub(crate) struct Record {
     /// Index of the member.
     pub member: usize,

@@ -1,4 +1,4 @@
-//! [`Recorder`]: what is told of the motions of a `solve` while they run, and the checkpoints they leave.
+//! [`Recorder`]: what is reported of the motions of a `solve` while they run, and the checkpoints they leave.
 
 use crate::console::Console;
 use crate::result::files::Directory;
@@ -36,11 +36,11 @@ struct Recorded {
     /// From where the motion is to go on.
     from: Option<Vec<u8>>,
     /// The last place from which it can.
-    place: Option<Place>,
+    place: Option<ResumePoint>,
 }
 
 /// A place from which a motion can go on.
-struct Place {
+struct ResumePoint {
     n: usize,
     motion: Vec<u8>,
     /// The state there.
@@ -187,7 +187,7 @@ impl MotionObserver for MemberObserver<'_> {
         let from = recorded.from.take()?;
         let n = recorded.record.states().saturating_sub(1);
         let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
-        recorded.place = Some(Place { n, motion: from.clone(), last: recorded.record.last.clone(), rows, shown });
+        recorded.place = Some(ResumePoint { n, motion: from.clone(), last: recorded.record.last.clone(), rows, shown });
         Some(from)
     }
 
@@ -203,7 +203,7 @@ impl MotionObserver for MemberObserver<'_> {
         {
             let mut recorded = lock(&self.all.members[self.index]);
             let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
-            recorded.place = Some(Place { n, motion: bytes(), last: recorded.record.last.clone(), rows, shown });
+            recorded.place = Some(ResumePoint { n, motion: bytes(), last: recorded.record.last.clone(), rows, shown });
         }
         self.all.save_if_due();
     }

@@ -14,7 +14,7 @@ use nastic_opt::Request;
 use nastic_report::record::ReachedRecord;
 use std::time::Instant;
 
-/// The motions at the start controls, and what is told of them.
+/// The motions at the start controls, and what is reported of them.
 pub(in crate::run) fn solve(
     session: &mut Session<'_>,
     from: Option<MotionCheckpoint>,

@@ -16,6 +16,10 @@ const CURVES: usize = 6;
 const AXES: [&str; 3] = ["x", "y", "z"];
 pub(super) const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
 
+/// Columns of every table.
+pub(super) const KINETIC_ENERGY: usize = 1;
+pub(super) const POTENTIAL: usize = 2;
+
 /// Columns of a table of a motion, one row for every step.
 pub(crate) struct Table {
     names: Vec<String>,

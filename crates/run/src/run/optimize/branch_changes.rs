@@ -31,13 +31,13 @@ impl Before {
 /// What was found in the accepted trials of one start.
 #[derive(Debug, Clone, Default)]
 pub(super) struct BranchChanges {
-    changed: Told,
-    unknown: Told,
+    changed: FirstChange,
+    unknown: FirstChange,
 }
 
 /// How many iterations, and what happened in the first of them.
 #[derive(Debug, Clone, Default)]
-struct Told {
+struct FirstChange {
     count: usize,
     first: String,
 }
@@ -68,42 +68,43 @@ impl BranchChanges {
         let at = |share: f64| control_value(problem, (&before.m, &point.m), share);
         let (mut changed, mut unknown) = (Vec::new(), Vec::new());
         for (((member, _), _), connection) in all.iter().zip(found?) {
-            let told = match connection {
+            let shown = match connection {
                 Connection::Connected => continue,
                 Connection::Unknown(_) => &mut unknown,
                 Connection::LimitPoint(_) | Connection::Elsewhere(_) => &mut changed,
             };
-            told.push(format!("{}{}", named(*member), describe(connection, at)));
+            shown.push(format!("{}{}", named(*member), describe(connection, at)));
         }
         self.changed.add(iteration, &changed);
         self.unknown.add(iteration, &unknown);
         Ok(if unknown.is_empty() || !changed.is_empty() { Some(!changed.is_empty()) } else { None })
     }
 
-    /// What there is to tell of a start.
+    /// What there is to report of a start.
     pub fn warnings(&self, session: &Session<'_>, index: usize) -> Vec<Warning> {
-        let of = |kind: &'static WarningKind, told: &Told| {
+        let of = |kind: &'static WarningKind, shown: &FirstChange| {
             let more =
-                if told.count > 1 { format!(" (the first of {} iterations)", told.count) } else { String::new() };
-            (told.count > 0).then(|| Warning::new(kind, format!("{}{more}", told.first)).of(run_place(session, index)))
+                if shown.count > 1 { format!(" (the first of {} iterations)", shown.count) } else { String::new() };
+            (shown.count > 0)
+                .then(|| Warning::new(kind, format!("{}{more}", shown.first)).of(run_place(session, index)))
         };
         [of(&BRANCH_CHANGE, &self.changed), of(&BRANCH_UNKNOWN, &self.unknown)].into_iter().flatten().collect()
     }
 
     pub fn write(&self, out: &mut Writer) {
-        for told in [&self.changed, &self.unknown] {
-            out.count(told.count);
-            out.bytes(told.first.as_bytes());
+        for shown in [&self.changed, &self.unknown] {
+            out.count(shown.count);
+            out.bytes(shown.first.as_bytes());
         }
     }
 
     pub fn read(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        let mut told = || Ok(Told { count: input.number()?, first: input.text()? });
-        Ok(Self { changed: told()?, unknown: told()? })
+        let mut shown = || Ok(FirstChange { count: input.number()?, first: input.text()? });
+        Ok(Self { changed: shown()?, unknown: shown()? })
     }
 }
 
-impl Told {
+impl FirstChange {
     fn add(&mut self, iteration: usize, members: &[String]) {
         if members.is_empty() {
             return;

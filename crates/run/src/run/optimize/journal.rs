@@ -55,7 +55,7 @@ impl Journal {
     /// Writes the checkpoint before the start, in place of that of an earlier optimisation.
     ///
     /// # Errors
-    /// It cannot be written: that is told before hours of work.
+    /// It cannot be written: that is reported before hours of work.
     pub fn begin(session: &Session<'_>) -> Result<Self, RunError> {
         let journal = Self::of(session, None);
         if let Some(out) = &journal.out {

@@ -15,8 +15,8 @@ pub(super) struct MetLimits {
     pub member: String,
     /// The control fields that changed on the way to it, with the least and the greatest of their values there, and the unit.
     pub at: Vec<(String, [f64; 2], String)>,
-    /// How a message tells it.
-    pub told: String,
+    /// How a message shows it.
+    pub shown: String,
 }
 
 impl MetLimits {
@@ -28,14 +28,14 @@ impl MetLimits {
         self.count += 1;
         self.member.clone_from(who);
         self.at = limit.at.iter().map(|at| (at.name.clone(), at.range, at.unit.clone())).collect();
-        self.told = told(trial.trial, who, limit);
+        self.shown = shown(trial.trial, who, limit);
     }
 
     /// `limits      3 trials met a limit point, the last: trial 7: limit point at ..`.
     pub fn say(&self) -> Option<String> {
         let trials = count(self.count, "trial");
         let last = if self.count > 1 { ", the last" } else { "" };
-        (self.count > 0).then(|| format!("limits      {trials} met a limit point{last}: {}", self.told))
+        (self.count > 0).then(|| format!("limits      {trials} met a limit point{last}: {}", self.shown))
     }
 
     /// The entry `limit_points` of the result.
@@ -57,13 +57,13 @@ impl MetLimits {
             out.floats(range);
             out.bytes(unit.as_bytes());
         }
-        out.bytes(self.told.as_bytes());
+        out.bytes(self.shown.as_bytes());
     }
 
     pub fn read(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
         let (count, member) = (input.number()?, input.text()?);
         let at = (0..input.count(8)?).map(|_| read_control(input)).collect::<Result<_, _>>()?;
-        Ok(Self { count, member, at, told: input.text()? })
+        Ok(Self { count, member, at, shown: input.text()? })
     }
 }
 
@@ -73,7 +73,7 @@ fn read_control(input: &mut Reader<'_>) -> Result<(String, [f64; 2], String), Sa
     Ok((name, [low, high], unit))
 }
 
-fn told(trial: usize, who: &str, limit: &ControlLimit) -> String {
+fn shown(trial: usize, who: &str, limit: &ControlLimit) -> String {
     let who = if who.is_empty() { String::new() } else { format!("{who}: ") };
     format!("trial {trial}: {who}{limit}")
 }

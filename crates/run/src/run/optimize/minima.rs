@@ -9,7 +9,7 @@ pub(super) const SAME: f64 = 0.05;
 
 /// Gives every start that came to an end `minimum`, the number of the minimum it found, counted from the lowest cost, and `distance`,
 /// |m - m_best| / max(|m|, |m_best|); returns how many minima there are.
-pub(super) fn tell(session: &Session<'_>, starts: &mut Starts) -> usize {
+pub(super) fn warn_of_minima(session: &Session<'_>, starts: &mut Starts) -> usize {
     let (Some(product), Some((best, _))) = (session.problem.inner_product(), &starts.best) else { return 0 };
     let distance = |a: &[f64], b: &[f64]| {
         let size = product.norm(a).max(product.norm(b));
@@ -20,16 +20,16 @@ pub(super) fn tell(session: &Session<'_>, starts: &mut Starts) -> usize {
     let mut ended: Vec<usize> = (0..starts.optima.len()).filter(|&k| !starts.optima[k].is_empty()).collect();
     ended.sort_by(|&a, &b| (b == best).cmp(&(a == best)).then(cost(a).total_cmp(&cost(b))).then(a.cmp(&b)));
     let mut minima: Vec<usize> = Vec::new();
-    let mut told = Vec::new();
+    let mut shown = Vec::new();
     for &k in &ended {
         let near = |&of: &usize| distance(&starts.optima[k], &starts.optima[of]) < SAME;
         let minimum = minima.iter().position(near).unwrap_or_else(|| {
             minima.push(k);
             minima.len() - 1
         });
-        told.push((k, minimum, distance(&starts.optima[k], &starts.optima[best])));
+        shown.push((k, minimum, distance(&starts.optima[k], &starts.optima[best])));
     }
-    for (k, minimum, distance) in told {
+    for (k, minimum, distance) in shown {
         let entry = &mut starts.entries[k];
         (entry.minimum, entry.distance) = (Some(minimum), distance.into());
     }

@@ -21,7 +21,7 @@ struct State {
     parts: Vec<Part>,
     /// Number of the part that speaks.
     speaking: usize,
-    /// Whether several run at once: a passing line then tells of them together.
+    /// Whether several run at once: a passing line then reports them together.
     several: bool,
 }
 
@@ -38,7 +38,7 @@ enum Event {
     Say(String),
     /// A trial's line of `history.jsonl`.
     Trial(Box<TrialRecord>),
-    /// Such lines of an earlier program, which were told there.
+    /// Such lines of an earlier program, which were reported there.
     Recorded(Vec<u8>),
 }
 
@@ -88,7 +88,7 @@ impl OrderedOutput {
 }
 
 impl StartOutput {
-    /// A trial's line of `history.jsonl`, of which whoever listens is told.
+    /// A trial's line of `history.jsonl`, which goes to whoever listens.
     pub fn add_line(&self, line: TrialRecord) {
         self.output.lock().add(self.part, Event::Trial(Box::new(line)));
     }
@@ -123,7 +123,7 @@ impl StartOutput {
 
 impl State {
     fn add(&mut self, part: usize, event: Event) {
-        if part == self.speaking { self.tell(event) } else { self.parts[part].kept.push(event) }
+        if part == self.speaking { self.emit(event) } else { self.parts[part].kept.push(event) }
     }
 
     /// Lets those speak whose turn has come.
@@ -131,16 +131,16 @@ impl State {
         while self.parts.get(self.speaking).is_some_and(|part| part.ended) {
             self.speaking += 1;
             let kept = self.parts.get_mut(self.speaking).map(|part| std::mem::take(&mut part.kept));
-            kept.into_iter().flatten().for_each(|event| self.tell(event));
+            kept.into_iter().flatten().for_each(|event| self.emit(event));
         }
     }
 
-    fn tell(&self, event: Event) {
+    fn emit(&self, event: Event) {
         match event {
             Event::Say(line) => self.console.say(line),
             Event::Trial(line) => {
                 self.journal.lock().add_line(&line);
-                self.on_trial.tell(&line);
+                self.on_trial.call_with(&line);
             }
             Event::Recorded(lines) => self.journal.lock().add_recorded(&lines),
         }

@@ -24,7 +24,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Told of every trial.
+/// Called for every trial.
 pub(super) struct Recorder<'s> {
     problem: &'s CaseProblem,
     record: &'s StartRecord,
@@ -72,7 +72,7 @@ impl<'s> Recorder<'s> {
         }
     }
 
-    /// Takes up what an earlier program told of the same start, up to this point.
+    /// Takes up what an earlier program reported of the same start, up to this point.
     pub fn restore(&mut self, trials: RunTrials, point: &EnsemblePoint) {
         (self.trials, self.before) = (trials, Some(Before::new(point)));
         self.begin_table(&self.problem.ensemble.figures(point));
@@ -149,7 +149,7 @@ impl<'s> Recorder<'s> {
 
     /// Whether an accepted point lies on another branch than the one before; `None` where that is not known.
     fn changes_branch(&mut self, point: &EnsemblePoint, trial: &Trial<'_, EnsemblePoint>) -> Option<bool> {
-        // The start, which a resumed run tells of once more, and the point of a new stage have none before them.
+        // The start, which a resumed run reports once more, and the point of a new stage have none before them.
         let fresh = trial.iteration == 0 || trial.reason.is_revaluation();
         if self.problem.is_motion() {
             return Some(false); // a motion from a given state is unique where equilibria are not

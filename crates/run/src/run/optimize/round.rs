@@ -32,12 +32,12 @@ pub(super) struct Round<'s> {
     pub resumed: bool,
     /// Stops all starts.
     pub halt: AtomicBool,
-    pub found: Mutex<Found>,
+    pub found: Mutex<RoundEnd>,
 }
 
 /// What the starts of a round have found together with those before.
 #[derive(Default)]
-pub(super) struct Found {
+pub(super) struct RoundEnd {
     /// The run that came down deepest, and its number.
     pub best: Option<(usize, FinishedRun)>,
     /// A stop was requested, or the machine had too little memory, before all had ended.
@@ -48,7 +48,7 @@ pub(super) struct Found {
     pub error: Option<(usize, RunError)>,
 }
 
-impl Found {
+impl RoundEnd {
     /// Keeps the better one; of equal ones the first.
     pub fn add(&mut self, index: usize, run: FinishedRun) -> bool {
         let better = self
@@ -74,8 +74,8 @@ impl Round<'_> {
     ///
     /// # Errors
     /// A run cannot begin or go on; the starts are given back all the same.
-    pub fn run(self, starts: &mut Vec<StartRun>) -> Result<Found, RunError> {
-        // Those that ended in this round before an interruption have lines to tell.
+    pub fn run(self, starts: &mut Vec<StartRun>) -> Result<RoundEnd, RunError> {
+        // Those that ended in this round before an interruption have lines to report.
         let active = starts.iter().filter(|start| !start.has_ended() || !start.lines().is_empty());
         let active: Vec<usize> = active.map(|start| start.index).collect();
         let under_way = starts.iter().filter(|start| !start.has_ended()).count();
@@ -124,7 +124,7 @@ impl Round<'_> {
         let each = problem.members().count() * problem.solid().model().tangent_structure().factorisation_bytes();
         match available_memory() {
             Ok(Some(available)) if each > 0 => available / each,
-            // What cannot be asked is told where a factor is made.
+            // What cannot be asked is reported where a factor is made.
             _ => usize::MAX,
         }
     }
@@ -161,7 +161,7 @@ impl Round<'_> {
         self.halt.load(Ordering::Relaxed) || self.session.is_cancelled()
     }
 
-    fn with_found<T>(&self, change: impl FnOnce(&mut Found) -> T) -> T {
+    fn with_found<T>(&self, change: impl FnOnce(&mut RoundEnd) -> T) -> T {
         change(&mut self.found.lock().unwrap_or_else(PoisonError::into_inner))
     }
 

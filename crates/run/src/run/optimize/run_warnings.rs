@@ -1,7 +1,7 @@
 //! Warnings about an optimisation that ended: nothing moved, bounds decide, terms that do not count, branches left.
 
 use crate::result::controls;
-use crate::run::optimize::constraints::Known;
+use crate::run::constraints::Known;
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::{CONTRACTION, ControlField};
@@ -32,7 +32,7 @@ pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, constraints: &[
         found.extend(movement(run));
     }
     found.extend(terms(session, run));
-    found.extend(crate::run::optimize::constraints::warnings(problem, &run.constraints, constraints));
+    found.extend(crate::run::constraints::warnings(problem, &run.constraints, constraints));
     if problem.case.optimizer.verify && !interrupted {
         found.extend(cold(session, run));
     }

@@ -8,7 +8,7 @@ use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::minimization::resume_run;
 use crate::run::optimize::recorder::write_iterates;
-use crate::run::optimize::round::{Found, Round, best_bytes, ended, read_record};
+use crate::run::optimize::round::{Round, RoundEnd, best_bytes, ended, read_record};
 use crate::run::optimize::same_program::same_program;
 use crate::run::optimize::start_place::seed;
 use crate::run::optimize::start_run::{Begun, Phase, StartRun, UnderWay};
@@ -110,21 +110,21 @@ impl Starts {
             self.entries.push(entry);
             self.optima.push(m);
         }
-        let Found { best, interrupted, aborted, .. } = ran?;
+        let RoundEnd { best, interrupted, aborted, .. } = ran?;
         (self.best, self.interrupted, self.aborted) = (best, interrupted, aborted.map(|(_, why)| why));
         Ok(())
     }
 }
 
 impl Rounds<'_> {
-    fn run(&mut self, mut resumed: bool) -> Result<Found, RunError> {
+    fn run(&mut self, mut resumed: bool) -> Result<RoundEnd, RunError> {
         loop {
             let best = self.best.as_ref().map(|best| best_bytes(self.session, best));
             self.journal.lock().begin_round(&self.gradient_check, self.round, best, &self.starts);
             if self.round > 0 && !resumed && self.session.problem.case.output.checkpoint > 0 {
                 self.journal.lock().save();
             }
-            let found = Mutex::new(Found { best: self.best.take(), ..Found::default() });
+            let found = Mutex::new(RoundEnd { best: self.best.take(), ..RoundEnd::default() });
             let (session, optimizer, journal) = (self.session, self.optimizer, self.journal);
             let limit = self.limit();
             let round = Round { session, optimizer, journal, limit, resumed, halt: AtomicBool::new(false), found };
@@ -177,7 +177,7 @@ impl Rounds<'_> {
     }
 
     /// An interruption finds some starts at the end of their round: what they have found counts too.
-    fn end_paused(&mut self, found: &mut Found) -> Result<(), RunError> {
+    fn end_paused(&mut self, found: &mut RoundEnd) -> Result<(), RunError> {
         for index in 0..self.starts.len() {
             if let Some(run) = self.end_here(index, Stop::Cancelled)? {
                 found.add(index, run);

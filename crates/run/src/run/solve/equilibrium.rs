@@ -72,6 +72,7 @@ pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[
     session.record.load_steps = point.members.iter().map(|at| at.state().report.load_steps).max();
     say(session, point);
     session.report_contacts(point);
+    session.look_at_unmet(point)?;
     Ok(())
 }
 

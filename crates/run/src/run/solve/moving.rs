@@ -29,8 +29,8 @@ pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCh
     }
     session.restore_steps(take(&mut checkpoint.steps))?;
     let places = checkpoint.places();
-    let told = places.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-    session.console.say(format!("resumed     the motion goes on behind step {told}"));
+    let shown = places.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
+    session.console.say(format!("resumed     the motion goes on behind step {shown}"));
     session.record.resumed = ResumedRecord { steps: Some(places), ..ResumedRecord::default() };
     run(session, Some(checkpoint))
 }

@@ -23,8 +23,8 @@ pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, Run
     let mut files = Vec::new();
     let mut exit = Exit::Done;
     for index in 0..session.problem.members().count() {
-        let told = session.timed("solve", |session| of_member(session, index, to_limit))?;
-        let Told { entry, files: own, stopped, warnings } = told;
+        let shown = session.timed("solve", |session| of_member(session, index, to_limit))?;
+        let PathFindings { entry, files: own, stopped, warnings } = shown;
         warnings.into_iter().for_each(|warning| session.warn(warning));
         session.entries_of(index).path = Some(entry);
         files.extend(own);
@@ -44,7 +44,7 @@ pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, Run
 }
 
 /// What became of a member.
-struct Told {
+struct PathFindings {
     entry: SeriesRecord,
     files: Vec<String>,
     /// Why its path stopped short of the end.
@@ -52,7 +52,7 @@ struct Told {
     warnings: Vec<Warning>,
 }
 
-fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told, RunError> {
+fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<PathFindings, RunError> {
     let member = session.problem.member(index);
     let start = member.local(&session.problem.start);
     let failed = |error: ControlError| session.member_failed((index, error));
@@ -77,8 +77,8 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told
     let (rest, options) = (model.rest_under(&controls), PathOptions { to_limit, ..PathOptions::default() });
     let path = model.path(&rest, (&controls, 1.0), &options, &how, &mut Workspace::default(), &mut found);
     let path = path.map_err(|error| failed(error.into()))?;
-    let told = |event: &PathEvent| member.layout().told(&controls_at(member, &start, event.s)).map_err(failed);
-    let controls: Vec<Vec<ControlAt>> = path.events.iter().map(told).collect::<Result<_, _>>()?;
+    let shown = |event: &PathEvent| member.layout().described(&controls_at(member, &start, event.s)).map_err(failed);
+    let controls: Vec<Vec<ControlAt>> = path.events.iter().map(shown).collect::<Result<_, _>>()?;
     let events = path.events.iter().zip(&controls);
     events.clone().for_each(|(event, controls)| session.console.say(line(event, controls)));
     let warnings = series.inspect();
@@ -94,7 +94,7 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Told
         stopped: stopped.as_ref().map(|(_, why)| why.clone()).into(),
         ..SeriesRecord::default()
     };
-    Ok(Told { entry, files, stopped, warnings })
+    Ok(PathFindings { entry, files, stopped, warnings })
 }
 
 /// The controls at s on the way from rest: loads have this share of their values, designs of the body theirs.

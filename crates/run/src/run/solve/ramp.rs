@@ -106,7 +106,7 @@ impl Asked {
     }
 
     /// The result's entry, the files, where it failed, and what deserves attention.
-    fn of_member(&self, session: &Session<'_>, index: usize) -> Result<Told, RunError> {
+    fn of_member(&self, session: &Session<'_>, index: usize) -> Result<RampFindings, RunError> {
         let problem = &session.problem;
         let member = problem.member(index);
         let complain = |what: String| RunError::from(problem.complain("controls", format!("--ramp: {what}")));
@@ -155,11 +155,11 @@ impl Asked {
             Some(out) if !series.rows.is_empty() => series.write(&chart, out)?,
             _ => Vec::new(),
         };
-        let (mut told, mut failure) = (None, None);
+        let (mut shown, mut failure) = (None, None);
         if let Some((s, error)) = ramp.failure {
             let before = ramp.points.last().map(|point| value(point.s));
             let stopped = RampFailure { error: &error, before, target: value(s), unit: &field.unit };
-            told = Some(stopped.record(member));
+            shown = Some(stopped.record(member));
             let (name, m) = (member.file("failure.vtu"), at(stopped.reached()));
             files.extend(session.write_failure(member, (&name, &m), &error)?.map(|_| name));
             failure = Some((format!("{}: {}", stopped.at(), stopped.why()), error));
@@ -172,14 +172,14 @@ impl Asked {
             points: series.points(),
             critical: Some(critical),
             jumps: Some(jumps),
-            failed: told.into(),
+            failed: shown.into(),
             ..SeriesRecord::default()
         };
         Ok((entry, files, failure, warnings))
     }
 }
 
-type Told = (SeriesRecord, Vec<String>, Option<(String, StateError)>, Vec<Warning>);
+type RampFindings = (SeriesRecord, Vec<String>, Option<(String, StateError)>, Vec<Warning>);
 
 /// Critical values, said and as a list.
 fn critical(session: &Session<'_>, ramp: &Ramp, from: f64, to: f64, unit: &str) -> Vec<PointRecord> {

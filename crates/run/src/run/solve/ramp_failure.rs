@@ -31,38 +31,38 @@ impl RampFailure<'_> {
         }
     }
 
-    fn told(&self, value: f64) -> String {
+    fn shown(&self, value: f64) -> String {
         format!("{} {}", short(value), self.unit).trim_end().to_owned()
     }
 
     /// The value that was sought.
     pub fn at(&self) -> String {
-        self.told(self.target)
+        self.shown(self.target)
     }
 
     /// Why there is no equilibrium, with values of the control in the place of shares of the last step.
     pub fn why(&self) -> String {
         match (self.error, self.before) {
             (StateError::NoConvergence { load, cuts, newton, residual, cause, .. }, Some(before)) => {
-                let failed = self.told(self.value(*load).unwrap_or(self.target));
+                let failed = self.shown(self.value(*load).unwrap_or(self.target));
                 let cause = match cause {
                     Cause::LimitPoint { load } => format!(
                         "the path of equilibria seems to turn back at a limit point near {}: beyond it the body jumps to \
                          another equilibrium or has none; try --path, or a ramp that ends before it",
-                        self.told(self.value(*load).unwrap_or(before))
+                        self.shown(self.value(*load).unwrap_or(before))
                     ),
                     other => other.to_string(),
                 };
                 format!(
                     "no equilibrium found at {failed}, the last one at {}, after {} of the step and {newton} Newton iterations \
                      (relative residual {}); {cause}",
-                    self.told(self.reached()),
+                    self.shown(self.reached()),
                     count(*cuts, "cut"),
                     scientific(*residual, 2),
                 )
             }
             (StateError::Inadmissible { at, load, cuts, .. }, Some(_)) => {
-                let failed = self.told(self.value(*load).unwrap_or(self.target));
+                let failed = self.shown(self.value(*load).unwrap_or(self.target));
                 format!(
                     "{at} at {failed} after {} of the step; try a shorter ramp, or a finer mesh",
                     count(*cuts, "cut")
@@ -72,7 +72,7 @@ impl RampFailure<'_> {
         }
     }
 
-    /// `failed` of the ramp: what a failure tells, `at`, `why`, and the values of the control in place of shares of the last step.
+    /// `failed` of the ramp: what a failure reports, `at`, `why`, and the values of the control in place of shares of the last step.
     pub fn record(&self, member: CaseMember<'_>) -> FailureRecord {
         let mut out = failure::record(member, self.error);
         (out.at, out.why) = (Some(self.at()), Some(self.why()));

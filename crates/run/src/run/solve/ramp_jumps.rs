@@ -8,7 +8,7 @@ use nastic_report::record::JumpRecord;
 use rayon::prelude::*;
 use std::sync::atomic::Ordering;
 
-/// Their parameters as an entry of the result, and what there is to tell of them: the first, and how many there are.
+/// Their parameters as an entry of the result, and what there is to report of them: the first, and how many there are.
 pub(super) fn jumps(series: &Series<'_>, how: &SolveOptions) -> (Vec<JumpRecord>, Vec<Warning>) {
     if how.cancel.is_some_and(|cancelled| cancelled.load(Ordering::Relaxed)) {
         return (vec![], vec![]); // nothing is known, and the ramp ends by it
@@ -27,15 +27,15 @@ pub(super) fn jumps(series: &Series<'_>, how: &SolveOptions) -> (Vec<JumpRecord>
     };
     let (jumps, unknown) = (of(&is_jump), of(&|at| matches!(at, Connection::Unknown(_))));
     let entries = jumps.iter().map(|k| JumpRecord { from: ends(*k).0.into(), to: ends(*k).1.into() }).collect();
-    let tell = |kind, rows: &[usize], what: &str| {
+    let warning_of = |kind, rows: &[usize], what: &str| {
         let (from, to) = ends(*rows.first()?);
         let more = if rows.len() > 1 { format!(" (the first of {} such steps)", rows.len()) } else { String::new() };
         let message = format!("{what} from {} to {} {}{more}", short(from), short(to), series.parameter.1);
         Some(Warning::new(kind, message).of("ramp".to_owned()))
     };
-    let told = [
-        tell(&BRANCH_CHANGE, &jumps, "the body leaves its branch of equilibria on the step"),
-        tell(&BRANCH_UNKNOWN, &unknown, "the branch could not be followed on the step"),
+    let shown = [
+        warning_of(&BRANCH_CHANGE, &jumps, "the body leaves its branch of equilibria on the step"),
+        warning_of(&BRANCH_UNKNOWN, &unknown, "the branch could not be followed on the step"),
     ];
-    (entries, told.into_iter().flatten().collect())
+    (entries, shown.into_iter().flatten().collect())
 }

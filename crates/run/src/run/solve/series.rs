@@ -58,18 +58,18 @@ impl<'p> Series<'p> {
         Self { member, name, parameter, rows: Vec::new(), found: Vec::new() }
     }
 
-    /// Looks into the rows. What deserves attention is told once for each kind, with the first row that has it.
+    /// Looks into the rows. What deserves attention is reported once for each kind, with the first row that has it.
     pub fn inspect(&mut self) -> Vec<Warning> {
         let member = self.member;
         let look = |row: &Row| Inspection::of_counted(member, &row.state, row.negative);
         self.found = self.rows.par_iter().with_max_len(1).map(look).collect();
-        let mut told: Vec<(Warning, usize)> = Vec::new();
+        let mut shown: Vec<(Warning, usize)> = Vec::new();
         for (row, found) in self.rows.iter().zip(&self.found) {
             let at = format!("{} at {}", self.name, short(row.parameter));
             for warning in found.warnings(member, &at) {
-                match told.iter_mut().find(|(known, _)| known.kind == warning.kind) {
+                match shown.iter_mut().find(|(known, _)| known.kind == warning.kind) {
                     Some((_, count)) => *count += 1,
-                    None => told.push((warning, 1)),
+                    None => shown.push((warning, 1)),
                 }
             }
         }
@@ -78,7 +78,7 @@ impl<'p> Series<'p> {
             warning.message += &format!(" (the first of {count} such states among {rows})");
             warning
         };
-        told.into_iter().map(tell).collect()
+        shown.into_iter().map(tell).collect()
     }
 
     /// A row as it is written, with the cells marked where the body intersects itself.

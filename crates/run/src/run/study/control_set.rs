@@ -4,7 +4,7 @@ use nastic_case::lower::{Admission, Admitted};
 use nastic_opt::{Admissible, Ball, Bounds, Sphere};
 use std::sync::Arc;
 
-/// Where a control may be: one of the sets that results can tell of.
+/// Where a control may be: one of the sets that results can name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ControlSet {
     /// Scalars between bounds.

@@ -142,7 +142,7 @@ impl Study {
 
 fn stop_by_signals(console: &Console) -> Arc<AtomicBool> {
     let console = console.clone();
-    cancelled_by_signals(move |told| console.say(told))
+    cancelled_by_signals(move |shown| console.say(shown))
 }
 
 /// Goes on where the directory holds a checkpoint of the same problem beyond its start; begins elsewhere.

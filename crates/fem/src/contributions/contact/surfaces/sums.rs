@@ -12,7 +12,7 @@ use crate::error::Inadmissible;
 use crate::kernels::hyper_dual::HyperDual;
 use nastic_tensor::Vec3;
 
-/// Least part in a sample's pressure of a piece whose sliding is told.
+/// Least part in a sample's pressure of a piece whose sliding is reported.
 const PART: f64 = 1e-3;
 
 /// A sample that presses.

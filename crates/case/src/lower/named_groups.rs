@@ -14,12 +14,12 @@ pub(super) enum Kind {
 
 /// The groups that a block names under one of the keys "surface", "region" and "nodes".
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<'c> {
+pub(super) struct NamedGroups<'c> {
     pub kind: Kind,
     pub names: &'c GroupNames,
 }
 
-impl<'c> Place<'c> {
+impl<'c> NamedGroups<'c> {
     /// The first of the keys that is there; one always is.
     pub fn of(
         surface: &'c Option<GroupNames>,

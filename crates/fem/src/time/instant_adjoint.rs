@@ -19,15 +19,15 @@ impl StatePartials {
     }
 }
 
-/// What later instants owe to one: derivatives by u, v and a; empty for zero.
+/// Derivatives of the functional by u, v and a of one instant through all later ones; empty for zero.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Owed {
+pub(super) struct InstantAdjoint {
     pub u: Vec<f64>,
     pub velocity: Vec<f64>,
     pub acceleration: Vec<f64>,
 }
 
-impl Owed {
+impl InstantAdjoint {
     pub fn of(&mut self, of: Quantity) -> &mut Vec<f64> {
         match of {
             Quantity::Displacement => &mut self.u,

@@ -46,6 +46,18 @@ impl Known {
         self.unit.map_or_else(String::new, |unit| format!(" {unit}"))
     }
 
+    /// Whether its values are distances of nodes from an obstacle.
+    pub fn is_obstacle(&self) -> bool {
+        !self.nodes.is_empty()
+    }
+
+    /// The node of its worst value, in words.
+    fn place(&self) -> Option<String> {
+        let worst = self.worst.as_ref()?;
+        let (node, x) = self.node(worst.index).zip(worst.position)?;
+        Some(format!("node {node} ({})", x.map(short).join(", ")))
+    }
+
     /// The node that a value belongs to, of a group with nodes.
     fn node(&self, index: usize) -> Option<u32> {
         self.nodes.get(index % self.nodes.len().max(1)).copied()
@@ -195,16 +207,24 @@ fn at_time(problem: &CaseProblem, time: Option<f64>) -> String {
     time.map_or_else(String::new, |t| format!(" at t = {} {}", short(t), problem.units().time().symbol))
 }
 
+/// The groups that are not met, each by how much and where.
+pub(super) fn unmet(problem: &CaseProblem, all: &ConstraintsReport, known: &[Known]) -> Vec<String> {
+    let feasibility = AugmentedLagrangian::default().feasibility;
+    let groups = all.groups.iter().zip(known);
+    let violated = groups.filter(|(one, _)| one.violation() > feasibility * one.group.scale);
+    violated
+        .map(|(one, known)| {
+            let place = known.place().map_or_else(String::new, |place| format!(" at {place}"));
+            let time = known.worst.as_ref().and_then(|worst| known.time(worst.index, one.values.len()));
+            format!("{} by {}{}{place}{}", one.group.name, short(one.violation()), known.unit(), at_time(problem, time))
+        })
+        .collect()
+}
+
 /// Where constraints are not met, or every node keeps its distance and the body between nodes is inside of the obstacle.
 pub(super) fn warnings(problem: &CaseProblem, all: &ConstraintsReport, known: &[Known]) -> Vec<Warning> {
     let feasibility = AugmentedLagrangian::default().feasibility;
-    let violated: Vec<String> = all
-        .groups
-        .iter()
-        .zip(known)
-        .filter(|(one, _)| one.violation() > feasibility * one.group.scale)
-        .map(|(one, known)| format!("{} by {}{}", one.group.name, short(one.violation()), known.unit()))
-        .collect();
+    let violated = unmet(problem, all, known);
     let violated = (!violated.is_empty())
         .then(|| Warning::new(&VIOLATED, format!("the constraints are not met: {}", violated.join(", "))));
     let of = |(one, known): (&ConstraintReport, &Known)| {
@@ -231,21 +251,18 @@ pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, known: &[Known
         let head = if k == 0 { "constraints" } else { "" };
         let unit = known.unit();
         let most = one.multipliers.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
+        let held = format!(", {} of {} active, largest multiplier {}", one.active(), one.values.len(), short(most));
+        let held = if one.multipliers.is_empty() { "" } else { &held };
         let worst = known.worst.as_ref().filter(|_| known.unit.is_some() || one.violation() > 0.0);
         let kept = worst.filter(|_| one.violation() == 0.0 && one.group.sense == Sense::AtMost);
         let kept = kept.map_or_else(String::new, |worst| format!(", kept by {}{unit}", short(-worst.value)));
-        let place = worst.and_then(|worst| known.node(worst.index).zip(worst.position));
-        let place =
-            place.map_or_else(String::new, |(node, x)| format!(" at node {node} ({})", x.map(short).join(", ")));
+        let place = worst.and_then(|_| known.place()).map_or_else(String::new, |place| format!(" at {place}"));
         let time = at_time(&session.problem, worst.and_then(|worst| known.time(worst.index, one.values.len())));
         session.console.say(format!(
-            "{head:<12}{}: largest violation {}{unit}{kept}{place}{time} ({} of its scale), {} of {} active, largest multiplier {}",
+            "{head:<12}{}: largest violation {}{unit}{kept}{place}{time} ({} of its scale){held}",
             one.group.name,
             short(one.violation()),
-            short(one.violation() / one.group.scale),
-            one.active(),
-            one.values.len(),
-            short(most)
+            short(one.violation() / one.group.scale)
         ));
     }
 }
