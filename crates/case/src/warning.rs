@@ -39,6 +39,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &BRANCH_UNKNOWN,
     &NO_MOVEMENT,
     &ALL_ON_BOUNDS,
+    &IDLE,
     &OTHER_SIGN,
     &SELF_INTERSECTION,
     &NOT_VERIFIED,
@@ -256,6 +257,13 @@ pub const NO_MOVEMENT: WarningKind = WarningKind {
     code: "no_movement",
     about: "the optimisation ended where it began, or the cost hardly fell",
     advice: "check that the control moves the body where the cost looks (`nastic gradient`), and the scale of the cost",
+};
+
+/// A control without effect at the optimum.
+pub const IDLE: WarningKind = WarningKind {
+    code: "idle",
+    about: "at the optimum the derivative by a control inside its bounds is exactly zero: nothing there depends on it, as on a cable that is slack",
+    advice: "begin where it acts (\"start\", or \"optimizer\": { \"starts\" }), and raise a \"lower\" bound to keep a cable taut",
 };
 
 /// Bounds decide.

@@ -286,6 +286,6 @@ fn costs_without_second_derivatives_refuse() -> Outcome {
         .ok_or("not refused")?;
     let typed = failed.downcast_ref::<EnsembleError>();
     assert!(matches!(typed, Some(EnsembleError::Member { who, .. }) if who == "one"), "{failed}");
-    assert!(failed.to_string().contains("implement `CostPoint::add_second_partials`"), "{failed}");
+    assert!(failed.to_string().contains("in the library: `CostPoint::add_second_partials`"), "{failed}");
     Ok(())
 }

@@ -299,12 +299,12 @@ fn a_square_is_not_bounded_by_zero() {
     };
     let tracked = bounded(r#""kind": "tracking", "surface": "tip", "target": ["X", "Y", "Z"]"#);
     let message = ": constraints/0: \"tracking\" is a square: where it is zero its derivative is zero too";
-    one(COMPLETE, "\"costs\": [", &tracked, message);
+    one(COMPLETE, "\"costs\":     [", &tracked, message);
 }
 
 #[test]
 fn a_name_fits_into_names_of_files() {
     let name = "x".repeat(101);
-    let message = ": actuation/0/name: a name of 101 bytes; names of files bear it: at most 100";
-    one(COMPLETE, "\"name\": \"tension\"", &format!("\"name\": \"{name}\""), message);
+    let message = ": probes/0/name: a name of 101 bytes; names of files bear it: at most 100";
+    one(COMPLETE, "\"probes\":    [ { \"name\": \"tip\"", &format!("\"probes\": [ {{ \"name\": \"{name}\""), message);
 }

@@ -127,7 +127,7 @@ fn bounds_on_functionals() {
     );
     wrong(
         "{ \"obstacle\": { \"surface\": \"z+\", \"shape\": { \"half_space\": { \"point\": [0, 0, 1], \"normal\": [0, 0, 0] } } } }",
-        "a half-space needs a normal",
+        "the normal of a half-space is zero or not finite",
     );
     wrong("{ \"obstacle\": { \"surface\": \"z+\", \"shape\": { \"ball\": {} } } }", "sphere");
 }

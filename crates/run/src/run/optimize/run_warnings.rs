@@ -5,12 +5,12 @@ use crate::run::constraints::Known;
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::{CONTRACTION, ControlField};
-use nastic_case::warning::{ALL_ON_BOUNDS, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
+use nastic_case::warning::{ALL_ON_BOUNDS, IDLE, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
 use nastic_control::{EnsembleBlock, EnsembleWorkspace, Evaluated};
 use nastic_language::number::{count, short};
 use nastic_numeric::format::scientific;
 use nastic_numeric::vector::{norm, sub};
-use nastic_opt::DEFAULT_ACCURACY;
+use nastic_opt::{Bounds, DEFAULT_ACCURACY};
 
 /// A change of the control, relative to its size, that counts as none.
 const STILL: f64 = 1e-12;
@@ -27,6 +27,7 @@ pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, constraints: &[
     let problem = &session.problem;
     for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls).filter(|_| !interrupted) {
         found.extend(bounds(run, block, field, session));
+        found.extend(idle(run, block, field, session));
     }
     if !interrupted && found.iter().all(|warning| warning.kind != &OTHER_SIGN) {
         found.extend(movement(run));
@@ -62,6 +63,21 @@ fn movement(run: &FinishedRun) -> Option<Warning> {
     };
     let trials = count(best.counts.trials, "trial");
     Some(Warning::new(&NO_MOVEMENT, format!("the control is that of the start after {trials}; {slope}")))
+}
+
+/// A control on which nothing depends at the optimum, between its bounds: a slack cable.
+fn idle(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session: &Session<'_>) -> Option<Warning> {
+    let (m, derivative) = (block.of(&run.best.m), block.of(&run.best.derivative));
+    let inside = |limits: &Bounds| (0..m.len()).any(|i| limits.at(i).0 < m[i] && m[i] < limits.at(i).1);
+    if m.is_empty() || derivative.iter().any(|d| *d != 0.0) || !field.bounds.as_ref().is_none_or(inside) {
+        return None;
+    }
+    let owner = session.problem.member(block.owner);
+    let pulls = controls::only_pulls(owner, &owner.layout().blocks()[block.field]);
+    let why =
+        if pulls { ": the cable is slack there, whatever would come of pulling it further is not seen" } else { "" };
+    let message = format!("{}: the derivative is exactly zero at the optimum, inside the bounds{why}", field.name);
+    Some(Warning::new(&IDLE, message))
 }
 
 /// A control all of whose values lie on bounds.
@@ -121,11 +137,11 @@ fn terms(session: &Session<'_>, run: &FinishedRun) -> Vec<Warning> {
     let sizes: Vec<(String, f64)> = end.iter().map(size).collect();
     let Some((largest, most)) = sizes.iter().max_by(|a, b| a.1.total_cmp(&b.1)).cloned() else { return vec![] };
     let small = sizes.into_iter().filter(|(_, size)| *size > 0.0 && *size < NEGLIGIBLE * most);
-    let tell = |(name, size): (String, f64)| {
+    let warning_of = |(name, size): (String, f64)| {
         let (size, most) = (scientific(size, 2), scientific(most, 2));
         Warning::new(&NEGLIGIBLE_TERM, format!("{name} is at most {size}, {largest} {most}"))
     };
-    small.map(tell).collect()
+    small.map(warning_of).collect()
 }
 
 /// The optimum solved again from rest, in states as exact as those of the run.
