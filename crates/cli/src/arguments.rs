@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand};
 use nastic_language::template::TEMPLATES;
+use nastic_run::run::Part;
 use std::path::PathBuf;
 
 /// Optimal control of actuated hyperelastic soft bodies.
@@ -70,6 +71,9 @@ pub enum Command {
     /// Each run has a directory of its own, NAME=VALUE in that of the results, with all its files; beside them are written sweep.csv
     /// (a row per run), sweep.json, sweep.svg and sweep.pvd (the optima, for ParaView). A run that fails is a row; the exit code is
     /// that of the worst. Ctrl-C or SIGTERM ends the run at hand and the sweep. What the case expects is left aside.
+    ///
+    /// A run whose finished result is there, of the same case, command and version of the program, is kept; one that was interrupted goes on from
+    /// its checkpoint. So the same command goes on with a sweep that was interrupted, however that came about.
     Sweep(Sweep),
     /// Find the parameters of material laws from test data
     ///
@@ -166,9 +170,17 @@ pub struct Sweep {
     /// Start every optimisation after the first from the controls of the last one before that has some
     #[arg(long)]
     pub warm: bool,
-    /// Begin anew where the directory of a run holds the checkpoint of an interrupted optimisation, or one that cannot be read
-    #[arg(long)]
+    /// Begin anew: keep no finished run, and replace checkpoints of interrupted ones and those that cannot be read
+    #[arg(long, conflicts_with = "join")]
     pub restart: bool,
+    /// Make only the K-th of N parts (of all runs every N-th), and no table: N processes, on several machines with a common directory,
+    /// may do so at the same time; --join then makes the table
+    #[arg(long, value_name = "K/N", conflicts_with = "join")]
+    pub part: Option<Part>,
+    /// Make no run: write the table from the runs that are there, and name those that are missing (then at least exit code 4). Everything
+    /// else is as for the parts
+    #[arg(long)]
+    pub join: bool,
 }
 
 /// What a sweep runs.

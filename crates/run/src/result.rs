@@ -4,7 +4,6 @@ pub(crate) mod checkpoint_file;
 pub(crate) mod collections;
 pub(crate) mod controls;
 pub(crate) mod convergence;
-pub(crate) mod expectation;
 pub(crate) mod failure;
 pub(crate) mod files;
 pub(crate) mod inspection;
@@ -22,4 +21,4 @@ pub(crate) mod touches;
 pub(crate) mod warning_record;
 
 pub use checkpoint_file::CheckpointError;
-pub use expectation::{Missed, find};
+pub use nastic_case::expectation::{Missed, find};

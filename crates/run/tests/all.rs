@@ -39,6 +39,7 @@ mod stopped_motion;
 mod study;
 mod study_signal;
 mod sweep;
+mod sweep_kept;
 mod terminal;
 mod time;
 mod time_tolerance;

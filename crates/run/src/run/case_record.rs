@@ -74,6 +74,13 @@ impl CaseRecord {
         Err(CheckpointError::Changed { directory: directory.to_owned(), what }.into())
     }
 
+    /// Whether it is that of a case: the same version of the program, file and text. Files that it names may have changed.
+    pub fn is_of(&self, document: &Document) -> bool {
+        self.program == env!("CARGO_PKG_VERSION")
+            && Path::new(&self.path) == absolute(Path::new(document.name()))
+            && self.canonical == document.canonical()
+    }
+
     /// Whether a program's problem is the one that this record is of, as far as it can be written down.
     pub fn check(&self, problem: &CaseProblem, directory: &Path) -> Result<(), CheckpointError> {
         let what = self.differences(&problem.document);

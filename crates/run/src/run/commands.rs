@@ -111,6 +111,7 @@ pub fn resume(
     thread_pool(options.threads)?.install(|| {
         let (mut session, position) = resumption::open(catalogue, directory, options.cancel.clone(), console)?;
         session.strict = options.strict;
+        session.expect = !options.without_expect;
         session.report = !options.no_report;
         session.explain = options.explain;
         session.spectrum = options.spectrum;

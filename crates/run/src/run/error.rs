@@ -46,6 +46,30 @@ impl Exit {
         }
     }
 
+    /// That of a code.
+    pub(crate) fn of_code(code: u8) -> Option<Self> {
+        const ALL: [Exit; 8] = [
+            Exit::Done,
+            Exit::BadInput,
+            Exit::ForwardFailed,
+            Exit::NotConverged,
+            Exit::GradientWrong,
+            Exit::ExpectMissed,
+            Exit::NotWritten,
+            Exit::Warned,
+        ];
+        ALL.into_iter().find(|exit| exit.code() == code)
+    }
+
+    /// What it is where warnings make a command fail, or do not.
+    pub(crate) fn under(self, strict: bool, warnings: usize) -> Self {
+        match self {
+            Self::Done | Self::Warned if strict && warnings > 0 => Self::Warned,
+            Self::Warned => Self::Done,
+            other => other,
+        }
+    }
+
     /// The worse one of two, as a sweep ends: done, warned, an expectation missed, not converged, a wrong gradient, no equilibrium, bad
     /// input, not written.
     #[must_use]
@@ -202,6 +226,17 @@ impl RunError {
             Self::Write(_) | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,
             Self::Cancelled => Exit::NotConverged,
             Self::Motion { source, .. } => source.exit(),
+        }
+    }
+
+    /// Whether the machine had too little memory: on another one, or later, the command may succeed.
+    pub(crate) fn is_lack_of_memory(&self) -> bool {
+        match self.cause() {
+            Self::Forward { error, .. } => error.is_lack_of_memory(),
+            Self::Start(nastic_opt::RunError::Start(failed)) | Self::Taylor(nastic_opt::TaylorError::Base(failed)) => {
+                failed.is_fatal()
+            }
+            _ => false,
         }
     }
 

@@ -4,7 +4,6 @@ mod advice;
 mod branch_changes;
 mod checkpoint;
 mod constraints;
-mod early_stopping;
 mod finished_run;
 mod journal;
 mod limit_advice;
@@ -24,7 +23,7 @@ mod start_run;
 mod starts;
 mod table_of_starts;
 
-pub(super) use crate::run::optimize::checkpoint::{Checkpoint, Position};
+pub(super) use crate::run::optimize::checkpoint::{Checkpoint, Position, interrupted};
 
 use crate::result::files::Directory;
 use crate::run::check_gradient;
@@ -57,9 +56,9 @@ pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restar
 
 /// Whether the checkpoint in a directory, if any, may be replaced unasked.
 fn may_replace(out: &Directory) -> Result<(), RunError> {
-    match checkpoint::interrupted(out).map_err(RunError::UnreadableCheckpoint)? {
+    match checkpoint::interrupted(out.path()).map_err(RunError::UnreadableCheckpoint)? {
         None => Ok(()),
-        Some(Written { iteration, .. }) => Err(RunError::Interrupted { directory: out.path().to_owned(), iteration }),
+        Some((_, iteration)) => Err(RunError::Interrupted { directory: out.path().to_owned(), iteration }),
     }
 }
 
@@ -149,6 +148,7 @@ fn conclude(
     ran?;
     let written = journal.lock().written();
     let unwritten = journal.lock().finish();
+    session.interrupted = starts.interrupted;
     let resumable = written.filter(|_| starts.interrupted);
     let minima = minima::tell(session, &mut starts);
     let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };

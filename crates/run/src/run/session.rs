@@ -58,6 +58,8 @@ pub(super) struct Session<'c> {
     pub expect: bool,
     /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
     pub ended: bool,
+    /// Whether something ended the command that has nothing to do with the case: a stop that was requested, a lack of memory.
+    pub interrupted: bool,
     /// Told of every trial of an optimisation.
     pub on_trial: OnTrial,
     /// The states that were found.
@@ -177,6 +179,7 @@ impl<'c> Session<'c> {
             spectrum: None,
             expect: true,
             ended: false,
+            interrupted: false,
             on_trial: OnTrial::default(),
             shown: None,
             steps: Vec::new(),
@@ -195,6 +198,9 @@ impl<'c> Session<'c> {
         let path = problem.document.name().to_owned();
         let case = &problem.case;
         let hash = Fingerprint::of(&problem.document.canonical(), &problem.files);
+        let directory = problem.document.resolve("");
+        let inputs = problem.files.iter().map(|file| file.strip_prefix(&directory).unwrap_or(file));
+        let inputs = inputs.map(|file| file.display().to_string()).collect();
         let title = case.title.clone();
         let units = problem.units();
         let versions = VersionsRecord { nastic: env!("CARGO_PKG_VERSION").to_owned(), case: Some(case.nastic) };
@@ -229,6 +235,7 @@ impl<'c> Session<'c> {
             case: Some(path),
             title: title.into(),
             case_hash: hash,
+            inputs: Some(inputs),
             versions,
             units: labels,
             threads: Some(rayon::current_num_threads()),
@@ -282,6 +289,7 @@ impl<'c> Session<'c> {
     pub fn close(&mut self, exit: Exit) {
         self.record.warnings = self.warnings.iter().map(warning_record).collect();
         self.record.exit = Some(exit.code());
+        self.record.interrupted = (self.interrupted || self.is_cancelled()).then_some(true);
     }
 
     /// Does something, and notes how long it took.

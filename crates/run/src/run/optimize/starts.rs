@@ -2,8 +2,6 @@
 
 use crate::run::error::RunError;
 use crate::run::optimize::checkpoint::Position;
-use crate::run::optimize::early_stopping;
-use crate::run::optimize::early_stopping::{Outperformed, Standing};
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::minimization::resume_run;
@@ -17,6 +15,8 @@ use crate::run::session::{Session, say_warning};
 use nastic_case::warning::Warning;
 use nastic_language::number::short;
 use nastic_opt::bytes::Reader;
+use nastic_opt::early_stopping;
+use nastic_opt::early_stopping::{Outperformed, Standing};
 use nastic_opt::{AugmentedBest, Constrained, Failed, Optimizer, Stop};
 use nastic_report::record::{GradientCheckRecord, StartRecord};
 use std::sync::Mutex;
