@@ -139,6 +139,15 @@ pub struct Optimize {
     /// cannot be read, which is replaced
     #[arg(long)]
     pub restart: bool,
+    /// Run only the K-th of N parts of the case's optimizer/starts (every N-th), each start in a directory start_I of its own, and make no
+    /// result: N processes may do so at the same time; --join then makes the result. Starts that have ended are kept, one that was
+    /// interrupted goes on
+    #[arg(long, value_name = "K/N", conflicts_with_all = ["join", "spectrum"])]
+    pub part: Option<Part>,
+    /// Run nothing: make the result of all starts from those that parts have run, and name those that are missing (then at least exit code
+    /// 4). Everything else is as for the parts
+    #[arg(long)]
+    pub join: bool,
     #[command(flatten)]
     pub diagnosis: Diagnosis,
 }

@@ -40,8 +40,9 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
         }
         Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
-        Command::Optimize(Optimize { case, restart, diagnosis }) => {
-            let asked = Asked { restart, spectrum: spectrum(&diagnosis), ..Asked::default() };
+        Command::Optimize(Optimize { case, restart, part, join, diagnosis }) => {
+            let (spectrum, share) = (spectrum(&diagnosis), share(part, join));
+            let asked = Asked { restart, spectrum, share, ..Asked::default() };
             self::on_case(catalogue, schema::Command::Optimize, &case, asked)
         }
         Command::Resume(interrupted) => on_directory(catalogue, &interrupted),

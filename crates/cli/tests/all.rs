@@ -9,5 +9,6 @@ mod program;
 mod report;
 mod resume;
 mod signals;
+mod start_parts;
 mod sweep;
 mod tutorials;

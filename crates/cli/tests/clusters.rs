@@ -83,6 +83,26 @@ fn the_array_script_makes_the_table_of_one_process() {
 }
 
 #[test]
+fn the_script_of_starts_makes_the_result_of_one_process() {
+    let (place, whole) = (place(), place());
+    let run = |place: &Place, more: &[&str]| {
+        script(place, "starts.sh");
+        command(place, "bash", &[&["starts.sh"], more].concat()).output().unwrap()
+    };
+    let one = run(&whole, &[]);
+    assert_eq!(code(&one), 4, "{}{}", text(&one.stdout), text(&one.stderr));
+    for part in ["2/4", "4/4", "1/4", "3/4"] {
+        let output = run(&place, &["--part", part]);
+        assert_eq!(code(&output), 0, "{part}: {}", text(&output.stderr));
+    }
+    assert!(place.path("out/starts/start_1").exists() && place.path("out/starts/start_5").exists());
+    let joined = run(&place, &["--join"]);
+    assert_eq!(code(&joined), 4, "{}{}", text(&joined.stdout), text(&joined.stderr));
+    (0..8).for_each(|index| std::fs::remove_dir_all(place.path(&format!("out/starts/start_{index}"))).unwrap());
+    common::assert_same(&place.path("out/starts"), &whole.path("out/starts"), "parts of starts");
+}
+
+#[test]
 fn the_snakefile_makes_the_table_of_one_process() {
     if Command::new("snakemake").arg("--version").output().is_err() {
         eprintln!("SKIPPED the_snakefile_makes_the_table_of_one_process: snakemake is not installed");

@@ -34,6 +34,7 @@ mod shape_costs;
 mod spectrum;
 mod springs;
 mod stability;
+mod start_parts;
 mod starts;
 mod stopped_motion;
 mod study;

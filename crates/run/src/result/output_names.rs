@@ -75,6 +75,11 @@ pub(crate) fn written_by(command: &Command) -> Vec<&'static str> {
     own.concat()
 }
 
+/// Whether a command writes files of such a name.
+pub(crate) fn is_written_by(command: &Command, name: &str) -> bool {
+    written_by(command).iter().any(|pattern| matches(name, pattern))
+}
+
 /// The first name of a list that no pattern has: such a file could replace what the case reads.
 pub(crate) fn unlisted<'n>(patterns: &[&str], names: &'n [String]) -> Option<&'n String> {
     names.iter().find(|name| !patterns.iter().any(|pattern| matches(name, pattern)))

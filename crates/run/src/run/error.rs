@@ -176,6 +176,15 @@ pub enum RunError {
     /// An optimisation would replace a checkpoint that cannot be read.
     #[error("{0}; begin anew with --restart, which replaces it, or choose another directory with --out")]
     UnreadableCheckpoint(#[source] CheckpointError),
+    /// The start as written, without which there is no result, has not ended.
+    #[error(
+        "{} has no finished run of the start as written, of this case and these options: nastic optimize .. --part 1/N makes it",
+        directory.display()
+    )]
+    NothingToJoin {
+        /// The output directory.
+        directory: PathBuf,
+    },
     /// There is no checkpoint to go on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
@@ -224,7 +233,7 @@ impl RunError {
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,
             Self::Taylor(_) => Exit::BadInput,
             Self::Write(_) | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,
-            Self::Cancelled => Exit::NotConverged,
+            Self::Cancelled | Self::NothingToJoin { .. } => Exit::NotConverged,
             Self::Motion { source, .. } => source.exit(),
         }
     }

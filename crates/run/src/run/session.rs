@@ -15,6 +15,7 @@ use crate::run::output_directory::{directory, listed, usual_directory};
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
 use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::part::Share;
 use nastic_case::warning::Warning;
 use nastic_control::{AdaptiveSteps, ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, StateError, peak_memory};
@@ -104,8 +105,10 @@ impl<'c> Session<'c> {
         session.spectrum = options.spectrum;
         session.expect = !options.without_expect;
         session.on_trial = options.on_trial.clone();
-        session.out =
-            directory(&session.command, &session.problem, options).map(|path| session.claim(path)).transpose()?;
+        // Each start of a part has a directory of its own.
+        let is_part = session.command == Command::Optimize && matches!(options.share, Share::Part(_));
+        let out = directory(&session.command, &session.problem, options).filter(|_| !is_part);
+        session.out = out.map(|path| session.claim(path)).transpose()?;
         Ok(session)
     }
 

@@ -346,7 +346,8 @@ pub(super) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result
     start.map_err(|failed| session.unfit_checkpoint(&failed.to_string()))
 }
 
-fn failed(index: usize, warnings: Vec<nastic_case::warning::Warning>, entry: StartEntry) -> StartRun {
+/// A start that has failed.
+pub(super) fn failed(index: usize, warnings: Vec<nastic_case::warning::Warning>, entry: StartEntry) -> StartRun {
     let ended = Ended { entry, m: vec![], standing: None, warnings, lines: vec![] };
     StartRun { index, phase: Phase::Ended(Box::new(ended)) }
 }
