@@ -7,7 +7,6 @@ pub(crate) mod convergence;
 pub(crate) mod failure;
 pub(crate) mod files;
 pub(crate) mod inspection;
-pub(crate) mod lock;
 pub(crate) mod member_report;
 pub(crate) mod obstacle_shape;
 pub(crate) mod output_names;

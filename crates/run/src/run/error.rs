@@ -1,10 +1,10 @@
 //! How commands end.
 
 use crate::result::checkpoint_file::CheckpointError;
-use crate::result::lock::DirectoryError;
+use crate::result::files::DirectoryError;
 use crate::run::spectrum_request::SpectrumRefusal;
 use nastic_control::ControlError;
-use nastic_io::WriteError;
+use nastic_io::{LockError, WriteError};
 use nastic_language::syntax::Diagnostics;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -262,8 +262,8 @@ impl RunError {
 impl From<DirectoryError> for RunError {
     fn from(error: DirectoryError) -> Self {
         match error {
-            DirectoryError::Write(error) => Self::Write(error),
-            DirectoryError::InUse { directory, process } => Self::InUse { directory, process },
+            DirectoryError::Write(error) | DirectoryError::Lock(LockError::Write(error)) => Self::Write(error),
+            DirectoryError::Lock(LockError::InUse { directory, process }) => Self::InUse { directory, process },
             DirectoryError::Input { file } => Self::ReplacesInput { file },
         }
     }
