@@ -14,8 +14,8 @@ use std::path::PathBuf;
 #[command(
     name = "nastic",
     version,
-    after_help = "Exit codes: 0 done, 2 bad input, 3 forward solve failed, 4 stopped before converging, \
-                  5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written or another \
+    after_help = "Exit codes: 0 done, 2 bad input, 3 forward solve failed, 4 stopped before converging, or \
+                  runs are missing, 5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written or another \
                   program writes to the output directory, 8 a warning under --strict.",
     max_term_width = 100
 )]

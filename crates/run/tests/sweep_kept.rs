@@ -77,9 +77,9 @@ fn a_run_is_kept_if_case_files_command_and_version_are_the_same() {
     let kept = |options: &Options, how: &Sweep| swept(&file, how, options).1.matches("; kept").count();
     assert_eq!(kept(&options, &SOLVE), 0);
     assert_eq!(kept(&options, &SOLVE), 2);
-    // A case that is named in another way, more values, no page: the same runs.
-    let more = Options { no_report: false, ..place.options(&["materials/0/mu1=110 kPa,120 kPa,90 kPa"]) };
-    assert_eq!(kept(&more, &SOLVE), 2);
+    // The case named in another way, more values: the same runs.
+    let more = place.options(&["materials/0/mu1=110 kPa,120 kPa,90 kPa"]);
+    assert_eq!(swept(&place.path("./case.json"), &SOLVE, &more).1.matches("; kept").count(), 2);
     change(&place, "mu1=90_kPa", |result| drop(result.insert("interrupted".into(), true.into())));
     assert_eq!(kept(&options, &SOLVE), 1, "one that was interrupted");
     change(&place, "mu1=90_kPa", |result| result["versions"]["nastic"] = "0.0.1".into());
