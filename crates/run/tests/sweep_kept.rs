@@ -130,6 +130,21 @@ fn a_refused_run_is_a_row_of_the_joined_table_and_is_tried_again() {
     assert!(second.exit == Exit::Done && said.matches("; kept").count() == 1, "{said}");
 }
 
+/// A run without an equilibrium has an end like any other: it is kept, with its error.
+#[test]
+fn a_run_that_failed_is_kept() {
+    let place = Place::new();
+    let file = place.write("case.json", BAR);
+    let crushed =
+        |end: f64| format!(r#"[{{"surface":"x-","fix":"all"}},{{"surface":"x+","displacement":{{"x":{end}}}}}]"#);
+    let options = place.options(&[&format!("supports={},{}", crushed(0.1), crushed(-1.2))]);
+    let (first, said) = swept(&file, &SOLVE, &options);
+    assert_eq!(first.exit, Exit::ForwardFailed, "{said}");
+    let (again, said) = swept(&file, &SOLVE, &options);
+    assert!(again == first && said.matches("; kept").count() == 2, "{said}");
+    assert_eq!(swept(&file, &SOLVE, &Options { share: Share::Join, ..options }).0, first);
+}
+
 #[test]
 fn a_warm_sweep_is_one_chain_which_the_first_part_runs() {
     let set = ["costs/0/weight=1,1.01,1.02"];
