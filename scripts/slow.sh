@@ -107,6 +107,10 @@ done
 if [ "$quick" = 0 ]; then
   # Optimisations killed at random moments; the tests do it 10 times.
   NASTIC_KILLS=200 run "200 kills of each kind of case" cargo test --release --workspace --locked --quiet --test all resume::
+  # What of docs/clusters.md needs Dask or Snakemake.
+  NASTIC_PYTHON_EXTRA="dask[distributed] snakemake" run "sweeps under Dask" scripts/test-python.sh -k "sweep or clusters"
+  PATH="$PWD/target/python-package/bin:$PATH" run "a sweep under Snakemake" \
+    cargo test --release --workspace --locked --quiet --test all clusters::
   NASTIC_SLOW=1 run "adjoints of long motions" cargo test --release --workspace --locked --quiet --test all motion_adjoint::
 fi
 [ "${#failed[@]}" = 0 ] && echo "all as expected" && exit 0

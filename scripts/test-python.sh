@@ -3,8 +3,8 @@
 #
 #   scripts/test-python.sh [ARGUMENTS OF pytest]        scripts/test-python.sh -k scipy
 #
-# Needs python3 with venv, and the network once. The build is that of users (release) and shares target/release. JAX, PyTorch and PyVista are tested
-# where NASTIC_PYTHON_EXTRA names them: NASTIC_PYTHON_EXTRA="jax torch pyvista" scripts/test-python.sh
+# Needs python3 with venv, and the network once. The build is that of users (release) and shares target/release. JAX, PyTorch, PyVista and Dask are
+# tested where NASTIC_PYTHON_EXTRA names them: NASTIC_PYTHON_EXTRA="jax torch pyvista dask[distributed]" scripts/test-python.sh
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

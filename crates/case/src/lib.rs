@@ -1,4 +1,7 @@
 //! From a case to a problem: meshes read, formulas evaluated, names looked up; and what deserves attention in it.
 
+pub mod expectation;
 pub mod lower;
+pub mod output_names;
+pub mod part;
 pub mod warning;

@@ -3,6 +3,7 @@
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand};
 use nastic_language::template::TEMPLATES;
+use nastic_run::run::Part;
 use std::path::PathBuf;
 
 /// Optimal control of actuated hyperelastic soft bodies.
@@ -13,8 +14,8 @@ use std::path::PathBuf;
 #[command(
     name = "nastic",
     version,
-    after_help = "Exit codes: 0 done, 2 bad input, 3 forward solve failed, 4 stopped before converging, \
-                  5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written or another \
+    after_help = "Exit codes: 0 done, 2 bad input, 3 forward solve failed, 4 stopped before converging, or \
+                  runs are missing, 5 gradient check failed, 6 an \"expect\" was missed, 7 a file could not be written or another \
                   program writes to the output directory, 8 a warning under --strict.",
     max_term_width = 100
 )]
@@ -70,6 +71,9 @@ pub enum Command {
     /// Each run has a directory of its own, NAME=VALUE in that of the results, with all its files; beside them are written sweep.csv
     /// (a row per run), sweep.json, sweep.svg and sweep.pvd (the optima, for ParaView). A run that fails is a row; the exit code is
     /// that of the worst. Ctrl-C or SIGTERM ends the run at hand and the sweep. What the case expects is left aside.
+    ///
+    /// A run whose finished result is there, of the same case, command and version of the program, is kept; one that was interrupted goes on from
+    /// its checkpoint. So the same command goes on with a sweep that was interrupted, however that came about.
     Sweep(Sweep),
     /// Find the parameters of material laws from test data
     ///
@@ -135,6 +139,15 @@ pub struct Optimize {
     /// cannot be read, which is replaced
     #[arg(long)]
     pub restart: bool,
+    /// Run only the K-th of N parts of the case's optimizer/starts (every N-th), each start in a directory start_I of its own, and make no
+    /// result: N processes may do so at the same time; --join then makes the result. Starts that have ended are kept, one that was
+    /// interrupted goes on
+    #[arg(long, value_name = "K/N", conflicts_with_all = ["join", "spectrum"])]
+    pub part: Option<Part>,
+    /// Run nothing: make the result of all starts from those that parts have run, and name those that are missing (then at least exit code
+    /// 4). Everything else is as for the parts
+    #[arg(long)]
+    pub join: bool,
     #[command(flatten)]
     pub diagnosis: Diagnosis,
 }
@@ -166,9 +179,17 @@ pub struct Sweep {
     /// Start every optimisation after the first from the controls of the last one before that has some
     #[arg(long)]
     pub warm: bool,
-    /// Begin anew where the directory of a run holds the checkpoint of an interrupted optimisation, or one that cannot be read
-    #[arg(long)]
+    /// Begin anew: keep no finished run, and replace checkpoints of interrupted ones and those that cannot be read
+    #[arg(long, conflicts_with = "join")]
     pub restart: bool,
+    /// Make only the K-th of N parts (of all runs every N-th), and no table: N processes, on several machines with a common directory,
+    /// may do so at the same time; --join then makes the table
+    #[arg(long, value_name = "K/N", conflicts_with = "join")]
+    pub part: Option<Part>,
+    /// Make no run: write the table from the runs that are there, and name those that are missing (then at least exit code 4). Everything
+    /// else is as for the parts
+    #[arg(long)]
+    pub join: bool,
 }
 
 /// What a sweep runs.

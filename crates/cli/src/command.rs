@@ -14,7 +14,8 @@ use nastic_run::console::Console;
 use nastic_run::record::{ErrorRecord, ProblemRecord, RunRecord};
 use nastic_run::run;
 use nastic_run::run::{
-    Analysis, Exit, ModesRequest, Options, Outcome, RunError, SpectrumRequest, report, resume, run_with, sweep,
+    Analysis, Exit, ModesRequest, Options, Outcome, Part, RunError, Share, SpectrumRequest, report, resume, run_with,
+    sweep,
 };
 use nastic_run::signals::cancelled_by_signals;
 use serde::Serialize;
@@ -53,8 +54,9 @@ fn run_command(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
         }
         Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
         Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
-        Command::Optimize(Optimize { case, restart, diagnosis }) => {
-            let asked = Asked { restart, spectrum: spectrum(&diagnosis), ..Asked::default() };
+        Command::Optimize(Optimize { case, restart, part, join, diagnosis }) => {
+            let (spectrum, share) = (spectrum(&diagnosis), share(part, join));
+            let asked = Asked { restart, spectrum, share, ..Asked::default() };
             self::on_case(catalogue, schema::Command::Optimize, &case, asked)
         }
         Command::Resume(interrupted) => on_directory(catalogue, &interrupted),
@@ -125,6 +127,16 @@ struct Asked {
     modes: ModesRequest,
     restart: bool,
     spectrum: Option<SpectrumRequest>,
+    share: Share,
+}
+
+/// What of several runs is done.
+fn share(part: Option<Part>, join: bool) -> Share {
+    match part {
+        Some(part) => Share::Part(part),
+        None if join => Share::Join,
+        None => Share::Whole,
+    }
 }
 
 fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, asked: Asked) -> ExitCode {
@@ -146,18 +158,19 @@ fn options(case: &Case, asked: Asked) -> Options {
         modes: asked.modes,
         restart: asked.restart,
         spectrum: asked.spectrum,
+        share: asked.share,
         cancel: cancelled_by_signals(complain),
         ..Options::default()
     }
 }
 
 /// Runs a case for several values.
-fn on_values(catalogue: &Catalogue, Sweep { case, command, warm, restart }: &Sweep) -> ExitCode {
+fn on_values(catalogue: &Catalogue, Sweep { case, command, warm, restart, part, join }: &Sweep) -> ExitCode {
     let command = match command {
         SweptCommand::Optimize => schema::Command::Optimize,
         SweptCommand::Solve => schema::Command::Solve,
     };
-    let options = options(case, Asked { restart: *restart, ..Asked::default() });
+    let options = options(case, Asked { restart: *restart, share: share(*part, *join), ..Asked::default() });
     let asked = run::Sweep { command, warm: *warm };
     match sweep(catalogue, &asked, &case.case, &options, &console(&case.running)) {
         Ok(outcome) => {

@@ -1,5 +1,6 @@
 //! All tests of `nastic-cli`, in one program: `cargo test -p nastic-cli --test all NAME` runs the files and tests whose path has NAME in it.
 
+mod clusters;
 mod common;
 mod keys;
 mod new;
@@ -8,4 +9,6 @@ mod program;
 mod report;
 mod resume;
 mod signals;
+mod start_parts;
+mod sweep;
 mod tutorials;

@@ -12,6 +12,7 @@ mod atomic;
 mod error;
 mod fingerprint;
 mod gmsh;
+mod lock;
 mod other_format;
 mod pvd;
 mod vtk;
@@ -25,6 +26,7 @@ pub use atomic::write_atomically;
 pub use error::{At, ReadError, WriteError};
 pub use fingerprint::Fingerprint;
 pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
+pub use lock::{DirectoryLock, LockError};
 pub use pvd::write_pvd;
 pub use vtk::read_vtk;
 pub use vtu::{

@@ -57,6 +57,7 @@ pub mod bytes;
 mod certificate;
 mod conjugate_gradient;
 mod constrained;
+pub mod early_stopping;
 mod failed;
 mod hessian;
 mod inner_product;

@@ -13,14 +13,14 @@ def blocks(page: str) -> list[tuple[str, str]]:
     return re.findall(r"^```(\w*)\n(.*?)^```$", text, flags=re.MULTILINE | re.DOTALL)
 
 
-PAGES = {page: blocks(page) for page in ("docs/python.md", "docs/tutorials/8-python.md")}
+PAGES = {page: blocks(page) for page in ("docs/python.md", "docs/clusters.md", "docs/tutorials/8-python.md")}
 PYTHON = [
     pytest.param(page, code, id=f"{page}, block {index}")
     for page, found in PAGES.items()
     for index, code in enumerate(code for language, code in found if language == "python")
 ]
 #: Packages that nastic does not need.
-OPTIONAL = ["scipy", "meshio", "pyvista", "jax", "torch"]
+OPTIONAL = ["scipy", "meshio", "pyvista", "jax", "torch", "dask"]
 
 
 def needed(code: str) -> list[str]:
@@ -62,7 +62,7 @@ def test_a_block_runs_and_prints_what_it_says(session, request, page, code):
 
 def test_the_pages_have_blocks_of_these_languages_alone():
     assert len(PYTHON) >= 13
-    assert [{language for language, _ in found} for found in PAGES.values()] == [{"python", "sh"}, {"python"}]
+    assert [{language for language, _ in found} for found in PAGES.values()] == [{"python", "sh"}, {"python", "sh", "snakemake"}, {"python"}]
 
 
 def test_the_command_that_installs_is_the_one_that_the_tests_use():

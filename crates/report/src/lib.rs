@@ -27,6 +27,7 @@ mod scene;
 mod spectrum;
 mod summary;
 mod surface;
+mod sweep;
 mod tables;
 
 pub use carried::carried;
@@ -34,6 +35,7 @@ pub use case_name::case_name;
 pub use error::ReportError;
 pub use iterates::{Iterates, IteratesError};
 pub use number::duration;
+pub use sweep::{SweepAxis, SweepRow, SweepTable};
 
 use folder::ResultFolder;
 use scene::Scene;

@@ -50,6 +50,7 @@ pub use error::{Exit, RunError};
 pub use fit::{FitOutcome, fit};
 pub use gradcheck::{GradientTest, test_gradient};
 pub use modes_request::ModesRequest;
+pub use nastic_case::part::{Part, PartError, Share};
 pub use on_trial::OnTrial;
 pub use options::Options;
 pub use outcome::Outcome;

@@ -112,7 +112,10 @@ fn gradcheck_of_a_cost_without_second_derivatives_says_so() {
     };
     let alone = gradcheck(&format!("[{lift}]"));
     let said = alone["second"]["verdict"].as_str().unwrap();
-    assert!(said.starts_with("not tested: ") && said.contains("in the library: `CostPoint::add_second_partials`"), "{said}");
+    assert!(
+        said.starts_with("not tested: ") && said.contains("in the library: `CostPoint::add_second_partials`"),
+        "{said}"
+    );
     assert_eq!(
         (&alone["tests"][0]["verdict"], &alone["tests"][0]["second"]),
         (&"right".into(), &serde_json::Value::Null)

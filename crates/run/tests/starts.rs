@@ -13,7 +13,7 @@ use serde_json::Value;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-const MAGNET: &str = include_str!("../../language/tests/cases/magnet_pair.json");
+pub const MAGNET: &str = include_str!("../../language/tests/cases/magnet_pair.json");
 const STARTS: [&str; 5] = [
     "optimizer/starts=4",
     "optimizer/seed=7",
@@ -37,7 +37,7 @@ fn content(place: &CaseDirectory) -> (Value, Vec<Value>, Vec<NamedBytes>) {
     (serde_json::from_str(&result.to_string().replace(&own_name, "")).unwrap(), history(place), files)
 }
 
-fn history(place: &CaseDirectory) -> Vec<Value> {
+pub fn history(place: &CaseDirectory) -> Vec<Value> {
     let text = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
     let line = |line: &str| {
         let mut line: Value = serde_json::from_str(line).unwrap();
@@ -47,7 +47,7 @@ fn history(place: &CaseDirectory) -> Vec<Value> {
     text.lines().map(line).collect()
 }
 
-fn assert_same(place: &CaseDirectory, other: &CaseDirectory, what: &str) {
+pub fn assert_same(place: &CaseDirectory, other: &CaseDirectory, what: &str) {
     let ((result, history, files), (result_2, history_2, files_2)) = (content(place), content(other));
     assert_eq!(format!("{result:#}"), format!("{result_2:#}"), "{what}");
     assert_eq!(history, history_2, "{what}");

@@ -4,11 +4,11 @@
 
 use crate::common;
 
-use common::{CaseDirectory, with};
+use common::{CaseDirectory, Heard, with};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
-use nastic_run::run::{Exit, Options, Outcome, RunError, resume};
+use nastic_run::run::{Exit, Options, Outcome, RunError, Sweep, resume, sweep};
 use serde_json::Value;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -204,4 +204,38 @@ fn a_checkpoint_of_another_case_is_refused() {
     std::fs::write(&file, &bytes).unwrap();
     let error = go_on(&place).unwrap_err().to_string();
     assert!(error.contains("motion_checkpoint.bin is damaged"), "{error}");
+}
+
+/// A sweep goes on with the motion in which it was stopped, if that is one of the same case.
+#[test]
+fn a_sweep_goes_on_with_a_motion_that_was_stopped() {
+    let place = CaseDirectory::new();
+    let (_, iterations) = solve(&place, PULLED, usize::MAX);
+    let directory = place.path("out/young=2e6");
+    let stop = |young: &str| {
+        let set = [format!("materials/0/young={young}")];
+        let options = Options { out: Some(directory.clone()), ..place.options(&[&set[0]]) };
+        let watch = Watch { cancel: options.cancel.clone(), at: iterations / 2, count: Arc::default() };
+        let console = Console::silent().with_passing(watch);
+        assert!(place.run_with(Command::Solve, PULLED, &console, &options).is_err());
+    };
+    let both = |restart: bool| {
+        let options = Options { restart, ..place.options(&["materials/0/young=1e6,2e6"]) };
+        let (heard, how) = (Heard::default(), Sweep { command: Command::Solve, warm: false });
+        let (file, console) = (place.path("case.json"), Console::new(heard.clone()));
+        let found = sweep(&Catalogue::standard(), &how, &file, &options, &console).unwrap();
+        (found, heard.text())
+    };
+    let (whole, _) = both(false);
+    std::fs::remove_dir_all(&directory).unwrap();
+    stop("2e6");
+    let (again, said) = both(false);
+    assert!(said.contains("; kept") && said.contains("; went on from its checkpoint"), "{said}");
+    assert_eq!(again, whole);
+    // That of another case is not replaced unasked.
+    std::fs::remove_dir_all(&directory).unwrap();
+    stop("3e6");
+    let (refused, said) = both(false);
+    assert!(refused.exit == Exit::BadInput && said.contains("the checkpoint of an interrupted motion"), "{said}");
+    assert_eq!(both(true).0, whole);
 }

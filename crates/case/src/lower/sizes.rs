@@ -47,8 +47,8 @@ pub(super) fn check_bounds(case: &Case, controls: &[ControlField], solid: &Solid
     }
 }
 
-/// Young's moduli of silicones, gels and tissue, Pa.
-const SOFT: std::ops::RangeInclusive<f64> = 1e3..=2e7;
+/// Young's moduli of silicones, gels and tissue, 1 kPa to 20 MPa, in Pa; the ends are among them whatever the rounding.
+const SOFT: std::ops::RangeInclusive<f64> = 0.999e3..=2.001e7;
 
 /// Materials softer than any silicone, and bodies of which no part is soft: mostly kPa and Pa were mixed.
 pub(super) fn check_moduli(case: &Case, solid: &Solid, context: &mut Context<'_>) {

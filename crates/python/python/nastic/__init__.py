@@ -16,6 +16,7 @@ from .errors import CaseError, Error, GradientError, OutputError, SolveError
 from .mesh import Mesh
 from .problem import Constraint, Control, Problem
 from .result import Result, State
+from .sweeps import Run, sweep
 
 __all__ = [
     "Case",
@@ -28,9 +29,11 @@ __all__ = [
     "OutputError",
     "Problem",
     "Result",
+    "Run",
     "SolveError",
     "State",
     "__version__",
     "load",
     "schema",
+    "sweep",
 ]

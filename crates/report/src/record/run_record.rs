@@ -22,6 +22,8 @@ records! {
         title: Nullable<String>,
         /// Hash of the case and of all files that it names.
         case_hash: String,
+        /// The files that the case names, in the order in which the hash has them; relative names count from the case file.
+        inputs: Option<Vec<String>>,
         /// Versions of the program and of the case's syntax.
         versions: VersionsRecord,
         /// Units of all numbers but those of modes, which are in SI.
@@ -67,6 +69,8 @@ records! {
         warnings: Vec<WarningRecord>,
         /// The exit code.
         exit: Option<u8>,
+        /// True of a command that ended by a signal or for a lack of memory: the same command may find more. Else left out.
+        interrupted: Option<bool>,
         /// Every state, and what the names of its files begin with.
         members: Option<Vec<MemberRecord>>,
         /// Names of the files that the run wrote.

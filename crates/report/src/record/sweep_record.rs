@@ -20,7 +20,9 @@ records! {
         planned: usize,
         /// Those that were made.
         runs: Vec<SweepRunRecord>,
-        /// The exit code of the worst.
+        /// Directories of those that are missing: not made, or not finished.
+        missing: Vec<String>,
+        /// The exit code of the worst; at least 4 where some are missing.
         exit: u8,
     }
 

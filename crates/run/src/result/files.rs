@@ -1,12 +1,24 @@
 //! The output directory.
 
-use crate::result::lock::{DirectoryError, DirectoryLock};
-use crate::result::output_names;
-use nastic_io::{WriteError, write_atomically};
+use nastic_case::output_names;
+use nastic_io::{DirectoryLock, LockError, WriteError, write_atomically};
 use nastic_mesh::Snapshot;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use thiserror::Error;
+
+/// Why a directory cannot be used.
+#[derive(Debug, Error)]
+pub(crate) enum DirectoryError {
+    #[error(transparent)]
+    Lock(#[from] LockError),
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// A file that is read has the name of one that is to be written there.
+    #[error("{} would be replaced", file.display())]
+    Input { file: PathBuf },
+}
 
 /// Where the files of a command go. While it or a clone of it exists, no other program writes there.
 #[derive(Clone, Debug)]

@@ -74,6 +74,19 @@ impl CaseRecord {
         Err(CheckpointError::Changed { directory: directory.to_owned(), what }.into())
     }
 
+    /// Whether both are of the same case and version of the program: the same text with overrides, and files of the same content, wherever they lie.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let hashes = |record: &Self| record.files.iter().map(|(_, hash)| hash.clone()).collect::<Vec<_>>();
+        self.program == other.program && self.canonical == other.canonical && hashes(self) == hashes(other)
+    }
+
+    /// Whether it is that of a case: the same version of the program, file and text. Files that it names may have changed.
+    pub fn is_of(&self, document: &Document) -> bool {
+        self.program == env!("CARGO_PKG_VERSION")
+            && Path::new(&self.path) == absolute(Path::new(document.name()))
+            && self.canonical == document.canonical()
+    }
+
     /// Whether a program's problem is the one that this record is of, as far as it can be written down.
     pub fn check(&self, problem: &CaseProblem, directory: &Path) -> Result<(), CheckpointError> {
         let what = self.differences(&problem.document);

@@ -5,9 +5,11 @@ use crate::run::conclusion::conclude;
 use crate::run::error::RunError;
 use crate::run::options::Options;
 use crate::run::outcome::Outcome;
+use crate::run::output_directory::directory;
 use crate::run::session::Session;
 use crate::run::states::States;
 use crate::run::{check, gradcheck, gradient, modes, motion, optimize, resumption, solve};
+use nastic_case::part::Share;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
@@ -89,8 +91,16 @@ pub(crate) fn execute(mut session: Session<'_>, options: &Options) -> Result<(Ou
         Command::Gradient => gradient::run(&mut session),
         Command::Gradcheck => gradcheck::run(&mut session),
         Command::Optimize => {
-            let optimizer = session.problem.optimizer()?;
-            optimize::begin(&mut session, optimizer.as_ref(), options.restart)
+            let (optimizer, restart) = (session.problem.optimizer()?, options.restart);
+            match options.share {
+                Share::Whole => optimize::begin(&mut session, optimizer.as_ref(), restart),
+                Share::Join => optimize::join(&mut session, optimizer.as_ref(), restart),
+                Share::Part(part) => {
+                    let named = directory(&session.command, &session.problem, options);
+                    let out = named.unwrap_or_else(|| session.usual_directory());
+                    optimize::run_part(&mut session, optimizer.as_ref(), part, (&out, restart))
+                }
+            }
         }
     };
     conclude(session, exit, options.analysis.has_one_state())
@@ -111,6 +121,7 @@ pub fn resume(
     thread_pool(options.threads)?.install(|| {
         let (mut session, position) = resumption::open(catalogue, directory, options.cancel.clone(), console)?;
         session.strict = options.strict;
+        session.expect = !options.without_expect;
         session.report = !options.no_report;
         session.explain = options.explain;
         session.spectrum = options.spectrum;

@@ -1,11 +1,12 @@
 //! The end of a command: expectations judged, the result written.
 
-use crate::result::{Missed, expectation, failure};
+use crate::result::{Missed, failure};
 use crate::run::error::{Exit, RunError};
 use crate::run::outcome::Outcome;
 use crate::run::session::Session;
 use crate::run::states::States;
 use crate::run::{motion, optimize, report};
+use nastic_case::expectation;
 use nastic_control::ControlError;
 use nastic_language::number;
 use nastic_report::record::{ExpectRecord, MissRecord, number_of};
@@ -28,6 +29,7 @@ pub(crate) fn conclude(
 /// What went wrong takes the place of a result, so that no older one is taken for it.
 fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.finish_clock();
+    session.interrupted |= error.is_lack_of_memory();
     session.close(error.exit());
     session.record.error = Some(error.to_string());
     if let RunError::Forward { member, error, file } = error.cause() {

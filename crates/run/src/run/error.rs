@@ -1,10 +1,10 @@
 //! How commands end.
 
 use crate::result::checkpoint_file::CheckpointError;
-use crate::result::lock::DirectoryError;
+use crate::result::files::DirectoryError;
 use crate::run::spectrum_request::SpectrumRefusal;
 use nastic_control::ControlError;
-use nastic_io::WriteError;
+use nastic_io::{LockError, WriteError};
 use nastic_language::syntax::Diagnostics;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -43,6 +43,30 @@ impl Exit {
             Self::ExpectMissed => 6,
             Self::NotWritten => 7,
             Self::Warned => 8,
+        }
+    }
+
+    /// That of a code.
+    pub(crate) fn of_code(code: u8) -> Option<Self> {
+        const ALL: [Exit; 8] = [
+            Exit::Done,
+            Exit::BadInput,
+            Exit::ForwardFailed,
+            Exit::NotConverged,
+            Exit::GradientWrong,
+            Exit::ExpectMissed,
+            Exit::NotWritten,
+            Exit::Warned,
+        ];
+        ALL.into_iter().find(|exit| exit.code() == code)
+    }
+
+    /// What it is where warnings make a command fail, or do not.
+    pub(crate) fn under(self, strict: bool, warnings: usize) -> Self {
+        match self {
+            Self::Done | Self::Warned if strict && warnings > 0 => Self::Warned,
+            Self::Warned => Self::Done,
+            other => other,
         }
     }
 
@@ -152,6 +176,15 @@ pub enum RunError {
     /// An optimisation would replace a checkpoint that cannot be read.
     #[error("{0}; begin anew with --restart, which replaces it, or choose another directory with --out")]
     UnreadableCheckpoint(#[source] CheckpointError),
+    /// The start as written, without which there is no result, has not ended.
+    #[error(
+        "{} has no finished run of the start as written, of this case and these options: nastic optimize .. --part 1/N makes it",
+        directory.display()
+    )]
+    NothingToJoin {
+        /// The output directory.
+        directory: PathBuf,
+    },
     /// There is no checkpoint to go on from.
     #[error(transparent)]
     Checkpoint(#[from] CheckpointError),
@@ -200,8 +233,19 @@ impl RunError {
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,
             Self::Taylor(_) => Exit::BadInput,
             Self::Write(_) | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,
-            Self::Cancelled => Exit::NotConverged,
+            Self::Cancelled | Self::NothingToJoin { .. } => Exit::NotConverged,
             Self::Motion { source, .. } => source.exit(),
+        }
+    }
+
+    /// Whether the machine had too little memory: on another one, or later, the command may succeed.
+    pub(crate) fn is_lack_of_memory(&self) -> bool {
+        match self.cause() {
+            Self::Forward { error, .. } => error.is_lack_of_memory(),
+            Self::Start(nastic_opt::RunError::Start(failed)) | Self::Taylor(nastic_opt::TaylorError::Base(failed)) => {
+                failed.is_fatal()
+            }
+            _ => false,
         }
     }
 
@@ -218,8 +262,8 @@ impl RunError {
 impl From<DirectoryError> for RunError {
     fn from(error: DirectoryError) -> Self {
         match error {
-            DirectoryError::Write(error) => Self::Write(error),
-            DirectoryError::InUse { directory, process } => Self::InUse { directory, process },
+            DirectoryError::Write(error) | DirectoryError::Lock(LockError::Write(error)) => Self::Write(error),
+            DirectoryError::Lock(LockError::InUse { directory, process }) => Self::InUse { directory, process },
             DirectoryError::Input { file } => Self::ReplacesInput { file },
         }
     }

@@ -6,11 +6,11 @@ mod print;
 
 use crate::console::Console;
 use crate::result::files::Directory;
-use crate::result::output_names::FIT;
 use crate::run::error::{Exit, RunError};
 use crate::run::fit::entry::Fitted;
 use crate::run::output_directory::directory_of;
 use nastic_case::lower::read_tests;
+use nastic_case::output_names::FIT;
 use nastic_fit::{FitError, FitOptions, Law, fit as fit_law};
 use nastic_language::schema::FitData;
 use nastic_language::syntax::Document;

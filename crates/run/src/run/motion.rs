@@ -97,11 +97,11 @@ fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
             }
         }
     }
-    let tell = |(mut warning, count): (Warning, usize)| {
+    let with_count = |(mut warning, count): (Warning, usize)| {
         warning.message += &format!(" (the first of {count} such states among {})", before.len());
         warning
     };
-    described.into_iter().map(tell).collect()
+    described.into_iter().map(with_count).collect()
 }
 
 /// The entry `time` of the result, and lines about the motions.

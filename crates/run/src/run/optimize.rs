@@ -3,7 +3,6 @@
 mod advice;
 mod branch_changes;
 mod checkpoint;
-mod early_stopping;
 mod finished_run;
 mod journal;
 mod limit_advice;
@@ -18,54 +17,53 @@ mod run_trials;
 mod run_warnings;
 mod same_program;
 mod spectrum;
+mod start_parts;
 mod start_place;
 mod start_run;
 mod starts;
 mod table_of_starts;
 
-pub(super) use crate::run::optimize::checkpoint::{Checkpoint, Position};
+pub(super) use crate::run::optimize::checkpoint::{Checkpoint, Position, interrupted};
+pub(super) use crate::run::optimize::start_parts::{join, run_part};
 
-use crate::result::files::Directory;
 use crate::run::check_gradient;
 use crate::run::error::{Exit, RunError};
 use crate::run::optimize::journal::{Journal, SharedJournal, Written};
 use crate::run::optimize::minimization::evaluate;
-use crate::run::optimize::start_run::Begun;
+use crate::run::optimize::start_run::{Begun, Phase, StartRun};
 use crate::run::optimize::starts::Starts;
 use crate::run::session::Session;
 use nastic_case::warning::{INPUT, Warning};
 use nastic_control::EnsembleWorkspace;
 use nastic_opt::{Objective, Optimizer, Verdict};
-use nastic_report::record::ResumedRecord;
+use nastic_report::record::{GradientCheckRecord, ResumedRecord};
 use std::path::PathBuf;
 use std::time::Instant;
 
 /// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
 pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restart: bool) -> Result<Exit, RunError> {
     session.require(true, true).and_then(|()| spectrum::check(session)).map_err(|error| session.refuse(error))?;
-    if let (Some(out), false) = (&session.out, restart)
-        && let Err(error) = may_replace(out)
-    {
-        // What lies there stays as it is: nothing is written.
-        session.out = None;
-        return Err(error);
-    }
-    crate::run::motion::may_replace(session, restart)?;
+    may_replace(session, restart)?;
     run(session, optimizer)
 }
 
-/// Whether the checkpoint in a directory, if any, may be replaced unasked.
-fn may_replace(out: &Directory) -> Result<(), RunError> {
-    match checkpoint::interrupted(out).map_err(RunError::UnreadableCheckpoint)? {
-        None => Ok(()),
-        Some(Written { iteration, .. }) => Err(RunError::Interrupted { directory: out.path().to_owned(), iteration }),
+/// Whether the checkpoint in the directory of the results, if any, may be replaced. If not what lies there stays as it is: nothing is written.
+fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<(), RunError> {
+    if let (Some(out), false) = (&session.out, restart) {
+        let found = checkpoint::interrupted(out.path()).map_err(RunError::UnreadableCheckpoint);
+        let directory = out.path().to_owned();
+        let refused = found.and_then(|found| match found {
+            None => Ok(()),
+            Some((_, iteration)) => Err(RunError::Interrupted { directory, iteration }),
+        });
+        refused.map_err(|error| session.refuse(error))?;
     }
+    crate::run::motion::may_replace(session, restart)
 }
 
-fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, RunError> {
-    session.require(true, true)?;
+/// Removes what an earlier run in the directory left.
+fn make_room(session: &mut Session<'_>) -> Result<(), RunError> {
     crate::run::report::remove_earlier(session)?;
-    session.find_steps()?;
     if let Some(out) = &session.out {
         out.remove_old_iterations();
         // It belongs to an earlier command, and would stand beside the files of this one.
@@ -73,7 +71,25 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
         out.remove(crate::run::motion::CHECKPOINT)?;
     }
     warn_of_own_files(session);
+    Ok(())
+}
+
+fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, RunError> {
+    session.require(true, true)?;
+    session.find_steps()?;
+    make_room(session)?;
     let journal = SharedJournal::new(Journal::begin(session)?);
+    let Some((begun, gradient_check)) = first_start(session)? else { return Ok(Exit::GradientWrong) };
+    let mut all = vec![StartRun { index: 0, phase: Phase::Evaluated(Box::new(begun)) }];
+    all.extend((1..session.problem.case.optimizer.starts).map(StartRun::waiting));
+    let position = Position { gradient_check, round: 0, history: vec![], best: None, starts: all };
+    let (began, mut starts) = (Instant::now(), Starts::default());
+    let ran = starts.run(session, optimizer, position, (&journal, false));
+    conclude(session, (starts, ran), journal, began)
+}
+
+/// The start as written, evaluated, with its gradient check; `None` if that says that the gradient is wrong.
+fn first_start(session: &mut Session<'_>) -> Result<Option<(Begun, GradientCheckRecord)>, RunError> {
     let mut workspace = EnsembleWorkspace::default();
     let start = session.timed("solve", |session| evaluate(session, &session.problem.start, &mut workspace));
     let mut point = start.map_err(|failed| session.evaluation_failed(&failed))?;
@@ -87,15 +103,11 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
     let right = checked.as_ref().is_ok_and(|certificate| certificate.verdict != Verdict::Wrong);
     if !right {
         session.warnings.extend(warnings);
-        return checked.map(|_| Exit::GradientWrong);
+        return checked.map(|_| None);
     }
     let check = check_gradient::record(&checked?);
     spectrum::check_products(session, &point, &mut workspace)?;
-    let begun = Begun { point, derivative, workspace, warnings };
-    let began = Instant::now();
-    let mut starts = Starts::default();
-    let ran = starts.run(session, optimizer, begun, check, &journal);
-    conclude(session, (starts, ran), journal, began)
+    Ok(Some((Begun { point, derivative, workspace, warnings }, check)))
 }
 
 /// A file of the output directory that the case reads is another one once the optimisation has written it.
@@ -131,7 +143,7 @@ pub(super) fn resume(
     let journal = SharedJournal::new(Journal::resume(session, from)?);
     let began = Instant::now();
     let mut starts = Starts::default();
-    let ran = starts.resume(session, optimizer, position, &journal);
+    let ran = starts.run(session, optimizer, position, (&journal, true));
     conclude(session, (starts, ran), journal, began)
 }
 
@@ -148,6 +160,7 @@ fn conclude(
     ran?;
     let written = journal.lock().written();
     let unwritten = journal.lock().finish();
+    session.interrupted = starts.interrupted;
     let resumable = written.filter(|_| starts.interrupted);
     let minima = minima::warn_of_minima(session, &mut starts);
     let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };

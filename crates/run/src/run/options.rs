@@ -4,6 +4,7 @@ use crate::run::analysis::Analysis;
 use crate::run::modes_request::ModesRequest;
 use crate::run::on_trial::OnTrial;
 use crate::run::spectrum_request::SpectrumRequest;
+use nastic_case::part::Share;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -27,6 +28,8 @@ pub struct Options {
     pub without_expect: bool,
     /// Whether `solve` and `optimize` may replace the checkpoint of a run that was interrupted, or one that cannot be read.
     pub restart: bool,
+    /// What of the runs of a sweep or of the starts of `optimize` is done; other commands do not look at it.
+    pub share: Share,
     /// Whether the columns of the table of trials are explained above it.
     pub explain: bool,
     /// What `solve` computes.

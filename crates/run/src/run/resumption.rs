@@ -6,12 +6,13 @@ use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
-use crate::run::motion;
 use crate::run::motion::MotionCheckpoint;
 use crate::run::optimize::{Checkpoint, Position};
 use crate::run::session::Session;
+use crate::run::{motion, optimize};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
+use nastic_language::syntax::Document;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -44,6 +45,17 @@ pub(super) fn open<'c>(
     let document = case.reopen(catalogue, directory)?;
     let session = Session::resume((command, document), case.settings, out, cancel, console)?;
     Ok((session, place))
+}
+
+/// Whether a directory holds the checkpoint of this command on this case, interrupted after its start was evaluated. One that cannot be read is
+/// none of it: the command itself says so.
+pub(super) fn is_interrupted(directory: &Path, command: &Command, document: &Document) -> bool {
+    let case = match (command, directory.join(motion::CHECKPOINT).is_file()) {
+        (Command::Solve, true) => MotionCheckpoint::read(directory).ok().map(|checkpoint| checkpoint.case),
+        (Command::Optimize, false) => optimize::interrupted(directory).ok().flatten().map(|(case, _)| case),
+        _ => None,
+    };
+    case.is_some_and(|case| case.is_of(document))
 }
 
 /// Claims an output directory and reads its checkpoint.

@@ -4,7 +4,6 @@ use crate::console::Console;
 use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
-use crate::result::output_names::written_by;
 use crate::result::warning_record::warning_record;
 use crate::result::{checkpoint_file, failure, smoothing};
 use crate::run::ensemble_progress::EnsembleProgress;
@@ -15,6 +14,8 @@ use crate::run::output_directory::{directory, listed, usual_directory};
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
 use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::output_names::written_by;
+use nastic_case::part::Share;
 use nastic_case::warning::Warning;
 use nastic_control::{AdaptiveSteps, ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Progress, StateError, peak_memory};
@@ -58,6 +59,8 @@ pub(super) struct Session<'c> {
     pub expect: bool,
     /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
     pub ended: bool,
+    /// Whether something ended the command that has nothing to do with the case: a stop that was requested, a lack of memory.
+    pub interrupted: bool,
     /// Called for every trial of an optimisation.
     pub on_trial: OnTrial,
     /// The states that were found.
@@ -102,8 +105,10 @@ impl<'c> Session<'c> {
         session.spectrum = options.spectrum;
         session.expect = !options.without_expect;
         session.on_trial = options.on_trial.clone();
-        session.out =
-            directory(&session.command, &session.problem, options).map(|path| session.claim(path)).transpose()?;
+        // Each start of a part has a directory of its own.
+        let is_part = session.command == Command::Optimize && matches!(options.share, Share::Part(_));
+        let out = directory(&session.command, &session.problem, options).filter(|_| !is_part);
+        session.out = out.map(|path| session.claim(path)).transpose()?;
         Ok(session)
     }
 
@@ -177,6 +182,7 @@ impl<'c> Session<'c> {
             spectrum: None,
             expect: true,
             ended: false,
+            interrupted: false,
             on_trial: OnTrial::default(),
             shown: None,
             steps: Vec::new(),
@@ -195,6 +201,9 @@ impl<'c> Session<'c> {
         let path = problem.document.name().to_owned();
         let case = &problem.case;
         let hash = Fingerprint::of(&problem.document.canonical(), &problem.files);
+        let directory = problem.document.resolve("");
+        let inputs = problem.files.iter().map(|file| file.strip_prefix(&directory).unwrap_or(file));
+        let inputs = inputs.map(|file| file.display().to_string()).collect();
         let title = case.title.clone();
         let units = problem.units();
         let versions = VersionsRecord { nastic: env!("CARGO_PKG_VERSION").to_owned(), case: Some(case.nastic) };
@@ -229,6 +238,7 @@ impl<'c> Session<'c> {
             case: Some(path),
             title: title.into(),
             case_hash: hash,
+            inputs: Some(inputs),
             versions,
             units: labels,
             threads: Some(rayon::current_num_threads()),
@@ -282,6 +292,7 @@ impl<'c> Session<'c> {
     pub fn close(&mut self, exit: Exit) {
         self.record.warnings = self.warnings.iter().map(warning_record).collect();
         self.record.exit = Some(exit.code());
+        self.record.interrupted = (self.interrupted || self.is_cancelled()).then_some(true);
     }
 
     /// Does something, and notes how long it took.

@@ -1,29 +1,29 @@
 //! `nastic sweep CASE --set path=a,b,c`: one run for every value, each in a directory of its own, and a table of them all.
 
-mod plot;
-mod row;
+mod one_run;
+mod table;
 
 use crate::console::Console;
 use crate::result::files::Directory;
-use crate::result::output_names::SWEEP;
 use crate::run::analysis::Analysis;
-use crate::run::commands::run_with;
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::output_directory::directory_of;
-use crate::run::sweep::row::Row;
-use nastic_case::lower::{Combination, Swept, combinations};
-use nastic_io::write_atomically;
+use crate::run::sweep::one_run::{Left, OneRun, Origin};
+use crate::run::sweep::table::{introduce, table};
+use nastic_case::lower::SweepPlan;
+use nastic_case::output_names::SWEEP;
+use nastic_case::part::Share;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number::{count, short};
 use nastic_language::schema::Command;
-use nastic_language::syntax::{Diagnostic, Diagnostics, Document, Node, Value as Tree};
-use nastic_report::case_name;
-use nastic_report::csv;
-use nastic_report::record::{SweepRecord, SweptRecord};
-use serde_json::{Value, json};
-use std::path::Path;
+use nastic_report::{SweepRow, SweepTable};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
+
+/// Missing runs that are named on the terminal.
+const NAMED: usize = 5;
 
 /// What is run for every value.
 #[derive(Clone, Debug)]
@@ -37,15 +37,18 @@ pub struct Sweep {
 /// What a sweep found.
 #[derive(Clone, PartialEq, Debug)]
 pub struct SweepOutcome {
-    /// How the worst run ended; at least [`Exit::NotConverged`] where not all were made.
+    /// How the worst run ended; at least [`Exit::NotConverged`] where some are missing.
     pub exit: Exit,
-    /// The content of `sweep.json`.
+    /// The content of `sweep.json`; of a part without the runs of others.
     pub result: Value,
 }
 
 /// Runs a case once for every value of the overrides in `options.set`, which are read as `path=a,b,c`: commas outside of
 /// brackets, braces, parentheses and quotes stand between values. Several such options mean all combinations of their values; an option with
 /// one value is fixed. A run that fails is a row of the table. Results go to `options.out`, else to where the case says.
+///
+/// A run whose finished result is there is kept, unless `options.restart`; one that was interrupted goes on from its checkpoint. With
+/// [`Share::Part`] the runs of that part alone are made and no table is written, with [`Share::Join`] the table alone is made.
 ///
 /// What the case expects of its results is left aside, and so are `analysis` and `in_memory` of the options.
 ///
@@ -59,218 +62,194 @@ pub fn sweep(
     options: &Options,
     console: &Console,
 ) -> Result<SweepOutcome, RunError> {
-    let swept = Swept::read(&options.set)?;
-    let runs = combinations(&swept);
-    let document = Document::open(case)?.with_catalogue(catalogue);
-    check(&document, sweep, &swept, &runs)?;
-    let case_json = document.json();
-    let out = options.out.clone().unwrap_or_else(|| directory_of(&document, case_json["output"]["directory"].as_str()));
-    let out = Directory::claim(out, SWEEP, [case])?;
-    introduce(sweep, &swept, runs.len(), console);
-    let starts = controls(&document);
-    let title = title(&case_json, case);
-    let mut table = Table { swept: &swept, sweep, case, title, planned: runs.len(), rows: Vec::new() };
-    let mut warm_from: Option<String> = None;
-    for (index, run) in runs.iter().enumerate() {
-        let mut set = settings(&swept, run);
-        if let Some(before) = &warm_from {
-            let file = out.path().join(before).join("controls.json");
-            let file = std::path::absolute(&file).unwrap_or(file);
-            set.extend(
-                starts.iter().map(|path| format!("{path}/start={}", json!({ "file": file.display().to_string() }))),
-            );
+    let plan = SweepPlan::read(catalogue, (&sweep.command, sweep.warm), case, &options.set)?;
+    let own = || directory_of(&plan.document, plan.document.json()["output"]["directory"].as_str());
+    let out = options.out.clone().unwrap_or_else(own);
+    // Who writes the table holds the lock of its directory; parts hold those of their runs alone.
+    let claimed = match options.share {
+        Share::Part(_) => None,
+        Share::Whole | Share::Join => Some(Directory::claim(out.clone(), SWEEP, [case])?),
+    };
+    introduce(&plan, sweep, console);
+    let table = table(&plan, sweep, case);
+    let (worst, warm_from) = (Exit::Done, None);
+    let mut work = Work { sweep, case, plan: &plan, options, console, out, claimed, table, worst, warm_from };
+    work.run()?;
+    let result = serde_json::to_value(work.table.record()).unwrap_or_default(); // records have keys that are texts
+    Ok(SweepOutcome { exit: work.exit(), result })
+}
+
+/// A sweep under way.
+struct Work<'s> {
+    sweep: &'s Sweep,
+    case: &'s Path,
+    plan: &'s SweepPlan,
+    options: &'s Options,
+    console: &'s Console,
+    out: PathBuf,
+    /// The same, where the table is written.
+    claimed: Option<Directory>,
+    table: SweepTable,
+    /// The worst end so far.
+    worst: Exit,
+    /// The last run that has controls, where the next starts from these.
+    warm_from: Option<String>,
+}
+
+impl Work<'_> {
+    fn run(&mut self) -> Result<(), RunError> {
+        let (mut made, mut kept) = (0, 0);
+        for index in 0..self.plan.runs.len() {
+            if !self.is_mine(index) {
+                continue;
+            }
+            match self.find(index) {
+                None => {}
+                Some((row, Origin::Kept)) => {
+                    kept += 1;
+                    self.add(row, Origin::Kept);
+                }
+                Some((row, origin)) => {
+                    made += 1;
+                    self.add(row, origin);
+                    // After every run, so that what was found is kept however the sweep ends.
+                    self.write()?;
+                }
+            }
         }
-        let own = Options {
-            out: Some(out.file(&run.directory)),
+        self.write()?;
+        self.conclude(made, kept);
+        Ok(())
+    }
+
+    /// Whether this process has to do with a run. In a warm sweep, where each starts from one before, all belong to the first part.
+    fn is_mine(&self, index: usize) -> bool {
+        match self.options.share {
+            Share::Part(part) if self.sweep.warm => part.is_first(),
+            Share::Part(part) => part.has(index),
+            Share::Whole | Share::Join => true,
+        }
+    }
+
+    /// Directories of the runs that have no row yet.
+    fn missing(&self) -> Vec<String> {
+        let mut rows = self.table.rows.iter().map(|row| row.index).peekable();
+        let runs = self.plan.runs.iter().enumerate().filter(|(index, _)| self.is_mine(*index));
+        let missing = runs.filter(|(index, _)| rows.next_if_eq(index).is_none());
+        missing.map(|(_, run)| run.directory.clone()).collect()
+    }
+
+    /// The row of a run; `None` where it is missing: not made before, and not to be made now.
+    fn find(&self, index: usize) -> Option<(SweepRow, Origin)> {
+        let run = &self.plan.runs[index];
+        let directory = self.out.join(&run.directory);
+        let warm_from = self.warm_from.as_ref().map(|before| self.out.join(before));
+        let set = self.plan.settings(run, warm_from.as_deref());
+        let mut document = self.plan.document.clone();
+        // Those that do not fit the case were refused before any run.
+        set.iter().for_each(|setting| drop(document.set(setting)));
+        let one = OneRun { command: &self.sweep.command, case: self.case, directory: &directory, document };
+        let makes = self.options.share != Share::Join && !self.options.cancel.load(Ordering::Relaxed);
+        let kept = if makes && self.options.restart { None } else { one.finished(self.options.strict) };
+        // What a run was refused for, a missing file say, may be mended.
+        let kept = kept.filter(|left| !makes || left.exit != Exit::BadInput);
+        let (left, origin) = match kept {
+            Some(left) => (left, Origin::Kept),
+            None if !makes => return None,
+            None => {
+                let runs = self.plan.runs.len();
+                self.console.pass(format!("run {} of {runs}: {}", index + 1, run.directory));
+                let options = self.options_of(&directory, set);
+                one.make(&options, &self.console.passing_alone())
+            }
+        };
+        let Left { exit, error, record } = left;
+        let values = self.plan.swept_values(run);
+        let mut row = SweepRow::of((index, &run.directory), values, (exit.code(), error), record);
+        row.warm_from = self.warm_from.clone();
+        Some((row, origin))
+    }
+
+    fn options_of(&self, directory: &Path, set: Vec<String>) -> Options {
+        Options {
+            out: Some(directory.to_owned()),
             set,
             analysis: Analysis::Equilibrium,
             in_memory: false,
             without_expect: true,
-            ..options.clone()
-        };
-        console.pass(format!("run {} of {}: {}", index + 1, runs.len(), run.directory));
-        let ran = run_with(catalogue, sweep.command.clone(), case, &own, &console.passing_alone());
-        let values = swept.iter().zip(&run.at).filter(|(one, _)| one.is_swept());
-        let values = values.map(|(one, &k)| (one.path.clone(), one.values[k].clone())).collect();
-        let mut row = Row::of(&run.directory, values, ran, out.path());
-        row.warm_from = warm_from.clone();
-        if sweep.warm && row.figures.contains_key("stop") {
-            warm_from = Some(run.directory.clone());
-        }
-        console.say(line(&row, index, runs.len()));
-        table.rows.push(row);
-        // After every run, so that what was found is kept however the sweep ends.
-        table.write(&out)?;
-        if options.cancel.load(Ordering::Relaxed) {
-            break;
+            share: Share::Whole,
+            ..self.options.clone()
         }
     }
-    let missing = runs.len() - table.rows.len();
-    if missing > 0 {
-        console.say(format!("stopped     {} not made", count(missing, "run")));
-    }
-    console.say(format!("results     {}: sweep.csv, sweep.json, sweep.svg, sweep.pvd", out.path().display()));
-    let result = serde_json::to_value(table.record()).unwrap_or_default(); // records have keys that are texts
-    Ok(SweepOutcome { exit: table.exit(), result })
-}
 
-/// What must hold of all runs: a fitting command, paths that the case has.
-fn check(document: &Document, sweep: &Sweep, swept: &[Swept], runs: &[Combination]) -> Result<(), Diagnostics> {
-    let complain = |file: &str, message: String| {
-        Diagnostics::from(Diagnostic { file: file.to_owned(), path: String::new(), line: 0, column: 0, message })
-    };
-    if !matches!(sweep.command, Command::Optimize | Command::Solve) {
-        let message = format!("a sweep runs \"optimize\" or \"solve\", not \"{}\"", sweep.command.name());
-        return Err(complain("--command", message));
+    fn add(&mut self, row: SweepRow, origin: Origin) {
+        if self.sweep.warm && row.figures.contains_key("stop") {
+            self.warm_from = Some(row.directory.clone());
+        }
+        self.console.say(line(&row, origin, self.plan.runs.len()));
+        self.worst = Exit::of_code(row.exit).map_or(self.worst, |exit| self.worst.worst(exit));
+        self.table.rows.push(row);
     }
-    if sweep.warm && sweep.command != Command::Optimize {
-        return Err(complain("--warm", "only optimisations start from the optimum before".to_owned()));
+
+    fn exit(&self) -> Exit {
+        if self.table.missing.is_empty() { self.worst } else { self.worst.worst(Exit::NotConverged) }
     }
-    if let Some(one) = swept.iter().find(|one| sweep.warm && is_start(&one.path)) {
-        return Err(complain(
-            "--warm",
-            format!("the starts are those of the run before: leave out --set {}", one.path),
-        ));
-    }
-    let mut problems: Vec<Diagnostic> = Vec::new();
-    for run in runs {
-        let mut changed = document.clone();
-        for setting in settings(swept, run) {
-            let found = changed.set(&setting).err();
-            let found = found.iter().flat_map(Diagnostics::list).filter(|one| !problems.contains(one)).cloned();
-            problems.extend(found.collect::<Vec<_>>());
+
+    /// Writes the table, unless others have a part in it.
+    fn write(&mut self) -> Result<(), RunError> {
+        self.table.missing = self.missing();
+        self.table.exit = self.exit().code();
+        match &self.claimed {
+            Some(out) => Ok(self.table.write(out.path())?),
+            None => Ok(()),
         }
     }
-    Diagnostics::new(problems).into_result()
-}
 
-/// Whether a path is, or holds, the start of a control.
-fn is_start(path: &str) -> bool {
-    path.split('/').any(|part| part == "controls") && (path.ends_with("/start") || path.ends_with("controls"))
-}
-
-/// The options of one run.
-fn settings(swept: &[Swept], run: &Combination) -> Vec<String> {
-    swept.iter().zip(&run.at).map(|(one, &k)| one.setting(k)).collect()
-}
-
-/// Paths of all controls, those of load cases too.
-fn controls(document: &Document) -> Vec<String> {
-    let entries = |node: Option<&Node>| match node.map(|node| &node.value) {
-        Some(Tree::Array(entries)) => entries.len(),
-        _ => 0,
-    };
-    let mut out: Vec<String> = Vec::new();
-    let cases = entries(document.root().find("load_cases"));
-    for block in std::iter::once("controls".to_owned()).chain((0..cases).map(|k| format!("load_cases/{k}/controls"))) {
-        out.extend((0..entries(document.root().find(&block))).map(|k| format!("{block}/{k}")));
-    }
-    out
-}
-
-fn title(case: &Value, file: &Path) -> String {
-    let name = || case_name(&file.display().to_string());
-    format!("{}: sweep", case["title"].as_str().map_or_else(name, str::to_owned))
-}
-
-fn introduce(sweep: &Sweep, swept: &[Swept], runs: usize, console: &Console) {
-    let several = swept.iter().filter(|one| one.is_swept()).count() > 1;
-    let how = if several { ", all combinations" } else { "" };
-    console.say(format!("sweep       {} of {}{how}", count(runs, "run"), sweep.command.name()));
-    for one in swept {
-        let head = if one.is_swept() { "swept" } else { "fixed" };
-        console.say(format!("{head:<12}{} = {}", one.path, one.values.join(", ")));
-    }
-    if sweep.warm {
-        console
-            .say("warm        every run after the first starts from the controls of the last one before that has some");
+    fn conclude(&self, made: usize, kept: usize) {
+        let (console, missing) = (self.console, &self.table.missing);
+        if !missing.is_empty() {
+            let more = if missing.len() > NAMED { " .." } else { "" };
+            let named = missing.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(" ");
+            console.say(format!("missing     {}: {named}{more}", count(missing.len(), "run")));
+        }
+        match self.options.share {
+            Share::Part(part) if self.sweep.warm && !part.is_first() => {
+                console
+                    .say(format!("part {part:<7}nothing to run: a warm sweep is one chain, which the first part runs"));
+            }
+            Share::Part(part) => {
+                let runs = count(made, "run");
+                console.say(format!(
+                    "part {part:<7}{runs} made, {kept} kept; --join makes the table when all parts are done"
+                ));
+            }
+            Share::Whole | Share::Join => {
+                let files = "sweep.csv, sweep.json, sweep.svg, sweep.pvd";
+                console.say(format!("results     {}: {files}", self.out.display()));
+            }
+        }
     }
 }
 
 /// What is said of one run.
-fn line(row: &Row, index: usize, runs: usize) -> String {
+fn line(row: &SweepRow, origin: Origin, runs: usize) -> String {
     let number = |figure: &str, label: &str| row.number(figure).map(|value| format!("{label} {}", short(value)));
     let iterations = row.number("iterations").map(|n| count(n as usize, "iteration"));
     let parts = [number("cost/total", "cost"), number("hausdorff/true", "true Hausdorff"), iterations];
-    let mut text = format!("{:<12}{}: ", format!("run {}/{runs}", index + 1), row.directory);
-    text +=
-        &parts.into_iter().flatten().chain([format!("exit code {}", row.exit.code())]).collect::<Vec<_>>().join(", ");
+    let mut text = format!("{:<12}{}: ", format!("run {}/{runs}", row.index + 1), row.directory);
+    text += &parts.into_iter().flatten().chain([format!("exit code {}", row.exit)]).collect::<Vec<_>>().join(", ");
     if let Some(error) = &row.error {
         text += &format!(" ({error})");
     } else if !row.is_done() {
         text += &row.figures.get("stop").and_then(Value::as_str).map_or_else(String::new, |stop| format!(" ({stop})"));
     }
+    text += match origin {
+        Origin::Made => "",
+        Origin::Resumed => "; went on from its checkpoint",
+        Origin::Kept => "; kept",
+    };
     if !row.warnings.is_empty() {
         text += &format!("; WARNING: {}", row.warnings.join(", "));
     }
     text
-}
-
-/// All runs so far.
-struct Table<'s> {
-    swept: &'s [Swept],
-    sweep: &'s Sweep,
-    case: &'s Path,
-    title: String,
-    planned: usize,
-    rows: Vec<Row>,
-}
-
-impl Table<'_> {
-    fn exit(&self) -> Exit {
-        let worst = self.rows.iter().fold(Exit::Done, |worst, row| worst.worst(row.exit));
-        if self.rows.len() < self.planned { worst.worst(Exit::NotConverged) } else { worst }
-    }
-
-    fn record(&self) -> SweepRecord {
-        let (swept, fixed): (Vec<&Swept>, Vec<&Swept>) = self.swept.iter().partition(|one| one.is_swept());
-        let of = |one: &Swept| SweptRecord { path: one.path.clone(), values: one.values.clone() };
-        SweepRecord {
-            command: self.sweep.command.name().to_owned(),
-            case: self.case.display().to_string(),
-            swept: swept.into_iter().map(of).collect(),
-            fixed: fixed.into_iter().map(|one| one.setting(0)).collect(),
-            warm: self.sweep.warm,
-            planned: self.planned,
-            runs: self.rows.iter().map(Row::record).collect(),
-            exit: self.exit().code(),
-        }
-    }
-
-    /// Writes `sweep.json`, `sweep.csv`, `sweep.svg` and a `sweep.pvd` for every load case.
-    fn write(&self, out: &Directory) -> Result<(), RunError> {
-        out.write_json("sweep.json", &self.record())?;
-        let text = csv::table(&self.rows.iter().map(Row::cells).collect::<Vec<_>>());
-        write_atomically(out.file("sweep.csv"), |out| out.write_all(text.as_bytes()))?;
-        match plot::chart(&self.title, self.swept, &self.rows) {
-            Some(chart) => chart.write(out.file("sweep.svg"))?,
-            None => out.remove("sweep.svg")?,
-        }
-        let collections = self.collections();
-        if collections.is_empty() {
-            out.remove("sweep.pvd")?;
-        }
-        for (name, entries) in collections {
-            nastic_io::write_pvd(out.file(&name), &entries)?;
-        }
-        Ok(())
-    }
-
-    /// Names of collections, and the states that the runs found.
-    fn collections(&self) -> Vec<(String, Vec<(f64, String)>)> {
-        let file = if self.sweep.command == Command::Optimize { "optimum.vtu" } else { "start.vtu" };
-        let mut out: Vec<(String, Vec<(f64, String)>)> = vec![];
-        let times = plot::times(self.swept, self.planned);
-        for (row, time) in self.rows.iter().zip(times).filter(|(row, _)| row.figures.contains_key("min_J")) {
-            for (stem, case) in &row.stems {
-                let name = format!("{case}sweep.pvd");
-                let entry = (time, format!("{}/{stem}{file}", row.directory));
-                match out.iter_mut().find(|(known, _)| *known == name) {
-                    Some((_, entries)) => entries.push(entry),
-                    None => out.push((name, vec![entry])),
-                }
-            }
-        }
-        out
-    }
 }

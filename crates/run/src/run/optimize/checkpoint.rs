@@ -119,14 +119,14 @@ impl Record {
     }
 }
 
-/// Where an optimisation stood that did not come to its end; `None` where there is none, or where nothing was evaluated.
+/// Case and iteration of an optimisation that did not come to its end; `None` where there is none, or where nothing was evaluated.
 ///
 /// # Errors
 /// There is a checkpoint, and it cannot be read: whether it is worth keeping is not known.
-pub(super) fn interrupted(out: &Directory) -> Result<Option<Written>, CheckpointError> {
-    match Checkpoint::read(out.path()) {
-        Ok(Checkpoint { ended: false, position: Some(position), .. }) if !position.is_start() => {
-            Ok(Some(position.place()))
+pub(in crate::run) fn interrupted(directory: &Path) -> Result<Option<(CaseRecord, usize)>, CheckpointError> {
+    match Checkpoint::read(directory) {
+        Ok(Checkpoint { ended: false, position: Some(position), case }) if !position.is_start() => {
+            Ok(Some((case, position.place().iteration)))
         }
         Ok(_) | Err(CheckpointError::Missing { .. }) => Ok(None),
         Err(error) => Err(error),

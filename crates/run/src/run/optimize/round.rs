@@ -2,7 +2,6 @@
 
 use crate::run::check_gradient;
 use crate::run::error::RunError;
-use crate::run::optimize::early_stopping::Standing;
 use crate::run::optimize::finished_run::{FinishedRun, read_start, write_start};
 use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::minimization::{Minimized, begin_run, evaluate, minimize, resume_run};
@@ -16,6 +15,7 @@ use crate::run::session::{Session, say_warning};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Solver, available_memory};
 use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::early_stopping::Standing;
 use nastic_opt::{Failed, Objective, Optimizer, Stop, TaylorError, Verdict};
 use nastic_report::record::{GradientCheckRecord, StartRecord as StartEntry};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -346,7 +346,8 @@ pub(super) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result
     start.map_err(|failed| session.unfit_checkpoint(&failed.to_string()))
 }
 
-fn failed(index: usize, warnings: Vec<nastic_case::warning::Warning>, entry: StartEntry) -> StartRun {
+/// A start that has failed.
+pub(super) fn failed(index: usize, warnings: Vec<nastic_case::warning::Warning>, entry: StartEntry) -> StartRun {
     let ended = Ended { entry, m: vec![], standing: None, warnings, lines: vec![] };
     StartRun { index, phase: Phase::Ended(Box::new(ended)) }
 }

@@ -2,11 +2,11 @@
 
 use crate::result::warning_record::{warning_of, warning_record};
 use crate::run::optimize::checkpoint::{read_json, write_json};
-use crate::run::optimize::early_stopping::Standing;
 use crate::run::optimize::run_trials::RunTrials;
 use nastic_case::warning::Warning;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::early_stopping::Standing;
 use nastic_opt::{AugmentedState, SavedRunError};
 use nastic_report::record::{GradientCheckRecord, StartRecord as StartEntry};
 

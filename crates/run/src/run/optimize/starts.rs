@@ -2,8 +2,6 @@
 
 use crate::run::error::RunError;
 use crate::run::optimize::checkpoint::Position;
-use crate::run::optimize::early_stopping;
-use crate::run::optimize::early_stopping::{Outperformed, Standing};
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::minimization::resume_run;
@@ -11,12 +9,14 @@ use crate::run::optimize::recorder::write_iterates;
 use crate::run::optimize::round::{Round, RoundEnd, best_bytes, ended, read_record};
 use crate::run::optimize::same_program::same_program;
 use crate::run::optimize::start_place::seed;
-use crate::run::optimize::start_run::{Begun, Phase, StartRun, UnderWay};
+use crate::run::optimize::start_run::{Phase, StartRun, UnderWay};
 use crate::run::optimize::table_of_starts::failed_entry;
 use crate::run::session::{Session, say_warning};
 use nastic_case::warning::Warning;
 use nastic_language::number::short;
 use nastic_opt::bytes::Reader;
+use nastic_opt::early_stopping;
+use nastic_opt::early_stopping::{Outperformed, Standing};
 use nastic_opt::{AugmentedBest, Constrained, Failed, Optimizer, Stop};
 use nastic_report::record::{GradientCheckRecord, StartRecord};
 use std::sync::Mutex;
@@ -51,46 +51,29 @@ struct Rounds<'s> {
 }
 
 impl Starts {
-    /// Runs from the start as written, which is evaluated already, and from random ones.
+    /// Runs all starts from a position on to their ends; `resumed`: that of a program before this one.
     ///
     /// # Errors
-    /// As [`Self::resume`]: what was said stays in `warnings`.
+    /// A run cannot begin, `history.jsonl` cannot be written, or a checkpoint is not of this case: what was said stays in `warnings`.
     pub fn run(
         &mut self,
         session: &Session<'_>,
         optimizer: &dyn Optimizer,
-        first: Begun,
-        gradient_check: GradientCheckRecord,
-        journal: &SharedJournal,
-    ) -> Result<(), RunError> {
-        say_optimizer(session, optimizer);
-        let mut starts = vec![StartRun { index: 0, phase: Phase::Evaluated(Box::new(first)) }];
-        starts.extend((1..session.problem.case.optimizer.starts).map(StartRun::waiting));
-        let rounds = Rounds { session, optimizer, journal, gradient_check, round: 0, starts, best: None };
-        self.finish(rounds, vec![], false)
-    }
-
-    /// Goes on from a checkpoint.
-    ///
-    /// # Errors
-    /// A run cannot begin, `history.jsonl` cannot be written, or the checkpoint is not of this case.
-    pub fn resume(
-        &mut self,
-        session: &Session<'_>,
-        optimizer: &dyn Optimizer,
         position: Position,
-        journal: &SharedJournal,
+        (journal, resumed): (&SharedJournal, bool),
     ) -> Result<(), RunError> {
         let Position { gradient_check, round, history, best, starts } = position;
         let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
         let best = best.map(|bytes| read_best(session, &bytes)).transpose().map_err(unfit)?;
         let rounds = Rounds { session, optimizer, journal, gradient_check, round, starts, best };
-        rounds.starts.iter().flat_map(StartRun::warnings).for_each(|warning| say_warning(session.console, warning));
-        if session.problem.case_file().is_none() {
-            rounds.check_program()?;
+        if resumed {
+            rounds.starts.iter().flat_map(StartRun::warnings).for_each(|warning| say_warning(session.console, warning));
+            if session.problem.case_file().is_none() {
+                rounds.check_program()?;
+            }
         }
         say_optimizer(session, optimizer);
-        self.finish(rounds, history, true)
+        self.finish(rounds, history, resumed)
     }
 
     /// All rounds; what they have found.
@@ -217,7 +200,8 @@ impl Rounds<'_> {
     }
 }
 
-fn read_best(session: &Session<'_>, bytes: &[u8]) -> Result<(usize, FinishedRun), Failed> {
+/// The best of the starts that have ended, from a checkpoint.
+pub(super) fn read_best(session: &Session<'_>, bytes: &[u8]) -> Result<(usize, FinishedRun), Failed> {
     let mut input = Reader::new(bytes, "").map_err(Failed::new)?;
     let index = input.number().map_err(Failed::new)?;
     let run = FinishedRun::from_bytes(&input.list().map_err(Failed::new)?, &session.problem.ensemble)?;

@@ -74,11 +74,11 @@ impl<'p> Series<'p> {
             }
         }
         let rows = self.rows.len();
-        let tell = |(mut warning, count): (Warning, usize)| {
+        let with_count = |(mut warning, count): (Warning, usize)| {
             warning.message += &format!(" (the first of {count} such states among {rows})");
             warning
         };
-        shown.into_iter().map(tell).collect()
+        shown.into_iter().map(with_count).collect()
     }
 
     /// A row as it is written, with the cells marked where the body intersects itself.

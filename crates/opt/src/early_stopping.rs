@@ -1,6 +1,6 @@
 //! Early stopping: which of several starts cannot reach the best one any more.
 
-use nastic_opt::Progress;
+use crate::Progress;
 
 /// Iterations at which starts are compared for the first time; each further round has twice as many as all before.
 const FIRST: usize = 10;
@@ -11,7 +11,7 @@ const MARGIN: f64 = 2.0;
 
 /// A start in the last continuation stage, where costs of different starts compare.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Standing {
+pub struct Standing {
     /// The lowest so far.
     pub cost: f64,
     /// The cost that it may yet reach: c (c/c_half) / [`MARGIN`], c_half the lowest after half of the iterations; the factor of the latter half
@@ -21,9 +21,10 @@ pub(super) struct Standing {
 
 /// A start that is stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Outperformed {
+pub struct Outperformed {
     /// Its number.
     pub start: usize,
+    /// What it had reached.
     pub standing: Standing,
     /// The cost of the best start.
     pub best: f64,
@@ -47,13 +48,13 @@ impl Standing {
 }
 
 /// Number of iterations at which a round ends: 10, 20, 40 ..
-pub(super) fn limit(round: usize) -> usize {
+pub fn limit(round: usize) -> usize {
     FIRST.saturating_mul(1_usize.checked_shl(round.try_into().unwrap_or(u32::MAX)).unwrap_or(usize::MAX))
 }
 
 /// Those starts under way that cannot reach the lowest cost so far: the worst first, at most half of all under way (rounded down).
 /// The best one is never among them, since what it may reach is no more than its cost.
-pub(super) fn outperformed(under_way: &[(usize, Option<Standing>)], ended: &[Standing]) -> Vec<Outperformed> {
+pub fn outperformed(under_way: &[(usize, Option<Standing>)], ended: &[Standing]) -> Vec<Outperformed> {
     let known = under_way.iter().filter_map(|(_, standing)| standing.as_ref()).chain(ended);
     let best = known.map(|standing| standing.cost).fold(f64::INFINITY, f64::min);
     let hopeless = |(start, standing): &(usize, Option<Standing>)| {

@@ -1,20 +1,21 @@
-//! [`Row`]: one run of a sweep as a row of its table.
+//! [`SweepRow`]: one run of a sweep as a row of its table.
 
-use crate::run::error::{Exit, RunError};
-use crate::run::outcome::Outcome;
-use nastic_report::record::{MemberRecord, RunRecord, SweepRunRecord};
+use crate::record::{MemberRecord, RunRecord, SweepRunRecord};
 use serde_json::{Map, Value};
-use std::path::Path;
 
 /// What one run of a sweep found.
-pub(super) struct Row {
+pub struct SweepRow {
+    /// Its number among the planned runs, from 0.
+    pub index: usize,
     /// Its directory, in that of the sweep.
     pub directory: String,
     /// The swept paths with their values as they were typed.
     pub values: Vec<(String, String)>,
     /// Directory of the run whose optimum it started from.
     pub warm_from: Option<String>,
-    pub exit: Exit,
+    /// Its exit code.
+    pub exit: u8,
+    /// Why it failed.
     pub error: Option<String>,
     /// Codes of its warnings, each once, in alphabetical order.
     pub warnings: Vec<String>,
@@ -49,23 +50,21 @@ const OF_CASES: [&str; 5] = ["cost", "hausdorff", "tracking", "probes", "contrib
 const LEFT_OUT: [&str; 10] =
     ["array", "slot", "space", "grid", "unit", "unknowns", "lower", "upper", "point", "position"];
 
-impl Row {
-    pub fn of(directory: &str, values: Vec<(String, String)>, ran: Result<Outcome, RunError>, out: &Path) -> Self {
-        let (exit, error, record) = match ran {
-            Ok(outcome) => (outcome.exit, None, outcome.record),
-            // What a failed solve found out before is in its directory; nothing is written of a case that is wrong.
-            Err(error @ (RunError::Forward { .. } | RunError::Motion { .. })) => {
-                let text = std::fs::read_to_string(out.join(directory).join("result.json")).ok();
-                let known = text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default();
-                (error.exit(), Some(error.to_string()), known)
-            }
-            Err(error) => (error.exit(), Some(error.to_string()), RunRecord::default()),
-        };
+impl SweepRow {
+    /// The run of this index, by the exit code and the error it ended with and by what it left in its `result.json`.
+    #[must_use]
+    pub fn of(
+        (index, directory): (usize, &str),
+        values: Vec<(String, String)>,
+        (exit, error): (u8, Option<String>),
+        record: RunRecord,
+    ) -> Self {
         let figures = record.to_json().map(|result| figures(&result)).unwrap_or_default();
         let mut warnings: Vec<String> = record.warnings.into_iter().map(|warning| warning.code).collect();
         warnings.sort_unstable();
         warnings.dedup();
         Self {
+            index,
             directory: directory.to_owned(),
             values,
             warm_from: None,
@@ -77,16 +76,19 @@ impl Row {
         }
     }
 
+    /// A figure that is a number.
+    #[must_use]
     pub fn number(&self, figure: &str) -> Option<f64> {
         self.figures.get(figure)?.as_f64()
     }
 
-    /// Whether it found what it looked for.
+    /// Whether it found what it looked for: exit code 0, or 8 of warnings.
+    #[must_use]
     pub fn is_done(&self) -> bool {
-        matches!(self.exit, Exit::Done | Exit::Warned)
+        matches!(self.exit, 0 | 8)
     }
 
-    pub fn record(&self) -> SweepRunRecord {
+    pub(super) fn record(&self) -> SweepRunRecord {
         let value = |(path, text): &(String, String)| {
             (path.clone(), serde_json::from_str(text).unwrap_or_else(|_| text.as_str().into()))
         };
@@ -94,7 +96,7 @@ impl Row {
             run: self.directory.clone(),
             values: Some(self.values.iter().map(value).collect()),
             warm_from: self.warm_from.clone().into(),
-            exit: self.exit.code(),
+            exit: self.exit,
             warnings: self.warnings.clone(),
             error: self.error.clone().into(),
             figures: Some(self.figures.clone().into_iter().collect()),
@@ -102,11 +104,11 @@ impl Row {
     }
 
     /// The same without depth, for the table.
-    pub fn cells(&self) -> Value {
+    pub(super) fn cells(&self) -> Value {
         let mut out = Map::new();
         out.insert("run".into(), self.directory.as_str().into());
         out.extend(self.values.iter().map(|(path, text)| (path.clone(), text.as_str().into())));
-        out.insert("exit".into(), self.exit.code().into());
+        out.insert("exit".into(), self.exit.into());
         out.insert("warnings".into(), self.warnings.join(" ").into());
         out.insert("error".into(), self.error.clone().into());
         out.extend(self.figures.clone());

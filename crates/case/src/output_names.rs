@@ -60,12 +60,12 @@ const OPTIMIZE: &[&str] = &[
     "iterates.bin",
 ];
 /// Of `fit`.
-pub(crate) const FIT: &[&str] = &["fit.json", "fit.svg", "fit_#.svg"];
+pub const FIT: &[&str] = &["fit.json", "fit.svg", "fit_#.svg"];
 /// Of `sweep`.
-pub(crate) const SWEEP: &[&str] = &["sweep.csv", "sweep.json", "sweep.svg", "sweep.pvd"];
+pub const SWEEP: &[&str] = &["sweep.csv", "sweep.json", "sweep.svg", "sweep.pvd"];
 
 /// The patterns of the names of what a command writes.
-pub(crate) fn written_by(command: &Command) -> Vec<&'static str> {
+pub fn written_by(command: &Command) -> Vec<&'static str> {
     let own: &[&[&str]] = match command {
         Command::Check | Command::Gradcheck | Command::Modes => &[ALL],
         Command::Solve => &[ALL, MOTION, SOLVE],
@@ -75,13 +75,18 @@ pub(crate) fn written_by(command: &Command) -> Vec<&'static str> {
     own.concat()
 }
 
+/// Whether a command writes files of such a name.
+pub fn is_written_by(command: &Command, name: &str) -> bool {
+    written_by(command).iter().any(|pattern| matches(name, pattern))
+}
+
 /// The first name of a list that no pattern has: such a file could replace what the case reads.
-pub(crate) fn unlisted<'n>(patterns: &[&str], names: &'n [String]) -> Option<&'n String> {
+pub fn unlisted<'n>(patterns: &[&str], names: &'n [String]) -> Option<&'n String> {
     names.iter().find(|name| !patterns.iter().any(|pattern| matches(name, pattern)))
 }
 
 /// The first of these inputs that a file of such a name in the directory would replace.
-pub(crate) fn replaced<'f>(
+pub fn replaced<'f>(
     directory: &Path,
     patterns: &[&str],
     inputs: impl IntoIterator<Item = &'f Path>,

@@ -1,6 +1,6 @@
 //! The lock of an output directory: one program at a time writes there.
 
-use nastic_io::WriteError;
+use crate::error::WriteError;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
@@ -12,36 +12,41 @@ const NAME: &str = ".lock";
 
 /// A held lock. The system releases it when it is dropped or the process ends, however that comes about.
 #[derive(Debug)]
-pub(crate) struct DirectoryLock {
+pub struct DirectoryLock {
     _file: File,
     held: bool,
 }
 
-/// Why a directory cannot be used.
+/// Why a directory cannot be locked.
 #[derive(Debug, Error)]
-pub(crate) enum DirectoryError {
-    /// It, or a file in it, cannot be written.
+pub enum LockError {
+    /// The file that is locked cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// Another program writes there.
-    #[error("{} is in use", directory.display())]
-    InUse { directory: PathBuf, process: Option<u32> },
-    /// A file that is read has the name of one that is to be written there.
-    #[error("{} would be replaced", file.display())]
-    Input { file: PathBuf },
+    /// Another program holds the lock.
+    #[error("{} is in use by another program{}", directory.display(), process.map_or_else(String::new, |process| format!(" (process {process})")))]
+    InUse {
+        /// The directory.
+        directory: PathBuf,
+        /// The other program, where its number is known.
+        process: Option<u32>,
+    },
 }
 
 impl DirectoryLock {
     /// Locks a directory that exists.
-    pub fn acquire(directory: &Path) -> Result<Self, DirectoryError> {
+    ///
+    /// # Errors
+    /// [`LockError`]: another program holds the lock, or its file cannot be made.
+    pub fn acquire(directory: &Path) -> Result<Self, LockError> {
         let path = directory.join(NAME);
-        let fail = |source| DirectoryError::from(WriteError::System { file: path.clone(), source });
+        let fail = |source| LockError::from(WriteError::System { file: path.clone(), source });
         let mut file =
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
         let held = match file.try_lock() {
             Ok(()) => true,
             Err(TryLockError::WouldBlock) => {
-                return Err(DirectoryError::InUse { directory: directory.to_owned(), process: process(&mut file) });
+                return Err(LockError::InUse { directory: directory.to_owned(), process: process(&mut file) });
             }
             // A file system without locks: two programs do not notice each other there.
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => false,
@@ -53,6 +58,7 @@ impl DirectoryLock {
     }
 
     /// Whether no other program can write there; false on a file system without locks.
+    #[must_use]
     pub fn is_held(&self) -> bool {
         self.held
     }

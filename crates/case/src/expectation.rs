@@ -35,7 +35,8 @@ impl fmt::Display for Missed {
 
 /// How many expectations the command has, and which it missed. A command that was asked for something else than its
 /// usual result is held only to the values that it has.
-pub(crate) fn judge(
+#[must_use]
+pub fn judge(
     expect: &BTreeMap<String, Expectation>,
     command: &Command,
     usual: bool,

@@ -1,0 +1,96 @@
+//! [`SweepTable`]: the runs of a sweep as a table, and its files.
+
+mod chart;
+mod row;
+
+pub use chart::SweepAxis;
+pub use row::SweepRow;
+
+use crate::csv;
+use crate::record::SweepRecord;
+use nastic_io::{WriteError, write_atomically, write_pvd};
+use std::path::Path;
+
+/// The runs of a sweep. Nothing in it depends on clocks, nor on which process made which run, nor on when.
+pub struct SweepTable {
+    /// Title of the plot.
+    pub title: String,
+    /// What was asked for; [`Self::record`] adds what was found.
+    pub asked: SweepRecord,
+    /// The first swept option.
+    pub axis: SweepAxis,
+    /// The time of every planned run in `sweep.pvd`.
+    pub times: Vec<f64>,
+    /// The runs that were made, in their order.
+    pub rows: Vec<SweepRow>,
+    /// Directories of those that were not.
+    pub missing: Vec<String>,
+    /// The exit code.
+    pub exit: u8,
+}
+
+impl SweepTable {
+    /// The content of `sweep.json`.
+    #[must_use]
+    pub fn record(&self) -> SweepRecord {
+        SweepRecord {
+            runs: self.rows.iter().map(SweepRow::record).collect(),
+            missing: self.missing.clone(),
+            exit: self.exit,
+            ..self.asked.clone()
+        }
+    }
+
+    /// Writes `sweep.json`, `sweep.csv`, `sweep.svg` and a `sweep.pvd` for every load case.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or an old one that cannot be removed.
+    pub fn write(&self, directory: &Path) -> Result<(), WriteError> {
+        let record = self.record();
+        write_atomically(directory.join("sweep.json"), |out| {
+            serde_json::to_writer_pretty(&mut *out, &record)?;
+            out.write_all(b"\n")
+        })?;
+        let text = csv::table(&self.rows.iter().map(SweepRow::cells).collect::<Vec<_>>());
+        write_atomically(directory.join("sweep.csv"), |out| out.write_all(text.as_bytes()))?;
+        match chart::chart(&self.title, &self.asked.swept, &self.axis, &self.rows) {
+            Some(chart) => chart.write(directory.join("sweep.svg"))?,
+            None => remove(&directory.join("sweep.svg"))?,
+        }
+        let collections = self.collections();
+        if collections.is_empty() {
+            remove(&directory.join("sweep.pvd"))?;
+        }
+        for (name, entries) in collections {
+            write_pvd(directory.join(&name), &entries)?;
+        }
+        Ok(())
+    }
+
+    /// Names of collections, and the states that the runs found.
+    fn collections(&self) -> Vec<(String, Vec<(f64, String)>)> {
+        let file = if self.asked.command == "optimize" { "optimum.vtu" } else { "start.vtu" };
+        let mut out: Vec<(String, Vec<(f64, String)>)> = vec![];
+        for row in self.rows.iter().filter(|row| row.figures.contains_key("min_J")) {
+            for (stem, case) in &row.stems {
+                let name = format!("{case}sweep.pvd");
+                let entry = (self.times[row.index], format!("{}/{stem}{file}", row.directory));
+                match out.iter_mut().find(|(known, _)| *known == name) {
+                    Some((_, entries)) => entries.push(entry),
+                    None => out.push((name, vec![entry])),
+                }
+            }
+        }
+        out
+    }
+}
+
+/// Removes a file, if it is there.
+fn remove(file: &Path) -> Result<(), WriteError> {
+    match std::fs::remove_file(file) {
+        Err(source) if source.kind() != std::io::ErrorKind::NotFound => {
+            Err(WriteError::System { file: file.to_owned(), source })
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,263 @@
+//! Starts in processes of their own: each leaves a checkpoint in a directory of its own; of these the optimisation is joined.
+
+use crate::result::checkpoint_file;
+use crate::result::checkpoint_file::CheckpointError;
+use crate::result::files::Directory;
+use crate::run::case_record::CaseRecord;
+use crate::run::error::{Exit, RunError};
+use crate::run::optimize::checkpoint::{Checkpoint, Position, record_end};
+use crate::run::optimize::journal::{Journal, SharedJournal};
+use crate::run::optimize::round::{RoundEnd, best_bytes, failed};
+use crate::run::optimize::start_place::seed;
+use crate::run::optimize::start_run::{Phase, StartRun};
+use crate::run::optimize::starts::{Starts, read_best};
+use crate::run::optimize::table_of_starts::failed_entry;
+use crate::run::optimize::{conclude, first_start, make_room, may_replace, spectrum};
+use crate::run::session::Session;
+use nastic_case::output_names;
+use nastic_case::part::Part;
+use nastic_io::{WriteError, write_atomically};
+use nastic_language::number::count;
+use nastic_language::schema::Command;
+use nastic_numeric::format::scientific;
+use nastic_opt::{Constrained as _, Optimizer, early_stopping};
+use nastic_report::record::{GradientCheckRecord, StartRecord};
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Files of a start that are not those of the optimisation under the same name.
+const OWN: [&str; 2] = [checkpoint_file::NAME, "history.jsonl"];
+
+/// The directory of a start in that of the optimisation.
+fn directory(out: &Path, index: usize) -> PathBuf {
+    out.join(format!("start_{index}"))
+}
+
+/// What must hold of starts that do not know of each other.
+fn check(session: &Session<'_>, optimizer: &dyn Optimizer) -> Result<(), RunError> {
+    let (problem, options) = (&session.problem, &session.problem.case.optimizer);
+    if options.starts < 2 {
+        let message = "--part and --join divide the starts of an optimisation, and the case has one: --set optimizer/starts=8 makes eight";
+        return Err(problem.complain("optimizer/starts", message.to_owned()).into());
+    }
+    let compares = problem.ensemble.constraints().is_empty();
+    if options.early_stopping && compares && early_stopping::limit(0) < optimizer.options().max_iterations {
+        let message = "starts in processes of their own are not compared on the way: --part and --join need \
+                       --set optimizer/early_stopping=false";
+        return Err(problem.complain("optimizer/early_stopping", message.to_owned()).into());
+    }
+    session.require(true, true)
+}
+
+/// Runs the starts of a part one after the other, each in a directory of its own in that of the optimisation. Those that have ended are
+/// kept, unless `restart`. The exit code says whether all have ended.
+pub(in crate::run) fn run_part(
+    session: &mut Session<'_>,
+    optimizer: &dyn Optimizer,
+    part: Part,
+    (out, restart): (&Path, bool),
+) -> Result<Exit, RunError> {
+    check(session, optimizer)?;
+    session.find_steps()?;
+    // They hold for the result, which is joined.
+    session.expect = false;
+    let starts = session.problem.case.optimizer.starts;
+    let (mut exit, mut entries) = (Exit::Done, Vec::new());
+    for index in (0..starts).filter(|index| part.has(*index)) {
+        let ran = match session.is_cancelled() {
+            true => Err(RunError::Cancelled),
+            false => run_one(session, optimizer, index, (&directory(out, index), restart)),
+        };
+        // The lock is that of the start.
+        session.out = None;
+        let (own, end) = match ran {
+            Ok(One { exit, entry, how }) => {
+                let end = format!("{}{how}", described(&entry));
+                entries.push(entry);
+                (exit, end)
+            }
+            Err(error) => (error.exit(), error.to_string()),
+        };
+        exit = exit.worst(own);
+        session.console.say(format!("{:<12}start {} of {starts}: {end}", "ended", index + 1));
+    }
+    session.console.say(format!("part {part:<7}--join makes the result when all parts are done"));
+    session.record.optimum.starts = Some(entries);
+    session.interrupted = exit != Exit::Done;
+    Ok(exit)
+}
+
+/// "cost 1.2e-3 after 25 iterations", or why it failed.
+fn described(entry: &StartRecord) -> String {
+    let iterations = count(entry.iterations.unwrap_or_default(), "iteration");
+    match *entry.cost {
+        Some(cost) => format!("cost {} after {iterations}", scientific(cost, 6)),
+        None => format!("failed: {}", entry.failed.as_deref().unwrap_or_default()),
+    }
+}
+
+/// What became of a start.
+struct One {
+    exit: Exit,
+    entry: StartRecord,
+    /// How it came about, where it was not run from its beginning.
+    how: &'static str,
+}
+
+/// Runs a start, or goes on with it, until it has ended.
+fn run_one(
+    session: &mut Session<'_>,
+    optimizer: &dyn Optimizer,
+    index: usize,
+    (directory, restart): (&Path, bool),
+) -> Result<One, RunError> {
+    let out = session.claim(directory.to_owned())?;
+    session.out = Some(out.clone());
+    let known = if restart { None } else { read(session, directory) };
+    if let Some(start) = known.as_ref().and_then(|known| known.starts.get(index))
+        && let Phase::Ended(ended) = &start.phase
+    {
+        return Ok(One { exit: Exit::Done, entry: ended.entry.clone(), how: "; kept" });
+    }
+    let (position, journal, resumed) = match known {
+        Some(position) => {
+            let journal = Journal::resume(session, position.place())?;
+            (position, journal, true)
+        }
+        None => {
+            may_replace(session, restart)?;
+            make_room(session)?;
+            let journal = Journal::begin(session)?;
+            let Some(position) = alone(session, index)? else {
+                let entry = failed_entry(seed(session, index), "its gradient is wrong");
+                return Ok(One { exit: Exit::GradientWrong, entry, how: "" });
+            };
+            (position, journal, false)
+        }
+    };
+    let journal = SharedJournal::new(journal);
+    let mut starts = Starts::default();
+    starts.run(session, optimizer, position, (&journal, resumed))?;
+    let exit = match (starts.interrupted, starts.aborted.is_some()) {
+        (_, true) => Exit::ForwardFailed,
+        (true, _) => Exit::NotConverged,
+        (false, _) => Exit::Done,
+    };
+    if exit == Exit::Done {
+        // Whatever the schedule is: the end is what others read.
+        journal.lock().save();
+    }
+    journal.lock().finish()?;
+    if exit == Exit::Done {
+        record_end(&out, true)?;
+    }
+    let entry = starts.entries.into_iter().nth(index).unwrap_or_default();
+    Ok(One { exit, entry, how: if resumed { "; went on from its checkpoint" } else { "" } })
+}
+
+/// The beginning of one start without the others; `None` if the gradient at the start as written is wrong.
+fn alone(session: &mut Session<'_>, index: usize) -> Result<Option<Position>, RunError> {
+    let (phase, gradient_check) = match index {
+        0 => match first_start(session)? {
+            Some((begun, check)) => (Phase::Evaluated(Box::new(begun)), check),
+            None => return Ok(None),
+        },
+        // The others are evaluated, and their gradients checked, as they begin.
+        _ => (Phase::Waiting, GradientCheckRecord::default()),
+    };
+    let all = 0..session.problem.case.optimizer.starts;
+    let mut starts: Vec<StartRun> = all.map(|other| absent(session, other, "left to another process")).collect();
+    starts[index].phase = phase;
+    Ok(Some(Position { gradient_check, round: 0, history: vec![], best: None, starts }))
+}
+
+fn absent(session: &Session<'_>, index: usize, why: &str) -> StartRun {
+    failed(index, vec![], failed_entry(seed(session, index), why))
+}
+
+/// Where the run in a directory stands, if it is of this case and version of the program.
+fn read(session: &Session<'_>, directory: &Path) -> Option<Position> {
+    let Checkpoint { case, position, .. } = Checkpoint::read(directory).ok()?;
+    position.filter(|_| case.is_same(&CaseRecord::of(&session.problem, &session.settings)))
+}
+
+/// Makes the result of all starts from those that have ended in directories of their own: that of one process.
+pub(in crate::run) fn join(
+    session: &mut Session<'_>,
+    optimizer: &dyn Optimizer,
+    restart: bool,
+) -> Result<Exit, RunError> {
+    check(session, optimizer).and_then(|()| spectrum::check(session)).map_err(|error| session.refuse(error))?;
+    may_replace(session, restart)?;
+    let Some(out) = session.out.clone() else {
+        let message = "the starts to join are in a directory: say which".to_owned();
+        return Err(session.problem.complain("output/directory", message).into());
+    };
+    let (position, missing) = collect(session, &out).map_err(|error| session.refuse(error))?;
+    session.find_steps()?;
+    make_room(session)?;
+    let starts = position.starts.len();
+    for index in (0..starts).filter(|index| !missing.contains(index)) {
+        take_over(&directory(out.path(), index), &out)?;
+    }
+    session.console.say(format!("joined      {} of {}", starts - missing.len(), count(starts, "start")));
+    for index in &missing {
+        session.console.say(format!("missing     start {} of {starts}: no finished run in start_{index}", index + 1));
+    }
+    session.record.gradient_check = position.gradient_check.clone();
+    let journal = SharedJournal::new(Journal::begin(session)?);
+    let (began, mut joined) = (Instant::now(), Starts::default());
+    let ran = joined.run(session, optimizer, position, (&journal, true));
+    match missing.is_empty() {
+        true if session.problem.case.output.checkpoint > 0 => journal.lock().save(),
+        true => {}
+        false => out.remove(checkpoint_file::NAME)?,
+    }
+    let exit = conclude(session, (joined, ran), journal, began)?;
+    Ok(if missing.is_empty() { exit } else { exit.worst(Exit::NotConverged) })
+}
+
+/// All starts that have ended, with the best of them, and the numbers of the others.
+fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usize>), RunError> {
+    let (mut missing, mut found) = (Vec::new(), RoundEnd::default());
+    let (mut gradient_check, mut starts) = (GradientCheckRecord::default(), Vec::new());
+    for index in 0..session.problem.case.optimizer.starts {
+        let directory = directory(out.path(), index);
+        let ended = |position: &Position| position.starts.get(index).is_some_and(StartRun::has_ended);
+        let Some(position) = read(session, &directory).filter(ended) else {
+            missing.push(index);
+            starts.push(absent(session, index, "missing: it has no finished run"));
+            continue;
+        };
+        if index == 0 {
+            gradient_check = position.gradient_check;
+        }
+        starts.extend(position.starts.into_iter().nth(index));
+        if let Some(best) = position.best {
+            let file = directory.join(checkpoint_file::NAME);
+            let unfit = |failed: nastic_opt::Failed| CheckpointError::Content { file, what: failed.to_string() };
+            found.add(index, read_best(session, &best).map_err(unfit)?.1);
+        }
+    }
+    if missing.contains(&0) {
+        // Without it one process has no result either.
+        return Err(RunError::NothingToJoin { directory: out.path().to_owned() });
+    }
+    let best = found.best.as_ref().map(|best| best_bytes(session, best));
+    Ok((Position { gradient_check, round: 0, history: vec![], best, starts }, missing))
+}
+
+/// Copies the files of a start.
+fn take_over(directory: &Path, out: &Directory) -> Result<(), RunError> {
+    let fail = |source| WriteError::System { file: directory.to_owned(), source };
+    for entry in std::fs::read_dir(directory).map_err(fail)? {
+        let entry = entry.map_err(fail)?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if output_names::is_written_by(&Command::Optimize, &name) && !OWN.contains(&name.as_str()) {
+            write_atomically(out.file(&name), |to| {
+                std::io::copy(&mut std::fs::File::open(entry.path())?, to).map(drop)
+            })?;
+        }
+    }
+    Ok(())
+}
