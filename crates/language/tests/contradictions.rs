@@ -308,3 +308,13 @@ fn a_name_fits_into_names_of_files() {
     let message = ": probes/0/name: a name of 101 bytes; names of files bear it: at most 100";
     one(COMPLETE, "\"probes\":    [ { \"name\": \"tip\"", &format!("\"probes\": [ {{ \"name\": \"{name}\""), message);
 }
+
+#[test]
+fn starts_are_counted_before_they_are_made() {
+    one(
+        COMPLETE,
+        "\"optimizer\": {",
+        "\"optimizer\": { \"starts\": 1000000000,",
+        ": optimizer/starts: 1000000000 starts; at most 10000",
+    );
+}

@@ -24,15 +24,15 @@ pub struct LimitError {
 
 /// Bytes that can still be allocated; `None` where nothing is known.
 ///
-/// The least of what the system calls available (`MemAvailable` of `/proc/meminfo`), what the control groups of the process leave,
-/// and [`limit`] less the resident size of the process. A control group (version 1 or 2), and each one above it, leaves its limit less
+/// The least of what the system calls available (`MemAvailable` of `/proc/meminfo`), what the control groups of the process leave, its
+/// limit of address space (`ulimit -v`) less what it has, and [`limit`] less the resident size of the process. A control group (version 1 or 2), and each one above it, leaves its limit less
 /// its usage without the cached files, which the system gives up before it refuses memory. On systems without `/proc` only
 /// [`limit`] counts.
 ///
 /// # Errors
 /// [`LimitError`].
 pub fn available() -> Result<Option<usize>, LimitError> {
-    Ok([of_system(), control_group::left(), of_limit()?].into_iter().flatten().min())
+    Ok([of_system(), control_group::left(), of_address_space(), of_limit()?].into_iter().flatten().min())
 }
 
 /// What [`LIMIT`] allows the process, in bytes; `None` if it is not set. It is read once.
@@ -94,6 +94,14 @@ pub fn peak() -> Option<usize> {
 
 fn of_system() -> Option<usize> {
     kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
+}
+
+/// What `ulimit -v` leaves; `None` without such a limit.
+fn of_address_space() -> Option<usize> {
+    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
+    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
+    let limit: usize = line.split_whitespace().next()?.parse().ok()?;
+    Some(limit.saturating_sub(kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmSize:")?))
 }
 
 fn resident() -> Option<usize> {

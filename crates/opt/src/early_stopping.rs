@@ -14,8 +14,8 @@ const MARGIN: f64 = 2.0;
 pub struct Standing {
     /// The lowest so far.
     pub cost: f64,
-    /// The cost that it may yet reach: c (c/c_half) / [`MARGIN`], c_half the lowest after half of the iterations; the factor of the latter half
-    /// once more, and the margin.
+    /// The cost that it may yet reach: c (c/c_half) / 2, c_half the lowest after half of the iterations; the factor of the latter half
+    /// once more, and a margin of 2.
     pub within_reach: f64,
 }
 

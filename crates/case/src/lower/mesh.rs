@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use crate::lower::problem::CaseProblem;
+use nastic_language::number::short;
 use nastic_language::schema::{BoxMesh, Case, MeshFile, MeshSource};
 use nastic_language::syntax::At;
 use nastic_mesh::{Mesh, MeshError, box_mesh, rectangle};
@@ -58,6 +59,7 @@ fn make(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Mesh>
     let mesh = match source {
         MeshSource::File(file) => read(file, at, context)?,
         MeshSource::Box(block) => {
+            check_size(block, &at.key("box").key("cells"), context)?;
             let mesh = generate(block);
             context.take(at, mesh)?
         }
@@ -71,6 +73,28 @@ fn read(file: &MeshFile, at: &At, context: &mut Context<'_>) -> Option<Mesh> {
     let mesh = nastic_io::read_mesh(&path, file.scale);
     // Named as the case names it: what a reader of messages knows.
     context.take(at, mesh).map(|mesh| mesh.named(file.file.clone()))
+}
+
+/// The least that a body takes by unknown, before anything is solved.
+const BYTES: f64 = 600.0;
+
+/// Complains of meshes that cannot fit into memory, before they are made.
+fn check_size(block: &BoxMesh, at: &At, context: &mut Context<'_>) -> Option<()> {
+    let kind = block.element.0;
+    let Ok(Some(available)) = nastic_fem::available_memory() else { return Some(()) };
+    let nodes: f64 = block.cells.iter().map(|cells| *cells as f64 * kind.order() as f64 + 1.0).product();
+    let needed = BYTES * nodes * kind.dim() as f64;
+    if needed <= available as f64 {
+        return Some(());
+    }
+    let message = format!(
+        "a mesh of some {} nodes takes {} GB at least before anything is solved, {} are available: take fewer cells",
+        short(nodes),
+        short(needed / 1e9),
+        short(available as f64 / 1e9)
+    );
+    context.complain(at, message);
+    None
 }
 
 fn generate(block: &BoxMesh) -> Result<Mesh, MeshError> {

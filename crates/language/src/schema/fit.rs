@@ -2,6 +2,7 @@
 
 use crate::quantity::Want;
 use crate::schema::json::Definitions;
+use crate::schema::optimizer::MOST_STARTS;
 use crate::schema::read::{Read, Reader};
 use crate::syntax::{At, Diagnostics, Document, Node};
 use nastic_fit::{Errors, Fibers, Law};
@@ -137,6 +138,9 @@ impl Read for FitLaw {
 fn check_data(data: &FitData, reader: &mut Reader<'_>) {
     if data.nastic_fit != 1 {
         reader.complain_at(&data.at.key("nastic_fit"), "the version of the format is 1");
+    }
+    if data.starts > MOST_STARTS {
+        reader.complain_at(&data.at.key("starts"), format!("{} starts; at most {MOST_STARTS}", data.starts));
     }
     let volumetric = data.tests.iter().filter(|test| test.kind == FitKind::Volumetric).count();
     if volumetric == data.tests.len() {

@@ -1,10 +1,11 @@
 //! The block `optimizer`.
 
 use crate::schema::named::Method;
+use crate::schema::read::Reader;
 
 object! {
     /// How the cost is made small.
-    pub struct Optimizer {
+    pub struct Optimizer checked by check_starts {
         /// The method.
         pub method: Method = Method::default(),
         /// Iterations after which it stops unconverged.
@@ -27,6 +28,16 @@ object! {
         pub early_stopping: bool = true,
         /// Seed of whatever is random.
         pub seed: u64 = 0,
+    }
+}
+
+/// A record of each start is kept in memory.
+pub(crate) const MOST_STARTS: usize = 10_000;
+
+fn check_starts(block: &Optimizer, reader: &mut Reader<'_>) {
+    if block.starts > MOST_STARTS {
+        let message = format!("{} starts; at most {MOST_STARTS}", block.starts);
+        reader.complain_at(&block.at.key("starts"), message);
     }
 }
 
