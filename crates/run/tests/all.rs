@@ -14,6 +14,7 @@ mod documents;
 mod ensembles;
 mod fibers;
 mod fit;
+mod formula_laws;
 mod formulations;
 mod foundation;
 mod grid;
