@@ -56,6 +56,7 @@ impl Session<'_> {
             self.entries_of(index).time = Some(entry);
         }
         self.report_contacts_of(records);
+        records.iter().for_each(|record| self.entries_of(record.member).reactions = record.reactions.clone());
     }
 }
 
