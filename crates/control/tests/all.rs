@@ -25,6 +25,7 @@ mod print;
 mod refinement;
 mod resumed_motion;
 mod shape_costs;
+mod sizes_of_surfaces;
 mod spaces;
 mod spectrum;
 mod spring;

@@ -17,6 +17,7 @@
 mod choose;
 mod fit_form;
 mod fits;
+mod formula_row;
 mod inputs;
 mod rows;
 
@@ -24,6 +25,7 @@ use std::sync::Arc;
 
 use nastic_tensor::Mat3;
 
+use crate::formula::Step;
 use crate::{Actuation, ConvexDensity, EnergyError, EnergyTerm};
 
 use choose::{choose, distinct};
@@ -61,6 +63,16 @@ pub enum Takes {
         /// The words.
         of: &'static [&'static str],
     },
+    /// An energy density (J/m^3) as a formula of invariants and of the parameters that stand under the other key of its form, [`Takes::Numbers`].
+    Energy {
+        /// An example.
+        example: &'static [Step],
+    },
+    /// Numbers by names that the user chooses, each of which may vary over the body.
+    Numbers {
+        /// An example, in SI units.
+        example: &'static [(&'static str, f64)],
+    },
 }
 
 impl Parameter {
@@ -77,6 +89,16 @@ impl Parameter {
     /// One of a few words.
     pub const fn choice(name: &'static str, of: &'static [&'static str]) -> Self {
         Parameter { name, takes: Takes::Choice { of }, optional: false }
+    }
+
+    /// An energy as a formula.
+    pub const fn energy(name: &'static str, example: &'static [Step]) -> Self {
+        Parameter { name, takes: Takes::Energy { example }, optional: false }
+    }
+
+    /// Numbers by names of the user's.
+    pub const fn numbers(name: &'static str, example: &'static [(&'static str, f64)]) -> Self {
+        Parameter { name, takes: Takes::Numbers { example }, optional: false }
     }
 
     /// The same, which may be left out.

@@ -1,4 +1,5 @@
 use crate::Entry;
+use crate::formula::FormulaError;
 
 /// What can be wrong with an energy term: its parameters, its directions, the size of its fields, its name.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -21,6 +22,9 @@ pub enum EnergyError {
         /// Type of the law.
         owner: &'static str,
     },
+    /// A formula that is no energy of a law.
+    #[error(transparent)]
+    Formula(#[from] FormulaError),
     /// A parameter outside the range in which the law is polyconvex, or not finite.
     #[error("{owner}: {name} = {value:e}{entry}, but {requirement}")]
     Parameter {

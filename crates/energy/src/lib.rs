@@ -13,6 +13,7 @@ pub mod check;
 mod error;
 mod existence;
 mod field;
+pub mod formula;
 mod material;
 mod moduli;
 mod parametrised;

@@ -2,8 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::{
-    Arap, ArrudaBoyce, EnergyTerm, FiberFamily, FiberTension, Gent, HolzapfelGasserOgden, MaterialPoint, MooneyRivlin,
-    NeoHooke, NeoHookeIsochoric, Ogden, SaintVenantKirchhoff, TransverseMooneyRivlin, Turgor, Yeoh, catalogue, check,
+    Arap, ArrudaBoyce, EnergyTerm, FiberFamily, FiberTension, Gent, Guccione, HolzapfelGasserOgden, MaterialPoint,
+    MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, SaintVenantKirchhoff, TransverseMooneyRivlin, Turgor, Yeoh,
+    catalogue, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
@@ -23,6 +24,8 @@ const OGDEN: [[f64; 2]; 3] = [[6.2e5, 1.3], [1.2e3, 5.0], [-1e4, -2.0]];
 const K1: f64 = 4e4;
 const K2: f64 = 0.3;
 const DISPERSION: f64 = 0.1;
+/// b_f, b_t, b_fs of Guccione's law; b_f + b_t = 2 b_fs, where beta is 0.
+const B: [f64; 3] = [0.75, 0.25, 0.5];
 /// Of the fibres: nothing for `E < 0`, half of it less from there on.
 const TOE: f64 = 1e-2;
 
@@ -44,6 +47,12 @@ fn law(name: &str) -> Box<dyn EnergyTerm> {
         "fiber_family" => Box::new(FiberFamily::new(K1, K2, DISPERSION, Vec3::x()).unwrap()),
         "saint_venant_kirchhoff" => Box::new(SaintVenantKirchhoff::new(LAMBDA, MU1).unwrap()),
         "arap" => Box::new(Arap::new(MU1).unwrap()),
+        "guccione" => Box::new(Guccione::new(MU1, B.map(Into::into), KAPPA, Vec3::x()).unwrap()),
+        // that of the Mooney-Rivlin law with the moduli above
+        "formula" => {
+            let row = catalogue::material("formula").unwrap();
+            Box::new(row.build(&row.examples()[0]).unwrap())
+        }
         other => panic!("no closed forms for {other}"),
     }
 }
@@ -129,7 +138,7 @@ fn principal_stress(name: &str, l: [f64; 3], i: usize) -> f64 {
             - 2.0 * log / l[i]
     };
     match name {
-        "mooney_rivlin" => mooney(MU1 + 2.0 * MU2, MU3),
+        "mooney_rivlin" | "formula" => mooney(MU1 + 2.0 * MU2, MU3),
         // |F x|^2 = l0^2, |H x|^2 = (l1 l2)^2.
         "transverse_mooney_rivlin" => {
             let fiber = if i == 0 { l[0] } else { (l[1] * l[2]).powi(2) / l[i] };
@@ -146,6 +155,12 @@ fn principal_stress(name: &str, l: [f64; 3], i: usize) -> f64 {
             l[i] * (LAMBDA * e.iter().sum::<f64>() + 2.0 * MU1 * e[i])
         }
         "arap" => 2.0 * MU1 * (l[i] - 1.0),
+        "guccione" => {
+            let e = l.map(|l| (l * l - 1.0) / 2.0);
+            let b = [B[0], B[1], B[1]];
+            let q: f64 = (0..3).map(|i| b[i] * e[i] * e[i]).sum();
+            MU1 * q.exp() * l[i] * b[i] * e[i] + volumetric(name, volume)[1] * side
+        }
         other => {
             let scale = volume.powf(-2.0 / 3.0);
             let [_, slope] = of_first_invariant(other, scale * square).unwrap();
@@ -182,12 +197,16 @@ fn dilatation() {
                     - 6.0 * log_factor * log
             };
             let energy = match name {
-                "mooney_rivlin" => mooney(MU3, MU1 + 2.0 * MU2),
+                "mooney_rivlin" | "formula" => mooney(MU3, MU1 + 2.0 * MU2),
                 "transverse_mooney_rivlin" => mooney(MU4, MU1 + 2.0 * MU2 + MU3) + MU3 * (s * s + s.powi(4) - 2.0),
                 "neo_hooke" => 1.5 * MU1 * (s * s - 1.0) - 3.0 * MU1 * log + LAMBDA / 2.0 * (j - 1.0).powi(2),
                 "neo_hooke_isochoric" => KAPPA / 4.0 * (j * j - 1.0 - 6.0 * log),
                 "saint_venant_kirchhoff" => (4.5 * LAMBDA + 3.0 * MU1) * ((s * s - 1.0) / 2.0).powi(2),
                 "arap" => 3.0 * MU1 * (s - 1.0).powi(2),
+                "guccione" => {
+                    let e = (s * s - 1.0) / 2.0;
+                    MU1 / 2.0 * ((B[0] + 2.0 * B[1]) * e * e).exp_m1() + volumetric(name, j)[0]
+                }
                 // what is isochoric takes no part
                 other => volumetric(other, j)[0],
             };
@@ -208,7 +227,7 @@ fn simple_shear() {
         // Energy, shear stress, normal stresses.
         let linear = |modulus: f64, normal: [f64; 3]| (modulus / 2.0 * g * g, modulus * g, normal.map(|n| n * g * g));
         let (energy, shear, normal) = match name {
-            "mooney_rivlin" => linear(2.0 * (MU1 + MU2), [2.0 * (MU1 + MU2), 0.0, 2.0 * MU2]),
+            "mooney_rivlin" | "formula" => linear(2.0 * (MU1 + MU2), [2.0 * (MU1 + MU2), 0.0, 2.0 * MU2]),
             // H x = x - g y, so |H x|^2 = 1 + g^2, |F x|^2 = 1; the fibre is not stretched, its normal plane is.
             "transverse_mooney_rivlin" => {
                 linear(2.0 * (MU1 + MU2 + MU3), [2.0 * (MU1 + MU2 + MU3), 0.0, 2.0 * (MU2 + MU3)])
@@ -221,6 +240,14 @@ fn simple_shear() {
                 let (shear, along) = (MU1 * g, side + MU1 * g * g);
                 let energy = LAMBDA / 8.0 * g.powi(4) + MU1 * (g * g / 2.0 + g.powi(4) / 4.0);
                 (energy, shear + g * along, [side + 2.0 * g * shear + g * g * along, along, side])
+            }
+            "guccione" => {
+                // the same sigma = F S F^T with S = C exp(Q) (b_fs E_12, b_t E_22), and E_11 = 0
+                let (e12, e22) = (g / 2.0, g * g / 2.0);
+                let q = B[1] * e22 * e22 + 2.0 * B[2] * e12 * e12;
+                let (shear, along) = (MU1 * q.exp() * B[2] * e12, MU1 * q.exp() * B[1] * e22);
+                let normal = [2.0 * g * shear + g * g * along, along, 0.0];
+                (MU1 / 2.0 * q.exp_m1(), shear + g * along, normal)
             }
             "arap" => {
                 // R turns by atan(g/2)
@@ -262,7 +289,7 @@ fn small_strain_moduli_are_those_of_the_table() {
     for name in names() {
         let found = law(name).moduli(HERE).unwrap();
         let (lambda, mu_t, mu_l, alpha) = match name {
-            "mooney_rivlin" => (6.8e5, 2.4e5, 2.4e5, 0.0),
+            "mooney_rivlin" | "formula" => (6.8e5, 2.4e5, 2.4e5, 0.0),
             "transverse_mooney_rivlin" => (3.28e6, 2.4e5, 8.4e5, -1.2e6),
             "neo_hooke" => (4e5, 1e5, 1e5, 0.0),
             "neo_hooke_isochoric" => (5e5 - 2e5 / 3.0, 1e5, 1e5, 0.0),
@@ -280,6 +307,7 @@ fn small_strain_moduli_are_those_of_the_table() {
             "fiber_family" => (0.0, 0.0, 0.0, 0.0),
             "saint_venant_kirchhoff" => (4e5, 1e5, 1e5, 0.0),
             "arap" => (0.0, 1e5, 1e5, 0.0),
+            "guccione" => (5e5, 1.25e4, 2.5e4, 0.0),
             other => panic!("no moduli for {other}"),
         };
         for (found, expected) in [(found.lambda, lambda), (found.mu_t, mu_t), (found.mu_l, mu_l), (found.alpha, alpha)]

@@ -24,9 +24,9 @@ pub use contributions::body_energy::tensions::ExcessTension;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BeforeStep, BodyPoint, Cavity, Constrains, Contact, ContactLaw, Contribution, ContributionPoint, ControlPoint,
-    Controls, Demand, ExactContact, Foundation, History, Increment, Inertia, Instant, MovingSupport, Need, Prescribes,
-    Remembers, RigidPose, SecondSensitivities, Sensitivities, Sliding, Spring, Sums, SurfaceContact, Tendon, TimeStep,
-    Touch, TouchParameters, Touches, check_contribution,
+    Controls, Demand, ExactContact, Foundation, History, Increment, Inertia, Instant, Lumen, MovingSupport, Need,
+    Prescribes, Remembers, RigidPose, SecondSensitivities, Sensitivities, Sliding, Spring, Sums, SurfaceContact,
+    Tendon, TimeStep, Touch, TouchParameters, Touches, VaryingLoad, check_contribution,
 };
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;

@@ -15,12 +15,14 @@
 //! what a written unit or a coordinate fixes can contradict.
 
 mod analysis;
+mod energy;
 mod evaluate;
 mod formula;
 mod parser;
 mod program;
 mod token;
 
+pub use energy::EnergyFormula;
 pub use evaluate::{EvaluationError, Fault};
 pub use formula::dimension_of;
 pub use formula::{Formula, FormulaError};

@@ -3,6 +3,7 @@
 mod case;
 mod common;
 mod contradictions;
+mod energy_formula;
 mod expression;
 mod hostile;
 mod mistakes;

@@ -198,7 +198,7 @@ fn columns(value: &Fixed, (points, at): (&SamplePoints<'_>, &At), context: &mut 
     })
 }
 
-fn uses_time(value: &Fixed) -> bool {
+pub(super) fn uses_time(value: &Fixed) -> bool {
     match value {
         Fixed::Scalar(Number::Formula(formula)) => formula.uses_time(),
         Fixed::Vector(VectorField::Formulas(entries)) => entries.iter().any(Formula::uses_time),
@@ -207,7 +207,7 @@ fn uses_time(value: &Fixed) -> bool {
 }
 
 /// Lets the slots from `first` on follow a value that changes in time, at the places of the points.
-fn fix_in_time(
+pub(super) fn fix_in_time(
     (value, at): (&Fixed, &At),
     (index, first, only_pulls): (usize, usize, Option<&str>),
     mut reduced: Reduced,

@@ -27,6 +27,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     let reduced = time::apply(case, variant.instants.as_deref(), reduced, context)?;
     let reduced = actuation::fix(case, reduced, context)?;
     let reduced = contact::fix(case, reduced, context)?;
+    let reduced = load::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
     context.is_sound().then_some(reduced)
 }

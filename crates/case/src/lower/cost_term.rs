@@ -61,7 +61,7 @@ impl Lowering<'_> {
             context.complain(&term.at.key(key), error);
             return None;
         }
-        let at = term.form.told_at.map_or_else(|| term.at.clone(), |key| term.at.key(key));
+        let at = term.form.reported_at.map_or_else(|| term.at.clone(), |key| term.at.key(key));
         context.take(&at, made)
     }
 

@@ -93,6 +93,15 @@ pub(super) fn inputs(
                 points.direction(value, &at, context).map(|field| out.clone().map(|i| i.direction(name, field)))
             }
             Input::Word(word) => Some(out.clone().map(|i| i.choice(name, word))),
+            Input::Energy(formula) => Some(out.clone().map(|i| i.energy(name, formula.expression().clone()))),
+            Input::Numbers(values) => {
+                let fields: Vec<_> = values
+                    .iter()
+                    .map(|(key, value)| Some((key.clone(), points.number(value, &at.key(key), context)?)))
+                    .collect();
+                let fields: Option<BTreeMap<_, _>> = fields.into_iter().collect();
+                fields.map(|fields| out.clone().map(|i| i.numbers(name, fields)))
+            }
         };
         out = with.flatten();
     }

@@ -33,6 +33,7 @@ fn key_of(at: &At, error: &EnergyError) -> At {
         | EnergyError::Length { name, .. }
         | EnergyError::Missing { name, .. }
         | EnergyError::Kind { name, .. } => at.key(name),
+        EnergyError::Formula(_) => at.key("energy"),
         _ => at.clone(),
     }
 }

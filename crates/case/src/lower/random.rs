@@ -140,6 +140,11 @@ fn field_region<'c>(one: &RandomParameter, case: &'c Case, context: &mut Context
             ["materials", k, key] => k.parse::<usize>().ok().and_then(|k| case.materials.get(k)).filter(|material| {
                 material.parameters.iter().any(|(name, input)| name == key && input.number().is_some())
             }),
+            ["materials", k, key, name] => {
+                k.parse::<usize>().ok().and_then(|k| case.materials.get(k)).filter(|material| {
+                    material.parameters.get(key).is_some_and(|input| input.number_named(name).is_some())
+                })
+            }
             _ => None,
         };
     if material.is_none() {

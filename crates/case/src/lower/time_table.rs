@@ -4,7 +4,7 @@ use super::context::Context;
 use crate::warning::UNITS;
 use nastic_language::expression::Formula;
 use nastic_language::number::short;
-use nastic_language::schema::{Case, Fixed, Obstacle, Parameter, PoseVector, Start, TimeTable, VectorField};
+use nastic_language::schema::{Case, Fixed, Obstacle, Parameter, Start, TimeTable, VectorField, VectorInTime};
 use nastic_language::syntax::{At, quoted};
 
 /// A table of which the motion takes so small a share is hardly in its unit.
@@ -23,6 +23,11 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
         }
     }
     resolve_poses((&mut case.obstacles, end), context);
+    for load in &mut case.loads {
+        let at = load.at.clone();
+        let parts = [("traction", &mut load.traction), ("body_force", &mut load.body_force)];
+        resolve_vectors(parts, &at, end, context);
+    }
     for actuation in &mut case.actuation {
         for (key, fixed) in &mut actuation.fixed {
             let Fixed::Table(table) = fixed else { continue };
@@ -41,12 +46,22 @@ fn resolve_poses((obstacles, end): (&mut [Obstacle], Option<f64>), context: &mut
     for obstacle in obstacles {
         let at = obstacle.at.clone();
         let parts = [("translation", &mut obstacle.translation), ("rotation", &mut obstacle.rotation)];
-        for (key, part) in parts {
-            let Some(PoseVector(fixed)) = part else { continue };
-            let Fixed::Table(table) = fixed else { continue };
-            if let Some(formulas) = formulas((table, end), &at.key(key), context) {
-                *fixed = Fixed::Vector(VectorField::Formulas(formulas));
-            }
+        resolve_vectors(parts, &at, end, context);
+    }
+}
+
+/// The same of vectors by their keys.
+fn resolve_vectors(
+    parts: [(&str, &mut Option<VectorInTime>); 2],
+    at: &At,
+    end: Option<f64>,
+    context: &mut Context<'_>,
+) {
+    for (key, part) in parts {
+        let Some(VectorInTime(fixed)) = part else { continue };
+        let Fixed::Table(table) = fixed else { continue };
+        if let Some(formulas) = formulas((table, end), &at.key(key), context) {
+            *fixed = Fixed::Vector(VectorField::Formulas(formulas));
         }
     }
 }

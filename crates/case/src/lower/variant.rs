@@ -123,15 +123,17 @@ fn add_blocks(case: &mut Case, own: &LoadCase) {
     case.costs.extend(own.costs.iter().cloned());
 }
 
-/// Puts a field in the place of a parameter, `materials/0/mu1`; paths of other kinds have been refused.
+/// Puts a field in the place of a parameter, `materials/0/mu1` or `materials/0/parameters/mu1`; paths of other kinds have been refused.
 pub(super) fn set_field(case: &mut Case, path: &str, value: Parameter) {
     let mut steps = path.split('/').skip(1);
     let material = steps.next().and_then(|k| k.parse::<usize>().ok()).and_then(|k| case.materials.get_mut(k));
     let parameter = material.zip(steps.next()).and_then(|(material, key)| {
         material.parameters.iter_mut().find(|(name, _)| **name == key).map(|(_, input)| input)
     });
-    if let Some(parameter) = parameter {
-        *parameter = Input::Number(value);
+    match (parameter, steps.next()) {
+        (Some(Input::Numbers(numbers)), Some(name)) => _ = numbers.insert(name.to_owned(), value),
+        (Some(parameter), None) => *parameter = Input::Number(value),
+        _ => {}
     }
 }
 

@@ -2,8 +2,9 @@
 
 use super::{
     ContactLoad, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue, Curvature, IntoCost,
-    LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, PumpWork, SmoothedHausdorff, Target, Tracking,
-    compliance, contact_load, curvature, obstacle, orientation, position, pump_work, regularization, stretch, tracking,
+    LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, PumpWork, Reaction, SmoothedHausdorff, Target,
+    Tracking, compliance, contact_load, curvature, mean_radius, obstacle, orientation, position, pump_work, reaction,
+    regularization, stretch, tracking, volume,
 };
 use crate::error::ControlError;
 use crate::time::When;
@@ -82,8 +83,11 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow::of(&position::FORM, position),
     CostRow::of(&orientation::FORM, orientation),
     CostRow::of(&curvature::FORM, curvature),
+    CostRow::of(&mean_radius::FORM, mean_radius),
+    CostRow::of(&volume::FORM, volume),
     CostRow::of(&stretch::FORM, largest_stretch),
     CostRow::of(&compliance::FORM, compliance).first_order(),
+    CostRow::of(&reaction::FORM, reaction).first_order(),
     CostRow::of(&contact_load::FORCE, |on| contact_load(on, ContactLoad::force)).first_order(),
     CostRow::of(&contact_load::PRESSURE, |on| contact_load(on, |contact| ContactLoad::pressure(contact, 2)))
         .first_order(),
@@ -101,6 +105,16 @@ fn compliance(on: &CostExample) -> ExampleCosts {
     let values =
         [("surface", CostValue::Names(on.surface().into())), ("direction", CostValue::Vector([0.2, 0.9, 0.0]))];
     on.make(&compliance::FORM, values)
+}
+
+/// Of a surface that is held.
+fn reaction(on: &CostExample) -> ExampleCosts {
+    // across the load, the force is that of the contacts, which follows the controls
+    let along = if on.solid.mesh().dim() == 2 { [0.3, 0.9, 0.0] } else { [0.2, 0.3, 0.9] };
+    let held = |name: &&String| Reaction::at(name.as_str(), along, 0.0).bind(on.solid).is_ok();
+    let surface = on.solid.mesh().surfaces().keys().find(held).cloned().unwrap_or_default();
+    // forces of stiff bodies would drown squares of lengths
+    Ok(vec![Reaction::at(surface, along, 20.0).weight(1e-6 * on.weight).bind(on.solid)?])
 }
 
 fn tracking(on: &CostExample) -> ExampleCosts {
@@ -157,6 +171,27 @@ fn curvature(on: &CostExample) -> ExampleCosts {
     let line: Vec<[f64; 3]> = [0.05, 0.3, 0.5, 0.8, 0.95].map(along).into();
     let wanted = 0.7 / on.solid.mesh().diagonal();
     Ok(vec![Curvature::of_line(line, [0.0, 0.0, 1.0], wanted).weight(on.weight).bind(on.solid)?])
+}
+
+fn mean_radius(on: &CostExample) -> ExampleCosts {
+    let (surface, size) = (CostValue::Names(on.surface().into()), on.solid.mesh().diagonal());
+    let wanted = CostValue::Number(0.4 * size);
+    // from the surface's own mean, which lies in it: as many points as shapes have do not meet it
+    let from_centre = on.make(&mean_radius::FORM, [("surface", surface.clone()), ("radius", wanted.clone())])?;
+    let (low, _) = on.solid.mesh().bounds();
+    let beside = [Some(low[0] - 0.1 * size), None, Some(low[2] - 0.2 * size)];
+    let keys = [("axis", CostValue::Vector([0.3, 1.0, 0.1])), ("centre", CostValue::Position(beside))];
+    let about_axis = on.make(&mean_radius::FORM, [("surface", surface), ("radius", wanted)].into_iter().chain(keys))?;
+    Ok(from_centre.into_iter().chain(about_axis).collect())
+}
+
+/// Of a corner, closed by a lid: that within the whole skin hardly changes.
+fn volume(on: &CostExample) -> ExampleCosts {
+    let mesh = on.solid.mesh();
+    let all: Vec<String> =
+        [mesh.surfaces().keys().next(), mesh.surfaces().keys().next_back()].into_iter().flatten().cloned().collect();
+    let wanted = 0.1 * mesh.diagonal().powi(mesh.dim() as i32);
+    on.make(&volume::FORM, [("surface", CostValue::Names(all.into())), ("volume", CostValue::Number(wanted))])
 }
 
 fn largest_stretch(on: &CostExample) -> ExampleCosts {

@@ -51,7 +51,7 @@ pub(super) const FORCE: CostForm = CostForm::new(
     &[CostKey::CONTACT],
     |on| ContactLoad { contact: on.get("contact")?, exponent: None, weight: on.weight }.bind(on.solid),
 )
-.told_at("contact")
+.reported_at("contact")
 .words(|words| format!("force that {} presses with", words.text("contact")));
 
 /// How the smoothed largest pressure stands in case files.
@@ -72,7 +72,7 @@ pub(super) const PRESSURE: CostForm = CostForm::new(
         ContactLoad { contact, exponent, weight: on.weight }.bind(on.solid)
     },
 )
-.told_at("contact")
+.reported_at("contact")
 .words(|words| {
     let (contact, exponent) = (words.text("contact"), 2 * u64::from(words.count("exponent")));
     format!("smoothed largest pressure of {contact}, power mean of exponent {exponent}")

@@ -21,7 +21,7 @@ pub struct CostForm {
     /// The part of a motion over which it counts.
     pub counts: Counts,
     /// The key that errors of `make` speak of; the whole block if `None`.
-    pub told_at: Option<&'static str>,
+    pub reported_at: Option<&'static str>,
     /// It and its values in words; `about` if `None`.
     pub words: Option<fn(&CostWords) -> String>,
     /// How it is made.
@@ -57,7 +57,7 @@ impl CostForm {
         make: fn(&CostInputs) -> Result<Box<dyn Cost>, ControlError>,
     ) -> Self {
         let (counts, make) = (Counts::AtEnd, MakeCost::OfStates(make));
-        CostForm { name, about, keys, counts, told_at: None, words: None, make }
+        CostForm { name, about, keys, counts, reported_at: None, words: None, make }
     }
 
     /// A cost of a whole motion.
@@ -68,7 +68,7 @@ impl CostForm {
         make: fn(&CostInputs) -> Result<Box<dyn TrajectoryCost>, ControlError>,
     ) -> Self {
         let (counts, make) = (Counts::Always, MakeCost::OfMotion(make));
-        CostForm { name, about, keys, counts, told_at: None, words: None, make }
+        CostForm { name, about, keys, counts, reported_at: None, words: None, make }
     }
 
     /// The same, which counts so.
@@ -77,8 +77,8 @@ impl CostForm {
     }
 
     /// The same with the key that errors of `make` speak of.
-    pub const fn told_at(self, key: &'static str) -> Self {
-        CostForm { told_at: Some(key), ..self }
+    pub const fn reported_at(self, key: &'static str) -> Self {
+        CostForm { reported_at: Some(key), ..self }
     }
 
     /// The same, which is put into words so.

@@ -77,7 +77,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         MeanPosition { of, target: on.get("target")?, weight: on.weight }.bind(on.solid)
     },
 )
-.told_at("target")
+.reported_at("target")
 .words(|words| {
     let mean = || format!("the mean of {}", words.place());
     let place = words.given("point").map_or_else(mean, |point| format!("the point ({point})"));

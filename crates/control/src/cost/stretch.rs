@@ -73,7 +73,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         LargestStretch { region, exponent, weight: on.weight }.bind(on.solid)
     },
 )
-.told_at("exponent")
+.reported_at("exponent")
 .words(|words| {
     let (place, exponent) = (words.given("region").unwrap_or("the body"), 2 * u64::from(words.count("exponent")));
     format!("smoothed maximum of the principal stretches of {place}, power mean of exponent {exponent}")

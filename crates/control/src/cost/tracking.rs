@@ -103,7 +103,7 @@ pub(super) const FORM: CostForm = CostForm::new(
     ],
     |on| Tracking { place: on.place()?, target: on.get("target")?, weight: on.weight }.bind(on.solid),
 )
-.told_at("target")
+.reported_at("target")
 .words(|words| format!("weight/2 int |x - x_target|^2 on {}", words.place()));
 
 impl IntoCost for Tracking {

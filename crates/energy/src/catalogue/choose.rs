@@ -28,11 +28,12 @@ pub fn choose<'a>(
         inputs.check_kind(owner, parameter)?;
     }
     let fits = |form: &&'static [Parameter]| given.iter().all(|p| has(form, p.name));
-    let needs = |form: &'static [Parameter]| form.iter().filter(|p| !p.optional && !given.contains(p)).count();
+    let is_given = |p: &Parameter| given.iter().any(|given| given.name == p.name);
+    let needs = |form: &'static [Parameter]| form.iter().filter(|p| !p.optional && !is_given(p)).count();
     let Some(form) = forms.iter().copied().filter(fits).min_by_key(|form| needs(form)) else {
         return Err(conflict(owner, forms, &given));
     };
-    match form.iter().find(|p| !p.optional && !given.contains(p)) {
+    match form.iter().find(|p| !p.optional && !is_given(p)) {
         Some(missing) => {
             let given = given.iter().map(|p| p.name.to_owned()).collect();
             Err(EnergyError::Missing { owner, name: missing.name, given, forms: describe(forms) })

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use nastic_tensor::Vec3;
 
 use super::{Parameter, Takes};
+use crate::formula::Expression;
 use crate::{EnergyError, Field};
 
 /// Named parameters, as a case file gives them; numbers in consistent units.
@@ -16,6 +17,8 @@ enum Value {
     Number(Field<f64>),
     Direction(Field<Vec3>),
     Choice(String),
+    Energy(Expression),
+    Numbers(BTreeMap<String, Field<f64>>),
 }
 
 impl Inputs {
@@ -42,12 +45,29 @@ impl Inputs {
         self.with(name, Value::Choice(word.to_owned()))
     }
 
+    /// With an energy.
+    #[must_use]
+    pub fn energy(self, name: &str, formula: Expression) -> Self {
+        self.with(name, Value::Energy(formula))
+    }
+
+    /// With numbers by names.
+    #[must_use]
+    pub fn numbers(self, name: &str, values: BTreeMap<String, Field<f64>>) -> Self {
+        self.with(name, Value::Numbers(values))
+    }
+
     /// The example values of a parameter set.
     pub fn examples(form: &[Parameter]) -> Self {
         form.iter().fold(Self::new(), |inputs, p| match p.takes {
             Takes::Number { example, .. } => inputs.number(p.name, example),
             Takes::Direction { example } => inputs.direction(p.name, Vec3::from(example)),
             Takes::Choice { of } => inputs.choice(p.name, of.first().copied().unwrap_or_default()),
+            Takes::Energy { example } => inputs.energy(p.name, Expression::new("the example", example)),
+            Takes::Numbers { example } => {
+                let numbers = example.iter().map(|(name, value)| ((*name).to_owned(), Field::Uniform(*value)));
+                inputs.numbers(p.name, numbers.collect())
+            }
         })
     }
 
@@ -69,6 +89,10 @@ impl Inputs {
                 return Err(super::unknown(&format!("{} of {owner}", parameter.name), word, of.to_vec()));
             }
             (Takes::Choice { .. }, None | Some(Value::Choice(_))) => return Ok(()),
+            (Takes::Energy { .. }, None | Some(Value::Energy(_))) => return Ok(()),
+            (Takes::Numbers { .. }, None | Some(Value::Numbers(_))) => return Ok(()),
+            (Takes::Energy { .. }, _) => "a formula",
+            (Takes::Numbers { .. }, _) => "numbers by their names",
             (Takes::Number { .. }, _) => "a number",
             (Takes::Direction { .. }, _) => "a direction",
             (Takes::Choice { .. }, _) => "a word",
@@ -114,6 +138,33 @@ impl<'a> CheckedInputs<'a> {
         match self.inputs.values.get(name) {
             Some(Value::Direction(field)) => Ok(field.clone()),
             _ => Err(self.missing(name)),
+        }
+    }
+
+    /// An energy.
+    ///
+    /// # Errors
+    /// [`EnergyError::Missing`].
+    pub fn energy(&self, name: &'static str) -> Result<&'a Expression, EnergyError> {
+        match self.inputs.values.get(name) {
+            Some(Value::Energy(formula)) => Ok(formula),
+            _ => Err(self.missing(name)),
+        }
+    }
+
+    /// Numbers by their names; none where they are left out.
+    pub fn numbers(&self, name: &str) -> BTreeMap<String, Field<f64>> {
+        match self.inputs.values.get(name) {
+            Some(Value::Numbers(values)) => values.clone(),
+            _ => BTreeMap::new(),
+        }
+    }
+
+    /// A direction that may be left out.
+    pub fn direction_or_none(&self, name: &str) -> Option<Field<Vec3>> {
+        match self.inputs.values.get(name) {
+            Some(Value::Direction(field)) => Some(field.clone()),
+            _ => None,
         }
     }
 

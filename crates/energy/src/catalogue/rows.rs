@@ -2,12 +2,13 @@ use std::sync::Arc;
 
 use super::CheckedInputs;
 use super::fits;
+use super::formula_row::FORMULA;
 use super::{ActuationRow, Example, Made, MaterialRow, Parameter};
 use crate::dielectric::VACUUM_PERMITTIVITY;
 use crate::magnet::VACUUM_PERMEABILITY;
 use crate::{
-    Arap, ArrudaBoyce, Dielectric, EnergyError, FiberFamily, FiberTension, Field, Gent, HolzapfelGasserOgden, Magnet,
-    MagnetIsochoric, MagnetRotation, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, SaintVenantKirchhoff,
+    Arap, ArrudaBoyce, Dielectric, EnergyError, FiberFamily, FiberTension, Field, Gent, Guccione, HolzapfelGasserOgden,
+    Magnet, MagnetIsochoric, MagnetRotation, MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, SaintVenantKirchhoff,
     TransverseMooneyRivlin, Turgor, Yeoh,
 };
 
@@ -289,6 +290,27 @@ pub const MATERIALS: &[MaterialRow] = &[
             }))
         },
     },
+    MaterialRow {
+        name: Guccione::NAME,
+        about: "Guccione: heart muscle, exponential in the Green-Lagrange strain, stiffer along `fiber`; not polyconvex",
+        existence: "not polyconvex; W -> inf as J -> 0; growth of any power in tension",
+        reinforcing: false,
+        forms: &[&[
+            pressure("c", 2e4),
+            number("bf", 0.08),
+            number("bt", 0.02),
+            number("bfs", 0.04),
+            pressure("bulk", 1e6),
+            Parameter::direction("fiber", [0.6, 0.8, 0.0]),
+        ]],
+        fit: &[],
+        make: |given| {
+            let b = [given.number("bf")?, given.number("bt")?, given.number("bfs")?];
+            let law = Guccione::new(given.number("c")?, b, given.number("bulk")?, given.direction("fiber")?)?;
+            Ok(Made::density(law))
+        },
+    },
+    FORMULA,
 ];
 
 pub const ACTUATIONS: &[ActuationRow] = &[

@@ -9,6 +9,8 @@ use crate::contributions::moving_support::{self, MovingSupport};
 use crate::contributions::rayleigh_damping::RayleighDamping;
 use crate::contributions::spring::Spring;
 use crate::contributions::tendon::{Tendon, form as tendon};
+use crate::contributions::varying_load::VaryingLoad;
+use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::error::FemError;
 use crate::solid::Solid;
 use nastic_energy::{FiberTension, NeoHooke, Slot};
@@ -72,6 +74,8 @@ pub enum KeyKind {
     Points,
     /// A point of space; none if left out.
     Place,
+    /// Components, of x, y and z; all if left out.
+    Components,
     /// A positive number in this unit.
     Number {
         /// Its unit.
@@ -86,7 +90,7 @@ impl KeyKind {
     pub fn is_required(self) -> bool {
         match self {
             KeyKind::Surface | KeyKind::Union | KeyKind::Points => true,
-            KeyKind::Surfaces | KeyKind::Flag | KeyKind::Place => false,
+            KeyKind::Surfaces | KeyKind::Flag | KeyKind::Place | KeyKind::Components => false,
             KeyKind::Number { required, .. } => required,
         }
     }
@@ -103,6 +107,8 @@ pub struct FormValues {
     pub points: BTreeMap<&'static str, Vec<BodyPoint>>,
     /// Points of space that were given, by key.
     pub places: BTreeMap<&'static str, [f64; 3]>,
+    /// Components that were given, 0 to 2, by key.
+    pub components: BTreeMap<&'static str, Vec<usize>>,
     /// Numbers that were given, by key.
     pub numbers: BTreeMap<&'static str, f64>,
     /// The slot that drives a contribution of which one does; the first if `None`.
@@ -125,6 +131,16 @@ pub const CATALOGUE: &[Entry] = &[
         example: || block()?.foundation(Foundation::on("x+", 3e3).normal_only()),
     },
     Entry { name: "dead load", form: None, example: || block()?.traction("x+", Vec3::new(3.0, -2.0, 1.0)) },
+    Entry {
+        name: "load that varies",
+        form: None,
+        example: || {
+            let (solid, mesh) = (block()?, block()?.mesh().clone());
+            let sampling =
+                QuadraturePoints::of_facets(&mesh, &mesh.facets_of(&"x+".into())?, |kind| kind.rule().clone());
+            solid.contribution(VaryingLoad::new("load that varies", &mesh, &sampling, true))
+        },
+    },
     Entry {
         name: "cavity",
         form: Some(cavity::FORM),
@@ -162,6 +178,11 @@ pub const CATALOGUE: &[Entry] = &[
         name: "motion",
         form: Some(moving_support::FORM),
         example: || block()?.motion(MovingSupport::of("motion", "x+").about([2.8, 1.0, 0.5])),
+    },
+    Entry {
+        name: "motion of one component",
+        form: None,
+        example: || block()?.motion(MovingSupport::of("motion of one component", "x+").components(&[0])),
     },
     Entry {
         name: "cavity of a volume",

@@ -24,11 +24,12 @@ pub(crate) mod sensitivities;
 mod spring;
 mod tendon;
 mod touches;
+mod varying_load;
 
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible};
 pub use body_point::BodyPoint;
-pub use cavity::Cavity;
+pub use cavity::{Cavity, Lumen};
 pub use check::check_contribution;
 pub use constrains::Constrains;
 pub use contact::{Contact, ContactLaw, SurfaceContact};
@@ -49,6 +50,7 @@ pub use spring::Spring;
 use std::fmt::Debug;
 pub use tendon::Tendon;
 pub use touches::{ExactContact, RigidPose, Sliding, Touch, TouchParameters, Touches};
+pub use varying_load::VaryingLoad;
 
 /// A term of the residual `r(u) = sum_c r_c(u; controls, load, v, a)`, whose zero is an equilibrium.
 ///

@@ -22,24 +22,35 @@ use std::sync::Arc;
 /// `(j_u + K^T lambda)_D . du_D/d(t, theta)`, D the nodes of the surface. Continuation scales t and theta; in steps in time
 /// they may change, and velocities are those of the scheme (docs/model.md section 12).
 ///
+/// With [`components`](Self::components) it holds these alone, `u_i = t_i + ((R - 1) (X - c))_i`, and the surface slides freely along the others: a
+/// grip with free sides, a roller that moves.
+///
 /// In plane strain t is in the plane and theta along z. Source: docs/model.md section 4.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovingSupport {
     name: String,
     surface: GroupNames,
     centre: Option<[f64; 3]>,
+    held: [bool; 3],
 }
 
 impl MovingSupport {
     /// The motion of a named surface or node set, or of several together, about the mean of their nodes; `name` is that of the control.
     pub fn of(name: &str, surface: impl Into<GroupNames>) -> Self {
-        MovingSupport { name: name.to_owned(), surface: surface.into(), centre: None }
+        MovingSupport { name: name.to_owned(), surface: surface.into(), centre: None, held: [true; 3] }
     }
 
     /// Turns it about another point, which need not be one of the body.
     #[must_use]
     pub fn about(mut self, centre: [f64; 3]) -> Self {
         self.centre = Some(centre);
+        self
+    }
+
+    /// Holds these components alone (0 to 2), in the axes of space.
+    #[must_use]
+    pub fn components(mut self, components: &[usize]) -> Self {
+        self.held = [0, 1, 2].map(|i| components.contains(&i));
         self
     }
 
@@ -51,7 +62,7 @@ impl MovingSupport {
     /// The contribution on the nodes of the surface.
     ///
     /// # Errors
-    /// No nodes; a centre that is not finite.
+    /// No nodes; a centre that is not finite; no component that the body has.
     pub(crate) fn on(&self, mesh: &Arc<Mesh>, nodes: Vec<u32>) -> Result<RigidSurface, FemError> {
         let refuse = |what: &str| Err(FemError::Meaningless { what: format!("motion \"{}\" {what}", self.name) });
         if nodes.is_empty() {
@@ -63,8 +74,11 @@ impl MovingSupport {
         if centre.iter().any(|x| !x.is_finite()) {
             return refuse("has a centre that is not finite");
         }
+        if !self.held[..mesh.dim()].contains(&true) {
+            return refuse("holds no component of the body");
+        }
         let arms: Vec<(u32, Vec3)> = nodes.iter().map(|node| (*node, position(node) - centre)).collect();
-        Ok(RigidSurface { name: self.name.clone(), dim: mesh.dim(), arms })
+        Ok(RigidSurface { name: self.name.clone(), dim: mesh.dim(), held: self.held, arms })
     }
 }
 
@@ -78,6 +92,11 @@ pub(super) const FORM: Form = Form {
             about: "Point of the reference body about which it turns; the mean of its nodes if left out.",
             kind: KeyKind::Place,
         },
+        Key {
+            name: "fix",
+            about: "Components that it holds, of x, y and z: along the others the surface slides freely. All if left out.",
+            kind: KeyKind::Components,
+        },
     ],
     slots: &SLOTS,
     passive: true,
@@ -85,6 +104,9 @@ pub(super) const FORM: Form = Form {
     add: |solid, name, values| {
         let mut motion = MovingSupport::of(name, values.names.get("surface").cloned().unwrap_or_default());
         motion.centre = values.places.get("centre").copied();
+        if let Some(components) = values.components.get("fix") {
+            motion = motion.components(components);
+        }
         solid.motion(motion)
     },
 };
@@ -94,6 +116,8 @@ pub(super) const FORM: Form = Form {
 pub(crate) struct RigidSurface {
     name: String,
     dim: usize,
+    /// Components that are held.
+    held: [bool; 3],
     /// Nodes, each with X - c.
     arms: Vec<(u32, Vec3)>,
 }
@@ -103,15 +127,21 @@ impl RigidSurface {
     fn each(&self, displacement: impl Fn(&Vec3) -> Vec3, mut call: impl FnMut(usize, f64)) {
         for (node, arm) in &self.arms {
             let u = displacement(arm);
-            (0..self.dim).for_each(|i| call(self.dim * *node as usize + i, u[i]));
+            self.components().for_each(|i| call(self.dim * *node as usize + i, u[i]));
         }
+    }
+
+    /// Those that are held, of the body's.
+    fn components(&self) -> impl Iterator<Item = usize> + use<> {
+        let held = self.held;
+        (0..self.dim).filter(move |i| held[*i])
     }
 }
 
 impl Prescribes for RigidSurface {
     fn unknowns(&self) -> Vec<u32> {
-        let dim = self.dim as u32;
-        self.arms.iter().flat_map(|(node, _)| (0..dim).map(move |i| dim * node + i)).collect()
+        let of = |node: u32| self.components().map(move |i| self.dim as u32 * node + i as u32);
+        self.arms.iter().flat_map(|(node, _)| of(*node)).collect()
     }
 
     fn prescribe(&self, at: &Instant, u: &mut [f64]) {
@@ -133,7 +163,7 @@ impl Prescribes for RigidSurface {
         let (mut sum, mut moment) = (Vec3::zeros(), Vec3::zeros());
         for (node, arm) in &self.arms {
             let mut own = Vec3::zeros();
-            (0..self.dim).for_each(|i| own[i] = force[self.dim * *node as usize + i]);
+            self.components().for_each(|i| own[i] = force[self.dim * *node as usize + i]);
             sum += own;
             moment += (r * arm).cross(&own);
         }
@@ -156,7 +186,19 @@ impl Contribution for RigidSurface {
     }
 
     fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
-        rigid_motion::check(&format!("motion \"{}\"", self.name), self.dim, values)
+        let what = format!("motion \"{}\"", self.name);
+        rigid_motion::check(&what, self.dim, values)?;
+        match (0..3).find(|i| !self.held[*i] && values[*i] != 0.0) {
+            None => Ok(()),
+            Some(i) => {
+                let axis = ["x", "y", "z"][i];
+                let what = format!(
+                    "{what} goes {} along {axis}, which it does not hold; hold it, or leave that component 0",
+                    values[i]
+                );
+                Err(FemError::Meaningless { what })
+            }
+        }
     }
 
     fn prescribes(&self) -> Option<&dyn Prescribes> {

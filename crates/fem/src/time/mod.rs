@@ -8,6 +8,7 @@ pub(crate) mod instant_adjoint;
 pub(crate) mod modal_step;
 pub(crate) mod numerical_damping;
 pub(crate) mod points;
+pub(crate) mod reactions;
 pub(crate) mod recording;
 pub(crate) mod reverse_sweep;
 pub(crate) mod scheme;

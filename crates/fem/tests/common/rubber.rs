@@ -2,7 +2,9 @@
 
 use super::Outcome;
 use super::homogeneous::{Case, SmallStrain};
-use nastic_energy::{Arap, ArrudaBoyce, Field, Gent, HolzapfelGasserOgden, Ogden, SaintVenantKirchhoff, Yeoh};
+use nastic_energy::{
+    Arap, ArrudaBoyce, Field, Gent, Guccione, HolzapfelGasserOgden, Ogden, SaintVenantKirchhoff, Yeoh,
+};
 use nastic_tensor::{Mat3, Vec3};
 
 const KAPPA: f64 = 5.0;
@@ -23,7 +25,9 @@ fn small(mu: f64) -> SmallStrain {
 }
 
 pub fn cases() -> Outcome<Vec<Case>> {
-    Ok(vec![yeoh()?, gent()?, ogden()?, arruda_boyce()?, holzapfel_gasser_ogden()?, saint_venant_kirchhoff()?, arap()?])
+    let rubber = vec![yeoh()?, gent()?, ogden()?, arruda_boyce()?];
+    let others = [holzapfel_gasser_ogden()?, guccione()?, saint_venant_kirchhoff()?, arap()?];
+    Ok(rubber.into_iter().chain(others).collect())
 }
 
 /// `C10 x + C20 x^2 + C30 x^3`
@@ -92,6 +96,20 @@ fn holzapfel_gasser_ogden() -> Outcome<Case> {
             k1 / (2.0 * k2) * (k2 * r * r).exp_m1()
         };
         mu / 2.0 * (i1 - 3.0) + families.iter().map(fibers).sum::<f64>() + volumetric(f)
+    }))
+}
+
+/// `c/2 (exp Q - 1)`, `Q = b_f E_11^2 + b_t (E_22^2 + E_33^2 + 2 E_23^2) + 2 b_fs (E_12^2 + E_13^2)`
+fn guccione() -> Outcome<Case> {
+    let (c, [bf, bt, bfs]) = (6.0, [0.75, 0.25, 0.5]);
+    let law = Guccione::new(c, [bf, bt, bfs].map(Field::from), KAPPA, Vec3::x())?;
+    let small = SmallStrain { lambda: KAPPA, mu_t: 0.5 * c * bt, mu_l: 0.5 * c * bfs, alpha: 0.0, fiber: Vec3::x() };
+    Ok(Case::new("guccione", law, small, move |f| {
+        let e = (f.transpose() * f - Mat3::identity()) / 2.0;
+        let square = |i: usize, j: usize| e[(i, j)] * e[(i, j)];
+        let across = square(1, 1) + square(2, 2) + 2.0 * square(1, 2);
+        let q = bf * square(0, 0) + bt * across + 2.0 * bfs * (square(0, 1) + square(0, 2));
+        c / 2.0 * q.exp_m1() + volumetric(f)
     }))
 }
 

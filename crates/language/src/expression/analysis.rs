@@ -16,9 +16,16 @@ pub(super) struct Kind {
     unit: bool,
 }
 
+/// A name that stands for a value, beside or instead of the coordinates.
+#[derive(Clone, PartialEq, Debug)]
+pub(super) struct Variable {
+    pub(super) name: String,
+    pub(super) kind: Kind,
+}
+
 impl Kind {
-    const PLAIN: Self = Self { dimension: Dimension::NONE, plain: true, coordinate: false, unit: false };
-    const RATIO: Self = Self { dimension: Dimension::NONE, plain: false, coordinate: false, unit: false };
+    pub(super) const PLAIN: Self = Self { dimension: Dimension::NONE, plain: true, coordinate: false, unit: false };
+    pub(super) const RATIO: Self = Self { dimension: Dimension::NONE, plain: false, coordinate: false, unit: false };
 
     /// True if this operand may stand for any dimension.
     ///
@@ -53,7 +60,7 @@ impl Kind {
 }
 
 /// The kind of the whole formula, or the first contradiction in it.
-pub(super) fn analyse(steps: &[Step]) -> Result<Kind, CaseProblem> {
+pub(super) fn analyse(steps: &[Step], variables: &[Variable]) -> Result<Kind, CaseProblem> {
     let mut stack: Vec<(Kind, Option<f64>)> = Vec::with_capacity(8);
     for step in steps {
         let next = match step.op {
@@ -61,6 +68,7 @@ pub(super) fn analyse(steps: &[Step]) -> Result<Kind, CaseProblem> {
             Op::Measured(_, dimension) => (Kind { dimension, unit: true, ..Kind::RATIO }, None),
             Op::Coordinate(_) => (Kind { dimension: Dimension::LENGTH, coordinate: true, ..Kind::RATIO }, None),
             Op::Time => (Kind { dimension: Dimension::TIME, coordinate: true, ..Kind::RATIO }, None),
+            Op::Variable(k) => (variables.get(k).map_or(Kind::PLAIN, |variable| variable.kind), None),
             Op::Negate => {
                 let (kind, exponent) = pop(&mut stack);
                 (kind, exponent.map(|value| -value))

@@ -60,6 +60,8 @@ pub(super) fn evaluate(steps: &[Step], point: [f64; 3], time: f64) -> Result<f64
             Op::Plain(value) | Op::Measured(value, _) => value,
             Op::Coordinate(axis) => point[axis],
             Op::Time => time,
+            // an energy, which is evaluated by the law made of it
+            Op::Variable(_) => f64::NAN,
             Op::Negate => -pop(&mut stack),
             Op::Call(function) => call(function, pop(&mut stack)).map_err(|fault| (fault, step.column))?,
             Op::Binary(binary) => {

@@ -51,8 +51,8 @@ impl Formula {
     /// value ("1 / 0").
     pub fn parse(text: &str, units: &Units) -> Result<Self, FormulaError> {
         let refuse = |CaseProblem { column, message }| FormulaError { text: text.to_string(), column, message };
-        let steps = parse(text, units).map_err(refuse)?;
-        let kind = analyse(&steps).map_err(refuse)?;
+        let steps = parse(text, units, None).map_err(refuse)?;
+        let kind = analyse(&steps, &[]).map_err(refuse)?;
         let varies = steps.iter().any(|step| matches!(step.op, Op::Coordinate(_) | Op::Time));
         let constant = if varies {
             None
@@ -75,6 +75,11 @@ impl Formula {
             Some(why) => Err(format!("unit of the wrong kind: {} {why}", quoted(&self.text))),
             None => Ok(()),
         }
+    }
+
+    /// What it is as part of another formula, in which a name stands for it.
+    pub(super) fn kind(&self) -> Kind {
+        self.kind.unwrap_or(Kind::PLAIN)
     }
 
     /// As written.

@@ -1,5 +1,6 @@
 //! Tokens to steps, by recursive descent with a depth limit.
 
+use crate::expression::analysis::Variable;
 use crate::expression::program::{Binary, Comparison, Function, Op, Step};
 use crate::expression::token::{CaseProblem, Placed, Token, tokens};
 use crate::quantity::{UNITS, Unit, Units};
@@ -20,8 +21,9 @@ const COMPARISONS: [(&str, Comparison); 6] = [
     ("!=", Comparison::NotEqual),
 ];
 
-pub(super) fn parse(text: &str, units: &Units) -> Result<Vec<Step>, CaseProblem> {
-    let mut parser = Parser { tokens: tokens(text)?, next: 0, depth: 0, steps: Vec::new(), units };
+/// The steps of a text. Names are those of the coordinates and the time, or these `variables` in their place.
+pub(super) fn parse(text: &str, units: &Units, variables: Option<&[Variable]>) -> Result<Vec<Step>, CaseProblem> {
+    let mut parser = Parser { tokens: tokens(text)?, next: 0, depth: 0, steps: Vec::new(), units, variables };
     parser.comparison()?;
     match parser.peek() {
         Token::End => Ok(parser.steps),
@@ -39,6 +41,7 @@ struct Parser<'a> {
     depth: usize,
     steps: Vec<Step>,
     units: &'a Units,
+    variables: Option<&'a [Variable]>,
 }
 
 impl Parser<'_> {
@@ -121,9 +124,13 @@ impl Parser<'_> {
     }
 
     fn named(&mut self, name: &str, column: usize) -> Result<(), CaseProblem> {
-        if let Some(axis) = ["X", "Y", "Z"].iter().position(|axis| *axis == name) {
+        let own = self.variables.and_then(|own| own.iter().position(|variable| variable.name == name));
+        let in_space = self.variables.is_none();
+        if let Some(k) = own {
+            self.push(Op::Variable(k), column);
+        } else if let Some(axis) = ["X", "Y", "Z"].iter().position(|axis| in_space && *axis == name) {
             self.push(Op::Coordinate(axis), column);
-        } else if name == "t" {
+        } else if in_space && name == "t" {
             self.push(Op::Time, column);
         } else if name == "pi" {
             self.push(Op::Plain(std::f64::consts::PI), column);
@@ -142,7 +149,7 @@ impl Parser<'_> {
         } else if let Some(unit) = Unit::named(name) {
             self.measured(1.0, unit, 1, column);
         } else {
-            let message = format!("unknown name {}{}", quoted(name), nearest::clause(name, &names()));
+            let message = format!("unknown name {}{}", quoted(name), nearest::clause(name, &self.names()));
             return Err(CaseProblem { column, message });
         }
         Ok(())
@@ -231,13 +238,15 @@ impl Parser<'_> {
     /// Why something that looks right stands where an operator should.
     fn hint(&self) -> String {
         match self.peek() {
-            Token::Name(name) if names().contains(&name.as_str()) => ": products need \"*\"".to_string(),
-            Token::Name(name) if nearest::nearest(name, &names()).is_some() => nearest::clause(name, &names()),
+            Token::Name(name) if self.names().contains(&name.as_str()) => ": products need \"*\"".to_string(),
+            Token::Name(name) if nearest::nearest(name, &self.names()).is_some() => {
+                nearest::clause(name, &self.names())
+            }
             // behind a number it can only have been a unit
             Token::Name(_) if matches!(self.before(), Some(Token::Number(_))) => {
                 format!("; the units are {}", units().collect::<Vec<_>>().join(", "))
             }
-            Token::Name(name) => nearest::clause(name, &names()),
+            Token::Name(name) => nearest::clause(name, &self.names()),
             Token::Number(_) | Token::Sign("(") => ": products need \"*\"".to_string(),
             _ => String::new(),
         }
@@ -261,6 +270,15 @@ impl Parser<'_> {
         self.steps.push(Step { op, column });
     }
 
+    /// Everything a name may be.
+    fn names(&self) -> Vec<&str> {
+        let own: Vec<&str> = match self.variables {
+            Some(variables) => variables.iter().map(|variable| variable.name.as_str()).collect(),
+            None => vec!["X", "Y", "Z", "t"],
+        };
+        own.into_iter().chain(fixed_names()).collect()
+    }
+
     fn before(&self) -> Option<&Token> {
         self.next.checked_sub(1).and_then(|before| self.tokens.get(before)).map(|placed| &placed.token)
     }
@@ -278,10 +296,10 @@ impl Parser<'_> {
     }
 }
 
-/// Everything a name may be.
-fn names() -> Vec<&'static str> {
+/// What a name means whatever variables there are: constants, functions, units.
+pub(super) fn fixed_names() -> Vec<&'static str> {
     let functions = Function::ALL.iter().map(|(name, _)| *name);
-    ["X", "Y", "Z", "t", "pi"].into_iter().chain(functions).chain(["min", "max"]).chain(units()).collect()
+    ["pi"].into_iter().chain(functions).chain(["min", "max"]).chain(units()).collect()
 }
 
 fn units() -> impl Iterator<Item = &'static str> {

@@ -12,6 +12,8 @@ pub(super) enum Op {
     Coordinate(usize),
     /// t
     Time,
+    /// One of the names of its own that a formula may have.
+    Variable(usize),
     Negate,
     Binary(Binary),
     Compare(Comparison),

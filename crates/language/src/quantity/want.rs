@@ -66,6 +66,10 @@ impl Want {
         Self { dimension: Some(Dimension::RATE), sign: Sign::NotNegative, in_time: false };
     /// A density > 0.
     pub const DENSITY: Self = Self::a(Dimension::DENSITY).positive();
+    /// A pressure, which may change in time.
+    pub const PRESSURE_IN_TIME: Self = Self::PRESSURE.in_time();
+    /// A force per volume, which may change in time.
+    pub const BODY_FORCE_IN_TIME: Self = Self::BODY_FORCE.in_time();
     /// A velocity.
     pub const VELOCITY: Self = Self::a(Dimension::VELOCITY);
     /// A velocity > 0.

@@ -6,6 +6,7 @@ use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, 
 use crate::schema::field::{Parameter, VectorField};
 use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
+use crate::schema::support::Fix;
 use crate::schema::time_table::TimeTable;
 use crate::schema::value::{Vector, described_text};
 use crate::syntax::{At, Node, Property};
@@ -238,6 +239,14 @@ fn read_contribution(
                 values.points.insert(key.name, points.map(|points| points.0).unwrap_or_default());
                 continue;
             }
+            KeyKind::Components => {
+                let fix: Option<Option<Fix>> = reader.key(node, at, key.name, key.about, Want::ANY, Some(None));
+                if let Some(fix) = fix.flatten() {
+                    let held = fix.held().iter().enumerate().filter_map(|(i, held)| held.map(|_| i)).collect();
+                    values.components.insert(key.name, held);
+                }
+                continue;
+            }
             KeyKind::Place => {
                 let place: Option<Option<Vector>> = reader.key(node, at, key.name, key.about, Want::LENGTH, Some(None));
                 values.places.extend(place.flatten().map(|place| (key.name, place.xyz())));
@@ -279,6 +288,7 @@ fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Defini
             KeyKind::Surfaces => json!({ "description": key.about, "type": "array", "items": { "type": "string" } }),
             KeyKind::Flag => json!({ "description": key.about, "type": "boolean", "default": false }),
             KeyKind::Points => annotated(BodyPoints::schema(Want::LENGTH, definitions), key.about, None),
+            KeyKind::Components => annotated(Fix::schema(Want::ANY, definitions), key.about, None),
             KeyKind::Place => annotated(Vector::schema(Want::LENGTH, definitions), key.about, None),
             KeyKind::Number { unit, .. } => annotated(f64::schema(want(unit).positive(), definitions), key.about, None),
         };

@@ -1,17 +1,18 @@
 //! Blocks whose keys come from the catalogue of laws and actuations: a new row there is a new name here.
 
-use crate::expression::dimension_of;
+use crate::expression::{EnergyFormula, Formula, dimension_of};
 use crate::quantity::Want;
 use crate::schema::direction;
 use crate::schema::field::{Parameter, VectorField, check_unit};
 use crate::schema::json::{Definitions, annotated, any_of};
 use crate::schema::read::{Read, Reader};
 use crate::schema::time_table::TimeTable;
-use crate::syntax::{At, Node, Property};
+use crate::syntax::{At, Node, Property, Value};
 use nastic_energy::SlotGroup;
 use nastic_energy::catalogue::{self, ActuationRow, Takes};
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
+use std::fmt;
 
 /// A parameter of a law or actuation, as its catalogue row takes it.
 #[derive(Clone, PartialEq, Debug)]
@@ -22,6 +23,10 @@ pub enum Input {
     Direction(VectorField),
     /// One of a few words.
     Word(&'static str),
+    /// An energy as a formula.
+    Energy(EnergyFormula),
+    /// Numbers by names of the user's, which may vary over the body.
+    Numbers(BTreeMap<String, Parameter>),
 }
 
 impl Input {
@@ -31,10 +36,36 @@ impl Input {
         if let Self::Number(value) = self { Some(value) } else { None }
     }
 
+    /// The number of this name among several, if there is one.
+    #[must_use]
+    pub fn number_named(&self, name: &str) -> Option<&Parameter> {
+        if let Self::Numbers(values) = self { values.get(name) } else { None }
+    }
+
     /// The direction, if it is one.
     #[must_use]
     pub fn direction(&self) -> Option<&VectorField> {
         if let Self::Direction(value) = self { Some(value) } else { None }
+    }
+}
+
+/// As written.
+impl fmt::Display for Input {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(value) => write!(f, "{value}"),
+            Self::Direction(VectorField::Formulas(entries)) => {
+                let texts: Vec<&str> = entries.iter().map(Formula::text).collect();
+                write!(f, "({})", texts.join(", "))
+            }
+            Self::Direction(VectorField::Array(file)) => write!(f, "array {} of {}", file.array, file.file),
+            Self::Word(word) => f.write_str(word),
+            Self::Energy(formula) => write!(f, "{formula}"),
+            Self::Numbers(values) => {
+                let texts: Vec<String> = values.iter().map(|(name, value)| format!("{name} = {value}")).collect();
+                f.write_str(&texts.join(", "))
+            }
+        }
     }
 }
 
@@ -94,7 +125,12 @@ pub(crate) fn read_inputs(
     let mut out = BTreeMap::new();
     for parameter in keys(forms) {
         let Some(member) = members.iter().find(|member| member.key == parameter.name) else { continue };
-        if let Some(input) = read_input(parameter, &member.node, &at.key(parameter.name), reader) {
+        let at = at.key(parameter.name);
+        let input = match parameter.takes {
+            Takes::Energy { .. } => read_energy(&member.node, &at, (forms, members), reader),
+            _ => read_input(parameter, &member.node, &at, reader),
+        };
+        if let Some(input) = input {
             out.insert(parameter.name, input);
         }
     }
@@ -109,6 +145,49 @@ fn read_input(parameter: &catalogue::Parameter, node: &Node, at: &At, reader: &m
             let direction = direction::read_field(node, at, reader)?;
             check_unit(&direction, at, reader);
             Some(Input::Direction(direction))
+        }
+        Takes::Numbers { .. } => {
+            let mut out = BTreeMap::new();
+            for member in reader.members(node, at)? {
+                if let Some(why) = EnergyFormula::refuses_name(&member.key) {
+                    reader.complain(&member.node, &at.key(&member.key), why);
+                } else if let Some(value) = Parameter::read(&member.node, &at.key(&member.key), Want::ANY, reader) {
+                    out.insert(member.key.clone(), value);
+                }
+            }
+            Some(Input::Numbers(out))
+        }
+        // read_energy
+        Takes::Energy { .. } => None,
+    }
+}
+
+/// An energy, whose names are those of the numbers that stand beside it.
+fn read_energy(node: &Node, at: &At, (forms, members): (Forms, &[Property]), reader: &mut Reader<'_>) -> Option<Input> {
+    let Value::Text(text) = &node.value else {
+        reader.expected(node, at, "a text with a formula, as \"mu / 2 * (I1 - 3 - 2 * log(J))\",");
+        return None;
+    };
+    let numbers = keys(forms).into_iter().find(|key| matches!(key.takes, Takes::Numbers { .. }));
+    let beside = numbers.and_then(|key| members.iter().find(|member| member.key == key.name));
+    let named: &[Property] = match beside.map(|member| &member.node.value) {
+        Some(Value::Object(named)) => named,
+        _ => &[],
+    };
+    // what is wrong with one of them is said where it stands
+    let formulas: Vec<(&str, Option<Formula>)> = named
+        .iter()
+        .map(|member| match &member.node.value {
+            Value::Text(text) => (member.key.as_str(), Formula::parse(text, &reader.units).ok()),
+            _ => (member.key.as_str(), None),
+        })
+        .collect();
+    let parameters: Vec<(&str, Option<&Formula>)> = formulas.iter().map(|(name, f)| (*name, f.as_ref())).collect();
+    match EnergyFormula::parse(text, &reader.units, &parameters) {
+        Ok(formula) => Some(Input::Energy(formula)),
+        Err(error) => {
+            reader.complain(node, at, error.to_string());
+            None
         }
     }
 }
@@ -147,6 +226,10 @@ pub(crate) fn want(unit: &str) -> Want {
     dimension_of(unit).map_or(Want::ANY, Want::a)
 }
 
+const ENERGY: &str = "Energy per reference volume as a formula of the invariants I1, I2, J, of I1b, I2b (isochoric) and, with a fibre, of I4, I4b, E_ff, with \
+                      the parameters by name: \"mu / 2 * (I1 - 3 - 2 * log(J)) + k / 2 * (J - 1)^2\".";
+const NUMBERS: &str = "The parameters that the energy names.";
+
 /// The block with these fixed keys and one form's parameters.
 pub(crate) fn form_schema(
     about: &str,
@@ -160,6 +243,10 @@ pub(crate) fn form_schema(
             Takes::Number { unit, .. } => Parameter::schema(want(unit), definitions),
             Takes::Direction { .. } => direction::field_schema(definitions),
             Takes::Choice { of } => json!({ "enum": of, "default": of.first() }),
+            Takes::Energy { .. } => json!({ "type": "string", "description": ENERGY }),
+            Takes::Numbers { .. } => {
+                annotated(BTreeMap::<String, Parameter>::schema(Want::ANY, definitions), NUMBERS, None)
+            }
         };
         properties.insert(parameter.name.into(), schema);
         if !parameter.optional {

@@ -258,7 +258,7 @@ mod tests {
             let names: BTreeSet<&str> =
                 form.keys.iter().map(|key| key.name).chain(["kind", "name", "weight", "when"]).collect();
             assert_eq!(names.len(), form.keys.len() + 4, "{}", form.name);
-            assert!(form.told_at.is_none_or(|key| names.contains(key)), "{}", form.name);
+            assert!(form.reported_at.is_none_or(|key| names.contains(key)), "{}", form.name);
             for key in form.keys {
                 assert!(key.about.ends_with('.'), "{}: {}", form.name, key.name);
                 if let CostTakes::Number { unit, .. } = key.takes {

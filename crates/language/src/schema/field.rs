@@ -30,6 +30,17 @@ pub enum Parameter {
     Cells(Arc<[f64]>),
 }
 
+/// As written.
+impl std::fmt::Display for Parameter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Formula(formula) => f.write_str(formula.text()),
+            Self::Array(file) => write!(f, "array {} of {}", file.array, file.file),
+            Self::Cells(_) => f.write_str("by cell"),
+        }
+    }
+}
+
 impl Parameter {
     /// The value, if it is the same everywhere.
     #[must_use]

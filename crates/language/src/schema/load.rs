@@ -1,6 +1,6 @@
 //! The blocks of `loads`.
 
-use crate::schema::field::VectorField;
+use crate::schema::obstacle::VectorInTime;
 use crate::schema::read::Reader;
 use crate::schema::value::Vector;
 use nastic_mesh::GroupNames;
@@ -12,10 +12,10 @@ object! {
         pub surface: Option<GroupNames>,
         /// Region that bears the body force.
         pub region: Option<GroupNames>,
-        /// Force per reference area, on a surface.
-        pub traction: Option<VectorField> as PRESSURE,
-        /// Force per reference volume, on a region.
-        pub body_force: Option<VectorField> as BODY_FORCE,
+        /// Force per reference area, on a surface; of a motion formulas of t or a table.
+        pub traction: Option<VectorInTime> as PRESSURE_IN_TIME,
+        /// Force per reference volume, on a region; of a motion formulas of t or a table.
+        pub body_force: Option<VectorInTime> as BODY_FORCE_IN_TIME,
         /// Acceleration of gravity, which acts on the density of every material: [0, 0, "-9.81 m/s^2"].
         pub gravity: Option<Vector> as ACCELERATION,
     }

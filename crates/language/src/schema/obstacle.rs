@@ -21,19 +21,27 @@ object! {
         /// Radius by which edges and corners are rounded: the faces of a box stay, a mesh grows by it.
         pub rounding: f64 as NOT_NEGATIVE_LENGTH = 0.0,
         /// How far it is moved, where that is no control; numbers, or of a motion formulas of t or a table.
-        pub translation: Option<PoseVector> as LENGTH_IN_TIME,
+        pub translation: Option<VectorInTime> as LENGTH_IN_TIME,
         /// Rotation vector, in radians about its direction, where that is no control.
-        pub rotation: Option<PoseVector> as NUMBER_IN_TIME,
+        pub rotation: Option<VectorInTime> as NUMBER_IN_TIME,
         /// The point about which it turns, where it is not moved; its middle if left out.
         pub centre: Option<Vector> as LENGTH,
     }
 }
 
-/// A part of a pose that is no control.
+/// A vector that may change in time and is no control: a part of a pose, a load.
 #[derive(Clone, PartialEq, Debug)]
-pub struct PoseVector(pub Fixed);
+pub struct VectorInTime(pub Fixed);
 
-impl Read for PoseVector {
+impl VectorInTime {
+    /// Its formulas or array; none of a table.
+    #[must_use]
+    pub fn field(&self) -> Option<&VectorField> {
+        if let Fixed::Vector(field) = &self.0 { Some(field) } else { None }
+    }
+}
+
+impl Read for VectorInTime {
     fn read(node: &Node, at: &At, want: Want, reader: &mut Reader<'_>) -> Option<Self> {
         let fixed = match TimeTable::is_named_by(node) {
             true => TimeTable::read_for(Some(true), node, at, reader).map(Fixed::Table),

@@ -68,7 +68,7 @@ fn unexpected_time(formula: &Formula, (at, want): (&At, Want), reader: &Reader<'
     }
     if !want.in_time {
         return Some(format!(
-            "{text} depends on the time t, which this does not: starts and bounds of controls, values of actuations and targets may"
+            "{text} depends on the time t, which this does not: starts and bounds of controls, values of actuations, loads and targets may"
         ));
     }
     let still = reader.document.root().find("time").is_none();

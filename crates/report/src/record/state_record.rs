@@ -44,7 +44,7 @@ records! {
         probes: Option<ByName<ProbesRecord>>,
         /// By contribution what it reports: `pressure` and `volume` of a chamber (the part that is modelled), `tension` and `length` of a tendon, what a contact carries.
         contributions: ByName<Numbers>,
-        /// By support the force (x, y, z) that it exerts on the body, of equilibria.
+        /// By support, those that move too, the force (x, y, z) that it exerts on the body; at the end of a motion, every instant's are in `motion.csv`.
         reactions: Option<ByName<Vec<Number>>>,
         /// Negative pivots of the tangent: 0 is a stable equilibrium, null where they were not counted.
         inertia: Nullable<usize>,

@@ -79,12 +79,29 @@ pub(crate) fn moved(probe: &LocatedProbe, u: [f64; 3]) -> ProbeRecord {
     ProbeRecord { point, displacement, position, deviation: None }
 }
 
-/// The forces that supports exert on the body.
-fn reactions(member: CaseMember<'_>, state: &State) -> Result<ByName<Vec<Number>>, Inadmissible> {
+/// Schemes whose accelerations on surfaces that move are none, and one that carries no accelerations.
+const MOVED_UNKNOWN: [&str; 2] = ["tr_bdf2", "trapezoidal"];
+const ALL_UNKNOWN: &str = "implicit_midpoint";
+
+/// The force of every support in a state, and in the step that led there; not a number where the scheme does not know it.
+pub(crate) fn forces(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, [f64; 3])> {
     let solid = member.solid();
-    let at = Instant::of(state);
-    let residual = solid.model().evaluate(&at, Demand { energy: false, force: true })?.force;
-    Ok(solid.supports().reactions(&residual).into_iter().map(|(name, force)| (name, numbers(&force))).collect())
+    let unknown = || solid.supports().reactions(&vec![f64::NAN; state.u.len()]);
+    let scheme = member.reduced().timeline().map_or("", |timeline| timeline.scheme().name());
+    if scheme == ALL_UNKNOWN {
+        return unknown();
+    }
+    let mut all = solid.reactions(before, state).unwrap_or_else(|_| unknown());
+    let controllable = solid.model().controllable();
+    let is_moved = |name: &str| controllable.iter().any(|own| own.holds && own.name == name);
+    let open = |(name, _): &&mut (String, [f64; 3])| MOVED_UNKNOWN.contains(&scheme) && is_moved(name);
+    all.iter_mut().filter(open).for_each(|(_, force)| *force = [f64::NAN; 3]);
+    all
+}
+
+/// The same for results.
+pub(crate) fn reactions(member: CaseMember<'_>, before: Option<&State>, state: &State) -> ByName<Vec<Number>> {
+    forces(member, before, state).into_iter().map(|(name, force)| (name, numbers(&force))).collect()
 }
 
 /// By contribution what it reports.
@@ -120,10 +137,10 @@ pub(crate) fn shape(member: CaseMember<'_>, state: &State) -> StateRecord {
     }
 }
 
-/// The same with the reactions of equilibria: in motion supports hold masses and viscous forces too.
+/// The same with the reactions of equilibria; those of a motion are known where its steps are.
 pub(crate) fn state(member: CaseMember<'_>, state: &State) -> StateRecord {
     let is_equilibrium = member.reduced().timeline().is_none();
-    let reactions = is_equilibrium.then(|| reactions(member, state).ok()).flatten();
+    let reactions = is_equilibrium.then(|| reactions(member, None, state));
     StateRecord { reactions, ..shape(member, state) }
 }
 

@@ -60,6 +60,7 @@ impl Session<'_> {
             }
         }
         self.report_contacts_of(records);
+        records.iter().for_each(|record| self.entries_of(record.member).reactions = record.reactions.clone());
     }
 }
 

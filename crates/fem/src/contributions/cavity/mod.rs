@@ -1,6 +1,7 @@
 //! [`Cavity`]: a closed room in a body, under a pressure or of a volume.
 
 mod enclosed;
+mod lumen;
 mod pressure;
 mod rim;
 mod triple_product;
@@ -12,6 +13,7 @@ use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::{AXES, Supports};
 use crate::error::FemError;
 use enclosed::Enclosed;
+pub use lumen::Lumen;
 use nastic_energy::Slot;
 use nastic_mesh::{GroupNames, Mesh};
 use pressure::CavityPressure;

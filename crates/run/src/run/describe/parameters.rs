@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 pub(crate) fn catalogue_of(forms: &'static [&'static [catalogue::Parameter]]) -> BTreeMap<&'static str, Dimension> {
     let dimension = |p: &catalogue::Parameter| match p.takes {
         Takes::Number { unit, .. } => dimension_of(unit).unwrap_or(Dimension::NONE),
-        Takes::Direction { .. } | Takes::Choice { .. } => Dimension::NONE,
+        _ => Dimension::NONE,
     };
     forms.iter().copied().flatten().map(|p| (p.name, dimension(p))).collect()
 }
@@ -30,6 +30,7 @@ pub(crate) fn parameters(
             Input::Number(value) => scalar(value, dimensions.get(name).copied().unwrap_or(Dimension::NONE), units),
             Input::Direction(value) => vector_field(value),
             Input::Word(word) => (*word).to_owned(),
+            Input::Energy(_) | Input::Numbers(_) => input.to_string(),
         };
         format!("{name} {value}")
     };
@@ -94,6 +95,7 @@ fn constant(input: &Input, dimension: Dimension, units: &Units) -> ConstantRecor
             None => ConstantRecord::Varies { varies: vector_field(value) },
         },
         Input::Word(word) => ConstantRecord::Word((*word).to_owned()),
+        Input::Energy(_) | Input::Numbers(_) => ConstantRecord::Word(input.to_string()),
     }
 }
 

@@ -1,10 +1,12 @@
 //! What is reported of the motion of one member.
 
+use crate::result::summary::reactions;
 use crate::run::motion::table;
 use crate::run::motion::table::Table;
 use nastic_case::lower::CaseMember;
 use nastic_control::ControlError;
 use nastic_fem::{State, Touch};
+use nastic_report::record::{ByName, Number};
 
 /// What is reported of the motion of one member: the table of all steps, and the states that are written.
 pub(crate) struct Record {
@@ -17,6 +19,8 @@ pub(crate) struct Record {
     pub shown: Vec<State>,
     /// What every contact carries in the last state.
     pub touches: Vec<(String, Touch)>,
+    /// The forces of supports in the last state.
+    pub reactions: Option<ByName<Vec<Number>>>,
     /// The last state that was reached: where the next step begins.
     pub last: Option<State>,
 }
@@ -26,7 +30,8 @@ impl Record {
     pub fn new(member: CaseMember<'_>, m: Vec<f64>) -> Self {
         let (time, timeline) = (member.case().time.as_ref(), member.reduced().timeline());
         let is_shown = time.zip(timeline).map_or_else(Vec::new, |(time, timeline)| time.shown(timeline.instants()));
-        Self { member: member.index(), m, is_shown, table: None, shown: Vec::new(), touches: Vec::new(), last: None }
+        let (shown, touches) = (Vec::new(), Vec::new());
+        Self { member: member.index(), m, is_shown, table: None, shown, touches, reactions: None, last: None }
     }
 
     /// The n-th state was reached.
@@ -34,6 +39,7 @@ impl Record {
         let table = self.table.get_or_insert_with(|| Table::head(member, state));
         table.add(member, &self.m, (self.last.as_ref(), state))?;
         self.touches = table::touches(member, self.last.as_ref(), state);
+        self.reactions = Some(reactions(member, self.last.as_ref(), state));
         self.last = Some(state.clone());
         if self.is_shown.get(n) == Some(&true) {
             self.shown.push(state.clone());

@@ -66,6 +66,10 @@ impl Table {
             let known = columns.iter().any(|(known, _)| *known == name);
             columns.push((if known { format!("contributions.{name}") } else { name }, String::new()));
         }
+        for (name, _) in summary::forces(member, None, state) {
+            let axes = AXES.iter().take(member.mesh().dim());
+            columns.extend(axes.map(|axis| (format!("reactions.{name}.{axis}"), units.force().symbol.to_owned())));
+        }
         let (names, units) = columns.into_iter().unzip();
         Self { names, units, rows: vec![] }
     }
@@ -88,6 +92,7 @@ impl Table {
             row.extend_from_slice(block.of(&m));
         }
         row.extend(quantities(member, before, state).into_iter().map(|(.., value)| value));
+        row.extend(summary::forces(member, before, state).iter().flat_map(|(_, force)| &force[..dim]));
         self.rows.push(row);
         Ok(())
     }

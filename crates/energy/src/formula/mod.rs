@@ -1,0 +1,16 @@
+//! Energies written as formulas of invariants: differentiated symbolically, evaluated as flat programs.
+
+mod differentiate;
+mod error;
+mod expression;
+mod graph;
+mod hyper_dual;
+mod smoothness;
+mod tape;
+
+pub use error::{FormulaError, FormulaProblem};
+pub use expression::{Expression, Invariant, Step};
+pub(crate) use graph::{Graph, Id, MOST_NODES, Node};
+pub(crate) use hyper_dual::HyperDual;
+pub(crate) use smoothness::check_smooth;
+pub(crate) use tape::Tape;

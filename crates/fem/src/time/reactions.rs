@@ -1,0 +1,50 @@
+//! The forces of supports, of equilibria and in motions.
+
+use crate::contributions::{Demand, Instant, TimeStep};
+use crate::error::Inadmissible;
+use crate::solid::Solid;
+use crate::solution::state::State;
+
+impl Solid {
+    /// The forces that every support, those that move too, exerts on the body: the sum over what it holds, D, of
+    ///
+    /// ```text
+    /// (M a + C v + r(u; z_n, m))_D
+    /// ```
+    ///
+    /// in the step that led to a state from `before`, with its internal variables z_n; of an equilibrium, and where a motion begins (`before` is none), of
+    /// `M a + C v + r(u)` with relaxed internal variables. Velocities and accelerations are those of the state (none of a state that carries
+    /// none, as in `implicit_midpoint`); where controls move the body the accelerations are the means over the step, `(v - v_n)/h`, of first order in every
+    /// scheme (those of a stage are of none in some). A consistent mass counts the
+    /// inertia of the cells beside D.
+    ///
+    /// Units: N; in plane strain N/m.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn reactions(&self, before: Option<&State>, state: &State) -> Result<Vec<(String, [f64; 3])>, Inadmissible> {
+        let demand = Demand { energy: false, force: true };
+        let at = Instant::of(state);
+        if before.is_none() && state.velocity.is_none() {
+            return Ok(self.supports().reactions(&self.model().evaluate(&at, demand)?.force));
+        }
+        let from = before.unwrap_or(state);
+        let mut step = TimeStep::between(from, state);
+        match before {
+            // nothing has moved yet: after a long time
+            None => (step.dt, step.elapsed) = (f64::INFINITY, f64::INFINITY),
+            Some(before) => step.acceleration.1 = self.accelerations(before, state, step.acceleration.1, step.dt),
+        }
+        let force = self.model().evaluate(&at.in_step(&step), demand)?.force;
+        Ok(self.supports().reactions(&force))
+    }
+
+    /// Accelerations: where controls move the body the mean over the step, zero throughout where a state has none.
+    fn accelerations(&self, before: &State, state: &State, own: Vec<f64>, dt: f64) -> Vec<f64> {
+        let supports = self.supports();
+        let is_moved = (0..supports.fixed().len()).any(|dof| supports.fixed()[dof] && !supports.holds_still(dof));
+        let (Some(after), true) = (&state.velocity, state.acceleration.is_some() && is_moved) else { return own };
+        let earlier = |dof: usize| before.velocity.as_ref().map_or(0.0, |v| v[dof]);
+        after.iter().enumerate().map(|(dof, v)| (v - earlier(dof)) / dt).collect()
+    }
+}
