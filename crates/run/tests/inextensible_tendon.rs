@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{CaseDirectory, problems};
+use common::{CaseDirectory, problems, with};
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Analysis, Exit, Options};
@@ -162,4 +162,30 @@ fn a_mistake_in_a_tendon_is_told_once() {
             assert!(found.lines().count() == 1 && found.contains(wanted), "{drive}: {found}");
         }
     }
+}
+
+/// Let out by 8 mm the flexor is slack where the extensor has lifted the end: nothing depends on its pull there.
+#[test]
+fn a_cable_that_is_slack_at_the_optimum_is_said_to_be() {
+    let finger = include_str!("../../../examples/cases/tendon_finger.json");
+    let of = |name: &str, pull: &str| {
+        let before = format!(r#"{{ "of": "{name}", "space": "uniform", "start": "1 N", "upper": "15 N" }}"#);
+        (before, format!(r#"{{ "of": "{name}.pull", "space": "uniform", {pull}, "upper": "15 mm" }}"#))
+    };
+    let lifted = |flexor: &str| {
+        let (flexor, extensor) = (of("flexor", flexor), of("extensor", r#""start": "1 mm", "lower": "0 mm""#));
+        let case = with(&with(finger, &flexor.0, &flexor.1), &extensor.0, &extensor.1);
+        let case = with(&case, "[20, 2, 2]", "[8, 1, 1]");
+        let case = with(&case, r#""76 + 0.8 * (Z - 10)", "Y", "-32 + 0.6 * (Z - 10)""#, r#""96", "Y", "Z + 20""#);
+        let found = CaseDirectory::new().run(Command::Optimize, &case, &["expect={}"]).unwrap();
+        let all = found.result["warnings"].as_array().unwrap().clone();
+        all.into_iter().find(|warning| warning["code"] == "idle").map(|one| one["message"].as_str().unwrap().to_owned())
+    };
+    let idle = lifted(r#""start": "-8 mm", "lower": "-10 mm""#).unwrap();
+    assert!(
+        idle.contains("flexor.pull: the derivative is exactly zero") && idle.contains("the cable is slack"),
+        "{idle}"
+    );
+    // at its lower bound nothing is wrong
+    assert_eq!(lifted(r#""start": "-8 mm", "lower": "-8 mm""#), None);
 }
