@@ -1,6 +1,6 @@
 //! Tests of materials as motions: a grip with free sides, the force that it takes over the time.
 
-#![allow(clippy::unwrap_used)] // helpers of tests
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use crate::common;
 

@@ -307,7 +307,7 @@ impl Graph {
         match node {
             Node::Constant(bits) => match f64::from_bits(bits) {
                 x if x > 0.0 => Positive,
-                x if x == 0.0 => NotNegative,
+                0.0 => NotNegative,
                 _ => Unknown,
             },
             Node::Invariant(_) | Node::Exp(_) => Positive,

@@ -127,8 +127,8 @@ impl Tape {
     pub fn evaluate<N: Number, const OUT: usize>(&self, inputs: [N; INPUTS], parameters: &[f64]) -> [N; OUT] {
         match self.registers {
             ..=8 => self.run::<N, 8, OUT>(inputs, parameters),
-            ..=24 => self.run::<N, 24, OUT>(inputs, parameters),
-            ..=96 => self.run::<N, 96, OUT>(inputs, parameters),
+            9..=24 => self.run::<N, 24, OUT>(inputs, parameters),
+            25..=96 => self.run::<N, 96, OUT>(inputs, parameters),
             _ => self.run::<N, MOST_REGISTERS, OUT>(inputs, parameters),
         }
     }
