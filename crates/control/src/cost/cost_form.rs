@@ -92,7 +92,7 @@ impl CostForm {
 pub struct CostInputs<'a> {
     /// The body.
     pub solid: &'a Solid,
-    /// At least zero; its values include it.
+    /// Positive: a term of weight zero is left out before. Its values include it.
     pub weight: f64,
     /// Whether the body moves in time.
     pub in_motion: bool,
