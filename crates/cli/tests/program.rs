@@ -227,13 +227,13 @@ fn standard_output_is_looked_after() {
     }
 }
 
-/// Too many cells for what `ulimit -v` leaves, here 2 GB: said before any are made.
+/// Too many cells for what `ulimit -v` leaves, here 1.5 GB: said before any are made.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_mesh_too_large_is_refused_before_it_is_made() {
-    let large = BAR.replace("[4, 1, 1]", "[200, 200, 200]");
+    let large = BAR.replace("[4, 1, 1]", "[100, 100, 100]");
     let place = CaseDirectory::new(&large);
-    let output = place.shell("ulimit -v 2000000", &["check", "case.json"]).output().unwrap();
+    let output = place.shell("ulimit -v 1500000", &["check", "case.json"]).output().unwrap();
     assert_eq!(code(&output), 2, "{}", text(&output.stderr));
     let message = text(&output.stderr);
     assert!(message.contains("mesh/box/cells: a mesh of some ") && message.contains("GB at least"), "{message}");

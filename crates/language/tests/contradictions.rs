@@ -298,7 +298,8 @@ fn a_square_is_not_bounded_by_zero() {
         format!("\"constraints\": [ {{ \"cost\": {{ {kind} }}, \"equal\": 0, \"scale\": 1 }} ], \"costs\": [")
     };
     let tracked = bounded(r#""kind": "tracking", "surface": "tip", "target": ["X", "Y", "Z"]"#);
-    let message = ": constraints/0: \"tracking\" is a square: where it is zero its derivative is zero too";
+    let message = ": constraints/0: \"tracking\" is a square: where it is zero its derivative is zero too, and no multiplier can \
+                   hold it there; bound it by the square of what is near enough: \"at_most\"";
     one(COMPLETE, "\"costs\":     [", &tracked, message);
 }
 

@@ -69,11 +69,14 @@ fn movement(run: &FinishedRun) -> Option<Warning> {
 fn idle(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session: &Session<'_>) -> Option<Warning> {
     let (m, derivative) = (block.of(&run.best.m), block.of(&run.best.derivative));
     let inside = |limits: &Bounds| (0..m.len()).any(|i| limits.at(i).0 < m[i] && m[i] < limits.at(i).1);
-    if m.is_empty() || derivative.iter().any(|d| *d != 0.0) || !field.bounds.as_ref().is_none_or(inside) {
+    // where the whole derivative is zero nothing moves, which is said
+    let some = run.best.derivative.iter().any(|d| *d != 0.0);
+    if m.is_empty() || !some || derivative.iter().any(|d| *d != 0.0) || !field.bounds.as_ref().is_none_or(inside) {
         return None;
     }
     let owner = session.problem.member(block.owner);
-    let pulls = controls::only_pulls(owner, &owner.layout().blocks()[block.field]);
+    let own = &owner.layout().blocks()[block.field];
+    let pulls = controls::only_pulls(owner, own) || controls::slot(owner, own) == Some("pull");
     let why =
         if pulls { ": the cable is slack there, whatever would come of pulling it further is not seen" } else { "" };
     let message = format!("{}: the derivative is exactly zero at the optimum, inside the bounds{why}", field.name);
