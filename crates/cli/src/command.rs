@@ -28,7 +28,7 @@ pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> Exit
     let _ = Output.flush();
     match output::failure() {
         Some(why) => {
-            complain(&format!("standard output could not be written ({why}); files of results are complete"));
+            complain(&format!("standard output could not be written ({why}): what was printed is incomplete"));
             ExitCode::from(Exit::NotWritten.code())
         }
         None => exit,

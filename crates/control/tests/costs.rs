@@ -1,6 +1,6 @@
 //! The contract of costs, over every row of the catalogue.
 
-use nastic_control::{COSTS, Cost, CostContext, CostExample, Partials, Reduced, Space};
+use nastic_control::{COSTS, Cost, CostContext, CostExample, MOTION_COSTS, Partials, Reduced, Space};
 use nastic_energy::{FiberTension, MooneyRivlin};
 use nastic_fem::{Contact, Solid, State};
 use nastic_mesh::spatial::Obstacle;
@@ -266,4 +266,12 @@ fn taylor_orders_through_a_solve() -> Outcome {
         }
     }
     Ok(())
+}
+
+/// Squares say that they are, so that no case asks for a zero of one, where no multiplier can hold it.
+#[test]
+fn squares_are_marked() {
+    for form in COSTS.iter().filter_map(|row| row.form).chain(MOTION_COSTS.iter().copied()) {
+        assert_eq!(form.is_square, form.about.contains("weight/2"), "{}: {}", form.name, form.about);
+    }
 }

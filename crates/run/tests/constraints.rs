@@ -302,10 +302,17 @@ fn a_state_inside_of_an_obstacle_is_said_to_be() {
         );
         assert!(text(0).contains("ball by 0.") && text(0).contains(" at node "), "{}", text(0));
         assert!(text(1).contains("inside of the obstacle of cost obstacle"), "{}", text(1));
-        let ball = &found.result["constraints"]["groups"]["ball"];
-        assert!(number(&ball["violation"]) > 0.01, "{ball}");
-        let outside = place.run(command, &weighed, &["expect={}"]).unwrap();
+        let group = &found.result["constraints"]["groups"]["ball"];
+        assert!(number(&group["violation"]) > 0.01, "{group}");
+        let outside = place.run(command.clone(), &weighed, &["expect={}"]).unwrap();
         assert!(outside.result["warnings"].as_array().unwrap().iter().all(|one| one["code"] != "violated"));
         assert_eq!(number(&outside.result["constraints"]["groups"]["ball"]["violation"]), 0.0);
+        // a bound on a functional has nothing to do with forces of obstacles
+        let bound = r#"{"cost":{"kind":"position","point":[1,0.1,0.1],"target":[0.7,0.1,0.5]},"at_most":1e-6}"#;
+        let both = format!(r#"constraints=[{{"obstacle":{{"surface":"z+",{ball}}}}},{bound}]"#);
+        let far = place.run(command.clone(), KEEP_OUT, &[&both, "expect={}"]).unwrap();
+        let said = far.result["warnings"].as_array().unwrap().iter().find(|one| one["code"] == "violated").unwrap();
+        let message = said["message"].as_str().unwrap();
+        assert!(message.contains("position by ") && !message.contains("no force"), "{message}");
     }
 }

@@ -226,6 +226,7 @@ pub(super) fn fix_in_time(
     let limit = reduced.solid().body().fiber_limit(index);
     for (component, formula) in formulas.into_iter().enumerate() {
         let places = places.clone();
+        coarse_steps::check(&instants, (&formula, &places), (at, context));
         let values = move |t: f64| {
             let formula = formula.at_time(t);
             places.iter().map(|place| formula.at(*place)).collect::<Result<Vec<f64>, _>>()
@@ -244,7 +245,6 @@ pub(super) fn fix_in_time(
             context.complain(at, must_pull(key));
             return None;
         }
-        coarse_steps::check(&instants, &each, |t| values(t).ok(), (at, context));
         let values = move |t: f64| values(t).map_err(|error| ControlError::Cost { what: error.to_string() });
         let fixed = reduced.fix_in_time(index, first + component, values);
         reduced = context.take(at, fixed)?;

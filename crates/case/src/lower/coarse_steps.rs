@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use crate::warning::TIME_STEP;
+use nastic_language::expression::Formula;
 use nastic_language::number::short;
 use nastic_language::syntax::At;
 
@@ -12,13 +13,21 @@ const STEPS: usize = 3;
 /// Where in a step it is looked at.
 const WITHIN: [f64; 3] = [0.25, 0.5, 0.75];
 
-/// Warns of values given in time (`values`: at the points at an instant; `each`: those at `instants`) that steps do not resolve.
+/// Points of a field at which it is looked at, over all of them.
+const POINTS: usize = 20;
+
+/// Warns of a value given in time that steps do not resolve, at the places of the points of a field, or one.
 pub(super) fn check(
     instants: &[f64],
-    each: &[Vec<f64>],
-    values: impl Fn(f64) -> Option<Vec<f64>>,
+    (formula, places): (&Formula, &[[f64; 3]]),
     (at, context): (&At, &mut Context<'_>),
 ) {
+    let places: Vec<[f64; 3]> = places.iter().step_by(places.len().div_ceil(POINTS).max(1)).copied().collect();
+    let values = |t: f64| {
+        let formula = formula.at_time(t);
+        places.iter().map(|place| formula.at(*place).ok()).collect::<Option<Vec<f64>>>()
+    };
+    let Some(each) = instants.iter().map(|t| values(*t)).collect::<Option<Vec<_>>>() else { return };
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     let mut widen = |value: f64| (low, high) = (low.min(value), high.max(value));
     each.iter().flatten().for_each(|value| widen(*value));

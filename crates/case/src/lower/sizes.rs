@@ -63,7 +63,8 @@ pub(super) fn check_moduli(case: &Case, solid: &Solid, context: &mut Context<'_>
     };
     let moduli: Vec<Option<f64>> = case.materials.iter().map(of).collect();
     let stiff = moduli.iter().all(|young| young.is_some_and(|young| young > *SOFT.end()));
-    for (material, young) in case.materials.iter().zip(&moduli) {
+    // a reinforcement adds to the law of a matrix, which is looked at
+    for (material, young) in case.materials.iter().zip(&moduli).filter(|(material, _)| !material.law.reinforcing) {
         let Some(young) = young.filter(|young| stiff || young < SOFT.start()) else { continue };
         let factor = if young < *SOFT.start() { 1e3 } else { 1e-3 };
         let likely = if SOFT.contains(&(young * factor)) {

@@ -20,6 +20,8 @@ pub struct CostForm {
     pub keys: &'static [CostKey],
     /// The part of a motion over which it counts.
     pub counts: Counts,
+    /// Whether it is the square of what it measures: where it is zero its derivative is zero too, so that no constraint can hold it there.
+    pub is_square: bool,
     /// The key that errors of `make` speak of; the whole block if `None`.
     pub reported_at: Option<&'static str>,
     /// It and its values in words; `about` if `None`.
@@ -57,7 +59,7 @@ impl CostForm {
         make: fn(&CostInputs) -> Result<Box<dyn Cost>, ControlError>,
     ) -> Self {
         let (counts, make) = (Counts::AtEnd, MakeCost::OfStates(make));
-        CostForm { name, about, keys, counts, reported_at: None, words: None, make }
+        CostForm { name, about, keys, counts, is_square: false, reported_at: None, words: None, make }
     }
 
     /// A cost of a whole motion.
@@ -68,12 +70,17 @@ impl CostForm {
         make: fn(&CostInputs) -> Result<Box<dyn TrajectoryCost>, ControlError>,
     ) -> Self {
         let (counts, make) = (Counts::Always, MakeCost::OfMotion(make));
-        CostForm { name, about, keys, counts, reported_at: None, words: None, make }
+        CostForm { name, about, keys, counts, is_square: false, reported_at: None, words: None, make }
     }
 
     /// The same, which counts so.
     pub const fn counts(self, counts: Counts) -> Self {
         CostForm { counts, ..self }
+    }
+
+    /// The same, of a cost that is a square.
+    pub const fn square(self) -> Self {
+        CostForm { is_square: true, ..self }
     }
 
     /// The same with the key that errors of `make` speak of.

@@ -65,6 +65,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         Curvature { points: on.get("line")?, axis, wanted: on.get("curvature")?, weight: on.weight }.bind(on.solid)
     },
 )
+.square()
 .words(|words| format!("weight/2 int (kappa - {})^2 along {}", words.text("curvature"), words.text("line")));
 
 impl IntoCost for Curvature {

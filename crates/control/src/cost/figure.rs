@@ -15,7 +15,9 @@ pub enum FigureKind {
     RootMeanSquareDistance,
     /// Largest distance of a tracked point from its target.
     LargestDistance,
-    /// A figure of a cost from outside the workspace.
+    /// Smallest distance of a part of the body from an obstacle, negative inside of it.
+    ObstacleDistance,
+    /// A figure of another cost.
     Other(&'static str),
 }
 
@@ -28,6 +30,7 @@ impl FigureKind {
             FigureKind::SelfDistance => "self",
             FigureKind::RootMeanSquareDistance => "root_mean_square",
             FigureKind::LargestDistance => "largest",
+            FigureKind::ObstacleDistance => "obstacle_distance",
             FigureKind::Other(name) => name,
         }
     }
@@ -39,7 +42,10 @@ impl FigureKind {
             FigureKind::TrueDistance => Some(TRUE_DISTANCE),
             FigureKind::RootMeanSquareDistance => Some("tracking_root_mean_square"),
             FigureKind::LargestDistance => Some("tracking_largest"),
-            FigureKind::SmoothedDistance | FigureKind::SelfDistance | FigureKind::Other(_) => None,
+            FigureKind::SmoothedDistance
+            | FigureKind::SelfDistance
+            | FigureKind::ObstacleDistance
+            | FigureKind::Other(_) => None,
         }
     }
 

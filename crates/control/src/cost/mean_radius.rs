@@ -87,6 +87,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         MeanRadius { surface, axis: on.given("axis"), centre, radius, weight: on.weight }.bind(on.solid)
     },
 )
+.square()
 .reported_at("surface")
 .words(|words| format!("weight/2 (mean radius of {} - {})^2", words.place(), words.text("radius")));
 

@@ -89,6 +89,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         ObstaclePenetration { place, obstacle, clearance, weight: on.weight }.bind(on.solid)
     },
 )
+.square()
 .words(|words| {
     let (clearance, shape) = (words.text("clearance"), words.text("shape"));
     format!("weight/2 int max(0, {clearance} - d)^2 on {}, d from {shape}", words.place())
@@ -174,6 +175,6 @@ impl CostPoint for EvaluatedCost {
     /// The smallest distance of a quadrature point or node from the obstacle, negative inside.
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {
         let smallest = self.distances.iter().map(|d| d.value).fold(f64::INFINITY, f64::min);
-        Ok(vec![Figure::length(FigureKind::Other("obstacle_distance"), smallest)])
+        Ok(vec![Figure::length(FigureKind::ObstacleDistance, smallest)])
     }
 }

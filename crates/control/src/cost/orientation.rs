@@ -52,6 +52,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         Orientation { surface, direction, weight: on.weight }.bind(on.solid)
     },
 )
+.square()
 .reported_at("direction")
 .words(|words| format!("weight/2 int |n - ({})|^2 over {}", words.text("direction"), words.place()));
 

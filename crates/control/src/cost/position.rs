@@ -77,6 +77,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         MeanPosition { of, target: on.get("target")?, weight: on.weight }.bind(on.solid)
     },
 )
+.square()
 .reported_at("target")
 .words(|words| {
     let mean = || format!("the mean of {}", words.place());

@@ -65,6 +65,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         Reaction { surface, direction, force, weight: on.weight }.bind(on.solid)
     },
 )
+.square()
 .reported_at("surface")
 .words(|words| {
     let (place, along) = (words.place(), words.text("direction"));

@@ -32,6 +32,7 @@ impl ControlNorm {
 pub(super) const NORM: CostForm = CostForm::new("control_norm", "weight/2 int m^2", &[CostKey::CONTROL], |on| {
     Ok(Box::new(ControlNorm::of(&on.get::<String>("of")?, on.weight)?))
 })
+.square()
 .counts(Counts::OverTime)
 .words(|words| format!("weight/2 int {}^2", words.text("of")));
 
@@ -42,6 +43,7 @@ pub(super) const SMOOTHNESS: CostForm = CostForm::new(
     &[CostKey::CONTROL],
     |on| Ok(Box::new(ControlSmoothness::of(&on.get::<String>("of")?, on.weight)?)),
 )
+.square()
 .counts(Counts::OverTime)
 .words(|words| format!("weight/2 int |grad {}|^2", words.text("of")));
 

@@ -103,6 +103,7 @@ pub(super) const FORM: CostForm = CostForm::new(
     ],
     |on| Tracking { place: on.place()?, target: on.get("target")?, weight: on.weight }.bind(on.solid),
 )
+.square()
 .reported_at("target")
 .words(|words| format!("weight/2 int |x - x_target|^2 on {}", words.place()));
 

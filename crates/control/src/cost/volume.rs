@@ -51,6 +51,7 @@ pub(super) const FORM: CostForm = CostForm::new(
         LumenVolume { surface, volume, weight: on.weight }.bind(on.solid)
     },
 )
+.square()
 .reported_at("surface")
 .words(|words| format!("weight/2 (volume behind {} - {})^2", words.place(), words.text("volume")));
 

@@ -76,6 +76,7 @@ pub(crate) const FORM: CostForm = CostForm::of_motion(
     &[CostKey::CONTROL],
     |on| Ok(Box::new(ControlRate::of(&on.get::<String>("of")?, on.weight)?)),
 )
+.square()
 .words(|words| format!("weight/2 int int |d{}/dt|^2", words.text("of")));
 
 impl TrajectoryCost for ControlRate {

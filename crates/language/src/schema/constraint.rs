@@ -51,10 +51,6 @@ impl Constraint {
     }
 }
 
-/// Costs that are squares of what they measure.
-const SQUARES: [&str; 7] =
-    ["tracking", "position", "orientation", "curvature", "obstacle", "control_norm", "control_smoothness"];
-
 fn check_bound(block: &Constraint, reader: &mut Reader<'_>) {
     let bounds = usize::from(block.at_most.is_some()) + usize::from(block.equal.is_some());
     if block.cost.is_some() && bounds != 1 {
@@ -69,7 +65,7 @@ fn check_bound(block: &Constraint, reader: &mut Reader<'_>) {
         let message = "a bound of zero needs a \"scale\": a value of the functional that counts as large";
         reader.complain_at(&block.at, message);
     }
-    if let Some(cost) = block.cost.as_ref().filter(|cost| bound == Some(0.0) && SQUARES.contains(&cost.kind())) {
+    if let Some(cost) = block.cost.as_ref().filter(|cost| bound == Some(0.0) && cost.is_square()) {
         let kind = cost.kind();
         let message = format!(
             "\"{kind}\" is a square: where it is zero its derivative is zero too, and no multiplier can hold it there; bound it by the \

@@ -38,6 +38,12 @@ impl Cost {
         self.term().map_or(HAUSDORFF, |term| term.form.name)
     }
 
+    /// Whether it is the square of what it measures, with a derivative that vanishes where it does.
+    #[must_use]
+    pub fn is_square(&self) -> bool {
+        self.term().is_some_and(|term| term.form.is_square)
+    }
+
     /// Path of this block in the case.
     #[must_use]
     pub fn at(&self) -> &At {

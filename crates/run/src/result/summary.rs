@@ -60,7 +60,7 @@ pub(crate) fn tracking(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> 
 
 /// By term what other costs report of themselves.
 pub(crate) fn figures(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> Result<ByName<Numbers>, ControlError> {
-    reported(member, costs, |kind| matches!(kind, FigureKind::Other(_)))
+    reported(member, costs, |kind| !kind.is_hausdorff() && !kind.is_tracking())
 }
 
 fn probes(member: CaseMember<'_>, state: &State) -> ByName<ProbesRecord> {

@@ -46,11 +46,6 @@ impl Known {
         self.unit.map_or_else(String::new, |unit| format!(" {unit}"))
     }
 
-    /// Whether its values are distances of nodes from an obstacle.
-    pub fn is_obstacle(&self) -> bool {
-        !self.nodes.is_empty()
-    }
-
     /// The node of its worst value, in words.
     fn place(&self) -> Option<String> {
         let worst = self.worst.as_ref()?;
@@ -207,24 +202,24 @@ fn at_time(problem: &CaseProblem, time: Option<f64>) -> String {
     time.map_or_else(String::new, |t| format!(" at t = {} {}", short(t), problem.units().time().symbol))
 }
 
-/// The groups that are not met, each by how much and where.
-pub(super) fn unmet(problem: &CaseProblem, all: &ConstraintsReport, known: &[Known]) -> Vec<String> {
+/// The groups that are not met, each by how much and where, and whether one of them keeps nodes out of an obstacle.
+pub(super) fn unmet(problem: &CaseProblem, all: &ConstraintsReport, known: &[Known]) -> (Vec<String>, bool) {
     let feasibility = AugmentedLagrangian::default().feasibility;
     let groups = all.groups.iter().zip(known);
-    let violated = groups.filter(|(one, _)| one.violation() > feasibility * one.group.scale);
-    violated
-        .map(|(one, known)| {
-            let place = known.place().map_or_else(String::new, |place| format!(" at {place}"));
-            let time = known.worst.as_ref().and_then(|worst| known.time(worst.index, one.values.len()));
-            format!("{} by {}{}{place}{}", one.group.name, short(one.violation()), known.unit(), at_time(problem, time))
-        })
-        .collect()
+    let violated: Vec<_> = groups.filter(|(one, _)| one.violation() > feasibility * one.group.scale).collect();
+    let words = |(one, known): &(&ConstraintReport, &Known)| {
+        let place = known.place().map_or_else(String::new, |place| format!(" at {place}"));
+        let time = known.worst.as_ref().and_then(|worst| known.time(worst.index, one.values.len()));
+        let (name, unit, by) = (&one.group.name, known.unit(), short(one.violation()));
+        format!("{name} by {by}{unit}{place}{}", at_time(problem, time))
+    };
+    (violated.iter().map(words).collect(), violated.iter().any(|(_, known)| !known.nodes.is_empty()))
 }
 
 /// Where constraints are not met, or every node keeps its distance and the body between nodes is inside of the obstacle.
 pub(super) fn warnings(problem: &CaseProblem, all: &ConstraintsReport, known: &[Known]) -> Vec<Warning> {
     let feasibility = AugmentedLagrangian::default().feasibility;
-    let violated = unmet(problem, all, known);
+    let (violated, _) = unmet(problem, all, known);
     let violated = (!violated.is_empty())
         .then(|| Warning::new(&VIOLATED, format!("the constraints are not met: {}", violated.join(", "))));
     let of = |(one, known): (&ConstraintReport, &Known)| {

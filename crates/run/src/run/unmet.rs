@@ -39,9 +39,8 @@ impl Session<'_> {
     }
 
     fn of_constraints(&self, all: &ConstraintsReport, known: &[constraints::Known]) -> Option<Warning> {
-        let unmet = constraints::unmet(&self.problem, all, known);
-        let obstacles = known.iter().any(constraints::Known::is_obstacle);
-        let why = if obstacles { format!("; {NO_FORCE}") } else { String::new() };
+        let (unmet, by_obstacle) = constraints::unmet(&self.problem, all, known);
+        let why = if by_obstacle { format!("; {NO_FORCE}") } else { String::new() };
         let message = format!("the constraints are not met at the start controls: {}{why}", unmet.join(", "));
         (!unmet.is_empty()).then(|| Warning::new(&VIOLATED, message))
     }
@@ -54,7 +53,7 @@ fn of_costs(member: CaseMember<'_>, at: &Evaluated) -> Vec<Warning> {
     // a cost whose figures are not defined says so where they are asked for
     let figures = reduced.figures_of(at).unwrap_or_default();
     let depth = |figures: Vec<nastic_control::Figure>| {
-        let distance = figures.iter().find(|figure| figure.kind == FigureKind::Other("obstacle_distance"))?.value;
+        let distance = figures.iter().find(|figure| figure.kind == FigureKind::ObstacleDistance)?.value;
         (distance < -least).then_some(-distance)
     };
     let entered = reduced.term_names().into_iter().zip(figures).filter_map(|(name, own)| Some((name, depth(own)?)));
