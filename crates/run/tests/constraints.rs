@@ -308,7 +308,7 @@ fn a_state_inside_of_an_obstacle_is_said_to_be() {
         assert!(outside.result["warnings"].as_array().unwrap().iter().all(|one| one["code"] != "violated"));
         assert_eq!(number(&outside.result["constraints"]["groups"]["ball"]["violation"]), 0.0);
         // a bound on a functional has nothing to do with forces of obstacles
-        let bound = r#"{"cost":{"kind":"position","point":[1,0.1,0.1],"target":[0.7,0.1,0.5]},"at_most":1e-6}"#;
+        let bound = r#"{"cost":{"kind":"position","point":[1,0.1,0.1],"target":{"x":0.7,"z":0.5}},"at_most":1e-6}"#;
         let both = format!(r#"constraints=[{{"obstacle":{{"surface":"z+",{ball}}}}},{bound}]"#);
         let far = place.run(command.clone(), KEEP_OUT, &[&both, "expect={}"]).unwrap();
         let said = far.result["warnings"].as_array().unwrap().iter().find(|one| one["code"] == "violated").unwrap();
