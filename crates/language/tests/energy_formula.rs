@@ -3,10 +3,14 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::catalogue::{Inputs, material};
-use nastic_energy::{EnergyError, EnergyTerm, Field, FormulaLaw, MaterialPoint, PointBatch, Slots, check};
+use nastic_energy::{
+    EnergyError, EnergyTerm, Field, FormulaLaw, MaterialPoint, PointBatch, Response, Slots, Want, check,
+};
 use nastic_language::expression::{EnergyFormula, Formula};
 use nastic_language::quantity::Units;
+use std::hint::black_box;
 use std::sync::Arc;
+use std::time::Instant;
 
 const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 const FIBER: [f64; 3] = [0.6, 0.8, 0.0];
@@ -193,4 +197,43 @@ fn parameters_may_vary_over_the_body() {
         assert!((found.energy - expected.energy).abs() <= 1e-14 * expected.energy);
     }
     assert!(varying.check(1, 3).unwrap_err().to_string().contains("has 2 values"));
+}
+
+/// Nanoseconds of a law by point, the least of many rounds.
+fn cost(law: &dyn EnergyTerm, want: Want) -> f64 {
+    let states: Vec<_> = check::states().into_iter().cycle().take(64).collect();
+    let mut energy = vec![0.0; states.len()];
+    let mut stress = vec![states[0].f() * 0.0; states.len()];
+    let mut tangent = vec![check::evaluate(law, HERE, &states[0], &[]).tangent; states.len()];
+    let at = PointBatch { kinematics: &states, cell: 0, first: 0 };
+    let mut round = || {
+        let began = Instant::now();
+        for _ in 0..200 {
+            let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut tangent };
+            law.respond(black_box(&at), Slots::none(), want, &mut out);
+        }
+        began.elapsed().as_secs_f64() / (200.0 * 64.0) * 1e9
+    };
+    (0..50).map(|_| round()).fold(f64::INFINITY, f64::min)
+}
+
+#[test]
+#[ignore = "prints times, which depend on the machine"]
+fn costs_beside_the_built_in_law() {
+    let formula = law(
+        "mu1 * (I1 - 3) + mu2 * (I2 - 3) + mu3 * (J - 1)^2 - 2 * (mu1 + 2 * mu2) * log(J)",
+        &[("mu1", "100 kPa"), ("mu2", "20 kPa"), ("mu3", "0.3 MPa")],
+    )
+    .unwrap();
+    let own = built_in("mooney_rivlin", &Inputs::new().number("mu1", 1e5).number("mu2", 2e4).number("mu3", 3e5));
+    let none = Want { energy: false, stress: false, tangent: false };
+    for (name, want) in [
+        ("energy", Want { energy: true, ..none }),
+        ("stress", Want { stress: true, ..none }),
+        ("tangent", Want { tangent: true, ..none }),
+        ("all", Want::ALL),
+    ] {
+        let (formula, own) = (cost(&formula, want), cost(&*own, want));
+        println!("{name:<8} formula {formula:6.1} ns, mooney_rivlin {own:6.1} ns, ratio {:.2}", formula / own);
+    }
 }
