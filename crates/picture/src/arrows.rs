@@ -1,7 +1,7 @@
 //! Vectors of cells as arrows in the picture.
 
 use super::colour::Colour;
-use super::frame::{Mark, paper};
+use super::frame::Mark;
 use super::scene::Scene;
 use super::vector::{V3, add, length, scale};
 use super::{Body, Picture};
@@ -44,7 +44,7 @@ pub(super) fn marks(picture: &Picture, scene: &Scene, unit: f64) -> Vec<Mark> {
             let half = scale(*vector, 0.5 * reach / (scene.scale * longest));
             let (from, to) = (scene.place(add(centre, scale(half, -1.0))), scene.place(add(centre, half)));
             let (from, to) = ([from[0], from[1]], [to[0], to[1]]);
-            marks.extend(arrow(from, to, 5.5 * unit, paper()));
+            marks.extend(arrow(from, to, 5.5 * unit, scene.ground.halo()));
             marks.extend(arrow(from, to, 3.2 * unit, arrows.colour));
         }
     }

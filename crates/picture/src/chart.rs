@@ -7,7 +7,8 @@ use nastic_io::{WriteError, write_atomically};
 use super::colour::Colour;
 use super::frame::{Anchor, MUTED, Mark, number, ticks};
 use super::raster::Image;
-use super::{png, shade, svg, text};
+use super::shade::Ground;
+use super::{png, svg, text};
 
 /// Curves over two axes with linear scales, as PNG or SVG; the same chart gives the same bytes.
 ///
@@ -100,7 +101,7 @@ impl Chart {
             }
             Some("png") => {
                 let [width, height] = SIZE.map(|size| size as usize);
-                let row = |y: usize| vec![Colour(shade::background(y as f64 / SIZE[1])).linear(); width];
+                let row = |y: usize| vec![Ground::Shaded.at(y as f64 / SIZE[1]).linear(); width];
                 let mut image = Image { width, height, pixels: (0..height).flat_map(row).collect() };
                 text::draw(&mut image, &marks);
                 let bytes = png::encode(&image).map_err(|error| bad(&error.to_string(), "use .svg"))?;

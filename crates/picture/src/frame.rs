@@ -4,8 +4,7 @@ use super::arrows;
 use super::colour::Colour;
 use super::polylines;
 use super::scene::{Bar, Scene};
-use super::shade;
-use super::vector::V3;
+use super::vector::{V3, unit};
 use super::{Appearance, Picture};
 
 /// Where a text touches its point.
@@ -50,17 +49,26 @@ impl Frame {
         let unit = f64::from(picture.height) / 1000.0;
         let size = [f64::from(picture.width), f64::from(picture.height)];
         let mut layout = Layout { marks: Vec::new(), unit, size };
-        layout.title(&picture.title, &picture.subtitle);
+        if !picture.is_plain {
+            layout.title(&picture.title, &picture.subtitle);
+        }
         layout.legend(picture, scene);
         if let Some(bar) = &scene.bar {
             layout.bar(bar);
         }
         layout.axes(scene);
         layout.ruler(scene, &picture.length_unit);
+        layout.vectors(picture, scene);
         layout.marks.extend(polylines::marks(picture, scene, unit));
         layout.marks.extend(arrows::marks(picture, scene, unit));
         Self { marks: layout.marks }
     }
+}
+
+/// What stands before a name of the legend.
+enum Swatch<'a> {
+    Body(&'a Appearance),
+    Path(Colour),
 }
 
 struct Layout {
@@ -111,24 +119,37 @@ impl Layout {
         lines
     }
 
+    /// What bodies and paths are called, in as few rows from the bottom as leave room for the scale of lengths.
     fn legend(&mut self, picture: &Picture, scene: &Scene) {
         let u = self.unit;
-        let y = self.size[1] - 50.0 * u;
-        let mut x = 48.0 * u;
-        for body in picture.bodies.iter().filter(|body| !body.label.is_empty()) {
-            let (low, high) = ([x, y - 11.0 * u], [x + 34.0 * u, y + 11.0 * u]);
-            match (&body.appearance, &scene.bar) {
-                (Appearance::Solid(colour), _) => self.rectangle(low, high, *colour, 1.0),
-                (Appearance::Field(_), Some(bar)) => self.gradient(low, high, bar, false),
-                (Appearance::Glass(colour) | Appearance::Wire(colour), _) => {
-                    let opacity = if matches!(body.appearance, Appearance::Glass(_)) { 0.3 } else { 0.0 };
-                    self.rectangle(low, high, *colour, opacity);
-                    self.outline(low, high, *colour);
-                }
-                (Appearance::Field(_), None) => {}
+        let most = self.size[0] - 470.0 * u;
+        let mut at = [48.0 * u, self.size[1] - 50.0 * u];
+        let bodies = picture.bodies.iter().map(|body| (&body.label, Swatch::Body(&body.appearance)));
+        let paths = picture.paths.iter().map(|path| (&path.label, Swatch::Path(path.colour)));
+        for (label, swatch) in bodies.chain(paths).filter(|(label, _)| !label.is_empty()) {
+            let wide = 46.0 * u + super::text::width(label, 24.0 * u);
+            if at[0] + wide > most && at[0] > 48.0 * u {
+                at = [48.0 * u, at[1] - 36.0 * u];
             }
-            self.text([x + 46.0 * u, y], Anchor::Start, 24.0, false, Colour::INK, &body.label);
-            x += 46.0 * u + super::text::width(&body.label, 24.0 * u) + 40.0 * u;
+            self.swatch(at, &swatch, scene);
+            self.text([at[0] + 46.0 * u, at[1]], Anchor::Start, 24.0, false, Colour::INK, label);
+            at[0] += wide + 40.0 * u;
+        }
+    }
+
+    fn swatch(&mut self, [x, y]: [f64; 2], swatch: &Swatch<'_>, scene: &Scene) {
+        let u = self.unit;
+        let (low, high) = ([x, y - 11.0 * u], [x + 34.0 * u, y + 11.0 * u]);
+        match (swatch, &scene.bar) {
+            (Swatch::Path(colour), _) => self.line([low[0], y], [high[0], y], 3.5, *colour),
+            (Swatch::Body(Appearance::Solid(colour)), _) => self.rectangle(low, high, *colour, 1.0),
+            (Swatch::Body(Appearance::Field(_)), Some(bar)) => self.gradient(low, high, bar, false),
+            (Swatch::Body(Appearance::Field(_)), None) => {}
+            (Swatch::Body(Appearance::Glass(colour)), _) => {
+                self.rectangle(low, high, *colour, 0.3);
+                self.outline(low, high, *colour);
+            }
+            (Swatch::Body(Appearance::Wire(colour)), _) => self.outline(low, high, *colour),
         }
     }
 
@@ -160,8 +181,8 @@ impl Layout {
         let u = self.unit;
         let low = [self.size[0] - 206.0 * u, 0.5 * self.size[1] - 230.0 * u];
         let high = [low[0] + 30.0 * u, 0.5 * self.size[1] + 230.0 * u];
-        let (prefix, factor) = prefix(bar);
-        let label = if bar.unit.is_empty() { bar.name.clone() } else { format!("{} [{prefix}{}]", bar.name, bar.unit) };
+        let (_, factor) = prefix(bar);
+        let label = bar_label(bar);
         let right = self.size[0] - 40.0 * u;
         // Above the bar, kept inside the picture.
         let wide = super::text::width(&label, 24.0 * u);
@@ -199,6 +220,26 @@ impl Layout {
             let past = 18.0 / (50.0 * reach);
             let label = [end[0] + (end[0] - centre[0]) * past, end[1] + (end[1] - centre[1]) * past];
             self.text(label, Anchor::Middle, 20.0, true, colour, name);
+        }
+    }
+
+    /// Arrows of one length, from the right upper corner downwards, shortened as they point to the eye or away.
+    fn vectors(&mut self, picture: &Picture, scene: &Scene) {
+        let u = self.unit;
+        for (k, (label, colour, vector)) in picture.vectors.iter().enumerate() {
+            let Some(direction) = unit(*vector) else { continue };
+            let seen = scene.camera.see(direction);
+            let centre = [self.size[0] - 110.0 * u, (100.0 + 150.0 * k as f64) * u];
+            let half = [45.0 * u * seen[0], -45.0 * u * seen[1]];
+            let (from, to) = ([centre[0] - half[0], centre[1] - half[1]], [centre[0] + half[0], centre[1] + half[1]]);
+            let reach = seen[0].hypot(seen[1]);
+            self.marks.extend(arrows::arrow(from, to, 5.0 * u, *colour));
+            let name = match reach < 0.3 {
+                false => label.clone(),
+                true if seen[2] > 0.0 => format!("{label} (to the eye)"),
+                true => format!("{label} (from the eye)"),
+            };
+            self.text([centre[0], centre[1] + 66.0 * u], Anchor::Middle, 20.0, true, *colour, &name);
         }
     }
 
@@ -245,6 +286,11 @@ fn with_ends(mut ticks: Vec<f64>, low: f64, high: f64) -> Vec<f64> {
     ticks
 }
 
+/// What stands above the bar.
+pub(super) fn bar_label(bar: &Bar) -> String {
+    if bar.unit.is_empty() { bar.name.clone() } else { format!("{} [{}{}]", bar.name, prefix(bar).0, bar.unit) }
+}
+
 /// A thousandfold of SI that makes the numbers short, for units that take one.
 fn prefix(bar: &Bar) -> (&'static str, f64) {
     let most = bar.map.low.abs().max(bar.map.high.abs());
@@ -271,11 +317,6 @@ pub(super) fn number(value: f64) -> String {
     let digits = (DIGITS - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
-/// The background as a colour, for halos.
-pub(super) fn paper() -> Colour {
-    Colour(shade::background(0.0))
 }
 
 #[cfg(test)]

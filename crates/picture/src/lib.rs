@@ -6,11 +6,14 @@
 mod arrows;
 mod camera;
 mod chart;
+mod check;
+mod clip;
 mod colour;
 mod face;
 mod frame;
 mod layer;
 mod paint;
+mod path;
 mod png;
 mod polylines;
 mod raster;
@@ -32,6 +35,7 @@ pub use chart::{Chart, Curve};
 pub use colour::Colour;
 pub use face::{Face, FacePattern};
 use nastic_io::WriteError;
+use path::NamedPath;
 pub use sheet::Sheet;
 
 /// Several bodies seen from one place.
@@ -59,6 +63,9 @@ pub struct Picture {
     view: View,
     length_unit: String,
     bodies: Vec<Body>,
+    paths: Vec<NamedPath>,
+    vectors: Vec<(String, Colour, [f64; 3])>,
+    is_plain: bool,
 }
 
 /// Where the eye is.
@@ -134,6 +141,7 @@ pub struct Body {
     arrows: Vec<Arrows>,
     polylines: Vec<(Colour, Vec<[f64; 3]>)>,
     part: Option<Vec<bool>>,
+    plane: Option<([f64; 3], f64)>,
 }
 
 /// Vectors drawn as arrows.
@@ -158,6 +166,7 @@ impl Body {
             arrows: Vec::new(),
             polylines: Vec::new(),
             part: None,
+            plane: None,
         }
     }
 
@@ -170,6 +179,11 @@ impl Body {
     pub fn at(mut self, positions: Vec<[f64; 3]>) -> Self {
         self.positions = positions;
         self
+    }
+
+    /// The number of its nodes.
+    pub fn nodes(&self) -> usize {
+        self.positions.len()
     }
 
     /// Chooses the appearance.
@@ -187,6 +201,12 @@ impl Body {
     /// Draws only the faces all of whose nodes are marked, from both sides: a part of the surface. One mark per node.
     pub fn part(mut self, marked: Vec<bool>) -> Self {
         self.part = Some(marked);
+        self
+    }
+
+    /// Cuts away what lies beyond the plane `x . normal = offset` in the displaced body, and draws the section through its cells.
+    pub fn clip(mut self, normal: [f64; 3], offset: f64) -> Self {
+        self.plane = Some((normal, offset));
         self
     }
 
@@ -220,7 +240,28 @@ impl Picture {
             view: View::Auto,
             length_unit: "m".to_owned(),
             bodies: Vec::new(),
+            paths: Vec::new(),
+            vectors: Vec::new(),
+            is_plain: false,
         }
+    }
+
+    /// For print: a white ground, and neither title nor subtitle.
+    pub fn plain(mut self) -> Self {
+        self.is_plain = true;
+        self
+    }
+
+    /// Draws a vector that is the same everywhere, a field say, as one arrow beside the bodies, with its name.
+    pub fn vector(mut self, label: &str, colour: Colour, vector: [f64; 3]) -> Self {
+        self.vectors.push((label.to_owned(), colour, vector));
+        self
+    }
+
+    /// Draws a line through points of space over all bodies, with its name in the legend: the path of a tip, say.
+    pub fn path(mut self, label: &str, colour: Colour, points: Vec<[f64; 3]>) -> Self {
+        self.paths.push(NamedPath { label: label.to_owned(), colour, points });
+        self
     }
 
     /// Below the title, for numbers that belong to the picture: one line, or several where it is too wide for one and

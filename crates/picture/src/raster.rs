@@ -1,9 +1,8 @@
 //! The z-buffer: nine samples per pixel, one layer per shape, layers laid over each other from far to near.
 
-use super::colour::{Colour, Linear, mix, tint};
+use super::colour::{Linear, mix, tint};
 use super::layer::{Drawable, Fragment, Layer};
 use super::scene::Scene;
-use super::shade;
 use rayon::prelude::*;
 
 /// Pixels in linear light.
@@ -28,7 +27,7 @@ pub(super) fn render(scene: &Scene, width: usize, height: usize) -> Image {
         let (first, rows) = (band * BAND, pixels.len() / width);
         let layers: Vec<Layer> = shapes.iter().filter_map(|shape| Layer::of(shape, band, rows)).take(LAYERS).collect();
         for (row, pixels) in pixels.chunks_mut(width).enumerate() {
-            let behind = Colour(shade::background((first + row) as f64 / height as f64)).linear();
+            let behind = scene.ground.at((first + row) as f64 / height as f64).linear();
             for (column, out) in pixels.iter_mut().enumerate() {
                 *out = pixel(&layers, row, column, behind);
             }

@@ -1,11 +1,15 @@
 //! Bodies, projected into the picture.
 
 use super::camera::Camera;
+use super::check::check;
+use super::clip::{self, Plane};
 use super::colour::{Colour, ColourMap};
 use super::face::Face;
+use super::shade::Ground;
 use super::tessellation::{Surface, SurfaceEdge, SurfacePoint};
-use super::vector::{V3, dot, length, sub};
+use super::vector::{V3, dot, length, sub, unit};
 use super::{Appearance, Body, Picture};
+use super::{frame, text};
 
 /// A corner of a flat piece, in the picture.
 #[derive(Clone, Copy, Debug)]
@@ -65,6 +69,7 @@ pub(super) struct Scene {
     pub camera: Camera,
     pub shapes: Vec<Shape>,
     pub bar: Option<Bar>,
+    pub ground: Ground,
     /// Whether everything lies in the plane: no shading, no third axis.
     pub plane: bool,
     /// Pixels per unit of length.
@@ -84,19 +89,28 @@ impl Scene {
         let drawn = |body: &Body, node: usize| body.part.as_ref().is_none_or(|marked| marked[node]);
         let of = |body: &'_ Body| -> Vec<V3> {
             let own = body.positions.iter().enumerate().filter(|(node, _)| drawn(body, *node));
-            own.map(|(_, at)| *at).chain(body.polylines.iter().flat_map(|(_, points)| points.iter().copied())).collect()
+            let kept = |at: &V3| plane_of(body).map_or(*at, |plane| plane.kept(*at));
+            own.map(|(_, at)| kept(at))
+                .chain(body.polylines.iter().flat_map(|(_, points)| points.iter().copied()))
+                .collect()
         };
-        let all: Vec<V3> = picture.bodies.iter().flat_map(of).collect();
+        let paths = picture.paths.iter().flat_map(|path| path.points.iter().copied());
+        let all: Vec<V3> = picture.bodies.iter().flat_map(of).chain(paths).collect();
         let plane = picture.bodies.iter().all(|body| body.mesh.dim() == 2) && all.iter().all(|p| p[2] == 0.0);
         let camera = Camera::new(picture.view, plane, &all)?;
         let bar = bar(picture);
-        let (scale, origin) = fit(picture, &camera, &all, bar.is_some())?;
-        let mut scene = Self { camera, shapes: Vec::new(), bar, plane, scale, origin };
+        let (scale, origin) = fit(picture, &camera, &all, bar.as_ref())?;
+        let ground = if picture.is_plain { Ground::White } else { Ground::Shaded };
+        let mut scene = Self { camera, shapes: Vec::new(), bar, ground, plane, scale, origin };
         let extent = f64::from(picture.width.max(picture.height));
         for (index, body) in picture.bodies.iter().enumerate() {
             let whole = |face: &Face| face.nodes.iter().all(|node| drawn(body, *node as usize));
             let faces: Vec<Face> = Face::all(&body.mesh).into_iter().filter(whole).collect();
-            let surface = Surface::of(body, &faces, scene.fineness(picture, body, &faces));
+            let fineness = scene.fineness(picture, body, &faces);
+            let mut surface = Surface::of(body, &faces, fineness);
+            if let Some(plane) = plane_of(body) {
+                surface = clip::clipped(&surface, body, &plane, fineness);
+            }
             let nearer = match body.appearance {
                 Appearance::Glass(_) => 0.0,
                 Appearance::Solid(_) | Appearance::Field(_) => 4e-3,
@@ -179,39 +193,6 @@ fn darker(colour: Colour) -> Colour {
     Colour(colour.0.map(|byte| (f64::from(byte) * 0.68) as u8))
 }
 
-fn check(picture: &Picture) -> Result<(), String> {
-    if picture.bodies.is_empty() {
-        return Err("the picture has no bodies".to_owned());
-    }
-    for body in &picture.bodies {
-        let (nodes, cells) = (body.mesh.points().len(), body.mesh.cells());
-        let fits = |what: &str, found: usize, wanted: usize| {
-            if found == wanted {
-                return Ok(());
-            }
-            Err(format!("body \"{}\" has {found} {what} where {wanted} are needed", body.label))
-        };
-        fits("positions", body.positions.len(), nodes)?;
-        if let Appearance::Field(field) = &body.appearance {
-            let nodal = matches!(field.values, super::FieldValues::Nodes(_));
-            fits("values", field.values().len(), if nodal { nodes } else { cells })?;
-        }
-        for arrows in &body.arrows {
-            fits("arrows", arrows.vectors.len(), cells)?;
-        }
-        if body.polylines.iter().flat_map(|(_, points)| points.as_flattened()).any(|x| !x.is_finite()) {
-            return Err(format!("body \"{}\" has a line with a point that is not finite", body.label));
-        }
-        if let Some(marked) = &body.part {
-            fits("marks", marked.len(), nodes)?;
-        }
-        if let Some(node) = body.positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
-            return Err(format!("body \"{}\" has a position that is not finite, at node {node}", body.label));
-        }
-    }
-    Ok(())
-}
-
 /// One bar for all fields: the first one's name, everyone's range unless one is given.
 fn bar(picture: &Picture) -> Option<Bar> {
     let fields = || {
@@ -226,17 +207,30 @@ fn bar(picture: &Picture) -> Option<Bar> {
     let found = values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
     let (low, high) = given.unwrap_or(found);
     let (low, high) = if low <= high && low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 0.0) };
+    // rounding is no field
+    let is_uniform = given.is_none() && high - low <= 1e-6 * low.abs().max(high.abs());
+    let (low, high) = if is_uniform { (0.5 * (low + high), 0.5 * (low + high)) } else { (low, high) };
     Some(Bar { name: first.name.clone(), unit: first.unit.clone(), map: ColourMap::over(low, high) })
 }
 
+/// The plane that a body is cut by; its normal was checked.
+fn plane_of(body: &Body) -> Option<Plane> {
+    let (normal, offset) = body.plane?;
+    let direction = unit(normal)?;
+    Some(Plane { normal: direction, offset: offset / length(normal) })
+}
+
 /// Room for title, legend and colour bar, in pixels: left, right, top, bottom.
-fn margins(picture: &Picture, bar: bool) -> [f64; 4] {
+fn margins(picture: &Picture, bar: Option<&Bar>) -> [f64; 4] {
     let unit = f64::from(picture.height) / 1000.0;
-    [90.0 * unit, if bar { 250.0 * unit } else { 90.0 * unit }, 120.0 * unit, 150.0 * unit]
+    let (side, top) = if picture.is_plain { (50.0, 50.0) } else { (90.0, 120.0) };
+    let label = |bar: &Bar| text::width(&frame::bar_label(bar), 24.0 * unit) + 70.0 * unit;
+    let right = bar.map_or(side * unit, |bar| label(bar).max(250.0 * unit));
+    [side * unit, right, top * unit, 150.0 * unit]
 }
 
 /// Pixels per length, and the pixel of camera coordinates zero, so that everything is inside the margins.
-fn fit(picture: &Picture, camera: &Camera, positions: &[V3], bar: bool) -> Result<(f64, [f64; 2]), String> {
+fn fit(picture: &Picture, camera: &Camera, positions: &[V3], bar: Option<&Bar>) -> Result<(f64, [f64; 2]), String> {
     let seen = positions.iter().map(|p| camera.see(*p));
     let none = ([f64::MAX; 2], [f64::MIN; 2]);
     let (low, high) = seen.fold(none, |(low, high), p| {

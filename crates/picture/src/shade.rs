@@ -1,6 +1,6 @@
 //! Shading: a key light from the upper left, a head light, a weak specular term.
 
-use super::colour::Linear;
+use super::colour::{Colour, Linear};
 use super::vector::{V3, dot};
 
 /// Direction to the lamp, as (right, up, towards the eye); unit.
@@ -25,8 +25,26 @@ pub(super) fn glass(normal: V3) -> f32 {
     (0.28 + 0.30 * edge_on * edge_on) as f32
 }
 
-/// The background at a height of 0 (top) to 1 (bottom).
-pub(super) fn background(height: f64) -> [u8; 3] {
-    let mix = |a: f64, b: f64| (a + (b - a) * height) as u8;
-    [mix(252.0, 234.0), mix(253.0, 238.0), mix(254.0, 243.0)]
+/// What is drawn on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ground {
+    /// A light grey that darkens a little towards the bottom.
+    Shaded,
+    White,
+}
+
+impl Ground {
+    /// The colour at a height of 0 (top) to 1 (bottom).
+    pub fn at(self, height: f64) -> Colour {
+        let mix = |a: f64, b: f64| (a + (b - a) * height) as u8;
+        match self {
+            Self::Shaded => Colour([mix(252.0, 234.0), mix(253.0, 238.0), mix(254.0, 243.0)]),
+            Self::White => Colour([255; 3]),
+        }
+    }
+
+    /// The colour of halos.
+    pub fn halo(self) -> Colour {
+        self.at(0.0)
+    }
 }

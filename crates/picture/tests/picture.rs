@@ -6,26 +6,26 @@ use nastic_io::WriteError;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh, rectangle};
 use nastic_picture::{Appearance, Body, Colour, Field, Picture, Sheet, View};
 
-struct Pixels {
+pub struct Pixels {
     width: usize,
     height: usize,
     bytes: Vec<u8>,
 }
 
 impl Pixels {
-    fn at(&self, x: usize, y: usize) -> [u8; 3] {
+    pub fn at(&self, x: usize, y: usize) -> [u8; 3] {
         let at = 3 * (y * self.width + x);
         [self.bytes[at], self.bytes[at + 1], self.bytes[at + 2]]
     }
 
     /// The middle of the room for bodies when there is no colour bar.
-    fn middle(&self) -> [u8; 3] {
+    pub fn middle(&self) -> [u8; 3] {
         self.at(self.width / 2, (self.height as f64 * 0.485) as usize)
     }
 }
 
 /// Writes a picture and decodes it again.
-fn pixels(picture: &Picture) -> Pixels {
+pub fn pixels(picture: &Picture) -> Pixels {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("picture.png");
     picture.write(&path).unwrap();
@@ -37,7 +37,7 @@ fn pixels(picture: &Picture) -> Pixels {
     Pixels { width: info.width as usize, height: info.height as usize, bytes }
 }
 
-fn cube(kind: CellKind) -> Mesh {
+pub fn cube(kind: CellKind) -> Mesh {
     box_mesh([1.0, 1.0, 1.0], [2, 2, 2], kind).unwrap()
 }
 
@@ -46,11 +46,11 @@ fn moved(mesh: &Mesh, by: [f64; 3]) -> Vec<[f64; 3]> {
 }
 
 /// A body without a legend and without element lines, so that pixels are surface.
-fn bare(mesh: &Mesh, appearance: Appearance) -> Body {
+pub fn bare(mesh: &Mesh, appearance: Appearance) -> Body {
     Body::new("", mesh.clone()).appearance(appearance).lines(false)
 }
 
-fn from_the_front() -> Picture {
+pub fn from_the_front() -> Picture {
     Picture::new("").size(400, 300).view(View::From([0.0, -1.0, 0.0]))
 }
 
