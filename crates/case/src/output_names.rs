@@ -17,6 +17,8 @@ const ALL: &[&str] = &[
     "obstacle_#.vtu",
     "picture.png",
     "picture.svg",
+    "figure.png",
+    "figure.svg",
     "scenarios.pvd",
 ];
 /// Of motions, of `solve` and `optimize`.

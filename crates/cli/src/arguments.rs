@@ -1,5 +1,6 @@
 //! What may be typed.
 
+use crate::figure::Figure;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand};
 use nastic_language::template::TEMPLATES;
@@ -86,6 +87,11 @@ pub enum Command {
     ///
     /// solve and optimize write the same page at their end, unless --no-report is given.
     Report(Report),
+    /// Draw a state of a result directory for print: white ground, colour bar, scale of lengths, no text of the run
+    ///
+    /// Without more: the optimum (or the equilibrium, or the end of the motion) coloured by the first controlled field, chambers by their
+    /// pressure, or else the displacement, before the start and the target as glass. The same picture gives the same bytes.
+    Figure(Figure),
     /// Print the JSON Schema of case files, for editors, or of results
     Schema(Schema),
 }
@@ -254,6 +260,9 @@ pub struct Running {
     /// Leave out report.html, the page that solve and optimize write at their end
     #[arg(long)]
     pub no_report: bool,
+    /// Write figure.png and figure.svg too: the result for print, as nastic figure draws it
+    #[arg(long)]
+    pub figure: bool,
     /// Say what the columns of the table of trials mean
     #[arg(long)]
     pub explain: bool,

@@ -20,6 +20,7 @@ use nastic_run::run::{
 use nastic_run::signals::cancelled_by_signals;
 use serde::Serialize;
 use std::io::{IsTerminal, Write, stderr};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
@@ -63,6 +64,7 @@ fn run_command(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
         Command::Sweep(swept) => on_values(catalogue, &swept),
         Command::Fit(data) => on_data(&data),
         Command::Report(folder) => on_results(&folder),
+        Command::Figure(figure) => figure.draw(),
         Command::Schema(wanted) => {
             say_schema(catalogue, &wanted);
             ExitCode::SUCCESS
@@ -153,6 +155,7 @@ fn options(case: &Case, asked: Asked) -> Options {
         set: case.settings.clone(),
         strict: running.strict,
         no_report: running.no_report,
+        figure: running.figure,
         explain: running.explain,
         analysis: asked.analysis,
         modes: asked.modes,
@@ -188,6 +191,7 @@ fn on_directory(catalogue: &Catalogue, Resume { directory, diagnosis, running }:
         threads: running.threads.map(usize::from),
         strict: running.strict,
         no_report: running.no_report,
+        figure: running.figure,
         explain: running.explain,
         spectrum: spectrum(diagnosis),
         cancel: cancelled_by_signals(complain),
@@ -199,7 +203,15 @@ fn on_directory(catalogue: &Catalogue, Resume { directory, diagnosis, running }:
 
 /// Fits laws to test data.
 fn on_data(Fit { data, out, quiet, json }: &Fit) -> ExitCode {
-    let running = Running { threads: None, strict: false, no_report: true, explain: false, quiet: *quiet, json: *json };
+    let running = Running {
+        threads: None,
+        strict: false,
+        no_report: true,
+        figure: false,
+        explain: false,
+        quiet: *quiet,
+        json: *json,
+    };
     match run::fit(data, out.clone(), &console(&running)) {
         Ok(outcome) => {
             if *json {
@@ -213,7 +225,12 @@ fn on_data(Fit { data, out, quiet, json }: &Fit) -> ExitCode {
 
 /// Makes the page of a result directory and says where it is.
 fn on_results(Report { directory, out }: &Report) -> ExitCode {
-    match report(directory, out.as_deref()) {
+    written(report(directory, out.as_deref()))
+}
+
+/// Says where a file went, or why there is none.
+pub(crate) fn written(file: Result<PathBuf, RunError>) -> ExitCode {
+    match file {
         Ok(file) => {
             let _ = writeln!(Output, "{}", file.display());
             ExitCode::SUCCESS

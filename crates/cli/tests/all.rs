@@ -2,6 +2,7 @@
 
 mod clusters;
 mod common;
+mod figure;
 mod keys;
 mod new;
 mod own_program;

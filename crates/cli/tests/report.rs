@@ -96,12 +96,20 @@ fn an_optimisation_can_be_looked_at() {
         "const field = document.getElementById('field'); field.value = '|u|'; field.dispatchEvent(new Event('change'))",
         "document.getElementById('show-lines').click()",
         "document.getElementById('show-target').click()",
+        "const cut = document.getElementById('cut'); cut.value = 'x<'; cut.dispatchEvent(new Event('input'))",
+        "const at = document.getElementById('cut-at'); at.value = 0.2; at.dispatchEvent(new Event('input'))",
     ] {
         let (_, before) = pixels(&browser);
         browser.run(change);
         browser.settle();
         assert_ne!(pixels(&browser).1, before, "{change}");
     }
+
+    let whole = pixels(&browser).0;
+    browser.run("const cut = document.getElementById('cut'); cut.value = ''; cut.dispatchEvent(new Event('input'))");
+    browser.settle();
+    assert!(pixels(&browser).0 > 1.5 * whole, "a fifth of the body is kept, not {whole} of {}", pixels(&browser).0);
+    saves_a_picture(&browser);
 
     // Light and dark; a narrow window needs no sideways scrolling.
     let ground = "return getComputedStyle(document.body).backgroundColor";
@@ -168,6 +176,42 @@ fn every_shipped_case_has_a_page_that_opens_without_a_network() {
         );
         assert_eq!(empty, Value::Array(vec![]), "{arguments:?}");
     }
+}
+
+/// The button saves a PNG on white ground, three times as fine as the view, and leaves the view as it was.
+fn saves_a_picture(browser: &Browser) {
+    let before = pixels(browser);
+    browser.run(
+        "HTMLAnchorElement.prototype.click = function () { window.saved = [this.download, this.href]; };
+         document.getElementById('save').click();",
+    );
+    browser.settle();
+    let saved = browser.run("return window.saved");
+    assert!(
+        saved[0].as_str().unwrap().ends_with(".png")
+            && saved[1].as_str().unwrap().starts_with("data:image/png;base64,")
+    );
+    browser.run(
+        "window.copy = new Image();
+         window.copy.src = window.saved[1];",
+    );
+    browser.settle();
+    let found = browser.run(
+        "const canvas = document.createElement('canvas');
+         [canvas.width, canvas.height] = [window.copy.naturalWidth, window.copy.naturalHeight];
+         const context = canvas.getContext('2d');
+         context.drawImage(window.copy, 0, 0);
+         const data = context.getImageData(0, 0, canvas.width, canvas.height).data;
+         let inked = 0;
+         for (let k = 0; k < data.length; k += 4) if (data[k] < 250) inked++;
+         const stage = document.getElementById('canvas').parentElement;
+         return [canvas.width / stage.clientWidth, [...data.slice(0, 4)], 4 * inked / data.length];",
+    );
+    assert_eq!(found[0].as_f64(), Some(3.0));
+    assert_eq!(found[1], serde_json::json!([255, 255, 255, 255]));
+    let inked = found[2].as_f64().unwrap();
+    assert!(inked > 0.5 * before.0, "{inked} of the picture, {} of the view", before.0);
+    assert_eq!(pixels(browser), before);
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn it_keeps_the_contract_on_every_cell() -> Outcome {
         *u.last_mut().ok_or("no unknowns")? = tension;
         state.u = u.into();
         let lines = solid.model().lines(&Instant::new(&state.u, &state.controls, 1.0))?;
-        assert_eq!((lines.len(), lines[0].quantities[0]), (1, ("tension", tension)), "{kind}");
+        assert_eq!((lines.len(), lines[0].quantities[0].clone()), (1, ("tension".to_owned(), tension)), "{kind}");
     }
     Ok(())
 }

@@ -5,7 +5,8 @@
 use std::path::Path;
 
 use nastic_io::{
-    Entity, WriteError, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled, write_lines, write_vtu,
+    Entity, WriteError, parse_vtu, read_array, read_lines, read_snapshot, read_vtu, read_vtu_scaled, write_lines,
+    write_vtu,
 };
 use nastic_mesh::{CellKind, Mesh, NamedArray, Polyline, RawMesh, Snapshot, box_mesh, rectangle};
 
@@ -52,15 +53,22 @@ fn assert_same_mesh(a: &Mesh, b: &Mesh) {
 fn lines_are_polylines_with_their_quantities() {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("lines.vtu");
-    let line = |name: &str, points: &[[f64; 3]], quantities: &[(&'static str, f64)]| Polyline {
+    let line = |name: &str, points: &[[f64; 3]], quantities: &[(&str, f64)]| Polyline {
         name: name.to_owned(),
         points: points.to_vec(),
-        quantities: quantities.to_vec(),
+        quantities: quantities.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect(),
     };
     let long =
         line("upper", &[[0.0, 0.0, 1.0], [1.0, 0.5, 1.0], [2.0, 0.0, 1.25]], &[("tension", 3.5), ("length", 2.5)]);
     let short = line("lower", &[[0.0; 3], [2.0, 0.0, 0.0]], &[("tension", 0.0)]);
-    write_lines(&path, &[long, short]).unwrap();
+    let written = [long, short];
+    write_lines(&path, &written).unwrap();
+    let sorted = |mut line: Polyline| {
+        line.quantities.sort_by(|a, b| a.0.cmp(&b.0));
+        line
+    };
+    let read = read_lines(&path).unwrap();
+    assert_eq!(read.into_iter().map(sorted).collect::<Vec<_>>(), written.map(sorted));
     let of = |name: &str| read_array(&path, name).unwrap();
     assert_eq!((of("tension").entity, of("tension").values), (Entity::Cell, vec![3.5, 0.0]));
     assert_eq!(of("line").values, [0.0, 1.0]);

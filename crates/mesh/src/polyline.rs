@@ -8,5 +8,5 @@ pub struct Polyline {
     /// Its corners.
     pub points: Vec<[f64; 3]>,
     /// Numbers that hold for the whole of it, by name.
-    pub quantities: Vec<(&'static str, f64)>,
+    pub quantities: Vec<(String, f64)>,
 }

@@ -6,6 +6,8 @@ class View {
     this.surfaces = data.surfaces.map((surface) => new Surface(surface));
     this.part = (id) => document.getElementById(id);
     this.stage = new Stage(this.part("canvas"));
+    this.cut = new Cut(this);
+    this.figure = new Figure(this);
     this.listen();
     this.part("member").replaceChildren(...data.views.map((view, k) => option(k, view.name || "the body")));
     this.part("member-label").hidden = data.views.length < 2;
@@ -25,6 +27,7 @@ class View {
     });
     this.part("play").addEventListener("click", () => (this.timer ? this.stop() : this.play()));
     this.part("home").addEventListener("click", () => this.stage.look(this.stage.home.box, this.stage.home.plane));
+    this.part("save").addEventListener("click", () => this.figure.save());
     // The slider's keys work on the drawing too; the arrow keys with shift turn the body.
     this.part("canvas").addEventListener("keydown", (event) => {
       const step = { ArrowLeft: -1, ArrowRight: 1, PageDown: 5, PageUp: -5, Home: -1e9, End: 1e9 }[event.key];
@@ -58,8 +61,7 @@ class View {
     for (const body of [this.body, this.start, this.moved, ...this.targets].filter(Boolean)) this.stage.scene.add(body.group);
     const last = view.frames.length - 1;
     const slider = this.part("slider");
-    // The last: the optimum, the end of a path; of a state with its modes the state.
-    [slider.max, slider.value] = [last, view.frames.some((frame) => frame.fields.mode) ? 0 : last];
+    [slider.max, slider.value] = [last, this.opening(view.frames)];
     this.part("slider-row").hidden = last < 1;
     this.part("show-start").parentElement.hidden = last < 1;
     this.part("first-name").textContent = view.frames[0].label;
@@ -70,8 +72,20 @@ class View {
     for (const { x } of [...view.frames, ...view.targets.filter((target) => target.label !== "obstacle")]) {
       box.expandByPoint(new THREE.Vector3(...x.low)).expandByPoint(new THREE.Vector3(...x.high));
     }
+    this.cut.offer(box, this.surfaces[view.surface].plane);
     this.stage.look(box, this.surfaces[view.surface].plane);
     this.show();
+  }
+
+  // The frame to begin with. The last: the optimum, the end of a path; of a state with its modes the state; of a motion the most deformed.
+  opening(frames) {
+    if (frames.some((frame) => frame.fields.mode)) return 0;
+    const last = frames.length - 1;
+    if (!frames[last].label.startsWith("t = ")) return last;
+    const rest = values(frames[0].x);
+    const farthest = frames.map(({ x }) => values(x).reduce((most, at, k) => Math.max(most, Math.abs(at - rest[k])), 0));
+    // An end that is as far is as good.
+    return farthest.lastIndexOf(farthest.reduce((most, one) => Math.max(most, one), 0));
   }
 
   offerFields() {
@@ -125,6 +139,10 @@ class View {
     this.body.paint(field, map);
     this.showBar(name, map, field !== undefined);
     this.showArrows(frame, x);
+    const planes = this.cut.planes();
+    for (const part of [this.body.material, this.body.ink, this.arrows?.material]) {
+      if (part) part.clippingPlanes = planes;
+    }
     this.start.group.visible = this.part("show-start").checked && Number(slider.value) > 0;
     const targets = this.part("show-target").checked;
     this.targets.forEach((target) => (target.group.visible = targets));
@@ -168,6 +186,8 @@ class View {
 
   showBar(name, map, told) {
     this.part("bar").hidden = !map;
+    // The colours of the body in the legend of a figure.
+    this.swatch = Array.from({ length: 13 }, (_, k) => (map ? map.bytes(map.low + ((map.high - map.low) * k) / 12) : [107, 115, 128]));
     if (!map) return;
     const unit = this.fields[name]?.unit;
     const missing = told ? "" : " (not kept for this frame)";

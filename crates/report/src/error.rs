@@ -32,6 +32,35 @@ pub enum ReportError {
         /// What is wrong with it.
         what: String,
     },
+    /// The results have no state, field or probe of that name.
+    #[error("there is no {what} \"{name}\"; there is: {}", has.join(", "))]
+    Unknown {
+        /// What was looked for.
+        what: &'static str,
+        /// Its name.
+        name: String,
+        /// The names that there are.
+        has: Vec<String>,
+    },
+    /// A path needs the instants of a motion.
+    #[error(
+        "paths of probes need a motion, and this run wrote no {file}: it is static, or it failed before its first step"
+    )]
+    NoMotion {
+        /// The table of the motion.
+        file: String,
+    },
+    /// Pressures are known of the states that the result speaks of.
+    #[error(
+        "the pressure of chamber \"{chamber}\" in the state \"{state}\" is not known: results have that of the optimum, of an equilibrium and of \
+         the instants of a motion; choose such a state, or another field by --field"
+    )]
+    NoPressure {
+        /// The chamber.
+        chamber: String,
+        /// The state.
+        state: String,
+    },
     /// A VTU file cannot be understood.
     #[error(transparent)]
     Vtu(#[from] ReadError),

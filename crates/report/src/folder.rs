@@ -2,8 +2,8 @@
 
 use crate::error::ReportError;
 use crate::record::{RunRecord, TrialRecord};
-use nastic_io::read_snapshot;
-use nastic_mesh::Snapshot;
+use nastic_io::{read_lines, read_snapshot};
+use nastic_mesh::{Polyline, Snapshot};
 use serde::de::DeserializeOwned;
 use std::path::{Path, PathBuf};
 
@@ -72,6 +72,25 @@ impl ResultFolder {
     /// The body and the arrays of a VTU file.
     pub fn snapshot(&self, name: &str) -> Result<Snapshot, ReportError> {
         Ok(read_snapshot(self.path.join(name))?)
+    }
+
+    /// The lines of a VTU file.
+    pub fn lines(&self, name: &str) -> Result<Vec<Polyline>, ReportError> {
+        Ok(read_lines(self.path.join(name))?)
+    }
+
+    /// The written states of a motion and their instants, as a PVD file lists them; none where there is no such file.
+    pub fn instants(&self, name: &str) -> Result<Vec<(String, f64)>, ReportError> {
+        fn attribute<'a>(line: &'a str, key: &str) -> Option<&'a str> {
+            line.split_once(key)?.1.strip_prefix("=\"")?.split('"').next()
+        }
+        let text = if self.wrote(name) { self.text(name)?.unwrap_or_default() } else { String::new() };
+        let of = |line: &str| {
+            let t: f64 = attribute(line, "timestep")?.parse().ok()?;
+            let file = attribute(line, "file").filter(|_| attribute(line, "part") == Some("0"))?;
+            Some((file.to_owned(), t))
+        };
+        Ok(text.lines().filter_map(of).collect())
     }
 
     /// The error of a file that does not hold what it should.

@@ -17,13 +17,15 @@ const LICENCES: [&str; 2] = [include_str!("../vendor/three.LICENSE"), include_st
 const STYLE: [&str; 2] = [include_str!("../assets/page.css"), include_str!("../assets/view.css")];
 const VIEW: &str = include_str!("../assets/view.html");
 /// In one scope, in this order.
-const PROGRAM: [&str; 9] = [
+const PROGRAM: [&str; 11] = [
     include_str!("../assets/arrays.js"),
     include_str!("../assets/colours.js"),
     include_str!("../assets/surface.js"),
     include_str!("../assets/body.js"),
     include_str!("../assets/arrows.js"),
     include_str!("../assets/stage.js"),
+    include_str!("../assets/cut.js"),
+    include_str!("../assets/figure.js"),
     include_str!("../assets/view.js"),
     include_str!("../assets/plots.js"),
     include_str!("../assets/main.js"),
@@ -132,7 +134,7 @@ fn drawings(folder: &ResultFolder, endings: &[&str]) -> String {
 }
 
 /// Name, unit and explanation of the fields that bodies are coloured by.
-fn fields(result: &RunRecord) -> Value {
+pub(crate) fn fields(result: &RunRecord) -> Value {
     let units = &result.units;
     let mut out = json!({
         "|u|": { "label": "displacement |u|", "unit": units.length },

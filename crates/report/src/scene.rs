@@ -267,16 +267,8 @@ fn rows(
 /// Files and labels of the written instants of a motion, evenly thinned, the last among them.
 fn instants(folder: &ResultFolder, member: &ListedMember<'_>) -> Result<Vec<(String, String)>, ReportError> {
     let name = format!("{}motion.pvd", member.record.stem);
-    let text = if folder.wrote(&name) { folder.text(&name)?.unwrap_or_default() } else { String::new() };
-    fn attribute<'a>(line: &'a str, key: &str) -> Option<&'a str> {
-        line.split_once(key)?.1.strip_prefix("=\"")?.split('"').next()
-    }
-    let of = |line: &str| {
-        let t: f64 = attribute(line, "timestep")?.parse().ok()?;
-        let file = attribute(line, "file").filter(|_| attribute(line, "part") == Some("0"))?;
-        Some((file.to_owned(), format!("t = {} s", short(t))))
-    };
-    let all: Vec<(String, String)> = text.lines().filter_map(of).collect();
+    let listed = folder.instants(&name)?.into_iter();
+    let all: Vec<(String, String)> = listed.map(|(file, t)| (file, format!("t = {} s", short(t)))).collect();
     let step = all.len().div_ceil(MOST_ROWS).max(1);
     let behind = all.len().saturating_sub(1) % step;
     Ok(all.into_iter().skip(behind).step_by(step).collect())

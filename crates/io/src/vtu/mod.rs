@@ -11,7 +11,7 @@ mod read;
 mod write;
 mod xml;
 
-pub use lines::write_lines;
+pub use lines::{read_lines, write_lines};
 pub use read::{Entity, FileArray, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled};
 pub use write::write_vtu;
 pub use xml::escape;

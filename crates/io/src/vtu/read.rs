@@ -126,7 +126,7 @@ pub fn read_array(path: impl AsRef<Path>, name: &str) -> Result<FileArray, ReadE
     })
 }
 
-fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
+pub(super) fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
     std::fs::read(path).map_err(|source| ReadError::Open { file: path.to_owned(), source })
 }
 
@@ -137,10 +137,14 @@ pub(super) struct Grid<'a> {
     fields: Option<&'a Element<'a>>,
     piece: &'a Element<'a>,
     points: u64,
-    cells: u64,
+    pub cells: u64,
 }
 
-fn with_grid<T>(file: &Path, bytes: &[u8], then: impl FnOnce(&Grid) -> Result<T, ReadError>) -> Result<T, ReadError> {
+pub(super) fn with_grid<T>(
+    file: &Path,
+    bytes: &[u8],
+    then: impl FnOnce(&Grid) -> Result<T, ReadError>,
+) -> Result<T, ReadError> {
     let source = Source { file, bytes };
     let root = xml::parse(&source)?;
     let fail = |at: &Element, what: &str, advice: &str| source.malformed(at.start, describe(at), what, advice);
@@ -197,7 +201,7 @@ impl<'a> Grid<'a> {
         self.fields.into_iter().flat_map(|data| data.children_named("DataArray"))
     }
 
-    fn array(&self, element: &Element<'a>, entity: Entity) -> Result<FileArray, ReadError> {
+    pub fn array(&self, element: &Element<'a>, entity: Entity) -> Result<FileArray, ReadError> {
         let entities = match entity {
             Entity::Point => self.points,
             Entity::Cell => self.cells,
@@ -221,7 +225,7 @@ impl<'a> Grid<'a> {
         Ok(mesh)
     }
 
-    fn node_positions(&self) -> Result<Vec<[f64; 3]>, ReadError> {
+    pub fn node_positions(&self) -> Result<Vec<[f64; 3]>, ReadError> {
         let section = self.section("Points")?;
         let Some(element) = section.child("DataArray") else {
             return Err(self.missing(section, "a DataArray"));
@@ -297,18 +301,18 @@ impl<'a> Grid<'a> {
         })
     }
 
-    fn integers(&self, element: &Element<'a>, count: u64) -> Result<Vec<i64>, ReadError> {
+    pub fn integers(&self, element: &Element<'a>, count: u64) -> Result<Vec<i64>, ReadError> {
         match self.storage.read(element, Expect::Tuples(count))? {
             Numbers::Integers(values) => Ok(values),
             Numbers::Reals(_) => Err(self.storage.malformed(element, "its type must be an integer")),
         }
     }
 
-    fn section(&self, name: &str) -> Result<&Element<'a>, ReadError> {
+    pub fn section(&self, name: &str) -> Result<&Element<'a>, ReadError> {
         self.piece.child(name).ok_or_else(|| self.missing(self.piece, &format!("<{name}>")))
     }
 
-    fn missing(&self, element: &Element, what: &str) -> ReadError {
+    pub fn missing(&self, element: &Element, what: &str) -> ReadError {
         self.storage.malformed(element, format!("it has no {what}"))
     }
 }

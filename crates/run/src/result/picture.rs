@@ -5,10 +5,10 @@ use crate::result::{obstacle_shape, snapshot};
 use nastic_case::lower::{Admitted, CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, Space};
 use nastic_io::WriteError;
-use nastic_mesh::{NamedArray, Polyline, Snapshot};
+use nastic_mesh::{NamedArray, Snapshot};
 use nastic_picture::{Appearance, Body, Colour, Face, Field, Picture, Sheet};
-use nastic_report::carried;
 use nastic_report::record::{StateRecord, number_of};
+use nastic_report::{FIELD, tension, uniform_field, with_marks};
 
 /// What is drawn.
 pub(crate) struct Drawing<'a> {
@@ -60,13 +60,13 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
         .into_iter()
         .map(|appearance| {
             let ground = ground((member, body), (&drawing.title, &drawing.subtitle), &drawing.ghosts);
-            ground.body(with_arrows(member, Body::of(label, body).appearance(appearance), body))
+            ground.body(with_marks(Body::of(label, body).appearance(appearance), body))
         })
         .collect();
     for (title, state) in &drawing.scenarios {
         let Some(appearance) = appearances(member, state).into_iter().next() else { continue };
         let ground = ground((member, state), (title, ""), &[]);
-        pictures.push(ground.body(with_arrows(member, Body::of(label, state).appearance(appearance), state)));
+        pictures.push(ground.body(with_marks(Body::of(label, state).appearance(appearance), state)));
     }
     if let Some((title, mean)) = &drawing.mean
         && let Some(spread) = mean.point_array("deviation_norm")
@@ -105,6 +105,9 @@ fn ground(
     ghosts: &[(&str, &Snapshot)],
 ) -> Picture {
     let mut picture = Picture::new(title).subtitle(subtitle).length_unit(member.problem().units().length().symbol);
+    if let Some(field) = uniform_field(state) {
+        picture = picture.vector("field", FIELD, field);
+    }
     for (label, ghost) in ghosts {
         picture = picture.body(Body::of(label, ghost).appearance(Appearance::Glass(Colour::GREY)));
     }
@@ -157,35 +160,6 @@ fn controlled(block: &ControlBlock, field: &ControlField, body: &Snapshot) -> Op
     }
     let (name, values) = values(body.cell_array(&field.array)?);
     Some(Field::at_cells(&name, &field.unit, values))
-}
-
-/// Magnetisation (black, as the body carries it) and applied field (orange), where there are any; tendons, orange where they pull; springs, green.
-fn with_arrows(member: CaseMember<'_>, mut drawn: Body, body: &Snapshot) -> Body {
-    let positions = body.positions();
-    for (name, colour) in [("B_r", Colour::INK), ("B_a", Colour::ORANGE)] {
-        let Some(array) = body.cell_array(name).filter(|array| array.values.iter().any(|x| *x != 0.0)) else {
-            continue;
-        };
-        let vectors = array.values.chunks_exact(3).enumerate().map(|(cell, v)| {
-            let v = [v[0], v[1], v[2]];
-            if name == "B_r" { carried(member.mesh(), &positions, cell as u32, v) } else { v }
-        });
-        drawn = drawn.arrows(colour, vectors.collect());
-    }
-    for line in &body.lines {
-        let colour = match tension(line) {
-            None => Colour::GREEN,
-            Some(tension) if tension > 0.0 => Colour::ORANGE,
-            Some(_) => Colour::GREY,
-        };
-        drawn = drawn.polyline(colour, line.points.clone());
-    }
-    drawn
-}
-
-/// The tension of a tendon; `None` of a spring.
-fn tension(line: &Polyline) -> Option<f64> {
-    line.quantities.iter().find(|(name, _)| *name == "tension").map(|(_, value)| *value)
 }
 
 /// What the arrows and lines of a picture are, for its subtitle; empty without any.

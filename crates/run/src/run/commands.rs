@@ -122,7 +122,7 @@ pub fn resume(
         let (mut session, position) = resumption::open(catalogue, directory, options.cancel.clone(), console)?;
         session.strict = options.strict;
         session.expect = !options.without_expect;
-        session.report = !options.no_report;
+        (session.report, session.figure) = (!options.no_report, options.figure);
         session.explain = options.explain;
         session.spectrum = options.spectrum;
         session.on_trial = options.on_trial.clone();

@@ -24,6 +24,8 @@ pub struct Options {
     pub strict: bool,
     /// Whether the page of results, `report.html`, is left out.
     pub no_report: bool,
+    /// Whether `figure.png` and `figure.svg`, the result for print, are written.
+    pub figure: bool,
     /// Whether the case's `expect` is left aside: it holds for the case as it is written.
     pub without_expect: bool,
     /// Whether `solve` and `optimize` may replace the checkpoint of a run that was interrupted, or one that cannot be read.

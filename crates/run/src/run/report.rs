@@ -12,9 +12,12 @@ use nastic_case::output_names;
 use nastic_control::EnsemblePoint;
 use nastic_io::write_atomically;
 use nastic_language::schema::Command;
+use nastic_report::FigureRequest;
 use nastic_report::record::{MemberRecord, StateRecord};
 use std::path::{Path, PathBuf};
 
+/// The result for print.
+const FIGURES: [&str; 2] = ["figure.png", "figure.svg"];
 /// The case with its overrides.
 const CASE: &str = "case.json";
 
@@ -29,6 +32,17 @@ pub fn report(directory: &Path, file: Option<&Path>) -> Result<PathBuf, RunError
     Ok(file)
 }
 
+/// Draws a state of a result folder, to `figure.png` in it unless another file is named, PNG or SVG by its ending; where it went.
+///
+/// # Errors
+/// [`RunError::Report`]: the directory holds no results, or has not what is asked for; [`RunError::Write`].
+pub fn figure(directory: &Path, request: &FigureRequest, file: Option<&Path>) -> Result<PathBuf, RunError> {
+    let picture = nastic_report::figure(directory, request)?;
+    let file = file.map_or_else(|| directory.join(FIGURES[0]), Path::to_owned);
+    picture.write(&file)?;
+    Ok(file)
+}
+
 /// Writes `case.json` and `result.json`, and the page if there is one to be.
 pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
@@ -38,7 +52,8 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
         session.record.members = Some(members(&session.problem));
         let case = session.problem.case_file().is_some();
         let page = with_page.then_some(nastic_report::FILE);
-        session.list_files(case.then_some(CASE).into_iter().chain(page).map(str::to_owned).collect());
+        let figures = FIGURES.iter().filter(|_| session.figure).copied();
+        session.list_files(case.then_some(CASE).into_iter().chain(page).chain(figures).map(str::to_owned).collect());
         if case {
             out.write_json(CASE, &session.problem.document.json())?;
         } else {
@@ -46,6 +61,9 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
         }
     }
     out.write_json("result.json", &session.record)?;
+    for name in FIGURES.iter().filter(|_| session.figure && is_shown) {
+        figure(out.path(), &FigureRequest::default(), Some(&out.file(name)))?;
+    }
     if with_page { report(out.path(), None).map(|_| ()) } else { remove_old(&out) }
 }
 

@@ -51,6 +51,8 @@ pub(super) struct Session<'c> {
     pub settings: Vec<String>,
     /// Whether the page of results is written at the end.
     pub report: bool,
+    /// Whether the result for print is written.
+    pub figure: bool,
     /// Whether the columns of the table of trials are explained.
     pub explain: bool,
     /// What is to be found of the second derivative at an optimum.
@@ -100,7 +102,7 @@ impl<'c> Session<'c> {
         apply(&options.set, &mut document)?;
         let mut session = Self::of(command, document, options.set.clone(), options.cancel.clone(), console, began)?;
         session.strict = options.strict;
-        session.report = !options.no_report;
+        (session.report, session.figure) = (!options.no_report, options.figure);
         session.explain = options.explain;
         session.spectrum = options.spectrum;
         session.expect = !options.without_expect;
@@ -178,6 +180,7 @@ impl<'c> Session<'c> {
             warnings: Vec::new(),
             settings: Vec::new(),
             report: true,
+            figure: false,
             explain: false,
             spectrum: None,
             expect: true,

@@ -62,7 +62,7 @@ impl Contribution for SpringForce {
     }
 
     fn lines(&self, at: &Instant) -> Vec<Polyline> {
-        let quantities = vec![("force", self.stiffness * self.elongation(at.u))];
+        let quantities = vec![("force".to_owned(), self.stiffness * self.elongation(at.u))];
         vec![Polyline { name: self.name.clone(), points: self.ends.positions(at.u), quantities }]
     }
 

@@ -29,7 +29,7 @@ impl Drive {
 
 /// What is drawn of a tendon.
 pub(super) fn line(name: &str, guides: &Guides, u: &[f64], tension: f64) -> Polyline {
-    Polyline { name: name.to_owned(), points: guides.positions(u), quantities: vec![("tension", tension)] }
+    Polyline { name: name.to_owned(), points: guides.positions(u), quantities: vec![("tension".to_owned(), tension)] }
 }
 
 /// The contribution of a [`Tendon`](super::Tendon) under a given tension, or of an elastic one.

@@ -1,0 +1,92 @@
+//! Figures for print: what they show, and what is refused.
+
+#![allow(clippy::unwrap_used)] // a test may
+
+use crate::common;
+
+use common::{BAR, CaseDirectory, code, text};
+use std::path::Path;
+
+fn shipped(name: &str) -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/cases").join(name).display().to_string()
+}
+
+/// The figure as SVG.
+fn figure(place: &CaseDirectory, arguments: &[&str]) -> String {
+    let output = place.nastic(&[&["figure", "out", "--out", "figures/a.svg"], arguments].concat());
+    assert_eq!((code(&output), text(&output.stdout).trim()), (0, "figures/a.svg"), "{}", text(&output.stderr));
+    std::fs::read_to_string(place.path("figures/a.svg")).unwrap()
+}
+
+fn refusal(place: &CaseDirectory, arguments: &[&str]) -> String {
+    let output = place.nastic(&[&["figure", "out"], arguments].concat());
+    assert_eq!(code(&output), 2, "{arguments:?}");
+    assert!(!place.path("out/figure.png").exists());
+    text(&output.stderr)
+}
+
+#[test]
+fn a_figure_shows_a_state_and_nothing_of_the_run() {
+    let place = CaseDirectory::new(BAR);
+    assert_eq!(code(&place.nastic(&["solve", "case.json", "--out", "out", "--quiet"])), 0);
+    let svg = figure(&place, &[]);
+    assert!(svg.contains("tension [kPa]") && svg.contains(">equilibrium</text>"), "{svg}");
+    assert!(figure(&place, &["--field", "|u|"]).contains("displacement |u| ["));
+    assert!(svg.contains("stop-color=\"#ffffff\""));
+    assert!(figure(&place, &["--field", "none"]) != svg && !figure(&place, &["--field", "none"]).contains("tension"));
+    assert!(figure(&place, &["--field", "displacement.x", "--range", "-1e-3,2e-3"]).contains(">-0.001</text>"));
+    assert!(figure(&place, &["--field", "cauchy_stress.xx", "--size", "800x500"]).contains("viewBox=\"0 0 800 500\""));
+    let kept = figure(&place, &["--clip", "x<0.05", "--view", "0,-1,0"]);
+    assert!(kept != figure(&place, &["--clip", "x>0.05", "--view", "0,-1,0"]));
+    assert_eq!(kept, figure(&place, &["--clip", "2,0,0<0.1", "--view", "0,-1,0"]));
+    assert!(refusal(&place, &["--state", "optimum"]).contains("there is no state \"optimum\"; there is: start"));
+    assert!(refusal(&place, &["--field", "presure"]).contains("there is: |u|, none, |displacement| displacement.x .."));
+    assert!(refusal(&place, &["--path", "tip"]).contains("this run wrote no motion.csv"));
+    assert!(refusal(&place, &["--clip", "x=3"]).contains("a plane is what is kept"));
+    assert!(refusal(&place, &["--size", "3x3"]).contains("320x200"));
+    assert!(refusal(&place, &["--range", "3"]).contains("2 numbers"));
+    let output = place.nastic(&["figure", "out", "--out", "a.jpg"]);
+    assert!(text(&output.stderr).contains(".png or .svg"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn runs_draw_their_figure_on_demand() {
+    let place = CaseDirectory::new(BAR);
+    assert_eq!(code(&place.nastic(&["solve", "case.json", "--out", "out", "--quiet", "--figure"])), 0);
+    let result = std::fs::read_to_string(place.path("out/result.json")).unwrap();
+    for file in ["figure.png", "figure.svg"] {
+        let own = std::fs::read(place.path("out").join(file)).unwrap();
+        let again = place.path("again").join(file);
+        assert_eq!(code(&place.nastic(&["figure", "out", "--out", &again.display().to_string()])), 0);
+        assert!(own == std::fs::read(again).unwrap() && result.contains(&format!("\"{file}\"")), "{file}");
+    }
+    // those of an earlier run do not stay beside new results
+    assert_eq!(code(&place.nastic(&["solve", "case.json", "--out", "out", "--quiet"])), 0);
+    assert!(!place.path("out/figure.svg").exists());
+}
+
+#[test]
+fn chambers_have_the_colour_of_their_pressure() {
+    let place = CaseDirectory::new("{}");
+    let case = shipped("pneunet.json");
+    assert_eq!(code(&place.nastic(&["solve", &case, "--out", "out", "--quiet", "--set", "expect={}"])), 0);
+    let svg = figure(&place, &[]);
+    assert!(svg.contains("pressure [kPa]"), "no pressure");
+    // the only chamber: its walls have the colour of the bar's upper end, lit
+    assert!(svg.contains(">0</text>") && !svg.contains("displacement"));
+    assert!(figure(&place, &["--field", "mises", "--behind", ""]).contains("von Mises"));
+    assert!(!figure(&place, &["--behind", ""]).contains(">target</text>") && svg.contains(">target</text>"));
+}
+
+#[test]
+fn motions_have_instants_and_paths() {
+    let place = CaseDirectory::new("{}");
+    let case = shipped("flick.json");
+    let solved = place.nastic(&["solve", &case, "--out", "out", "--quiet", "--set", "expect={}"]);
+    assert_eq!(code(&solved), 0, "{}", text(&solved.stderr));
+    let svg = figure(&place, &["--path", "tip"]);
+    assert!(svg.contains(">path of tip</text>") && svg.contains(">start</text>") && svg.contains(">t = "), "legend");
+    let first = figure(&place, &["--state", "motion_0001.vtu", "--behind", "motion_0000,target"]);
+    assert!(first.contains(">t = 0 s</text>") && first.contains(">t = 0.01 s</text>"), "{first}");
+    assert!(refusal(&place, &["--path", "top"]).contains("there is no probe \"top\"; there is: tip"));
+}

@@ -1,0 +1,104 @@
+//! A state of a result folder as a picture for print: [`figure`].
+
+mod behind;
+mod chambers;
+mod fields;
+mod lumen;
+mod marks;
+mod paths;
+mod state;
+
+pub use marks::{FIELD, tension, uniform_field, with_marks};
+
+use crate::error::ReportError;
+use crate::folder::ResultFolder;
+use fields::Shown;
+use nastic_picture::{Appearance, Body, Colour, Picture, View};
+use state::State;
+use std::path::Path;
+
+/// What a figure shows; without more the optimum (or the equilibrium, or the end of the motion), coloured by the first controlled
+/// field or else by the displacement, before the start and the target.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FigureRequest {
+    /// A state by the name of its file, with or without `.vtu`.
+    pub state: Option<String>,
+    /// An array of that file, `|NAME|` or `NAME.x` of a vector, `NAME.xy` of a tensor, `|u|`, `pressure` of chambers, or `none`.
+    pub field: Option<String>,
+    /// Ends of the colour bar.
+    pub range: Option<[f64; 2]>,
+    /// From the body to the eye.
+    pub view: Option<[f64; 3]>,
+    /// Normal and offset of a plane beyond which the body is cut away.
+    pub clip: Option<([f64; 3], f64)>,
+    /// Width and height in pixels.
+    pub size: Option<[u32; 2]>,
+    /// States that stand behind as glass; start and target unless this is given.
+    pub behind: Option<Vec<String>>,
+    /// Probes whose path over the instants of the motion is drawn.
+    pub paths: Vec<String>,
+    /// Whether element edges are drawn.
+    pub edges: bool,
+}
+
+/// The picture of a state.
+///
+/// # Errors
+/// [`ReportError`]: no results, or a state, field or probe that they do not have.
+pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, ReportError> {
+    let folder = ResultFolder::open(directory)?;
+    let state = State::find(&folder, request.state.as_deref())?;
+    let mut picture = Picture::new(&state.label).plain().length_unit(&folder.result.units.length);
+    if let Some([width, height]) = request.size {
+        picture = picture.size(width, height);
+    }
+    if let Some(direction) = request.view {
+        picture = picture.view(View::From(direction));
+    }
+    for body in behind::bodies(&folder, &state, request.behind.as_deref())? {
+        picture = picture.body(body);
+    }
+    if let Some(field) = uniform_field(&state.shot) {
+        picture = picture.vector("field", FIELD, field);
+    }
+    let field = fields::shown(&folder, &state, request.field.as_deref())?;
+    for body in bodies(&folder, &state, field, request)? {
+        picture = picture.body(body);
+    }
+    for (k, probe) in request.paths.iter().enumerate() {
+        let points = paths::of_probe(&folder, &state, probe)?;
+        picture = picture.path(&format!("path of {probe}"), PATHS[k % PATHS.len()], points);
+    }
+    Ok(picture)
+}
+
+/// Colours of paths.
+const PATHS: [Colour; 3] = [Colour::RED, Colour::GREEN, Colour::BLUE];
+
+/// The body itself with what it carries; chambers in the colour of their pressure within a body of glass.
+fn bodies(
+    folder: &ResultFolder,
+    state: &State<'_>,
+    field: Shown,
+    request: &FigureRequest,
+) -> Result<Vec<Body>, ReportError> {
+    let shot = &state.shot;
+    let cut = |body: Body| match request.clip {
+        Some((normal, offset)) => body.clip(normal, offset),
+        None => body,
+    };
+    let body = cut(Body::of(&state.label, shot)).lines(request.edges);
+    Ok(match field {
+        Shown::Chambers => {
+            let look = if shot.mesh.dim() == 2 { Appearance::Solid } else { Appearance::Glass };
+            let mut bodies = vec![with_marks(body.appearance(look(Colour::GREY)), shot)];
+            bodies.extend(chambers::bodies(folder, state, request.range)?.into_iter().map(cut));
+            bodies
+        }
+        Shown::Nothing => vec![with_marks(body.appearance(Appearance::Solid(Colour::BLUE)), shot)],
+        Shown::Field(field) => {
+            let field = request.range.map_or_else(|| field.clone(), |[low, high]| field.clone().range(low, high));
+            vec![with_marks(body.appearance(Appearance::Field(field)), shot)]
+        }
+    })
+}

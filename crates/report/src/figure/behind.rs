@@ -1,0 +1,47 @@
+//! What stands behind the body: states as glass, targets, obstacles.
+
+use super::state::{self, State};
+use crate::error::ReportError;
+use crate::folder::ResultFolder;
+use nastic_mesh::Snapshot;
+use nastic_picture::{Appearance, Body, Colour, Face};
+
+/// The states of these names, or the start and the targets; obstacles in any case.
+pub(super) fn bodies(
+    folder: &ResultFolder,
+    shown: &State<'_>,
+    wanted: Option<&[String]>,
+) -> Result<Vec<Body>, ReportError> {
+    let mut out = Vec::new();
+    let stem = shown.stem();
+    let start = [format!("{stem}start"), format!("{stem}motion_0000")];
+    let usual = || start.iter().find(|name| folder.wrote(&format!("{name}.vtu"))).filter(|name| **name != shown.name);
+    let names: Vec<String> = wanted.map_or_else(|| usual().cloned().into_iter().collect(), <[String]>::to_vec);
+    for name in names.iter().filter(|name| *name != "target") {
+        let ghost = State::find(folder, Some(name))?;
+        let label = if wanted.is_none() { "start".to_owned() } else { state::label(folder, stem, &ghost.name)? };
+        out.push(Body::of(&label, &ghost.shot).appearance(Appearance::Glass(Colour::GREY)));
+    }
+    let with_target = wanted.is_none_or(|wanted| wanted.iter().any(|name| name == "target"));
+    let member = shown.member;
+    for file in member.iter().flat_map(|member| &member.targets).filter(|file| with_target && folder.wrote(file)) {
+        out.extend(target(&folder.snapshot(file)?));
+    }
+    let moving = format!("{}_obstacles.vtu", shown.name);
+    let obstacles = member.iter().flat_map(|member| &member.obstacles).cloned().chain([moving]);
+    for (k, file) in obstacles.filter(|file| folder.wrote(file)).enumerate() {
+        let label = if k == 0 { "obstacle" } else { "" };
+        out.push(Body::of(label, &folder.snapshot(&file)?).appearance(Appearance::Solid(Colour::GREY)));
+    }
+    Ok(out)
+}
+
+/// A target shape, or the part that is tracked; nothing of single points.
+fn target(shot: &Snapshot) -> Option<Body> {
+    let body = Body::of("target", shot).appearance(Appearance::Glass(Colour::RED));
+    let Some(tracked) = shot.point_array("tracked") else { return Some(body) };
+    let marked: Vec<bool> = tracked.values.iter().map(|mark| *mark == 1.0).collect();
+    let is_drawn = |face: &Face| face.nodes.iter().all(|node| marked[*node as usize]);
+    let any = Face::all(&shot.mesh).iter().any(is_drawn);
+    any.then(|| if marked.iter().all(|mark| *mark) { body } else { body.part(marked) })
+}

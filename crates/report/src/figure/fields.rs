@@ -1,0 +1,111 @@
+//! The scalar that a body is coloured by.
+
+use super::chambers;
+use super::state::State;
+use crate::error::ReportError;
+use crate::folder::ResultFolder;
+use crate::frame::DISPLACEMENT;
+use crate::page;
+use nastic_mesh::NamedArray;
+use nastic_picture::Field;
+use serde_json::Value;
+
+/// What a body is coloured by.
+pub(super) enum Shown {
+    Field(Field),
+    /// The walls of chambers, by their pressures.
+    Chambers,
+    Nothing,
+}
+
+/// The field of chambers.
+pub(super) const PRESSURE: &str = "pressure";
+const NONE: &str = "none";
+const AXES: &str = "xyz";
+
+/// The field of that name; without a name the first controlled field that differs over the body, chambers, or the displacement.
+pub(super) fn shown(folder: &ResultFolder, state: &State<'_>, name: Option<&str>) -> Result<Shown, ReportError> {
+    let has_chambers = !chambers::names(folder).is_empty();
+    let name = match name {
+        Some(NONE) => return Ok(Shown::Nothing),
+        Some(name) => name.to_owned(),
+        None => controlled(folder, state).unwrap_or_else(|| DISPLACEMENT.to_owned()),
+    };
+    if name == PRESSURE && has_chambers {
+        return Ok(Shown::Chambers);
+    }
+    let texts = page::fields(&folder.result);
+    let shot = &state.shot;
+    if name == DISPLACEMENT
+        && let Some(u) = shot.point_array("displacement")
+    {
+        let values = u.values.chunks_exact(u.components).map(length).collect();
+        let (label, unit) = text(&texts, &name);
+        return Ok(Shown::Field(Field::at_nodes(&label, &unit, values)));
+    }
+    for (arrays, at_nodes) in [(&shot.point_data, true), (&shot.cell_data, false)] {
+        if let Some((array, values)) = arrays.iter().find_map(|array| Some((array, values(array, &name)?))) {
+            let (known, unit) = text(&texts, &array.name);
+            let label = if name == array.name { known } else { name.clone() };
+            let field = if at_nodes { Field::at_nodes } else { Field::at_cells };
+            return Ok(Shown::Field(field(&label, &unit, values)));
+        }
+    }
+    let mut has = vec![DISPLACEMENT.to_owned(), NONE.to_owned()];
+    has.extend(has_chambers.then(|| PRESSURE.to_owned()));
+    has.extend(shot.point_data.iter().chain(&shot.cell_data).map(|array| match array.components {
+        1 => array.name.clone(),
+        9 => format!("{0}.xx ..", array.name),
+        _ => format!("|{0}| {0}.x ..", array.name),
+    }));
+    Err(ReportError::Unknown { what: "field", name, has })
+}
+
+/// The first control whose array is in the state and is no vector of one length.
+fn controlled(folder: &ResultFolder, state: &State<'_>) -> Option<String> {
+    let fields =
+        folder.result.controls.iter().flatten().filter(|(_, control)| control.space.as_deref() != Some("uniform"));
+    let arrays = fields.filter_map(|(_, control)| control.array.clone());
+    let shot = &state.shot;
+    let of = |name: String| {
+        let array = shot.point_array(&name).or_else(|| shot.cell_array(&name))?;
+        let shown = if array.components == 1 { name } else { format!("|{name}|") };
+        let values = values(array, &shown)?;
+        let most = values.iter().fold(f64::MIN, |most, value| most.max(*value));
+        let least = values.iter().fold(f64::MAX, |least, value| least.min(*value));
+        (array.components == 1 || most - least > 1e-6 * most.abs()).then_some(shown)
+    };
+    let found = arrays.filter_map(of).next();
+    found.or_else(|| (!chambers::names(folder).is_empty()).then(|| PRESSURE.to_owned()))
+}
+
+/// The values that a name asks of an array: its own, the lengths of vectors, a component.
+fn values(array: &NamedArray, name: &str) -> Option<Vec<f64>> {
+    let rows = array.values.chunks_exact(array.components.max(1));
+    if name == array.name && array.components == 1 {
+        return Some(array.values.clone());
+    }
+    if name.strip_prefix('|').and_then(|rest| rest.strip_suffix('|')) == Some(&array.name)
+        || name == array.name && array.components == 3
+    {
+        return (array.components == 3).then(|| rows.map(length).collect());
+    }
+    let axes: Vec<usize> =
+        name.strip_prefix(&array.name)?.strip_prefix('.')?.chars().map(|c| AXES.find(c)).collect::<Option<_>>()?;
+    let index = match (axes[..].as_ref(), array.components) {
+        (&[i], 2 | 3) if i < array.components => i,
+        (&[i, j], 9) => 3 * i + j,
+        _ => return None,
+    };
+    Some(rows.map(|row| row[index]).collect())
+}
+
+fn length(vector: &[f64]) -> f64 {
+    vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// What an array is called on the page, and its unit.
+fn text(texts: &Value, name: &str) -> (String, String) {
+    let of = |key: &str| texts[name][key].as_str().map(str::to_owned);
+    (of("label").unwrap_or_else(|| name.to_owned()), of("unit").unwrap_or_default())
+}
