@@ -1,6 +1,5 @@
 """The documentation as a book with search: scripts/book.sh."""
 
-import importlib.util
 import pathlib
 import re
 
@@ -24,12 +23,9 @@ lexers["snakemake"] = PythonLexer()
 root_doc = "docs/book/index"
 include_patterns = ["README.md", "CHANGELOG.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "docs/**"]
 exclude_patterns = ["**/build"]
-if importlib.util.find_spec("nastic") is None:
-    exclude_patterns.append("docs/book/python.md")
-
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
-# A link to a source file of the repository is no page of the book; scripts/check-docs.sh looks at these.
+# Sphinx copies source files that pages link to; scripts/check-docs.sh looks at links to directories.
 suppress_warnings = []
 
 html_theme = "furo"
