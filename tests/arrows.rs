@@ -43,7 +43,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("cli", &["language", "run"]),
-    ("python", &["mesh", "opt", "control", "language", "case", "run"]),
+    ("python", &["mesh", "io", "opt", "control", "language", "case", "run"]),
     (
         "nastic",
         &[

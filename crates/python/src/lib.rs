@@ -16,7 +16,7 @@ mod _nastic {
     #[pymodule_export]
     use crate::problem::Problem;
     #[pymodule_export]
-    use crate::run::{read, run, schema};
+    use crate::run::{figure, fit, read, read_mesh, run, schema};
     #[pymodule_export]
     use crate::states::States;
 

@@ -53,6 +53,23 @@ impl Mesh {
         Ok(Self { mesh: Arc::new(mesh) })
     }
 
+    /// What makes the same mesh again: the arguments of the class.
+    fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let out = arrays(py, &self.mesh)?;
+        let facets = PyDict::new(py);
+        for (name, own) in self.mesh.surfaces() {
+            let nodes: Vec<Vec<i64>> =
+                own.iter().map(|facet| self.mesh.facet_nodes(*facet).1.into_iter().map(i64::from).collect()).collect();
+            let wide = nodes.first().map_or(0, Vec::len);
+            if nodes.iter().any(|facet| facet.len() != wide) {
+                return Err(error::input(py, format!("surface {} has facets of several kinds", quoted(name))));
+            }
+            facets.set_item(name, matrix(py, nodes.into_iter().flatten().collect(), wide)?)?;
+        }
+        out.set_item("facets", facets)?;
+        Ok(out)
+    }
+
     /// Points, cells by kind, regions, boundary facets of surfaces as `[cell, face]`, node sets, notes.
     fn arrays<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         arrays(py, &self.mesh)

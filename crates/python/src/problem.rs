@@ -2,10 +2,12 @@
 
 use crate::error;
 use crate::interrupt::{TrialLine, interruptible, send_line};
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, arrays};
 use crate::run::document;
-use nastic_case::lower::{Admitted, CaseProblem};
-use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use crate::states::fields;
+use nastic_case::lower::{Admitted, CaseMember, CaseProblem};
+use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
+use nastic_mesh::Snapshot;
 use nastic_opt::{Budget, Constrained, Failed, Hessian, Objective, Request, Sense};
 use nastic_run::run::thread_pool;
 use numpy::{PyArray1, PyReadonlyArray1};
@@ -81,6 +83,28 @@ impl History {
             Some(point) => Ok(of.problem.ensemble.constraint_derivative(point, y, &mut self.workspace)?),
             None => Err(Failed::because("the control was not evaluated")),
         }
+    }
+
+    /// `sum_k (du_k/dm)^T w_k` over the members.
+    fn displacement_vjp(&mut self, of: &Problem, m: &[f64], w: &[Vec<f64>]) -> Result<Vec<f64>, Failed> {
+        self.value(of, m)?;
+        match &self.last {
+            Some(point) => Ok(of.problem.ensemble.displacement_vjp(point, w, &mut self.workspace)?),
+            None => Err(Failed::because("the control was not evaluated")),
+        }
+    }
+
+    /// Name and fields of the state of every member.
+    fn shots(&mut self, of: &Problem, m: &[f64]) -> Result<Vec<(String, Snapshot)>, Failed> {
+        self.value(of, m)?;
+        let point = self.last.as_ref().ok_or_else(|| Failed::because("the control was not evaluated"))?;
+        let shot = |member: CaseMember<'_>| {
+            let at = &point.members[member.index()];
+            let fields = StateFields::new(at.state(), &at.m);
+            let shot = member.reduced().snapshot_of(&fields).map_err(|error| Failed::because(error.to_string()))?;
+            Ok((member.name(), shot))
+        };
+        of.problem.members().map(shot).collect()
     }
 
     /// The second derivative along v: two linear solves, with state and adjoint of the control at hand.
@@ -262,6 +286,39 @@ impl Problem {
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let (m, y): (Vec<f64>, Vec<f64>) = (m.as_array().to_vec(), y.as_array().to_vec());
         let product = self.at(py, move |history| history.constraint_derivative(self, &m, &y))?;
+        Ok(PyArray1::from_vec(py, product))
+    }
+
+    /// The mesh that all members share.
+    fn mesh<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        arrays(py, self.problem.mesh())
+    }
+
+    /// Names of the members, in their order.
+    fn members(&self) -> Vec<String> {
+        self.problem.members().map(|member| member.name()).collect()
+    }
+
+    /// Name, nodal and cell-wise fields of every member at `m`.
+    fn states<'py>(&self, py: Python<'py>, m: PyReadonlyArray1<'py, f64>) -> PyResult<Bound<'py, PyList>> {
+        let m: Vec<f64> = m.as_array().to_vec();
+        let shots = self.at(py, move |history| history.shots(self, &m))?;
+        fields(py, shots)
+    }
+
+    /// `sum_k (du_k/dm)^T w_k` at `m`; `w` by member, empty where there is none, else `[nodes][3]`.
+    fn displacement_vjp<'py>(
+        &self,
+        py: Python<'py>,
+        m: PyReadonlyArray1<'py, f64>,
+        w: Vec<PyReadonlyArray1<'py, f64>>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        let (m, dim) = (m.as_array().to_vec(), self.problem.mesh().dim());
+        let of = |w: PyReadonlyArray1<'py, f64>| -> Vec<f64> {
+            w.as_array().iter().enumerate().filter(|(k, _)| k % 3 < dim).map(|(_, w)| *w).collect()
+        };
+        let w: Vec<Vec<f64>> = w.into_iter().map(of).collect();
+        let product = self.at(py, move |history| history.displacement_vjp(self, &m, &w))?;
         Ok(PyArray1::from_vec(py, product))
     }
 

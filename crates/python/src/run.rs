@@ -8,7 +8,7 @@ use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::{Command, json_schema};
 use nastic_language::syntax::{Diagnostics, Document};
 use nastic_run::console::Console;
-use nastic_run::run::{OnTrial, Options, run_document};
+use nastic_run::run::{Analysis, FigureRequest, ModesRequest, OnTrial, Options, run_document};
 use pyo3::prelude::*;
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -47,7 +47,7 @@ pub(crate) fn document(
 
 /// Runs a command: exit code, result as JSON text, what was said, and the states that were found.
 #[pyfunction]
-#[pyo3(signature = (command, name, case, meshes, *, out, threads, report, restart, callback))]
+#[pyo3(signature = (command, name, case, meshes, *, asked, out, threads, report, restart, figure, callback))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn run(
     py: Python<'_>,
@@ -55,15 +55,18 @@ pub(crate) fn run(
     name: &str,
     case: &str,
     meshes: BTreeMap<String, Py<Mesh>>,
+    asked: Option<(String, String)>,
     out: Option<PathBuf>,
     threads: Option<usize>,
     report: bool,
     restart: bool,
+    figure: bool,
     callback: Option<Py<PyAny>>,
 ) -> PyResult<(u8, String, String, Option<States>)> {
     let command = match command {
         "check" => Command::Check,
         "solve" => Command::Solve,
+        "modes" => Command::Modes,
         "gradient" => Command::Gradient,
         "optimize" => Command::Optimize,
         other => return Err(error::input(py, format!("there is no command \"{other}\""))),
@@ -77,6 +80,9 @@ pub(crate) fn run(
         in_memory: true,
         threads,
         no_report: !report,
+        figure,
+        analysis: asked.as_ref().map_or(Ok(Analysis::Equilibrium), |asked| analysis(py, asked))?,
+        modes: asked.as_ref().map_or_else(ModesRequest::default, modes),
         restart,
         cancel: cancel.clone(),
         ..Options::default()
@@ -94,6 +100,69 @@ pub(crate) fn run(
     })?;
     let (outcome, states) = ran.map_err(|problem| error::of_run(py, &problem))?;
     Ok((outcome.exit.code(), outcome.result.to_string(), said.text(), states.map(|states| States { states })))
+}
+
+/// What `solve` is asked for: its option without the dashes, and the value of that.
+fn analysis(py: Python<'_>, (what, value): &(String, String)) -> PyResult<Analysis> {
+    let count = || value.parse::<usize>().map_err(|_| error::input(py, format!("{what} is {value}; a count is needed")));
+    Ok(match what.as_str() {
+        "ramp" => Analysis::Ramp(value.clone()),
+        "path" if value == "limit" => Analysis::PathToLimit,
+        "path" => Analysis::Path,
+        "minimum" => Analysis::Minimum,
+        "exact_contact" => Analysis::ExactContact,
+        "equilibria" => Analysis::Equilibria(count()?),
+        "modes" => Analysis::Modes(count()?),
+        // of the command `modes`
+        _ => Analysis::Equilibrium,
+    })
+}
+
+/// How many modes of `modes`, and about which state.
+fn modes((what, value): &(String, String)) -> ModesRequest {
+    let usual = ModesRequest::default();
+    let count = value.parse().unwrap_or(usual.count);
+    ModesRequest { count, undeformed: what == "undeformed" }
+}
+
+/// A mesh file: Gmsh, VTU or legacy VTK.
+#[pyfunction]
+pub(crate) fn read_mesh(py: Python<'_>, path: PathBuf, scale: f64) -> PyResult<Mesh> {
+    let mesh = py.detach(|| nastic_io::read_mesh(&path, scale));
+    Ok(Mesh { mesh: Arc::new(mesh.map_err(|problem| error::input(py, problem))?) })
+}
+
+/// Fits laws to test data: exit code, `fit.json` as text, what was said.
+#[pyfunction]
+pub(crate) fn fit(py: Python<'_>, data: PathBuf, out: PathBuf) -> PyResult<(u8, String, String)> {
+    let said = Said::default();
+    let console = Console::new(said.clone());
+    let found = py.detach(|| nastic_run::run::fit(&data, Some(out), &console));
+    let found = found.map_err(|problem| error::of_run(py, &problem))?;
+    Ok((found.exit.code(), found.result.to_string(), said.text()))
+}
+
+/// Draws a state of a result directory for print.
+#[pyfunction]
+#[pyo3(signature = (directory, file, *, state, field, range, view, clip, size, behind, paths, edges))]
+#[allow(clippy::too_many_arguments)] // all but the first two by name, from one place
+pub(crate) fn figure(
+    py: Python<'_>,
+    directory: PathBuf,
+    file: PathBuf,
+    state: Option<String>,
+    field: Option<String>,
+    range: Option<[f64; 2]>,
+    view: Option<[f64; 3]>,
+    clip: Option<([f64; 3], f64)>,
+    size: Option<[u32; 2]>,
+    behind: Option<Vec<String>>,
+    paths: Vec<String>,
+    edges: bool,
+) -> PyResult<()> {
+    let asked = FigureRequest { state, field, range, view, clip, size, behind, paths, edges };
+    let drawn = py.detach(|| nastic_run::run::figure(&directory, &asked, Some(&file)));
+    drawn.map(|_| ()).map_err(|problem| error::of_run(py, &problem))
 }
 
 /// What a command said.

@@ -3,6 +3,7 @@
 use crate::error;
 use crate::mesh::{arrays, matrix};
 use nastic_case::lower::CaseProblem;
+use nastic_mesh::Snapshot;
 use nastic_run::run;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -28,27 +29,7 @@ impl States {
             let of = |member: nastic_case::lower::CaseMember<'_>| Ok((member.name(), states.snapshot(member)?));
             states.problem().members().map(of).collect::<Result<Vec<_>, nastic_control::ControlError>>()
         });
-        let out = PyList::empty(py);
-        for (name, shot) in shots.map_err(|problem| error::input(py, problem))? {
-            let one = PyDict::new(py);
-            one.set_item("name", name)?;
-            for (key, fields) in [("point_data", shot.point_data), ("cell_data", shot.cell_data)] {
-                let of = PyDict::new(py);
-                for field in fields {
-                    match field.components {
-                        1 => of.set_item(field.name, PyArray1::from_vec(py, field.values))?,
-                        9 => {
-                            let count = field.values.len() / 9;
-                            of.set_item(field.name, PyArray1::from_vec(py, field.values).reshape([count, 3, 3])?)?;
-                        }
-                        n => of.set_item(field.name, matrix(py, field.values, n)?)?,
-                    }
-                }
-                one.set_item(key, of)?;
-            }
-            out.append(one)?;
-        }
-        Ok(out)
+        fields(py, shots.map_err(|problem| error::input(py, problem))?)
     }
 
     /// The values of every control by name.
@@ -66,6 +47,31 @@ impl States {
         let bytes = py.detach(|| self.states.picture(self.states.problem().member(0)));
         Ok(PyBytes::new(py, &bytes.map_err(|problem| error::input(py, problem))?))
     }
+}
+
+/// Name, nodal and cell-wise fields of states.
+pub(crate) fn fields<'py>(py: Python<'py>, shots: Vec<(String, Snapshot)>) -> PyResult<Bound<'py, PyList>> {
+    let out = PyList::empty(py);
+    for (name, shot) in shots {
+        let one = PyDict::new(py);
+        one.set_item("name", name)?;
+        for (key, fields) in [("point_data", shot.point_data), ("cell_data", shot.cell_data)] {
+            let of = PyDict::new(py);
+            for field in fields {
+                match field.components {
+                    1 => of.set_item(field.name, PyArray1::from_vec(py, field.values))?,
+                    9 => {
+                        let count = field.values.len() / 9;
+                        of.set_item(field.name, PyArray1::from_vec(py, field.values).reshape([count, 3, 3])?)?;
+                    }
+                    n => of.set_item(field.name, matrix(py, field.values, n)?)?,
+                }
+            }
+            one.set_item(key, of)?;
+        }
+        out.append(one)?;
+    }
+    Ok(out)
 }
 
 /// A control vector, or a dual one, as arrays by name: `[unknowns]`, of vectors `[unknowns][components]`.

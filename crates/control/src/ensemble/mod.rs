@@ -3,6 +3,7 @@
 mod blocks;
 mod builder;
 mod constrained;
+mod displacement;
 mod error;
 mod member;
 mod objective;

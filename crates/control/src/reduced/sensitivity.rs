@@ -37,6 +37,27 @@ impl Reduced {
         self.sensitivity(point, Some(term), workspace).map(|(derivative, _)| derivative)
     }
 
+    /// `(du/dm)^T w` of an equilibrium: the derivative by the control of `w . u` at fixed w, one linear solve; a dual vector.
+    ///
+    /// `w`: one number per displacement component, supported ones included, in the order of nodes.
+    ///
+    /// # Errors
+    /// [`ControlError::Length`]; a tangent that is singular; a motion.
+    pub fn displacement_vjp(
+        &self,
+        point: &Evaluated,
+        w: &[f64],
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<f64>, ControlError> {
+        self.refuse_motion("derivatives of displacement fields")?;
+        let expected = point.state().u.len();
+        if w.len() != expected {
+            return Err(ControlError::Length { found: w.len(), expected });
+        }
+        let partials = Partials { u: w.to_vec(), m: vec![0.0; point.m.len()] };
+        self.sensitivity_of(point, partials, workspace).map(|(derivative, _)| derivative)
+    }
+
     /// `djhat/dm` of all terms, or of one, and the adjoint state; no adjoint where no term depends on the state.
     pub(crate) fn sensitivity(
         &self,

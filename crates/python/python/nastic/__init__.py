@@ -13,6 +13,7 @@ the vector of partial derivatives dj/dm_i everywhere in this package. The manual
 from ._nastic import VERSION as __version__
 from .case import Case, load, schema
 from .errors import CaseError, Error, GradientError, OutputError, SolveError
+from .fits import fit
 from .mesh import Mesh
 from .problem import Constraint, Control, Problem
 from .result import Result, State
@@ -33,6 +34,7 @@ __all__ = [
     "SolveError",
     "State",
     "__version__",
+    "fit",
     "load",
     "schema",
     "sweep",

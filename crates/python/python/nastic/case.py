@@ -52,10 +52,45 @@ class Case(dict[str, Any]):
         return self._run("check", None, threads)
 
     def solve(
-        self, *, out: str | os.PathLike[str] | None = None, threads: int | None = None, report: bool = True
+        self,
+        *,
+        ramp: str | None = None,
+        path: bool | str = False,
+        minimum: bool = False,
+        equilibria: int | None = None,
+        modes: int | None = None,
+        exact_contact: bool = False,
+        out: str | os.PathLike[str] | None = None,
+        threads: int | None = None,
+        report: bool = True,
+        figure: bool = False,
     ) -> Result:
-        """The equilibrium at the start controls. `report`: whether `out` gets the page `report.html`."""
-        return self._run("solve", out, threads, report=report)
+        """The equilibrium at the start controls, or the motion; or, as `nastic solve` with the option of that name, one of:
+
+        `ramp="CONTROL=FROM:TO:N"`: a curve of equilibria. `path=True`: through limit points by arc length, `path="limit"`: to the first. `minimum`:
+        a stable state. `equilibria=N`: other states under the same controls. `modes=N`: eigenvalues of the tangent. `exact_contact`: without layers.
+        What they find stands in `result` under the same name. `figure`: figure.png and figure.svg in `out` too.
+        """
+        given = {"ramp": ramp, "path": path, "minimum": minimum, "equilibria": equilibria, "modes": modes, "exact_contact": exact_contact}
+        asked = [(key, str(value)) for key, value in given.items() if value is not None and value is not False]
+        if len(asked) > 1:
+            raise CaseError(f"solve does one of these at a time, and {' and '.join(key for key, _ in asked)} were given")
+        return self._run("solve", out, threads, report=report, figure=figure, asked=asked[0] if asked else None)
+
+    def modes(
+        self,
+        count: int = 6,
+        *,
+        undeformed: bool = False,
+        out: str | os.PathLike[str] | None = None,
+        threads: int | None = None,
+        report: bool = True,
+    ) -> Result:
+        """The lowest frequencies and shapes of small vibrations about the equilibrium at the start controls, or about the undeformed body.
+
+        `result["modes"]` has the frequencies in Hz; `point_data["mode_1"]`, .. the shapes, where `out` was given in its start.vtu.
+        """
+        return self._run("modes", out, threads, report=report, asked=("undeformed" if undeformed else "modes", str(count)))
 
     def gradient(self, *, out: str | os.PathLike[str] | None = None, threads: int | None = None) -> Result:
         """Cost and gradient at the start controls, with a short check by differences; GradientError if that fails."""
@@ -69,6 +104,7 @@ class Case(dict[str, Any]):
         threads: int | None = None,
         report: bool = True,
         restart: bool = False,
+        figure: bool = False,
     ) -> Result:
         """The best control. Stopping before convergence is no error: see `Result.converged`.
 
@@ -84,7 +120,7 @@ class Case(dict[str, Any]):
             if callback is not None:
                 callback(copy.copy(trial))
 
-        return self._run("optimize", out, threads, report=report, restart=restart, history=history, callback=told)
+        return self._run("optimize", out, threads, report=report, restart=restart, figure=figure, history=history, callback=told)
 
     def problem(
         self,
@@ -138,12 +174,22 @@ class Case(dict[str, Any]):
         *,
         report: bool = True,
         restart: bool = False,
+        figure: bool = False,
+        asked: tuple[str, str] | None = None,
         history: list[dict[str, Any]] | None = None,
         callback: Callable[[str], None] | None = None,
     ) -> Result:
         out = None if out is None else Path(out)
         code, text, log, states = _nastic.run(
-            command, *self._document(), out=out, threads=threads, report=report, restart=restart, callback=callback
+            command,
+            *self._document(),
+            asked=asked,
+            out=out,
+            threads=threads,
+            report=report,
+            restart=restart,
+            figure=figure,
+            callback=callback,
         )
         result = Result._of(json.loads(text), log, out, history or [], states)
         if code == _FORWARD_FAILED:

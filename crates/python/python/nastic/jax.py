@@ -1,4 +1,4 @@
-"""The cost of a problem as a JAX function (needs the package jax)."""
+"""Cost and displacements of a problem as JAX functions (needs the package jax)."""
 
 from __future__ import annotations
 
@@ -37,6 +37,37 @@ def cost(problem: Problem) -> Callable[[jax.Array], jax.Array]:
 
     def backward(gradient: jax.Array, by_value: jax.Array) -> tuple[jax.Array]:
         return (by_value * gradient,)
+
+    of.defvjp(forward, backward)
+
+    def floating(m: jax.Array) -> jax.Array:
+        m = jnp.asarray(m)
+        return of(m if jnp.issubdtype(m.dtype, jnp.floating) else m.astype(float))
+
+    return floating
+
+def displacement(problem: Problem, name: str | None = None) -> Callable[[jax.Array], jax.Array]:
+    """u(m) at the nodes for JAX, `[nodes][3]`, of the member of that name: a layer in a model, under `jax.grad` in reverse mode.
+
+    Its derivative is `problem.displacement_vjp`, one linear solve.
+    """
+    nodes = len(problem.displacement(problem.start, name))
+
+    def value(m: jax.Array) -> np.ndarray:
+        return np.asarray(problem.displacement(np.asarray(m), name), dtype=m.dtype)
+
+    def product(m: jax.Array, w: jax.Array) -> np.ndarray:
+        return np.asarray(problem.displacement_vjp(np.asarray(m), np.asarray(w), name), dtype=m.dtype)
+
+    @jax.custom_vjp
+    def of(m: jax.Array) -> jax.Array:
+        return jax.pure_callback(value, jax.ShapeDtypeStruct((nodes, 3), m.dtype), m, vmap_method="sequential")
+
+    def forward(m: jax.Array) -> tuple[jax.Array, jax.Array]:
+        return of(m), m
+
+    def backward(m: jax.Array, w: jax.Array) -> tuple[jax.Array]:
+        return (jax.pure_callback(product, jax.ShapeDtypeStruct(m.shape, m.dtype), m, w, vmap_method="sequential"),)
 
     of.defvjp(forward, backward)
 

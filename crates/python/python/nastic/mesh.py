@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import os
+import tempfile
+from pathlib import Path
 from typing import Any, Mapping
 
 import numpy as np
@@ -10,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _nastic
 from .errors import CaseError
+from .result import _KINDS
 
 
 class Mesh:
@@ -68,6 +72,57 @@ class Mesh:
                     array.flags.writeable = False
             setattr(self, key, value)
         self._key = f"arrays:{self._digest()}"
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str], *, scale: float = 1.0, name: str | None = None) -> Mesh:
+        """A mesh file (Gmsh .msh, .vtu, legacy .vtk), lengths times `scale`. A case may also name the file itself; this gives its arrays."""
+        parts = _nastic.read_mesh(Path(path), scale).parts()
+        regions = {} if list(parts["regions"]) == ["body"] else parts["regions"]
+        return cls(parts["points"], parts["cells"], regions, parts["facets"], parts["nodes"], name=name or Path(path).stem)
+
+    @classmethod
+    def from_gmsh(cls, gmsh: Any, *, scale: float = 1.0, name: str = "mesh") -> Mesh:
+        """The mesh of the model that the module `gmsh` holds, with its physical groups: `nastic.Mesh.from_gmsh(gmsh)` behind `gmsh.model.mesh.generate(3)`."""
+        with tempfile.TemporaryDirectory() as place:
+            file = Path(place) / f"{name}.msh"
+            gmsh.write(str(file))
+            return cls.read(file, scale=scale, name=name)
+
+    @classmethod
+    def from_meshio(cls, mesh: Any, *, scale: float = 1.0, name: str = "mesh") -> Mesh:
+        """A `meshio.Mesh`: its cells of the highest dimension, and as regions and surfaces
+
+        what its cell sets name, and the physical groups of Gmsh (`cell_data["gmsh:physical"]` with the names of `field_data`); point sets are node sets.
+        """
+        kinds = {theirs: ours for ours, (theirs, _) in _KINDS.items()}
+        facets = {"line", "line3"} | {"triangle", "triangle6", "quad", "quad8", "quad9"}
+        solid = any(kinds.get(block.type, "")[:3] in ("tet", "hex") for block in mesh.cells)
+        bodies = [k for k, block in enumerate(mesh.cells) if block.type in kinds and (not solid or block.type not in facets)]
+        sides = [k for k, block in enumerate(mesh.cells) if block.type in facets and k not in bodies]
+        for block in mesh.cells:
+            if block.type not in kinds and block.type not in facets and block.type != "vertex":
+                raise CaseError(f"cells of the kind {block.type!r} are not known; there are {', '.join(kinds)}")
+        order = sorted(bodies, key=lambda k: list(kinds.values()).index(kinds[mesh.cells[k].type]))
+        cells: dict[str, Any] = {}
+        for k in order:
+            own = np.asarray(mesh.cells[k].data)
+            kind = kinds[mesh.cells[k].type]
+            cells[kind] = np.vstack([cells[kind], own]) if kind in cells else own
+        groups = [(key, {k: np.asarray(own[k], dtype=np.int64) for k in range(len(own)) if own[k] is not None}) for key, own in mesh.cell_sets.items() if not key.startswith("gmsh:")]
+        tags = mesh.cell_data.get("gmsh:physical")
+        for key, (tag, _) in mesh.field_data.items() if tags is not None else []:
+            groups.append((key, {k: np.flatnonzero(np.asarray(own) == tag) for k, own in enumerate(tags)}))
+        regions: dict[str, Any] = {}
+        surfaces: dict[str, Any] = {}
+        first = dict(zip(order, np.cumsum([0] + [len(mesh.cells[k].data) for k in order])))
+        for key, members in groups:
+            inside = [first[k] + members[k] for k in order if len(members.get(k, ()))]
+            around = [np.asarray(mesh.cells[k].data)[members[k]] for k in sides if len(members.get(k, ()))]
+            if inside:
+                regions[key] = np.concatenate(inside)
+            if around:
+                surfaces[key] = np.vstack(around)
+        return cls(scale * np.asarray(mesh.points), cells, regions, surfaces, dict(mesh.point_sets), name=name)
 
     def _digest(self) -> str:
         """What distinguishes this mesh from others: its name in the case, and so in the case's hash."""

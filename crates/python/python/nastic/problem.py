@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _nastic
 from .errors import CaseError
+from .result import State
 
 if TYPE_CHECKING:
     from .case import Case
@@ -171,6 +172,47 @@ class Problem:
             return scale * self.constraint_jacobian(scale * x) / size[:, None]
 
         return NonlinearConstraint(values, lower, 0.0, jac=jacobian, **options)
+
+    def states(self, m: ArrayLike) -> dict[str, State]:
+        """The state at m of every member by its name (scenario and load case; "" where there is one), with the fields of VTU files but those of an inspection.
+
+        Of a motion the state at its end.
+        """
+        mesh = self._problem.mesh()
+        found = self._problem.states(self._vector(m))
+        return {one["name"]: State(one["name"], mesh, one["point_data"], one["cell_data"]) for one in found}
+
+    def state(self, m: ArrayLike, name: str | None = None) -> State:
+        """The state at m of the member of that name; of the only one without a name."""
+        return self.states(m)[self._member(name)]
+
+    def displacement(self, m: ArrayLike, name: str | None = None) -> NDArray[np.float64]:
+        """u at the nodes at m, of the member of that name; `[nodes][3]`."""
+        return self.state(m, name).displacement
+
+    def displacement_vjp(self, m: ArrayLike, w: ArrayLike, name: str | None = None) -> NDArray[np.float64]:
+        """(du/dm)^T w at m: the derivative by m of sum(w * u) at fixed w, `[nodes][3]`, by one linear solve; `[len(m)]`.
+
+        With it a loss on whole displacement fields has its gradient: w is the derivative of the loss by u. Of equilibria, not of motions (Error).
+        """
+        w = np.ascontiguousarray(w, dtype=np.float64)
+        nodes = len(self._problem.mesh()["points"])
+        if w.shape != (nodes, 3):
+            raise CaseError(f"the weights of the displacements have the shape {(nodes, 3)}, found {w.shape}")
+        if not np.isfinite(w).all():
+            raise CaseError("a weight of the displacements is not finite")
+        own = self._member(name)
+        weights = [w.ravel() if one == own else np.empty(0) for one in self._problem.members()]
+        return self._problem.displacement_vjp(self._vector(m), weights)
+
+    def _member(self, name: str | None) -> str:
+        names = self._problem.members()
+        if name is None and len(names) == 1:
+            return names[0]
+        if name not in names:
+            listed = ", ".join(repr(one) for one in names)
+            raise CaseError(f"there is no state {name!r}: choose one of {listed}" if name else f"there are {len(names)} states: choose one of {listed}")
+        return name
 
     def stop(self) -> None:
         """Ends the call that another thread has under way: it raises SolveError of kind "cancelled". Later calls begin anew."""

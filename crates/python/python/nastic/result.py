@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import html
+import importlib
+import io
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from . import _nastic
 from .errors import Error
 
 if TYPE_CHECKING:
     import meshio
     import pyvista
-
-    from . import _nastic
 
 #: Kinds of cells: meshio's names and VTK's numbers.
 _KINDS = {
@@ -174,6 +176,65 @@ class Result:
         """As `State.to_pyvista`."""
         return self.state.to_pyvista()
 
+    def figure(
+        self,
+        file: str | os.PathLike[str] | None = None,
+        *,
+        state: str | None = None,
+        field: str | None = None,
+        range: tuple[float, float] | None = None,
+        view: tuple[float, float, float] | None = None,
+        clip: tuple[tuple[float, float, float], float] | None = None,
+        size: tuple[int, int] | None = None,
+        behind: list[str] | None = None,
+        paths: list[str] | None = None,
+        edges: bool = False,
+    ) -> Path:
+        """Draws a state for print, as `nastic figure` does (docs/tutorials/11-figures.md), of a run with `out`; figure.png there unless `file` names another.
+
+        `clip`: normal and offset of a plane beyond which the body is cut away, x . normal > offset.
+        """
+        if self.directory is None:
+            raise Error("a figure is drawn from the files of a run: give the command an out=\"DIRECTORY\"")
+        target = self.directory / "figure.png" if file is None else Path(file)
+        _nastic.figure(
+            self.directory,
+            target,
+            state=state,
+            field=field,
+            range=range,
+            view=view,
+            clip=clip,
+            size=size,
+            behind=behind,
+            paths=paths or [],
+            edges=edges,
+        )
+        return target
+
+    def plot(self) -> Any:
+        """A `matplotlib` figure: the picture of the states, and of an optimisation the costs of its trials beside it."""
+        pyplot = _import("matplotlib.pyplot", "plot")
+        png = self._repr_png_()
+        trials = [one for one in self.history if one.get("cost") is not None]
+        if png is None and not trials:
+            raise Error(f"there is nothing to plot of {self.result['command']}: it has no state")
+        shown = [what for what in (png, trials) if what]
+        figure, axes = pyplot.subplots(1, len(shown), figsize=(8 * len(shown), 5), squeeze=False, layout="constrained")
+        if png is not None:
+            axes[0, 0].imshow(pyplot.imread(io.BytesIO(png)))
+            axes[0, 0].set_axis_off()
+        if trials:
+            best = [one for one in trials if one.get("accepted")]
+            right = axes[0, -1]
+            right.plot([one["trial"] for one in trials], [one["cost"] for one in trials], ".", color="0.6", label="trials")
+            right.plot([one["trial"] for one in best], [one["cost"] for one in best], "o-", label="accepted")
+            right.set(xlabel="trial", ylabel="cost")
+            if all(one["cost"] > 0 for one in trials):
+                right.set_yscale("log")
+            right.legend()
+        return figure
+
     def __repr__(self) -> str:
         return f"nastic.Result({', '.join(f'{key}: {value}' for key, value in self._figures())})"
 
@@ -220,8 +281,9 @@ def _flat(values: NDArray[np.float64]) -> NDArray[np.float64]:
     return values.reshape(len(values), -1) if values.ndim == 3 else values
 
 
-def _import(name: str) -> Any:
+def _import(name: str, method: str | None = None) -> Any:
+    package = name.split(".")[0]
     try:
-        return __import__(name)
+        return importlib.import_module(name)
     except ImportError as error:
-        raise ImportError(f"to_{name}() needs the package {name}: pip install {name}") from error
+        raise ImportError(f"{method or f'to_{name}'}() needs the package {package}: pip install {package}") from error

@@ -1,4 +1,4 @@
-"""The cost of a problem as a PyTorch function (needs the package torch)."""
+"""Cost and displacements of a problem as PyTorch functions (needs the package torch)."""
 
 from __future__ import annotations
 
@@ -34,3 +34,28 @@ def cost(problem: Problem) -> Callable[[torch.Tensor], torch.Tensor]:
     of m: use `torch.float64` for all digits.
     """
     return lambda m: _Cost.apply(m, problem)
+
+
+class _Displacement(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, m: torch.Tensor, problem: Problem, name: str | None) -> torch.Tensor:
+        vector = m.detach().to("cpu", torch.float64).numpy()
+        ctx.problem, ctx.name = problem, name
+        ctx.save_for_backward(m)
+        return torch.from_numpy(problem.displacement(vector, name)).to(m)
+
+    @staticmethod
+    @torch.autograd.function.once_differentiable
+    def backward(ctx: Any, w: torch.Tensor) -> tuple[torch.Tensor, None, None]:
+        (m,) = ctx.saved_tensors
+        weights = w.detach().to("cpu", torch.float64).numpy()
+        vector = m.detach().to("cpu", torch.float64).numpy()
+        return torch.from_numpy(ctx.problem.displacement_vjp(vector, weights, ctx.name)).to(m), None, None
+
+
+def displacement(problem: Problem, name: str | None = None) -> Callable[[torch.Tensor], torch.Tensor]:
+    """u(m) at the nodes for PyTorch, `[nodes][3]`, of the member of that name: a layer in a model.
+
+    Its derivative is `problem.displacement_vjp`, one linear solve; there is no second one.
+    """
+    return lambda m: _Displacement.apply(m, problem, name)

@@ -1,0 +1,25 @@
+//! Derivatives of the displacement fields of all members by the control vector.
+
+use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
+
+impl Ensemble {
+    /// `sum_k (du_k/dm)^T w_k` over the members k with a vector w_k (none where it is empty), each as
+    /// [`Reduced::displacement_vjp`](crate::Reduced::displacement_vjp) has it: one linear solve for each of them.
+    ///
+    /// # Errors
+    /// Those of a member, with its name.
+    pub fn displacement_vjp(
+        &self,
+        point: &EnsemblePoint,
+        w: &[Vec<f64>],
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
+        let found = self.side_by_side(workspace, |index, member, workspace| {
+            match (w.get(index).filter(|w| !w.is_empty()), point.members.get(index)) {
+                (Some(w), Some(at)) => member.problem.displacement_vjp(at, w, workspace).map(Some),
+                _ => Ok(None),
+            }
+        })?;
+        Ok(self.sum(found.iter().map(|own| Some((1.0, own.as_deref()?)))))
+    }
+}

@@ -1,0 +1,40 @@
+"""Parameters of material laws from test data."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from . import _nastic
+
+
+def fit(
+    data: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    out: str | os.PathLike[str] | None = None,
+    directory: str | os.PathLike[str] = ".",
+) -> dict[str, Any]:
+    """Fits laws to test data, as `nastic fit` does; the dictionary of fit.json (docs/fit.md).
+
+    `data`: a file, or a dictionary with its keys, names of files counted from `directory`. `out`: where fit.json and fit.svg go; nowhere without it.
+    """
+    with tempfile.TemporaryDirectory() as place:
+        if isinstance(data, Mapping):
+            found = dict(data)
+            found["tests"] = [_placed(test, Path(directory)) for test in found.get("tests", [])]
+            file = Path(place) / "fit.json"
+            file.write_text(json.dumps(found))
+        else:
+            file = Path(data)
+        _, text, _ = _nastic.fit(file, Path(place) / "out" if out is None else Path(out))
+    return json.loads(text)
+
+
+def _placed(test: Any, directory: Path) -> Any:
+    if isinstance(test, Mapping) and isinstance(test.get("file"), (str, os.PathLike)):
+        return {**test, "file": str((directory / test["file"]).resolve())}
+    return test
