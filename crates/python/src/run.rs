@@ -104,7 +104,8 @@ pub(crate) fn run(
 
 /// What `solve` is asked for: its option without the dashes, and the value of that.
 fn analysis(py: Python<'_>, (what, value): &(String, String)) -> PyResult<Analysis> {
-    let count = || value.parse::<usize>().map_err(|_| error::input(py, format!("{what} is {value}; a count is needed")));
+    let count =
+        || value.parse::<usize>().map_err(|_| error::input(py, format!("{what} is {value}; a count is needed")));
     Ok(match what.as_str() {
         "ramp" => Analysis::Ramp(value.clone()),
         "path" if value == "limit" => Analysis::PathToLimit,
