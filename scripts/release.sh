@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # What a release consists of, below target/release-files, each part tried by itself: the crates as packages, the Python wheel, the program, SHA-256 sums.
 #
-#   scripts/release.sh                     all, a quarter of an hour on two cores
+#   scripts/release.sh                     all, some twenty minutes on two cores
 #   scripts/release.sh --quick             the crates without building each from its package: a minute
 #
-# The wheel is for every Python from 3.10 on (abi3) and every Linux with glibc 2.28 (2018) or later, x86-64: maturin links it with zig, which pip
-# installs. The program needs no library of the system. Windows and macOS were not tried. Needs python3 with venv, and the network once.
+# The wheel is for every Python from 3.10 on (abi3) and for x86-64 Linux with the glibc of this machine or later: its name says which, after maturin has
+# looked at what it links (manylinux_2_35 on Debian 12). The program needs no library of the system. Windows and macOS were not tried. Needs python3 with
+# venv, and the network once.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 version=$(sed -n 's/^version = "\(.*\)"$/\1/p' Cargo.toml | head -n 1)
-triple=x86_64-unknown-linux-gnu
-glibc=manylinux_2_28
+triple=x86_64-linux
 out="$PWD/target/release-files"
 grep -q "^version: $version\$" CITATION.cff || { echo "CITATION.cff has another version than Cargo.toml ($version)"; exit 1; }
 grep -q "^publish = false" crates/python/Cargo.toml || { echo "the Python package is no crate to be published"; exit 1; }
@@ -27,8 +27,8 @@ packages() { # [--no-verify]
 wheel() {
   local env="$PWD/target/release-env"
   [ -x "$env/bin/python" ] || python3 -m venv "$env"
-  "$env/bin/python" -m pip --disable-pip-version-check --quiet install "maturin[zig]==1.16.0"
-  (cd crates/python && "$env/bin/maturin" build --release --quiet --zig --target "$triple" --compatibility "$glibc" --out "$out")
+  "$env/bin/python" -m pip --disable-pip-version-check --quiet install maturin==1.16.0
+  (cd crates/python && "$env/bin/maturin" build --release --quiet --out "$out")
   local tried="$PWD/target/release-tried"
   rm -rf "$tried"
   python3 -m venv "$tried"
@@ -38,11 +38,11 @@ wheel() {
 
 program() {
   # Static: glibc's own parts within the program.
-  cargo rustc --release --locked --quiet -p nastic-cli --bin nastic --target "$triple" -- -C target-feature=+crt-static
+  cargo rustc --release --locked --quiet -p nastic-cli --bin nastic -- -C target-feature=+crt-static
   local folder="nastic-$version-$triple"
   rm -rf "${out:?}/$folder"
   mkdir -p "$out/$folder"
-  cp "target/$triple/release/nastic" README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE NOTICE CITATION.cff "$out/$folder/"
+  cp target/release/nastic README.md CHANGELOG.md LICENSE-MIT LICENSE-APACHE NOTICE CITATION.cff "$out/$folder/"
   strip "$out/$folder/nastic"
   tar -C "$out" -czf "$out/$folder.tar.gz" "$folder"
   ldd "$out/$folder/nastic" 2>&1 | grep -q "statically linked\|not a dynamic" || { echo "the program needs libraries: $(ldd "$out/$folder/nastic")"; exit 1; }
