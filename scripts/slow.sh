@@ -113,6 +113,11 @@ if [ "$quick" = 0 ]; then
   NASTIC_PYTHON_EXTRA="dask[distributed] snakemake" run "sweeps under Dask" scripts/test-python.sh -k "sweep or clusters"
   PATH="$PWD/target/python-package/bin:$PATH" run "a sweep under Snakemake" \
     cargo test --release --workspace --locked --quiet --test all clusters::
+  if command -v mpirun >/dev/null && command -v mpicc >/dev/null; then
+    run "nastic-mpi on 1 to 7 ranks, and killed" scripts/mpi.sh
+  else
+    echo "skipped: nastic-mpi (scripts/mpi.sh), there is no mpirun or no mpicc"
+  fi
   NASTIC_SLOW=1 run "adjoints of long motions" cargo test --release --workspace --locked --quiet --test all motion_adjoint::
 fi
 [ "${#failed[@]}" = 0 ] && echo "all as expected" && exit 0

@@ -40,6 +40,7 @@
 //! | [`fem`] | bodies, equilibria, adjoints |
 //! | [`hausdorff`] | the smoothed Hausdorff distance of point clouds |
 //! | [`uncertainty`] | random parameters, rules over them, measures of risk |
+//! | [`team`] | ranks that share out members of an ensemble |
 //! | [`opt`] | admissible sets, optimisers, the Taylor test |
 //! | [`control`] | control fields, costs, reduced problems |
 //! | [`case`] | case files and what the command line does with them |
@@ -56,6 +57,7 @@ pub use nastic_numeric as numeric;
 pub use nastic_opt as opt;
 pub use nastic_picture as picture;
 pub use nastic_report as report;
+pub use nastic_team as team;
 pub use nastic_tensor as tensor;
 pub use nastic_uncertainty as uncertainty;
 

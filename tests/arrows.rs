@@ -8,6 +8,7 @@ use std::path::Path;
 /// Who may depend on whom; `nastic` is the facade.
 const ALLOWED: &[(&str, &[&str])] = &[
     ("numeric", &[]),
+    ("team", &[]),
     ("tensor", &[]),
     ("hausdorff", &[]),
     ("energy", &["tensor"]),
@@ -20,7 +21,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("opt", &["numeric"]),
     ("uncertainty", &["numeric", "energy", "mesh"]),
     ("fem", &["numeric", "tensor", "energy", "mesh", "linear"]),
-    ("control", &["numeric", "tensor", "energy", "mesh", "linear", "fem", "opt", "hausdorff", "uncertainty"]),
+    ("control", &["numeric", "tensor", "energy", "mesh", "linear", "team", "fem", "opt", "hausdorff", "uncertainty"]),
     ("language", &["numeric", "energy", "fit", "mesh", "io", "fem", "opt", "control"]),
     ("case", &["numeric", "tensor", "energy", "fit", "mesh", "io", "fem", "opt", "uncertainty", "control", "language"]),
     (
@@ -38,11 +39,12 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "opt",
             "uncertainty",
             "control",
+            "team",
             "language",
             "case",
         ],
     ),
-    ("cli", &["language", "run"]),
+    ("cli", &["language", "run", "team"]),
     ("python", &["mesh", "io", "opt", "control", "language", "case", "run"]),
     (
         "nastic",
@@ -54,6 +56,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "fit",
             "mesh",
             "linear",
+            "team",
             "io",
             "picture",
             "report",

@@ -32,6 +32,12 @@ pub enum Share {
 }
 
 impl Part {
+    /// That of a rank, of which there are so many.
+    #[must_use]
+    pub fn of_rank(rank: usize, ranks: usize) -> Self {
+        Self { number: rank + 1, of: ranks }
+    }
+
     /// Whether it has the run of this number, from 0.
     #[must_use]
     pub fn has(self, run: usize) -> bool {

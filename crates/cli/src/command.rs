@@ -1,5 +1,6 @@
 //! From arguments to an exit code.
 
+use crate::Ended;
 use crate::arguments::{
     self, Arguments, Case, Command, Diagnosis, Fit, Modes, New, Optimize, Report, Resume, Running, Schema, StopAt,
     Sweep, SweptCommand,
@@ -18,58 +19,215 @@ use nastic_run::run::{
     sweep,
 };
 use nastic_run::signals::cancelled_by_signals;
+use nastic_team::Team;
 use serde::Serialize;
 use std::io::{IsTerminal, Write, stderr};
 use std::path::PathBuf;
-use std::process::ExitCode;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, OnceLock};
 
-pub(crate) fn run_arguments(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
-    let exit = run_command(arguments, catalogue);
-    // what stands in a buffer is lost silently otherwise
-    let _ = Output.flush();
-    match output::failure() {
-        Some(why) => {
-            complain(&format!("standard output could not be written ({why}): what was printed is incomplete"));
-            ExitCode::from(Exit::NotWritten.code())
+/// The program, on one rank of a team or alone.
+pub(crate) struct Program<'c> {
+    catalogue: &'c Catalogue,
+    team: Option<Arc<dyn Team>>,
+    /// Why there is no result.
+    error: OnceLock<String>,
+}
+
+impl<'c> Program<'c> {
+    pub fn new(catalogue: &'c Catalogue, team: Option<Arc<dyn Team>>) -> Self {
+        Self { catalogue, team, error: OnceLock::new() }
+    }
+
+    pub fn run(&self, arguments: Arguments) -> Ended {
+        let code = if self.leads() || is_shared(&arguments.command) { self.run_command(arguments) } else { 0 };
+        // what stands in a buffer is lost silently otherwise
+        let _ = Output.flush();
+        let code = match output::failure() {
+            Some(why) => {
+                complain(&format!("standard output could not be written ({why}): what was printed is incomplete"));
+                Exit::NotWritten.code()
+            }
+            None => code,
+        };
+        Ended { code, error: self.error.get().cloned() }
+    }
+
+    /// Whether it speaks.
+    fn leads(&self) -> bool {
+        self.team.as_ref().is_none_or(|team| team.leads())
+    }
+
+    fn run_command(&self, arguments: Arguments) -> u8 {
+        let on_case = |command, case: &Case| self.on_case(command, case, Asked::default());
+        match arguments.command {
+            Command::New(new) => begin(&new),
+            Command::Check(case) => on_case(schema::Command::Check, &case),
+            Command::Solve(solve) => {
+                let analysis = match analysis(&solve.analysis) {
+                    Analysis::Path if solve.stop_at == Some(StopAt::Limit) => Analysis::PathToLimit,
+                    other => other,
+                };
+                let asked = Asked { analysis, restart: solve.restart, ..Asked::default() };
+                self.on_case(schema::Command::Solve, &solve.case, asked)
+            }
+            Command::Modes(Modes { case, count, undeformed }) => {
+                let modes = ModesRequest { count: count.into(), undeformed };
+                self.on_case(schema::Command::Modes, &case, Asked { modes, ..Asked::default() })
+            }
+            Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
+            Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
+            Command::Optimize(Optimize { case, restart, part, join, diagnosis }) => {
+                let (spectrum, share) = (spectrum(&diagnosis), share(part, join));
+                self.on_case(schema::Command::Optimize, &case, Asked { restart, spectrum, share, ..Asked::default() })
+            }
+            Command::Resume(interrupted) => self.on_directory(&interrupted),
+            Command::Sweep(swept) => self.on_values(&swept),
+            Command::Fit(data) => self.on_data(&data),
+            Command::Report(folder) => on_results(&folder),
+            Command::Figure(figure) => figure.draw(),
+            Command::Schema(wanted) => {
+                say_schema(self.catalogue, &wanted);
+                0
+            }
         }
-        None => exit,
+    }
+
+    fn on_case(&self, command: schema::Command, case: &Case, asked: Asked) -> u8 {
+        let (name, running) = (command.name(), &case.running);
+        let options = self.options(case, asked);
+        let console = self.console(running);
+        self.answer(name, running, run_with(self.catalogue, command, &case.case, &options, &console))
+    }
+
+    fn options(&self, case: &Case, asked: Asked) -> Options {
+        let running = &case.running;
+        Options {
+            out: case.out.clone(),
+            threads: running.threads.map(usize::from),
+            set: case.settings.clone(),
+            strict: running.strict,
+            no_report: running.no_report,
+            figure: running.figure,
+            explain: running.explain,
+            analysis: asked.analysis,
+            modes: asked.modes,
+            restart: asked.restart,
+            spectrum: asked.spectrum,
+            share: asked.share,
+            team: self.team.clone(),
+            cancel: self.cancelled_by_signals(),
+            ..Options::default()
+        }
+    }
+
+    /// Raised by Ctrl-C, which the first rank answers.
+    fn cancelled_by_signals(&self) -> Arc<AtomicBool> {
+        let leads = self.leads();
+        cancelled_by_signals(move |shown| {
+            if leads {
+                complain(shown);
+            }
+        })
+    }
+
+    /// Runs a case for several values.
+    fn on_values(&self, Sweep { case, command, warm, restart, part, join }: &Sweep) -> u8 {
+        let command = match command {
+            SweptCommand::Optimize => schema::Command::Optimize,
+            SweptCommand::Solve => schema::Command::Solve,
+        };
+        let options = self.options(case, Asked { restart: *restart, share: share(*part, *join), ..Asked::default() });
+        let asked = run::Sweep { command, warm: *warm };
+        match sweep(self.catalogue, &asked, &case.case, &options, &self.console(&case.running)) {
+            Ok(_) if !self.leads() => 0,
+            Ok(outcome) => {
+                if case.running.json {
+                    print(&outcome.result);
+                }
+                outcome.exit.code()
+            }
+            Err(error) => self.failed("sweep", &case.running, &error),
+        }
+    }
+
+    fn on_directory(&self, Resume { directory, diagnosis, running }: &Resume) -> u8 {
+        let options = Options {
+            threads: running.threads.map(usize::from),
+            strict: running.strict,
+            no_report: running.no_report,
+            figure: running.figure,
+            explain: running.explain,
+            spectrum: spectrum(diagnosis),
+            team: self.team.clone(),
+            cancel: self.cancelled_by_signals(),
+            ..Options::default()
+        };
+        let outcome = resume(self.catalogue, directory, &options, &self.console(running));
+        self.answer("resume", running, outcome)
+    }
+
+    /// Fits laws to test data.
+    fn on_data(&self, Fit { data, out, quiet, json }: &Fit) -> u8 {
+        let (quiet, json) = (*quiet, *json);
+        let running =
+            Running { threads: None, strict: false, no_report: true, figure: false, explain: false, quiet, json };
+        match run::fit(data, out.clone(), &self.console(&running)) {
+            Ok(outcome) => {
+                if json {
+                    print(&outcome.result);
+                }
+                outcome.exit.code()
+            }
+            Err(error) => self.failed("fit", &running, &error),
+        }
+    }
+
+    /// Prints what is asked for and gives the exit code.
+    fn answer(&self, command: &str, running: &Running, outcome: Result<Outcome, RunError>) -> u8 {
+        match outcome {
+            Ok(_) if !self.leads() => 0,
+            Ok(outcome) => {
+                if running.json {
+                    print(&outcome.result);
+                } else if running.quiet {
+                    outcome.missed.iter().for_each(|missed| complain(&format!("expectation missed: {missed}")));
+                }
+                if let (true, Some(error)) = (running.json || running.quiet, outcome.result["error"].as_str()) {
+                    complain(error);
+                }
+                outcome.exit.code()
+            }
+            Err(error) => self.failed(command, running, &error),
+        }
+    }
+
+    /// Says why a command has no result.
+    fn failed(&self, command: &str, running: &Running, error: &RunError) -> u8 {
+        if self.leads() {
+            if running.json {
+                print(&record(command, error));
+            }
+            print_error(error);
+        }
+        let _ = self.error.set(error.to_string());
+        error.exit().code()
+    }
+
+    /// Text for people goes to standard output, what passes to a terminal on standard error.
+    fn console(&self, running: &Running) -> Console {
+        if running.quiet || !self.leads() {
+            return Console::silent();
+        }
+        let console = if running.json { Console::silent() } else { Console::new(Output) };
+        if stderr().is_terminal() { console.with_passing(stderr()) } else { console }
     }
 }
 
-fn run_command(arguments: Arguments, catalogue: &Catalogue) -> ExitCode {
-    let on_case = |command, case: &Case| on_case(catalogue, command, case, Asked::default());
-    match arguments.command {
-        Command::New(new) => begin(&new),
-        Command::Check(case) => on_case(schema::Command::Check, &case),
-        Command::Solve(solve) => {
-            let analysis = match analysis(&solve.analysis) {
-                Analysis::Path if solve.stop_at == Some(StopAt::Limit) => Analysis::PathToLimit,
-                other => other,
-            };
-            let asked = Asked { analysis, restart: solve.restart, ..Asked::default() };
-            self::on_case(catalogue, schema::Command::Solve, &solve.case, asked)
-        }
-        Command::Modes(Modes { case, count, undeformed }) => {
-            let modes = ModesRequest { count: count.into(), undeformed };
-            self::on_case(catalogue, schema::Command::Modes, &case, Asked { modes, ..Asked::default() })
-        }
-        Command::Gradient(case) => on_case(schema::Command::Gradient, &case),
-        Command::Gradcheck(case) => on_case(schema::Command::Gradcheck, &case),
-        Command::Optimize(Optimize { case, restart, part, join, diagnosis }) => {
-            let (spectrum, share) = (spectrum(&diagnosis), share(part, join));
-            let asked = Asked { restart, spectrum, share, ..Asked::default() };
-            self::on_case(catalogue, schema::Command::Optimize, &case, asked)
-        }
-        Command::Resume(interrupted) => on_directory(catalogue, &interrupted),
-        Command::Sweep(swept) => on_values(catalogue, &swept),
-        Command::Fit(data) => on_data(&data),
-        Command::Report(folder) => on_results(&folder),
-        Command::Figure(figure) => figure.draw(),
-        Command::Schema(wanted) => {
-            say_schema(catalogue, &wanted);
-            ExitCode::SUCCESS
-        }
-    }
+/// Whether all ranks have a part in it; or are told that they have none.
+fn is_shared(command: &Command) -> bool {
+    use Command::{Gradcheck, Gradient, Modes, Optimize, Resume, Solve, Sweep};
+    matches!(command, Optimize(_) | Resume(_) | Sweep(_) | Solve(_) | Modes(_) | Gradient(_) | Gradcheck(_))
 }
 
 /// The JSON Schema of cases or of results, or its tables of keys.
@@ -86,7 +244,7 @@ fn say_schema(catalogue: &Catalogue, &Schema { results, markdown }: &Schema) {
 }
 
 /// Writes a case to begin with, and says what to type next.
-fn begin(New { directory, template }: &New) -> ExitCode {
+fn begin(New { directory, template }: &New) -> u8 {
     match Template::named(template).and_then(|template| template.write(directory)) {
         Ok(case) => {
             let case = case.display();
@@ -94,12 +252,12 @@ fn begin(New { directory, template }: &New) -> ExitCode {
                 Output,
                 "written     {case}\nnext        nastic check {case}\n            nastic optimize {case}"
             );
-            ExitCode::SUCCESS
+            0
         }
         Err(error) => {
             complain(&error.to_string());
             let exit = if matches!(error, TemplateError::Write(_)) { Exit::NotWritten } else { Exit::BadInput };
-            ExitCode::from(exit.code())
+            exit.code()
         }
     }
 }
@@ -141,141 +299,23 @@ fn share(part: Option<Part>, join: bool) -> Share {
     }
 }
 
-fn on_case(catalogue: &Catalogue, command: schema::Command, case: &Case, asked: Asked) -> ExitCode {
-    let (name, running) = (command.name(), &case.running);
-    let options = options(case, asked);
-    answer(name, running, run_with(catalogue, command, &case.case, &options, &console(running)))
-}
-
-fn options(case: &Case, asked: Asked) -> Options {
-    let running = &case.running;
-    Options {
-        out: case.out.clone(),
-        threads: running.threads.map(usize::from),
-        set: case.settings.clone(),
-        strict: running.strict,
-        no_report: running.no_report,
-        figure: running.figure,
-        explain: running.explain,
-        analysis: asked.analysis,
-        modes: asked.modes,
-        restart: asked.restart,
-        spectrum: asked.spectrum,
-        share: asked.share,
-        cancel: cancelled_by_signals(complain),
-        ..Options::default()
-    }
-}
-
-/// Runs a case for several values.
-fn on_values(catalogue: &Catalogue, Sweep { case, command, warm, restart, part, join }: &Sweep) -> ExitCode {
-    let command = match command {
-        SweptCommand::Optimize => schema::Command::Optimize,
-        SweptCommand::Solve => schema::Command::Solve,
-    };
-    let options = options(case, Asked { restart: *restart, share: share(*part, *join), ..Asked::default() });
-    let asked = run::Sweep { command, warm: *warm };
-    match sweep(catalogue, &asked, &case.case, &options, &console(&case.running)) {
-        Ok(outcome) => {
-            if case.running.json {
-                print(&outcome.result);
-            }
-            ExitCode::from(outcome.exit.code())
-        }
-        Err(error) => failed("sweep", &case.running, &error),
-    }
-}
-
-fn on_directory(catalogue: &Catalogue, Resume { directory, diagnosis, running }: &Resume) -> ExitCode {
-    let options = Options {
-        threads: running.threads.map(usize::from),
-        strict: running.strict,
-        no_report: running.no_report,
-        figure: running.figure,
-        explain: running.explain,
-        spectrum: spectrum(diagnosis),
-        cancel: cancelled_by_signals(complain),
-        ..Options::default()
-    };
-    let outcome = resume(catalogue, directory, &options, &console(running));
-    answer("resume", running, outcome)
-}
-
-/// Fits laws to test data.
-fn on_data(Fit { data, out, quiet, json }: &Fit) -> ExitCode {
-    let running = Running {
-        threads: None,
-        strict: false,
-        no_report: true,
-        figure: false,
-        explain: false,
-        quiet: *quiet,
-        json: *json,
-    };
-    match run::fit(data, out.clone(), &console(&running)) {
-        Ok(outcome) => {
-            if *json {
-                print(&outcome.result);
-            }
-            ExitCode::from(outcome.exit.code())
-        }
-        Err(error) => failed("fit", &running, &error),
-    }
-}
-
 /// Makes the page of a result directory and says where it is.
-fn on_results(Report { directory, out }: &Report) -> ExitCode {
+fn on_results(Report { directory, out }: &Report) -> u8 {
     written(report(directory, out.as_deref()))
 }
 
 /// Says where a file went, or why there is none.
-pub(crate) fn written(file: Result<PathBuf, RunError>) -> ExitCode {
+pub(crate) fn written(file: Result<PathBuf, RunError>) -> u8 {
     match file {
         Ok(file) => {
             let _ = writeln!(Output, "{}", file.display());
-            ExitCode::SUCCESS
+            0
         }
         Err(error) => {
             print_error(&error);
-            ExitCode::from(error.exit().code())
+            error.exit().code()
         }
     }
-}
-
-/// Prints what is asked for and gives the exit code.
-fn answer(command: &str, running: &Running, outcome: Result<Outcome, RunError>) -> ExitCode {
-    match outcome {
-        Ok(outcome) => {
-            if running.json {
-                print(&outcome.result);
-            } else if running.quiet {
-                outcome.missed.iter().for_each(|missed| complain(&format!("expectation missed: {missed}")));
-            }
-            if let (true, Some(error)) = (running.json || running.quiet, outcome.result["error"].as_str()) {
-                complain(error);
-            }
-            ExitCode::from(outcome.exit.code())
-        }
-        Err(error) => failed(command, running, &error),
-    }
-}
-
-/// Says why a command has no result.
-fn failed(command: &str, running: &Running, error: &RunError) -> ExitCode {
-    if running.json {
-        print(&record(command, error));
-    }
-    print_error(error);
-    ExitCode::from(error.exit().code())
-}
-
-/// Text for people goes to standard output, what passes to a terminal on standard error.
-fn console(running: &Running) -> Console {
-    if running.quiet {
-        return Console::silent();
-    }
-    let console = if running.json { Console::silent() } else { Console::new(Output) };
-    if stderr().is_terminal() { console.with_passing(stderr()) } else { console }
 }
 
 fn print_error(error: &RunError) {

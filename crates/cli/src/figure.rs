@@ -4,7 +4,6 @@ use crate::command::written;
 use clap::Args;
 use nastic_run::run::{self, FigureRequest};
 use std::path::PathBuf;
-use std::process::ExitCode;
 
 /// What is drawn of a result directory.
 #[derive(Debug, Args)]
@@ -46,8 +45,8 @@ pub struct Figure {
 }
 
 impl Figure {
-    /// Draws it and says where it is.
-    pub fn draw(&self) -> ExitCode {
+    /// Draws it and says where it is; the exit code.
+    pub fn draw(&self) -> u8 {
         let names =
             |text: &String| text.split(',').map(str::trim).filter(|name| !name.is_empty()).map(str::to_owned).collect();
         let request = FigureRequest {

@@ -164,6 +164,9 @@ pub enum ControlError {
         /// What was asked for.
         what: &'static str,
     },
+    /// What failed on another rank of the team.
+    #[error("{}", .0.message)]
+    Remote(Box<RemoteFailure>),
     /// A cost that makes no sense as given.
     #[error("{what}")]
     Cost {
@@ -172,20 +175,52 @@ pub enum ControlError {
     },
 }
 
+/// What is known of an error on another rank of the team.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RemoteFailure {
+    /// The rank.
+    pub rank: usize,
+    /// How it reads.
+    pub message: String,
+    /// Newton iterations of the state solve, where that is known.
+    pub newton: Option<usize>,
+    /// Whether that machine has too little memory.
+    pub lacks_memory: bool,
+    /// Whether a law, a contribution or a cost has no second derivatives.
+    pub lacks_second_derivatives: bool,
+}
+
+impl RemoteFailure {
+    pub(crate) fn new(rank: usize, error: &ControlError) -> Self {
+        Self {
+            rank,
+            message: error.to_string(),
+            newton: error.newton(),
+            lacks_memory: error.is_lack_of_memory(),
+            lacks_second_derivatives: error.lacks_second_derivatives(),
+        }
+    }
+}
+
 impl ControlError {
     /// Whether the machine has too little memory: nothing is said of the control.
     pub fn is_lack_of_memory(&self) -> bool {
-        matches!(self, ControlError::State(error) if error.is_lack_of_memory())
+        match self {
+            ControlError::State(error) => error.is_lack_of_memory(),
+            ControlError::Remote(failure) => failure.lacks_memory,
+            _ => false,
+        }
     }
 
     /// Whether a law, a contribution or a cost has no second derivatives: nothing is said of the control.
     pub fn lacks_second_derivatives(&self) -> bool {
-        matches!(
-            self,
+        match self {
             ControlError::NoSecondPartials { .. }
-                | ControlError::InTime { .. }
-                | ControlError::State(StateError::SecondDerivatives(_))
-        )
+            | ControlError::InTime { .. }
+            | ControlError::State(StateError::SecondDerivatives(_)) => true,
+            ControlError::Remote(failure) => failure.lacks_second_derivatives,
+            _ => false,
+        }
     }
 
     /// The limit point that the way to the control leads to, where that is why there is no state.
@@ -199,6 +234,7 @@ impl ControlError {
             ControlError::State(StateError::NoConvergence { newton, .. }) => Some(*newton),
             ControlError::Unstable { newton, .. } | ControlError::LimitPoint { newton, .. } => Some(*newton),
             ControlError::State(StateError::Inadmissible { last, .. }) => Some(last.report.newton),
+            ControlError::Remote(failure) => failure.newton,
             _ => None,
         }
     }

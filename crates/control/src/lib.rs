@@ -41,9 +41,9 @@ pub use cost::{
 pub use design::Consumer;
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,
-    Measured, Member,
+    Measured, Member, MemberValues, Parcel,
 };
-pub use error::ControlError;
+pub use error::{ControlError, RemoteFailure};
 pub use evaluated::{AdjointState, Evaluated, SolvedStates, StepError};
 pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};

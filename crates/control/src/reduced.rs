@@ -15,6 +15,7 @@ pub use adaptive_steps::AdaptiveSteps;
 pub(crate) use constrained::Lagrangian;
 pub(crate) use in_time::Motion;
 pub(crate) use objective::{failed, work_summary};
+pub(crate) use second_order::SecondDerivative;
 
 use crate::constraint::Constraint;
 use crate::control_block::Shown;

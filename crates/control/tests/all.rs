@@ -29,4 +29,5 @@ mod sizes_of_surfaces;
 mod spaces;
 mod spectrum;
 mod spring;
+mod teams;
 mod tendon;

@@ -12,6 +12,7 @@
 
 mod carried;
 mod case_name;
+pub mod console;
 pub mod csv;
 mod encode;
 mod error;
@@ -21,6 +22,8 @@ mod frame;
 mod html;
 mod iterates;
 mod number;
+mod on_trial;
+mod pace;
 mod page;
 mod plots;
 pub mod record;
@@ -37,6 +40,8 @@ pub use error::ReportError;
 pub use figure::{FIELD, FigureRequest, figure, tension, uniform_field, with_marks};
 pub use iterates::{Iterates, IteratesError};
 pub use number::duration;
+pub use on_trial::OnTrial;
+pub use pace::Pace;
 pub use sweep::{SweepAxis, SweepRow, SweepTable};
 
 use folder::ResultFolder;

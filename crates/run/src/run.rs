@@ -10,7 +10,6 @@
 //! # Ok::<(), nastic_run::run::RunError>(())
 //! ```
 
-mod analysis;
 mod case_record;
 mod check;
 mod check_gradient;
@@ -27,11 +26,11 @@ mod gradient;
 mod modes;
 mod modes_request;
 mod motion;
-mod on_trial;
 mod optimize;
 mod options;
 mod outcome;
 mod output_directory;
+mod ranks;
 mod report;
 mod resumption;
 mod session;
@@ -44,15 +43,14 @@ mod terminal;
 mod time_steps;
 mod unmet;
 
-pub use analysis::Analysis;
 pub use commands::{resume, run, run_document, run_with, thread_pool};
 pub use error::{Exit, RunError};
 pub use fit::{FitOutcome, fit};
 pub use gradcheck::{GradientTest, test_gradient};
 pub use modes_request::ModesRequest;
+pub use nastic_case::analysis::Analysis;
 pub use nastic_case::part::{Part, PartError, Share};
-pub use nastic_report::FigureRequest;
-pub use on_trial::OnTrial;
+pub use nastic_report::{FigureRequest, OnTrial};
 pub use options::Options;
 pub use outcome::Outcome;
 pub use report::{figure, report};

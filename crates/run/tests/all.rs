@@ -44,6 +44,7 @@ mod study;
 mod study_signal;
 mod sweep;
 mod sweep_kept;
+mod teams;
 mod terminal;
 mod time;
 mod time_tolerance;

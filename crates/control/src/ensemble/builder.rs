@@ -4,7 +4,7 @@ use super::blocks::enter;
 use super::error::EnsembleError;
 use super::member::{LoadCase, Member};
 use super::product::EnsembleProduct;
-use super::team::Threads;
+use super::ranks::Ranks;
 use super::{Ensemble, Finished, Watch};
 use crate::error::ControlError;
 use crate::reduced::Reduced;
@@ -107,8 +107,8 @@ impl EnsembleBuilder {
         }
         let len = blocks.iter().map(|block| block.len).sum();
         let product = Arc::new(EnsembleProduct::new(&blocks, &members, products));
-        let (risk, watch) = (self.risk, self.watch);
-        Ok(Ensemble { members, names, probabilities, blocks, len, risk, product, watch, team: Threads })
+        let (risk, watch, ranks) = (self.risk, self.watch, Ranks::alone(members.len()));
+        Ok(Ensemble { members, names, probabilities, blocks, len, risk, product, watch, ranks })
     }
 
     fn check_names(&self) -> Result<(), EnsembleError> {

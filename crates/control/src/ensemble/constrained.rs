@@ -1,8 +1,9 @@
 //! Constraints of an ensemble: those of every member.
 
 use super::blocks::gather;
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member};
+use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member, MemberValues};
 use crate::reduced::Lagrangian;
+use crate::workspace::ReducedWorkspace;
 use nastic_numeric::vector::axpy;
 use nastic_opt::{Constrained, ConstraintGroup, Failed, Hessian};
 
@@ -20,7 +21,7 @@ impl Constrained for Ensemble {
     }
 
     fn constraint_values(&self, point: &EnsemblePoint) -> Vec<f64> {
-        point.members.iter().flat_map(|at| at.constraints.iter().copied()).collect()
+        point.values().into_iter().flat_map(|at| at.constraints).collect()
     }
 
     fn lagrangian_derivative(
@@ -66,16 +67,18 @@ impl Share {
 }
 
 impl Ensemble {
-    /// The shares of all members whose costs have these weights.
+    /// The shares of all members of this rank whose costs have these weights.
     fn shares(&self, point: &EnsemblePoint, [y, w]: [&[f64]; 2], weight: impl Fn(&Member) -> f64) -> Vec<Share> {
         let mut first = 0;
-        let of = |(member, at): (&Member, &crate::evaluated::Evaluated)| {
+        let of = |(member, at): (&Member, MemberValues)| {
             let own = |x: &[f64]| x.get(first..first + at.constraints.len()).unwrap_or_default().to_vec();
             let share = Share::new(weight(member), &own(y), &own(w));
             first += at.constraints.len();
             share
         };
-        self.members.iter().zip(&point.members).map(of).collect()
+        let all: Vec<Share> = self.members.iter().zip(point.values()).map(of).collect();
+        let own = self.ranks.own();
+        all.into_iter().skip(own.start).take(own.len()).collect()
     }
 
     fn lagrangian_derivative_typed(
@@ -109,23 +112,19 @@ impl Ensemble {
         point: &mut EnsemblePoint,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
-        let members = &point.members;
-        let found = self.side_by_side(workspace, |index, member, workspace| {
-            let (Some(share), Some(at)) = (shares.get(index).filter(|share| !share.is_nothing()), members.get(index))
-            else {
-                return Ok(None);
-            };
+        let (known, first) = (&*point, self.ranks.own().start);
+        let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| {
+            let share = shares.get(index - first).filter(|share| !share.is_nothing());
+            let (Some(share), Some(at)) = (share, known.member(index)) else { return Ok(None) };
             let of = Lagrangian { costs: share.costs, y: &share.y };
-            member.problem.lagrangian_sensitivity(at, of, workspace).map(Some)
-        })?;
+            let (derivative, adjoint) = member.problem.lagrangian_sensitivity(at, of, workspace)?;
+            // Without its costs it is no adjoint that a point is said to have.
+            Ok(Some((derivative, adjoint.filter(|_| share.costs))))
+        };
+        let (found, work) = self.side_by_side(workspace, of, |index, found| known.adjoint_work(index, found))?;
         let of = shares.iter().zip(&found);
-        let out = self.sum(of.map(|(share, found)| Some((share.factor, found.as_ref()?.0.as_slice()))));
-        for ((at, share), found) in point.members.iter_mut().zip(shares).zip(found) {
-            if let Some((_, adjoint)) = found {
-                // Without its costs it is no adjoint that a point is said to have.
-                at.adjoint = adjoint.filter(|_| share.costs);
-            }
-        }
+        let out = self.sum(of.map(|(share, found)| Some((share.factor, found.as_ref()?.0.as_slice()))))?;
+        point.take_adjoints(first, found, work);
         Ok(out)
     }
 
@@ -171,15 +170,14 @@ impl Ensemble {
         (v, which): (&[f64], Hessian),
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
-        let found = self.side_by_side(workspace, |index, member, workspace| {
-            let (Some(share), Some(at)) =
-                (shares.get(index).filter(|share| !share.is_nothing()), point.members.get(index))
-            else {
-                return Ok(None);
-            };
+        let first = self.ranks.own().start;
+        let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| {
+            let share = shares.get(index - first).filter(|share| !share.is_nothing());
+            let (Some(share), Some(at)) = (share, point.member(index)) else { return Ok(None) };
             let (of, along) = (Lagrangian { costs: share.costs, y: &share.y }, gather(&self.blocks, member, v));
             member.problem.lagrangian_second_derivative(at, (of, &share.w), (&along, which), workspace).map(Some)
-        })?;
-        Ok(self.sum(shares.iter().zip(&found).map(|(share, product)| Some((share.factor, product.as_deref()?)))))
+        };
+        let (found, _) = self.side_by_side(workspace, of, |_, _| ())?;
+        self.sum(shares.iter().zip(&found).map(|(share, product)| Some((share.factor, product.as_deref()?))))
     }
 }

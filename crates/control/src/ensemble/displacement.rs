@@ -1,6 +1,7 @@
 //! Derivatives of the displacement fields of all members by the control vector.
 
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
+use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member};
+use crate::workspace::ReducedWorkspace;
 
 impl Ensemble {
     /// `sum_k (du_k/dm)^T w_k` over the members k with a vector w_k (none where it is empty), each as
@@ -14,12 +15,14 @@ impl Ensemble {
         w: &[Vec<f64>],
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
-        let found = self.side_by_side(workspace, |index, member, workspace| {
-            match (w.get(index).filter(|w| !w.is_empty()), point.members.get(index)) {
-                (Some(w), Some(at)) => member.problem.displacement_vjp(at, w, workspace).map(Some),
-                _ => Ok(None),
-            }
-        })?;
-        Ok(self.sum(found.iter().map(|own| Some((1.0, own.as_deref()?)))))
+        let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| match (
+            w.get(index).filter(|w| !w.is_empty()),
+            point.member(index),
+        ) {
+            (Some(w), Some(at)) => member.problem.displacement_vjp(at, w, workspace).map(Some),
+            _ => Ok(None),
+        };
+        let (found, _) = self.side_by_side(workspace, of, |_, _| ())?;
+        self.sum(found.iter().map(|own| Some((1.0, own.as_deref()?))))
     }
 }

@@ -1,6 +1,7 @@
 //! Errors of ensembles.
 
 use crate::error::ControlError;
+use nastic_team::TeamError;
 use nastic_uncertainty::risk::RiskError;
 use thiserror::Error;
 
@@ -80,6 +81,9 @@ pub enum EnsembleError {
         /// Why.
         what: String,
     },
+    /// The ranks of the team cannot go on together.
+    #[error(transparent)]
+    Team(#[from] TeamError),
     /// The risk measure does not fit.
     #[error(transparent)]
     Risk(#[from] RiskError),

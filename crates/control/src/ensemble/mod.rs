@@ -7,17 +7,20 @@ mod displacement;
 mod error;
 mod member;
 mod objective;
+mod on_team;
+mod parcel;
 mod point;
 mod product;
+mod ranks;
 mod report;
 mod second_order;
 mod shape;
-mod team;
 
 pub use blocks::EnsembleBlock;
 pub use builder::EnsembleBuilder;
 pub use error::EnsembleError;
 pub use member::{LoadCase, Member};
+pub use parcel::{MemberValues, Parcel};
 pub use point::{EnsemblePoint, EnsembleWorkspace};
 pub use report::Measured;
 
@@ -30,11 +33,13 @@ use blocks::{gather, scatter};
 use nastic_fem::Progress;
 use nastic_opt::Request;
 use nastic_uncertainty::risk::Risk;
+use point::Held;
 use product::EnsembleProduct;
+use ranks::Ranks;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use team::{Team, Threads};
+use std::time::Instant;
 
 /// The risk of one control vector over scenarios, each a weighted sum over load cases:
 ///
@@ -43,8 +48,8 @@ use team::{Team, Threads};
 ///
 /// Members share the controls that have the same names; a load case may have controls of its own
 /// ([`LoadCase::own`]). The vector holds every block once. Members are evaluated side by side, each on one thread and
-/// from its own last state; sums run in the order the members were added, so the bits do not depend on the number of
-/// threads. Members built on one [`Discretization`](nastic_fem::Discretization) share mesh and symbolic analysis.
+/// from its own last state; vectors are summed along the binary tree of the members' numbers, so the bits depend neither on the number of
+/// threads nor on that of ranks ([`Ensemble::share_out`]). Members built on one [`Discretization`](nastic_fem::Discretization) share mesh and symbolic analysis.
 /// A member without an equilibrium is a failed trial that names it.
 ///
 /// **Memory.** A point keeps its members' states. The workspace keeps at most one factor per member
@@ -88,7 +93,7 @@ pub struct Ensemble {
     risk: Box<dyn Risk>,
     product: Arc<EnsembleProduct>,
     watch: Watch,
-    team: Threads,
+    ranks: Ranks,
 }
 
 /// A member that has been evaluated: the argument of [`EnsembleBuilder::watched_by`].
@@ -236,8 +241,9 @@ impl Ensemble {
         workspace: &mut EnsembleWorkspace,
     ) -> Result<EnsemblePoint, EnsembleError> {
         self.check_len(m)?;
-        let members = self.side_by_side(workspace, |index, member, workspace| {
-            let near = how.near.and_then(|point| point.members.get(index));
+        let began = Instant::now();
+        let evaluate = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| {
+            let near = how.near.and_then(|point| point.member(index));
             let request = Request { near, accuracy: how.accuracy, stage: how.stage, budget: how.budget };
             let own = gather(&self.blocks, member, m);
             let outcome = match observers.get(index) {
@@ -246,8 +252,10 @@ impl Ensemble {
             };
             self.report_trial(index, &outcome);
             outcome
-        })?;
-        self.joined(m, members)
+        };
+        let found = self.side_by_side(workspace, evaluate, |_, at| MemberValues::of(at));
+        self.ranks.took(began.elapsed());
+        self.joined(m, found?)
     }
 
     fn check_len(&self, m: &[f64]) -> Result<(), EnsembleError> {
@@ -256,40 +264,69 @@ impl Ensemble {
     }
 
     /// Costs of the scenarios, and their risk.
-    fn joined(&self, m: &[f64], members: Vec<Evaluated>) -> Result<EnsemblePoint, EnsembleError> {
+    fn joined(
+        &self,
+        m: &[f64],
+        (members, reports): (Vec<Evaluated>, Vec<MemberValues>),
+    ) -> Result<EnsemblePoint, EnsembleError> {
         let mut costs = vec![0.0; self.names.len()];
-        for (member, point) in self.members.iter().zip(&members) {
-            let value = point.cost();
+        for (member, report) in self.members.iter().zip(&reports) {
+            let value = report.cost();
             if !value.is_finite() {
                 return Err(EnsembleError::Value { who: member.name.clone(), value });
             }
             costs[member.scenario] += member.weight * value;
         }
         let risk = self.risk.value(&self.probabilities, &costs);
-        Ok(EnsemblePoint { m: m.to_vec(), members, costs, risk })
+        let held = if self.ranks.is_alone() { Held::All } else { Held::Own { first: self.ranks.own().start, reports } };
+        Ok(EnsemblePoint { m: m.to_vec(), members, costs, risk, held })
     }
 
-    /// Runs `each` for every member; results in the members' order. Which of those behind a failure had run already depends on timing: their
-    /// factors and the limit points that they met are dropped, so that the next evaluation does not depend on it.
-    fn side_by_side<T: Send>(
+    /// Runs `each` for every member of this rank, and tells the others what `tell` makes of it: results of the own, and what was told of all, in
+    /// the members' order. Which of those behind a failure had run already depends on timing: their factors and the limit points that they
+    /// met are dropped, so that the next evaluation does not depend on it.
+    fn side_by_side<T: Send, R: Parcel>(
         &self,
         workspace: &mut EnsembleWorkspace,
         each: impl Fn(usize, &Member, &mut ReducedWorkspace) -> Result<T, ControlError> + Sync,
-    ) -> Result<Vec<T>, EnsembleError> {
-        let workspaces = workspace.of(self.members.len());
-        let outcome = self.team.map(workspaces, |index, workspace| each(index, &self.members[index], workspace));
-        outcome.map_err(|(first, error)| {
-            workspaces.iter_mut().skip(first.saturating_add(1)).for_each(|own| own.after_failure());
-            EnsembleError::member(&self.members[first].name, error)
+        tell: impl Fn(usize, &T) -> R,
+    ) -> Result<(Vec<T>, Vec<R>), EnsembleError> {
+        let own = self.ranks.own();
+        let first = own.start;
+        let workspaces = workspace.of(own.len());
+        let outcome =
+            ranks::side_by_side(workspaces, |k, workspace| each(first + k, &self.members[first + k], workspace));
+        let (found, told) = match outcome {
+            Ok(found) => {
+                let told = (first..).zip(&found).map(|(index, found)| tell(index, found)).collect();
+                (Some(found), Ok(told))
+            }
+            Err((k, error)) => (None, Err((first + k, error))),
+        };
+        match (self.ranks.share(told)?, found) {
+            (Ok(told), found) => Ok((found.unwrap_or_default(), told)),
+            (Err((failed, error)), _) => {
+                let behind = (first..).zip(workspaces).filter(|(index, _)| *index > failed);
+                behind.for_each(|(_, own)| own.after_failure());
+                Err(EnsembleError::member(&self.members[failed].name, error))
+            }
+        }
+    }
+
+    /// The sum over all members of dual vectors of theirs times weights, along the tree; `of` has those of the members of this rank.
+    fn sum<'d>(&self, of: impl Iterator<Item = Option<(f64, &'d [f64])>>) -> Result<Vec<f64>, EnsembleError> {
+        let (first, of): (usize, Vec<_>) = (self.ranks.own().start, of.collect());
+        self.ranks.sum(self.len, |index| {
+            let (weight, own) = of.get(index - first).copied().flatten()?;
+            let mut out = vec![0.0; self.len];
+            scatter(&self.blocks, &self.members[index], weight, own, &mut out);
+            Some(out)
         })
     }
 
-    /// The sum over the members, in their order, of dual vectors of theirs times weights.
-    fn sum<'d>(&self, of: impl Iterator<Item = Option<(f64, &'d [f64])>>) -> Vec<f64> {
-        let of: Vec<_> = of.collect();
-        self.team.sum(self.len, &of, |index, (weight, own), out| {
-            scatter(&self.blocks, &self.members[index], *weight, own, out);
-        })
+    /// The members of this rank.
+    fn own(&self) -> &[Member] {
+        &self.members[self.ranks.own()]
     }
 
     fn report_trial(&self, index: usize, outcome: &Result<Evaluated, ControlError>) {
@@ -301,11 +338,11 @@ impl Ensemble {
 
     fn restage_typed(&self, stage: usize, point: &EnsemblePoint) -> Result<EnsemblePoint, EnsembleError> {
         let none = &mut EnsembleWorkspace::default();
-        let members = self.side_by_side(none, |index, member, _| match point.members.get(index) {
+        let restage = |index: usize, member: &Member, _: &mut ReducedWorkspace| match point.member(index) {
             Some(at) => member.problem.restage_typed(stage, at),
             None => Err(ControlError::Length { found: point.members.len(), expected: self.members.len() }),
-        })?;
-        self.joined(&point.m, members)
+        };
+        self.joined(&point.m, self.side_by_side(none, restage, |_, at| MemberValues::of(at))?)
     }
 
     /// Calls `watch` after every evaluated member from now on, as [`EnsembleBuilder::watched_by`] does.
@@ -332,20 +369,20 @@ impl Ensemble {
         term: &str,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
-        let derivatives = self.side_by_side(workspace, |index, member, workspace| {
+        let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| {
             let own = member.problem.term_names().iter().position(|name| name == term);
-            match (own, point.members.get(index)) {
+            match (own, point.member(index)) {
                 (Some(own), Some(at)) => member.problem.derivative_of_term(at, own, workspace).map(Some),
                 _ => Ok(None),
             }
-        })?;
-        Ok(self.expected(&derivatives))
+        };
+        self.expected(&self.side_by_side(workspace, of, |_, _| ())?.0)
     }
 
-    /// The expected value of dual vectors of the members.
-    fn expected(&self, of: &[Option<Vec<f64>>]) -> Vec<f64> {
+    /// The expected value of dual vectors of the members of this rank.
+    fn expected(&self, of: &[Option<Vec<f64>>]) -> Result<Vec<f64>, EnsembleError> {
         let weight = |member: &Member| self.probabilities[member.scenario] * member.weight;
-        self.sum(self.members.iter().zip(of).map(|(member, own)| Some((weight(member), own.as_deref()?))))
+        self.sum(self.own().iter().zip(of).map(|(member, own)| Some((weight(member), own.as_deref()?))))
     }
 
     /// The derivative of the risk; the adjoint states go into the members' points.
@@ -356,18 +393,18 @@ impl Ensemble {
     ) -> Result<Vec<f64>, EnsembleError> {
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let weight = |member: &Member| by_cost[member.scenario] * member.weight;
-        let members = &point.members;
-        let derivatives =
-            self.side_by_side(workspace, |index, member, workspace| match (weight(member), members.get(index)) {
-                (weight, Some(at)) if weight != 0.0 => member.problem.sensitivity(at, None, workspace).map(Some),
-                _ => Ok(None),
-            })?;
-        let of = self.members.iter().zip(&derivatives);
-        let out = self.sum(of.map(|(member, found)| Some((weight(member), found.as_ref()?.0.as_slice()))));
-        for (at, (_, adjoint)) in point.members.iter_mut().zip(derivatives).filter_map(|(at, found)| Some((at, found?)))
-        {
-            at.adjoint = adjoint;
-        }
+        let known = &*point;
+        let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| match (
+            weight(member),
+            known.member(index),
+        ) {
+            (weight, Some(at)) if weight != 0.0 => member.problem.sensitivity(at, None, workspace).map(Some),
+            _ => Ok(None),
+        };
+        let (found, work) = self.side_by_side(workspace, of, |index, found| known.adjoint_work(index, found))?;
+        let of = self.own().iter().zip(&found);
+        let out = self.sum(of.map(|(member, found)| Some((weight(member), found.as_ref()?.0.as_slice()))))?;
+        point.take_adjoints(self.ranks.own().start, found, work);
         Ok(out)
     }
 }

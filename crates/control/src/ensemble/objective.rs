@@ -1,9 +1,9 @@
 //! [`Ensemble`] as an optimiser sees it.
 
-use super::blocks::gather;
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
+use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member};
 use crate::error::ControlError;
 use crate::reduced::failed;
+use crate::workspace::ReducedWorkspace;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{Failed, Hessian, InnerProduct, Objective, Problem, Request, SavedRunError, Summary};
 use std::sync::Arc;
@@ -47,13 +47,23 @@ impl Objective for Ensemble {
 
     /// That of the member whose limit point comes first on the way, else of the first one, in order, that has one; what ends a run before all.
     fn jump(&self, from: &EnsemblePoint, to: &EnsemblePoint, workspace: &mut EnsembleWorkspace) -> Option<Failed> {
-        let of = |index: usize, member: &super::Member, _: &mut crate::ReducedWorkspace| {
-            let points = from.members.get(index).zip(to.members.get(index));
+        let of = |index: usize, member: &Member, _: &mut ReducedWorkspace| {
+            let points = from.member(index).zip(to.member(index));
             Ok(points.and_then(|(from, to)| member.problem.other_branch(from, to)))
         };
-        let found = self.side_by_side(workspace, of).ok()?;
+        // whoever has the member has the error itself
+        let tell =
+            |_: usize, found: &Option<ControlError>| found.clone().map(|error| (self.ranks.team().rank(), error));
+        let (own, mut found) = match self.side_by_side(workspace, of, tell) {
+            Ok(found) => found,
+            Err(error @ EnsembleError::Team(_)) => return Some(error.into()),
+            Err(_) => return None,
+        };
+        for (index, own) in self.ranks.own().zip(own) {
+            found[index] = own.map(|error| (0, error));
+        }
         let named = self.members.iter().zip(found);
-        let all = named.filter_map(|(member, why)| Some(Failed::from(EnsembleError::member(&member.name, why?))));
+        let all = named.filter_map(|(member, why)| Some(Failed::from(EnsembleError::member(&member.name, why?.1))));
         let order = |failed: &Failed| if failed.is_fatal() { -1.0 } else { failed.limit().unwrap_or(f64::INFINITY) };
         all.min_by(|a, b| order(a).total_cmp(&order(b)))
     }
@@ -74,34 +84,29 @@ impl Objective for Ensemble {
     /// Those of the members, of each the largest.
     fn figures(&self, point: &EnsemblePoint) -> Summary {
         let mut out = Summary::default();
-        for (member, at) in self.members.iter().zip(&point.members) {
-            for (name, value) in member.problem.figures(at).0 {
-                match out.0.iter_mut().find(|(known, _)| *known == name) {
-                    Some((_, most)) => *most = most.max(value),
-                    None => out.0.push((name, value)),
-                }
+        let all = self.gathered(point, |index, at| self.members[index].problem.figures(at)).unwrap_or_default();
+        for (name, value) in all.into_iter().flat_map(|own| own.0) {
+            match out.0.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, most)) => *most = most.max(value),
+                None => out.0.push((name, value)),
             }
         }
         out
     }
 
+    /// On a team all members at the first rank, at the others their own alone.
     fn save(&self, point: &EnsemblePoint) -> Vec<u8> {
         let mut out = Writer::new(MAGIC);
-        out.count(point.members.len());
-        point.members.iter().for_each(|at| out.bytes(&at.to_bytes()));
+        out.count(self.members.len());
+        self.bytes_of(point).iter().for_each(|bytes| out.bytes(bytes));
         out.finish()
     }
 
-    /// Solves nothing.
+    /// Solves nothing; of a motion see [`Reduced`](crate::Reduced).
     fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, Failed> {
         self.check_len(m)?;
-        let own = self.read_members(bytes).map_err(Failed::new)?;
-        let how = Request { near: None, accuracy: how.accuracy, stage: how.stage, budget: how.budget };
-        let load = |(member, bytes): (&super::Member, Vec<u8>)| {
-            member.problem.load(&gather(&self.blocks, member, m), &bytes, &how)
-        };
-        let members = self.members.iter().zip(own).map(load).collect::<Result<_, _>>()?;
-        Ok(self.joined(m, members)?)
+        let saved = self.read_members(bytes).map_err(Failed::new)?;
+        Ok(self.loaded(m, saved, how)?)
     }
 }
 
@@ -132,8 +137,14 @@ impl Problem for Ensemble {
 /// As the failure of the member.
 impl From<EnsembleError> for Failed {
     fn from(error: EnsembleError) -> Self {
-        let EnsembleError::Member { source, .. } = &error else { return Failed::new(error) };
-        let source = source.clone();
-        failed(error, &source)
+        match &error {
+            EnsembleError::Member { source, .. } => {
+                let source = source.clone();
+                failed(error, &source)
+            }
+            // nothing is said of the control
+            EnsembleError::Team(_) => Failed::new(error).fatal(),
+            _ => Failed::new(error),
+        }
     }
 }

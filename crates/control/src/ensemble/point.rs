@@ -1,7 +1,9 @@
 //! [`EnsemblePoint`] and [`EnsembleWorkspace`]: an evaluated control of an ensemble, and what it leaves for the next.
 
-use crate::evaluated::Evaluated;
+use super::parcel::MemberValues;
+use crate::evaluated::{AdjointState, Evaluated};
 use crate::workspace::ReducedWorkspace;
+use nastic_fem::SolveReport;
 use nastic_opt::{EvaluatedStart, Start};
 
 /// An evaluated control of an ensemble. A value.
@@ -9,13 +11,88 @@ use nastic_opt::{EvaluatedStart, Start};
 pub struct EnsemblePoint {
     /// The control vector.
     pub m: Vec<f64>,
-    /// Every member's state and terms, in the order of [`Ensemble::members`](super::Ensemble::members).
+    /// State and terms of every member that this rank has, in the order of [`Ensemble::members`](super::Ensemble::members): of all, unless the
+    /// ensemble is on a team; [`held`](Self::held) has their numbers.
     pub members: Vec<Evaluated>,
     /// Cost `j_s` of every scenario.
     pub costs: Vec<f64>,
     /// R of these.
     pub risk: f64,
+    pub(super) held: Held,
 }
+
+/// Which members a point has.
+#[derive(Debug, Clone)]
+pub(super) enum Held {
+    All,
+    /// Those of this rank, from a number on, and the reports of all.
+    Own {
+        first: usize,
+        reports: Vec<MemberValues>,
+    },
+}
+
+impl EnsemblePoint {
+    fn first(&self) -> usize {
+        if let Held::Own { first, .. } = self.held { first } else { 0 }
+    }
+
+    /// Whether it has all members.
+    pub fn is_whole(&self) -> bool {
+        matches!(self.held, Held::All)
+    }
+
+    /// A member, by its number, if it is here.
+    pub fn member(&self, index: usize) -> Option<&Evaluated> {
+        self.members.get(index.checked_sub(self.first())?)
+    }
+
+    /// The members that are here, with their numbers.
+    pub fn held(&self) -> impl ExactSizeIterator<Item = (usize, &Evaluated)> {
+        let first = self.first();
+        self.members.iter().enumerate().map(move |(k, at)| (first + k, at))
+    }
+
+    /// What is known of every member, here or not.
+    pub fn values(&self) -> Vec<MemberValues> {
+        match &self.held {
+            Held::All => self.members.iter().map(MemberValues::of).collect(),
+            Held::Own { reports, .. } => reports.clone(),
+        }
+    }
+
+    /// Work of the state solve and of the adjoint of every member.
+    pub fn work(&self) -> Vec<SolveReport> {
+        match &self.held {
+            Held::All => self.members.iter().map(Evaluated::total_work).collect(),
+            Held::Own { reports, .. } => reports.iter().map(MemberValues::total_work).collect(),
+        }
+    }
+
+    /// The work of the adjoint of a member, behind a derivative that gave it a new one or none.
+    pub(super) fn adjoint_work(&self, index: usize, new: &Sensitivity) -> Option<SolveReport> {
+        let adjoint = match new {
+            Some((_, adjoint)) => adjoint.as_ref(),
+            None => self.member(index).and_then(|at| at.adjoint.as_ref()),
+        };
+        adjoint.map(|adjoint| adjoint.work)
+    }
+
+    /// Takes over the adjoint states of the members from a number on, and their work of all.
+    pub(super) fn take_adjoints(&mut self, from: usize, found: Vec<Sensitivity>, work: Vec<Option<SolveReport>>) {
+        let first = self.first();
+        let own = self.members.iter_mut().skip(from - first);
+        for (at, (_, adjoint)) in own.zip(found).filter_map(|(at, found)| Some((at, found?))) {
+            at.adjoint = adjoint;
+        }
+        if let Held::Own { reports, .. } = &mut self.held {
+            reports.iter_mut().zip(work).for_each(|(report, work)| report.adjoint = work);
+        }
+    }
+}
+
+/// The derivative of a member and its adjoint state; none of a member that has no weight.
+pub(super) type Sensitivity = Option<(Vec<f64>, Option<AdjointState>)>;
 
 impl From<EnsemblePoint> for Start<EnsemblePoint> {
     fn from(point: EnsemblePoint) -> Self {
@@ -29,7 +106,7 @@ impl From<&EnsemblePoint> for Start<EnsemblePoint> {
     }
 }
 
-/// A workspace for every member.
+/// A workspace for every member of this rank.
 #[derive(Debug, Default)]
 pub struct EnsembleWorkspace {
     pub(super) members: Vec<ReducedWorkspace>,

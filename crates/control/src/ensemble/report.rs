@@ -1,6 +1,6 @@
 //! What is reported of an ensemble: every risk, every scenario, the work of all.
 
-use super::{Ensemble, EnsemblePoint};
+use super::{Ensemble, EnsemblePoint, MemberValues};
 use crate::reduced::work_summary;
 use nastic_fem::SolveReport;
 use nastic_opt::Summary;
@@ -61,18 +61,19 @@ impl Ensemble {
             }
         }
         entries.push(("risk/deviation".into(), deviation(&self.probabilities, &point.costs)));
-        let terms = self.expected_terms(point.members.iter().map(|at| at.terms.as_slice()));
+        let reports = point.values();
+        let terms = self.expected_terms(reports.iter().map(|own| own.terms.as_slice()));
         entries.extend(terms.into_iter().map(|(name, value)| (format!("terms/{name}"), value)));
         for (name, cost) in self.names.iter().zip(&point.costs).filter(|(name, _)| !name.is_empty()) {
             entries.push((format!("scenarios/{name}/cost"), *cost));
         }
         let kind = if self.names.iter().all(String::is_empty) { "load_cases" } else { "scenarios" };
-        for (member, at) in self.members.iter().zip(&point.members).filter(|(member, _)| !member.name.is_empty()) {
+        for (member, at) in self.members.iter().zip(&reports).filter(|(member, _)| !member.name.is_empty()) {
             for (term, value) in member.problem.term_names().iter().zip(&at.terms) {
                 entries.push((format!("{kind}/{}/terms/{term}", member.name), *value));
             }
         }
-        entries.extend(work_entries(point));
+        entries.extend(work_entries(&reports));
         Summary(entries)
     }
 
@@ -93,12 +94,12 @@ impl Ensemble {
 }
 
 /// Work summed over members, and the smallest J.
-fn work_entries(point: &EnsemblePoint) -> Vec<(String, f64)> {
+fn work_entries(reports: &[MemberValues]) -> Vec<(String, f64)> {
     let mut work = SolveReport::default();
     let mut min_j = f64::INFINITY;
-    for member in &point.members {
-        work.add_work(&member.total_work());
-        min_j = min_j.min(member.state().report.min_j);
+    for report in reports {
+        work.add_work(&report.total_work());
+        min_j = min_j.min(report.min_j);
     }
     work_summary(&work).into_iter().chain([("min_J".to_owned(), min_j)]).collect()
 }

@@ -1,8 +1,10 @@
 //! Second derivatives of the risk over an ensemble.
 
 use super::blocks::gather;
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace};
-use nastic_numeric::vector::{axpy, dot};
+use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member};
+use crate::reduced::SecondDerivative;
+use crate::workspace::ReducedWorkspace;
+use nastic_numeric::vector::{axpy, dot, scale};
 use nastic_opt::Hessian;
 
 impl Ensemble {
@@ -48,32 +50,40 @@ impl Ensemble {
         self.check_len(v)?;
         let bends = self.names.len() > 1 && !self.risk.is_linear();
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
-        let members = self.side_by_side(workspace, |index, member, workspace| {
+        let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| {
             let along = gather(&self.blocks, member, v);
-            match point.members.get(index) {
+            match point.member(index) {
                 Some(at) if bends || by_cost[member.scenario] != 0.0 => {
-                    member.problem.second_derivative(at, None, (&along, which, bends), workspace).map(Some)
+                    let found = member.problem.second_derivative(at, None, (&along, which, bends), workspace)?;
+                    let slope = if bends { dot(&found.derivative, &along) } else { 0.0 };
+                    Ok(Some((found, slope)))
                 }
                 _ => Ok(None),
             }
-        })?;
-        let found = || self.members.iter().zip(&members);
-        let mut out = self.sum(found().map(|(member, found)| {
-            Some((by_cost[member.scenario] * member.weight, found.as_ref()?.product.as_slice()))
-        }));
-        if bends {
-            let of = |scenario: usize| {
-                self.sum(found().map(|(member, found)| {
-                    let found = found.as_ref().filter(|_| member.scenario == scenario)?;
-                    Some((member.weight, found.derivative.as_slice()))
-                }))
-            };
-            let derivatives: Vec<Vec<f64>> = (0..self.names.len()).map(of).collect();
-            let slopes: Vec<f64> = derivatives.iter().map(|derivative| dot(derivative, v)).collect();
-            let changes = self.risk.weights_change(&self.probabilities, &point.costs, &slopes)?;
-            derivatives.iter().zip(changes).for_each(|(derivative, change)| axpy(change, derivative, &mut out));
+        };
+        let tell = |_: usize, found: &Option<(SecondDerivative, f64)>| found.as_ref().map_or(0.0, |found| found.1);
+        let (found, slopes) = self.side_by_side(workspace, of, tell)?;
+        let mut by_scenario = vec![0.0; self.names.len()];
+        for (member, slope) in self.members.iter().zip(slopes) {
+            by_scenario[member.scenario] += member.weight * slope;
         }
-        Ok(out)
+        let changes = match bends {
+            true => self.risk.weights_change(&self.probabilities, &point.costs, &by_scenario)?,
+            false => vec![0.0; self.names.len()],
+        };
+        let both: Vec<_> = self
+            .own()
+            .iter()
+            .zip(found)
+            .map(|(member, found)| {
+                let (found, _) = found?;
+                let mut out: Vec<f64> = found.product;
+                scale(by_cost[member.scenario] * member.weight, &mut out);
+                axpy(changes[member.scenario] * member.weight, &found.derivative, &mut out);
+                Some(out)
+            })
+            .collect();
+        self.sum(both.iter().map(|of| Some((1.0, of.as_deref()?))))
     }
 
     /// The second derivative of one term's expected value, as [`derivative_of_term`](Self::derivative_of_term).
@@ -88,16 +98,16 @@ impl Ensemble {
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
         self.check_len(v)?;
-        let products = self.side_by_side(workspace, |index, member, workspace| {
+        let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| {
             let own = member.problem.term_names().iter().position(|name| name == term);
-            match (own, point.members.get(index)) {
+            match (own, point.member(index)) {
                 (Some(own), Some(at)) => {
                     let along = gather(&self.blocks, member, v);
                     member.problem.hessian_vector_of_term(at, own, &along, workspace).map(Some)
                 }
                 _ => Ok(None),
             }
-        })?;
-        Ok(self.expected(&products))
+        };
+        self.expected(&self.side_by_side(workspace, of, |_, _| ())?.0)
     }
 }

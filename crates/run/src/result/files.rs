@@ -24,7 +24,7 @@ pub(crate) enum DirectoryError {
 #[derive(Clone, Debug)]
 pub(crate) struct Directory {
     path: PathBuf,
-    _lock: Arc<DirectoryLock>,
+    _lock: Option<Arc<DirectoryLock>>,
 }
 
 impl Directory {
@@ -48,7 +48,12 @@ impl Directory {
         write_atomically(&probe, |_| Ok(())).map(|()| {
             let _ = std::fs::remove_file(&probe);
         })?;
-        Ok(Self { path, _lock: Arc::new(lock) })
+        Ok(Self { path, _lock: Some(Arc::new(lock)) })
+    }
+
+    /// A directory that another rank of the team has claimed.
+    pub fn of_another(path: &Path) -> Self {
+        Self { path: path.to_owned(), _lock: None }
     }
 
     pub fn path(&self) -> &Path {

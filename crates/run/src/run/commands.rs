@@ -119,7 +119,7 @@ pub fn resume(
     console: &Console,
 ) -> Result<Outcome, RunError> {
     thread_pool(options.threads)?.install(|| {
-        let (mut session, position) = resumption::open(catalogue, directory, options.cancel.clone(), console)?;
+        let (mut session, position) = resumption::open(catalogue, directory, options, console)?;
         session.strict = options.strict;
         session.expect = !options.without_expect;
         (session.report, session.figure) = (!options.no_report, options.figure);

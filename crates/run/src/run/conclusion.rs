@@ -29,7 +29,7 @@ pub(crate) fn conclude(
 /// What went wrong takes the place of a result, so that no older one is taken for it.
 fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.finish_clock();
-    session.interrupted |= error.is_lack_of_memory();
+    session.interrupted |= error.is_lack_of_memory() || matches!(error, RunError::Team(_));
     session.close(error.exit());
     session.record.error = Some(error.to_string());
     if let RunError::Forward { member, error, file } = error.cause() {

@@ -6,6 +6,7 @@ use crate::run::spectrum_request::SpectrumRefusal;
 use nastic_control::ControlError;
 use nastic_io::{LockError, WriteError};
 use nastic_language::syntax::Diagnostics;
+use nastic_team::TeamError;
 use std::path::PathBuf;
 use thiserror::Error;
 
@@ -28,6 +29,8 @@ pub enum Exit {
     NotWritten,
     /// There were warnings, and none were wanted.
     Warned,
+    /// The ranks of a team could not go on together.
+    Parted,
 }
 
 impl Exit {
@@ -43,12 +46,13 @@ impl Exit {
             Self::ExpectMissed => 6,
             Self::NotWritten => 7,
             Self::Warned => 8,
+            Self::Parted => 9,
         }
     }
 
     /// That of a code.
     pub(crate) fn of_code(code: u8) -> Option<Self> {
-        const ALL: [Exit; 8] = [
+        const ALL: [Exit; 9] = [
             Exit::Done,
             Exit::BadInput,
             Exit::ForwardFailed,
@@ -57,6 +61,7 @@ impl Exit {
             Exit::ExpectMissed,
             Exit::NotWritten,
             Exit::Warned,
+            Exit::Parted,
         ];
         ALL.into_iter().find(|exit| exit.code() == code)
     }
@@ -71,7 +76,7 @@ impl Exit {
     }
 
     /// The worse one of two, as a sweep ends: done, warned, an expectation missed, not converged, a wrong gradient, no equilibrium, bad
-    /// input, not written.
+    /// input, not written, ranks parted.
     #[must_use]
     pub fn worst(self, other: Self) -> Self {
         let rank = |exit: Self| match exit {
@@ -83,6 +88,7 @@ impl Exit {
             Self::ForwardFailed => 5,
             Self::BadInput => 6,
             Self::NotWritten => 7,
+            Self::Parted => 8,
         };
         if rank(other) > rank(self) { other } else { self }
     }
@@ -101,7 +107,7 @@ pub enum RunError {
     #[error(transparent)]
     MemoryLimit(#[from] nastic_fem::MemoryLimitError),
     /// There is no equilibrium, or no cost, where the command needs one.
-    #[error("{}{error}{}", prefix(.member), kept(.file))]
+    #[error("{}{error}{}{}", prefix(.member), rank(.error), kept(.file))]
     Forward {
         /// Scenario and load case; empty where there is but one state.
         member: String,
@@ -197,6 +203,20 @@ pub enum RunError {
     /// An array that does not fit its mesh.
     #[error(transparent)]
     Snapshot(#[from] ControlError),
+    /// The ranks of the team cannot go on together.
+    #[error(transparent)]
+    Team(#[from] TeamError),
+    /// Several ranks were started for what one does.
+    #[error(
+        "{what} runs on one rank, not on {ranks}: optimize (its members, or its starts where there are several), resume and sweep are \
+         shared out over ranks"
+    )]
+    OneRank {
+        /// What was to run.
+        what: String,
+        /// How many ranks there are.
+        ranks: usize,
+    },
     /// A stop was requested before there was a result.
     #[error("stopped before there was a result")]
     Cancelled,
@@ -204,6 +224,10 @@ pub enum RunError {
 
 fn prefix(member: &str) -> String {
     if member.is_empty() { String::new() } else { format!("{member}: ") }
+}
+
+fn rank(error: &ControlError) -> String {
+    if let ControlError::Remote(failure) = error { format!(" (on rank {})", failure.rank) } else { String::new() }
 }
 
 fn number(process: &Option<u32>) -> String {
@@ -229,7 +253,8 @@ impl RunError {
             | Self::InterruptedMotion { .. } => Exit::BadInput,
             Self::Spectrum(_) | Self::Fit(_) => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
-            Self::Start(_) | Self::ReplacesInput { .. } => Exit::BadInput,
+            Self::Start(_) | Self::ReplacesInput { .. } | Self::OneRank { .. } => Exit::BadInput,
+            Self::Team(_) => Exit::Parted,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,
             Self::Taylor(_) => Exit::BadInput,
             Self::Write(_) | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,

@@ -21,6 +21,7 @@ mod start_parts;
 mod start_place;
 mod start_run;
 mod starts;
+mod starts_of_ranks;
 mod table_of_starts;
 
 pub(super) use crate::run::optimize::checkpoint::{Checkpoint, Position, interrupted};
@@ -79,6 +80,7 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
     session.find_steps()?;
     make_room(session)?;
     let journal = SharedJournal::new(Journal::begin(session)?);
+    session.meet()?;
     let Some((begun, gradient_check)) = first_start(session)? else { return Ok(Exit::GradientWrong) };
     let mut all = vec![StartRun { index: 0, phase: Phase::Evaluated(Box::new(begun)) }];
     all.extend((1..session.problem.case.optimizer.starts).map(StartRun::waiting));
@@ -96,10 +98,14 @@ fn first_start(session: &mut Session<'_>) -> Result<Option<(Begun, GradientCheck
     let derivative =
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
-    let place = start_place::place(session, 0);
-    let (found, warnings) = session.timed("inspect", |session| session.look_into(session.console, &place, &point));
-    let checked = outcome::write_start(session, &point, &derivative, &found)
-        .and_then(|()| check_gradient::of_start(session, &point, &derivative, &mut workspace));
+    let (place, mut warnings) = (start_place::place(session, 0), vec![]);
+    let mut shown = Ok(());
+    if let Some(whole) = session.whole(&point)? {
+        let inspected = session.timed("inspect", |session| session.look_into(session.console, &place, &whole));
+        shown = outcome::write_start(session, &whole, &derivative, &inspected.0);
+        warnings = inspected.1;
+    }
+    let checked = shown.and_then(|()| check_gradient::of_start(session, &point, &derivative, &mut workspace));
     let right = checked.as_ref().is_ok_and(|certificate| certificate.verdict != Verdict::Wrong);
     if !right {
         session.warnings.extend(warnings);
@@ -140,6 +146,7 @@ pub(super) fn resume(
     session.find_steps()?;
     warn_of_own_files(session);
     session.record.gradient_check = position.gradient_check.clone();
+    session.meet()?;
     let journal = SharedJournal::new(Journal::resume(session, from)?);
     let began = Instant::now();
     let mut starts = Starts::default();
@@ -167,10 +174,24 @@ fn conclude(
     if starts.entries.len() > 1 {
         session.record.optimum.minima = Some(minima);
     }
+    let done = ended.best.stop.is_converged() && !starts.interrupted;
+    let exit = if done { Exit::Done } else { Exit::NotConverged };
+    if session.team_of_starts().is_some() && !session.leads() {
+        return Ok(exit);
+    }
+    let begin = outcome::revalued(session, &ended.start)?;
+    let Some(ended) = session.whole_run(&ended)? else {
+        // what the first rank reports is its own; what it evaluates for that takes all
+        if !starts.interrupted {
+            run_warnings::verify(session, &ended)?;
+            spectrum::find(session, &ended.best)?;
+        }
+        return Ok(exit);
+    };
     let constraints = session.look_at_constraints(&ended.constraints, &ended.best.point)?;
-    run_warnings::warn(session, &ended, &constraints, starts.interrupted);
+    run_warnings::warn(session, &ended, &constraints, starts.interrupted)?;
     let diagnosis = if starts.interrupted { None } else { spectrum::find(session, &ended.best)? };
-    let found = (index, &ended, constraints.as_slice(), diagnosis.as_ref());
+    let found = (index, (&ended, begin.as_ref()), constraints.as_slice(), diagnosis.as_ref());
     let reported = outcome::report(session, found, &starts.entries, resumable);
     let reported = reported.and_then(|found| unwritten.map(|()| found));
     if let (Err(error), Some(written)) = (&reported, written)
@@ -180,7 +201,6 @@ fn conclude(
         outcome::say_how_to_resume(session, written);
     }
     let found = reported?;
-    let converged = ended.best.stop.is_converged();
     outcome::show(session, ended, found);
     if let Some(why) = starts.aborted {
         session.console.say(format!("failed      {why}"));
@@ -188,8 +208,7 @@ fn conclude(
         return Ok(Exit::ForwardFailed);
     }
     session.ended = !starts.interrupted;
-    let done = converged && !starts.interrupted;
-    Ok(if done { Exit::Done } else { Exit::NotConverged })
+    Ok(exit)
 }
 
 /// Records in the checkpoint that the optimisation has ended, if so. That comes last: a program that is killed before all results

@@ -1,10 +1,11 @@
 //! What a user may choose beside the case.
 
-use crate::run::analysis::Analysis;
 use crate::run::modes_request::ModesRequest;
-use crate::run::on_trial::OnTrial;
 use crate::run::spectrum_request::SpectrumRequest;
+use nastic_case::analysis::Analysis;
 use nastic_case::part::Share;
+use nastic_report::OnTrial;
+use nastic_team::Team;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -40,6 +41,8 @@ pub struct Options {
     pub modes: ModesRequest,
     /// Eigenpairs of the reduced Hessian at the optimum of `optimize`.
     pub spectrum: Option<SpectrumRequest>,
+    /// The ranks that run the same command: [`Command::Optimize`](nastic_language::schema::Command::Optimize), a sweep or a resumed optimisation. Alone if absent.
+    pub team: Option<Arc<dyn Team>>,
     /// Called for every trial of an optimisation.
     pub on_trial: OnTrial,
     /// Once raised, the command stops as soon as it can, keeping what it has.

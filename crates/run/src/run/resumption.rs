@@ -8,14 +8,13 @@ use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
 use crate::run::motion::MotionCheckpoint;
 use crate::run::optimize::{Checkpoint, Position};
+use crate::run::options::Options;
 use crate::run::session::Session;
 use crate::run::{motion, optimize};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 /// Where a run goes on.
 pub(super) enum Resumed {
@@ -30,20 +29,21 @@ pub(super) enum Resumed {
 pub(super) fn open<'c>(
     catalogue: &Catalogue,
     directory: &Path,
-    cancel: Arc<AtomicBool>,
+    options: &Options,
     console: &'c Console,
 ) -> Result<(Session<'c>, Resumed), RunError> {
+    let leads = options.team.as_ref().is_none_or(|team| team.leads());
     let (out, case, command, place) = if directory.join(motion::CHECKPOINT).is_file() {
-        let out = Directory::claim(directory.to_owned(), &[], [])?;
+        let out = leads.then(|| Directory::claim(directory.to_owned(), &[], [])).transpose()?;
         let checkpoint = MotionCheckpoint::read(directory)?;
         check_program(&checkpoint.case, directory.join(motion::CHECKPOINT))?;
         (out, checkpoint.case.clone(), Command::Solve, Resumed::Motion(checkpoint))
     } else {
-        let (out, Checkpoint { case, position, .. }) = read(directory)?;
+        let (out, Checkpoint { case, position, .. }) = read(directory, leads)?;
         (out, case, Command::Optimize, Resumed::Optimization(position))
     };
     let document = case.reopen(catalogue, directory)?;
-    let session = Session::resume((command, document), case.settings, out, cancel, console)?;
+    let session = Session::resume((command, document), case.settings, (directory, out), options, console)?;
     Ok((session, place))
 }
 
@@ -58,14 +58,14 @@ pub(super) fn is_interrupted(directory: &Path, command: &Command, document: &Doc
     case.is_some_and(|case| case.is_of(document))
 }
 
-/// Claims an output directory and reads its checkpoint.
-pub(super) fn read(directory: &Path) -> Result<(Directory, Checkpoint), RunError> {
+/// Claims an output directory, where `leads` says so, and reads its checkpoint.
+pub(super) fn read(directory: &Path, leads: bool) -> Result<(Option<Directory>, Checkpoint), RunError> {
     let file = directory.join(checkpoint_file::NAME);
     if !file.is_file() {
         // A name that was mistyped is not made a directory.
         return Err(CheckpointError::Missing { directory: directory.to_owned() }.into());
     }
-    let out = Directory::claim(directory.to_owned(), &[], [])?;
+    let out = leads.then(|| Directory::claim(directory.to_owned(), &[], [])).transpose()?;
     let checkpoint = Checkpoint::read(directory)?;
     check_program(&checkpoint.case, file)?;
     Ok((out, checkpoint))

@@ -8,7 +8,6 @@ use crate::result::warning_record::warning_record;
 use crate::result::{checkpoint_file, failure, smoothing};
 use crate::run::ensemble_progress::EnsembleProgress;
 use crate::run::error::{Exit, RunError};
-use crate::run::on_trial::OnTrial;
 use crate::run::options::Options;
 use crate::run::output_directory::{directory, listed, usual_directory};
 use crate::run::spectrum_request::SpectrumRequest;
@@ -26,7 +25,9 @@ use nastic_language::quantity::Dimension;
 use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostics, Document};
 use nastic_opt::{Failed, Objective, Request};
+use nastic_report::OnTrial;
 use nastic_report::record::{RunRecord, StateRecord, UnitsRecord, VersionsRecord};
+use nastic_team::Team;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -41,10 +42,16 @@ pub(super) struct Session<'c> {
     pub problem: CaseProblem,
     pub console: &'c Console,
     pub cancel: Arc<AtomicBool>,
+    /// The flag of this rank, which its solves look at: on a team that shares members out `cancel` is raised on all ranks behind the same evaluation.
+    pub signal: Arc<AtomicBool>,
+    /// The ranks that run the same command; `None` where there is one.
+    pub team: Option<Arc<dyn Team>>,
     /// Whether warnings make the command fail.
     pub strict: bool,
     /// Where results go; `None` for commands that leave nothing behind unless given a directory.
     pub out: Option<Directory>,
+    /// The same where starts write their own files: on any rank.
+    pub own_out: Option<Directory>,
     /// What deserves attention, as far as it is known.
     pub warnings: Vec<Warning>,
     /// Overrides of the case, in order.
@@ -110,7 +117,11 @@ impl<'c> Session<'c> {
         // Each start of a part has a directory of its own.
         let is_part = session.command == Command::Optimize && matches!(options.share, Share::Part(_));
         let out = directory(&session.command, &session.problem, options).filter(|_| !is_part);
-        session.out = out.map(|path| session.claim(path)).transpose()?;
+        session.join_team(options)?;
+        if let Some(path) = out {
+            session.out = if session.leads() { Some(session.claim(path.clone())?) } else { None };
+            session.take_directory(&path);
+        }
         Ok(session)
     }
 
@@ -133,12 +144,14 @@ impl<'c> Session<'c> {
     pub fn resume(
         (command, document): (Command, Document),
         settings: Vec<String>,
-        out: Directory,
-        cancel: Arc<AtomicBool>,
+        (directory, out): (&Path, Option<Directory>),
+        options: &Options,
         console: &'c Console,
     ) -> Result<Self, RunError> {
-        let mut session = Self::of(command, document, settings, cancel, console, Instant::now())?;
-        session.out = Some(out);
+        let mut session = Self::of(command, document, settings, options.cancel.clone(), console, Instant::now())?;
+        session.out = out;
+        session.take_directory(directory);
+        session.join_team(options)?;
         Ok(session)
     }
 
@@ -174,9 +187,12 @@ impl<'c> Session<'c> {
             command,
             problem,
             console,
+            signal: cancel.clone(),
             cancel,
+            team: None,
             strict: false,
             out: None,
+            own_out: None,
             warnings: Vec::new(),
             settings: Vec::new(),
             report: true,
@@ -367,6 +383,7 @@ impl<'c> Session<'c> {
                 let at = self.problem.ensemble.members().iter().position(|part| part.name() == who);
                 self.member_failed((at.unwrap_or(0), *source))
             }
+            EnsembleError::Team(error) => error.into(),
             other => {
                 let error = Box::new(ControlError::Cost { what: other.to_string() });
                 RunError::Forward { member: String::new(), error, file: None }
@@ -423,7 +440,7 @@ impl<'c> Session<'c> {
         (name, m): (&str, &[f64]),
         error: &StateError,
     ) -> Result<Option<PathBuf>, RunError> {
-        let (Some(out), Some(last)) = (&self.out, failure::last_state(error)) else { return Ok(None) };
+        let (Some(out), Some(last)) = (&self.own_out, failure::last_state(error)) else { return Ok(None) };
         out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
         Ok(Some(out.file(name)))
     }

@@ -14,12 +14,12 @@ mod series;
 
 pub(super) use crate::run::solve::moving::resume;
 
-use crate::run::analysis::Analysis;
 use crate::run::error::{Exit, RunError};
 use crate::run::motion;
 use crate::run::report::remove_earlier;
 use crate::run::session::Session;
 use crate::run::solve::equilibrium::equilibrium;
+use nastic_case::analysis::Analysis;
 
 pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
     if let Some(option) = analysis.option().filter(|_| session.problem.is_motion()) {

@@ -9,12 +9,12 @@ pub use crate::run::study::control_set::ControlSet;
 pub use crate::run::study::error::StudyError;
 
 use crate::console::Console;
-use crate::run::on_trial::OnTrial;
 use crate::run::outcome::Outcome;
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::States;
 use nastic_control::{Ensemble, LoadCase, Reduced};
 use nastic_language::quantity::Units;
+use nastic_report::OnTrial;
 use nastic_uncertainty::risk::Mean;
 use std::io::Write;
 use std::path::PathBuf;

@@ -5,19 +5,20 @@ mod table;
 
 use crate::console::Console;
 use crate::result::files::Directory;
-use crate::run::analysis::Analysis;
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::output_directory::directory_of;
 use crate::run::sweep::one_run::{Left, OneRun, Origin};
 use crate::run::sweep::table::{introduce, table};
+use nastic_case::analysis::Analysis;
 use nastic_case::lower::SweepPlan;
 use nastic_case::output_names::SWEEP;
-use nastic_case::part::Share;
+use nastic_case::part::{Part, Share};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number::{count, short};
 use nastic_language::schema::Command;
 use nastic_report::{SweepRow, SweepTable};
+use nastic_team::exchange;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -56,6 +57,24 @@ pub struct SweepOutcome {
 /// [`RunError::Input`]: a case that cannot be read, an option that does not fit it or is none of a sweep; [`RunError::Write`],
 /// [`RunError::InUse`].
 pub fn sweep(
+    catalogue: &Catalogue,
+    sweep: &Sweep,
+    case: &Path,
+    options: &Options,
+    console: &Console,
+) -> Result<SweepOutcome, RunError> {
+    let Some(team) = options.team.as_ref().filter(|team| team.size() > 1) else {
+        return make(catalogue, sweep, case, options, console);
+    };
+    // the runs of a rank are one of as many parts, of which the first rank joins the table
+    let of = |share| Options { share, team: None, restart: options.restart && share != Share::Join, ..options.clone() };
+    let part = Part::of_rank(team.rank(), team.size());
+    let own = make(catalogue, sweep, case, &of(Share::Part(part)), console)?;
+    exchange(team.as_ref(), vec![])?;
+    if team.leads() { make(catalogue, sweep, case, &of(Share::Join), console) } else { Ok(own) }
+}
+
+fn make(
     catalogue: &Catalogue,
     sweep: &Sweep,
     case: &Path,

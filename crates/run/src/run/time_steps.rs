@@ -19,7 +19,7 @@ impl Session<'_> {
         if !self.problem.lacks_steps() {
             return Ok(());
         }
-        let find = |session: &mut Self| session.problem.with_adaptive_steps(START_ACCURACY, session.cancel.clone());
+        let find = |session: &mut Self| session.problem.with_adaptive_steps(START_ACCURACY, session.signal.clone());
         let found = self.timed("steps", find);
         self.console.clear();
         let (problem, steps) = found.map_err(|error| match error {
@@ -34,7 +34,7 @@ impl Session<'_> {
     pub fn restore_steps(&mut self, steps: Vec<AdaptiveSteps>) -> Result<(), RunError> {
         if self.problem.lacks_steps() {
             let instants: Vec<Vec<f64>> = steps.iter().map(|steps| steps.instants.clone()).collect();
-            let problem = self.problem.through(&instants, self.cancel.clone())?;
+            let problem = self.problem.through(&instants, self.signal.clone())?;
             self.take_steps(problem, steps);
         }
         Ok(())
@@ -49,6 +49,7 @@ impl Session<'_> {
         let known = |warning: &&Warning| !self.problem.warnings.iter().any(|known| known.message == warning.message);
         let new: Vec<Warning> = problem.warnings.iter().filter(known).cloned().collect();
         (self.problem, self.steps) = (problem, steps);
+        self.share_members();
         new.into_iter().for_each(|warning| self.warn(warning));
         for (member, steps) in self.problem.members().zip(&self.steps) {
             self.console.say(format!("steps       {}", shown(member, steps)));

@@ -9,7 +9,6 @@ use nastic_fem::{Connection, SolveOptions, State, StateError};
 use nastic_language::number::short;
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
-use rayon::prelude::*;
 use std::sync::atomic::AtomicBool;
 
 /// Members that one sentence names.
@@ -19,12 +18,13 @@ const NAMED: usize = 3;
 #[derive(Debug, Clone)]
 pub(super) struct Before {
     m: Vec<f64>,
-    states: Vec<State>,
+    /// By the member's number, of those that this rank has.
+    states: Vec<(usize, State)>,
 }
 
 impl Before {
     pub fn new(point: &EnsemblePoint) -> Self {
-        Self { m: point.m.clone(), states: point.members.iter().map(|at| at.state().clone()).collect() }
+        Self { m: point.m.clone(), states: point.held().map(|(index, at)| (index, at.state().clone())).collect() }
     }
 }
 
@@ -54,26 +54,27 @@ impl BranchChanges {
         point: &EnsemblePoint,
         iteration: usize,
     ) -> Result<Option<bool>, StateError> {
-        let all: Vec<_> = problem.members().zip(&before.states).zip(&point.members).collect();
-        let how = SolveOptions { parallel: all.len() == 1, cancel: Some(cancel), ..SolveOptions::default() };
-        let connection = |((member, before), at): &((CaseMember<'_>, &State), &Evaluated)| match member
-            .solid()
-            .model()
-            .connection(before, at.state(), &how)
-        {
-            Err(StateError::Cancelled) => Err(StateError::Cancelled),
-            found => Ok(found.unwrap_or(Connection::Unknown(0.0))),
+        let parallel = problem.members().nth(1).is_none();
+        let how = SolveOptions { parallel, cancel: Some(cancel), ..SolveOptions::default() };
+        let connection = |index: usize, at: &Evaluated| {
+            let own = before.states.iter().find(|(known, _)| *known == index);
+            let Some((_, before)) = own else { return Some(Connection::Unknown(0.0)) };
+            match problem.member(index).solid().model().connection(before, at.state(), &how) {
+                Err(StateError::Cancelled) => None,
+                found => Some(found.unwrap_or(Connection::Unknown(0.0))),
+            }
         };
-        let found: Result<Vec<Connection>, StateError> = all.par_iter().with_max_len(1).map(connection).collect();
+        let found = problem.ensemble.gathered(point, connection).map_err(|_| StateError::Cancelled)?;
+        let found: Vec<Connection> = found.into_iter().collect::<Option<_>>().ok_or(StateError::Cancelled)?;
         let at = |share: f64| control_value(problem, (&before.m, &point.m), share);
         let (mut changed, mut unknown) = (Vec::new(), Vec::new());
-        for (((member, _), _), connection) in all.iter().zip(found?) {
+        for (member, connection) in problem.members().zip(found) {
             let shown = match connection {
                 Connection::Connected => continue,
                 Connection::Unknown(_) => &mut unknown,
                 Connection::LimitPoint(_) | Connection::Elsewhere(_) => &mut changed,
             };
-            shown.push(format!("{}{}", named(*member), describe(connection, at)));
+            shown.push(format!("{}{}", named(member), describe(connection, at)));
         }
         self.changed.add(iteration, &changed);
         self.unknown.add(iteration, &unknown);

@@ -1,6 +1,8 @@
 //! [`FinishedRun`]: a run from one start, as a value and as bytes.
 
+use crate::run::error::RunError;
 use crate::run::optimize::met_limits::MetLimits;
+use crate::run::session::Session;
 use nastic_control::{Ensemble, EnsemblePoint, read_report, write_report};
 use nastic_fem::SolveReport;
 use nastic_opt::bytes::{Reader, Writer};
@@ -9,6 +11,7 @@ use nastic_opt::{AugmentedLagrangian, Best, ConstraintsReport, Failed, Objective
 const MAGIC: &str = "nastic-finished-run-3";
 
 /// A run from one start.
+#[derive(Clone)]
 pub(super) struct FinishedRun {
     /// Where it began.
     pub start: EnsemblePoint,
@@ -52,6 +55,18 @@ impl FinishedRun {
         let limits = MetLimits::read(&mut input).map_err(Failed::new)?;
         input.finish().map_err(Failed::new)?;
         Ok(Self { start, best, constraints, work, limits })
+    }
+}
+
+impl Session<'_> {
+    /// A run with all members, at the first rank.
+    pub(super) fn whole_run(&self, run: &FinishedRun) -> Result<Option<FinishedRun>, RunError> {
+        let (start, point) = (self.whole(&run.start)?, self.whole(&run.best.point)?);
+        let whole = |(start, point)| {
+            let FinishedRun { best, constraints, work, limits, .. } = run.clone();
+            FinishedRun { start, best: Best { point, ..best }, constraints, work, limits }
+        };
+        Ok(start.zip(point).map(whole))
     }
 }
 

@@ -19,6 +19,8 @@ pub(super) struct Journal {
     console: Console,
     case: CaseRecord,
     history: Option<History>,
+    /// Whether the lines of a round are written when it has ended: those of other ranks are not known before.
+    at_the_end: bool,
     record: checkpoint::Record,
     /// The last checkpoint that was written.
     written: Option<Written>,
@@ -86,6 +88,7 @@ impl Journal {
             console: session.console.clone(),
             case: CaseRecord::of(&session.problem, &session.settings),
             history: None,
+            at_the_end: session.team_of_starts().is_some(),
             record: checkpoint::Record::default(),
             written,
             unsaved: None,
@@ -104,10 +107,17 @@ impl Journal {
 
     /// Adds a line to `history.jsonl`.
     pub fn add_line(&mut self, line: &TrialRecord) {
-        self.add_recorded(&json_line(line));
+        self.add_lines(&json_line(line));
     }
 
-    /// Adds lines that an earlier program made.
+    /// Adds lines as they come, unless those of a round are added together.
+    pub fn add_lines(&mut self, lines: &[u8]) {
+        if !self.at_the_end {
+            self.add_recorded(lines);
+        }
+    }
+
+    /// Adds lines that another rank or an earlier program made.
     pub fn add_recorded(&mut self, lines: &[u8]) {
         if let Some(Err(error)) = self.history.as_mut().map(|history| history.add(lines)) {
             // The file is written once more at the end, which then has the last word.

@@ -61,9 +61,9 @@ pub(crate) enum Minimized {
 
 /// Runs the optimiser to its end, to a number of iterations, or until `halt` is raised. `saved` is the iteration of the checkpoint that
 /// the run comes from.
-pub(crate) fn minimize(
-    session: &Session<'_>,
-    (mut run, start): (AugmentedRun<&Ensemble>, EnsemblePoint),
+pub(crate) fn minimize<'s>(
+    (session, optimizer): (&'s Session<'s>, &dyn Optimizer),
+    (mut run, mut start): (AugmentedRun<&'s Ensemble>, EnsemblePoint),
     mut recorder: Recorder<'_>,
     mut saved: Option<usize>,
     (limit, halt): (usize, &AtomicBool),
@@ -80,8 +80,16 @@ pub(crate) fn minimize(
         }
         if every > 0 && done.is_multiple_of(every) && saved != Some(done) {
             // The workspace goes whether the file can be written or not: bits do not depend on disks.
-            recorder.save(&run.checkpoint());
+            let state = run.checkpoint();
+            recorder.save(&state);
             saved = Some(done);
+            if let Some(moved) = recorder.moved_members(session) {
+                match moved.and_then(|start| Ok((resume_run(session, optimizer, &state)?, start))) {
+                    Ok(moved) => (run, start) = moved,
+                    Err(error) => break Stop::Aborted(Failed::because(error.to_string()).fatal()),
+                }
+                recorder.goes_on_from(run.point());
+            }
         }
         match run.step(&mut |trial: &nastic_opt::Trial<'_, EnsemblePoint>| recorder.record(trial)) {
             Outcome::Stopped(stop) => break stop,

@@ -1,8 +1,8 @@
 //! [`OrderedOutput`]: what several starts say at once, in the order of the starts.
 
 use crate::console::Console;
-use crate::run::on_trial::OnTrial;
 use crate::run::optimize::journal::SharedJournal;
+use nastic_report::OnTrial;
 use nastic_report::record::TrialRecord;
 use std::io::Write;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -142,7 +142,7 @@ impl State {
                 self.journal.lock().add_line(&line);
                 self.on_trial.call_with(&line);
             }
-            Event::Recorded(lines) => self.journal.lock().add_recorded(&lines),
+            Event::Recorded(lines) => self.journal.lock().add_lines(&lines),
         }
     }
 

@@ -22,7 +22,7 @@ use crate::run::session::Session;
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
 use crate::run::terminal::{known as known_number, say_members, say_probes, say_stability, say_tracked};
-use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::lower::CaseMember;
 use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
 use nastic_language::number::{count, short};
@@ -47,11 +47,11 @@ pub(super) fn write_start(
 /// Fills the result, writes files, says how it went.
 pub(super) fn report(
     session: &mut Session<'_>,
-    (index, ended, known, diagnosis): (usize, &FinishedRun, &[Known], Option<&Diagnosis>),
+    (index, (ended, begin), known, diagnosis): (usize, Reported<'_>, &[Known], Option<&Diagnosis>),
     entries_of_starts: &[StartRecord],
     resumable: Option<Written>,
 ) -> Result<Vec<Inspection>, RunError> {
-    let FinishedRun { start, best, work, .. } = ended;
+    let FinishedRun { best, work, .. } = ended;
     let found = session.inspect("optimum", &best.point);
     let records = session.motions(&best.point)?;
     let problem = &session.problem;
@@ -61,8 +61,8 @@ pub(super) fn report(
     let entries = member_report::entries(problem, &reports, Detail::Full);
     let entries = entries.map_err(|error| session.member_failed(error))?;
     drop(reports);
-    let begin = revalued(problem, start)
-        .map(|start| member_report::entries(problem, &member_report::of_point(problem, &start)?, Detail::Costs));
+    let begin =
+        begin.map(|start| member_report::entries(problem, &member_report::of_point(problem, start)?, Detail::Costs));
     let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
     let derivative_norm = controls::derivative_norm(problem, &best.derivative);
     let controls = controls::controls(problem, &best.m);
@@ -317,9 +317,16 @@ pub(crate) fn why(stop: &Stop) -> String {
     }
 }
 
-/// The start as the last stage values it: what the end can be compared with.
-fn revalued(problem: &CaseProblem, start: &EnsemblePoint) -> Option<EnsemblePoint> {
-    problem.ensemble.restage(problem.stages() - 1, start).ok()
+/// A run, and its start as the last stage values it.
+pub(super) type Reported<'r> = (&'r FinishedRun, Option<&'r EnsemblePoint>);
+
+/// The start as the last stage values it, at the first rank: what the end can be compared with.
+pub(super) fn revalued(session: &Session<'_>, start: &EnsemblePoint) -> Result<Option<EnsemblePoint>, RunError> {
+    let problem = &session.problem;
+    match problem.ensemble.restage(problem.stages() - 1, start) {
+        Ok(begin) => session.whole(&begin),
+        Err(_) => Ok(None),
+    }
 }
 
 /// "1.2e-03 -> 4.5e-06, a factor of 267"

@@ -2,24 +2,24 @@
 
 use crate::history;
 use crate::history::json_line;
-use crate::pace::Pace;
 use crate::result::files::Directory;
 use crate::result::snapshot;
 use crate::run::error::RunError;
 use crate::run::optimize::branch_changes::Before;
 use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::ordered_output::StartOutput;
+use crate::run::optimize::round::read_record;
 use crate::run::optimize::run_trials::RunTrials;
 use crate::run::optimize::start_run::StartRecord;
 use crate::run::session::Session;
-use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::lower::CaseProblem;
 use nastic_control::{EnsemblePoint, Evaluated, FigureKind, StateFields};
 use nastic_fem::SolveOptions;
 use nastic_io::write_atomically;
 use nastic_opt::{AugmentedState, Constrained, Objective, Reason, Summary, Trial, TrialTable};
 use nastic_report::Iterates;
+use nastic_report::Pace;
 use nastic_report::record::{Nullable, Number, numbers};
-use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -40,6 +40,8 @@ pub(super) struct Recorder<'s> {
     trials: RunTrials,
     /// The last accepted point.
     before: Option<Before>,
+    /// Newton iterations of the members up to the last checkpoint.
+    counted: Vec<usize>,
     /// Whether what belongs to the last accepted trial was not found because the run is cancelled.
     broken_off: bool,
     last: Instant,
@@ -59,13 +61,14 @@ impl<'s> Recorder<'s> {
             record,
             output,
             cancel: session.cancel.clone(),
-            out: session.out.clone(),
+            out: session.own_out.clone(),
             journal: journal.clone(),
             start: (index, problem.case.optimizer.starts),
             table: None,
             explain: session.explain,
             trials: RunTrials::new(problem.members().count(), problem.leads().count()),
             before: None,
+            counted: vec![0; problem.members().count()],
             broken_off: false,
             last: Instant::now(),
             pace: Pace::new(problem.case.optimizer.max_iterations),
@@ -74,8 +77,25 @@ impl<'s> Recorder<'s> {
 
     /// Takes up what an earlier program reported of the same start, up to this point.
     pub fn restore(&mut self, trials: RunTrials, point: &EnsemblePoint) {
-        (self.trials, self.before) = (trials, Some(Before::new(point)));
+        self.trials = trials;
+        self.goes_on_from(point);
         self.begin_table(&self.problem.ensemble.figures(point));
+    }
+
+    /// The last accepted point is this one.
+    pub fn goes_on_from(&mut self, point: &EnsemblePoint) {
+        self.before = Some(Before::new(point));
+    }
+
+    /// Shares the members out anew by what they took since the last checkpoint; the start as it is then, if any member moves.
+    pub fn moved_members(&mut self, session: &Session<'_>) -> Option<Result<EnsemblePoint, RunError>> {
+        let now: Vec<usize> = self.trials.work.iter().map(|work| work.newton).collect();
+        let since: Vec<usize> = now.iter().zip(&self.counted).map(|(now, before)| now - before).collect();
+        self.counted = now;
+        // motions would be solved once more where they go
+        let moves =
+            !self.problem.is_motion() && since.iter().any(|work| *work > 0) && self.problem.ensemble.share_anew(&since);
+        moves.then(|| read_record(session, self.record))
     }
 
     /// Says the names of the columns, which follow from what is known of a point.
@@ -92,7 +112,7 @@ impl<'s> Recorder<'s> {
 
     /// Writes a scheduled checkpoint, unless something that belongs into it was broken off.
     pub fn save(&mut self, run: &AugmentedState) {
-        if self.broken_off {
+        if self.broken_off || self.problem.ensemble.broken().is_some() {
             return;
         }
         let bytes = self.record.under_way(&self.trials, run);
@@ -109,7 +129,7 @@ impl<'s> Recorder<'s> {
         let seconds = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
         if let Some(point) = trial.point.filter(|_| !trial.reason.is_revaluation()) {
-            self.trials.work.iter_mut().zip(&point.members).for_each(|(work, at)| work.add_work(&at.total_work()));
+            self.trials.work.iter_mut().zip(point.work()).for_each(|(work, own)| work.add_work(&own));
         } else if let (None, Some(newton), Some(first)) =
             (trial.cost, trial.summary.get("newton"), self.trials.work.first_mut())
         {
@@ -143,8 +163,20 @@ impl<'s> Recorder<'s> {
         line.start = (self.start.1 > 1).then_some(self.start.0);
         self.trials.lines.extend(json_line(&line));
         self.output.add_line(line);
-        self.snapshot(trial);
-        self.keep(trial);
+        let kept = self.out.is_some() && trial.accepted && !trial.reason.is_revaluation();
+        let every = self.problem.case.output.every;
+        let written = kept && every > 0 && trial.iteration.is_multiple_of(every);
+        let kept = kept && Iterates::wants(trial.iteration);
+        let Some(point) = trial.point.filter(|_| kept || written) else { return };
+        let leads = self.problem.leads().count();
+        let Ok(Some(leads)) = self.problem.ensemble.first_members(point, leads) else { return };
+        if written && let Err(error) = self.write(trial.iteration, &leads, trial.derivative) {
+            self.trials.snapshots.retain(|iteration| *iteration != trial.iteration);
+            self.journal.lock().note(error);
+        }
+        if kept {
+            self.keep(trial.iteration, &leads);
+        }
     }
 
     /// Whether an accepted point lies on another branch than the one before; `None` where that is not known.
@@ -167,47 +199,33 @@ impl<'s> Recorder<'s> {
         if self.problem.is_motion() {
             return None;
         }
-        let members: Vec<_> = self.problem.members().zip(&point.members).collect();
-        let parallel = members.len() == 1;
+        let parallel = self.problem.members().nth(1).is_none();
         let how = SolveOptions { parallel, ..SolveOptions::default() };
-        let of = |(member, at): &(CaseMember<'_>, &Evaluated)| member.solid().negative_pivots_by(at.state(), &how).ok();
-        let all: Option<Vec<usize>> = members.par_iter().with_max_len(1).map(of).collect();
-        all.and_then(|all| all.into_iter().max())
-    }
-
-    /// Every so many iterations, the start among them.
-    fn snapshot(&mut self, trial: &Trial<'_, EnsemblePoint>) {
-        let every = self.problem.case.output.every;
-        let due =
-            trial.accepted && every > 0 && trial.iteration.is_multiple_of(every) && !trial.reason.is_revaluation();
-        let (Some(point), true) = (trial.point, due) else { return };
-        if let Err(error) = self.write(trial.iteration, point, trial.derivative) {
-            self.trials.snapshots.retain(|iteration| *iteration != trial.iteration);
-            self.journal.lock().note(error);
-        }
+        let of =
+            |index: usize, at: &Evaluated| self.problem.member(index).solid().negative_pivots_by(at.state(), &how).ok();
+        let all = self.problem.ensemble.gathered(point, of).ok()?;
+        all.into_iter().collect::<Option<Vec<usize>>>()?.into_iter().max()
     }
 
     /// Keeps shape and controls of an accepted iteration, load case by load case.
-    fn keep(&mut self, trial: &Trial<'_, EnsemblePoint>) {
-        let due = self.out.is_some() && trial.accepted && !trial.reason.is_revaluation();
-        let (Some(point), true) = (trial.point, due && Iterates::wants(trial.iteration)) else { return };
-        for ((member, at), kept) in self.problem.leads().zip(&point.members).zip(&mut self.trials.iterates) {
+    fn keep(&mut self, iteration: usize, leads: &[Evaluated]) {
+        for ((member, at), kept) in self.problem.leads().zip(leads).zip(&mut self.trials.iterates) {
             match snapshot::iterate(member, &StateFields::new(at.state(), &at.m)) {
-                Ok(shot) => kept.add(trial.iteration, &shot, &snapshot::material_vectors(member)),
+                Ok(shot) => kept.add(iteration, &shot, &snapshot::material_vectors(member)),
                 Err(error) => self.journal.lock().note(error.into()),
             }
         }
     }
 
     /// The states of the first scenario, load case by load case.
-    fn write(&mut self, iteration: usize, point: &EnsemblePoint, derivative: Option<&[f64]>) -> Result<(), RunError> {
+    fn write(&mut self, iteration: usize, leads: &[Evaluated], derivative: Option<&[f64]>) -> Result<(), RunError> {
         let Some(out) = &self.out else { return Ok(()) };
         let stem = stem(self.problem, self.start.0);
         let file = |iteration: usize| format!("{stem}iteration_{iteration:04}.vtu");
         let gradient =
             derivative.zip(self.problem.inner_product()).map(|(derivative, product)| product.riesz(derivative));
         self.trials.snapshots.push(iteration);
-        for (member, at) in self.problem.leads().zip(&point.members) {
+        for (member, at) in self.problem.leads().zip(leads) {
             let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
             let fields = StateFields {
                 adjoint: at.adjoint(),
@@ -236,7 +254,10 @@ fn stem(problem: &CaseProblem, index: usize) -> String {
 
 /// Writes `iterates.bin` of a start that has ended.
 pub(super) fn write_iterates(session: &Session<'_>, index: usize, trials: &RunTrials, journal: &SharedJournal) {
-    let (Some(out), problem) = (&session.out, &session.problem) else { return };
+    let (Some(out), problem) = (&session.own_out, &session.problem) else { return };
+    if !session.writes_start(index) {
+        return;
+    }
     for (member, kept) in problem.leads().zip(&trials.iterates) {
         let file = out.file(&member.case_file(&format!("{}iterates.bin", stem(problem, index))));
         if let Err(error) = write_atomically(file, |out| out.write_all(&kept.to_bytes())) {

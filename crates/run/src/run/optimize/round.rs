@@ -10,6 +10,7 @@ use crate::run::optimize::recorder::{Recorder, write_iterates};
 use crate::run::optimize::run_trials::RunTrials;
 use crate::run::optimize::start_place::{place, seed};
 use crate::run::optimize::start_run::{Begun, Ended, Phase, StartRecord, StartRun, UnderWay};
+use crate::run::optimize::starts_of_ranks::share;
 use crate::run::optimize::table_of_starts::{entry, failed_entry};
 use crate::run::session::{Session, say_warning};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
@@ -76,9 +77,10 @@ impl Round<'_> {
     /// A run cannot begin or go on; the starts are given back all the same.
     pub fn run(self, starts: &mut Vec<StartRun>) -> Result<RoundEnd, RunError> {
         // Those that ended in this round before an interruption have lines to report.
-        let active = starts.iter().filter(|start| !start.has_ended() || !start.lines().is_empty());
+        let active = starts.iter().filter(|start| self.session.has_start(start.index));
+        let active = active.filter(|start| !start.has_ended() || !start.lines().is_empty());
+        let under_way = active.clone().filter(|start| !start.has_ended()).count();
         let active: Vec<usize> = active.map(|start| start.index).collect();
-        let under_way = starts.iter().filter(|start| !start.has_ended()).count();
         let threads = rayon::current_num_threads();
         let at_once = under_way.min(threads).min(self.most_at_once()).max(1);
         let (console, on_trial) = (self.session.console, &self.session.on_trial);
@@ -111,7 +113,7 @@ impl Round<'_> {
         let mut found = self.found.into_inner().unwrap_or_else(PoisonError::into_inner);
         match found.error.take() {
             Some((_, error)) => Err(error),
-            None => Ok(found),
+            None => share(self.session, self.journal, starts, &mut found).map(|()| found),
         }
     }
 
@@ -231,7 +233,7 @@ impl Round<'_> {
             Ok(run) => {
                 let recorder = Recorder::new(self.session, (index, &record), (self.journal, output));
                 let (limit, halt) = (self.limit, &self.halt);
-                let ended = minimize(self.session, (run, start), recorder, None, (limit, halt));
+                let ended = minimize((self.session, self.optimizer), (run, start), recorder, None, (limit, halt));
                 self.settle(index, (record, ended), output)
             }
             Err(error) => self.give_up(index, record.warnings, error),
@@ -254,7 +256,7 @@ impl Round<'_> {
         let mut recorder = Recorder::new(self.session, (index, &record), (self.journal, output));
         recorder.restore(trials, run.point());
         let (limit, halt) = (self.limit, &self.halt);
-        let ended = minimize(self.session, (run, start), recorder, Some(iteration), (limit, halt));
+        let ended = minimize((self.session, self.optimizer), (run, start), recorder, Some(iteration), (limit, halt));
         self.settle(index, (record, ended), output)
     }
 

@@ -2,6 +2,7 @@
 
 use crate::result::controls;
 use crate::run::constraints::Known;
+use crate::run::error::RunError;
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::{CONTRACTION, ControlField};
@@ -22,7 +23,12 @@ const SAME: f64 = 1e-5;
 const NEGLIGIBLE: f64 = 1e-6;
 
 /// Of a run that was interrupted only what does not hang on its end.
-pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, constraints: &[Known], interrupted: bool) {
+pub(super) fn warn(
+    session: &mut Session<'_>,
+    run: &FinishedRun,
+    constraints: &[Known],
+    interrupted: bool,
+) -> Result<(), RunError> {
     let mut found = Vec::new();
     let problem = &session.problem;
     for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls).filter(|_| !interrupted) {
@@ -34,11 +40,12 @@ pub(super) fn warn(session: &mut Session<'_>, run: &FinishedRun, constraints: &[
     }
     found.extend(terms(session, run));
     found.extend(crate::run::constraints::warnings(problem, &run.constraints, constraints));
-    if problem.case.optimizer.verify && !interrupted {
-        found.extend(cold(session, run));
+    if !interrupted {
+        found.extend(verify(session, run)?);
     }
     found.into_iter().for_each(|warning| session.warn(warning));
     session.check_step_errors(&run.best.point);
+    Ok(())
 }
 
 fn movement(run: &FinishedRun) -> Option<Warning> {
@@ -147,23 +154,30 @@ fn terms(session: &Session<'_>, run: &FinishedRun) -> Vec<Warning> {
     small.map(warning_of).collect()
 }
 
-/// The optimum solved again from rest, in states as exact as those of the run.
-fn cold(session: &Session<'_>, run: &FinishedRun) -> Option<Warning> {
-    let best = &run.best;
+/// The optimum solved again from rest, in states as exact as those of the run, where the case asks for it.
+pub(super) fn verify(session: &Session<'_>, run: &FinishedRun) -> Result<Option<Warning>, RunError> {
+    let (best, ensemble) = (&run.best, &session.problem.ensemble);
+    if !session.problem.case.optimizer.verify {
+        return Ok(None);
+    }
     let again = match session.evaluate(&best.m, DEFAULT_ACCURACY, &mut EnsembleWorkspace::default()) {
         Ok(again) => again,
-        Err(failed) => return Some(Warning::new(&NOT_VERIFIED, format!("from rest it could not be solved: {failed}"))),
+        Err(failed) => {
+            return Ok(Some(Warning::new(&NOT_VERIFIED, format!("from rest it could not be solved: {failed}"))));
+        }
     };
-    let apart = |(k, (a, b)): (usize, (&Evaluated, &Evaluated))| {
+    let apart = |k: usize, b: &Evaluated| {
         let model = session.problem.member(k).solid().model();
+        let Some(a) = best.point.member(k) else { return f64::NAN };
         let (a, b) = (model.nodal(&a.state().u), model.nodal(&b.state().u));
         norm(&sub(a, b)) / norm(a).max(f64::MIN_POSITIVE)
     };
-    let most = best.point.members.iter().zip(&again.members).enumerate().map(apart).fold(0.0, f64::max);
-    (most > SAME).then(|| {
+    let apart = ensemble.gathered(&again, apart).map_err(|error| session.forward_failed(error))?;
+    let most = apart.into_iter().fold(0.0, f64::max);
+    Ok((most > SAME).then(|| {
         let (cost, other) = (scientific(best.point.risk, 6), scientific(again.risk, 6));
         let message =
             format!("displacements differ by {most:.1e} of their norm, the cost is {other} instead of {cost}");
         Warning::new(&NOT_VERIFIED, message)
-    })
+    }))
 }

@@ -69,7 +69,7 @@ pub(in crate::run) fn run_part(
             false => run_one(session, optimizer, index, (&directory(out, index), restart)),
         };
         // The lock is that of the start.
-        session.out = None;
+        (session.out, session.own_out) = (None, None);
         let (own, end) = match ran {
             Ok(One { exit, entry, how }) => {
                 let end = format!("{}{how}", described(&entry));
@@ -113,6 +113,7 @@ fn run_one(
 ) -> Result<One, RunError> {
     let out = session.claim(directory.to_owned())?;
     session.out = Some(out.clone());
+    session.take_directory(directory);
     let known = if restart { None } else { read(session, directory) };
     if let Some(start) = known.as_ref().and_then(|known| known.starts.get(index))
         && let Phase::Ended(ended) = &start.phase

@@ -61,7 +61,8 @@ impl Study {
             let exit = match directory {
                 Some(directory) if goes_on && !restart => resume_in(&mut session, optimizer, directory),
                 Some(directory) => {
-                    session.out = Some(session.claim(directory)?);
+                    session.out = Some(session.claim(directory.clone())?);
+                    session.take_directory(&directory);
                     optimize::begin(&mut session, optimizer, restart)
                 }
                 None => optimize::begin(&mut session, optimizer, restart),
@@ -147,15 +148,17 @@ fn stop_by_signals(console: &Console) -> Arc<AtomicBool> {
 
 /// Goes on where the directory holds a checkpoint of the same problem beyond its start; begins elsewhere.
 fn resume_in(session: &mut Session<'_>, optimizer: &dyn Optimizer, directory: PathBuf) -> Result<Exit, RunError> {
-    match resumption::read(&directory) {
+    match resumption::read(&directory, true) {
         Err(RunError::Checkpoint(CheckpointError::Missing { .. })) => {
-            session.out = Some(session.claim(directory)?);
+            session.out = Some(session.claim(directory.clone())?);
+            session.take_directory(&directory);
             optimize::begin(session, optimizer, true)
         }
         Err(error) => Err(error),
         Ok((out, checkpoint)) => {
             checkpoint.case.check(&session.problem, &directory)?;
-            session.out = Some(out);
+            session.out = out;
+            session.take_directory(&directory);
             optimize::resume(session, optimizer, checkpoint.position.filter(|position| !position.is_start()))
         }
     }

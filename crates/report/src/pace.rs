@@ -1,12 +1,12 @@
 //! How far an optimisation is, for the line that shows a solve under way.
 
-use nastic_report::duration;
+use crate::number::duration;
 use std::fmt;
 use std::time::Instant;
 
 /// Trials and iterations done, and the time they took.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Pace {
+pub struct Pace {
     began: Instant,
     /// Iterations that were done when the first trial was reported.
     before: Option<usize>,
@@ -17,6 +17,7 @@ pub(crate) struct Pace {
 }
 
 impl Pace {
+    /// Of an optimisation that begins now, with a limit of iterations.
     pub fn new(most: usize) -> Self {
         Self { began: Instant::now(), before: None, iteration: 0, trial: 0, most }
     }

@@ -24,7 +24,8 @@ pub enum Analysis {
 
 impl Analysis {
     /// The option of `solve` that asks for it; none for the plain state.
-    pub(super) fn option(&self) -> Option<&'static str> {
+    #[must_use]
+    pub fn option(&self) -> Option<&'static str> {
         match self {
             Self::Equilibrium => None,
             Self::Minimum => Some("--minimum"),
@@ -37,7 +38,8 @@ impl Analysis {
     }
 
     /// Whether the result has the entries of a single state.
-    pub(super) fn has_one_state(&self) -> bool {
+    #[must_use]
+    pub fn has_one_state(&self) -> bool {
         !matches!(self, Self::Ramp(_) | Self::Path | Self::PathToLimit)
     }
 }

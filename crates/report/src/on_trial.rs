@@ -1,6 +1,6 @@
 //! [`OnTrial`]: what is called for the trials of an optimisation.
 
-use nastic_report::record::TrialRecord;
+use crate::record::TrialRecord;
 use std::fmt;
 use std::sync::Arc;
 
@@ -16,7 +16,8 @@ impl OnTrial {
         Self(Some(Arc::new(shown)))
     }
 
-    pub(super) fn call_with(&self, line: &TrialRecord) {
+    /// A trial has ended.
+    pub fn call_with(&self, line: &TrialRecord) {
         if let Some(shown) = &self.0 {
             shown(line);
         }

@@ -57,7 +57,7 @@ impl Console {
 
     /// The same terminal for what passes, and another place for lines.
     #[must_use]
-    pub(crate) fn with_lines(&self, out: impl Write + Send + 'static) -> Self {
+    pub fn with_lines(&self, out: impl Write + Send + 'static) -> Self {
         Self { lines: Arc::new(Mutex::new(Some(Box::new(out)))), ..self.clone() }
     }
 
@@ -68,7 +68,7 @@ impl Console {
     }
 
     /// Whether nobody reads its lines.
-    pub(crate) fn is_silent(&self) -> bool {
+    pub fn is_silent(&self) -> bool {
         self.lines.lock().map_or(true, |out| out.is_none())
     }
 
@@ -102,12 +102,12 @@ impl Console {
     }
 
     /// Leaves single solves out, or shows them again.
-    pub(crate) fn show_solves(&self, shown: bool) {
+    pub fn show_solves(&self, shown: bool) {
         self.without_solves.store(!shown, Ordering::Relaxed);
     }
 
     /// Shows a line until the next one, behind how far an optimisation is.
-    pub(crate) fn show(&self, line: impl fmt::Display) {
+    pub fn show(&self, line: impl fmt::Display) {
         let pace = self.pace.lock().ok().and_then(|pace| *pace).map(|pace| format!("{pace}; "));
         let Ok(mut out) = self.passing.lock() else { return };
         if let Some(out) = out.as_mut() {
@@ -118,7 +118,7 @@ impl Console {
     }
 
     /// Shows how far an optimisation is; `None` when it ended.
-    pub(crate) fn set_pace(&self, pace: Option<Pace>) {
+    pub fn set_pace(&self, pace: Option<Pace>) {
         if let Ok(mut own) = self.pace.lock() {
             *own = pace;
         }

@@ -1,0 +1,78 @@
+//! A command on a team of ranks: what is shared out, and what the first rank is given of it.
+
+use crate::result::files::Directory;
+use crate::run::error::RunError;
+use crate::run::options::Options;
+use crate::run::session::Session;
+use nastic_case::part::Share;
+use nastic_control::EnsemblePoint;
+use nastic_language::schema::Command;
+use nastic_team::{Team, exchange};
+use std::path::Path;
+use std::sync::Arc;
+
+impl Session<'_> {
+    /// Joins the team of the options, if there is one: several starts are shared out over its ranks, else the members.
+    pub(super) fn join_team(&mut self, options: &Options) -> Result<(), RunError> {
+        let Some(team) = options.team.clone().filter(|team| team.size() > 1) else { return Ok(()) };
+        let is_divided = options.share != Share::Whole;
+        if self.command != Command::Optimize || is_divided {
+            let what = if is_divided { "a part, or what --join makes," } else { self.command.name() };
+            return Err(RunError::OneRank { what: what.to_owned(), ranks: team.size() });
+        }
+        self.team = Some(team);
+        if self.problem.case.optimizer.starts == 1 {
+            // raised on all ranks at once, where that of this rank is looked at by its solves
+            self.cancel = Arc::default();
+        }
+        self.share_members();
+        Ok(())
+    }
+
+    /// Shares the members of the problem out, unless the starts are.
+    pub(super) fn share_members(&mut self) {
+        if let (Some(team), false) = (&self.team, self.shares_starts()) {
+            self.problem.ensemble.share_out(team.clone(), self.signal.clone(), self.cancel.clone());
+        }
+    }
+
+    /// The team, where it shares out starts.
+    pub(super) fn team_of_starts(&self) -> Option<&dyn Team> {
+        self.team.as_deref().filter(|_| self.shares_starts())
+    }
+
+    fn shares_starts(&self) -> bool {
+        self.team.is_some() && self.problem.case.optimizer.starts > 1
+    }
+
+    /// Whether this rank speaks, and writes what belongs to all.
+    pub(super) fn leads(&self) -> bool {
+        self.team.as_ref().is_none_or(|team| team.leads())
+    }
+
+    /// Whether this rank runs a start.
+    pub(super) fn has_start(&self, index: usize) -> bool {
+        self.team_of_starts().is_none_or(|team| index % team.size() == team.rank())
+    }
+
+    /// Whether this rank writes what belongs to a start.
+    pub(super) fn writes_start(&self, index: usize) -> bool {
+        if self.shares_starts() { self.has_start(index) } else { self.leads() }
+    }
+
+    /// Where this rank writes what is its own.
+    pub(super) fn take_directory(&mut self, path: &Path) {
+        self.own_out = Some(self.out.clone().unwrap_or_else(|| Directory::of_another(path)));
+    }
+
+    /// Waits until all ranks are here: what the first has removed or read belongs to nobody else.
+    pub(super) fn meet(&self) -> Result<(), RunError> {
+        self.team.as_deref().map_or(Ok(()), |team| Ok(exchange(team, vec![]).map(drop)?))
+    }
+
+    /// A point with all members at the first rank, nothing elsewhere.
+    pub(super) fn whole(&self, point: &EnsemblePoint) -> Result<Option<EnsemblePoint>, RunError> {
+        let whole = self.problem.ensemble.whole(point).map_err(|error| self.forward_failed(error))?;
+        Ok(whole.filter(|_| self.leads() || self.shares_starts()))
+    }
+}

@@ -1,0 +1,113 @@
+#!/usr/bin/env bash
+# nastic-mpi on the ranks of MPI against nastic alone: the same bits for 1, 2, 3, 4 and 7 ranks, ranks that are killed, and what resumes.
+#
+#   scripts/mpi.sh [KILLS]        KILLS: moments at which a rank is killed, 20 if absent
+#
+# Needs mpirun, mpicc and libclang (Debian: libopenmpi-dev or libmpich-dev, libclang-dev). MPIRUN and MPICC choose among several.
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+kills=${1:-20}
+mpirun=${MPIRUN:-mpirun}
+out=target/mpi_runs
+failed=()
+export CARGO_TARGET_DIR="$PWD/target"
+rm -rf "$out"
+mkdir -p "$out"
+
+cargo build --release --workspace --locked --quiet --bins || exit 1
+cargo build --release --locked --quiet --manifest-path mpi/Cargo.toml --target-dir target/mpi || exit 1
+nastic=target/release/nastic
+program=target/mpi/release/nastic-mpi
+
+options=()
+if "$mpirun" --version 2>&1 | grep -q "Open MPI"; then
+  # More ranks than processors, which give way while they wait.
+  options=(--oversubscribe --mca mpi_yield_when_idle 1)
+  [ "$(id -u)" = 0 ] && options+=(--allow-run-as-root)
+fi
+
+ranks() { # N ARGUMENTS...
+  local n="$1"
+  shift
+  "$mpirun" "${options[@]}" -n "$n" "$program" "$@" --threads 1
+}
+
+note() { # NAME STATUS
+  if [ "$2" = 0 ]; then echo "ok      $1"; else echo "FAILED  $1" && failed+=("$1"); fi
+}
+
+# Two result folders but for times.
+same() { # DIRECTORY DIRECTORY
+  python3 - "$1" "$2" <<'EOF'
+import json, pathlib, sys
+
+one, other = map(pathlib.Path, sys.argv[1:])
+timed = {"seconds", "threads", "peak_memory", "resumed"}
+
+def history(folder):
+    lines = (folder / "history.jsonl").read_text().splitlines()
+    return [{key: value for key, value in json.loads(line).items() if key != "seconds"} for line in lines]
+
+def result(folder):
+    found = json.loads((folder / "result.json").read_text())
+    return {key: value for key, value in found.items() if key not in timed}
+
+def files(folder):
+    left_out = {"history.jsonl", "result.json", "checkpoint.bin", "report.html"}
+    names = {file.name for file in folder.iterdir() if not file.name.startswith(".")} - left_out
+    return {name: (folder / name).read_bytes() for name in names}
+
+for what in (history, result, files):
+    if what(one) != what(other):
+        print(f"{what.__name__} of {one} and {other} differ")
+        sys.exit(1)
+EOF
+}
+
+# A case on 1, 2, 3, 4 and 7 ranks.
+compare() { # NAME ARGUMENTS...
+  local name="$1" n
+  shift
+  "$nastic" "$@" --threads 2 --quiet --out "$out/$name" 2>"$out/$name.log"
+  for n in 1 2 3 4 7; do
+    ranks "$n" "$@" --quiet --out "$out/${name}_$n" >>"$out/$name.log" 2>&1
+    same "$out/$name" "$out/${name}_$n"
+    note "$name on $n ranks" $?
+  done
+}
+
+# A rank is killed: all end within 5 s, and any number of ranks goes on.
+kill_a_rank() { # NUMBER ARGUMENTS...
+  local number="$1" place="$out/killed_$1" job victim began n
+  shift
+  setsid "$mpirun" "${options[@]}" -n 3 "$program" "$@" --threads 1 --quiet --out "$place" >"$place.log" 2>&1 &
+  job=$!
+  sleep "0.$((2 + number * 7 % 8))"
+  victim=$(pgrep -s "$job" -x nastic-mpi | tail -n 1)
+  began=$SECONDS
+  [ -n "$victim" ] && kill -KILL "$victim"
+  wait "$job" 2>/dev/null
+  [ $((SECONDS - began)) -le 5 ] || note "killed $number: ended after $((SECONDS - began)) s" 1
+  n=$((1 + number % 4))
+  if [ -f "$place/checkpoint.bin" ]; then
+    ranks "$n" resume "$place" --quiet >>"$place.log" 2>&1
+  else
+    ranks "$n" "$@" --quiet --restart --out "$place" >>"$place.log" 2>&1
+  fi
+  same "$out/uninterrupted" "$place"
+  note "a rank killed, moment $number, then $n ranks" $?
+}
+
+cases=examples/cases
+short=(--set expect={})
+compare robust_turgor optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=6
+compare load_cases optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6
+compare starts optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6 --set optimizer/starts=7
+long=(optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=12 --set optimizer/tolerance=1e-12 --set output/checkpoint=1)
+"$nastic" "${long[@]}" --threads 2 --quiet --out "$out/uninterrupted"
+for number in $(seq "$kills"); do kill_a_rank "$number" "${long[@]}"; done
+
+[ "${#failed[@]}" = 0 ] && echo "all as on one rank" && exit 0
+printf 'FAILED: %s\n' "${failed[@]}"
+exit 1
