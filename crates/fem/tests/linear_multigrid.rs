@@ -204,6 +204,9 @@ fn a_product_in_slabs_is_the_same_on_all_threads() -> Outcome {
     assert!(apply(false)? == pool.install(|| apply(true))?);
     let cycles = system.cycles()?;
     assert!(cycles <= 20, "{cycles} cycles");
+    let levels = system.multigrid(true)?;
+    let (predicted, found) = (Multigrid::predicted_bytes(system.matrix.pattern()), levels.bytes());
+    assert!((predicted as f64 / found as f64 - 1.0).abs() < 0.33, "{predicted} bytes predicted, {found} found");
     Ok(())
 }
 

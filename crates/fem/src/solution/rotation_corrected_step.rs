@@ -25,7 +25,7 @@ use crate::kernels::displaced::Displaced;
 use crate::kernels::kernel;
 use crate::kernels::patch::Patch;
 use crate::model::Model;
-use nastic_linear::{Factor, Geometry, Multigrid, Solver, SparseMatrix, Structure, conjugate_gradient};
+use nastic_linear::{Factor, Geometry, Multigrid, SparseMatrix, Structure, conjugate_gradient};
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, polar_rotation};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -36,7 +36,9 @@ const STRAIGHT: f64 = 0.05;
 const CHUNK: usize = 64;
 
 /// Relative residual of a fit by multigrid, and cycles that it may take.
-const FIT: (f64, usize) = (1e-4, 60);
+const FIT: (f64, usize) = (1e-3, 60);
+/// Operations of a factorisation that take as long as the levels of the tangent, per value that it stores.
+const HIERARCHY: f64 = 2000.0;
 
 /// The Laplace operator of a body under its supports, with what solves it: fits displacements to gradients.
 pub(crate) struct GradientFit {
@@ -47,7 +49,7 @@ pub(crate) struct GradientFit {
     parallel: bool,
 }
 
-/// A Laplace operator and what solves it: a factor, or multigrid where that is [cheaper](Solver::cheaper).
+/// A Laplace operator and what solves it: a factor, or multigrid where a factor takes longer than the levels of the tangent.
 enum Laplacian {
     Factor(Factor),
     Multigrid(Box<(SparseMatrix, Multigrid)>),
@@ -56,7 +58,8 @@ enum Laplacian {
 impl Laplacian {
     /// Nothing if that fails.
     fn new(model: &Model, structure: &Structure, matrix: SparseMatrix, fixed: &[bool], parallel: bool) -> Option<Self> {
-        if Solver::cheaper(structure) == Solver::DIRECT {
+        let tangent = model.tangent_structure().pattern().values();
+        if structure.factor_size().flops <= HIERARCHY * tangent as f64 {
             return structure.symbolic().approximate(&matrix, parallel).ok().map(Laplacian::Factor);
         }
         let disc = model.discretization();

@@ -86,7 +86,7 @@ fn members(of_node: &[u32], count: usize) -> BlockRows {
 /// Which couplings of a matrix are strong.
 #[derive(Debug)]
 pub(super) struct Strength {
-    strong: Vec<bool>,
+    pub strong: Vec<bool>,
 }
 
 impl Strength {

@@ -197,6 +197,14 @@ impl Multigrid {
         of_levels.chain([self.last_couplings().unknowns()]).collect()
     }
 
+    /// Memory of the levels, with the vectors of a cycle, in bytes.
+    pub fn bytes(&self) -> usize {
+        let levels: usize = self.levels.iter().map(Level::bytes).sum();
+        let coarsest = self.coarsest.as_ref().and_then(|coarsest| coarsest.factor.as_ref());
+        let vectors = self.sizes().iter().map(|unknowns| 4 * size_of::<f64>() * unknowns).sum::<usize>();
+        levels + self.last_couplings().bytes() + coarsest.map_or(0, Factor::bytes) + vectors
+    }
+
     /// How often a level was laid out: its couplings and aggregates made.
     pub fn layouts(&self) -> usize {
         self.layouts

@@ -101,6 +101,15 @@ impl Level {
         }
     }
 
+    /// Memory, in bytes.
+    pub fn bytes(&self) -> usize {
+        let nodes = match &self.nodes {
+            Nodes::Corners(nodes, fixed) => size_of_val(&nodes[..]) + fixed.len(),
+            Nodes::Aggregates(aggregates, strength) => aggregates.bytes() + strength.bytes(),
+        };
+        self.matrix.bytes() + self.smoother.bytes() + self.transfer.bytes() + nodes
+    }
+
     /// The node of this level that a node of the next one stands for.
     pub fn node_above(&self, node: usize) -> usize {
         match &self.nodes {

@@ -20,6 +20,7 @@ mod hierarchy;
 mod level;
 mod modes;
 mod prolongator;
+mod size;
 mod smoother;
 mod tentative;
 mod transfer;

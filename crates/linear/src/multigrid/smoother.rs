@@ -56,6 +56,11 @@ impl Smoother {
         Ok(())
     }
 
+    /// Memory, in bytes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.inverse[..])
+    }
+
     /// The inverse of the diagonal block of a row, column by column.
     #[inline(always)]
     pub fn inverse_block<const N: usize>(&self, i: usize) -> &[[f32; N]] {

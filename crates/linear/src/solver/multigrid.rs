@@ -172,7 +172,7 @@ impl LinearSolver for MultigridSolver {
     }
 
     fn bytes(&self) -> usize {
-        0
+        self.levels.as_ref().map_or(0, |levels| levels.bytes())
     }
 
     fn anew(&self, _: &Arc<Structure>) -> Box<dyn LinearSolver> {
