@@ -19,11 +19,12 @@
 
 use crate::contributions::body_energy::max_step::volume_step;
 use crate::discretization::Discretization;
+use crate::discretization::quadrature_points::CellGroup;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
-use crate::kernels::kernel;
 use crate::kernels::patch::Patch;
+use crate::kernels::{CellKernel, kernel};
 use crate::model::Model;
 use nastic_linear::{Factor, Geometry, Multigrid, SparseMatrix, Structure, conjugate_gradient};
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, polar_rotation};
@@ -32,8 +33,9 @@ use std::sync::Arc;
 
 /// Steps that turn nothing further than this (radians) stay straight: there is nothing to gain.
 const STRAIGHT: f64 = 0.05;
-/// Cells of one task.
+/// Cells of one task, and tasks whose element matrices are held at a time.
 const CHUNK: usize = 64;
+const WAVE: usize = 64;
 
 /// Relative residual of a fit by multigrid, and cycles that it may take.
 const FIT: (f64, usize) = (1e-3, 60);
@@ -88,7 +90,7 @@ impl GradientFit {
         let disc = model.discretization();
         let dim = disc.dim();
         let structure = model.tangent_structure().with_components(1);
-        let laplacian = laplacian(model, SparseMatrix::zeros(structure.pattern().clone()));
+        let laplacian = laplacian(model, SparseMatrix::zeros(structure.pattern().clone()), parallel);
         let diagonal = laplacian.diagonal().into_iter().fold(0.0, f64::max);
         let mut known: Vec<(Vec<bool>, Arc<Laplacian>)> = Vec::new();
         let (mut solvers, mut free) = (Vec::with_capacity(dim), Vec::with_capacity(dim));
@@ -312,33 +314,47 @@ fn rotation(w: &Vec3) -> Mat3 {
     Mat3::identity() + first * skew + second * skew * skew
 }
 
-fn laplacian(model: &Model, mut matrix: SparseMatrix) -> SparseMatrix {
+fn laplacian(model: &Model, mut matrix: SparseMatrix, parallel: bool) -> SparseMatrix {
     let disc = model.discretization();
-    let metric = Tangent::from_map(|b| *b);
     for (p, part) in disc.points().parts.iter().enumerate() {
         let Some(kernel) = kernel(part.kind) else { continue };
-        let points = part.table.points;
-        let mut g = vec![0.0; part.table.gradients.len()];
-        let mut element = vec![0.0; kernel.matrix_len()];
-        let (mut weighted, mut work) = (vec![Tangent::zero(); points], Vec::new());
         let maps = model.tangent_structure().scatter(p);
         let per_cell = maps.len() / part.cells.len();
-        for c in 0..part.cells.len() {
-            kernel.gradients(&part.table.gradients, &part.inverse[c * points..(c + 1) * points], &mut g);
-            for (q, tangent) in weighted.iter_mut().enumerate() {
-                let weight = disc.points().weights()[part.first_point(c) + q];
-                *tangent = Tangent(metric.0.map(|m| m * weight));
-            }
-            kernel.tangent(&g, &weighted, &mut element, &mut work);
-            // the first component's block: the others are the same
-            let map = &maps[c * per_cell..(c + 1) * per_cell];
-            let pairs = (0..part.table.nodes).flat_map(|a| (0..=a).map(move |b| (a, b)));
-            for ((a, b), &code) in pairs.zip(map) {
-                matrix.values[(code >> 1) as usize] += element[a * part.table.width + b];
+        let cells: Vec<usize> = (0..part.cells.len()).collect();
+        let of = |cells: &[usize]| elements(disc, part, kernel, cells);
+        for cells in cells.chunks(WAVE * CHUNK) {
+            let elements: Vec<Vec<f64>> = match parallel {
+                true => cells.par_chunks(CHUNK).map(of).collect(),
+                false => cells.chunks(CHUNK).map(of).collect(),
+            };
+            let maps = &maps[cells[0] * per_cell..];
+            for (value, &code) in elements.iter().flatten().zip(maps) {
+                matrix.values[(code >> 1) as usize] += value;
             }
         }
     }
     matrix
+}
+
+/// `int grad N_a . grad N_b dX`, `b <= a`, of some cells one after the other.
+fn elements(disc: &Discretization, part: &CellGroup, kernel: &dyn CellKernel, cells: &[usize]) -> Vec<f64> {
+    let (points, metric) = (part.table.points, Tangent::from_map(|b| *b));
+    let mut g = vec![0.0; part.table.gradients.len()];
+    let mut element = vec![0.0; kernel.matrix_len()];
+    let (mut weighted, mut work, mut out) = (vec![Tangent::zero(); points], Vec::new(), Vec::new());
+    for &c in cells {
+        kernel.gradients(&part.table.gradients, &part.inverse[c * points..(c + 1) * points], &mut g);
+        for (q, tangent) in weighted.iter_mut().enumerate() {
+            let weight = disc.points().weights()[part.first_point(c) + q];
+            *tangent = Tangent(metric.0.map(|m| m * weight));
+        }
+        kernel.tangent(&g, &weighted, &mut element, &mut work);
+        // the first component's block: the others are the same
+        for a in 0..part.table.nodes {
+            out.extend_from_slice(&element[a * part.table.width..][..=a]);
+        }
+    }
+    out
 }
 
 #[cfg(test)]
