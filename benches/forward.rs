@@ -31,6 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let how = SolveOptions::default();
     let mut workspace = Workspace::default();
     let state = &body.solve_with(&controls, &how, &mut workspace)?;
+    let solve_memory = peak_memory();
     let forward = median(repeat, || body.solve(&controls, &how).map(drop))?;
 
     let wish: Vec<f64> = (0..disc.dofs()).map(|i| f64::from(i as u32 % 7) - 3.0).collect();
@@ -83,7 +84,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
          \"single\": {single}, \"setup_s\": {setup:.4}, \"forward_s\": {forward:.4}, \"newton\": {}, \"factorisations\": {}, \
          \"reused\": {}, \"back_substitutions\": {}, \"cycles\": {}, \"cells\": {}, \"tangent_s\": {assembly:.4}, \
          \"force_s\": {force:.4}, \"factor_s\": {}, \"solve_s\": {}, \"gradient_s\": {gradient:.4}, \
-         \"gradient_substitutions\": {substitutions}, \"factor_mb\": {:.1}, \"factor_gflop\": {:.3}, \"rss_mb\": {:.1}, \
+         \"gradient_substitutions\": {substitutions}, \"factor_mb\": {:.1}, \"factor_gflop\": {:.3}, \"solve_mb\": {solve_memory:.1}, \"rss_mb\": {:.1}, \
          \"tip_corner\": {tip:?}}}",
         kind.name(),
         disc.dofs(),

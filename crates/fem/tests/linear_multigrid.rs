@@ -191,6 +191,71 @@ fn one_thread_and_two_give_the_same_bits() -> Outcome {
     Ok(())
 }
 
+/// More nodes than the Galerkin product takes up at a time.
+#[test]
+fn a_product_in_slabs_is_the_same_on_all_threads() -> Outcome {
+    let system = System::at_rest(cantilever(CellKind::Hex8, 1.0, [60, 12, 12], 1e6)?)?;
+    let apply = |parallel: bool| {
+        let mut x = system.vector(5);
+        system.multigrid(parallel)?.apply(&mut x);
+        Ok::<_, FactorError>(x)
+    };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;
+    assert!(apply(false)? == pool.install(|| apply(true))?);
+    let cycles = system.cycles()?;
+    assert!(cycles <= 20, "{cycles} cycles");
+    let levels = system.multigrid(true)?;
+    let (predicted, found) = (Multigrid::predicted_bytes(system.matrix.pattern()), levels.bytes());
+    assert!((predicted as f64 / found as f64 - 1.0).abs() < 0.33, "{predicted} bytes predicted, {found} found");
+    Ok(())
+}
+
+/// Of another matrix of the same structure values alone are computed, in place, until its strong couplings are others.
+#[test]
+fn the_structure_of_levels_is_kept() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex27] {
+        let solid = cantilever(kind, 1.0, meshes(kind)[1], 1e6)?;
+        let (rest, bent) = (System::at_rest(solid.clone())?, System::bent(solid)?);
+        let mut levels = rest.multigrid(true)?;
+        let layouts = levels.layouts();
+        let applied = |levels: &Multigrid| {
+            let mut x = rest.vector(6);
+            levels.apply(&mut x);
+            x
+        };
+        let new = applied(&levels);
+        let renew = |levels: &mut Multigrid, system: &System| {
+            let (fixed, corners) = (system.solid.supports().fixed(), system.solid.discretization().corners());
+            levels.renew(&system.matrix, &Geometry { points: &system.points, fixed, corners }, true)
+        };
+        // there and back: the bits of levels that were made for it alone
+        renew(&mut levels, &bent)?;
+        assert!(applied(&levels) != new, "{kind}");
+        let multiply = |v: &[f64], out: &mut [f64]| bent.matrix.multiply(v, out);
+        let b = bent.vector(1);
+        let report = conjugate_gradient(&multiply, &levels, &b, &mut vec![0.0; b.len()], 1e-8, 600);
+        assert!(report.converged() && report.iterations <= bent.cycles()? + 2, "{kind}: {report:?}");
+        renew(&mut levels, &rest)?;
+        assert!(applied(&levels) == new, "{kind}");
+        assert_eq!(levels.layouts(), layouts, "{kind}");
+        // layers that hardly know of each other: a convex sum of the matrix and of one without their couplings
+        let mut layered = System { matrix: rest.matrix.clone(), ..System::at_rest(rest.solid.clone())? };
+        let pattern = layered.matrix.pattern().clone();
+        for [i, j] in pattern.pairs().into_iter().map(|pair| pair.map(|node| node as usize)) {
+            if layered.points[i][2] != layered.points[j][2] {
+                for (r, c) in (0..9).map(|at| (at / 3, at % 3)) {
+                    let at = pattern.value_index(3 * i + r, 3 * j + c).unwrap_or_default();
+                    layered.matrix.values[at] *= 1e-4;
+                }
+            }
+        }
+        renew(&mut levels, &layered)?;
+        // the corners of so few cells of second order are the last level: there are no aggregates
+        assert!(levels.layouts() > layouts || levels.sizes().len() == 2 && kind == CellKind::Hex27, "{kind}");
+    }
+    Ok(())
+}
+
 #[test]
 fn indefinite_matrices_are_told_of() -> Outcome {
     let mut system = System::at_rest(cantilever(CellKind::Hex8, 1.0, [20, 4, 4], 1e6)?)?;

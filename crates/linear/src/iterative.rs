@@ -1,7 +1,8 @@
 //! Conjugate gradients with a preconditioner (a factor of a nearby matrix, multigrid), and iterative refinement.
 
 use super::factor::Factor;
-use nastic_numeric::vector::{dot, norm};
+use crate::sums;
+use nastic_numeric::vector::norm;
 
 /// Factor between the true residual and the one carried along within which the steps taken are believed.
 const DRIFT: f64 = 2.0;
@@ -10,6 +11,11 @@ const DRIFT: f64 = 2.0;
 pub trait Preconditioner {
     /// Overwrites the vector, dofs by mesh node.
     fn apply(&self, vector: &mut [f64]);
+
+    /// Whether it uses all threads: the vectors of an iteration then do so too, to the same bits.
+    fn parallel(&self) -> bool {
+        false
+    }
 }
 
 impl Preconditioner for Factor {
@@ -125,6 +131,9 @@ pub fn conjugate_gradient(
     aim: impl Into<StoppingTest>,
     max_iterations: usize,
 ) -> CgReport {
+    let parallel = preconditioner.parallel();
+    let dot = |a: &[f64], b: &[f64]| sums::dot(a, b, parallel);
+    let norm = |a: &[f64]| sums::norm(a, parallel);
     let (aim, n, scale) = (aim.into(), b.len(), norm(b));
     let mut r = b.to_vec();
     if x.iter().any(|&x| x != 0.0) {
@@ -175,7 +184,7 @@ pub fn conjugate_gradient(
         }
         let beta = if rz_before > 0.0 { rz / rz_before } else { 0.0 };
         rz_before = rz;
-        p.iter_mut().zip(&z).for_each(|(p, z)| *p = z + beta * *p);
+        sums::zipped(&mut p, &z, parallel, |p, z| *p = z + beta * *p);
         apply(&p, &mut ap);
         let curvature = dot(&p, &ap);
         if curvature.is_nan() {
@@ -185,8 +194,8 @@ pub fn conjugate_gradient(
             break CgEnd::NegativeCurvature { curvature: curvature / dot(&p, &p) };
         }
         let step = rz / curvature;
-        x.iter_mut().zip(&p).for_each(|(x, p)| *x += step * p);
-        r.iter_mut().zip(&ap).for_each(|(r, ap)| *r -= step * ap);
+        sums::zipped(x, &p, parallel, |x, p| *x += step * p);
+        sums::zipped(&mut r, &ap, parallel, |r, ap| *r -= step * ap);
         steps.add(step * rz);
         size = norm(&r);
     };

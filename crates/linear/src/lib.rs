@@ -59,6 +59,7 @@ mod solve;
 pub mod solver;
 mod space;
 mod structure;
+mod sums;
 mod symbolic;
 
 pub use eigenpairs::{Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs};

@@ -13,6 +13,8 @@ use super::skew;
 /// Most parts that a product is cut into, and blocks that are worth a part.
 const PARTS: usize = 8;
 const LEAST_PART: usize = 10_000;
+/// Rows of a product added up by one task.
+const ROWS: usize = 4096;
 
 /// Whether a matrix equals its transpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -202,12 +204,18 @@ impl SparseMatrix {
         let sums: Vec<Vec<[f64; D]>> =
             if parallel { parts.par_iter().map(product).collect() } else { parts.iter().map(product).collect() };
         let (y, _) = y.as_chunks_mut::<D>();
-        for (j, &node) in old.iter().enumerate() {
-            let mut sum = [0.0; D];
-            for (part, sums) in parts.iter().zip(&sums).take_while(|(part, _)| part.start <= j) {
-                sum.iter_mut().zip(&sums[j - part.start]).for_each(|(s, v)| *s += v);
+        let new = self.pattern.ordering().old_to_new();
+        let add = |(k, y): (usize, &mut [[f64; D]])| {
+            for (y, &j) in y.iter_mut().zip(&new[ROWS * k..]) {
+                *y = [0.0; D];
+                for (part, sums) in parts.iter().zip(&sums).take_while(|(part, _)| part.start <= j as usize) {
+                    y.iter_mut().zip(&sums[j as usize - part.start]).for_each(|(s, v)| *s += v);
+                }
             }
-            y[node as usize] = sum;
+        };
+        match parallel && y.len() > ROWS {
+            true => y.par_chunks_mut(ROWS).enumerate().for_each(add),
+            false => y.chunks_mut(ROWS).enumerate().for_each(add),
         }
     }
 

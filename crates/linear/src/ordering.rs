@@ -36,10 +36,14 @@ impl Ordering {
     /// # Errors
     /// [`StructureError::Length`] when there is not one point per node.
     pub fn best(graph: &Graph, points: &[[f64; 3]]) -> Result<Self, StructureError> {
-        let geometric = Self::geometric(graph, points)?;
+        Ok(Self::geometric(graph, points)?.or_multilevel(graph))
+    }
+
+    /// The better of itself and [`Ordering::multilevel`] by the entries of the factor.
+    #[must_use]
+    pub fn or_multilevel(self, graph: &Graph) -> Self {
         let multilevel = Self::multilevel(graph);
-        let best = if multilevel.nonzeros < geometric.nonzeros { multilevel } else { geometric };
-        Ok(best)
+        if multilevel.nonzeros < self.nonzeros { multilevel } else { self }
     }
 
     /// Geometric nested dissection; `points` are the nodes' positions (z = 0 in two dimensions).

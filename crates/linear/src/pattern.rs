@@ -3,6 +3,10 @@
 use super::error::{NotCoupled, StructureError};
 use super::graph::Graph;
 use super::ordering::Ordering;
+use super::solver::multigrid_flops;
+
+/// A geometric order may take this many times the operations of the best one.
+const BEYOND: f64 = 2.0;
 
 /// The lower triangle, by node blocks, of a matrix whose nodes are numbered in elimination order.
 ///
@@ -32,9 +36,21 @@ impl Pattern {
     }
 
     /// The pattern of a node graph with `dim` dofs per node, in the best of the known orderings; `points` are the nodes' positions
-    /// (without one per node the graph alone decides).
+    /// (without one per node the graph alone decides). Where a factor in the geometric order takes twice the operations from which
+    /// on [multigrid is taken](crate::Solver::cheaper), no better order is looked for: multigrid needs none.
     pub fn of_graph(graph: &Graph, points: &[[f64; 3]], dim: usize) -> Self {
-        let ordering = Ordering::best(graph, points).unwrap_or_else(|_| Ordering::multilevel(graph));
+        let ordering = match Ordering::geometric(graph, points) {
+            Err(_) => Ordering::multilevel(graph),
+            Ok(geometric) => {
+                let blocks = (graph.nodes() + graph.edges()) as f64;
+                let most = BEYOND * multigrid_flops(2.0 * blocks * (dim * dim) as f64);
+                if geometric.work() * (dim * dim * dim) as f64 > most {
+                    geometric
+                } else {
+                    geometric.or_multilevel(graph)
+                }
+            }
+        };
         Self::laid_out(graph, dim, ordering)
     }
 

@@ -8,7 +8,8 @@ use crate::error::FemError;
 pub(crate) use kept::KeptStructures;
 pub use kept::StructureCounts;
 use nastic_linear::{
-    Graph, NotCoupled, Pattern, Precision, Solver, SolverFactory, SparseMatrix, Structure, StructureError, Symbolic,
+    Graph, Multigrid, NotCoupled, Pattern, Precision, Solver, SolverFactory, SparseMatrix, Structure, StructureError,
+    Symbolic,
 };
 use nastic_mesh::Mesh;
 use std::collections::BTreeMap;
@@ -127,6 +128,12 @@ impl TangentStructure {
     /// Bytes of a factorisation of the tangent in double precision at its largest, predicted: the factor and its working memory.
     pub fn factorisation_bytes(&self) -> usize {
         self.symbolic().factorisation_bytes(Precision::Double)
+    }
+
+    /// Bytes of the tangent and of its levels of multigrid, predicted from counts.
+    pub fn multigrid_bytes(&self) -> usize {
+        let pattern = self.equations().pattern();
+        size_of::<f64>() * pattern.values() + Multigrid::predicted_bytes(pattern)
     }
 
     /// The solver that a solve takes unless it is given one, see [`Solver::cheaper`].

@@ -1,6 +1,7 @@
 //! The first-order elements inside second-order ones: the space below the finest.
 
-use super::block_matrix::BlockMatrix;
+use super::couplings::BlockRows;
+use super::transfer::Transfer;
 
 /// Interpolation from the corner nodes of a mesh to all its nodes, by the first-order shapes on the same corners.
 #[derive(Clone, Debug)]
@@ -55,15 +56,15 @@ impl Corners {
         &self.nodes
     }
 
+    /// Which of the corners' unknowns are fixed.
+    pub(super) fn fixed(&self, dim: usize, fixed: &[bool]) -> Vec<bool> {
+        self.nodes.iter().flat_map(|&node| fixed[dim * node as usize..][..dim].iter().copied()).collect()
+    }
+
     /// The interpolation with `dim` components per node: nothing comes from or goes to `fixed` unknowns.
-    pub(super) fn prolongator(&self, dim: usize, fixed: &[bool]) -> BlockMatrix<f64> {
-        let mut out = BlockMatrix {
-            shape: (dim, dim),
-            block_columns: self.nodes.len(),
-            starts: vec![0],
-            columns: Vec::new(),
-            values: Vec::new(),
-        };
+    pub(super) fn transfer(&self, dim: usize, fixed: &[bool]) -> Transfer {
+        let mut rows = BlockRows { block_columns: self.nodes.len(), starts: vec![0], columns: Vec::new() };
+        let mut values = Vec::new();
         for node in 0..self.starts.len() - 1 {
             for k in self.starts[node]..self.starts[node + 1] {
                 let corner = self.nodes[self.parents[k] as usize] as usize;
@@ -72,14 +73,14 @@ impl Corners {
                 if corner != node && free.iter().all(|&free| !free) {
                     continue;
                 }
-                out.columns.push(self.parents[k]);
+                rows.columns.push(self.parents[k]);
                 for at in 0..dim * dim {
-                    let (r, c) = (at % dim, at / dim);
-                    out.values.push(if r == c && free[r] { self.weights[k] } else { 0.0 });
+                    let (r, c) = (at / dim, at % dim);
+                    values.push(if r == c && free[r] { self.weights[k] as f32 } else { 0.0 });
                 }
             }
-            out.starts.push(out.columns.len());
+            rows.starts.push(rows.columns.len());
         }
-        out
+        Transfer { values, ..Transfer::new((dim, dim), rows) }
     }
 }

@@ -1,17 +1,9 @@
 //! The V-cycle.
 
-use super::block_matrix::BlockMatrix;
-use super::smoother::Smoother;
+use super::chunks;
+use super::level::Level;
+use super::smoother::Working;
 use crate::factor::Factor;
-
-/// A level that is smoothed on, and the way to the next one.
-#[derive(Debug)]
-pub(super) struct Level {
-    pub matrix: BlockMatrix<f32>,
-    pub smoother: Smoother,
-    pub prolongator: BlockMatrix<f32>,
-    pub restrictor: BlockMatrix<f32>,
-}
 
 /// Vectors of one level: `x` is made from `r`.
 #[derive(Debug, Default)]
@@ -27,27 +19,35 @@ impl Vectors {
         let zeros = || vec![0.0; unknowns];
         Vectors { x: zeros(), r: zeros(), d: zeros(), z: zeros() }
     }
+
+    fn working(&mut self) -> Working<'_> {
+        Working { x: &mut self.x, r: &mut self.r, d: &mut self.d, z: &mut self.z }
+    }
 }
 
 /// `x = B r` on the first of the levels, which stand above the factorised one. The same polynomial before and after
 /// the correction makes B symmetric.
 pub(super) fn v_cycle(levels: &[Level], coarsest: &Factor, vectors: &mut [Vectors], parallel: bool) {
     let Some((here, below)) = vectors.split_first_mut() else { return };
-    let Vectors { x, r, d, z } = here;
     let Some((level, deeper)) = levels.split_first() else {
-        x.copy_from_slice(r);
-        coarsest.solve(x, 1);
+        here.x.copy_from_slice(&here.r);
+        coarsest.solve(&mut here.x, 1);
         return;
     };
-    x.fill(0.0);
-    level.smoother.apply(&level.matrix, x, r, [d, z], parallel);
-    level.matrix.subtract(d, r, parallel);
+    level.smoother.apply(&level.matrix, here.working(), true, parallel);
+    level.matrix.subtract(&here.d, &mut here.r, parallel);
     let Some(next) = below.first_mut() else { return };
-    level.restrictor.multiply(r, &mut next.r, parallel);
+    level.transfer.restrict(&here.r, &mut next.r, parallel);
     v_cycle(deeper, coarsest, below, parallel);
     let Some(next) = below.first() else { return };
-    level.prolongator.multiply(&next.x, z, parallel);
-    x.iter_mut().zip(z.iter()).for_each(|(x, z)| *x += z);
-    level.matrix.subtract(z, r, parallel);
-    level.smoother.apply(&level.matrix, x, r, [d, z], parallel);
+    level.transfer.prolong(&next.x, &mut here.z, parallel);
+    add(&here.z, &mut here.x, parallel);
+    level.matrix.subtract(&here.z, &mut here.r, parallel);
+    level.smoother.apply(&level.matrix, here.working(), false, parallel);
+}
+
+/// `y += x`.
+fn add(x: &[f64], y: &mut [f64], parallel: bool) {
+    let parts = chunks::rows(y, 8).zip(x.chunks(8 * chunks::CHUNK)).collect();
+    chunks::each(parts, parallel, |_, (y, x): (&mut [f64], &[f64])| y.iter_mut().zip(x).for_each(|(y, x)| *y += x));
 }

@@ -1,18 +1,20 @@
 //! [`Multigrid`]: the levels of a matrix.
 
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
-use super::aggregation::{ALONE, aggregates};
 use super::block_matrix::BlockMatrix;
 use super::corners::Corners;
-use super::cycle::{Level, Vectors, v_cycle};
-use super::smoother::Smoother;
-use super::{coarsest, finest, modes, tentative};
+use super::couplings::{Couplings, Symmetric};
+use super::cycle::{Vectors, v_cycle};
+use super::level::{Inherited, Level};
+use super::{chunks, coarsest, modes};
 use crate::error::{FactorError, StructureError};
 use crate::factor::Factor;
 use crate::iterative::Preconditioner;
 use crate::locks::lock;
 use crate::matrix::SparseMatrix;
+use crate::pattern::Pattern;
+use crate::symbolic::Symbolic;
 
 /// What multigrid must know of a body besides its matrix.
 #[derive(Clone, Copy, Debug)]
@@ -27,22 +29,28 @@ pub struct Geometry<'a> {
 
 /// A symmetric positive definite approximation of the inverse of a positive definite matrix.
 ///
-/// Its bits depend on the matrix and the geometry alone, not on the number of threads.
+/// Its bits depend on the matrices and geometries it was made of alone, not on the number of threads.
 #[derive(Debug)]
 pub struct Multigrid {
+    /// What the levels were laid out for.
+    pattern: Arc<Pattern>,
+    fixed: Vec<bool>,
+    finest: Arc<Couplings>,
     levels: Vec<Level>,
-    coarsest: Factor,
-    sizes: Vec<usize>,
+    coarsest: Option<Coarsest>,
+    layouts: usize,
     parallel: bool,
     /// Working memory of cycles that are over.
     vectors: Mutex<Vec<Vec<Vectors>>>,
 }
 
-/// Degrees of the smoothing polynomials on second-order elements and below.
-const SECOND_ORDER_DEGREE: usize = 4;
-const DEGREE: usize = 3;
-/// `P = (I - DAMPING / bound D^-1 A) T`.
-const DAMPING: f64 = 4.0 / 3.0;
+/// The last level.
+#[derive(Debug)]
+struct Coarsest {
+    symbolic: Arc<Symbolic>,
+    factor: Option<Factor>,
+}
+
 /// A level is factorised when its factor has no more entries than this share of the finest matrix: a cycle then spends
 /// no more on it than on smoothing.
 const COARSEST_SHARE: f64 = 0.5;
@@ -58,149 +66,176 @@ impl Multigrid {
     /// [`FactorError::NotPositive`] where the matrix cannot be positive definite (a diagonal block, or the last level, is
     /// not); it may still be indefinite where nothing is reported. [`FactorError::NotFinite`], [`FactorError::Structure`].
     pub fn new(matrix: &SparseMatrix, geometry: &Geometry, parallel: bool) -> Result<Self, FactorError> {
-        matrix.check_finite()?;
+        let mut levels = Self::empty(matrix.pattern());
+        levels.renew(matrix, geometry, parallel)?;
+        Ok(levels)
+    }
+
+    /// No levels yet, for matrices of a pattern.
+    pub(crate) fn empty(pattern: &Arc<Pattern>) -> Self {
+        let none = Couplings { size: 0, rows: Default::default(), codes: Vec::new(), stored: Vec::new() };
+        Multigrid {
+            pattern: pattern.clone(),
+            fixed: Vec::new(),
+            finest: Arc::new(none),
+            levels: Vec::new(),
+            coarsest: None,
+            layouts: 0,
+            parallel: false,
+            vectors: Mutex::default(),
+        }
+    }
+
+    /// Becomes the levels of another matrix. Couplings and aggregates are kept where pattern and supports are the same, and
+    /// the strong couplings of a level are so but for a twentieth; values are computed in place.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); of no use as a preconditioner then, until it is renewed.
+    pub fn renew(&mut self, matrix: &SparseMatrix, geometry: &Geometry, parallel: bool) -> Result<(), FactorError> {
+        check_finite(matrix, parallel)?;
         let (dim, nodes) = (matrix.pattern().dim(), matrix.pattern().nodes());
         check("dofs per node (one to three)", dim.clamp(1, 3), dim)?;
         check("node positions", nodes, geometry.points.len())?;
         check("marks of eliminated unknowns", dim * nodes, geometry.fixed.len())?;
-        let mut building = Building {
-            matrix: finest::expand(matrix),
-            nodes: (0..nodes as u32).collect(),
-            levels: Vec::new(),
-            parallel,
-        };
-        let mut modes = modes::rigid_motions(geometry.points, dim, geometry.fixed);
-        let entries = building.matrix.values.len() as f64;
-        if let Some(corners) = geometry.corners {
-            let of_corners = |values: &[bool]| {
-                let of_node = |&node: &u32| values[dim * node as usize..][..dim].iter().copied();
-                corners.nodes().iter().flat_map(of_node).collect::<Vec<bool>>()
-            };
-            let (fixed, points) = (of_corners(geometry.fixed), geometry.points);
-            let points: Vec<_> = corners.nodes().iter().map(|&node| points[node as usize]).collect();
-            modes = modes::rigid_motions(&points, dim, &fixed);
-            let smoother = building.smoother(SECOND_ORDER_DEGREE)?;
-            building.descend(smoother, corners.prolongator(dim, geometry.fixed), corners.nodes().to_vec(), &fixed);
+        self.parallel = parallel;
+        if !Arc::ptr_eq(&self.pattern, matrix.pattern()) || self.fixed != geometry.fixed {
+            self.pattern = matrix.pattern().clone();
+            self.fixed = geometry.fixed.to_vec();
+            self.finest = Couplings::finest(matrix.pattern(), geometry.fixed, parallel);
+            self.cut(0);
         }
-        let count = modes::count(dim);
-        let symbolic = loop {
-            let unknowns = building.matrix.rows() * building.matrix.shape.0;
-            if !building.levels.is_empty() && unknowns <= ANALYSED {
-                let symbolic = coarsest::analyse(&building.matrix)?;
-                if symbolic.nonzeros() as f64 <= COARSEST_SHARE * entries {
-                    break symbolic;
+        let mut modes = match geometry.corners {
+            None => modes::rigid_motions(geometry.points, dim, geometry.fixed, parallel),
+            Some(corners) => {
+                let points: Vec<_> = corners.nodes().iter().map(|&node| geometry.points[node as usize]).collect();
+                modes::rigid_motions(&points, dim, &corners.fixed(dim, geometry.fixed), parallel)
+            }
+        };
+        let mut inherited: Option<Vec<f64>> = None;
+        for l in 0.. {
+            let values = inherited.as_deref().unwrap_or(&matrix.values);
+            if let Some(level) = self.levels.get_mut(l) {
+                level.matrix.fill(values, parallel);
+                if !level.serves(parallel) {
+                    self.cut(l);
                 }
             }
-            let (of_node, number) = aggregates(&building.matrix);
-            if number == 0 || number as f64 > COARSENING * building.matrix.rows() as f64 {
-                break coarsest::analyse(&building.matrix)?;
+            if l == self.levels.len() && self.coarsest.is_none() {
+                self.lay_out(values, geometry)?;
             }
-            let shape = (building.matrix.shape.0, count);
-            let tentative = tentative::tentative(&of_node, number, &modes, shape);
-            let smoother = building.smoother(DEGREE)?;
-            let prolongator = building.smoothed(tentative.prolongator, &smoother);
-            let nodes = building.representatives(&of_node, number);
-            building.descend(smoother, prolongator, nodes, &tentative.idle);
-            modes = tentative.modes;
+            let Some(level) = self.levels.get_mut(l) else { break };
+            let below = level.fill(values, &modes, parallel).map_err(|at| self.not_positive(l, at.0))?;
+            let Inherited { values, modes: of_aggregates } = below;
+            modes = of_aggregates.unwrap_or(modes);
+            inherited = Some(values);
+        }
+        self.factorise(inherited.as_deref().unwrap_or(&matrix.values))
+    }
+
+    /// Drops the levels from the l-th on.
+    fn cut(&mut self, l: usize) {
+        self.levels.truncate(l);
+        self.coarsest = None;
+        lock(&self.vectors).clear();
+    }
+
+    /// Lays out the next level for a matrix, or decides that it is the last.
+    fn lay_out(&mut self, values: &[f64], geometry: &Geometry) -> Result<(), StructureError> {
+        let parallel = self.parallel;
+        let couplings = self.last_couplings().clone();
+        self.layouts += 1;
+        let filled = || {
+            let mut matrix = BlockMatrix::new(couplings.clone());
+            matrix.fill(values, parallel);
+            matrix
         };
-        let coarsest = coarsest::factorise(&building.matrix, &symbolic, parallel).map_err(|e| building.locate(e))?;
-        let of_level = |level: &Level| level.matrix.rows() * level.matrix.shape.0;
-        let mut sizes: Vec<usize> = building.levels.iter().map(of_level).collect();
-        sizes.push(building.matrix.rows() * building.matrix.shape.0);
-        Ok(Multigrid { levels: building.levels, coarsest, sizes, parallel, vectors: Mutex::new(Vec::new()) })
+        if let (true, Some(corners)) = (self.levels.is_empty(), geometry.corners) {
+            self.levels.push(Level::of_corners(filled(), corners, geometry.fixed, parallel));
+            return Ok(());
+        }
+        if !self.levels.is_empty() && couplings.unknowns() <= ANALYSED {
+            let symbolic = coarsest::analyse(&couplings)?;
+            let entries = self.finest.codes.len() * self.finest.size.pow(2);
+            if symbolic.nonzeros() as f64 <= COARSEST_SHARE * entries as f64 {
+                self.coarsest = Some(Coarsest { symbolic, factor: None });
+                return Ok(());
+            }
+        }
+        match Level::of_aggregates(filled(), (modes::count(self.finest.size), COARSENING), parallel) {
+            Some(level) => self.levels.push(level),
+            None => self.coarsest = Some(Coarsest { symbolic: coarsest::analyse(&couplings)?, factor: None }),
+        }
+        Ok(())
+    }
+
+    fn last_couplings(&self) -> &Arc<Couplings> {
+        self.levels.last().map_or(&self.finest, |level| &level.below)
+    }
+
+    fn factorise(&mut self, values: &[f64]) -> Result<(), FactorError> {
+        let couplings = self.last_couplings().clone();
+        let matrix = Symmetric { couplings: &couplings, values };
+        let Some(coarsest) = &mut self.coarsest else { return Ok(()) };
+        coarsest.factor = None;
+        match coarsest::factorise(&matrix, &coarsest.symbolic, self.parallel) {
+            Ok(factor) => coarsest.factor = Some(factor),
+            Err(FactorError::NotPositive { node, .. }) => return Err(self.not_positive(self.levels.len(), node)),
+            Err(other) => return Err(other),
+        }
+        Ok(())
+    }
+
+    /// The error of a node of the l-th level.
+    fn not_positive(&self, l: usize, node: usize) -> FactorError {
+        let node = self.levels[..l].iter().rev().fold(node, |node, level| level.node_above(node));
+        FactorError::NotPositive { node, component: 0 }
     }
 
     /// Unknowns on each level, from the finest to the one that is factorised.
-    pub fn sizes(&self) -> &[usize] {
-        &self.sizes
+    pub fn sizes(&self) -> Vec<usize> {
+        let of_levels = self.levels.iter().map(|level| level.matrix.couplings.unknowns());
+        of_levels.chain([self.last_couplings().unknowns()]).collect()
+    }
+
+    /// Memory of the levels, with the vectors of a cycle, in bytes.
+    pub fn bytes(&self) -> usize {
+        let levels: usize = self.levels.iter().map(Level::bytes).sum();
+        let coarsest = self.coarsest.as_ref().and_then(|coarsest| coarsest.factor.as_ref());
+        let vectors = self.sizes().iter().map(|unknowns| 4 * size_of::<f64>() * unknowns).sum::<usize>();
+        levels + self.last_couplings().bytes() + coarsest.map_or(0, Factor::bytes) + vectors
+    }
+
+    /// How often a level was laid out: its couplings and aggregates made.
+    pub fn layouts(&self) -> usize {
+        self.layouts
     }
 }
 
 impl Preconditioner for Multigrid {
     fn apply(&self, vector: &mut [f64]) {
+        let Some(factor) = self.coarsest.as_ref().and_then(|coarsest| coarsest.factor.as_ref()) else { return };
         let kept = lock(&self.vectors).pop();
-        let mut vectors = kept.unwrap_or_else(|| self.sizes.iter().map(|&n| Vectors::new(n)).collect());
+        let mut vectors = kept.unwrap_or_else(|| self.sizes().into_iter().map(Vectors::new).collect());
         vectors[0].r.copy_from_slice(vector);
-        v_cycle(&self.levels, &self.coarsest, &mut vectors, self.parallel);
+        v_cycle(&self.levels, factor, &mut vectors, self.parallel);
         vector.copy_from_slice(&vectors[0].x);
         lock(&self.vectors).push(vectors);
     }
+
+    fn parallel(&self) -> bool {
+        self.parallel
+    }
+}
+
+/// Refuses NaN and infinities.
+fn check_finite(matrix: &SparseMatrix, parallel: bool) -> Result<(), FactorError> {
+    let finite = chunks::map(matrix.values.len().div_ceil(64), parallel, |range| {
+        let last = (64 * range.end).min(matrix.values.len());
+        matrix.values[64 * range.start..last].iter().sum::<f64>().is_finite()
+    });
+    if finite.contains(&false) || !matrix.is_symmetric() { matrix.check_finite() } else { Ok(()) }
 }
 
 fn check(what: &'static str, expected: usize, found: usize) -> Result<(), StructureError> {
     if expected == found { Ok(()) } else { Err(StructureError::Length { what, expected, found }) }
-}
-
-/// A hierarchy on its way down.
-struct Building {
-    /// The matrix of the level reached.
-    matrix: BlockMatrix<f64>,
-    /// A mesh node for every node of it, to name in errors.
-    nodes: Vec<u32>,
-    levels: Vec<Level>,
-    parallel: bool,
-}
-
-impl Building {
-    fn smoother(&self, degree: usize) -> Result<Smoother, FactorError> {
-        Smoother::new(&self.matrix, degree, self.parallel)
-            .map_err(|at| FactorError::NotPositive { node: self.nodes[at.0] as usize, component: 0 })
-    }
-
-    /// `(I - omega D^-1 A) T`.
-    fn smoothed(&self, tentative: BlockMatrix<f64>, smoother: &Smoother) -> BlockMatrix<f64> {
-        let omega = DAMPING / smoother.bound;
-        let mut product = self.matrix.times(&tentative, self.parallel);
-        smoother.scale(&mut product);
-        product.values.iter_mut().for_each(|value| *value *= -omega);
-        let size = product.shape.0 * product.shape.1;
-        for i in 0..product.rows() {
-            for k in tentative.row(i) {
-                let row = product.row(i);
-                if let Ok(at) = product.columns[row.clone()].binary_search(&tentative.columns[k]) {
-                    let target = &mut product.values[size * (row.start + at)..][..size];
-                    target.iter_mut().zip(tentative.block(k)).for_each(|(value, t)| *value += t);
-                }
-            }
-        }
-        product
-    }
-
-    /// The first node of each aggregate.
-    fn representatives(&self, of_node: &[u32], number: usize) -> Vec<u32> {
-        let mut nodes = vec![0; number];
-        for (&aggregate, &node) in of_node.iter().zip(&self.nodes).rev().filter(|(aggregate, _)| **aggregate != ALONE) {
-            nodes[aggregate as usize] = node;
-        }
-        nodes
-    }
-
-    /// Closes this level and goes on to `P^T A P`.
-    fn descend(&mut self, smoother: Smoother, prolongator: BlockMatrix<f64>, nodes: Vec<u32>, idle: &[bool]) {
-        let restrictor = prolongator.transposed();
-        let moved = self.matrix.times(&prolongator, self.parallel);
-        let mut coarse = restrictor.times(&moved, self.parallel);
-        drop(moved);
-        coarse.symmetrise(idle, mean_diagonal(&self.matrix));
-        let matrix = std::mem::replace(&mut self.matrix, coarse).rounded();
-        let (prolongator, restrictor) = (prolongator.rounded(), restrictor.rounded());
-        self.levels.push(Level { matrix, smoother, prolongator, restrictor });
-        self.nodes = nodes;
-    }
-
-    fn locate(&self, error: FactorError) -> FactorError {
-        match error {
-            FactorError::NotPositive { node, .. } => {
-                FactorError::NotPositive { node: self.nodes[node] as usize, component: 0 }
-            }
-            other => other,
-        }
-    }
-}
-
-fn mean_diagonal(matrix: &BlockMatrix<f64>) -> f64 {
-    let n = matrix.shape.0;
-    let of_block = |block: &[f64]| (0..n).map(|r| block[(n + 1) * r].abs()).sum::<f64>();
-    let sum: f64 = (0..matrix.rows()).filter_map(|i| matrix.diagonal_block(i)).map(of_block).sum();
-    if sum > 0.0 { sum / (n * matrix.rows()) as f64 } else { 1.0 }
 }

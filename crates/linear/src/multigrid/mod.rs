@@ -10,14 +10,20 @@
 
 mod aggregation;
 mod block_matrix;
+mod chunks;
 mod coarsest;
 mod corners;
+mod couplings;
 mod cycle;
-mod finest;
+mod galerkin;
 mod hierarchy;
+mod level;
 mod modes;
+mod prolongator;
+mod size;
 mod smoother;
 mod tentative;
+mod transfer;
 
 pub use corners::Corners;
 pub use hierarchy::{Geometry, Multigrid};

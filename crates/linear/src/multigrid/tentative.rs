@@ -1,7 +1,7 @@
 //! The tentative prolongator: near-kernel modes, cut up by aggregates and made orthonormal on each.
 
-use super::aggregation::ALONE;
-use super::block_matrix::BlockMatrix;
+use super::aggregation::Aggregates;
+use super::chunks::{self, CHUNK};
 use nastic_numeric::vector::norm;
 
 /// A mode that keeps less than this share of its length after orthogonalisation adds nothing on its aggregate.
@@ -9,51 +9,45 @@ const DEPENDENT: f64 = 1e-6;
 
 /// Interpolation from the next level, one block per node, with what that level inherits.
 pub(super) struct Tentative {
-    pub prolongator: BlockMatrix<f64>,
+    /// The block of every member of an aggregate, row by row, in the order of [`Aggregates::members`].
+    pub blocks: Vec<f64>,
     /// The modes on the next level: `count x count` values per aggregate, column by column.
     pub modes: Vec<f64>,
     /// Unknowns of the next level that stand for no mode of their aggregate (too few nodes carry it).
     pub idle: Vec<bool>,
 }
 
-/// `T R = modes` with orthonormal columns of T on each aggregate; `modes` has `dim x count` values per node.
-pub(super) fn tentative(of_node: &[u32], aggregates: usize, modes: &[f64], (dim, count): (usize, usize)) -> Tentative {
-    let mut members = vec![Vec::new(); aggregates];
-    for (node, &aggregate) in of_node.iter().enumerate().filter(|&(_, &aggregate)| aggregate != ALONE) {
-        members[aggregate as usize].push(node);
-    }
-    let mut blocks = vec![0.0; modes.len()];
-    let mut out = vec![0.0; aggregates * count * count];
-    let mut idle = vec![false; aggregates * count];
-    for (a, nodes) in members.iter().enumerate() {
-        let of_mode = |m: usize| {
-            let part = |&node: &usize| &modes[dim * (count * node + m)..][..dim];
-            nodes.iter().flat_map(part).copied().collect::<Vec<f64>>()
-        };
-        let mut columns: Vec<Vec<f64>> = (0..count).map(of_mode).collect();
-        let triangle = &mut out[count * count * a..count * count * (a + 1)];
-        orthonormalise(&mut columns, triangle, &mut idle[count * a..count * (a + 1)]);
-        for (m, column) in columns.iter().enumerate() {
-            for (&node, part) in nodes.iter().zip(column.chunks_exact(dim)) {
-                blocks[dim * (count * node + m)..][..dim].copy_from_slice(part);
+/// `T R = modes` with orthonormal columns of T on each aggregate; `modes` has `dim x count` values per node, column by column.
+pub(super) fn tentative(
+    aggregates: &Aggregates,
+    modes: &[f64],
+    (dim, count): (usize, usize),
+    parallel: bool,
+) -> Tentative {
+    let members = &aggregates.members;
+    let mut blocks = vec![0.0; dim * count * members.columns.len()];
+    let mut out = vec![0.0; aggregates.count() * count * count];
+    let mut idle = vec![false; aggregates.count() * count];
+    let of_aggregates = chunks::rows(&mut out, count * count).zip(chunks::rows(&mut idle, count));
+    let parts = members.cut(&mut blocks, dim * count).into_iter().zip(of_aggregates).collect();
+    chunks::each(parts, parallel, |k, (mut blocks, (out, idle)): (&mut [f64], (&mut [f64], &mut [bool]))| {
+        let mut columns = vec![Vec::new(); count];
+        let of_one = out.chunks_exact_mut(count * count).zip(idle.chunks_exact_mut(count));
+        for (a, (triangle, idle)) in of_one.enumerate() {
+            let nodes = &members.columns[members.row(CHUNK * k + a)];
+            for (m, column) in columns.iter_mut().enumerate() {
+                column.clear();
+                nodes
+                    .iter()
+                    .for_each(|&node| column.extend_from_slice(&modes[dim * (count * node as usize + m)..][..dim]));
             }
+            orthonormalise(&mut columns, triangle, idle);
+            let (own, rest) = std::mem::take(&mut blocks).split_at_mut(dim * count * nodes.len());
+            blocks = rest;
+            own.iter_mut().enumerate().for_each(|(at, value)| *value = columns[at % count][at / count]);
         }
-    }
-    let mut prolongator = BlockMatrix {
-        shape: (dim, count),
-        block_columns: aggregates,
-        starts: vec![0],
-        columns: Vec::with_capacity(of_node.len()),
-        values: Vec::with_capacity(blocks.len()),
-    };
-    for (node, &aggregate) in of_node.iter().enumerate() {
-        if aggregate != ALONE {
-            prolongator.columns.push(aggregate);
-            prolongator.values.extend_from_slice(&blocks[dim * count * node..dim * count * (node + 1)]);
-        }
-        prolongator.starts.push(prolongator.columns.len());
-    }
-    Tentative { prolongator, modes: out, idle }
+    });
+    Tentative { blocks, modes: out, idle }
 }
 
 /// Gram and Schmidt, twice over; `triangle` (column by column) receives the coefficients.

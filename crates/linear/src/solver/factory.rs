@@ -98,12 +98,16 @@ impl Solver {
     /// The costs compared are the operations of one factorisation, and 400 passes over both triangles of the tangent at
     /// 19 operations per entry. docs/development/performance.md has the measurements behind these numbers.
     pub fn cheaper(structure: &Structure) -> &'static dyn SolverFactory {
-        let entries = 2.0 * structure.pattern().values() as f64;
-        let multigrid = PASSES * FLOPS_PER_ENTRY * entries;
         let factor = structure.factor_size();
-        let direct = fits(factor.bytes()) && factor.flops <= MARGIN * multigrid;
+        let most = multigrid_flops(2.0 * structure.pattern().values() as f64);
+        let direct = fits(factor.bytes()) && factor.flops <= most;
         if direct { Solver::DIRECT } else { Solver::MULTIGRID }
     }
+}
+
+/// Operations of a factorisation from which on multigrid is taken, of a matrix with so many entries.
+pub(crate) fn multigrid_flops(entries: f64) -> f64 {
+    MARGIN * PASSES * FLOPS_PER_ENTRY * entries
 }
 
 /// Whether a factor of so many bytes may be made unasked.

@@ -117,7 +117,7 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn bytes(&self) -> usize {
-        self.direct.bytes()
+        self.direct.bytes() + self.multigrid.as_ref().map_or(0, |multigrid| multigrid.bytes())
     }
 
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {

@@ -7,24 +7,28 @@ use crate::multigrid::{Geometry, Multigrid};
 use crate::structure::Structure;
 use std::sync::Arc;
 
-/// Residual wanted of a Newton step: the step is corrected by the next one anyway.
+/// Residual wanted of a Newton step near a solution, and of one far from it: the step is corrected by the next one anyway.
 const STEP_TOLERANCE: f64 = 1e-4;
+const COARSEST_STEP: f64 = 1e-2;
 /// Residual at which the definiteness of a matrix counts as shown.
 const EVIDENCE: f64 = 1e-8;
 /// Cycles allowed per system. A nearly incompressible body (Poisson's ratio 0.4994) takes about 250 to full accuracy.
 const MOST: usize = 600;
-/// A kept hierarchy may take this many times the cycles per decade of the residual that it took when it was new; a new one
-/// costs about ten cycles.
-const WORN: f64 = 2.0;
+/// What a new hierarchy costs, in cycles: its products, and the bound of the smoother.
+const RENEWAL: f64 = 8.0;
 /// Backward error `|b - A x| / (|A| |x| + |b|)` that counts as rounding.
 const ROUNDING: f64 = 1e-14;
 
 /// Positive definite matrices by conjugate gradients with a multigrid hierarchy, which is kept while it serves.
 #[derive(Clone, Debug, Default)]
 pub struct MultigridSolver {
-    kept: Option<Arc<Multigrid>>,
-    /// Cycles per decade of the residual that the kept hierarchy took on its own matrix.
+    /// The levels of a recent matrix; of no use as a preconditioner, but in the memory of the next ones, while they do not serve.
+    levels: Option<Arc<Multigrid>>,
+    serves: bool,
+    /// Cycles per decade of the residual that they took on their own matrix.
     rate: f64,
+    /// Cycles that they took beyond that on others. They are due when these cost as much as a renewal.
+    excess: f64,
 }
 
 /// What became of a system.
@@ -46,32 +50,56 @@ impl MultigridSolver {
         if !system.matrix.is_symmetric() {
             return Err(LinearError::NotSymmetric);
         }
-        if let Some(kept) = self.kept.take() {
-            let most = (WORN * self.rate * decades(tolerance)).ceil() as usize;
-            let (x, cg) = iterate(system, &kept, b, tolerance, most.min(MOST), work);
+        let (mut x, mut reached) = (vec![0.0; b.len()], 1.0);
+        if let (Some(levels), true) = (&self.levels, self.serves) {
+            let wanted = self.rate * decades(tolerance);
+            let most = (wanted + RENEWAL - self.excess).ceil() as usize;
+            let cg = iterate(system, levels, b, &mut x, (tolerance, most.min(MOST)), work);
+            self.excess += (cg.iterations as f64 - wanted).max(0.0);
+            self.serves = self.excess < RENEWAL;
             match cg.end {
-                CgEnd::NegativeCurvature { .. } => return Ok(Outcome::Indefinite(moved(x))),
+                CgEnd::NegativeCurvature { .. } => {
+                    self.serves = false;
+                    return Ok(Outcome::Indefinite(moved(x)));
+                }
                 _ if arrived(system, b, &x, &cg) => {
                     work.reused += 1;
-                    self.kept = Some(kept);
                     return Ok(Outcome::Solved(x));
                 }
-                _ => {}
+                // the next levels go on from there
+                CgEnd::Exhausted if cg.residual < 1.0 => reached = cg.residual,
+                _ => x.fill(0.0),
             }
         }
-        let fresh = match hierarchy(system, work) {
-            Err(FactorError::NotPositive { .. }) => return Ok(Outcome::Indefinite(None)),
-            built => Arc::new(built?),
-        };
-        let (x, cg) = iterate(system, &fresh, b, tolerance, MOST, work);
+        match self.renew(system, work) {
+            Err(FactorError::NotPositive { .. }) => return Ok(Outcome::Indefinite(moved(x))),
+            renewed => renewed?,
+        }
+        let Some(levels) = &self.levels else { return Ok(Outcome::Indefinite(None)) };
+        let cg = iterate(system, levels, b, &mut x, (tolerance, MOST), work);
         if let CgEnd::NegativeCurvature { .. } = cg.end {
+            self.serves = false;
             return Ok(Outcome::Indefinite(moved(x)));
         }
         if !arrived(system, b, &x, &cg) {
+            self.serves = false;
             return Err(LinearError::Multigrid { residual: cg.residual, cycles: cg.iterations, wanted: tolerance });
         }
-        (self.kept, self.rate) = (Some(fresh), cg.iterations.max(1) as f64 / decades(tolerance));
+        self.rate = cg.iterations.max(1) as f64 / decades(tolerance / reached);
         Ok(Outcome::Solved(x))
+    }
+
+    /// The levels of a matrix.
+    fn renew(&mut self, system: &System, work: &mut LinearWork) -> Result<(), FactorError> {
+        work.hierarchies += 1;
+        let kept = self.levels.take().and_then(Arc::into_inner);
+        let mut levels = kept.unwrap_or_else(|| Multigrid::empty(system.matrix.pattern()));
+        let (points, corners) = (system.configuration.positions(), system.configuration.corners());
+        let geometry = Geometry { points, fixed: system.fixed, corners };
+        let renewed = levels.renew(system.matrix, &geometry, system.parallel);
+        (self.levels, self.serves) = (Some(Arc::new(levels)), renewed.is_ok());
+        (self.rate, self.excess) = (MOST as f64, 0.0);
+        renewed
     }
 }
 
@@ -83,17 +111,15 @@ impl LinearSolver for MultigridSolver {
     fn restart(&mut self) {}
 
     fn clear(&mut self) {
-        self.kept = None;
+        *self = Self::default();
     }
 
     fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
-        let fresh = hierarchy(system, work)?;
-        (self.kept, self.rate) = (Some(Arc::new(fresh)), MOST as f64);
-        Ok(())
+        Ok(self.renew(system, work)?)
     }
 
-    fn step(&mut self, system: &System, b: &[f64], _: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        match self.run(system, b, STEP_TOLERANCE, work)? {
+    fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
+        match self.run(system, b, tolerance.clamp(STEP_TOLERANCE, COARSEST_STEP), work)? {
             Outcome::Solved(x) => Ok(Step { x, curvature: Curvature::Positive }),
             Outcome::Indefinite(Some(x)) => Ok(Step { x, curvature: Curvature::Negative }),
             Outcome::Indefinite(None) => Err(LinearError::Indefinite),
@@ -119,9 +145,9 @@ impl LinearSolver for MultigridSolver {
         b: &[f64],
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.kept = None;
+        self.serves = false;
         let outcome = self.run(system, b, STEP_TOLERANCE, work);
-        self.kept = None;
+        self.serves = false;
         Ok(match outcome? {
             Outcome::Solved(x) => Some(x),
             Outcome::Indefinite(_) => None,
@@ -142,11 +168,11 @@ impl LinearSolver for MultigridSolver {
 
     /// None: it solves positive definite matrices alone.
     fn negative(&self) -> Option<usize> {
-        self.kept.as_ref().map(|_| 0)
+        self.serves.then_some(0)
     }
 
     fn bytes(&self) -> usize {
-        0
+        self.levels.as_ref().map_or(0, |levels| levels.bytes())
     }
 
     fn anew(&self, _: &Arc<Structure>) -> Box<dyn LinearSolver> {
@@ -163,25 +189,18 @@ fn decades(tolerance: f64) -> f64 {
     -tolerance.log10().min(-1.0)
 }
 
-fn hierarchy(system: &System, work: &mut LinearWork) -> Result<Multigrid, FactorError> {
-    work.hierarchies += 1;
-    let (points, corners) = (system.configuration.positions(), system.configuration.corners());
-    Multigrid::new(system.matrix, &Geometry { points, fixed: system.fixed, corners }, system.parallel)
-}
-
 fn iterate(
     system: &System,
     multigrid: &Multigrid,
     b: &[f64],
-    tolerance: f64,
-    most: usize,
+    x: &mut [f64],
+    (tolerance, most): (f64, usize),
     work: &mut LinearWork,
-) -> (Vec<f64>, CgReport) {
-    let mut x = vec![0.0; b.len()];
+) -> CgReport {
     let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
-    let cg = conjugate_gradient(&apply, multigrid, b, &mut x, tolerance, most);
+    let cg = conjugate_gradient(&apply, multigrid, b, x, tolerance, most);
     work.cycles += cg.iterations;
-    (x, cg)
+    cg
 }
 
 /// Whether the tolerance is met, or double precision allows no more.

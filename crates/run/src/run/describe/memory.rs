@@ -9,13 +9,17 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let structure = problem.solid().model().tangent_structure();
     let mut out = Vec::new();
     let megabytes = |bytes: usize| format!("{:.1} MB", bytes as f64 / 1e6);
-    let (factor, peak) = (megabytes(structure.factor_bytes()), megabytes(structure.factorisation_bytes()));
+    let factor = megabytes(structure.factor_bytes());
     let members = problem.members().count();
     let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
     let text = match problem.solid().model().solver() == Solver::MULTIGRID {
-        true => format!("multigrid; a factor would have {factor}, {peak} while it is made on one thread"),
+        true => {
+            let levels = megabytes(structure.multigrid_bytes());
+            format!("multigrid; the tangent and its levels have about {levels}{each}; a factor would have {factor}")
+        }
         false => format!(
-            "a factor has {factor}{each}, {peak} while it is made on one thread (in single precision half of it)"
+            "a factor has {factor}{each}, {} while it is made on one thread (in single precision half of it)",
+            megabytes(structure.factorisation_bytes())
         ),
     };
     out.push(line("memory", text));

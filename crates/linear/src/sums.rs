@@ -1,0 +1,31 @@
+//! Vectors by chunks of fixed length, on one thread or on all: the same bits.
+
+use nastic_numeric::vector;
+use rayon::prelude::*;
+
+/// Numbers of one chunk: a vector that fits is summed as elsewhere.
+const LENGTH: usize = 1 << 15;
+
+/// `a . b`.
+pub(crate) fn dot(a: &[f64], b: &[f64], parallel: bool) -> f64 {
+    if parallel && a.len() > LENGTH {
+        let parts: Vec<f64> = a.par_chunks(LENGTH).zip(b.par_chunks(LENGTH)).map(|(a, b)| vector::dot(a, b)).collect();
+        return parts.iter().sum();
+    }
+    a.chunks(LENGTH).zip(b.chunks(LENGTH)).map(|(a, b)| vector::dot(a, b)).sum()
+}
+
+/// `|a|`, Euclidean.
+pub(crate) fn norm(a: &[f64], parallel: bool) -> f64 {
+    dot(a, a, parallel).sqrt()
+}
+
+/// Calls with every entry of y and that of x.
+pub(crate) fn zipped(y: &mut [f64], x: &[f64], parallel: bool, change: impl Fn(&mut f64, f64) + Sync) {
+    let chunk = |(y, x): (&mut [f64], &[f64])| y.iter_mut().zip(x).for_each(|(y, &x)| change(y, x));
+    if parallel && y.len() > LENGTH {
+        y.par_chunks_mut(LENGTH).zip(x.par_chunks(LENGTH)).for_each(chunk);
+    } else {
+        chunk((y, x));
+    }
+}
