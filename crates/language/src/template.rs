@@ -29,7 +29,7 @@ pub const TEMPLATES: &[Template] = &[
         name: "chamber",
         about: "a finger with an air chamber: the pressure that bends it to a target",
         case: include_str!("../templates/chamber.json"),
-        files: &[("finger.msh", include_bytes!("../../../meshes/finger.msh"))],
+        files: &[("finger.msh", include_bytes!("../templates/finger.msh"))],
     },
     Template {
         name: "gripper",
