@@ -22,7 +22,7 @@ class Figure {
     const context = canvas.getContext("2d");
     context.fillStyle = "#ffffff";
     context.fillRect(0, 0, canvas.width, canvas.height);
-    this.view.body.ink.color.set("#262b33");
+    for (const ink of [this.view.body.ink, this.view.arrows?.material]) ink?.color.set("#262b33");
     this.stage.renderer.setPixelRatio(this.fine);
     this.stage.renderer.setSize(width, height, false);
     this.stage.renderer.render(this.stage.scene, this.stage.camera);
