@@ -83,7 +83,7 @@ kill_a_rank() { # NUMBER ARGUMENTS...
   shift
   setsid "$mpirun" "${options[@]}" -n 3 "$program" "$@" --threads 1 --quiet --out "$place" >"$place.log" 2>&1 &
   job=$!
-  sleep "0.$((2 + number * 7 % 8))"
+  sleep "$((number % 4)).$((number * 7 % 10))"
   victim=$(pgrep -s "$job" -x nastic-mpi | tail -n 1)
   began=$SECONDS
   [ -n "$victim" ] && kill -KILL "$victim"
@@ -103,6 +103,9 @@ cases=examples/cases
 short=(--set expect={})
 compare robust_turgor optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=6
 compare load_cases optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6
+compare risk_and_constraints optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=6 --set output/checkpoint=2 \
+  --set 'risk={"cvar":{"level":0.6,"smoothing":0.05}}' \
+  --set 'constraints=[{"name":"reach","cost":{"kind":"position","surface":"track","target":{"x":0.05}},"at_most":1e-4}]'
 compare starts optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6 --set optimizer/starts=7
 long=(optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=12 --set optimizer/tolerance=1e-12 --set output/checkpoint=1)
 "$nastic" "${long[@]}" --threads 2 --quiet --out "$out/uninterrupted"

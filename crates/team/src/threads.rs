@@ -38,12 +38,15 @@ struct Counters {
     bytes: AtomicUsize,
 }
 
+/// A message behind its number among those of the same two ranks.
+type Numbered = (usize, Vec<u8>);
+
 /// One of the threads. Once it is dropped it is lost to the others.
 #[derive(Debug)]
 pub struct ThreadRank {
     rank: usize,
-    to: Vec<Mutex<Option<Sender<(usize, Vec<u8>)>>>>,
-    from: Vec<Mutex<Receiver<(usize, Vec<u8>)>>>,
+    to: Vec<Mutex<Option<Sender<Numbered>>>>,
+    from: Vec<Mutex<Receiver<Numbered>>>,
     /// Messages sent to, and received from, every other rank: one that was left out shows.
     sent: Vec<AtomicUsize>,
     received: Vec<AtomicUsize>,
