@@ -50,7 +50,7 @@ class Figure {
         context.fillStyle = mark.style.background;
         context.fillRect(x, 14, 13, 13);
       } else {
-        this.view.swatch.forEach(([r, g, b], k) => {
+        this.view.bar.swatch.forEach(([r, g, b], k) => {
           context.fillStyle = `rgb(${[r, g, b].join()})`;
           context.fillRect(x + k, 14, 1, 13);
         });

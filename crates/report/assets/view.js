@@ -6,6 +6,7 @@ class View {
     this.surfaces = data.surfaces.map((surface) => new Surface(surface));
     this.part = (id) => document.getElementById(id);
     this.stage = new Stage(this.part("canvas"));
+    this.bar = new Bar(this);
     this.cut = new Cut(this);
     this.figure = new Figure(this);
     this.listen();
@@ -137,7 +138,7 @@ class View {
     const map = name ? new ColourMap(...this.range(name)) : null;
     const field = name ? frame.fields[name] : undefined;
     this.body.paint(field, map);
-    this.showBar(name, map, field !== undefined);
+    this.bar.show(name, map, field !== undefined);
     this.showArrows(frame, x);
     const planes = this.cut.planes();
     for (const part of [this.body.material, this.body.ink, this.arrows?.material]) {
@@ -182,29 +183,6 @@ class View {
     this.arrows.show(x, own);
     this.stage.scene.add(this.arrows.group);
     scale.textContent = `${this.label(name)}: longest arrow ${short(most)} ${unit}`.trim();
-  }
-
-  showBar(name, map, told) {
-    this.part("bar").hidden = !map;
-    // The colours of the body in the legend of a figure.
-    this.swatch = Array.from({ length: 13 }, (_, k) => (map ? map.bytes(map.low + ((map.high - map.low) * k) / 12) : [107, 115, 128]));
-    if (!map) return;
-    const unit = this.fields[name]?.unit;
-    const missing = told ? "" : " (not kept for this frame)";
-    this.part("bar-name").textContent = this.label(name) + (unit ? ` [${unit}]` : "") + missing;
-    const canvas = this.part("bar-colours");
-    const context = canvas.getContext("2d");
-    for (let y = 0; y < canvas.height; y++) {
-      const value = map.high + ((map.low - map.high) * y) / (canvas.height - 1);
-      context.fillStyle = `rgb(${map.bytes(value).join()})`;
-      context.fillRect(0, y, canvas.width, 1);
-    }
-    const ticks = [0, 0.25, 0.5, 0.75, 1].map((share) => {
-      const item = document.createElement("li");
-      item.textContent = short(map.high + (map.low - map.high) * share);
-      return item;
-    });
-    this.part("bar-ticks").replaceChildren(...(map.low === map.high ? ticks.slice(0, 1) : ticks));
   }
 
   showLegend(frame, targets) {

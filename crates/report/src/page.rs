@@ -17,13 +17,14 @@ const LICENCES: [&str; 2] = [include_str!("../vendor/three.LICENSE"), include_st
 const STYLE: [&str; 2] = [include_str!("../assets/page.css"), include_str!("../assets/view.css")];
 const VIEW: &str = include_str!("../assets/view.html");
 /// In one scope, in this order.
-const PROGRAM: [&str; 11] = [
+const PROGRAM: [&str; 12] = [
     include_str!("../assets/arrays.js"),
     include_str!("../assets/colours.js"),
     include_str!("../assets/surface.js"),
     include_str!("../assets/body.js"),
     include_str!("../assets/arrows.js"),
     include_str!("../assets/stage.js"),
+    include_str!("../assets/bar.js"),
     include_str!("../assets/cut.js"),
     include_str!("../assets/figure.js"),
     include_str!("../assets/view.js"),
