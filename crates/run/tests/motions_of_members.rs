@@ -4,22 +4,10 @@
 
 use crate::common;
 
-use common::{CaseDirectory, with};
+use common::{CaseDirectory, DRIVEN, with};
 use nastic_language::schema::Command;
 use nastic_run::run::Exit;
 use serde_json::Value;
-
-/// A bar of silicone whose fibres are to bring its end to a place.
-const DRIVEN: &str = r#"{ "nastic": 1, "title": "bar",
-  "mesh": { "box": { "size": [0.1, 0.01, 0.01], "cells": [4, 1, 1], "element": "hex8" } },
-  "materials": [ { "region": "body", "law": "neo_hooke", "young": "0.3 MPa", "poisson": 0.3, "density": "1000 kg/m^3" } ],
-  "supports": [ { "surface": "x-", "fix": "all" } ],
-  "actuation": [ { "name": "fibers", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0] } ],
-  "controls": [ { "of": "fibers", "space": "uniform", "lower": "-60 kPa", "upper": 0, "start": "-0.6 MPa * t / (1 s)",
-                  "in_time": { "every": "10 ms" } } ],
-  "costs": [ { "kind": "position", "surface": "x+", "weight": 1e6, "target": { "x": "0.097" }, "when": "integral" } ],
-  "probes": [ { "name": "tip", "point": [0.1, 0.005, 0.005] } ],
-  "time": { "end": "20 ms", "step": "1 ms" } }"#;
 
 fn run(command: Command, text: &str) -> Value {
     let outcome = CaseDirectory::new().run(command, text, &[]).unwrap();
