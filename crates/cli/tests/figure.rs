@@ -90,3 +90,20 @@ fn motions_have_instants_and_paths() {
     assert!(first.contains(">t = 0 s</text>") && first.contains(">t = 0.01 s</text>"), "{first}");
     assert!(refusal(&place, &["--path", "top"]).contains("there is no probe \"top\"; there is: tip"));
 }
+
+/// Ramps have no pressures of chambers: their figures show the displacement. A run that fails says why, not that there is nothing to draw.
+#[test]
+fn runs_without_a_usual_figure_end_as_they_would() {
+    let place = CaseDirectory::new("{}");
+    let case = shipped("pneunet.json");
+    let run = ["solve", &case, "--out", "out", "--quiet", "--set", "expect={}", "--figure"];
+    let ramp = place.nastic(&[&run[..], &["--ramp", "air.volume=0:1e-7 m^3:2"]].concat());
+    assert_eq!(code(&ramp), 0, "{}", text(&ramp.stderr));
+    let svg = std::fs::read_to_string(place.path("out/figure.svg")).unwrap();
+    assert!(svg.contains("displacement") && !svg.contains("pressure"), "{svg}");
+    let place = CaseDirectory::new(BAR);
+    let wild = ["solve", "case.json", "--out", "out", "--quiet", "--figure", "--set", "controls/0/start=1e9"];
+    let failed = place.nastic(&[&wild[..], &["--set", "controls/0/upper=1e10"]].concat());
+    assert_eq!(code(&failed), 3, "{}", text(&failed.stderr));
+    assert!(!place.path("out/figure.svg").exists() && !text(&failed.stderr).contains("there is no state"));
+}

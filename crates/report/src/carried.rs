@@ -6,7 +6,7 @@ type V3 = [f64; 3];
 
 /// `|a| F a / |F a|` with F at the centre of the cell: the direction of a material line that lay along `a`, with the
 /// length of `a`. Zero where the cell has no volume.
-pub fn carried(mesh: &Mesh, positions: &[V3], cell: u32, a: V3) -> V3 {
+pub(crate) fn carried(mesh: &Mesh, positions: &[V3], cell: u32, a: V3) -> V3 {
     let image = times(&deformation_gradient(mesh, positions, cell), a);
     let (length, now) = (norm(a), norm(image));
     if now > 0.0 && now.is_finite() { image.map(|x| x * length / now) } else { [0.0; 3] }

@@ -34,7 +34,6 @@ mod surface;
 mod sweep;
 mod tables;
 
-pub use carried::carried;
 pub use case_name::case_name;
 pub use error::ReportError;
 pub use figure::{FIELD, FigureRequest, figure, tension, uniform_field, with_marks};

@@ -32,6 +32,12 @@ pub(super) fn names(folder: &ResultFolder) -> Vec<String> {
     all(folder).into_iter().map(|chamber| chamber.name).collect()
 }
 
+/// Whether there are chambers, and the results have all their pressures in this state: those of ramps and kept iterations they have not.
+pub(super) fn are_known(folder: &ResultFolder, state: &State<'_>) -> bool {
+    let names = names(folder);
+    !names.is_empty() && names.iter().all(|name| pressure(folder, state, name).is_ok())
+}
+
 /// One body for the walls of each chamber, all on one scale from zero.
 pub(super) fn bodies(
     folder: &ResultFolder,

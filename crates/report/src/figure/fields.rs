@@ -61,7 +61,7 @@ pub(super) fn shown(folder: &ResultFolder, state: &State<'_>, name: Option<&str>
     Err(ReportError::Unknown { what: "field", name, has })
 }
 
-/// The first control whose array is in the state and is no vector of one length.
+/// The first control whose array is in the state and is no vector of one length; chambers whose pressures are known.
 fn controlled(folder: &ResultFolder, state: &State<'_>) -> Option<String> {
     let fields =
         folder.result.controls.iter().flatten().filter(|(_, control)| control.space.as_deref() != Some("uniform"));
@@ -76,7 +76,7 @@ fn controlled(folder: &ResultFolder, state: &State<'_>) -> Option<String> {
         (array.components == 1 || most - least > 1e-6 * most.abs()).then_some(shown)
     };
     let found = arrays.filter_map(of).next();
-    found.or_else(|| (!chambers::names(folder).is_empty()).then(|| PRESSURE.to_owned()))
+    found.or_else(|| chambers::are_known(folder, state).then(|| PRESSURE.to_owned()))
 }
 
 /// The values that a name asks of an array: its own, the lengths of vectors, a component.

@@ -48,11 +48,13 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let is_shown = matches!(session.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
     let with_page = session.report && is_shown && session.command != Command::Gradient;
+    // a run that failed has nothing for print, and its own error to tell
+    let with_figure = session.figure && is_shown && session.record.error.is_none();
     if is_shown {
         session.record.members = Some(members(&session.problem));
         let case = session.problem.case_file().is_some();
         let page = with_page.then_some(nastic_report::FILE);
-        let figures = FIGURES.iter().filter(|_| session.figure).copied();
+        let figures = FIGURES.iter().filter(|_| with_figure).copied();
         session.list_files(case.then_some(CASE).into_iter().chain(page).chain(figures).map(str::to_owned).collect());
         if case {
             out.write_json(CASE, &session.problem.document.json())?;
@@ -61,7 +63,7 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
         }
     }
     out.write_json("result.json", &session.record)?;
-    for name in FIGURES.iter().filter(|_| session.figure && is_shown) {
+    for name in FIGURES.iter().filter(|_| with_figure) {
         figure(out.path(), &FigureRequest::default(), Some(&out.file(name)))?;
     }
     if with_page { report(out.path(), None).map(|_| ()) } else { remove_old(&out) }
