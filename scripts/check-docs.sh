@@ -47,6 +47,8 @@ while read -r page; do
     [ -z "$link" ] || target="$here/$link"
     if [ ! -e "$target" ]; then
       complain "$page" "$link does not exist"
+    elif git check-ignore -q "$target"; then
+      complain "$page" "$link is made by a script: a fresh checkout does not have it"
     elif [ -n "$heading" ] && [[ "$target" == *.md ]]; then
       anchors "$target" | grep -qxF -- "$heading" || complain "$page" "$target has no heading #$heading"
     fi
