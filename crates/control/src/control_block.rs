@@ -1,8 +1,10 @@
 //! [`ControlBlock`]: one control field, and the slots that it drives.
 
+use crate::control_limit::ControlAt;
 use crate::map::{Basis, Chain, ControlMap};
 use crate::time::Knots;
 use nastic_fem::Controls;
+use nastic_numeric::vector::norm;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -112,6 +114,14 @@ impl ControlBlock {
     /// The length that its vectors have at every point, where it is fixed; see [`Layout::fix_length`](crate::Layout::fix_length).
     pub fn length(&self) -> Option<f64> {
         self.targets.iter().find_map(|target| target.map.length())
+    }
+
+    /// Its values as messages show them.
+    pub(crate) fn described(&self, m: &[f64]) -> ControlAt {
+        let size = |value: &[f64]| if let [one] = value { *one } else { norm(value) };
+        let sizes = self.of(m).chunks_exact(self.components).map(size);
+        let range = sizes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
+        ControlAt { name: self.shown.name.clone(), range, unit: self.shown.unit.clone() }
     }
 
     /// Whether all its slots are affine in its unknowns.

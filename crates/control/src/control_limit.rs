@@ -1,9 +1,6 @@
 //! [`ControlLimit`]: a limit point between a control whose state is known and another.
 
-use crate::control_block::ControlBlock;
-use crate::layout::Layout;
 use nastic_numeric::format::short;
-use nastic_numeric::vector::norm;
 use std::fmt;
 
 /// Control fields that a message names.
@@ -27,27 +24,6 @@ pub struct ControlAt {
     pub range: [f64; 2],
     /// The unit.
     pub unit: String,
-}
-
-impl ControlLimit {
-    /// At a share of the way between two control vectors.
-    pub(crate) fn new(layout: &Layout, [from, to]: [&[f64]; 2], share: f64) -> Self {
-        let m: Vec<f64> = from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
-        let changes = |block: &&ControlBlock| block.of(from) != block.of(to);
-        ControlLimit {
-            share,
-            at: layout.blocks().iter().filter(changes).map(|block| ControlAt::new(block, &m)).collect(),
-        }
-    }
-}
-
-impl ControlAt {
-    pub(crate) fn new(block: &ControlBlock, m: &[f64]) -> Self {
-        let size = |value: &[f64]| if let [one] = value { *one } else { norm(value) };
-        let sizes = block.of(m).chunks_exact(block.components).map(size);
-        let range = sizes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
-        ControlAt { name: block.shown.name.clone(), range, unit: block.shown.unit.clone() }
-    }
 }
 
 /// `left = 0.00843 MPa`, `tension from -1200 to 300 Pa`.

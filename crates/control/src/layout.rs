@@ -1,7 +1,7 @@
 //! [`Layout`]: how the control fields of a problem stand one after the other in one vector.
 
 use crate::control_block::{ControlBlock, ControlTarget, Shown};
-use crate::control_limit::ControlAt;
+use crate::control_limit::{ControlAt, ControlLimit};
 use crate::control_names::{groups, resolve};
 use crate::error::ControlError;
 use crate::map::{Basis, Chain, Direction, Expansion, Length, Space};
@@ -159,7 +159,14 @@ impl Layout {
     /// [`ControlError::Length`].
     pub fn described(&self, m: &[f64]) -> Result<Vec<ControlAt>, ControlError> {
         self.check(m)?;
-        Ok(self.blocks.iter().map(|block| ControlAt::new(block, m)).collect())
+        Ok(self.blocks.iter().map(|block| block.described(m)).collect())
+    }
+
+    /// A limit point at a share of the way between two control vectors: the fields that change on it are named.
+    pub(crate) fn limit_point(&self, [from, to]: [&[f64]; 2], share: f64) -> ControlLimit {
+        let m: Vec<f64> = from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
+        let changing = self.blocks.iter().filter(|block| block.of(from) != block.of(to));
+        ControlLimit { share, at: changing.map(|block| block.described(&m)).collect() }
     }
 
     /// Gives the last control field that was added values at knots in time.

@@ -2,9 +2,8 @@
 
 mod inadmissible;
 
-use crate::contributions::Contribution;
+use crate::contributions::body_energy::excess_tension::ExcessTension;
 use crate::contributions::body_energy::formulation::Formulation;
-use crate::contributions::body_energy::tensions::ExcessTension;
 use crate::solution::state::State;
 use nastic_energy::EnergyError;
 use nastic_linear::{LinearError, NotCoupled, StructureError};
@@ -191,12 +190,12 @@ pub enum SecondDerivativeError {
 }
 
 impl SecondDerivativeError {
-    /// Of a contribution, with its name; none by the controls of one without controls.
-    pub(crate) fn of(self, contribution: &dyn Contribution) -> Result<(), Self> {
+    /// Of a contribution of this name; none by the controls of one without controls.
+    pub(crate) fn of(self, contribution: &str, controlled: bool) -> Result<(), Self> {
         match self {
-            Self::Contribution { method: "add_control_product", .. } if contribution.slots().is_empty() => Ok(()),
+            Self::Contribution { method: "add_control_product", .. } if !controlled => Ok(()),
             Self::Contribution { method, name } if name.is_empty() => {
-                Err(Self::Contribution { name: contribution.name().to_owned(), method })
+                Err(Self::Contribution { name: contribution.to_owned(), method })
             }
             other => Err(other),
         }

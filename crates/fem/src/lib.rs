@@ -18,9 +18,9 @@ pub mod time;
 
 pub use adjoint::Adjoint;
 pub use adjoint::second_order::{AdjointChange, SecondOrder};
+pub use contributions::body_energy::excess_tension::ExcessTension;
 pub use contributions::body_energy::formulation::Formulation;
 pub use contributions::body_energy::point_peaks::PointPeak;
-pub use contributions::body_energy::tensions::ExcessTension;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BeforeStep, BodyPoint, Cavity, Constrains, Contact, ContactLaw, Contribution, ContributionPoint, ControlPoint,

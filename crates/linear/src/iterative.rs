@@ -1,8 +1,6 @@
-//! Conjugate gradients with a preconditioner (a factor of a nearby matrix, multigrid), and iterative refinement.
+//! Conjugate gradients with a preconditioner: a factor of a nearby matrix, multigrid.
 
-use super::factor::Factor;
 use crate::sums;
-use nastic_numeric::vector::norm;
 
 /// Factor between the true residual and the one carried along within which the steps taken are believed.
 const DRIFT: f64 = 2.0;
@@ -15,12 +13,6 @@ pub trait Preconditioner {
     /// Whether it uses all threads: the vectors of an iteration then do so too, to the same bits.
     fn parallel(&self) -> bool {
         false
-    }
-}
-
-impl Preconditioner for Factor {
-    fn apply(&self, vector: &mut [f64]) {
-        self.solve(vector, 1);
     }
 }
 
@@ -207,51 +199,11 @@ pub fn conjugate_gradient(
     CgReport { end, iterations, residual: relative(size, scale) }
 }
 
-/// Improves `x` by `x += M^-1 (b - A x)` until `|b - A x| <= tolerance |b|`, the residual stops falling, or
-/// `max_iterations` back substitutions are used. Works for indefinite `A` whose factor is (nearly) exact.
-pub fn refine(
-    apply: &dyn Fn(&[f64], &mut [f64]),
-    factor: &Factor,
-    b: &[f64],
-    x: &mut [f64],
-    tolerance: f64,
-    max_iterations: usize,
-) -> CgReport {
-    let scale = norm(b);
-    let mut r = vec![0.0; b.len()];
-    residual(apply, b, x, &mut r);
-    let mut size = norm(&r);
-    let mut iterations = 0;
-    let end = loop {
-        if !size.is_finite() {
-            break CgEnd::NotFinite;
-        }
-        if size <= tolerance * scale {
-            break CgEnd::Converged;
-        }
-        if iterations == max_iterations {
-            break CgEnd::Exhausted;
-        }
-        let before = x.to_vec();
-        factor.solve(&mut r, 1);
-        iterations += 1;
-        x.iter_mut().zip(&r).for_each(|(x, dx)| *x += dx);
-        residual(apply, b, x, &mut r);
-        let improved = norm(&r);
-        if improved.is_nan() || improved >= size {
-            x.copy_from_slice(&before);
-            break CgEnd::Exhausted;
-        }
-        size = improved;
-    };
-    CgReport { end, iterations, residual: relative(size, scale) }
-}
-
-fn residual(apply: &dyn Fn(&[f64], &mut [f64]), b: &[f64], x: &[f64], r: &mut [f64]) {
+pub(super) fn residual(apply: &dyn Fn(&[f64], &mut [f64]), b: &[f64], x: &[f64], r: &mut [f64]) {
     apply(x, r);
     r.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
 }
 
-fn relative(size: f64, scale: f64) -> f64 {
+pub(super) fn relative(size: f64, scale: f64) -> f64 {
     if size == 0.0 { 0.0 } else { size / scale }
 }

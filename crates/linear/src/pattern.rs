@@ -2,8 +2,8 @@
 
 use super::error::{NotCoupled, StructureError};
 use super::graph::Graph;
+use super::multigrid_work::multigrid_flops;
 use super::ordering::Ordering;
-use super::solver::multigrid_flops;
 
 /// A geometric order may take this many times the operations of the best one.
 const BEYOND: f64 = 2.0;

@@ -8,13 +8,11 @@ use std::sync::Arc;
 
 use super::dense::Slabs;
 use super::elimination::ROOT;
-use super::error::{FactorError, StructureError};
-use super::factor::{Factor, Pivots, Precision};
+use super::error::StructureError;
+use super::factor_size::{FactorSize, front_flops};
 use super::locks::lock;
-use super::matrix::SparseMatrix;
 use super::pattern::Pattern;
 use super::real::{Real, Workspace};
-use super::structure::{FactorSize, front_flops};
 
 /// The symbolic factorisation of a pattern: built once per mesh, shared by every factor.
 #[derive(Debug)]
@@ -166,37 +164,8 @@ impl Symbolic {
         self.tasks = tasks;
     }
 
-    /// A factor of A in single precision, for [`Preconditioner`](super::Preconditioner)s: half the memory and about half
-    /// the time of a whole one. See [`Factor::approximate`].
-    ///
-    /// # Errors
-    /// As [`factorize`](Self::factorize).
-    pub fn approximate(self: &Arc<Self>, matrix: &SparseMatrix, parallel: bool) -> Result<Factor, FactorError> {
-        self.check_size()?;
-        let mut factor = Factor::empty(self);
-        factor.approximate(matrix, parallel)?;
-        Ok(factor)
-    }
-
-    /// Factorises `A = L L^T` ([`Pivots::Positive`]) or `A = L D L^T` ([`Pivots::AnySign`]).
-    ///
-    /// `parallel` uses all threads of the current rayon pool; the bits of the result do not depend on it.
-    ///
-    /// # Errors
-    /// [`FactorError`]; [`StructureError::TooLarge`] in it when the factor would have more than 2^31 entries (17 GB).
-    pub fn factorize(
-        self: &Arc<Self>,
-        matrix: &SparseMatrix,
-        pivots: Pivots,
-        parallel: bool,
-    ) -> Result<Factor, FactorError> {
-        self.check_size()?;
-        let mut factor = Factor::empty(self);
-        factor.refactorize(matrix, pivots, parallel)?;
-        Ok(factor)
-    }
-
-    fn check_size(&self) -> Result<(), StructureError> {
+    /// Whether indices of 32 bits reach over the factor.
+    pub(super) fn check_size(&self) -> Result<(), StructureError> {
         match self.size.values as u64 {
             count if count > i32::MAX as u64 => Err(StructureError::TooLarge { what: "entries of the factor", count }),
             _ => Ok(()),
@@ -223,15 +192,8 @@ impl Symbolic {
         self.size.bytes()
     }
 
-    /// Bytes of one factorisation at its largest, predicted: the factor, and the update matrices that are alive at the same
-    /// time where fronts are eliminated one after the other. (On several threads more of them are.)
-    pub fn factorisation_bytes(&self, precision: Precision) -> usize {
-        let size = if precision == Precision::Single { size_of::<f32>() } else { size_of::<f64>() };
-        size * (self.size.values + self.update_values())
-    }
-
     /// Largest number of values of update matrices at one time: those of the children die when a front has taken them.
-    fn update_values(&self) -> usize {
+    pub(super) fn update_values(&self) -> usize {
         let update = |f: usize| Slabs::new(self.below(f)).values();
         let (mut alive, mut most) = (0, 0);
         for f in 0..self.fronts.len() {

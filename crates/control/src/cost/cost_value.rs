@@ -1,6 +1,6 @@
 //! [`CostValue`]: the value of a key of a cost, and how it is put into words.
 
-use super::tracking::Target;
+use super::target_positions::Target;
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{GroupNames, Mesh};
 use std::collections::BTreeMap;

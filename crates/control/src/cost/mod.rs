@@ -22,6 +22,7 @@ mod regularization;
 mod smoothed_hausdorff;
 mod stretch;
 mod target;
+mod target_positions;
 mod tracking;
 mod volume;
 
@@ -44,7 +45,8 @@ pub use regularization::{ControlNorm, ControlSmoothness};
 pub use smoothed_hausdorff::SmoothedHausdorff;
 pub use stretch::LargestStretch;
 pub use target::CostTarget;
-pub use tracking::{BoundTracking, Target, Tracking};
+pub use target_positions::Target;
+pub use tracking::{BoundTracking, Tracking};
 pub use volume::LumenVolume;
 
 use crate::error::ControlError;

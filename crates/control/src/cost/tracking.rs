@@ -1,14 +1,14 @@
 //! [`Tracking`]: the mean squared distance of a surface, region or node set from target positions.
 
 use super::body_points::{BodyPart, BodyPoints};
+use super::target_positions::Target;
 use super::{
     Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, CostTarget, Figure, FigureKind, IntoCost, Partials,
     check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
-use nastic_mesh::{GroupNames, Mesh};
-use std::fmt;
+use nastic_mesh::GroupNames;
 use std::sync::Arc;
 
 /// `j = (weight/2) int_{Gamma_0} |x - x_target|^2 dA` over a named surface of the reference body (`dX` over a region, a
@@ -22,50 +22,6 @@ pub struct Tracking {
     place: BodyPart,
     target: Target,
     weight: f64,
-}
-
-/// Target positions of the tracked points.
-#[derive(Clone)]
-pub enum Target {
-    /// The target position of the point that is at X in the reference body.
-    Position(Arc<dyn Fn([f64; 3]) -> [f64; 3] + Send + Sync>),
-    /// A target displacement by node, flat (`dim` per node), interpolated.
-    Displacement(Vec<f64>),
-}
-
-impl fmt::Debug for Target {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Target::Position(_) => f.write_str("Position(..)"),
-            Target::Displacement(u) => write!(f, "Displacement({} entries)", u.len()),
-        }
-    }
-}
-
-impl Target {
-    /// The target position as a function of the reference position.
-    pub fn position(at: impl Fn([f64; 3]) -> [f64; 3] + Send + Sync + 'static) -> Self {
-        Target::Position(Arc::new(at))
-    }
-
-    /// Where the displacement `u` (flat, `dim` per node) of another mesh of the same body takes the point. Points outside
-    /// that mesh have no position, which is an error when the target is bound.
-    ///
-    /// # Errors
-    /// A displacement of the wrong length.
-    pub fn moved(mesh: impl Into<Arc<Mesh>>, u: Vec<f64>) -> Result<Self, ControlError> {
-        let mesh = mesh.into();
-        let (dim, expected) = (mesh.dim(), mesh.dim() * mesh.points().len());
-        if u.len() != expected {
-            let what = format!("the target's displacement has {} entries where its mesh needs {expected}", u.len());
-            return Err(ControlError::Cost { what });
-        }
-        Ok(Target::position(move |x| {
-            let Some(at) = mesh.locate(x) else { return [f64::NAN; 3] };
-            let u = at.interpolate(&u, dim);
-            [x[0] + u[0], x[1] + u[1], x[2] + u[2]]
-        }))
-    }
 }
 
 impl Tracking {
@@ -121,7 +77,7 @@ impl Tracking {
     pub fn bind_to(self, solid: &Solid) -> Result<BoundTracking, ControlError> {
         let weight = check_weight("tracking", self.weight)?;
         let (points, nodes) = self.place.points(solid)?;
-        let target = targets(&points, solid, &self.target)?;
+        let target = self.target.at(&points, solid, "tracking")?;
         Ok(BoundTracking { points: Arc::new(points), target, weight, nodes, wanted: self.target })
     }
 }
@@ -135,30 +91,6 @@ pub struct BoundTracking {
     /// The nodes of what is tracked, and where they should be.
     nodes: Vec<u32>,
     wanted: Target,
-}
-
-/// Where the points should be.
-fn targets(points: &BodyPoints, solid: &Solid, target: &Target) -> Result<Vec<[f64; 3]>, ControlError> {
-    let reference = points.positions(solid, None);
-    let out: Vec<[f64; 3]> = match target {
-        Target::Position(at) => reference.into_iter().map(|x| at(x)).collect(),
-        Target::Displacement(u) => {
-            let expected = solid.discretization().dofs();
-            if u.len() != expected {
-                let what = format!("tracking target has {} entries where the mesh needs {expected}", u.len());
-                return Err(ControlError::Cost { what });
-            }
-            points.positions(solid, Some(u))
-        }
-    };
-    if let Some(bad) = out.iter().position(|x| x.iter().any(|x| !x.is_finite())) {
-        let what = format!(
-            "tracking target is not finite at its point {bad} ({:?}); check the formula, or whether the target's mesh covers the body",
-            out[bad]
-        );
-        return Err(ControlError::Cost { what });
-    }
-    Ok(out)
 }
 
 impl Cost for BoundTracking {

@@ -1,7 +1,6 @@
 //! The equilibrium of a trial: within its budget, around limit points.
 
 use super::Reduced;
-use crate::control_limit::ControlLimit;
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::workspace::ReducedWorkspace;
@@ -116,7 +115,7 @@ impl Reduced {
             Err(error) if error.is_lack_of_memory() || matches!(error, StateError::Cancelled) => Err(error.into()),
             Err(_) | Ok(Ahead::Unknown(_)) => Ok(None),
             Ok(Ahead::LimitPoint(at)) => {
-                let limit = ControlLimit::new(self.layout(), [&near.m, trial.m], at.share);
+                let limit = self.layout().limit_point([&near.m, trial.m], at.share);
                 self.note(&at, (near, trial), workspace);
                 Err(ControlError::LimitPoint { limit, newton: spent.newton })
             }
@@ -141,7 +140,7 @@ impl Reduced {
             Err(error) if error.is_lack_of_memory() || matches!(error, StateError::Cancelled) => Some(error.into()),
             Err(_) => None,
             Ok(Connection::LimitPoint(share)) => {
-                let limit = ControlLimit::new(self.layout(), [&from.m, &to.m], share);
+                let limit = self.layout().limit_point([&from.m, &to.m], share);
                 Some(ControlError::LimitPoint { limit, newton: to.work.newton })
             }
             Ok(Connection::Elsewhere(apart)) => Some(ControlError::OtherBranch { apart }),

@@ -226,7 +226,8 @@ impl Subject<'_> {
         let error = |error: SecondDerivativeError| error.to_string();
         let point = self.point(&self.at).map_err(|at| at.to_string())?;
         let added = point.add_control_product(&self.at, &controls, &mut product);
-        added.or_else(|error| error.of(self.contribution)).map_err(error)?;
+        let (name, controlled) = (self.contribution.name(), !self.contribution.slots().is_empty());
+        added.or_else(|error| error.of(name, controlled)).map_err(error)?;
         let expected = difference(|s| {
             let m = self.controls_along(&controls, s);
             Ok(self.sums(Instant { controls: &m, ..self.at })?.force)

@@ -149,7 +149,9 @@ impl ModelPoint<'_> {
     pub fn control_product(&self, at: &Instant, v: &Controls) -> Result<Vec<f64>, SecondDerivativeError> {
         let mut out = vec![0.0; self.model.unknowns().len()];
         self.each(at, |contribution, point, at| {
-            point.add_control_product(at, v, &mut out).or_else(|error| error.of(contribution))
+            point
+                .add_control_product(at, v, &mut out)
+                .or_else(|error| error.of(contribution.name(), !contribution.slots().is_empty()))
         })?;
         Ok(out)
     }
@@ -166,7 +168,9 @@ impl ModelPoint<'_> {
     ) -> Result<SecondSensitivities, SecondDerivativeError> {
         let mut sums = SecondSensitivities::zero(self.model.controls(), self.model.unknowns().len());
         self.each(at, |contribution, point, at| {
-            point.second_vjp(at, lambda, along, &mut sums).or_else(|error| error.of(contribution))
+            point
+                .second_vjp(at, lambda, along, &mut sums)
+                .or_else(|error| error.of(contribution.name(), !contribution.slots().is_empty()))
         })?;
         Ok(sums)
     }

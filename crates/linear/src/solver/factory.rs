@@ -2,6 +2,7 @@
 
 use super::{Direct, General, LinearSolver, Lu, MultigridOrDirect};
 use crate::matrix::Symmetry;
+use crate::multigrid_work::multigrid_flops;
 use crate::structure::Structure;
 use std::fmt;
 use std::sync::Arc;
@@ -43,13 +44,6 @@ pub struct Solver {
     make: fn(&Arc<Structure>) -> Box<dyn LinearSolver>,
 }
 
-/// What solving with one tangent by multigrid costs, setup and cycles, in passes over the entries of the tangent.
-const PASSES: f64 = 400.0;
-/// Arithmetic operations of a factorisation that take as long as passing one entry (single precision, from memory).
-const FLOPS_PER_ENTRY: f64 = 19.0;
-/// A factor serves several tangents and the adjoint, and does not mind an indefinite tangent or a nearly incompressible
-/// material: multigrid is taken where it is expected to be cheaper by this much.
-const MARGIN: f64 = 3.0;
 /// Largest factor that is made unasked: 8 GiB. Its workspace comes on top.
 const FACTOR_BYTES: usize = 8 << 30;
 
@@ -103,11 +97,6 @@ impl Solver {
         let direct = fits(factor.bytes()) && factor.flops <= most;
         if direct { Solver::DIRECT } else { Solver::MULTIGRID }
     }
-}
-
-/// Operations of a factorisation from which on multigrid is taken, of a matrix with so many entries.
-pub(crate) fn multigrid_flops(entries: f64) -> f64 {
-    MARGIN * PASSES * FLOPS_PER_ENTRY * entries
 }
 
 /// Whether a factor of so many bytes may be made unasked.

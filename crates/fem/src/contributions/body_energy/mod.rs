@@ -25,6 +25,7 @@ mod control_product;
 mod control_vjp;
 pub(crate) mod driving;
 pub(crate) mod evaluated;
+pub(crate) mod excess_tension;
 pub(crate) mod formulation;
 pub(crate) mod history;
 pub(crate) mod max_step;

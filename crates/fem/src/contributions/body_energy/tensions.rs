@@ -1,25 +1,10 @@
 //! Fibre tensions against what the laws bear: the limit of one family, of all families on its cells, and tensions beyond.
 
+use super::excess_tension::ExcessTension;
 use super::{BodyEnergy, Composition};
 use crate::contributions::controls::Controls;
 use nastic_energy::{MaterialPoint, TensionBound};
 use nastic_tensor::{Mat3, Vec3};
-
-/// Tensions beyond what the laws bear while they stay polyconvex, where that is so most.
-///
-/// At the point where `lambda = lambda_max(B^(-1/2) T B^(-1/2))` is largest, with the tensions
-/// `T = sum_k m_k a_k (x) a_k` and the bound `B` of the laws. Source: survey, Prop. 1, for one family.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ExcessTension {
-    /// Name of the actuation with the largest tension there.
-    pub actuation: String,
-    /// Its tension, Pa.
-    pub tension: f64,
-    /// What it may reach, Pa: `tension / lambda`, while those beside it change in proportion.
-    pub limit: f64,
-    /// Names of the other families that lengthen there, and their tensions, Pa.
-    pub beside: Vec<(String, f64)>,
-}
 
 /// Tensions beyond the bound by rounding alone are within it.
 const ROUNDING: f64 = 1e-9;
