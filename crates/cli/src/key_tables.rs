@@ -6,6 +6,9 @@ use std::fmt::Write;
 /// Characters of a table cell; what is longer stands below the table.
 const WIDEST: usize = 150;
 
+/// A part of so many keys, all of which stand in a larger part, is named there and its keys are not repeated.
+const REPEATED: usize = 5;
+
 /// One table for each named part of a schema, its root first.
 pub(crate) fn markdown(schema: &Value, title: &str, how: &str) -> String {
     let mut out = format!("# {title}\n\nMade by `{how}` from the schema that the program itself uses: do not edit.\n");
@@ -16,12 +19,31 @@ pub(crate) fn markdown(schema: &Value, title: &str, how: &str) -> String {
         }
         out += &paragraph(part);
         if !part["properties"].is_null() {
-            out += &table(part);
+            out += &table(&without_contained(part, &schema["$defs"]));
         } else {
             out += &choices(part);
         }
     }
     out
+}
+
+/// An object without the keys of smaller parts that it contains as they are; `contains` has their names.
+fn without_contained(object: &Value, parts: &Value) -> Value {
+    let mut own = object.clone();
+    let size = |part: &Value| part["properties"].as_object().map_or(0, serde_json::Map::len);
+    let mut smaller: Vec<_> = parts.as_object().into_iter().flatten().collect();
+    smaller.retain(|(_, part)| size(part) >= REPEATED && size(part) < size(object));
+    smaller.sort_by_key(|(_, part)| std::cmp::Reverse(size(part)));
+    for (name, part) in smaller {
+        let Some(keys) = own["properties"].as_object_mut() else { continue };
+        let part = part["properties"].as_object();
+        if part.into_iter().flatten().all(|(key, value)| keys.get(key) == Some(value)) {
+            part.into_iter().flatten().for_each(|(key, _)| drop(keys.remove(key)));
+            let contains = own["contains"].as_str().map_or_else(String::new, |before| format!("{before}, "));
+            own["contains"] = format!("{contains}[{name}](#{})", name.to_lowercase()).into();
+        }
+    }
+    own
 }
 
 /// What a part is.
@@ -48,6 +70,9 @@ fn table(object: &Value) -> String {
     }
     if object["properties"].is_object() && object["additionalProperties"].is_object() {
         let _ = writeln!(out, "| any other name | {} | |", takes(&object["additionalProperties"]));
+    }
+    if let Some(names) = object["contains"].as_str() {
+        let _ = writeln!(out, "| all keys of | {names} | |");
     }
     if notes.is_empty() { out } else { format!("{out}\n{notes}") }
 }
