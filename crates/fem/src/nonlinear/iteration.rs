@@ -174,7 +174,11 @@ impl<'a> Iteration<'a> {
                 return Err(Stop::Spent { residual: relative });
             }
             let here = Iterate { x, now: &now.sums, point: &now.point, residual: &residual, relative };
-            (*x, now, last, tiny) = self.step(&here, direction, report)?;
+            (*x, now, last, tiny) = match self.step(&here, direction, report) {
+                // no step lowers what is rounding alone
+                Err(Stop::Slow { .. }) if relative <= ROUNDING && !direction.is_pending() => return Ok(last),
+                taken => taken?,
+            };
         }
         Err(Stop::Slow { residual: report.residual })
     }

@@ -39,9 +39,9 @@ struct Way {
 }
 
 impl Way {
-    /// Steps in time are short: theirs do not creep.
+    /// Steps in time are short: theirs do not creep, but for those under constraints without a potential, where the residual alone is searched.
     fn new(model: &Model, in_time: bool) -> Self {
-        let constrained = !in_time && model.unknowns().multipliers() > 0;
+        let constrained = !(in_time && model.has_potential()) && model.unknowns().multipliers() > 0;
         Way { constrained, ratio: if in_time { 0.0 } else { model.body.bulk_over_shear() }, helped: false }
     }
 
@@ -236,8 +236,14 @@ impl Model {
     }
 
     /// Whether its equations can be solved with strains of their own at the quadrature points.
-    fn suits_point_strains(&self) -> bool {
-        self.unknowns().has_one_nodal_field() && self.has_potential() && !self.inequalities().contains(&true)
+    pub(super) fn suits_point_strains(&self) -> bool {
+        let searched = self.has_potential() || self.unknowns().multipliers() > 0;
+        searched && self.unknowns().has_one_nodal_field() && !self.inequalities().contains(&true)
+    }
+
+    /// Whether its equations are searched on the residual and under constraints, and can be solved with strains of their own: that search creeps.
+    pub(super) fn residual_creeps(&self) -> bool {
+        !self.has_potential() && self.unknowns().multipliers() > 0 && self.suits_point_strains()
     }
 
     /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.

@@ -47,6 +47,14 @@ impl Model {
             report.load_steps += 1 + rounds;
             Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)))
         };
+        if self.residual_creeps() {
+            let (at_once, mut u) = (self.equations(controls, 1.0, Some(step), 1.0, how), start.clone());
+            match at_once.solve_with_point_strains(&mut u, self.linear_solver(how, workspace), report) {
+                Ok(()) => return found(u, 0, report),
+                Err(stop) => go_on(stop)?,
+            }
+            workspace.forget();
+        }
         let once = SolveOptions { max_newton: how.max_newton.min(ITERATIONS), ..how.clone() };
         let at_once = self.equations(controls, 1.0, Some(step), 1.0, &once);
         if how.guess.is_none() {

@@ -84,7 +84,8 @@ impl<'a> WithPointStrains<'a> {
             system.prepare(&mut self.systems, u, report)?;
         }
         let (mut steps, negative) = system.solve(&mut self.systems, u, &[rhs], accuracy, report)?;
-        let curvature = if negative == Some(0) { Curvature::Positive } else { Curvature::Negative };
+        let definite = negative == Some(0) || !self.equations.has_potential();
+        let curvature = if definite { Curvature::Positive } else { Curvature::Negative };
         Ok((steps.pop().unwrap_or_default(), curvature))
     }
 }
