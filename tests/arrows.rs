@@ -44,8 +44,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "case",
         ],
     ),
-    ("cli", &["language", "run", "team"]),
-    ("python", &["mesh", "io", "opt", "control", "language", "case", "run"]),
+    ("cli", &["language", "run", "team", "mesh", "io", "report"]),
+    ("python", &["mesh", "io", "report", "opt", "control", "language", "case", "run"]),
     (
         "nastic",
         &[

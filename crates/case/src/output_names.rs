@@ -62,9 +62,9 @@ const OPTIMIZE: &[&str] = &[
     "iterates.bin",
 ];
 /// Of `fit`.
-pub const FIT: &[&str] = &["fit.json", "fit.svg", "fit_#.svg"];
+pub const FIT: &[&str] = &["fit.json", "fit.html", "fit.svg", "fit_#.svg"];
 /// Of `sweep`.
-pub const SWEEP: &[&str] = &["sweep.csv", "sweep.json", "sweep.svg", "sweep.pvd"];
+pub const SWEEP: &[&str] = &["sweep.html", "sweep.csv", "sweep.json", "sweep.svg", "sweep.pvd"];
 
 /// The patterns of the names of what a command writes.
 pub fn written_by(command: &Command) -> Vec<&'static str> {

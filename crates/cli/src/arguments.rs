@@ -1,5 +1,6 @@
 //! What may be typed.
 
+use crate::compare::{Cloud, Compare};
 use crate::figure::Figure;
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, Parser, Subcommand};
@@ -92,6 +93,13 @@ pub enum Command {
     /// Without more: the optimum (or the equilibrium, or the end of the motion) coloured by the first controlled field, chambers by their
     /// pressure, or else the displacement, before the start and the target as glass. The same picture gives the same bytes.
     Figure(Figure),
+    /// Measure how far two shapes are apart: results, states, meshes, point clouds
+    ///
+    /// Mean, root mean square and largest distance of the points of each from the other, chamfer and Hausdorff distance; of two states of one
+    /// mesh also node by node.
+    Compare(Compare),
+    /// Write the points of states as CSV, NPY or PLY, whole bodies or named surfaces and regions
+    Cloud(Cloud),
     /// Print the JSON Schema of case files, for editors, or of results
     Schema(Schema),
 }

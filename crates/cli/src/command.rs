@@ -86,6 +86,8 @@ impl<'c> Program<'c> {
             Command::Fit(data) => self.on_data(&data),
             Command::Report(folder) => on_results(&folder),
             Command::Figure(figure) => figure.draw(),
+            Command::Compare(compare) => compare.run(),
+            Command::Cloud(cloud) => cloud.run(),
             Command::Schema(wanted) => {
                 say_schema(self.catalogue, &wanted);
                 0
@@ -306,9 +308,16 @@ fn on_results(Report { directory, out }: &Report) -> u8 {
 
 /// Says where a file went, or why there is none.
 pub(crate) fn written(file: Result<PathBuf, RunError>) -> u8 {
-    match file {
-        Ok(file) => {
-            let _ = writeln!(Output, "{}", file.display());
+    answered(file, |file| {
+        let _ = writeln!(Output, "{}", file.display());
+    })
+}
+
+/// Says what there is, or why there is nothing.
+pub(crate) fn answered<T>(found: Result<T, RunError>, say: impl FnOnce(T)) -> u8 {
+    match found {
+        Ok(found) => {
+            say(found);
             0
         }
         Err(error) => {

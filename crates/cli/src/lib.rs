@@ -12,6 +12,7 @@
 
 mod arguments;
 mod command;
+mod compare;
 mod figure;
 mod key_tables;
 mod output;

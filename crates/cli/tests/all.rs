@@ -2,6 +2,7 @@
 
 mod clusters;
 mod common;
+mod compare;
 mod figure;
 mod keys;
 mod new;

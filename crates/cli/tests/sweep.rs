@@ -26,7 +26,7 @@ const TWELVE: [&str; 14] = [
     "--threads",
     "1",
 ];
-const TABLE: [&str; 4] = ["sweep.json", "sweep.csv", "sweep.svg", "sweep.pvd"];
+const TABLE: [&str; 5] = ["sweep.json", "sweep.html", "sweep.csv", "sweep.svg", "sweep.pvd"];
 
 fn twelve<'a>(more: &[&'a str]) -> Vec<&'a str> {
     [&TWELVE, more].concat()

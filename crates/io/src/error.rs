@@ -41,6 +41,12 @@ pub enum ReadError {
         /// The file asked for.
         file: PathBuf,
     },
+    /// The name ends in none of `.csv`, `.npy`, `.ply`.
+    #[error("{}: a point cloud is CSV, NPY or PLY; export it as CSV with the columns x,y,z", file.display())]
+    CloudExtension {
+        /// The file asked for.
+        file: PathBuf,
+    },
     /// The file breaks its own format: truncated, counts that lie, numbers out of range.
     #[error("{}, {at}, in {section}: {what}; {advice}", file.display())]
     Malformed {

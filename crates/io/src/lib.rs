@@ -1,4 +1,4 @@
-//! Gmsh and VTU in; VTU and PVD out.
+//! Gmsh and VTU in; VTU and PVD out; point clouds both ways.
 //!
 //! ```no_run
 //! let mesh = nastic_io::read_gmsh("meshes/cantilever.msh")?;
@@ -9,6 +9,7 @@
 //! ```
 
 mod atomic;
+mod cloud;
 mod error;
 mod fingerprint;
 mod gmsh;
@@ -23,6 +24,7 @@ use std::path::Path;
 use nastic_mesh::Mesh;
 
 pub use atomic::write_atomically;
+pub use cloud::{PointCloud, is_cloud, read_cloud, write_cloud};
 pub use error::{At, ReadError, WriteError};
 pub use fingerprint::Fingerprint;
 pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};

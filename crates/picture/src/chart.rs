@@ -80,6 +80,11 @@ impl Chart {
         self
     }
 
+    /// The chart as SVG; nothing without a finite point.
+    pub fn svg(&self) -> Option<String> {
+        Some(svg::flat(&self.title, (SIZE[0] as u32, SIZE[1] as u32), &self.marks()?))
+    }
+
     /// Writes a PNG or an SVG, by the ending of the name.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ mod interrupt;
 mod mesh;
 mod problem;
 mod run;
+mod shapes;
 mod states;
 
 /// `nastic._nastic`.
@@ -17,6 +18,8 @@ mod _nastic {
     use crate::problem::Problem;
     #[pymodule_export]
     use crate::run::{figure, fit, read, read_mesh, run, schema};
+    #[pymodule_export]
+    use crate::shapes::{cloud, compare};
     #[pymodule_export]
     use crate::states::States;
 

@@ -32,6 +32,27 @@ def test_the_gradient_is_that_of_the_derivative_file(bar, tmp_path):
     assert np.allclose(found.cell_data["gradient_tension"], found.gradient["tension"] / volumes, rtol=1e-10, atol=0)
 
 
+def test_shapes_are_compared_and_have_points(bar, tmp_path):
+    a = bar.solve(out=tmp_path / "a")
+    bar["controls"][0]["start"] = 5e3
+    b = bar.solve(out=tmp_path / "b")
+    found = nastic.compare(a, tmp_path / "b")
+    apart = np.linalg.norm(a.displacement - b.displacement, axis=1)
+    assert np.isclose(found["node_by_node"]["largest"], apart.max(), rtol=1e-9) and apart.max() > 0
+    assert np.isclose(found["node_by_node"]["rms"], np.sqrt(np.mean(apart**2)), rtol=1e-9)
+    cloud = nastic.cloud(b)
+    assert np.allclose(cloud.points, b.points + b.displacement, rtol=0, atol=1e-15)
+    assert np.array_equal(cloud.reference, b.points) and np.array_equal(cloud.nodes, np.arange(30))
+    face = nastic.cloud(b, "start", surface="x+")
+    assert (face.reference[:, 0] == 1.0).all() and 0 < len(face.nodes) < 30
+    np.save(tmp_path / "scan.npy", 1e3 * face.points)
+    assert nastic.compare(b, tmp_path / "scan.npy", surface="x+", scale=1e-3)["chamfer"] < 1e-12
+    with pytest.raises(nastic.CaseError, match="lid"):
+        nastic.cloud(b, surface="lid")
+    with pytest.raises(nastic.Error, match="out="):
+        nastic.compare(bar.solve(), b)
+
+
 def test_an_optimisation_is_told_trial_by_trial(bar):
     told = []
     found = bar.optimize(callback=told.append)

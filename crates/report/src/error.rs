@@ -1,10 +1,12 @@
-//! [`ReportError`]: why a folder gives no page.
+//! [`ReportError`]: why a folder gives no page, figure or comparison.
 
 use nastic_io::ReadError;
+use nastic_mesh::MeshError;
+use nastic_mesh::spatial::SpatialError;
 use std::path::PathBuf;
 use thiserror::Error;
 
-/// Why a result folder gives no page.
+/// Why a result folder gives no page, figure or comparison.
 #[derive(Debug, Error)]
 pub enum ReportError {
     /// Nothing was run there.
@@ -61,9 +63,38 @@ pub enum ReportError {
         /// The state.
         state: String,
     },
-    /// A VTU file cannot be understood.
+    /// Nothing that can be compared.
+    #[error(
+        "{} is no shape: nastic compare takes result directories, states of them (DIR/NAME), .vtu, .msh and .vtk files, point clouds (.csv, .npy, .ply)",
+        path.display()
+    )]
+    NoShape {
+        /// What was named.
+        path: PathBuf,
+    },
+    /// Results in different units.
+    #[error("the lengths of A are in {a}, those of B in {b}: say by --scale what B's are multiplied with")]
+    Units {
+        /// Of the first.
+        a: String,
+        /// Of the second.
+        b: String,
+    },
+    /// A factor of lengths that is none.
+    #[error("a scale of lengths is positive and finite, not {scale}")]
+    Scale {
+        /// What was given.
+        scale: f64,
+    },
+    /// A part that a mesh lacks.
     #[error(transparent)]
-    Vtu(#[from] ReadError),
+    Mesh(#[from] MeshError),
+    /// A shape that cannot be searched.
+    #[error(transparent)]
+    Spatial(#[from] SpatialError),
+    /// A file cannot be understood.
+    #[error(transparent)]
+    File(#[from] ReadError),
 }
 
 impl ReportError {

@@ -14,7 +14,7 @@ use crate::error::ReportError;
 use crate::folder::ResultFolder;
 use fields::Shown;
 use nastic_picture::{Appearance, Body, Colour, Picture, View};
-use state::State;
+pub(crate) use state::State;
 use std::path::Path;
 
 /// What a figure shows; without more the optimum (or the equilibrium, or the end of the motion), coloured by the first controlled

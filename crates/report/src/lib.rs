@@ -12,11 +12,14 @@
 
 mod carried;
 mod case_name;
+mod cloud;
+mod compare;
 pub mod console;
 pub mod csv;
 mod encode;
 mod error;
 mod figure;
+mod fit_page;
 mod folder;
 mod frame;
 mod html;
@@ -25,6 +28,7 @@ mod number;
 mod on_trial;
 mod pace;
 mod page;
+mod plain_page;
 mod plots;
 pub mod record;
 mod scene;
@@ -35,6 +39,8 @@ mod sweep;
 mod tables;
 
 pub use case_name::case_name;
+pub use cloud::cloud;
+pub use compare::{CompareRequest, ComparedPart, compare};
 pub use error::ReportError;
 pub use figure::{FIELD, FigureRequest, figure, tension, uniform_field, with_marks};
 pub use iterates::{Iterates, IteratesError};

@@ -28,6 +28,7 @@ macro_rules! records {
 
 mod absent;
 mod case_record;
+mod comparison_record;
 mod contact_record;
 mod control_record;
 mod error_record;
@@ -51,6 +52,7 @@ pub use case_record::{
     BodyPointRecord, CaseDescription, CellGroupRecord, ConstantRecord, ExistenceRecord, GrowthRecord, LawRecord,
     MemoryRecord, MeshRecord, NamesRecord, QualityRecord, SetRecord, SpringRecord,
 };
+pub use comparison_record::{ComparedRecord, ComparisonRecord, DistancesRecord, NodeByNodeRecord};
 pub use contact_record::{ContactRecord, ExactContactRecord};
 pub use control_record::{ControlRecord, ControlValues, RangeRecord};
 pub use error_record::{ErrorRecord, ProblemRecord};

@@ -1,6 +1,7 @@
 //! [`SweepTable`]: the runs of a sweep as a table, and its files.
 
 mod chart;
+mod page;
 mod row;
 
 pub use chart::SweepAxis;
@@ -41,7 +42,7 @@ impl SweepTable {
         }
     }
 
-    /// Writes `sweep.json`, `sweep.csv`, `sweep.svg` and a `sweep.pvd` for every load case.
+    /// Writes `sweep.json`, `sweep.csv`, `sweep.html`, `sweep.svg` and a `sweep.pvd` for every load case.
     ///
     /// # Errors
     /// A file that cannot be written, or an old one that cannot be removed.
@@ -53,10 +54,13 @@ impl SweepTable {
         })?;
         let text = csv::table(&self.rows.iter().map(SweepRow::cells).collect::<Vec<_>>());
         write_atomically(directory.join("sweep.csv"), |out| out.write_all(text.as_bytes()))?;
-        match chart::chart(&self.title, &self.asked.swept, &self.axis, &self.rows) {
+        let chart = chart::chart(&self.title, &self.asked.swept, &self.axis, &self.rows);
+        match &chart {
             Some(chart) => chart.write(directory.join("sweep.svg"))?,
             None => remove(&directory.join("sweep.svg"))?,
         }
+        let page = self.page(chart.and_then(|chart| chart.svg()).as_deref());
+        write_atomically(directory.join("sweep.html"), |out| out.write_all(page.as_bytes()))?;
         let collections = self.collections();
         if collections.is_empty() {
             remove(&directory.join("sweep.pvd"))?;

@@ -68,7 +68,10 @@ fn from_tables_to_a_case_that_is_solved() {
     for name in written["files"].as_array().unwrap() {
         assert!(out.join(name.as_str().unwrap()).exists(), "{name}");
     }
-    assert_eq!(written["files"], json!(["fit.json", "fit.svg", "fit_volumetric.svg"]));
+    assert_eq!(written["files"], json!(["fit.html", "fit.json", "fit.svg", "fit_volumetric.svg"]));
+    let page = fs::read_to_string(out.join("fit.html")).unwrap();
+    assert_eq!(page.matches("<svg").count(), 2);
+    assert!(page.contains("<td>shear</td>") && page.contains(written["best"].as_str().unwrap()), "{page}");
     // the blocks are those of a case
     for one in written["laws"].as_array().unwrap() {
         let case = json!({
@@ -101,7 +104,7 @@ fn the_same_data_give_the_same_bytes() {
     let read = |name: &str| {
         let out = directory.path().join(name);
         fit(&data, Some(out.clone()), &Console::silent()).unwrap();
-        ["fit.json", "fit.svg"].map(|file| fs::read(out.join(file)).unwrap())
+        ["fit.json", "fit.html", "fit.svg"].map(|file| fs::read(out.join(file)).unwrap())
     };
     assert_eq!(read("one"), read("other"));
 }
@@ -215,7 +218,7 @@ fn a_failed_fit_leaves_no_results_of_an_earlier_one() {
     fs::write(out.join("notes.txt"), "mine").unwrap();
     fs::write(directory.path().join("bar.csv"), "stretch,nominal_stress [MPa]\n1.2,0.1\n").unwrap();
     fit(&data, Some(out.clone()), &Console::silent()).unwrap_err();
-    for name in ["fit.json", "fit.svg", "fit_volumetric.svg", "fit_inflation.svg"] {
+    for name in ["fit.json", "fit.html", "fit.svg", "fit_volumetric.svg", "fit_inflation.svg"] {
         assert!(!out.join(name).exists(), "{name}");
     }
     assert!(out.join("notes.txt").exists());

@@ -74,6 +74,10 @@ fn every_row_has_the_numbers_of_a_run_of_its_own() {
     assert!(pvd.contains(r#"timestep="90.0""#) && pvd.contains(r#"file="mu1=110_kPa/optimum.vtu""#), "{pvd}");
     let svg = std::fs::read_to_string(place.path("out/sweep.svg")).unwrap();
     assert!(svg.contains("mu1 (kPa)") && svg.contains("cost/total"), "the axis and a curve");
+    let page = std::fs::read_to_string(place.path("out/sweep.html")).unwrap();
+    assert!(page.contains(r#"<a href="mu1=110_kPa/report.html">mu1=110_kPa</a>"#) && page.contains("<svg"), "{page}");
+    let head = "<th>exit</th><th>cost/total</th>";
+    assert!(page.contains(head) && page.matches("<tr>").count() == 3, "{page}");
     let said = heard.text();
     assert!(said.contains("2 runs of optimize") && said.contains("run 2/2     mu1=110_kPa: cost"), "{said}");
 }

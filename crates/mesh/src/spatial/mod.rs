@@ -25,6 +25,7 @@ mod shape;
 mod simplex;
 mod split;
 mod subcell;
+mod surface;
 mod tree;
 
 pub use error::SpatialError;
@@ -33,6 +34,7 @@ pub use obstacle::{Obstacle, SignedDistance};
 pub use polyhedron::{Feature, Polyhedron, SurfacePoint};
 pub use self_intersection::SelfIntersection;
 pub use shape::Shape;
+pub use surface::{Surface, exterior_facets};
 pub use tree::{Aabb, Tree};
 
 type V = nalgebra::Vector3<f64>;

@@ -190,7 +190,7 @@ impl Shape {
     }
 }
 
-fn check(mesh: &Mesh, positions: &[[f64; 3]]) -> Result<(), SpatialError> {
+pub(super) fn check(mesh: &Mesh, positions: &[[f64; 3]]) -> Result<(), SpatialError> {
     let nodes = mesh.points().len();
     if positions.len() != nodes {
         return Err(SpatialError::Positions { mesh: mesh.name().into(), nodes, found: positions.len() });
@@ -201,7 +201,7 @@ fn check(mesh: &Mesh, positions: &[[f64; 3]]) -> Result<(), SpatialError> {
     }
 }
 
-fn conversion(known: &mut BTreeMap<CellKind, Conversion>, kind: CellKind) -> &Conversion {
+pub(super) fn conversion(known: &mut BTreeMap<CellKind, Conversion>, kind: CellKind) -> &Conversion {
     known.entry(kind).or_insert_with(|| Conversion::of(kind))
 }
 

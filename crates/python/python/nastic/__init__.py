@@ -17,11 +17,13 @@ from .fits import fit
 from .mesh import Mesh
 from .problem import Constraint, Control, Problem
 from .result import Result, State
+from .shapes import Cloud, cloud, compare
 from .sweeps import Run, sweep
 
 __all__ = [
     "Case",
     "CaseError",
+    "Cloud",
     "Constraint",
     "Control",
     "Error",
@@ -34,6 +36,8 @@ __all__ = [
     "SolveError",
     "State",
     "__version__",
+    "cloud",
+    "compare",
     "fit",
     "load",
     "schema",

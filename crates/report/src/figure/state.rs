@@ -7,7 +7,7 @@ use crate::record::{MemberRecord, StateRecord};
 use nastic_mesh::Snapshot;
 
 /// A state, and the member that it is of.
-pub(super) struct State<'a> {
+pub(crate) struct State<'a> {
     /// The name of its file without `.vtu`.
     pub name: String,
     pub label: String,

@@ -1,6 +1,8 @@
 //! The JSON Schema of results.
 
-use crate::record::{EigenvectorsRecord, ErrorRecord, FitRecord, RunRecord, SweepRecord, TrialRecord};
+use crate::record::{
+    ComparisonRecord, EigenvectorsRecord, ErrorRecord, FitRecord, RunRecord, SweepRecord, TrialRecord,
+};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde_json::Value;
 
@@ -19,11 +21,12 @@ impl RunRecord {
     #[must_use]
     pub fn schema() -> Value {
         let mut generator = SchemaGenerator::default();
-        // what other files hold: history.jsonl, sweep.json, spectrum.json, fit.json, errors
+        // what other files hold: history.jsonl, sweep.json, spectrum.json, fit.json, `compare --json`, errors
         generator.subschema_for::<TrialRecord>();
         generator.subschema_for::<SweepRecord>();
         generator.subschema_for::<EigenvectorsRecord>();
         generator.subschema_for::<FitRecord>();
+        generator.subschema_for::<ComparisonRecord>();
         generator.subschema_for::<ErrorRecord>();
         let mut schema = generator.into_root_schema_for::<Self>().to_value();
         tidy(&mut schema);

@@ -73,7 +73,7 @@ pub(super) fn chart(title: &str, swept: &[SweptRecord], axis: &SweepAxis, rows: 
 }
 
 /// Cost, distances and uniform controls; without any of them the displacements of probes.
-fn figures(rows: &[SweepRow]) -> Vec<&str> {
+pub(super) fn figures(rows: &[SweepRow]) -> Vec<&str> {
     let mut known: Vec<&str> = Vec::new();
     for row in rows {
         let numbers = row.figures.iter().filter(|(_, value)| value.is_number()).map(|(path, _)| path.as_str());

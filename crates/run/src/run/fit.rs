@@ -12,6 +12,7 @@ use crate::run::output_directory::directory_of;
 use nastic_case::lower::read_tests;
 use nastic_case::output_names::FIT;
 use nastic_fit::{FitError, FitOptions, Law, fit as fit_law};
+use nastic_io::write_atomically;
 use nastic_language::schema::FitData;
 use nastic_language::syntax::Document;
 use nastic_report::record::{FailedLawRecord, FitRecord};
@@ -20,6 +21,8 @@ use std::path::{Path, PathBuf};
 
 /// The results.
 const FILE: &str = "fit.json";
+/// The page.
+const PAGE: &str = "fit.html";
 
 /// What a fit found.
 #[derive(Clone, PartialEq, Debug)]
@@ -30,7 +33,7 @@ pub struct FitOutcome {
     pub result: Value,
 }
 
-/// Fits the laws of a data file to its tests, writes `fit.json` and `fit.svg` to `out` (else to `out/DATA` beside the file), and says what was found.
+/// Fits the laws of a data file to its tests, writes `fit.json`, `fit.html` and `fit.svg` to `out` (else to `out/DATA` beside the file), and says what was found.
 ///
 /// # Errors
 /// [`RunError::Input`]: a file that cannot be read, a row of a table that is none; [`RunError::Fit`]: no law could be fitted;
@@ -42,6 +45,7 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     let out = Directory::claim(out.unwrap_or_else(|| directory_of(&document, None)), FIT, [data])?;
     // They belong to an earlier fit, and would stand there as results of this one if it fails.
     out.remove(FILE)?;
+    out.remove(PAGE)?;
     plot::files().try_for_each(|name| out.remove(&name))?;
     let errors = asked.errors.errors();
     let options = FitOptions { errors, starts: asked.starts, seed: asked.seed, ..FitOptions::default() };
@@ -69,8 +73,8 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
     for (name, chart) in &charts {
         chart.write(out.file(name))?;
     }
-    let files: Vec<String> =
-        std::iter::once(FILE.to_owned()).chain(charts.iter().map(|(name, _)| name.clone())).collect();
+    let names = [PAGE, FILE].into_iter().map(str::to_owned);
+    let files: Vec<String> = names.chain(charts.iter().map(|(name, _)| name.clone())).collect();
     let least = best.fit.criteria.aicc;
     let failure = |(law, why): &(Law, FitError)| FailedLawRecord { law: law.label(), why: why.to_string() };
     let record = FitRecord {
@@ -86,6 +90,8 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
         exit: Exit::Done.code(),
     };
     out.write_json(FILE, &record)?;
+    let page = record.page(&charts.iter().filter_map(|(_, chart)| chart.svg()).collect::<Vec<_>>());
+    write_atomically(out.file(PAGE), |file| file.write_all(page.as_bytes()))?;
     console.say(format!("results     {}: {}", out.path().display(), record.files.join(", ")));
     let result = serde_json::to_value(record).unwrap_or_default(); // records have keys that are texts
     Ok(FitOutcome { exit: Exit::Done, result })

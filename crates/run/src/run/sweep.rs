@@ -243,7 +243,7 @@ impl Work<'_> {
                 ));
             }
             Share::Whole | Share::Join => {
-                let files = "sweep.csv, sweep.json, sweep.svg, sweep.pvd";
+                let files = "sweep.html, sweep.csv, sweep.json, sweep.svg, sweep.pvd";
                 console.say(format!("results     {}: {files}", self.out.display()));
             }
         }

@@ -1,0 +1,84 @@
+//! A sweep as a page: its chart, and its runs with their pages.
+
+use super::SweepTable;
+use crate::html::{escape, paragraph, section};
+use crate::number::short;
+use crate::plain_page::{drawing, plain_page};
+use crate::sweep::row::SweepRow;
+use serde_json::Value;
+
+/// Numbers that the table shows; `sweep.csv` has all.
+const SHOWN: usize = 8;
+
+impl SweepTable {
+    /// The page, with the drawing of the sweep where there is one.
+    pub(super) fn page(&self, svg: Option<&str>) -> String {
+        let asked = &self.asked;
+        let mut words: String =
+            asked.swept.iter().map(|one| paragraph(&format!("{}: {}", one.path, one.values.join(", ")))).collect();
+        words += &asked.fixed.iter().map(|one| paragraph(&format!("fixed: {one}"))).collect::<String>();
+        if !self.missing.is_empty() {
+            words += &paragraph(&format!("Missing runs: {}", self.missing.join(", ")));
+        }
+        let body = [
+            section("swept", "What is swept", &words),
+            section("chart", "Chart", &svg.map(drawing).unwrap_or_default()),
+            section("runs", "Runs", &self.runs()),
+        ];
+        plain_page(&self.title, &format!("{} of {}", asked.command, asked.case), &body.concat())
+    }
+
+    fn runs(&self) -> String {
+        let figures = self.figures_shown();
+        let swept = self.asked.swept.iter().map(|one| one.path.as_str());
+        let head: String = ["run"]
+            .into_iter()
+            .chain(swept)
+            .chain(["exit"])
+            .chain(figures.iter().map(String::as_str))
+            .map(|name| format!("<th>{}</th>", escape(name)))
+            .collect();
+        let rows: String = self.rows.iter().map(|row| line(row, &figures)).collect();
+        let all = paragraph("sweep.csv has all numbers; each run's page is behind its name.");
+        format!(
+            "<div class=\"scroll\"><table><thead><tr>{head}<th></th></tr></thead>\n<tbody>{rows}</tbody></table></div>\n{all}"
+        )
+    }
+
+    /// The numbers of the chart, and what else tells runs from each other at a glance.
+    fn figures_shown(&self) -> Vec<String> {
+        let mut out: Vec<String> = super::chart::figures(&self.rows).into_iter().map(str::to_owned).collect();
+        for more in ["min_J", "iterations", "newton_iterations"] {
+            if self.rows.iter().any(|row| row.figures.contains_key(more)) {
+                out.push(more.to_owned());
+            }
+        }
+        out.truncate(SHOWN);
+        out
+    }
+}
+
+fn line(row: &SweepRow, figures: &[String]) -> String {
+    let name = escape(&row.directory);
+    // what would end a path within an address
+    let address =
+        [("%", "%25"), ("#", "%23"), ("?", "%3F")].iter().fold(name.clone(), |to, (of, by)| to.replace(of, by));
+    let mut cells = format!("<td><a href=\"{address}/report.html\">{name}</a></td>");
+    let mut cell = |text: &str| cells += &format!("<td>{}</td>", escape(text));
+    row.values.iter().for_each(|(_, value)| cell(value));
+    cell(&row.exit.to_string());
+    for figure in figures {
+        cell(&row.number(figure).map_or_else(|| "-".to_owned(), short));
+    }
+    let remark = row.error.clone().or_else(|| row.figures.get("stop").and_then(Value::as_str).map(str::to_owned));
+    let warnings =
+        if row.warnings.is_empty() { String::new() } else { format!("warnings: {}", row.warnings.join(", ")) };
+    cell(
+        &[remark.unwrap_or_default(), warnings]
+            .into_iter()
+            .filter(|text| !text.is_empty())
+            .collect::<Vec<_>>()
+            .join("; "),
+    );
+    format!("<tr>{cells}</tr>\n")
+}
