@@ -7,6 +7,7 @@ mod admissible_moves;
 mod assembly;
 mod cavity;
 mod cavity_volume;
+mod chamber_with_friction;
 mod changing_pairs;
 mod checkpoints;
 mod closed_forms;
