@@ -4,7 +4,8 @@
 //! strain and in space, seven elements, Poisson's ratio 0.1 to 0.45, held at the bottom; half-spaces (tilted), spheres, capsules, boxes and meshed
 //! boxes (with a rounding radius) of a fifth of the block's size to twice that, which go into its top by up to 0.3 of its height, and
 //! sideways by up to half of that: in one static solve, or with friction (0.1 to 1) in ten quasi-static steps. Prints every problem that failed, was
-//! pressed through or took more than 300 Newton iterations, and a summary.
+//! pressed through, took more than 300 Newton iterations, or has a node deeper inside the obstacle than its contact reports (by a tenth of the
+//! layer's thickness; measured from where nodes are), and a summary.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
@@ -29,6 +30,8 @@ const STEPS: usize = 10;
 /// A problem and what it is, in words.
 struct Problem {
     solid: Solid,
+    /// At rest.
+    obstacle: Obstacle,
     /// Where the obstacle goes.
     way: [f64; 3],
     friction: bool,
@@ -40,7 +43,7 @@ fn main() -> Result<(), Failure> {
     arguments.use_threads()?;
     let (count, seed) = (arguments.number("count", 300)?, arguments.number("seed", 1)? as u64);
     let only = arguments.number("only", usize::MAX)?;
-    let (mut solved, mut through, mut failed, mut panicked, mut newton) = (0, 0, 0, 0, Vec::new());
+    let (mut solved, mut through, mut unreported, mut failed, mut panicked, mut newton) = (0, 0, 0, 0, 0, Vec::new());
     for index in (0..count).filter(|index| only == usize::MAX || *index == only) {
         let problem = problem(seed, index as u64)?;
         let began = Instant::now();
@@ -64,6 +67,16 @@ fn main() -> Result<(), Failure> {
                     through += 1;
                     tell(&format!("pressed through by {:.2e}", touch.sunk));
                 }
+                let depth = depth(&problem, &state)?;
+                if depth
+                    > (-touch.smallest_gap).max(0.0) + 0.1 * problem.solid.model().touch_parameters()[0].1.thickness
+                {
+                    unreported += 1;
+                    tell(&format!(
+                        "UNREPORTED: a node is inside by {depth:.2e}, the gap is {:.2e}",
+                        touch.smallest_gap
+                    ));
+                }
                 if iterations > MANY {
                     tell(&format!("{iterations} Newton iterations, {} cuts", state.report.cuts));
                 }
@@ -73,7 +86,7 @@ fn main() -> Result<(), Failure> {
     newton.sort_unstable();
     let at = |share: f64| newton.get((share * newton.len() as f64) as usize).copied().unwrap_or(0);
     println!(
-        "{solved} of {} solved ({through} of them pressed through), {failed} failed, {panicked} panics; Newton iterations: median {}, \
+        "{solved} of {} solved ({through} of them pressed through, {unreported} unreported), {failed} failed, {panicked} panics; Newton iterations: median {}, \
          nine of ten below {}, most {}",
         solved + failed + panicked,
         at(0.5),
@@ -81,6 +94,18 @@ fn main() -> Result<(), Failure> {
         newton.last().copied().unwrap_or(0)
     );
     Ok(())
+}
+
+/// How deep inside of the obstacle, where it is at the end, the deepest node of the surface that may touch is.
+fn depth(problem: &Problem, state: &State) -> Result<f64, Failure> {
+    let mesh = problem.solid.mesh();
+    let (dim, top) = (mesh.dim(), if mesh.dim() == 2 { "y+" } else { "z+" });
+    let distance = |node: &u32| {
+        let (n, x) = (*node as usize, mesh.points()[*node as usize]);
+        let u = |i: usize| if i < dim { state.u[dim * n + i] } else { 0.0 };
+        problem.obstacle.distance(&std::array::from_fn(|i| x[i] + u(i) - problem.way[i]))
+    };
+    Ok(-problem.solid.nodes_of(top)?.iter().map(distance).fold(f64::INFINITY, f64::min))
 }
 
 /// The last state, and the Newton iterations that it took.
@@ -133,7 +158,7 @@ fn problem(seed: u64, index: u64) -> Result<Problem, Failure> {
     let sideways = between(&mut random, -0.5, 0.5) * depth;
     let (obstacle, what) = obstacle(&mut random, height, place)?;
     let friction = (random.symmetric() > 0.0).then(|| between(&mut random, 0.1, 1.0));
-    let contact = Contact::of("contact", top, obstacle);
+    let contact = Contact::of("contact", top, obstacle.clone());
     let contact = match friction {
         Some(friction) => contact.friction(friction, 0.01),
         None => contact,
@@ -144,7 +169,7 @@ fn problem(seed: u64, index: u64) -> Result<Problem, Failure> {
         friction.map_or_else(String::new, |friction| format!(", friction {friction:.2}"))
     );
     let way = place(sideways, 0.3 * sideways, -depth - 0.05);
-    Ok(Problem { solid: solid.contact(contact)?, way, friction: friction.is_some(), about })
+    Ok(Problem { solid: solid.contact(contact)?, obstacle, way, friction: friction.is_some(), about })
 }
 
 /// Above the middle of the top, by 0.05.

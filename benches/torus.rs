@@ -2,8 +2,8 @@
 //!
 //! `cargo bench --bench torus -- mesh=torus.vtk what=reference|drop|grip threads=1`: the mesh is Drake's, legacy VTK, scaled by 0.65;
 //! `reference` is the gripped torus of 24 steps with its gradient, against another program's numbers (docs/development/verification.md).
-//! `drop`: modulus=5000 height=0.28 step=1e-2 mu=1.15. `grip`: modulus=5000 closed=0.4 finger=capsule|box step=1e-2 until=5.5. Both:
-//! thickness in m (0 for the default) and slip=1e-3 m/s.
+//! `drop`: modulus=5000 height=0.28 step=1e-2 mu=1.15 until=0.6, out=FILE for the positions at the end. `grip`: modulus=5000 closed=0.4
+//! finger=capsule|box step=1e-2 until=5.5. Both: thickness in m (0 for the default) and slip=1e-3 m/s.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
@@ -39,6 +39,7 @@ fn main() -> Result<(), Failure> {
         "thickness",
         "slip",
         "mu",
+        "out",
     ];
     let arguments = Arguments::read(&known)?;
     arguments.use_threads()?;
@@ -158,8 +159,17 @@ fn drop(mesh: &Mesh, arguments: &Arguments) -> Result<(), Failure> {
     let (mu, slip) = (real(arguments, "mu", 1.15)?, real(arguments, "slip", 1e-3)?);
     let contact = layer(if mu > 0.0 { floor().friction(mu, slip) } else { floor() }, arguments)?;
     let solid = torus(lifted(mesh, height - tube)?, modulus)?.contact(contact)?;
-    let steps = vec![StepTo { dt: h, controls: solid.controls() }; (0.6 / h).round() as usize];
+    let until: f64 = real(arguments, "until", 0.6)?;
+    let steps = vec![StepTo { dt: h, controls: solid.controls() }; (until / h).round() as usize];
     let found = run(&solid, &steps, solid.controls())?;
+    let out = arguments.text("out", "");
+    if !out.is_empty() {
+        let u = &found.trajectory.end().u;
+        let place = |(n, x): (usize, &[f64; 3])| {
+            format!("{} {} {}\n", x[0] + u[3 * n], x[1] + u[3 * n + 1], x[2] + u[3 * n + 2])
+        };
+        std::fs::write(out, solid.mesh().points().iter().enumerate().map(place).collect::<String>())?;
+    }
     print(&solid, &found, &format!("drop, E {modulus}, from {height}, step {h}"), "")
 }
 

@@ -75,6 +75,11 @@ impl Model {
         self.others.iter().filter_map(own).collect()
     }
 
+    /// Whether something is there that the body may touch.
+    pub(crate) fn touches_something(&self) -> bool {
+        self.others.iter().any(|other| other.touches().is_some())
+    }
+
     pub(crate) fn each_touching(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Touches, &Instant)) {
         let Ok(()) = self.each_other(at, |contribution, at| {
             if let Some(touches) = contribution.touches() {

@@ -108,12 +108,14 @@ pub(crate) struct Limits {
     pub lost: (usize, usize),
     /// Growth of the residual beyond its least value at which it is given up.
     pub diverged: f64,
+    /// Steps in a row that are shorter than a length at which it is given up.
+    pub creeps: (usize, f64),
 }
 
 impl Limits {
     /// So many steps to an accuracy.
     pub fn new(most: usize, accuracy: f64) -> Self {
-        Limits { most, accuracy, lost: (30, 3), diverged: f64::INFINITY }
+        Limits { most, accuracy, lost: (30, 3), diverged: f64::INFINITY, creeps: (usize::MAX, 0.0) }
     }
 }
 
@@ -122,11 +124,13 @@ pub(crate) struct Iteration<'a> {
     equations: &'a Equations<'a>,
     limits: Limits,
     search: LineSearch<'a>,
+    /// Short steps in a row.
+    short: usize,
 }
 
 impl<'a> Iteration<'a> {
     pub fn new(equations: &'a Equations<'a>, limits: Limits) -> Self {
-        Iteration { equations, limits, search: LineSearch::new(equations) }
+        Iteration { equations, limits, search: LineSearch::new(equations), short: 0 }
     }
 
     /// From x to a solution, and what the last tangent was (positive where none was needed); where it stops short, x is the last
@@ -166,7 +170,8 @@ impl<'a> Iteration<'a> {
             let unresolved = tiny.is_some() && equations.model.unknowns().multipliers() == 0;
             let lost = iteration >= limits.lost.0 && report.shifted - shifted >= limits.lost.1;
             let diverged = limits.diverged.is_finite() && (relative > limits.diverged * least || !relative.is_finite());
-            if iteration == limits.most || unresolved || lost || diverged {
+            let creeps = self.short >= limits.creeps.0;
+            if iteration == limits.most || unresolved || lost || diverged || creeps {
                 return Err(Stop::Slow { residual: relative });
             }
             (before, least) = (relative, relative.min(least));
@@ -210,6 +215,7 @@ impl<'a> Iteration<'a> {
         let step = direction.find(here, report)?;
         report.newton += 1;
         let taken = self.search.take(here, &step, direction, report)?;
+        self.short = if taken.length < self.limits.creeps.1 { self.short + 1 } else { 0 };
         let resolved = step.size > RESOLUTION * self.equations.diagonal();
         // of the displacement alone it says nothing of further fields
         let alone = self.equations.model.unknowns().has_one_nodal_field();

@@ -18,6 +18,11 @@ const TO_SADDLE: Rule = Rule { decrease: 0.1, tries: 4 };
 /// Under constraints a whole step that leaves this share of the residual is taken whatever the potential.
 const FALLS: Rule = Rule { decrease: 0.5, tries: 1 };
 
+/// Least share of a length that the next one has.
+const SHORTEST: f64 = 0.1;
+/// Longer steps that are tried where parabolas asked for less than that share: a contact that closes is a wall, far from which they see nothing else.
+const BEFORE_WALL: usize = 3;
+
 #[derive(Clone, Copy)]
 struct Rule {
     decrease: f64,
@@ -189,25 +194,38 @@ impl<'a> LineSearch<'a> {
     ) -> Result<Option<Taken<'a>>, Inadmissible> {
         let line = merit.line();
         let least_j = if merit.is_energy() { COLLAPSE * here.now.min_j } else { f64::NEG_INFINITY };
-        let mut length = longest;
-        for _ in 0..rule.tries {
+        let (mut length, mut wall) = (longest, None);
+        let at = |length: f64| -> Result<_, Inadmissible> {
             let trial = path(length);
             // the straight move to the longest one was checked
             let reached = along == Along::Straight || self.equations.chord(here.point, here.x, &trial)? >= 1.0;
             let found = if reached { merit.value(self.equations, &trial).ok() } else { None };
-            let Some((value, now)) = found.filter(|(_, now)| now.sums.min_j >= least_j) else {
+            Ok(found.filter(|(_, now)| now.sums.min_j >= least_j).map(|(value, now)| (trial, value, now)))
+        };
+        for _ in 0..rule.tries {
+            let Some((trial, value, now)) = at(length)? else {
                 length *= 0.5;
                 continue;
             };
             let change = value - line.start;
             if change <= rule.decrease * length * line.slope + line.noise {
-                let now = merit.accepted(self.equations, (&trial, length), now)?;
-                return Ok(Some(Taken { x: trial, now, length }));
+                let mut best = (trial, value, now);
+                for _ in 0..wall.map_or(0, |_| BEFORE_WALL) {
+                    let longer = wall.map_or(length, |wall: f64| (length * wall).sqrt());
+                    match at(longer)?.filter(|(_, value, _)| *value < best.1) {
+                        Some(found) => (best, length) = (found, longer),
+                        None => break,
+                    }
+                }
+                let now = merit.accepted(self.equations, (&best.0, length), best.2)?;
+                return Ok(Some(Taken { x: best.0, now, length }));
             }
             // the vertex of the parabola through the start, its slope and this value
             let vertex = -line.slope * length * length / (2.0 * (change - line.slope * length));
             let shorter = merit.is_energy() && vertex.is_finite();
-            length = if shorter { vertex.clamp(0.1 * length, 0.5 * length) } else { 0.5 * length };
+            wall =
+                (shorter && vertex < SHORTEST * length && self.equations.model.touches_something()).then_some(length);
+            length = if shorter { vertex.clamp(SHORTEST * length, 0.5 * length) } else { 0.5 * length };
         }
         Ok(None)
     }

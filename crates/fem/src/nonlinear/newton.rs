@@ -33,7 +33,17 @@ impl Equations<'_> {
         solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
     ) -> Result<Curvature, Stop> {
-        let limits = Limits::new(self.options.max_newton, self.options.accuracy);
+        self.solve_within(Limits::new(self.options.max_newton, self.options.accuracy), x, solver, report)
+    }
+
+    /// The same within limits.
+    pub fn solve_within(
+        &self,
+        limits: Limits,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Curvature, Stop> {
         if self.model.unknowns().multipliers() > 0 {
             let mut direction = Bordered::new(self, x, solver);
             return Iteration::new(self, limits).run(x, &mut direction, report);

@@ -4,7 +4,7 @@ use crate::contributions::controls::Controls;
 use crate::contributions::instant::{FrictionLag, Instant, TimeStep};
 use crate::error::StateError;
 use crate::model::Model;
-use crate::nonlinear::iteration::Stop;
+use crate::nonlinear::iteration::{Limits, Stop};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
@@ -14,10 +14,22 @@ use std::sync::Arc;
 const ITERATIONS: usize = 20;
 /// Rounds of lagged friction.
 const ROUNDS: usize = 30;
-/// Factors of the slip speed behind a round that was not found, and behind one that was; the largest.
-const ROUGHER: f64 = 10.0;
-const FINER: f64 = 3.0;
+/// The largest factor of the slip speed.
 const ROUGHEST: f64 = 1e4;
+
+/// When a way is left that creeps.
+struct Patience {
+    /// Steps in a row that are shorter than a length, with implicit friction and in a round.
+    at_once: (usize, f64),
+    round: (usize, f64),
+    /// Factors of the slip speed behind a round that was not found, and behind one that was.
+    rougher: f64,
+    finer: f64,
+}
+
+/// First in haste: what goes, goes in long steps.
+const HASTE: Patience = Patience { at_once: (3, 0.1), round: (4, 0.03), rougher: 100.0, finer: 10.0 };
+const PATIENCE: Patience = Patience { at_once: (usize::MAX, 0.0), round: (usize::MAX, 0.0), rougher: 10.0, finer: 3.0 };
 /// Relative residual to which a round is solved, and below which what is left of friction is tried at once.
 const ROUND: f64 = 1e-6;
 const NEAR: f64 = 0.1;
@@ -57,25 +69,51 @@ impl Model {
         }
         let once = SolveOptions { max_newton: how.max_newton.min(ITERATIONS), ..how.clone() };
         let at_once = self.equations(controls, 1.0, Some(step), 1.0, &once);
+        let limits = Limits { creeps: HASTE.at_once, ..Limits::new(once.max_newton, how.accuracy) };
         if how.guess.is_none() {
             let mut u = start.clone();
-            match at_once.solve(&mut u, self.linear_solver(how, workspace), report) {
+            match at_once.solve_within(limits, &mut u, self.linear_solver(how, workspace), report) {
                 Ok(_) => return found(u, 0, report),
                 Err(stop) => go_on(stop)?,
             }
             workspace.forget();
         }
-        let mut lag = FrictionLag { u: near.u.clone(), controls: near.controls.clone(), smoothing: 1.0 };
-        let mut u = start;
+        for patience in [HASTE, PATIENCE] {
+            if let Some((u, rounds)) =
+                self.rounds(near, (&start, controls), (how, step), &patience, workspace, report)?
+            {
+                return found(u, rounds, report);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Rounds of lagged friction: the displacement that they lead to, and their number.
+    fn rounds(
+        &self,
+        near: &State,
+        (start, controls): (&[f64], &Controls),
+        (how, step): (&SolveOptions, &TimeStep),
+        patience: &Patience,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<Option<(Vec<f64>, usize)>, StateError> {
+        let once = SolveOptions { max_newton: how.max_newton.min(ITERATIONS), ..how.clone() };
+        let at_once = self.equations(controls, 1.0, Some(step), 1.0, &once);
+        let at_once_within = Limits { creeps: patience.at_once, ..Limits::new(once.max_newton, how.accuracy) };
         let each = SolveOptions { accuracy: how.accuracy.max(ROUND), ..how.clone() };
+        let each_within = Limits { creeps: patience.round, ..Limits::new(each.max_newton, each.accuracy) };
+        let mut lag = FrictionLag { u: near.u.clone(), controls: near.controls.clone(), smoothing: 1.0 };
+        let mut u = start.to_vec();
         for round in 1..=ROUNDS {
             let lagged = TimeStep { lag: Some(lag.clone()), ..step.clone() };
             let equations = self.equations(controls, 1.0, Some(&lagged), 1.0, &each);
             let mut end = u.clone();
-            if let Err(stop) = equations.solve(&mut end, self.linear_solver(how, workspace), report) {
+            if let Err(stop) = equations.solve_within(each_within, &mut end, self.linear_solver(how, workspace), report)
+            {
                 go_on(stop)?;
                 workspace.forget();
-                lag.smoothing *= ROUGHER;
+                lag.smoothing *= patience.rougher;
                 if lag.smoothing > ROUGHEST {
                     return Ok(None);
                 }
@@ -85,13 +123,13 @@ impl Model {
             let Ok(now) = at_once.evaluate(&u) else { return Ok(None) };
             if at_once.residual(&now.sums).1 < NEAR {
                 let mut end = u.clone();
-                match at_once.solve(&mut end, self.linear_solver(how, workspace), report) {
-                    Ok(_) => return found(end, round, report),
+                match at_once.solve_within(at_once_within, &mut end, self.linear_solver(how, workspace), report) {
+                    Ok(_) => return Ok(Some((end, round))),
                     Err(stop) => go_on(stop)?,
                 }
                 workspace.forget();
             }
-            let smoothing = (lag.smoothing / FINER).max(1.0);
+            let smoothing = (lag.smoothing / patience.finer).max(1.0);
             lag = FrictionLag { u: Arc::new(u.clone()), controls: Arc::new(controls.clone()), smoothing };
         }
         Ok(None)

@@ -5,11 +5,14 @@
 pub mod beam;
 pub mod block;
 pub mod driven_motion;
+pub mod half_space;
 pub mod homogeneous;
+pub mod indentation;
 pub mod motion;
 pub mod own_contributions;
 pub mod poisson;
 pub mod rubber;
+pub mod sheared;
 pub mod shells;
 
 use nastic_energy::EnergyTerm;
