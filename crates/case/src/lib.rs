@@ -1,6 +1,7 @@
 //! From a case to a problem: meshes read, formulas evaluated, names looked up; and what deserves attention in it.
 
 pub mod analysis;
+pub mod describe;
 pub mod expectation;
 pub mod lower;
 pub mod output_names;

@@ -41,7 +41,7 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> ByName<ControlRecord
 }
 
 fn control(problem: &CaseProblem, (block, field): (&EnsembleBlock, &ControlField), m: &[f64]) -> ControlRecord {
-    let own = owner(problem, block);
+    let own = problem.control_block(block);
     let (n, values_of) = (own.components, block.of(m));
     let size = |v: &[f64]| if n == 1 { v[0] } else { norm(v) };
     let sizes: Vec<f64> = values_of.chunks_exact(n).map(size).collect();
@@ -113,11 +113,6 @@ pub(crate) fn active(values: &[f64], components: usize, field: &ControlField) ->
     let size = |v: &[f64]| if components == 1 { v[0] } else { norm(v) };
     let sizes = values.chunks_exact(components).map(size).enumerate();
     sizes.filter(|(i, x)| is_active(*i, *x, field)).count()
-}
-
-/// A control field as the first member that uses it has it.
-pub(crate) fn owner<'p>(problem: &'p CaseProblem, block: &EnsembleBlock) -> &'p ControlBlock {
-    &problem.member(block.owner).layout().blocks()[block.field]
 }
 
 /// Whether a value lies on a bound; on a sphere every vector does, which says nothing.

@@ -93,7 +93,7 @@ fn idle(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session:
 /// A control all of whose values lie on bounds.
 fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session: &Session<'_>) -> Option<Warning> {
     let m = block.of(&run.best.m);
-    let components = controls::owner(&session.problem, block).components;
+    let components = session.problem.control_block(block).components;
     let on_bounds = controls::active(m, components, field);
     if m.is_empty() || on_bounds * components < m.len() {
         return None;

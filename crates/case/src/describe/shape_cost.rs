@@ -1,6 +1,6 @@
 //! Terms of the cost and the values of their keys in words.
 
-use crate::run::describe::costs::obstacle;
+use super::costs::obstacle;
 use nastic_control::CostWords;
 use nastic_language::expression::Formula;
 use nastic_language::number::{count, short};

@@ -1,14 +1,15 @@
 //! A motion in words: its steps, masses and dissipation.
 
-use crate::run::describe::line::{Line, line};
-use crate::run::describe::parameters::scalar;
-use nastic_case::lower::CaseProblem;
+use super::line::{Line, line};
+use super::parameters::scalar;
+use crate::lower::CaseProblem;
 use nastic_control::{ControlBlock, Timeline};
 use nastic_language::number::{count, grouped, quantity, short, vector};
 use nastic_language::quantity::{Dimension, Units};
 use nastic_language::schema::{Beginning, KnotInterpolation, Material, Parameter, Time, When};
 
-pub(in crate::run) fn time(problem: &CaseProblem) -> Vec<Line> {
+/// Steps, start and dissipation of a motion; nothing of an equilibrium.
+pub fn time(problem: &CaseProblem) -> Vec<Line> {
     let Some(time) = &problem.case.time else { return vec![] };
     let units = problem.units();
     let of = |value: f64| quantity(value, Dimension::TIME, units);
