@@ -26,6 +26,8 @@ pub const WARNINGS: &[&WarningKind] = &[
     &UNITS,
     &LOCKING,
     &EXTREME_DEFORMATION,
+    &STILL,
+    &FREE_FLIGHT,
     &TRUNCATED_FIELD,
     &CELL_SHAPE,
     &UNMATCHED_INTERFACE,
@@ -116,6 +118,22 @@ pub const EXTREME_DEFORMATION: WarningKind = WarningKind {
     code: "extreme_deformation",
     about: "the body is deformed far beyond what its law was measured for",
     advice: "check the units of loads, actuations and moduli (nastic check prints them), or bound the control more narrowly",
+};
+
+/// Less than anyone sees.
+pub const STILL: WarningKind = WarningKind {
+    code: "still",
+    about: "something acts on the body, and no point of it moves visibly",
+    advice: "check the units of moduli, loads and actuations (nastic check prints them): of a modulus in Pa that was meant in kPa, of a force that \
+             acts on what is held",
+};
+
+/// A body that leaves.
+pub const FREE_FLIGHT: WarningKind = WarningKind {
+    code: "free_flight",
+    about: "a part of the body that nothing holds moves by many times its own size",
+    advice: "hold it (\"supports\"), give the surface that it shall land on a \"contact\", or end the motion earlier (\"time\": { \"end\" }); check the unit of \
+             gravity and loads",
 };
 
 /// A random field without most of its variance.

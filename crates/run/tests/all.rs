@@ -11,6 +11,7 @@ mod constraints;
 mod contact;
 mod damaged_checkpoints;
 mod documents;
+mod doubtful;
 mod ensembles;
 mod fibers;
 mod fit;

@@ -3,12 +3,9 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
-use super::named_groups;
-use crate::warning::UNITS;
+use super::{magnitude, named_groups};
 use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch};
 use nastic_fem::{Inertia, Solid};
-use nastic_language::number::short;
-use nastic_language::quantity::Dimension;
 use nastic_language::schema::{Case, MassKind, Material, Parameter};
 use nastic_language::syntax::At;
 use nastic_tensor::Vec3;
@@ -31,16 +28,10 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     }
 }
 
-/// Materials are between these, kg/m^3: foams and heavy metals.
-const USUAL: std::ops::RangeInclusive<f64> = 10.0..=30_000.0;
-
 fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for material in &case.materials {
-        let density = material.density.map(|density| context.units.in_si(density, Dimension::DENSITY));
-        if let Some(strange) = density.filter(|density| !USUAL.contains(density)) {
-            let message =
-                format!("a density of {} kg/m^3 is no usual one: give its unit, as in \"1000 kg/m^3\"", short(strange));
-            context.warn(&UNITS, &material.at.key("density"), message);
+        if let Some(density) = material.density {
+            magnitude::check_density(density, &material.at.key("density"), context);
         }
     }
     let dense = case.materials.iter().filter_map(|material| Some((material, material.density?)));
@@ -67,6 +58,7 @@ fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
 fn add_weight(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     let heavy = case.loads.iter().filter_map(|load| Some((load, load.gravity.as_ref()?.xyz())));
     for (load, gravity) in heavy {
+        magnitude::check_gravity(gravity, &load.at.key("gravity"), context);
         let mut dense = case.materials.iter().filter_map(|material| Some((material, material.density?))).peekable();
         if dense.peek().is_none() {
             let message = "weight needs masses: give every material a \"density\", as in \"1000 kg/m^3\"";

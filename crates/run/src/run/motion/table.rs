@@ -19,6 +19,7 @@ pub(super) const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
 /// Columns of every table.
 pub(super) const KINETIC_ENERGY: usize = 1;
 pub(super) const POTENTIAL: usize = 2;
+pub(super) const MIN_J: usize = 3;
 
 /// Columns of a table of a motion, one row for every step.
 pub(crate) struct Table {
