@@ -50,6 +50,7 @@ mod sweep_plan;
 mod swept;
 mod target_shape;
 mod tension;
+mod test_stiffness;
 mod test_table;
 mod time;
 mod time_table;

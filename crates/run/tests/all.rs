@@ -41,6 +41,7 @@ mod stability;
 mod start_parts;
 mod starts;
 mod stopped_motion;
+mod stress_units;
 mod study;
 mod study_signal;
 mod sweep;

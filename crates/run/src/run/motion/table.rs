@@ -9,7 +9,7 @@ use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{Instant, State, TimeStep, Touch};
 use nastic_language::quantity::Dimension;
 use nastic_picture::{Chart, Curve};
-use nastic_report::csv::quoted;
+use nastic_report::csv::column;
 
 /// Curves of a chart.
 const CURVES: usize = 6;
@@ -99,7 +99,7 @@ impl Table {
     }
 
     pub fn csv(&self) -> String {
-        let mut text = self.names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(",") + "\n";
+        let mut text = self.names.iter().map(|name| column(name)).collect::<Vec<_>>().join(",") + "\n";
         for row in &self.rows {
             text += &(row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(",") + "\n");
         }

@@ -220,6 +220,7 @@ fn write(
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
+    let of_motion = motion::write(problem, records, &out)?;
     let mut files = vec!["history.jsonl".to_owned()];
     let lead = problem.leads().next().map_or_else(String::new, title);
     let several = problem.case.optimizer.starts > 1;
@@ -268,7 +269,7 @@ fn write(
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
     files.extend(write_collections(problem, "optimum", &out)?);
-    files.extend(motion::write(problem, records, &out)?);
+    files.extend(of_motion);
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::beside(member))));
     files.extend(crate::result::target_files::target_files(problem));
     let number = if several { format!("start_{best_start}_") } else { String::new() };

@@ -121,6 +121,7 @@ pub(crate) fn write(
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
     // first the numbers of a motion, which nothing else holds
+    let of_motion = motion::write(problem, records, &out)?;
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.members) {
         let found = found.get(member.index());
@@ -150,7 +151,7 @@ pub(crate) fn write(
     }
     files.extend(write_targets(problem, &out)?);
     files.extend(write_collections(problem, "start", &out)?);
-    files.extend(motion::write(problem, records, &out)?);
+    files.extend(of_motion);
     say_files(session, files);
     Ok(())
 }
