@@ -40,7 +40,7 @@ pub(crate) fn members(result: &RunRecord) -> String {
     let rows: Vec<Vec<String>> = measures
         .map(|(name, one)| vec![measure(name, one.level), number(one.value, ""), number(one.exact, "")])
         .collect();
-    content += &table(&["measure of risk", "value", "without smoothing"], &rows);
+    content += &table(&["measure of risk", "value", "smoothed, as it is optimised"], &rows);
     section("members", "Scenarios and load cases", &content)
 }
 

@@ -52,3 +52,4 @@ mod time;
 mod time_tolerance;
 mod vibrations;
 mod warnings;
+mod worst_case;

@@ -143,7 +143,14 @@ fn say(
         ));
     }
     let (from, now) = (&result.start.cost, &result.cost);
-    console.say(format!("cost        {}", fall(*from.total, *now.total)));
+    match result.risk.unsmoothed() {
+        Some(exact) => {
+            let what = result.risk.words(session.problem.ensemble.scenarios().len());
+            console.say(format!("cost        {}; {what}", fall(result.start.risk.unsmoothed(), Some(exact))));
+            console.say(format!("            smoothed, as it is optimised, {}", fall(*from.total, *now.total)));
+        }
+        None => console.say(format!("cost        {}", fall(*from.total, *now.total))),
+    }
     for (name, value) in now.terms.iter().filter(|_| now.terms.len() > 1) {
         console.say(format!("            {name} {}", fall(number_of(&from.terms, name), **value)));
     }
