@@ -42,6 +42,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &NO_MOVEMENT,
     &ALL_ON_BOUNDS,
     &IDLE,
+    &UNDETERMINED,
     &OTHER_SIGN,
     &SELF_INTERSECTION,
     &NOT_VERIFIED,
@@ -282,6 +283,14 @@ pub const IDLE: WarningKind = WarningKind {
     code: "idle",
     about: "at the optimum the derivative by a control inside its bounds is exactly zero: nothing there depends on it, as on a cable that is slack",
     advice: "begin where it acts (\"start\", or \"optimizer\": { \"starts\" }), and raise a \"lower\" bound to keep a cable taut",
+};
+
+/// More controls than the cost can tell apart.
+pub const UNDETERMINED: WarningKind = WarningKind {
+    code: "undetermined",
+    about: "the cost looks at fewer numbers than the control has free values: other controls do as well as the one found",
+    advice: "see which directions are determined by nastic optimize --spectrum 10; a \"control_norm\" or \"control_smoothness\" among the costs chooses \
+             the smallest or smoothest control, a coarser \"space\" leaves fewer",
 };
 
 /// Bounds decide.

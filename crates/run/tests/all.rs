@@ -10,6 +10,7 @@ mod common;
 mod constraints;
 mod contact;
 mod damaged_checkpoints;
+mod determination;
 mod documents;
 mod doubtful;
 mod ensembles;

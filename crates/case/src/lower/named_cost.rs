@@ -33,6 +33,10 @@ impl Cost for Named {
         self.cost.stages()
     }
 
+    fn numbers(&self) -> Option<usize> {
+        self.cost.numbers()
+    }
+
     fn smoothings(&self) -> Vec<Smoothing> {
         self.cost.smoothings()
     }

@@ -171,6 +171,12 @@ pub trait Cost: Debug + Send + Sync {
         None
     }
 
+    /// How many numbers of the body it looks at, of a sum of squares of their deviations from wanted ones, which determines no more
+    /// directions of the control than that where it is small; `None` of any other cost.
+    fn numbers(&self) -> Option<usize> {
+        None
+    }
+
     /// Things the user should know (a smoothing length below the point spacing, say).
     fn warnings(&self, _solid: &Solid) -> Vec<String> {
         vec![]

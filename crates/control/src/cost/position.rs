@@ -146,6 +146,10 @@ impl Cost for OnBody {
         "position"
     }
 
+    fn numbers(&self) -> Option<usize> {
+        Some(self.target.iter().flatten().count())
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let dim = at.solid.discretization().dim();
         let moved = mean(&self.shares, at.u, dim);

@@ -119,6 +119,10 @@ impl Cost for OnBody {
         "reaction"
     }
 
+    fn numbers(&self) -> Option<usize> {
+        Some(1)
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let Some(state) = at.state else {
             let what = "a reaction takes the equilibrium itself, not a displacement alone".to_owned();
