@@ -47,6 +47,7 @@ mod study;
 mod study_signal;
 mod sweep;
 mod sweep_kept;
+mod target_tables;
 mod teams;
 mod terminal;
 mod time;

@@ -4,7 +4,10 @@ use super::context::Context;
 use crate::warning::UNITS;
 use nastic_language::expression::Formula;
 use nastic_language::number::short;
-use nastic_language::schema::{Case, Fixed, Obstacle, Parameter, Start, TimeTable, VectorField, VectorInTime};
+use nastic_language::schema::{
+    Case, Coordinates, Cost, CostTerm, Fixed, Obstacle, Parameter, Start, TermValue, TimeTable, VectorField,
+    VectorInTime,
+};
 use nastic_language::syntax::{At, quoted};
 
 /// A table of which the motion takes so small a share is hardly in its unit.
@@ -28,6 +31,11 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
         let parts = [("traction", &mut load.traction), ("body_force", &mut load.body_force)];
         resolve_vectors(parts, &at, end, context);
     }
+    for block in &mut case.costs {
+        if let Cost::Term(term) = block {
+            resolve_paths((term, end), context);
+        }
+    }
     for actuation in &mut case.actuation {
         for (key, fixed) in &mut actuation.fixed {
             let Fixed::Table(table) = fixed else { continue };
@@ -37,6 +45,17 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
                     Err(several) => Fixed::Vector(VectorField::Formulas(several)),
                 };
             }
+        }
+    }
+}
+
+/// The same of positions that a term aims at.
+fn resolve_paths((term, end): (&mut CostTerm, Option<f64>), context: &mut Context<'_>) {
+    for (key, value) in &mut term.values {
+        let TermValue::Path(table) = value else { continue };
+        let at = term.at.key(key);
+        if let Some(formulas) = formulas((table, end), &at, context) {
+            *value = TermValue::Position(Box::new(Coordinates::of(formulas, &at)));
         }
     }
 }
