@@ -23,6 +23,7 @@ mod cost_term;
 mod elements;
 mod far_target;
 mod field;
+mod gravity;
 mod inertia;
 mod load;
 mod lowering;

@@ -3,12 +3,11 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
-use super::{magnitude, named_groups};
+use super::{gravity, magnitude, named_groups};
 use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch};
 use nastic_fem::{Inertia, Solid};
 use nastic_language::schema::{Case, MassKind, Material, Parameter};
 use nastic_language::syntax::At;
-use nastic_tensor::Vec3;
 
 /// Gives the body its masses, viscous laws and weight; Rayleigh damping comes last, as it knows of all others.
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
@@ -21,7 +20,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         return;
     }
     add_mass(case, solid, context);
-    add_weight(case, solid, context);
+    gravity::add(case, solid, context);
     let rayleigh = case.time.as_ref().and_then(|time| time.rayleigh.as_ref());
     if let Some(damping) = rayleigh.filter(|_| context.is_sound()) {
         attempt(solid, &damping.at, context, |solid| solid.rayleigh_damping(damping.mass, damping.stiffness));
@@ -52,23 +51,6 @@ fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     let lumped = case.time.as_ref().is_some_and(|time| time.mass == MassKind::Lumped);
     let inertia = if lumped { inertia.lumped() } else { inertia };
     attempt(solid, &At::root().key("materials"), context, |solid| solid.inertia(inertia));
-}
-
-/// The weight `rho g` of every material.
-fn add_weight(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
-    let heavy = case.loads.iter().filter_map(|load| Some((load, load.gravity.as_ref()?.xyz())));
-    for (load, gravity) in heavy {
-        magnitude::check_gravity(gravity, &load.at.key("gravity"), context);
-        let mut dense = case.materials.iter().filter_map(|material| Some((material, material.density?))).peekable();
-        if dense.peek().is_none() {
-            let message = "weight needs masses: give every material a \"density\", as in \"1000 kg/m^3\"";
-            context.complain(&load.at.key("gravity"), message);
-        }
-        for (material, density) in dense {
-            let force = Vec3::from(gravity) * density;
-            attempt(solid, &load.at.key("gravity"), context, |solid| solid.body_force(&material.region, force));
-        }
-    }
 }
 
 fn add_viscosity(case: &Case, material: &Material, solid: &mut Solid, context: &mut Context<'_>) {

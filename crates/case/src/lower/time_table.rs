@@ -28,7 +28,8 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
     resolve_poses((&mut case.obstacles, end), context);
     for load in &mut case.loads {
         let at = load.at.clone();
-        let parts = [("traction", &mut load.traction), ("body_force", &mut load.body_force)];
+        let parts =
+            [("traction", &mut load.traction), ("body_force", &mut load.body_force), ("gravity", &mut load.gravity)];
         resolve_vectors(parts, &at, end, context);
     }
     for block in &mut case.costs {
@@ -70,8 +71,8 @@ fn resolve_poses((obstacles, end): (&mut [Obstacle], Option<f64>), context: &mut
 }
 
 /// The same of vectors by their keys.
-fn resolve_vectors(
-    parts: [(&str, &mut Option<VectorInTime>); 2],
+fn resolve_vectors<const N: usize>(
+    parts: [(&str, &mut Option<VectorInTime>); N],
     at: &At,
     end: Option<f64>,
     context: &mut Context<'_>,

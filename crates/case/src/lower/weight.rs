@@ -3,7 +3,7 @@
 use super::context::Context;
 use crate::warning::INPUT;
 use nastic_fem::Solid;
-use nastic_language::schema::{Case, Contact, Obstacle, Shape};
+use nastic_language::schema::{Case, Contact, Obstacle, Shape, VectorField, VectorInTime, vector_at};
 use nastic_language::syntax::quoted;
 
 /// Warns of gravity that takes a body without supports away from every half-space that it touches.
@@ -17,7 +17,10 @@ pub(super) fn check(case: &Case, solid: &Solid, context: &mut Context<'_>) {
     // another body, or an obstacle that moves, may carry it
     let Some(touched) = touched.collect::<Option<Vec<&Obstacle>>>().filter(|all| !all.is_empty()) else { return };
     for load in &case.loads {
-        let Some(gravity) = load.gravity.as_ref().map(|gravity| gravity.xyz()) else { continue };
+        let Some(VectorField::Formulas(entries)) = load.gravity.as_ref().and_then(VectorInTime::field) else {
+            continue;
+        };
+        let Ok(gravity) = vector_at(entries, [0.0; 3]) else { continue };
         let away = |obstacle: &&Obstacle| match &obstacle.shape {
             Shape::HalfSpace(half) => half.normal.xyz().iter().zip(gravity).map(|(n, g)| n * g).sum::<f64>() > 0.0,
             _ => false,
