@@ -4,9 +4,9 @@ use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
 use super::{gravity, magnitude, named_groups};
-use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch};
+use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch, SpringMeasure};
 use nastic_fem::{Inertia, Solid};
-use nastic_language::schema::{Case, MassKind, Material, Parameter};
+use nastic_language::schema::{Case, MassKind, Material, Parameter, SpringMeasure as MeasureBlock};
 use nastic_language::syntax::At;
 
 /// Gives the body its masses, viscous laws and weight; Rayleigh damping comes last, as it knows of all others.
@@ -58,7 +58,11 @@ fn add_viscosity(case: &Case, material: &Material, solid: &mut Solid, context: &
         let shear = sampled(case, material, (&branch.shear, &branch.at.key("shear")), solid, context);
         let relaxation = sampled(case, material, (&branch.relaxation, &branch.at.key("relaxation")), solid, context);
         let Some((shear, relaxation)) = shear.zip(relaxation) else { continue };
-        let law = MaxwellBranch::new(shear, relaxation);
+        let measure = match branch.measure {
+            MeasureBlock::Hencky => SpringMeasure::Hencky,
+            MeasureBlock::NeoHooke => SpringMeasure::NeoHooke,
+        };
+        let law = MaxwellBranch::new(shear, relaxation).map(|law| law.measure(measure));
         attach(material, (law, &branch.at), solid, context);
     }
     let Some(dashpot) = &material.kelvin_voigt else { return };
