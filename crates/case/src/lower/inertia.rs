@@ -54,6 +54,7 @@ fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
 }
 
 fn add_viscosity(case: &Case, material: &Material, solid: &mut Solid, context: &mut Context<'_>) {
+    let mut laws = Vec::new();
     for branch in &material.maxwell {
         let shear = sampled(case, material, (&branch.shear, &branch.at.key("shear")), solid, context);
         let relaxation = sampled(case, material, (&branch.relaxation, &branch.at.key("relaxation")), solid, context);
@@ -63,8 +64,15 @@ fn add_viscosity(case: &Case, material: &Material, solid: &mut Solid, context: &
             MeasureBlock::NeoHooke => SpringMeasure::NeoHooke,
         };
         let law = MaxwellBranch::new(shear, relaxation).map(|law| law.measure(measure));
-        attach(material, (law, &branch.at), solid, context);
+        match law {
+            Ok(law) => laws.push(law),
+            Err(error) => complain_of_law(&branch.at, &error, context),
+        }
     }
+    // all at once: there may be thousands
+    attempt(solid, &material.at.key("maxwell"), context, |solid| {
+        laws.into_iter().try_fold(solid, |solid, law| solid.viscosity(&material.region, law))
+    });
     let Some(dashpot) = &material.kelvin_voigt else { return };
     let mut viscosity = |value: &Option<Parameter>, key: &str| match value {
         Some(value) => sampled(case, material, (value, &dashpot.at.key(key)), solid, context),
