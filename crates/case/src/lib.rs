@@ -3,6 +3,7 @@
 pub mod analysis;
 pub mod describe;
 pub mod expectation;
+pub mod film;
 pub mod inspect;
 pub mod lower;
 pub mod output_names;

@@ -128,6 +128,14 @@ fn figures(result: &RunRecord) -> Vec<(String, String, String)> {
             }
         }
     }
+    for (suffix, own, begin) in members(result) {
+        for (term, figures) in &own.figures {
+            let Some(distance) = number_of(figures, "position_distance") else { continue };
+            let begin = begin.and_then(|begin| number_of(begin.figures.get(term)?, "position_distance"));
+            let name = format!("Distance of {term} from its target{suffix}");
+            add(&name, millimetres(distance, length), from_length(begin, length));
+        }
+    }
     if result.min_j.is_some() {
         add("Smallest volume ratio J", number(result.min_j, ""), "1 is undeformed, 0 is inverted".to_owned());
     }

@@ -33,6 +33,7 @@ mod motions_of_members;
 mod moving_supports;
 mod muscle;
 mod output_directory;
+mod readable_units;
 mod result_files;
 mod resume;
 mod shape_costs;

@@ -2,6 +2,7 @@
 
 use super::line::{Line, line};
 use super::time;
+use crate::film::{kilovolts, voltages};
 use crate::lower::{Admitted, CaseProblem, ControlField, grid_cells};
 use nastic_control::EnsembleBlock;
 use nastic_language::number::{count, quantity, short};
@@ -19,6 +20,8 @@ pub fn controls(problem: &CaseProblem) -> Vec<Line> {
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let unit = &field.unit;
         let start = if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) };
+        let volts = voltages(problem.member(place.owner), block, values);
+        let volts = volts.map_or_else(String::new, |volts| format!(" ({} over the film at rest)", kilovolts(volts)));
         let components =
             if block.components > 1 { format!(" of {} components", block.components) } else { String::new() };
         let unknowns = count(block.basis.len(), "unknown");
@@ -29,7 +32,7 @@ pub fn controls(problem: &CaseProblem) -> Vec<Line> {
         line(
             "controls",
             format!(
-                "{}: by {}{}{knots}, {unknowns}{components}, start {start} {unit}, {admitted}{shared}",
+                "{}: by {}{}{knots}, {unknowns}{components}, start {start} {unit}{volts}, {admitted}{shared}",
                 field.name,
                 block.basis.space().name(),
                 grid.unwrap_or_default()

@@ -59,6 +59,6 @@ fn position(cost: &dyn Cost, reduced: &Reduced) -> Option<f64> {
         return None;
     }
     let figures = cost.at(&at).ok()?.figures().ok()?;
-    let distance = figures.iter().find(|figure| figure.kind == FigureKind::Other("position_distance"))?;
+    let distance = figures.iter().find(|figure| figure.kind == FigureKind::PositionDistance)?;
     Some(distance.value)
 }

@@ -206,6 +206,6 @@ impl CostPoint for EvaluatedCost {
     /// The distance over the components that have a target.
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {
         let distance = self.gap.iter().map(|gap| gap * gap).sum::<f64>().sqrt();
-        Ok(vec![Figure::length(FigureKind::Other("position_distance"), distance)])
+        Ok(vec![Figure::length(FigureKind::PositionDistance, distance)])
     }
 }

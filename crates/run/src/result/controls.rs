@@ -1,10 +1,11 @@
 //! What became of the controls.
 
+use nastic_case::film::voltages;
 use nastic_case::lower::{Admitted, CaseMember, CaseProblem, ControlField};
 use nastic_control::{Basis, ControlBlock, EnsembleBlock, Space};
 use nastic_energy::SlotGroup;
 use nastic_numeric::vector::norm;
-use nastic_report::record::{ByName, ControlRecord, ControlValues, DerivativeNorm, Number, numbers};
+use nastic_report::record::{ByName, ControlRecord, ControlValues, DerivativeNorm, Number, RangeRecord, numbers};
 
 /// Norms of a derivative.
 pub(crate) fn derivative_norm(problem: &CaseProblem, derivative: &[f64]) -> DerivativeNorm {
@@ -65,7 +66,10 @@ fn control(problem: &CaseProblem, (block, field): (&EnsembleBlock, &ControlField
             (!all.is_empty()).then_some(ControlValues::List(all))
         }
     };
+    let volts = voltages(problem.member(block.owner), own, values_of);
+    let volts = volts.map(|[low, high]| RangeRecord { min: low.into(), max: high.into(), unit: Some("V".to_owned()) });
     ControlRecord {
+        voltage: volts,
         array: Some(field.array.clone()),
         slot: slot(problem.member(block.owner), own).map(str::to_owned).into(),
         space: Some(own.basis.space().name().to_owned()),

@@ -22,6 +22,7 @@ use crate::run::session::Session;
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
 use crate::run::terminal::{known as known_number, say_members, say_probes, say_stability, say_tracked};
+use nastic_case::film::kilovolts;
 use nastic_case::lower::CaseMember;
 use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
@@ -185,8 +186,10 @@ fn say(
         let variation = control.total_variation.filter(|_| control.space.as_deref() != Some("uniform"));
         let variation =
             variation.map(|v| format!(", total variation {}{unit} {}", short(v), area.trim_end_matches("^1")));
+        let volts = control.voltage.as_ref().map(|range| kilovolts([range.min, range.max].map(|u| known_number(*u))));
+        let volts = volts.map_or_else(String::new, |volts| format!(" ({volts} over the film at rest)"));
         console.say(format!(
-            "control     {name} from {} to {}{unit}, {} of {} on their bounds{}",
+            "control     {name} from {} to {}{unit}{volts}, {} of {} on their bounds{}",
             short(known_number(*control.min)),
             short(known_number(*control.max)),
             control.active.unwrap_or_default(),
@@ -227,6 +230,7 @@ fn write(
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
+    // first the numbers of a motion, which nothing else holds
     let of_motion = motion::write(problem, records, &out)?;
     let mut files = vec!["history.jsonl".to_owned()];
     let lead = problem.leads().next().map_or_else(String::new, title);
