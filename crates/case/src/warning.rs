@@ -26,6 +26,8 @@ pub const WARNINGS: &[&WarningKind] = &[
     &UNITS,
     &LOCKING,
     &EXTREME_DEFORMATION,
+    &STILL,
+    &FREE_FLIGHT,
     &TRUNCATED_FIELD,
     &CELL_SHAPE,
     &UNMATCHED_INTERFACE,
@@ -40,6 +42,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &NO_MOVEMENT,
     &ALL_ON_BOUNDS,
     &IDLE,
+    &UNDETERMINED,
     &OTHER_SIGN,
     &SELF_INTERSECTION,
     &NOT_VERIFIED,
@@ -116,6 +119,22 @@ pub const EXTREME_DEFORMATION: WarningKind = WarningKind {
     code: "extreme_deformation",
     about: "the body is deformed far beyond what its law was measured for",
     advice: "check the units of loads, actuations and moduli (nastic check prints them), or bound the control more narrowly",
+};
+
+/// Less than anyone sees.
+pub const STILL: WarningKind = WarningKind {
+    code: "still",
+    about: "something acts on the body, and no point of it moves visibly",
+    advice: "check the units of moduli, loads and actuations (nastic check prints them): of a modulus in Pa that was meant in kPa, of a force that \
+             acts on what is held",
+};
+
+/// A body that leaves.
+pub const FREE_FLIGHT: WarningKind = WarningKind {
+    code: "free_flight",
+    about: "a part of the body that nothing holds moves by many times its own size",
+    advice: "hold it (\"supports\"), give the surface that it shall land on a \"contact\", or end the motion earlier (\"time\": { \"end\" }); check the unit of \
+             gravity and loads",
 };
 
 /// A random field without most of its variance.
@@ -264,6 +283,14 @@ pub const IDLE: WarningKind = WarningKind {
     code: "idle",
     about: "at the optimum the derivative by a control inside its bounds is exactly zero: nothing there depends on it, as on a cable that is slack",
     advice: "begin where it acts (\"start\", or \"optimizer\": { \"starts\" }), and raise a \"lower\" bound to keep a cable taut",
+};
+
+/// More controls than the cost can tell apart.
+pub const UNDETERMINED: WarningKind = WarningKind {
+    code: "undetermined",
+    about: "the cost looks at fewer numbers than the control has free values: other controls do as well as the one found",
+    advice: "see which directions are determined by nastic optimize --spectrum 10; a \"control_norm\" or \"control_smoothness\" among the costs chooses \
+             the smallest or smoothest control, a coarser \"space\" leaves fewer",
 };
 
 /// Bounds decide.

@@ -210,8 +210,10 @@ impl Reduced {
     /// # Errors
     /// What the cost does not find on the body.
     pub fn cost(mut self, cost: impl IntoCost) -> Result<Self, ControlError> {
+        if self.motion.is_some() {
+            return self.cost_when(When::End, cost);
+        }
         self.costs.push(cost.bind(&self.solid)?);
-        self.schedule_cost(When::End)?;
         Ok(self)
     }
 

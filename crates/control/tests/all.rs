@@ -22,6 +22,7 @@ mod motion_constraints;
 mod motion_in_time;
 mod moving_supports;
 mod print;
+mod reactions_in_motion;
 mod refinement;
 mod resumed_motion;
 mod shape_costs;

@@ -36,4 +36,4 @@ pub use polyconvex::{Block, Change, Conjugates, ConvexDensity, Curvature};
 pub use slot::{Role, Slot, SlotGroup};
 pub use tension_bound::TensionBound;
 pub use term::{Actuation, EnergyTerm, PointBatch, Response, Slots, Want};
-pub use viscosity::{Evolution, KelvinVoigt, MaxwellBranch};
+pub use viscosity::{Evolution, KelvinVoigt, MaxwellBranch, SpringMeasure};

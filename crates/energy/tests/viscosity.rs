@@ -1,8 +1,10 @@
 //! Viscous laws: derivatives against differences, objectivity, closed forms of relaxation, dissipation.
 
+#![allow(clippy::unwrap_used)] // a test may
+
 use nastic_energy::{
-    Actuation, EnergyError, Evolution, KelvinVoigt, MaterialPoint, MaxwellBranch, PointBatch, Response, Slots, Want,
-    check,
+    Actuation, EnergyError, Evolution, KelvinVoigt, MaterialPoint, MaxwellBranch, PointBatch, Response, Slots,
+    SpringMeasure, Want, check,
 };
 use nastic_tensor::{Inverted, Kinematics, Mat3};
 use std::sync::Arc;
@@ -11,10 +13,11 @@ const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
 type Named = (&'static str, Arc<dyn Actuation>);
 
-fn laws() -> Result<[Named; 2], EnergyError> {
+fn laws() -> Result<[Named; 3], EnergyError> {
     let maxwell = MaxwellBranch::new(3e4, 0.2)?;
+    let neo_hooke = maxwell.clone().measure(SpringMeasure::NeoHooke);
     let damping = KelvinVoigt::new(2e3, 5e2)?;
-    Ok([("maxwell", Arc::new(maxwell)), ("kelvin_voigt", Arc::new(damping))])
+    Ok([("maxwell", Arc::new(maxwell)), ("neo_hooke", Arc::new(neo_hooke)), ("kelvin_voigt", Arc::new(damping))])
 }
 
 /// Slots as they are after a step at a strained state.
@@ -145,17 +148,73 @@ fn a_held_branch_relaxes_as_its_closed_form_says() {
     assert!(at(&law, &f, &slots).unwrap().1.norm() < 1e-10 * mu);
 }
 
+/// Of a neo-Hookean spring: without flow `mu (l^2 - tr/3)/l` in the axes; held, the spring flows by `d eps_a/dt = -(E_a - mean E)/(2 tau)`, which many
+/// short steps follow; at small strains it is a Hencky spring.
+#[test]
+fn a_neo_hookean_spring_is_that_of_its_closed_forms() {
+    let (mu, tau) = (3e4, 0.2);
+    let law = MaxwellBranch::new(mu, tau).unwrap().measure(SpringMeasure::NeoHooke);
+    let squares = |strain: [f64; 3]| strain.map(|strain| (2.0 * strain).exp());
+    let deviator = |values: [f64; 3]| values.map(|value| value - values.iter().sum::<f64>() / 3.0);
+    let stretch = [1.6f64, 0.7, 1.0 / 1.12];
+    let (f, mut slots) = (Mat3::from_diagonal(&stretch.into()), vec![0.0; 10]);
+    let trial = deviator(stretch.map(f64::ln));
+    let expected = |strain: [f64; 3]| deviator(squares(strain)).map(|force| mu * force);
+    law.set_step(HERE, 0.0, &mut slots);
+    let (energy, stress) = at(&law, &f, &slots).unwrap();
+    assert!((energy / (0.5 * mu * (squares(trial).iter().sum::<f64>() - 3.0)) - 1.0).abs() < 1e-13, "{energy}");
+    (0..3).for_each(|i| assert!((stress[(i, i)] - expected(trial)[i] / stretch[i]).abs() < 1e-12 * mu));
+    // Runge and Kutta's method for the flow against many steps of first order
+    let rate = |strain: [f64; 3]| deviator(squares(strain)).map(|force| -0.5 * force / tau);
+    let plus = |a: [f64; 3], s: f64, b: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| a[i] + s * b[i]) };
+    let (mut exact, h) = (trial, 1e-3);
+    let errors: Vec<f64> = [400, 800]
+        .map(|steps: usize| {
+            let (mut slots, dt) = (vec![0.0; 10], 0.2 / steps as f64);
+            for _ in 0..steps {
+                law.set_step(HERE, dt, &mut slots);
+                slots = advanced(&law, &f, &slots).unwrap();
+            }
+            exact = trial;
+            for _ in 0..200 {
+                let k1 = rate(exact);
+                let k2 = rate(plus(exact, h / 2.0, k1));
+                let k3 = rate(plus(exact, h / 2.0, k2));
+                let k4 = rate(plus(exact, h, k3));
+                exact = std::array::from_fn(|i| exact[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
+            }
+            let viscous = Mat3::identity() + Mat3::from_row_slice(&slots[..9]);
+            assert!((viscous.determinant() - 1.0).abs() < 1e-12);
+            law.set_step(HERE, 0.0, &mut slots);
+            let (_, stress) = at(&law, &f, &slots).unwrap();
+            (stress[(0, 0)] * stretch[0] - expected(exact)[0]).abs() / mu
+        })
+        .to_vec();
+    assert!(errors[0] < 1e-3 && (errors[0] / errors[1] - 2.0).abs() < 0.02, "{errors:?}");
+    let hencky = MaxwellBranch::new(mu, tau).unwrap();
+    let small = Mat3::identity() + Mat3::new(1.0, 0.3, 0.0, -0.1, -0.9, 0.2, 0.1, 0.0, 0.5) * 1e-6;
+    let mut slots = vec![0.0; 10];
+    law.set_step(HERE, 0.03, &mut slots);
+    let (a, b) = (at(&law, &small, &slots).unwrap().1, at(&hencky, &small, &slots).unwrap().1);
+    assert!((a - b).norm() < 1e-5 * b.norm(), "{a} {b}");
+}
+
 /// A turned body flows alike, and every step dissipates: stored energy at its end is below the energy of the step, which is below
 /// what was stored before, at the same deformation.
 #[test]
 fn flow_is_objective_and_dissipates() {
-    let law = MaxwellBranch::new(3e4, 0.2).unwrap();
+    for measure in [SpringMeasure::Hencky, SpringMeasure::NeoHooke] {
+        flows_and_dissipates(&MaxwellBranch::new(3e4, 0.2).unwrap().measure(measure));
+    }
+}
+
+fn flows_and_dissipates(law: &MaxwellBranch) {
     let mut turned = vec![0.0; 10];
     let mut slots = turned.clone();
     let stored = |f: &Mat3, slots: &[f64]| {
         let mut instant = slots.to_vec();
         law.set_step(HERE, 0.0, &mut instant);
-        at(&law, f, &instant).unwrap().0
+        at(law, f, &instant).unwrap().0
     };
     for n in 0..40 {
         let (a, b) = ((0.7 * f64::from(n)).sin(), (1.3 * f64::from(n)).cos());
@@ -165,11 +224,11 @@ fn flow_is_objective_and_dissipates() {
         for slots in [&mut slots, &mut turned] {
             law.set_step(HERE, 0.05, slots);
         }
-        let (energy, stress) = at(&law, &f, &slots).unwrap();
-        let (same, also) = at(&law, &(q * f), &turned).unwrap();
+        let (energy, stress) = at(law, &f, &slots).unwrap();
+        let (same, also) = at(law, &(q * f), &turned).unwrap();
         assert!((energy - same).abs() < 1e-9 * energy && (q * stress - also).norm() < 1e-9 * stress.norm());
         let before = stored(&f, &slots);
-        (slots, turned) = (advanced(&law, &f, &slots).unwrap(), advanced(&law, &(q * f), &turned).unwrap());
+        (slots, turned) = (advanced(law, &f, &slots).unwrap(), advanced(law, &(q * f), &turned).unwrap());
         let after = stored(&f, &slots);
         assert!(after <= energy * (1.0 + 1e-12) && energy <= before, "{after} {energy} {before}");
     }

@@ -424,6 +424,14 @@ impl Model {
         self.check_in_motion()
     }
 
+    /// Whether supports and springs leave no rigid motion of any part free: where they do, contacts have to hold it, or it flies.
+    #[must_use]
+    pub fn is_held_without_contact(&self) -> bool {
+        let others = self.others.iter().filter(|contribution| contribution.touches().is_none());
+        let springs = others.flat_map(|contribution| contribution.resists());
+        self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>()).is_ok()
+    }
+
     /// Checks that the problem is complete for motion, in which a body may be free.
     pub(crate) fn check_in_motion(&self) -> Result<(), FemError> {
         self.body.check_complete()?;

@@ -328,6 +328,47 @@ fn an_open_surface_with_a_held_rim_is_a_plate_under_pressure() -> Outcome {
         let axis = if kind.dim() == 2 { "force_y" } else { "force_z" };
         let force = swept.iter().find(|(_, what, _)| *what == axis).ok_or("no force is reported")?.2;
         assert!((force / p - 1.0).abs() < 1e-12, "{kind}: the pressure pushes with {force}");
+        // A rim that slides within its plane: stretched in that, the plate is pushed across it alone, by the pressure times its area.
+        let slides = |held: &[usize]| -> Outcome<Solid> {
+            let mut solid = Solid::new(regular(
+                kind,
+                [1.0, if kind.dim() == 2 { 0.1 } else { 1.0 }, 0.1],
+                [4, if kind.dim() == 2 { 1 } else { 4 }, 1],
+            )?)?
+            .material("body", MooneyRivlin::new(1e5, 2e4, 2e5)?)?;
+            let mut nodes = solid.nodes_of(low)?;
+            nodes.retain(|&node| {
+                let x = solid.mesh().points()[node as usize];
+                (0..kind.dim() - 1).any(|i| x[i] < 1e-9 || x[i] > 1.0 - 1e-9)
+            });
+            solid = solid.displace_nodes("rim", &nodes, |_, _| {
+                std::array::from_fn(|i| (i < kind.dim() && held.contains(&i)).then_some(0.0))
+            })?;
+            Ok(solid.cavity(Cavity::new("air", low).open())?)
+        };
+        let across = kind.dim() - 1;
+        let sliding = slides(&[across])?;
+        check_contribution(sliding.model(), "air", 5)?;
+        let mut u = sliding.rest().u.to_vec();
+        for (node, x) in sliding.mesh().points().iter().enumerate() {
+            (0..across).for_each(|i| u[kind.dim() * node + i] = [0.3, -0.2][i] * x[i] + 0.05 * x[(i + 1) % across]);
+        }
+        let mut controls = sliding.controls();
+        controls.values_mut(0)[0] = p;
+        let demand = Demand { energy: false, force: true };
+        let zero = sliding.controls();
+        let [with, without] = [&controls, &zero]
+            .map(|controls| sliding.model().evaluate(&Instant::new(&u, controls, 1.0), demand).map(|sums| sums.force));
+        let push: Vec<f64> = with?.iter().zip(&without?).map(|(a, b)| a - b).collect();
+        let fixed = sliding.supports().fixed();
+        let within =
+            (0..push.len()).filter(|dof| dof % kind.dim() != across && !fixed[*dof]).map(|dof| push[dof].abs());
+        assert!(within.fold(0.0, f64::max) < 1e-12 * p, "{kind}: the pressure pushes within the plane");
+        if kind.dim() == 3 {
+            assert!(
+                slides(&[0])?.clamp("z+")?.check().is_err_and(|error| error.to_string().contains("across an axis"))
+            );
+        }
         let loose = Solid::new(regular(
             kind,
             [1.0, 1.0, if kind.dim() == 2 { 0.0 } else { 1.0 }],

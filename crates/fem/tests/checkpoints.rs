@@ -43,7 +43,7 @@ fn partials(n: usize, state: &State) -> StatePartials {
     let weight = |i: usize| noise(77 + 100 * n + i);
     let u = state.u.iter().enumerate().map(|(i, u)| H * (weight(i) + u)).collect();
     let velocity = if n > 0 { (0..state.u.len()).map(|i| H * weight(i)).collect() } else { Vec::new() };
-    StatePartials { u, velocity }
+    StatePartials { u, velocity, ..StatePartials::default() }
 }
 
 /// A run and its derivative by the controls of each instant, from the last to the first.

@@ -269,6 +269,7 @@ fn the_reverse_sweep_is_the_derivative_of_the_run() -> Outcome {
             .map(|n| StatePartials {
                 u: weights[2 * n].clone(),
                 velocity: if n == 0 { vec![] } else { weights[2 * n + 1].iter().map(|w| 0.1 * w).collect() },
+                ..StatePartials::default()
             })
             .collect();
         let swept = solid.model().reverse_sweep(&base, &partials, &STRICT, &mut Workspace::default())?;

@@ -179,7 +179,7 @@ fn partials(trajectory: &Trajectory) -> Vec<StatePartials> {
     let of = |(n, state): (usize, &State)| {
         let u = state.u.iter().enumerate().map(|(i, u)| H * (weight(n, i) + u)).collect();
         let velocity = (0..state.u.len()).map(|i| if n > 0 { H * weight(n + 7, i) } else { 0.0 }).collect();
-        StatePartials { u, velocity }
+        StatePartials { u, velocity, ..StatePartials::default() }
     };
     trajectory.states().iter().enumerate().map(of).collect()
 }

@@ -127,7 +127,7 @@ fn functional(trajectory: &Trajectory) -> f64 {
 fn partials(n: usize, state: &State) -> StatePartials {
     let u = state.u.iter().enumerate().map(|(i, u)| H * (weight(n, i) + u)).collect();
     let velocity = if n > 0 { (0..state.u.len()).map(|i| H * weight(n + 7, i)).collect() } else { Vec::new() };
-    StatePartials { u, velocity }
+    StatePartials { u, velocity, ..StatePartials::default() }
 }
 
 fn sweep(solid: &Solid, trajectory: &Trajectory) -> Outcome<Vec<Controls>> {

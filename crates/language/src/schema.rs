@@ -75,7 +75,7 @@ pub use smoothed_hausdorff::{Exponential, Inverse, Phi, SmoothedHausdorff, Stage
 pub use spring::{Ground, Spring, SpringEnd};
 pub use support::{Along, Axis, Displacement, Fix, Support};
 pub use target::{Coordinates, Target};
-pub use time::{Beginning, KelvinVoigt, MassKind, Maxwell, Rayleigh, Time};
+pub use time::{Beginning, KelvinVoigt, MassKind, Maxwell, Rayleigh, SpringMeasure, Time};
 pub use time_table::TimeTable;
 pub use timing::{HoldsWhen, InTime, KnotInterpolation, When};
 pub use value::Vector;

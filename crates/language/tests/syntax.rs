@@ -47,6 +47,20 @@ fn columns_count_characters_and_lines_may_end_in_any_way() {
     assert_eq!(document.complain(&At::root().key("y"), "").line, 2);
 }
 
+/// One line of many characters of one to four bytes: the column of every value is the number of characters before it.
+#[test]
+fn columns_of_a_long_line_are_right() {
+    let text = format!(
+        "\n{{ \"a\": [{}1] }}",
+        (0..3000).map(|k| format!("\"{}\", ", ["x", "é", "€", "🦀"][k % 4])).collect::<String>()
+    );
+    let document = document(&text);
+    for k in [0, 1, 63, 64, 1000, 2999, 3000] {
+        let problem = document.complain(&At::root().key("a").index(k), "no");
+        assert_eq!((problem.line, problem.column), (2, 9 + 5 * k), "{k}");
+    }
+}
+
 #[test]
 fn broken_text_says_where_it_breaks() {
     for (text, part) in [

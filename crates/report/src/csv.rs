@@ -25,6 +25,11 @@ pub fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
+/// A name as a column: blanks, which some readers stumble over, are underscores.
+pub fn column(name: &str) -> String {
+    quoted(&name.replace(char::is_whitespace, "_"))
+}
+
 fn cells(row: &Value) -> Vec<(String, String)> {
     let mut out = Vec::new();
     for (name, value) in row.as_object().into_iter().flatten() {

@@ -49,6 +49,7 @@ fn convergence(result: &RunRecord, trials: &[&TrialRecord]) -> Vec<Value> {
                 column("true Hausdorff distance", &|trial| *trial.hausdorff_true),
                 column("largest tracked distance", &|trial| *trial.tracking_largest),
                 column("root mean square", &|trial| *trial.tracking_root_mean_square),
+                column("position from its target", &|trial| *trial.position_distance),
             ],
         ),
         plot(

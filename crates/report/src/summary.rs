@@ -84,8 +84,16 @@ fn figures(result: &RunRecord) -> Vec<(String, String, String)> {
                 format!("Cost ({} over scenarios)", measure(name, level))
             }
         };
-        let before = result.start.cost.total.map_or_else(String::new, |x| format!("at the start {}", short(x)));
-        add(&name, number(result.cost.total, ""), before);
+        let before = |x: Option<f64>| x.map_or_else(String::new, |x| format!("at the start {}", short(x)));
+        match result.risk.unsmoothed() {
+            Some(exact) => {
+                let smoothed = format!("smoothed, as it is optimised, {}", number(result.cost.total, ""));
+                let before = before(result.start.risk.unsmoothed());
+                let remarks: Vec<String> = [before, smoothed].into_iter().filter(|remark| !remark.is_empty()).collect();
+                add(&name, short(exact), remarks.join("; "));
+            }
+            None => add(&name, number(result.cost.total, ""), before(*result.start.cost.total)),
+        }
     }
     if let Some(deviation) = *result.risk.deviation {
         let before = result.start.risk.deviation.map_or_else(String::new, |x| format!("at the start {}", short(x)));
@@ -118,6 +126,14 @@ fn figures(result: &RunRecord) -> Vec<(String, String, String)> {
                 let before = from_length(begin.and_then(|begin| number_of(begin, key)), length);
                 add(&format!("Distance from target, {name}{suffix}"), now, before);
             }
+        }
+    }
+    for (suffix, own, begin) in members(result) {
+        for (term, figures) in &own.figures {
+            let Some(distance) = number_of(figures, "position_distance") else { continue };
+            let begin = begin.and_then(|begin| number_of(begin.figures.get(term)?, "position_distance"));
+            let name = format!("Distance of {term} from its target{suffix}");
+            add(&name, millimetres(distance, length), from_length(begin, length));
         }
     }
     if result.min_j.is_some() {

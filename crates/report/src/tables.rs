@@ -3,7 +3,8 @@
 use crate::html::{escape, folded, paragraph, section, table};
 use crate::number::{count, duration, number, short};
 use crate::record::{
-    ControlRecord, MemberRecord, Nullable, Number, ProbesRecord, RunRecord, StateRecord, UnitsRecord, number_of,
+    ControlRecord, MemberRecord, Nullable, Number, ProbesRecord, RangeRecord, RunRecord, StateRecord, UnitsRecord,
+    number_of,
 };
 use crate::summary::stability;
 use nastic_mesh::Snapshot;
@@ -38,9 +39,12 @@ pub(crate) fn members(result: &RunRecord) -> String {
     let mut content = if count_of > OPEN { folded(&count(count_of, "state"), &all) } else { all };
     let measures = result.risk.measures.iter().flatten();
     let rows: Vec<Vec<String>> = measures
-        .map(|(name, one)| vec![measure(name, one.level), number(one.value, ""), number(one.exact, "")])
+        .map(|(name, one)| {
+            let smoothed = (*one.exact).and(*one.value);
+            vec![measure(name, one.level), number(one.plain(), ""), number(smoothed, "")]
+        })
         .collect();
-    content += &table(&["measure of risk", "value", "without smoothing"], &rows);
+    content += &table(&["measure of risk", "value", "smoothed, as it is optimised"], &rows);
     section("members", "Scenarios and load cases", &content)
 }
 
@@ -58,21 +62,39 @@ fn told_columns(head: &[&str], rows: Vec<Vec<String>>) -> String {
     table(&head, &rows)
 }
 
+/// The unit that people read for one of results, and what its numbers are multiplied by: electric fields in kV/mm.
+fn readable(unit: &str) -> (f64, &str) {
+    match unit {
+        "V/m" => (1e-6, "kV/mm"),
+        "mV/m" => (1e-9, "kV/mm"),
+        other => (1.0, other),
+    }
+}
+
+/// In thousands.
+fn kilo(value: Number) -> String {
+    number(value.map(|value| 1e-3 * value), "")
+}
+
 /// Range and active bounds of every control.
 pub(crate) fn controls(result: &RunRecord) -> String {
     let row = |(name, control): (&String, &ControlRecord)| {
-        let unit = control.unit.as_deref().unwrap_or_default();
+        let (factor, unit) = readable(control.unit.as_deref().unwrap_or_default());
+        let number = |value: Number, unit: &str| number(value.map(|value| factor * value), unit);
+        let count = |n: Option<usize>| crate::number::number(n.map(|n| n as f64), "");
+        let volts = |range: &RangeRecord| format!("{} to {} kV", kilo(range.min), kilo(range.max));
         let share = control.active_share.map_or_else(String::new, |x| format!(" ({:.0} %)", 100.0 * x));
         vec![
             name.clone(),
             control.space.as_deref().unwrap_or("–").to_owned(),
-            number(control.unknowns.map(|n| n as f64), ""),
+            count(control.unknowns),
             number(control.min, unit),
             number(control.max, unit),
             number(control.lower, unit),
             number(control.upper, unit),
-            format!("{}{share}", number(control.active.map(|n| n as f64), "")),
-            number(control.total_variation, ""),
+            control.voltage.as_ref().map_or_else(|| "–".to_owned(), volts),
+            format!("{}{share}", count(control.active)),
+            crate::number::number(control.total_variation, ""),
         ]
     };
     let rows: Vec<Vec<String>> = result.controls.iter().flatten().map(row).collect();
@@ -84,6 +106,7 @@ pub(crate) fn controls(result: &RunRecord) -> String {
         "largest",
         "lower bound",
         "upper bound",
+        "voltage at rest",
         "on a bound",
         "total variation",
     ];

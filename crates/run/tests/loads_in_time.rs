@@ -62,6 +62,32 @@ fn a_body_force_in_time_moves_a_free_body() {
     assert!((found / exact - 1.0).abs() < 1e-3, "{found} {exact}");
 }
 
+/// A gravity g t of two materials moves a free body by g t^3/6, whatever their densities; at an instant it is the weight of that instant.
+#[test]
+fn a_gravity_in_time() {
+    let pulled = |z: &str| format!(r#", "loads": [ {{ "gravity": [0, 0, {z}] }} ]"#);
+    let motion = r#""end": "20 ms", "step": "0.5 ms", "start": "rest""#;
+    let found = tip(&solve(&case(motion, &pulled("\"-400 m/s^2 * t / (1 s)\""))))[2];
+    let exact = -400.0 * 0.02f64.powi(3) / 6.0;
+    assert!((found / exact - 1.0).abs() < 1e-3, "{found} {exact}");
+    let held = |z: &str| format!("{HELD}{}", pulled(z));
+    let moved = tip(&solve(&case(STEPS, &held("\"-2 m/s^2 * sin(t / (20 ms))\""))));
+    let still = tip(&solve(&case("", &held(&format!("\"-2 m/s^2 * {}\"", 1f64.sin())))));
+    assert!(moved[2] < -1e-3, "{moved:?}");
+    assert!(moved.iter().zip(&still).all(|(a, b)| (a - b).abs() < 1e-8), "{moved:?} {still:?}");
+    let place = CaseDirectory::new();
+    place.write("tilt.csv", "t,x,y,z\n0,0,0,0\n0.02,0,0,-1.5\n");
+    let table =
+        format!(r#"{HELD}, "loads": [ {{ "gravity": {{ "file": "tilt.csv", "columns": ["x", "y", "z"] }} }} ]"#);
+    let of_table = tip(&place.run(Command::Solve, &case(STEPS, &table), &[]).unwrap().result);
+    let of_formula = tip(&solve(&case(STEPS, &held("\"-1.5 m/s^2 * t / (20 ms)\""))));
+    assert!(of_table.iter().zip(&of_formula).all(|(a, b)| (a - b).abs() < 1e-12), "{of_table:?} {of_formula:?}");
+    let static_case = problems(&case("", &held("\"-1 m/s^2 * t / (1 s)\"")));
+    assert!(static_case.contains("loads/0/gravity/2") && static_case.contains("the case is static"), "{static_case}");
+    let in_space = problems(&case("", &held("\"-1 m/s^2 * X / (1 m)\"")));
+    assert!(in_space.contains("gravity is the same everywhere"), "{in_space}");
+}
+
 /// The derivative by a control beside the load, and the work of actuations, which the load has no part in.
 #[test]
 fn the_derivative_of_a_motion_under_a_load_in_time_is_right() {

@@ -1,12 +1,11 @@
 //! Actuations, and the values of their slots that nobody controls.
 
-use super::coarse_steps;
 use super::context::Context;
 use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, complain_of_law};
-use super::named_groups;
 use super::tension::beyond_limit;
+use super::{coarse_steps, magnitude, named_groups};
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
@@ -164,6 +163,10 @@ fn fix_slot(
     };
     let points = SamplePoints::of_body(case, &disc, cells);
     let first_values = columns(value, (&points, &at), context)?;
+    if let Some(dimension) = dimension_of(controllable[index].slots[first].unit) {
+        let largest = longest(&first_values);
+        magnitude::check_field((dimension, key), (largest, "it reaches"), (&at, context));
+    }
     if let (Some(limit), [values]) = (reduced.solid().body().fiber_limit(index), first_values.as_slice()) {
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if most > limit {
@@ -183,6 +186,13 @@ fn fix_slot(
         return Some(reduced);
     }
     fix_in_time((value, &at), (index, first, only_pulls.then_some(key)), reduced, points.places(), context)
+}
+
+/// The length of the longest vector of some components by point.
+fn longest(components: &[Vec<f64>]) -> f64 {
+    let points = components.first().map_or(0, Vec::len);
+    let square = |q: usize| components.iter().filter_map(|values| values.get(q)).map(|x| x * x).sum::<f64>();
+    (0..points).map(square).fold(0.0, f64::max).sqrt()
 }
 
 /// The values at the points, component by component.
@@ -233,6 +243,10 @@ pub(super) fn fix_in_time(
         };
         let each = instants.iter().map(|t| values(*t)).collect::<Result<Vec<_>, _>>();
         let each = context.take(at, each)?;
+        let slot = &reduced.solid().model().controllable()[index].slots[first];
+        if let Some(dimension) = dimension_of(slot.unit) {
+            magnitude::check_field_in_time((dimension, slot.group), &each, (at, context));
+        }
         let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let all = each.iter().map(|values| most(values)).fold(f64::NEG_INFINITY, f64::max);
         // that at t = 0 was looked at already

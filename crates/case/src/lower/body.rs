@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::variant::Variant;
-use super::{actuation, contact, control, inertia, load, material, optimizer, spring, support, time};
+use super::{actuation, contact, control, gravity, inertia, load, material, optimizer, spring, support, time};
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid};
 use nastic_language::schema::{Beginning, Case, Time};
@@ -28,6 +28,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     let reduced = actuation::fix(case, reduced, context)?;
     let reduced = contact::fix(case, reduced, context)?;
     let reduced = load::fix(case, reduced, context)?;
+    let reduced = gravity::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
     context.is_sound().then_some(reduced)
 }

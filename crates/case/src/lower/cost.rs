@@ -3,7 +3,7 @@
 use crate::lower::context::Context;
 use crate::lower::named_cost::{Named, NamedMotionTerm};
 use crate::lower::target_shape::TargetShape;
-use crate::lower::{cost_term, named_groups, time};
+use crate::lower::{cost_term, far_target, named_groups, time};
 use crate::warning::{HAUSDORFF_LENGTH, INPUT};
 use nastic_control::{
     ControlError, Cost, IntoCost, MakeCost, Phi, Reduced, SmoothedHausdorff, Timeline, TrajectoryCost, When,
@@ -51,7 +51,9 @@ pub(super) fn add(
         let lowering = Lowering { case, reduced: &reduced, block: &at_end, target: target.as_ref() };
         let Some(cost) = lowering.lower(context) else { continue };
         let shape = cost.target(reduced.solid());
-        shapes.extend(shape.map(|shape| TargetShape::of(block.at().clone(), block.name(), shape)));
+        let shape = shape.map(|shape| TargetShape::of(block.at().clone(), block.name(), shape));
+        far_target::check((block, cost.as_ref(), shape.as_ref()), &reduced, context);
+        shapes.extend(shape);
         terms.push((block, target, Named::new(block.name(), cost)));
     }
     for (block, target, term) in terms {

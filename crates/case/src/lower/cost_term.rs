@@ -100,6 +100,8 @@ impl Lowering<'_> {
             TermValue::Count(count) => CostValue::Count(u32::try_from(*count).unwrap_or(u32::MAX)),
             TermValue::Word(word) => CostValue::Word(word),
             TermValue::Position(position) => CostValue::Position(position_of(position, context)?),
+            // a table that could not be read was complained about
+            TermValue::Path(_) => return None,
             TermValue::Target(block) => CostValue::Target(self.positions((block, at), fault, context)?),
             TermValue::Mesh(_) => CostValue::Mesh(self.target?.mesh.clone()),
             TermValue::Obstacle(shape) => CostValue::Obstacle(obstacle::of(self.case, shape, context)?),

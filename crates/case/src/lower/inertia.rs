@@ -3,15 +3,11 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
-use super::named_groups;
-use crate::warning::UNITS;
-use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch};
+use super::{gravity, magnitude, named_groups};
+use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch, SpringMeasure};
 use nastic_fem::{Inertia, Solid};
-use nastic_language::number::short;
-use nastic_language::quantity::Dimension;
-use nastic_language::schema::{Case, MassKind, Material, Parameter};
+use nastic_language::schema::{Case, MassKind, Material, Parameter, SpringMeasure as MeasureBlock};
 use nastic_language::syntax::At;
-use nastic_tensor::Vec3;
 
 /// Gives the body its masses, viscous laws and weight; Rayleigh damping comes last, as it knows of all others.
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
@@ -24,23 +20,17 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         return;
     }
     add_mass(case, solid, context);
-    add_weight(case, solid, context);
+    gravity::add(case, solid, context);
     let rayleigh = case.time.as_ref().and_then(|time| time.rayleigh.as_ref());
     if let Some(damping) = rayleigh.filter(|_| context.is_sound()) {
         attempt(solid, &damping.at, context, |solid| solid.rayleigh_damping(damping.mass, damping.stiffness));
     }
 }
 
-/// Materials are between these, kg/m^3: foams and heavy metals.
-const USUAL: std::ops::RangeInclusive<f64> = 10.0..=30_000.0;
-
 fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for material in &case.materials {
-        let density = material.density.map(|density| context.units.in_si(density, Dimension::DENSITY));
-        if let Some(strange) = density.filter(|density| !USUAL.contains(density)) {
-            let message =
-                format!("a density of {} kg/m^3 is no usual one: give its unit, as in \"1000 kg/m^3\"", short(strange));
-            context.warn(&UNITS, &material.at.key("density"), message);
+        if let Some(density) = material.density {
+            magnitude::check_density(density, &material.at.key("density"), context);
         }
     }
     let dense = case.materials.iter().filter_map(|material| Some((material, material.density?)));
@@ -63,30 +53,26 @@ fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     attempt(solid, &At::root().key("materials"), context, |solid| solid.inertia(inertia));
 }
 
-/// The weight `rho g` of every material.
-fn add_weight(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
-    let heavy = case.loads.iter().filter_map(|load| Some((load, load.gravity.as_ref()?.xyz())));
-    for (load, gravity) in heavy {
-        let mut dense = case.materials.iter().filter_map(|material| Some((material, material.density?))).peekable();
-        if dense.peek().is_none() {
-            let message = "weight needs masses: give every material a \"density\", as in \"1000 kg/m^3\"";
-            context.complain(&load.at.key("gravity"), message);
-        }
-        for (material, density) in dense {
-            let force = Vec3::from(gravity) * density;
-            attempt(solid, &load.at.key("gravity"), context, |solid| solid.body_force(&material.region, force));
-        }
-    }
-}
-
 fn add_viscosity(case: &Case, material: &Material, solid: &mut Solid, context: &mut Context<'_>) {
+    let mut laws = Vec::new();
     for branch in &material.maxwell {
         let shear = sampled(case, material, (&branch.shear, &branch.at.key("shear")), solid, context);
         let relaxation = sampled(case, material, (&branch.relaxation, &branch.at.key("relaxation")), solid, context);
         let Some((shear, relaxation)) = shear.zip(relaxation) else { continue };
-        let law = MaxwellBranch::new(shear, relaxation);
-        attach(material, (law, &branch.at), solid, context);
+        let measure = match branch.measure {
+            MeasureBlock::Hencky => SpringMeasure::Hencky,
+            MeasureBlock::NeoHooke => SpringMeasure::NeoHooke,
+        };
+        let law = MaxwellBranch::new(shear, relaxation).map(|law| law.measure(measure));
+        match law {
+            Ok(law) => laws.push(law),
+            Err(error) => complain_of_law(&branch.at, &error, context),
+        }
     }
+    // all at once: there may be thousands
+    attempt(solid, &material.at.key("maxwell"), context, |solid| {
+        laws.into_iter().try_fold(solid, |solid, law| solid.viscosity(&material.region, law))
+    });
     let Some(dashpot) = &material.kelvin_voigt else { return };
     let mut viscosity = |value: &Option<Parameter>, key: &str| match value {
         Some(value) => sampled(case, material, (value, &dashpot.at.key(key)), solid, context),

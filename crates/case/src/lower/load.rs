@@ -13,7 +13,7 @@ use nastic_mesh::Mesh;
 use nastic_tensor::Vec3;
 
 /// Gauss points more than the shape functions need, for loads that vary.
-const MORE_POINTS: usize = 1;
+pub(super) const MORE_POINTS: usize = 1;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for load in &case.loads {
@@ -69,7 +69,7 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
     Some(reduced)
 }
 
-const NO_Z: &str = "a load on a body in plane strain has no z component";
+pub(super) const NO_Z: &str = "a load on a body in plane strain has no z component";
 
 /// What a load is called in messages: no other block has its place.
 fn name_of(load: &Load) -> String {

@@ -8,8 +8,8 @@ use crate::lower::scenario::Scenario;
 use crate::lower::target_shape::TargetShape;
 use crate::lower::variant::Variant;
 use crate::lower::{
-    body, constraint, control, cost, elements, mesh, probe, scenario, sizes, start, survey, tension, time_table,
-    variant,
+    body, constraint, control, cost, elements, magnitude, mesh, probe, scenario, sizes, slack, start, survey, tension,
+    time_table, variant, weight,
 };
 use crate::warning::Warning;
 use nastic_control::{Ensemble, EnsembleError, LoadCase, Reduced};
@@ -134,6 +134,7 @@ fn members(
     let Built { bodies, targets, controls } = built?;
     if let Some(body) = bodies.first() {
         sizes::check_bounds(case, &controls.controls, body.solid(), context);
+        magnitude::check_controls(case, &controls.controls, context);
     }
     if context.is_sound() {
         start::check(case, &controls.controls, context);
@@ -166,6 +167,9 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
         if let Some(Some(body)) = bodies.last() {
             elements::check(&variant.case, body.solid(), context);
             sizes::check_moduli(&variant.case, body.solid(), context);
+            sizes::check_springs(&variant.case, body.solid(), context);
+            slack::check(&variant.case, body.solid(), context);
+            weight::check(&variant.case, body.solid(), context);
         }
         aims.push(targets);
     }

@@ -33,6 +33,14 @@ impl Cost for Named {
         self.cost.stages()
     }
 
+    fn numbers(&self) -> Option<usize> {
+        self.cost.numbers()
+    }
+
+    fn check_in_motion(&self, solid: &Solid, timeline: &Timeline, at_start: bool) -> Result<(), ControlError> {
+        self.cost.check_in_motion(solid, timeline, at_start)
+    }
+
     fn smoothings(&self) -> Vec<Smoothing> {
         self.cost.smoothings()
     }

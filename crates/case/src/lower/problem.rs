@@ -5,7 +5,7 @@ use crate::lower::member::Label;
 use crate::lower::optimizer;
 use crate::lower::probe::LocatedProbe;
 use crate::warning::Warning;
-use nastic_control::{Ensemble, Metric};
+use nastic_control::{ControlBlock, Ensemble, EnsembleBlock, Metric};
 use nastic_fem::{Feature, Solid};
 use nastic_language::quantity::Units;
 use nastic_language::schema::{Case, Unstable};
@@ -69,6 +69,12 @@ impl CaseProblem {
     #[must_use]
     pub fn mesh(&self) -> &Arc<Mesh> {
         self.solid().mesh()
+    }
+
+    /// A control field as the first member that uses it has it.
+    #[must_use]
+    pub fn control_block(&self, block: &EnsembleBlock) -> &ControlBlock {
+        &self.member(block.owner).layout().blocks()[block.field]
     }
 
     /// The units of all numbers.

@@ -2,11 +2,13 @@
 
 use super::context::Context;
 use super::random;
+use crate::warning::INPUT;
 use nastic_fem::Discretization;
 use nastic_language::schema::{Case, Risk as RiskBlock, Scenario as ScenarioBlock, Scenarios};
 use nastic_language::syntax::{At, Document, Setting};
 use nastic_uncertainty::risk::{Cvar, Mean, MeanDeviation, Risk, WorstCase};
 use serde_json::{Map, Value};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// One scenario: how likely it is, and what differs in it.
@@ -49,6 +51,13 @@ fn listed(list: &[ScenarioBlock], context: &mut Context<'_>) -> Option<Vec<Scena
             sound = false;
         }
     }
+    if same(list) {
+        let message = format!(
+            "all {} scenarios are the same: each takes its solves and none changes the result; let \"set\" differ, or leave them out",
+            list.len()
+        );
+        context.warn(&INPUT, &At::root().key("scenarios"), message);
+    }
     // The reader has seen that they add up to one, to rounding.
     let given: Vec<f64> = list.iter().map(|one| one.probability.unwrap_or(1.0)).collect();
     let sum: f64 = given.iter().sum();
@@ -60,6 +69,14 @@ fn listed(list: &[ScenarioBlock], context: &mut Context<'_>) -> Option<Vec<Scena
         values: one.set.0.iter().map(|setting| (setting.path.clone(), setting.node.to_json())).collect(),
     };
     sound.then(|| list.iter().zip(names).zip(given).map(scenario).collect())
+}
+
+/// Whether several scenarios set the same values.
+fn same(list: &[ScenarioBlock]) -> bool {
+    let values = |one: &ScenarioBlock| -> BTreeMap<String, Value> {
+        one.set.0.iter().map(|setting| (setting.path.clone(), setting.node.to_json())).collect()
+    };
+    list.len() > 1 && list.windows(2).all(|pair| values(&pair[0]) == values(&pair[1]))
 }
 
 /// The measure of risk.

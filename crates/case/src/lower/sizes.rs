@@ -2,13 +2,15 @@
 
 use super::context::Context;
 use super::elements::Elastic;
+use super::magnitude;
 use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::target_shape::TargetShape;
 use crate::warning::{BOUNDS, UNITS};
-use nastic_fem::Solid;
+use nastic_fem::{Instant, Solid};
 use nastic_language::number::{count, short};
 use nastic_language::quantity::{Dimension, Units};
 use nastic_language::schema::{Case, Contact, Cost, Material, MeshSource, Shape, ShapeOrName};
+use nastic_language::syntax::At;
 use nastic_mesh::Mesh;
 
 /// Soft bodies longer than this are rare, millimetres taken for metres are not.
@@ -48,7 +50,7 @@ pub(super) fn check_bounds(case: &Case, controls: &[ControlField], solid: &Solid
 }
 
 /// Young's moduli of silicones, gels and tissue, 1 kPa to 20 MPa, in Pa; the ends are among them whatever the rounding.
-const SOFT: std::ops::RangeInclusive<f64> = 0.999e3..=2.001e7;
+pub(super) const SOFT: std::ops::RangeInclusive<f64> = 0.999e3..=2.001e7;
 
 /// Materials softer than any silicone, and bodies of which no part is soft: mostly kPa and Pa were mixed.
 pub(super) fn check_moduli(case: &Case, solid: &Solid, context: &mut Context<'_>) {
@@ -66,18 +68,66 @@ pub(super) fn check_moduli(case: &Case, solid: &Solid, context: &mut Context<'_>
     // a reinforcement adds to the law of a matrix, which is looked at
     for (material, young) in case.materials.iter().zip(&moduli).filter(|(material, _)| !material.law.reinforcing) {
         let Some(young) = young.filter(|young| stiff || young < SOFT.start()) else { continue };
-        let factor = if young < *SOFT.start() { 1e3 } else { 1e-3 };
-        let likely = if SOFT.contains(&(young * factor)) {
-            format!(": {} Pa would be usual, is a factor of 1000 missing?", short(young * factor))
-        } else {
-            ": is its unit right?".to_owned()
-        };
         let message = format!(
-            "Young's modulus is {} Pa where silicones, gels and tissue have 1 kPa to 20 MPa{likely}",
-            short(young)
+            "Young's modulus is {} Pa where silicones, gels and tissue have 1 kPa to 20 MPa{}",
+            short(young),
+            magnitude::likely(young, &SOFT, "Pa")
         );
         context.warn(&UNITS, &material.at, message);
     }
+}
+
+/// A foundation or spring so many times as stiff as the body holds it rigidly.
+const RIGID: f64 = 1e6;
+/// Rest lengths of springs that differ so much from the distance of their ends are in another unit.
+const REST_APART: f64 = 50.0;
+
+/// Warns of foundations and springs beside which the body has no stiffness, and of rest lengths in another unit.
+pub(super) fn check_springs(case: &Case, solid: &Solid, context: &mut Context<'_>) {
+    let (mesh, points) = (solid.mesh(), solid.discretization().points_of_cells());
+    let young = |(cell, (point, _)): (usize, &(usize, usize))| Some(Elastic::of(solid, cell, *point)?.young());
+    let stiffest = points.iter().enumerate().map(young).try_fold(0.0, |most: f64, young| Some(most.max(young?)));
+    let Some(stiffest) = stiffest.filter(|young| *young > 0.0) else { return };
+    let size = mesh.diagonal();
+    let stiff = |ratio: f64, at: At, what: &str, context: &mut Context<'_>| {
+        if ratio > RIGID {
+            let message = format!(
+                "{what} is {} times as stiff as a cube of the body's stiffest material and size: is its unit right? To hold the body, \
+                 fix it",
+                short(ratio)
+            );
+            context.warn(&UNITS, &at, message);
+        }
+    };
+    for support in &case.supports {
+        if let Some(stiffness) = support.foundation {
+            stiff(stiffness * size / stiffest, support.at.key("foundation"), "this foundation", context);
+        }
+    }
+    // of a plane body stiffness is per unit of thickness
+    let of_size = if mesh.dim() == 2 { 1.0 } else { size };
+    for spring in &case.springs {
+        stiff(spring.stiffness / (stiffest * of_size), spring.at.key("stiffness"), "this spring", context);
+        let distance = spring_quantity(solid, &spring.name(), "length");
+        let Some((length, distance)) = spring.length.filter(|length| *length > 0.0).zip(distance) else { continue };
+        let ratio = length / distance;
+        if distance > 0.0 && !(1.0 / REST_APART..=REST_APART).contains(&ratio) {
+            let unit = context.units.length().symbol;
+            let message = format!(
+                "a rest length of {} {unit} where its ends are {} {unit} apart: is it in another unit?",
+                short(length),
+                short(distance)
+            );
+            context.warn(&UNITS, &spring.at.key("length"), message);
+        }
+    }
+}
+
+/// A number that a contribution reports of itself at rest.
+fn spring_quantity(solid: &Solid, name: &str, quantity: &str) -> Option<f64> {
+    let rest = solid.rest();
+    let all = solid.model().quantities(&Instant::new(&rest.u, &rest.controls, 0.0)).ok()?;
+    all.into_iter().find(|(of, what, _)| of == name && *what == quantity).map(|(.., value)| value)
 }
 
 pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], context: &mut Context<'_>) {

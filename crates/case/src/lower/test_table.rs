@@ -1,5 +1,6 @@
 //! Tables of test data: CSV with a line of column names and units.
 
+use super::test_stiffness;
 use nastic_fit::{FitError, Mode, Response, Test};
 use nastic_language::number::short;
 use nastic_language::quantity::{Dimension, Unit};
@@ -56,7 +57,7 @@ fn mode(test: &FitTest) -> Mode {
 }
 
 /// Reads the table of a test, and what deserves attention in it.
-fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Option<String>), Diagnostics> {
+fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Vec<String>), Diagnostics> {
     let path = document.resolve(&test.file);
     let text = std::fs::read_to_string(&path).map_err(|error| {
         document.complain(&test.at.key("file"), format!("{} cannot be read: {error}", path.display()))
@@ -84,6 +85,7 @@ fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Option
             short(100.0 * largest)
         )
     });
+    let doubtful: Vec<String> = doubtful.into_iter().collect();
     let made = Test::new(&name, mode, response, points).map_err(|error| match &error {
         FitError::Point { point, .. } => Diagnostics::from(Diagnostic {
             file: path.display().to_string(),
@@ -102,7 +104,8 @@ fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Option
     };
     let made = made.weighted(test.weight);
     let made = made.map_err(|error| document.complain(&test.at.key("weight"), error.to_string()))?;
-    Ok((made, doubtful))
+    let stiffness = test_stiffness::doubtful(&made, &path.display().to_string());
+    Ok((made, doubtful.into_iter().chain(stiffness).collect()))
 }
 
 /// What a table holds.

@@ -4,7 +4,10 @@ use super::context::Context;
 use crate::warning::UNITS;
 use nastic_language::expression::Formula;
 use nastic_language::number::short;
-use nastic_language::schema::{Case, Fixed, Obstacle, Parameter, Start, TimeTable, VectorField, VectorInTime};
+use nastic_language::schema::{
+    Case, Coordinates, Cost, CostTerm, Fixed, Obstacle, Parameter, Start, TermValue, TimeTable, VectorField,
+    VectorInTime,
+};
 use nastic_language::syntax::{At, quoted};
 
 /// A table of which the motion takes so small a share is hardly in its unit.
@@ -25,8 +28,14 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
     resolve_poses((&mut case.obstacles, end), context);
     for load in &mut case.loads {
         let at = load.at.clone();
-        let parts = [("traction", &mut load.traction), ("body_force", &mut load.body_force)];
+        let parts =
+            [("traction", &mut load.traction), ("body_force", &mut load.body_force), ("gravity", &mut load.gravity)];
         resolve_vectors(parts, &at, end, context);
+    }
+    for block in &mut case.costs {
+        if let Cost::Term(term) = block {
+            resolve_paths((term, end), context);
+        }
     }
     for actuation in &mut case.actuation {
         for (key, fixed) in &mut actuation.fixed {
@@ -41,6 +50,17 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
     }
 }
 
+/// The same of positions that a term aims at.
+fn resolve_paths((term, end): (&mut CostTerm, Option<f64>), context: &mut Context<'_>) {
+    for (key, value) in &mut term.values {
+        let TermValue::Path(table) = value else { continue };
+        let at = term.at.key(key);
+        if let Some(formulas) = formulas((table, end), &at, context) {
+            *value = TermValue::Position(Box::new(Coordinates::of(formulas, &at)));
+        }
+    }
+}
+
 /// The same of the poses of obstacles.
 fn resolve_poses((obstacles, end): (&mut [Obstacle], Option<f64>), context: &mut Context<'_>) {
     for obstacle in obstacles {
@@ -51,8 +71,8 @@ fn resolve_poses((obstacles, end): (&mut [Obstacle], Option<f64>), context: &mut
 }
 
 /// The same of vectors by their keys.
-fn resolve_vectors(
-    parts: [(&str, &mut Option<VectorInTime>); 2],
+fn resolve_vectors<const N: usize>(
+    parts: [(&str, &mut Option<VectorInTime>); N],
     at: &At,
     end: Option<f64>,
     context: &mut Context<'_>,

@@ -3,6 +3,7 @@
 use super::{Constraint, ConstraintPoint, IntoConstraint};
 use crate::cost::{Cost, CostContext, CostPoint, IntoCost, Partials};
 use crate::error::ControlError;
+use crate::time::Timeline;
 use nastic_fem::Solid;
 use nastic_numeric::vector::{axpy, dot};
 use nastic_opt::{ConstraintGroup, Sense};
@@ -65,6 +66,10 @@ impl Constraint for BoundLimit {
         self.group.clone()
     }
 
+    fn check_in_motion(&self, solid: &Solid, timeline: &Timeline, at_start: bool) -> Result<(), ControlError> {
+        self.cost.check_in_motion(solid, timeline, at_start)
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
         let cost = self.cost.at(&CostContext { stage: self.cost.stages().saturating_sub(1), ..*at })?;
         Ok(Arc::new(EvaluatedConstraint {
@@ -103,6 +108,17 @@ impl ConstraintPoint for EvaluatedConstraint {
         let mut own = self.zero();
         self.cost.add_partials(&mut own)?;
         y.iter().for_each(|y| add(*y, &own, out));
+        Ok(())
+    }
+
+    fn add_partials_in_motion(&self, y: &[f64], out: &mut Partials, held: &mut Vec<f64>) -> Result<(), ControlError> {
+        let (mut own, mut by_held) = (self.zero(), Vec::new());
+        self.cost.add_partials_in_motion(&mut own, &mut by_held)?;
+        for y in y {
+            add(*y, &own, out);
+            held.resize(held.len().max(by_held.len()), 0.0);
+            axpy(*y, &by_held, &mut held[..by_held.len()]);
+        }
         Ok(())
     }
 

@@ -8,6 +8,7 @@ pub use obstacle_distance::ObstacleDistance;
 
 use crate::cost::{CostContext, Partials};
 use crate::error::ControlError;
+use crate::time::Timeline;
 use nastic_fem::Solid;
 use nastic_opt::ConstraintGroup;
 use std::fmt::Debug;
@@ -32,6 +33,14 @@ pub trait Constraint: Debug + Send + Sync {
     /// What a distance that is kept at nodes comes to between them; none of other constraints.
     fn between_nodes(&self, _at: &CostContext) -> Option<BetweenNodes> {
         None
+    }
+
+    /// Whether they can hold in a motion, and at its beginning if they do there.
+    ///
+    /// # Errors
+    /// What they need and the motion has not.
+    fn check_in_motion(&self, _solid: &Solid, _timeline: &Timeline, _at_start: bool) -> Result<(), ControlError> {
+        Ok(())
     }
 
     /// Evaluated at a displacement and a control; `at.stage` does not matter.
@@ -60,6 +69,14 @@ pub trait ConstraintPoint: Debug + Send + Sync {
     /// # Errors
     /// A derivative that is not finite.
     fn add_partials(&self, y: &[f64], out: &mut Partials) -> Result<(), ControlError>;
+
+    /// The same of a state of a motion, as [`CostPoint::add_partials_in_motion`](crate::CostPoint::add_partials_in_motion).
+    ///
+    /// # Errors
+    /// A derivative that is not finite.
+    fn add_partials_in_motion(&self, y: &[f64], out: &mut Partials, _held: &mut Vec<f64>) -> Result<(), ControlError> {
+        self.add_partials(y, out)
+    }
 
     /// The changes `dc_k` along a change `(du, v)`.
     ///

@@ -87,7 +87,7 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow::of(&volume::FORM, volume),
     CostRow::of(&stretch::FORM, largest_stretch),
     CostRow::of(&compliance::FORM, compliance).first_order(),
-    CostRow::of(&reaction::FORM, reaction).first_order(),
+    CostRow::of(&reaction::FORM, reaction),
     CostRow::of(&contact_load::FORCE, |on| contact_load(on, ContactLoad::force)).first_order(),
     CostRow::of(&contact_load::PRESSURE, |on| contact_load(on, |contact| ContactLoad::pressure(contact, 2)))
         .first_order(),

@@ -15,6 +15,8 @@ pub enum FigureKind {
     RootMeanSquareDistance,
     /// Largest distance of a tracked point from its target.
     LargestDistance,
+    /// Distance of one point, or of the mean of a part of the body, from its target.
+    PositionDistance,
     /// Smallest distance of a part of the body from an obstacle, negative inside of it.
     ObstacleDistance,
     /// A figure of another cost.
@@ -30,6 +32,7 @@ impl FigureKind {
             FigureKind::SelfDistance => "self",
             FigureKind::RootMeanSquareDistance => "root_mean_square",
             FigureKind::LargestDistance => "largest",
+            FigureKind::PositionDistance => "position_distance",
             FigureKind::ObstacleDistance => "obstacle_distance",
             FigureKind::Other(name) => name,
         }
@@ -42,6 +45,7 @@ impl FigureKind {
             FigureKind::TrueDistance => Some(TRUE_DISTANCE),
             FigureKind::RootMeanSquareDistance => Some("tracking_root_mean_square"),
             FigureKind::LargestDistance => Some("tracking_largest"),
+            FigureKind::PositionDistance => Some("position_distance"),
             FigureKind::SmoothedDistance
             | FigureKind::SelfDistance
             | FigureKind::ObstacleDistance

@@ -144,6 +144,10 @@ impl Cost for OnBody {
         "mean_radius"
     }
 
+    fn numbers(&self) -> Option<usize> {
+        Some(1)
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let places = self.points.positions(at.solid, Some(at.u));
         let arms: Vec<Vec3> = places.iter().map(|x| self.across * (Vec3::from(*x) - self.centre)).collect();

@@ -51,6 +51,7 @@ pub use volume::LumenVolume;
 
 use crate::error::ControlError;
 use crate::layout::Layout;
+use crate::time::Timeline;
 use nastic_fem::{Solid, State};
 use nastic_hausdorff::Smoothing;
 use std::fmt::Debug;
@@ -173,6 +174,20 @@ pub trait Cost: Debug + Send + Sync {
         None
     }
 
+    /// How many numbers of the body it looks at, of a sum of squares of their deviations from wanted ones, which determines no more
+    /// directions of the control than that where it is small; `None` of any other cost.
+    fn numbers(&self) -> Option<usize> {
+        None
+    }
+
+    /// Whether it can count in a motion, and at its beginning if it does there.
+    ///
+    /// # Errors
+    /// What it needs and the motion has not.
+    fn check_in_motion(&self, _solid: &Solid, _timeline: &Timeline, _at_start: bool) -> Result<(), ControlError> {
+        Ok(())
+    }
+
     /// Things the user should know (a smoothing length below the point spacing, say).
     fn warnings(&self, _solid: &Solid) -> Vec<String> {
         vec![]
@@ -194,6 +209,15 @@ pub trait CostPoint: Debug + Send + Sync {
     /// # Errors
     /// A derivative that is not finite.
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError>;
+
+    /// The same of a state of a motion: what hangs on the forces R that supports exert ([`Model::held_forces`](nastic_fem::Model::held_forces)) is left
+    /// out of `out`, and `dj/dR`, flat and zero on free unknowns, added to `held`, which is empty for zero.
+    ///
+    /// # Errors
+    /// A derivative that is not finite.
+    fn add_partials_in_motion(&self, out: &mut Partials, _held: &mut Vec<f64>) -> Result<(), ControlError> {
+        self.add_partials(out)
+    }
 
     /// Adds the change of `dj/du` and `dj/dm` along a change `(du, v)`: `j_uu du + j_um v` and `j_mu du + j_mm v`.
     ///

@@ -146,6 +146,10 @@ impl Cost for OnBody {
         "position"
     }
 
+    fn numbers(&self) -> Option<usize> {
+        Some(self.target.iter().flatten().count())
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let dim = at.solid.discretization().dim();
         let moved = mean(&self.shares, at.u, dim);
@@ -202,6 +206,6 @@ impl CostPoint for EvaluatedCost {
     /// The distance over the components that have a target.
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {
         let distance = self.gap.iter().map(|gap| gap * gap).sum::<f64>().sqrt();
-        Ok(vec![Figure::length(FigureKind::Other("position_distance"), distance)])
+        Ok(vec![Figure::length(FigureKind::PositionDistance, distance)])
     }
 }

@@ -4,10 +4,12 @@ use super::{
     Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
 };
 use crate::error::ControlError;
-use nastic_fem::{Demand, Instant, Model, Solid};
+use crate::layout::Layout;
+use crate::time::Timeline;
+use nastic_fem::{Begin, Controls, Increment, Instant, Model, Solid, State, StateError};
 use nastic_linear::Symmetry;
 use nastic_mesh::GroupNames;
-use nastic_numeric::vector::{dot, norm};
+use nastic_numeric::vector::{axpy, dot, norm};
 use std::sync::Arc;
 
 /// `j = (weight/2) (R - force)^2` with the force R along a unit vector d that supports, those that move too, exert on the body at the nodes of a named surface,
@@ -18,7 +20,12 @@ use std::sync::Arc;
 ///
 /// r the residual of the equilibrium, which is zero on all unknowns that nothing holds. What grips take, a blocked force.
 ///
-/// Derivatives: `dR/du = K^T l`, `dR/dm = l . dr/dm`. There are no second partials. Units: force^2 times the weight's; in plane strain per unit of depth.
+/// In a motion `M a` and the forces of damping and viscous laws are part of r ([`Model::held_forces`]), as of
+/// [`Solid::reactions`]; steps end at a stage, nothing slides with friction, and where controls move the body with inertia the scheme is `backward_euler`, in which the
+/// acceleration of a state is the mean over its step.
+///
+/// Derivatives: `dR/du = K^T l`, `dR/dm = l . dr/dm`; second ones those of l . r: `(l . r)_uu du + (l . r)_um v` and so on. Units: force^2 times the weight's; in plane
+/// strain per unit of depth.
 /// Source: docs/model.md section 5.
 #[derive(Clone, Debug)]
 pub struct Reaction {
@@ -52,15 +59,6 @@ pub(super) const FORM: CostForm = CostForm::new(
         CostKey::new("force", "The force that is wanted.", CostTakes::Number { unit: "N", default: None }),
     ],
     |on| {
-        let refuse = |what: &str| Err(ControlError::Cost { what: what.to_owned() });
-        if on.in_motion {
-            return refuse(
-                "the reaction of a body in motion is no cost: it takes accelerations of held nodes; take a static case",
-            );
-        }
-        if on.second {
-            return refuse("a reaction has no second derivatives, which the method of this case needs: take \"lbfgs\"");
-        }
         let (surface, direction, force) = (on.get("surface")?, on.get("direction")?, on.get("force")?);
         Reaction { surface, direction, force, weight: on.weight }.bind(on.solid)
     },
@@ -119,21 +117,52 @@ impl Cost for OnBody {
         "reaction"
     }
 
+    fn numbers(&self) -> Option<usize> {
+        Some(1)
+    }
+
+    fn check_in_motion(&self, solid: &Solid, timeline: &Timeline, at_start: bool) -> Result<(), ControlError> {
+        let (scheme, supports) = (timeline.scheme(), solid.supports());
+        let refuse = |what: &str| Err(ControlError::Cost { what: format!("the reaction of a body in motion {what}") });
+        if !scheme.ends_at_its_last_stage() {
+            return refuse(
+                "needs a scheme whose steps end at a stage: take backward_euler, bdf2, tr_bdf2, trapezoidal, newmark or quasi_static",
+            );
+        }
+        if solid.model().touch_parameters().iter().any(|(_, contact)| contact.friction.is_some()) {
+            return refuse("with friction has no derivative here: leave \"friction\" out");
+        }
+        if scheme.is_quasi_static() {
+            return Ok(());
+        }
+        let is_moved = (0..supports.fixed().len()).any(|dof| supports.fixed()[dof] && !supports.holds_still(dof));
+        if is_moved && scheme.name() != "backward_euler" {
+            return refuse("whose surfaces move takes mean accelerations: take backward_euler or quasi_static");
+        }
+        if at_start && timeline.begin() == Begin::Given {
+            return refuse(
+                "is not known at t = 0 where it begins at rest: let it count from the first step on, \"when\": { \"at\": [..] }",
+            );
+        }
+        Ok(())
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let Some(state) = at.state else {
             let what = "a reaction takes the equilibrium itself, not a displacement alone".to_owned();
             return Err(ControlError::Cost { what });
         };
-        let (model, instant) = (at.solid.model(), Instant::of(state));
-        let residual = model.evaluate(&instant, Demand { energy: false, force: true })?.force;
-        let reaction = dot(&self.along, &residual);
-        let slope = self.weight * (reaction - self.force);
-        let scaled = |values: Vec<f64>| values.into_iter().map(|d| slope * d).collect();
-        let by_points = model.vjp(&instant, &self.along)?.controls;
-        let m = scaled(at.layout.control_vjp(at.m, &by_points));
-        let partials = Partials { u: scaled(transposed(model, &instant, &self.along)?), m };
-        let value = 0.5 * self.weight * (reaction - self.force).powi(2);
-        Ok(Arc::new(EvaluatedCost { value, reaction, partials, plane: at.solid.mesh().dim() == 2 }))
+        let reaction = dot(&self.along, &at.solid.model().held_forces(state)?);
+        Ok(Arc::new(EvaluatedCost {
+            along: self.along.clone(),
+            gap: reaction - self.force,
+            reaction,
+            weight: self.weight,
+            model: at.solid.model().clone(),
+            state: state.clone(),
+            layout: at.layout.clone(),
+            m: at.m.to_vec(),
+        }))
     }
 }
 
@@ -153,25 +182,64 @@ fn transposed(model: &Model, at: &Instant, l: &[f64]) -> Result<Vec<f64>, Contro
 /// The cost evaluated.
 #[derive(Debug)]
 struct EvaluatedCost {
-    value: f64,
+    along: Arc<[f64]>,
     reaction: f64,
-    partials: Partials,
-    plane: bool,
+    /// `R - force`
+    gap: f64,
+    weight: f64,
+    model: Model,
+    state: State,
+    layout: Layout,
+    m: Vec<f64>,
+}
+
+impl EvaluatedCost {
+    /// `dR/du`, `dR/dm`, and the latter by the values at the points.
+    fn slopes(&self) -> Result<(Partials, Controls), ControlError> {
+        let at = Instant::of(&self.state);
+        let by_points = self.model.vjp(&at, &self.along)?.controls;
+        let m = self.layout.control_vjp(&self.m, &by_points);
+        Ok((Partials { u: transposed(&self.model, &at, &self.along)?, m }, by_points))
+    }
 }
 
 impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
-        self.value
+        0.5 * self.weight * self.gap * self.gap
     }
 
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
-        out.u.iter_mut().zip(&self.partials.u).for_each(|(out, d)| *out += d);
-        out.m.iter_mut().zip(&self.partials.m).for_each(|(out, d)| *out += d);
+        let (by, _) = self.slopes()?;
+        axpy(self.weight * self.gap, &by.u, &mut out.u);
+        axpy(self.weight * self.gap, &by.m, &mut out.m);
+        Ok(())
+    }
+
+    fn add_partials_in_motion(&self, _: &mut Partials, held: &mut Vec<f64>) -> Result<(), ControlError> {
+        held.resize(self.along.len(), 0.0);
+        axpy(self.weight * self.gap, &self.along, held);
+        Ok(())
+    }
+
+    /// With `dR = R_u du + R_m v`: `weight (dR R_u + (R - force) ((l . r)_uu du + (l . r)_um v))`, and so by m.
+    fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
+        let (by, by_points) = self.slopes()?;
+        let change = dot(&by.u, &along.u) + dot(&by.m, &along.m);
+        axpy(self.weight * change, &by.u, &mut out.u);
+        axpy(self.weight * change, &by.m, &mut out.m);
+        let controls = self.layout.change(&self.m, &along.m)?;
+        let increment = Increment { u: &along.u, controls: &controls };
+        let second = self.model.second_vjp(&Instant::of(&self.state), &self.along, &increment);
+        let second = second.map_err(StateError::from)?;
+        let slope = self.weight * self.gap;
+        axpy(slope, &second.u, &mut out.u);
+        axpy(slope, &self.layout.control_vjp(&self.m, &second.controls), &mut out.m);
+        axpy(slope, &self.layout.second_vjp(&self.m, &along.m, &by_points), &mut out.m);
         Ok(())
     }
 
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {
-        let unit = if self.plane { "N/m" } else { "N" };
+        let unit = if self.model.discretization().dim() == 2 { "N/m" } else { "N" };
         Ok(vec![Figure { kind: FigureKind::Other("reaction"), value: self.reaction, unit }])
     }
 }

@@ -81,6 +81,10 @@ impl Cost for OnBody {
         "volume"
     }
 
+    fn numbers(&self) -> Option<usize> {
+        Some(1)
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let volume = self.lumen.volume(Some(at.u));
         let (lumen, gap) = (self.lumen.clone(), volume - self.wanted);

@@ -108,8 +108,11 @@ impl Reduced {
     /// # Errors
     /// As [`cost`](Self::cost); a problem without time; instants that the steps do not lead through.
     pub fn cost_when(mut self, when: When, cost: impl IntoCost) -> Result<Self, ControlError> {
-        self.needs_time("a cost at instants")?;
-        self.costs.push(cost.bind(&self.solid)?);
+        let motion = self.needs_time("a cost at instants")?;
+        let cost = cost.bind(&self.solid)?;
+        let at_start = Schedule::new(when.clone(), &motion.timeline)?.weights.iter().any(|(n, _)| *n == 0);
+        cost.check_in_motion(&self.solid, &motion.timeline, at_start)?;
+        self.costs.push(cost);
         self.schedule_cost(when)?;
         Ok(self)
     }
@@ -130,6 +133,7 @@ impl Reduced {
         let bound = |t: f64| cost(t)?.bind(&self.solid);
         schedule.own = schedule.weights.iter().map(|(n, _)| bound(instants[*n])).collect::<Result<_, _>>()?;
         let last = bound(motion.timeline.end())?;
+        last.check_in_motion(&self.solid, &motion.timeline, schedule.weights.iter().any(|(n, _)| *n == 0))?;
         self.costs.push(last);
         if let Some(motion) = &mut self.motion {
             motion.schedules.push(schedule);
@@ -159,8 +163,10 @@ impl Reduced {
     /// # Errors
     /// As [`constrain`](Self::constrain); a problem without time; instants that the steps do not lead through.
     pub fn constrain_when(mut self, instants: Instants, constraint: impl IntoConstraint) -> Result<Self, ControlError> {
-        let numbers = instants.numbers(&self.needs_time("a constraint at instants")?.timeline)?;
-        self.constraints.push(constraint.bind(&self.solid)?);
+        let timeline = &self.needs_time("a constraint at instants")?.timeline;
+        let (numbers, constraint) = (instants.numbers(timeline)?, constraint.bind(&self.solid)?);
+        constraint.check_in_motion(&self.solid, timeline, numbers.contains(&0))?;
+        self.constraints.push(constraint);
         if let Some(motion) = &mut self.motion {
             motion.constrained_at.push(numbers);
         }

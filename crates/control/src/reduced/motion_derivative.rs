@@ -91,7 +91,7 @@ impl<'a> InstantPartials<'a> {
     }
 
     /// Those of the constraints that hold in the n-th state.
-    fn add_constraints(&mut self, n: usize, state: &State, by_u: &mut Vec<f64>) -> Result<(), ControlError> {
+    fn add_constraints(&mut self, n: usize, state: &State, by: &mut StatePartials) -> Result<(), ControlError> {
         let (problem, motion, mut y) = (self.problem, self.motion, self.of.multipliers());
         let mut own = None;
         if y.is_empty() {
@@ -108,9 +108,9 @@ impl<'a> InstantPartials<'a> {
             }
             let point = problem.constraint_point(motion, k, (n, state), self.at.0)?;
             let zero = || Partials::zero(state.u.len(), motion.layout.len());
-            point.add_partials(y, own.get_or_insert_with(zero))?;
+            point.add_partials_in_motion(y, own.get_or_insert_with(zero), &mut by.held)?;
         }
-        own.iter().for_each(|own| self.add(motion.timeline.instants()[n], 1.0, own, by_u));
+        own.iter().for_each(|own| self.add(motion.timeline.instants()[n], 1.0, own, &mut by.u));
         Ok(())
     }
 
@@ -124,15 +124,18 @@ impl<'a> InstantPartials<'a> {
             }
             let schedule = &motion.schedules[k];
             let mut own = Partials::zero(state.u.len(), motion.layout.len());
-            let mut factor = 0.0;
+            let (mut factor, mut held) = (0.0, Vec::new());
             problem.cost_point(motion, (k, place), (n, state), self.at, &mut |cost| {
                 factor = schedule.weights[place].1 * schedule.shape(cost.value()).1;
-                cost.add_partials(&mut own)
+                cost.add_partials_in_motion(&mut own, &mut held)
             })?;
             self.add(motion.timeline.instants()[n], factor, &own, &mut by_state.u);
+            by_state.held.resize(by_state.held.len().max(held.len()), 0.0);
+            axpy(factor, &held, &mut by_state.held[..held.len()]);
         }
-        self.add_constraints(n, state, &mut by_state.u)?;
-        self.by_states |= by_state.u.iter().chain(&by_state.velocity).any(|d| *d != 0.0);
+        self.add_constraints(n, state, &mut by_state)?;
+        let all = by_state.u.iter().chain(&by_state.velocity).chain(&by_state.held);
+        self.by_states |= all.into_iter().any(|d| *d != 0.0);
         Ok(by_state)
     }
 

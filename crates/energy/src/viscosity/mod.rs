@@ -3,11 +3,12 @@
 mod evolution;
 mod kelvin_voigt;
 mod maxwell;
+mod neo_hooke_spring;
 mod spectrum;
 
 pub use evolution::Evolution;
 pub use kelvin_voigt::KelvinVoigt;
-pub use maxwell::MaxwellBranch;
+pub use maxwell::{MaxwellBranch, SpringMeasure};
 
 use crate::{EnergyError, Slots};
 

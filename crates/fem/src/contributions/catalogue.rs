@@ -142,6 +142,16 @@ pub const CATALOGUE: &[Entry] = &[
         },
     },
     Entry {
+        name: "weight that varies",
+        form: None,
+        example: || {
+            let (solid, mesh) = (block()?, block()?.mesh().clone());
+            let cells = 0..mesh.cells() as u32;
+            let sampling = QuadraturePoints::of_cells(&mesh, cells, |kind| kind.rule().clone())?;
+            solid.contribution(VaryingLoad::weight("weight that varies", &mesh, &sampling, 20.0))
+        },
+    },
+    Entry {
         name: "cavity",
         form: Some(cavity::FORM),
         example: || block()?.cavity(Cavity::new("cavity", "inside").lid()),

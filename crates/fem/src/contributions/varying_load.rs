@@ -20,7 +20,7 @@ use nastic_mesh::Mesh;
 /// with the share s of the load. It keeps its direction, as all dead loads. Its values are data of the problem as those of a constant one are, not work of
 /// actuations. In plane strain per unit of thickness.
 ///
-/// Units: t in Pa on surfaces, in N/m^3 on regions.
+/// Units: t in Pa on surfaces, in N/m^3 on regions; an acceleration in m/s^2 of [`weight`](Self::weight).
 #[derive(Debug)]
 pub struct VaryingLoad {
     name: String,
@@ -46,6 +46,26 @@ impl VaryingLoad {
             slots: (0..3).map(of).collect(),
             points: positions.map(|(position, weight)| ControlPoint { position, weight: *weight }).collect(),
             pairs,
+        }
+    }
+
+    /// The weight of a region of one density (kg/m^3) under an acceleration g(t), the same everywhere: `- s rho int g(t) . u dX`, with one point for g.
+    pub fn weight(name: impl Into<String>, mesh: &Mesh, sampling: &QuadraturePoints, density: f64) -> Self {
+        let of = |k| Slot { component: Some(k), ..Slot::design("gravity", "m/s^2", 0.0) };
+        let volume: f64 = sampling.weights().iter().sum();
+        let mut middle = [0.0; 3];
+        for (x, weight) in sampling.positions(mesh, None).into_iter().zip(sampling.weights()) {
+            (0..3).for_each(|i| middle[i] += weight / volume * x[i]);
+        }
+        let mut shares = vec![0.0; mesh.points().len()];
+        sampling.spread(sampling.weights(), 1, &mut shares);
+        let shares = shares.into_iter().enumerate().filter(|(_, share)| *share != 0.0);
+        VaryingLoad {
+            name: name.into(),
+            dim: mesh.dim(),
+            slots: (0..3).map(of).collect(),
+            points: vec![ControlPoint { position: middle, weight: volume }],
+            pairs: shares.map(|(node, share)| (node as u32, 0, density * share / volume)).collect(),
         }
     }
 

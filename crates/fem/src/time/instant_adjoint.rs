@@ -10,12 +10,14 @@ pub struct StatePartials {
     pub u: Vec<f64>,
     /// `dj/dv`, flat; empty for zero.
     pub velocity: Vec<f64>,
+    /// `dj/dR`, flat, by the forces R that supports exert at held unknowns ([`Model::held_forces`](crate::Model::held_forces)), zero on free ones; empty for zero.
+    pub held: Vec<f64>,
 }
 
 impl StatePartials {
     /// Of a functional that depends on the displacement alone.
     pub fn by_displacement(u: Vec<f64>) -> Self {
-        StatePartials { u, velocity: Vec::new() }
+        StatePartials { u, ..StatePartials::default() }
     }
 }
 

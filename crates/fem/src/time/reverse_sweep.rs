@@ -140,6 +140,13 @@ impl<'a> ReverseSweep<'a> {
         self.check(end)?;
         self.check(begin)?;
         self.add_partials(&by_end)?;
+        if !by_end.held.is_empty() && !step.scheme.ends_at_its_last_stage() {
+            let what = format!(
+                "the derivative of a reaction under the scheme {}, whose steps end at no stage",
+                step.scheme.name()
+            );
+            return Err(FemError::Meaningless { what }.into());
+        }
         let before = k.checked_sub(1).map(|k| &states[k]);
         let history = self.model.next_history(begin, self.how.parallel).map_err(|at| inverted(at, begin))?;
         let mut points =
@@ -160,7 +167,9 @@ impl<'a> ReverseSweep<'a> {
         let mut of_last = Vec::new();
         for (k, stage) in step.scheme.stages.iter().enumerate().rev() {
             let mut adjoints = take(&mut stages[k]);
-            if adjoints.is_zero() {
+            // forces at held unknowns are those of the last stage
+            let held: &[f64] = if k + 1 == step.stages.len() { &by_end.held } else { &[] };
+            if adjoints.is_zero() && held.is_empty() {
                 continue;
             }
             let time_step = &time_steps[k];
@@ -171,8 +180,9 @@ impl<'a> ReverseSweep<'a> {
             let u = if step.scheme.is_linearised() { &begin.u } else { &step.stages[k] };
             let at = Instant { parallel: self.how.parallel, ..Instant::new(u, &controls, 1.0) };
             let at = at.in_step(time_step);
+            self.add_held(&at, held, &mut by_u, end)?;
             let lambda = self.solve(&at, &by_u, end)?;
-            let mut by = self.model.vjp(&at, &lambda).map_err(|at| inverted(at, end))?;
+            let mut by = self.model.vjp(&at, &sum(&lambda, held)).map_err(|at| inverted(at, end))?;
             if step.scheme.is_linearised() {
                 self.linearisation(&at, &lambda, &step.stages[k], &mut by.controls)?;
             }
@@ -220,8 +230,11 @@ impl<'a> ReverseSweep<'a> {
         self.check(state)?;
         self.add_partials(&by_begin)?;
         let lambda = match part.begin() {
-            Begin::Equilibrium => self.equilibrium(state)?,
-            Begin::Given => Vec::new(),
+            Begin::Equilibrium => self.equilibrium(state, &by_begin.held)?,
+            Begin::Given => {
+                self.given(state, &by_begin.held)?;
+                Vec::new()
+            }
         };
         Ok((self.swept(lambda), self.report))
     }
@@ -238,7 +251,7 @@ impl<'a> ReverseSweep<'a> {
 
     fn add_partials(&mut self, partials: &StatePartials) -> Result<(), StateError> {
         let expected = self.model.unknowns().len();
-        let lengths = [partials.u.len(), partials.velocity.len()];
+        let lengths = [partials.u.len(), partials.velocity.len(), partials.held.len()];
         if let Some(found) = lengths.into_iter().find(|found| ![0, expected].contains(found)) {
             let what = "partial derivatives of a state".to_owned();
             return Err(FemError::Length { what, found, expected }.into());
@@ -337,10 +350,31 @@ impl<'a> ReverseSweep<'a> {
         Ok(())
     }
 
+    /// The derivative by u through the forces at held unknowns, `K^T dj/dR`.
+    fn add_held(&self, at: &Instant, held: &[f64], by_u: &mut Vec<f64>, state: &State) -> Result<(), StateError> {
+        if !held.is_empty() {
+            let tangent = self.model.bordered_tangent(at).map_err(|at| inverted(at, state))?;
+            add(1.0, &tangent.multiply_transposed(held, self.how.parallel), by_u);
+        }
+        Ok(())
+    }
+
+    /// The forces at held unknowns of a state that was given.
+    fn given(&mut self, state: &State, held: &[f64]) -> Result<(), StateError> {
+        if !held.is_empty() {
+            let at = self.model.instant(state, None, self.how.parallel);
+            let by = self.model.vjp(&at, held).map_err(|at| inverted(at, state))?;
+            self.add_controls(END, 1.0, &by.controls);
+        }
+        Ok(())
+    }
+
     /// The adjoint of a state that is the equilibrium under its controls.
-    fn equilibrium(&mut self, state: &State) -> Result<Vec<f64>, StateError> {
+    fn equilibrium(&mut self, state: &State, held: &[f64]) -> Result<Vec<f64>, StateError> {
         let mut by_u = take(&mut self.adjoints[END].u);
         by_u.resize(self.model.unknowns().len(), 0.0);
+        self.add_held(&self.model.instant(state, None, self.how.parallel), held, &mut by_u, state)?;
+        self.given(state, held)?;
         if by_u.iter().all(|&d| d == 0.0) {
             return Ok(by_u);
         }
@@ -375,4 +409,13 @@ impl<'a> ReverseSweep<'a> {
             (0..by.len()).for_each(|block| axpy(factor, by.values(block), into.values_mut(block)));
         }
     }
+}
+
+/// The adjoint of the free unknowns and that of the held ones as one vector.
+fn sum(lambda: &[f64], held: &[f64]) -> Vec<f64> {
+    let mut sum = lambda.to_vec();
+    if !held.is_empty() {
+        axpy(1.0, held, &mut sum);
+    }
+    sum
 }

@@ -195,6 +195,13 @@ impl Scheme {
         self.stages.iter().enumerate().all(|(k, _)| self.end.displacement != [u(1.0, TermInstant::Stage(k))])
     }
 
+    /// Whether the state at the end of a step is that of its last stage, at the end: forces are in equilibrium there.
+    pub fn ends_at_its_last_stage(&self) -> bool {
+        let Some((k, last)) = self.stages.iter().enumerate().next_back() else { return false };
+        let End { displacement, velocity, .. } = End::stage(k);
+        !self.linearised && last.time == 1.0 && self.end.displacement == displacement && self.end.velocity == velocity
+    }
+
     /// Where the end is extrapolated from the k-th stage, its last: the factor alpha of `u = alpha w + b`, and the terms of b.
     pub(super) fn extrapolation(&self, k: usize) -> Option<(f64, Vec<Term>)> {
         if !(self.extrapolates() && k + 1 == self.stages.len()) {

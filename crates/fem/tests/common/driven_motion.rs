@@ -85,7 +85,7 @@ impl DrivenMotion<'_> {
             Some(_) => (0..state.u.len()).map(|i| self.of_velocity * H * noise(7 + 10 * n + i)).collect(),
             None => Vec::new(),
         };
-        StatePartials { u, velocity }
+        StatePartials { u, velocity, ..StatePartials::default() }
     }
 
     fn gradient(&self, trajectory: &Trajectory) -> Outcome<Vec<Controls>> {

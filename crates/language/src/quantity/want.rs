@@ -76,6 +76,8 @@ impl Want {
     pub const POSITIVE_VELOCITY: Self = Self::VELOCITY.positive();
     /// An acceleration.
     pub const ACCELERATION: Self = Self::a(Dimension::ACCELERATION);
+    /// An acceleration, which may change in time.
+    pub const ACCELERATION_IN_TIME: Self = Self::ACCELERATION.in_time();
     /// A viscosity >= 0.
     pub const VISCOSITY: Self = Self { dimension: Some(Dimension::VISCOSITY), sign: Sign::NotNegative, in_time: false };
     /// A pressure.

@@ -3,11 +3,12 @@
 use crate::quantity::Want;
 use crate::schema::catalogue::want;
 use crate::schema::direction::Direction;
-use crate::schema::json::{Definitions, block_schema};
+use crate::schema::json::{Definitions, any_of, block_schema};
 use crate::schema::mesh::MeshSource;
 use crate::schema::obstacle::ShapeOrName;
 use crate::schema::read::{Key, Read, Reader, check_alternatives};
 use crate::schema::target::{Coordinates, Target};
+use crate::schema::time_table::TimeTable;
 use crate::schema::timing::When;
 use crate::schema::value::Vector;
 use crate::syntax::{At, Node};
@@ -52,6 +53,8 @@ pub enum TermValue {
     Word(&'static str),
     /// The position of one point.
     Position(Box<Coordinates>),
+    /// The same over the time, from a file.
+    Path(TimeTable),
     /// Positions of all points.
     Target(Target),
     /// A mesh.
@@ -77,6 +80,7 @@ impl TermValue {
         match self {
             Self::Position(position) => position.use_time(),
             Self::Target(target) => target.uses_time(),
+            Self::Path(_) => true,
             _ => false,
         }
     }
@@ -185,7 +189,7 @@ fn read_value(key: &CostKey, node: &Node, at: &At, reader: &mut Reader<'_>) -> O
             place.read(Want::POSITIVE, default.map(|default| default as usize), TermValue::Count)
         }
         CostTakes::Word { of } => place.read_word(of),
-        CostTakes::Position => place.read(Want::ANY, None, TermValue::Position),
+        CostTakes::Position => place.read_position(),
         CostTakes::Target => place.read(Want::ANY, None, TermValue::Target),
         CostTakes::Mesh => place.read(Want::ANY, None, TermValue::Mesh),
         CostTakes::Obstacle => place.read(Want::ANY, None, TermValue::Obstacle),
@@ -216,6 +220,18 @@ impl Keyed<'_, '_, '_> {
         }
     }
 
+    /// Coordinates, or a table of them over the time.
+    fn read_position(&mut self) -> Option<Option<TermValue>> {
+        let CostKey { name, about, need, .. } = *self.key;
+        let default = (need != Need::Required).then_some(None);
+        self.reader.key_by(self.node, self.at, name, about, default, |node, at, reader| {
+            match TimeTable::is_named_by(node) {
+                true => TimeTable::read_for(Some(true), node, at, reader).map(|table| Some(TermValue::Path(table))),
+                false => Box::read(node, at, Want::ANY, reader).map(|position| Some(TermValue::Position(position))),
+            }
+        })
+    }
+
     fn read_word(&mut self, of: &[&'static str]) -> Option<Option<TermValue>> {
         let CostKey { name, about, need, .. } = *self.key;
         let default = (need != Need::Required).then_some(None);
@@ -236,7 +252,10 @@ fn key_schema(key: &CostKey, definitions: &mut Definitions) -> Key {
         CostTakes::Number { unit, default } => (f64::schema(want(unit), definitions), number(default)),
         CostTakes::Count { default } => (usize::schema(Want::POSITIVE, definitions), default.map(Json::from)),
         CostTakes::Word { of } => (json!({ "enum": of }), None),
-        CostTakes::Position => (Coordinates::schema(Want::ANY, definitions), None),
+        CostTakes::Position => {
+            let forms = vec![Coordinates::schema(Want::ANY, definitions), TimeTable::schema(Want::ANY, definitions)];
+            (any_of(forms), None)
+        }
         CostTakes::Target => (Target::schema(Want::ANY, definitions), None),
         CostTakes::Mesh => (MeshSource::schema(Want::ANY, definitions), None),
         CostTakes::Obstacle => (ShapeOrName::schema(Want::ANY, definitions), None),

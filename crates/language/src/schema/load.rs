@@ -1,8 +1,9 @@
 //! The blocks of `loads`.
 
+use crate::expression::Formula;
+use crate::schema::field::VectorField;
 use crate::schema::obstacle::VectorInTime;
 use crate::schema::read::Reader;
-use crate::schema::value::Vector;
 use nastic_mesh::GroupNames;
 
 object! {
@@ -16,14 +17,24 @@ object! {
         pub traction: Option<VectorInTime> as PRESSURE_IN_TIME,
         /// Force per reference volume, on a region; of a motion formulas of t or a table.
         pub body_force: Option<VectorInTime> as BODY_FORCE_IN_TIME,
-        /// Acceleration of gravity, which acts on the density of every material: [0, 0, "-9.81 m/s^2"].
-        pub gravity: Option<Vector> as ACCELERATION,
+        /// Acceleration of gravity, which acts on the density of every material: [0, 0, "-9.81 m/s^2"]; of a motion formulas of t or a table.
+        pub gravity: Option<VectorInTime> as ACCELERATION_IN_TIME,
     }
 }
 
 fn check(load: &Load, reader: &mut Reader<'_>) {
     let given = [("traction", load.traction.is_some()), ("body_force", load.body_force.is_some())];
-    if load.gravity.is_some() {
+    if let Some(gravity) = &load.gravity {
+        let varies = match gravity.field() {
+            Some(VectorField::Formulas(entries)) => entries.iter().any(Formula::varies_in_space),
+            Some(VectorField::Array(_)) => true,
+            None => false,
+        };
+        if varies {
+            let message =
+                "gravity is the same everywhere: numbers or formulas of t; a force that varies is a \"body_force\"";
+            reader.complain_at(&load.at.key("gravity"), message);
+        }
         for (key, _) in given.into_iter().filter(|(_, given)| *given) {
             let message = format!("\"gravity\" acts on the whole body: give the \"{key}\" as a load of its own");
             reader.complain_at(&load.at.key(key), message);

@@ -65,6 +65,13 @@ impl Coordinates {
         [self.x.as_ref(), self.y.as_ref(), self.z.as_ref()]
     }
 
+    /// Of formulas of x, y and z, as many as there are.
+    #[must_use]
+    pub fn of(formulas: Vec<Formula>, at: &At) -> Self {
+        let mut formulas = formulas.into_iter();
+        Self { x: formulas.next(), y: formulas.next(), z: formulas.next(), at: at.clone() }
+    }
+
     /// Those at an instant.
     #[must_use]
     pub fn at_time(&self, t: f64) -> Self {

@@ -76,6 +76,18 @@ object! {
         pub shear: Parameter as POSITIVE_PRESSURE,
         /// Time in which its stress falls to 1/e.
         pub relaxation: Parameter as POSITIVE_TIME,
+        /// What of its strain the spring resists to.
+        pub measure: SpringMeasure = SpringMeasure::Hencky,
+    }
+}
+
+choice! {
+    /// What of its strain the spring of a Maxwell branch resists to; at small strains all are alike.
+    pub enum SpringMeasure {
+        /// Logarithmic strains.
+        "hencky" => Hencky,
+        /// Squares of stretches: it stiffens in tension.
+        "neo_hooke" => NeoHooke,
     }
 }
 

@@ -102,20 +102,40 @@ impl Reading<'_> {
 struct Lines<'a> {
     text: &'a str,
     starts: Vec<usize>,
+    /// Characters before every [`BLOCK`] of bytes: a file may be one long line.
+    before: Vec<usize>,
 }
+
+/// Bytes in a block whose characters are counted once.
+const BLOCK: usize = 256;
 
 impl<'a> Lines<'a> {
     fn new(text: &'a str) -> Self {
         let breaks = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n').map(|(i, _)| i + 1);
-        Self { text, starts: std::iter::once(0).chain(breaks).collect() }
+        let blocks = text.as_bytes().chunks(BLOCK).scan(0, |sum, block| {
+            let before = *sum;
+            *sum += characters(block);
+            Some(before)
+        });
+        Self { text, starts: std::iter::once(0).chain(breaks).collect(), before: blocks.collect() }
     }
 
     fn place(&self, offset: usize) -> SourcePosition {
         let line = self.starts.partition_point(|start| *start <= offset).max(1);
-        let start = self.starts[line - 1];
-        let column = self.text.get(start..offset).map_or(0, |before| before.chars().count()) + 1;
+        let column = self.characters_before(offset).saturating_sub(self.characters_before(self.starts[line - 1])) + 1;
         SourcePosition::Text { line, column }
     }
+
+    fn characters_before(&self, offset: usize) -> usize {
+        let block = offset / BLOCK;
+        let rest = self.text.as_bytes().get(block * BLOCK..offset).unwrap_or_default();
+        self.before.get(block).map_or(0, |before| before + characters(rest))
+    }
+}
+
+/// Characters that begin in some bytes of a text.
+fn characters(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|byte| **byte & 0xc0 != 0x80).count()
 }
 
 fn lower_first(text: &str) -> String {

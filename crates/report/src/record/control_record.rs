@@ -29,6 +29,8 @@ records! {
         active: Option<usize>,
         /// `active` as a share of the values, of vectors of their number.
         active_share: Number,
+        /// Of an electric field, uniform or by region: least and largest voltage over the films at rest.
+        voltage: Option<RangeRecord>,
         /// Total variation of a field over the body, int |grad m| dX with its jumps.
         total_variation: Number,
         /// Cells of a grid along its axes.

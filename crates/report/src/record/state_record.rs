@@ -100,8 +100,10 @@ records! {
     RiskRecord {
         /// The one that is optimised.
         measure: String,
-        /// Its value.
+        /// Its value, as it is optimised.
         value: Number,
+        /// The same without its smoothing, if it has one: the worst of all costs, say.
+        exact: Number,
         /// Standard deviation of the costs.
         deviation: Number,
         /// Every measure by name.
@@ -180,6 +182,29 @@ impl HausdorffRecord {
     #[must_use]
     pub fn distances(&self) -> [Option<f64>; 3] {
         [self.smoothed, self.exact, self.floor].map(|distance| *distance)
+    }
+}
+
+impl RiskRecord {
+    /// The value without smoothing, of a measure that is smoothed.
+    #[must_use]
+    pub fn unsmoothed(&self) -> Option<f64> {
+        *self.exact
+    }
+
+    /// What it measures: `worst case over 5 scenarios`.
+    #[must_use]
+    pub fn words(&self, scenarios: usize) -> String {
+        let level = self.measures.as_ref().and_then(|all| all.get(&self.measure)?.level);
+        format!("{} over {scenarios} scenarios", crate::tables::measure(&self.measure, level))
+    }
+}
+
+impl MeasureRecord {
+    /// Without its smoothing, if it has one, else as it is.
+    #[must_use]
+    pub fn plain(&self) -> Option<f64> {
+        (*self.exact).or(*self.value)
     }
 }
 

@@ -46,6 +46,8 @@ records! {
         tracking_root_mean_square: Number,
         /// Largest distance of a tracked point.
         tracking_largest: Number,
+        /// Largest distance of a position from its target.
+        position_distance: Number,
         /// Negative pivots of the tangent, of accepted points.
         inertia: Nullable<usize>,
         /// Whether the point lies on another branch than the one before; null where that is not known, left out where it does not.

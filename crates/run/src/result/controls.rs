@@ -1,10 +1,11 @@
 //! What became of the controls.
 
+use nastic_case::film::voltages;
 use nastic_case::lower::{Admitted, CaseMember, CaseProblem, ControlField};
 use nastic_control::{Basis, ControlBlock, EnsembleBlock, Space};
 use nastic_energy::SlotGroup;
 use nastic_numeric::vector::norm;
-use nastic_report::record::{ByName, ControlRecord, ControlValues, DerivativeNorm, Number, numbers};
+use nastic_report::record::{ByName, ControlRecord, ControlValues, DerivativeNorm, Number, RangeRecord, numbers};
 
 /// Norms of a derivative.
 pub(crate) fn derivative_norm(problem: &CaseProblem, derivative: &[f64]) -> DerivativeNorm {
@@ -41,7 +42,7 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> ByName<ControlRecord
 }
 
 fn control(problem: &CaseProblem, (block, field): (&EnsembleBlock, &ControlField), m: &[f64]) -> ControlRecord {
-    let own = owner(problem, block);
+    let own = problem.control_block(block);
     let (n, values_of) = (own.components, block.of(m));
     let size = |v: &[f64]| if n == 1 { v[0] } else { norm(v) };
     let sizes: Vec<f64> = values_of.chunks_exact(n).map(size).collect();
@@ -65,7 +66,10 @@ fn control(problem: &CaseProblem, (block, field): (&EnsembleBlock, &ControlField
             (!all.is_empty()).then_some(ControlValues::List(all))
         }
     };
+    let volts = voltages(problem.member(block.owner), own, values_of);
+    let volts = volts.map(|[low, high]| RangeRecord { min: low.into(), max: high.into(), unit: Some("V".to_owned()) });
     ControlRecord {
+        voltage: volts,
         array: Some(field.array.clone()),
         slot: slot(problem.member(block.owner), own).map(str::to_owned).into(),
         space: Some(own.basis.space().name().to_owned()),
@@ -113,11 +117,6 @@ pub(crate) fn active(values: &[f64], components: usize, field: &ControlField) ->
     let size = |v: &[f64]| if components == 1 { v[0] } else { norm(v) };
     let sizes = values.chunks_exact(components).map(size).enumerate();
     sizes.filter(|(i, x)| is_active(*i, *x, field)).count()
-}
-
-/// A control field as the first member that uses it has it.
-pub(crate) fn owner<'p>(problem: &'p CaseProblem, block: &EnsembleBlock) -> &'p ControlBlock {
-    &problem.member(block.owner).layout().blocks()[block.field]
 }
 
 /// Whether a value lies on a bound; on a sphere every vector does, which says nothing.

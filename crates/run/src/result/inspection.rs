@@ -1,6 +1,7 @@
 //! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
 
 use crate::result::touches;
+use nastic_case::inspect::compression;
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{
     BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
@@ -19,8 +20,6 @@ const POOR: f64 = 0.05;
 
 /// Displacements of so many times the body's diagonal stretch it as much.
 const FAR: f64 = 3.0;
-/// Below this J a material is compressed to a fifth of its volume.
-const COMPRESSED: f64 = 0.2;
 
 /// What was found in the state of one member.
 #[derive(Debug, Clone)]
@@ -33,8 +32,10 @@ pub(crate) struct Inspection {
     overlap: f64,
     /// Cells that the deformation made badly shaped, and the lowest scaled Jacobian among them with its cell.
     distorted: (usize, Option<(u32, f64)>),
-    /// What of the deformation is beyond any material.
-    extremes: Vec<String>,
+    /// A displacement beyond any material.
+    far: Option<String>,
+    /// A compression beyond any; that of a motion is said of all instants together.
+    compression: Option<Warning>,
     /// True electric fields beyond the breakdown strength.
     breakdowns: Vec<String>,
     /// What deserves attention in contacts; those of motions are found in all their steps.
@@ -102,7 +103,11 @@ impl Inspection {
             overlap: overlap(member, state, &intersection),
             intersection,
             distorted: (distorted.len(), lowest),
-            extremes: extremes(member, state),
+            far: far(member, state),
+            compression: match member.reduced().timeline() {
+                None => compression(member, state.report.min_j, None),
+                Some(_) => None,
+            },
             breakdowns: breakdowns(member, state),
             contacts: contacts(member, state),
         }
@@ -143,9 +148,8 @@ impl Inspection {
                 format!("{count} cells have a scaled Jacobian below {POOR}, the lowest is {lowest:.3} (cell {cell})");
             out.push(Warning::new(&CELL_SHAPE, message));
         }
-        if !self.extremes.is_empty() {
-            out.push(Warning::new(&EXTREME_DEFORMATION, self.extremes.join("; ")));
-        }
+        out.extend(self.far.as_ref().map(|far| Warning::new(&EXTREME_DEFORMATION, far.clone())));
+        out.extend(self.compression.clone());
         out.extend(self.breakdowns.iter().map(|found| Warning::new(&BREAKDOWN, found.clone())));
         out.extend(self.contacts.iter().cloned());
         let name = member.name();
@@ -174,26 +178,18 @@ fn positions(points: &[[f64; 3]], u: &[f64], dim: usize) -> Vec<[f64; 3]> {
     points.iter().zip(u.chunks_exact(dim)).map(moved).collect()
 }
 
-/// Displacements and compressions that no law was measured for.
-fn extremes(member: CaseMember<'_>, state: &State) -> Vec<String> {
-    let (mesh, min_j) = (member.mesh(), state.report.min_j);
+/// A displacement that no law was measured for.
+fn far(member: CaseMember<'_>, state: &State) -> Option<String> {
+    let mesh = member.mesh();
     let u = member.solid().model().nodal(&state.u);
     // a body that flies deforms no more for it
     let carried = if state.velocity.is_some() { mean(u, mesh.dim()) } else { vec![0.0; mesh.dim()] };
     let farthest = u.chunks_exact(mesh.dim()).map(|u| norm(&sub(u, &carried))).fold(0.0, f64::max);
     let sizes = farthest / mesh.diagonal();
-    let mut out = Vec::new();
-    if sizes > FAR {
-        let (unit, farthest) = (member.problem().units().length().symbol, short(farthest));
-        out.push(format!(
-            "the largest displacement is {farthest} {unit}, {} times the size of the body",
-            short(sizes.round())
-        ));
-    }
-    if min_j > 0.0 && min_j < COMPRESSED {
-        out.push(format!("the smallest J is {min_j:.3}: the material is compressed to this share of its volume"));
-    }
-    out
+    let (unit, sizes_told) = (member.problem().units().length().symbol, short(sizes.round()));
+    let message =
+        format!("the largest displacement is {} {unit}, {sizes_told} times the size of the body", short(farthest));
+    (sizes > FAR).then_some(message)
 }
 
 /// Penetrations and thick layers, of an equilibrium.

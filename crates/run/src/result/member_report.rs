@@ -139,6 +139,7 @@ fn risk(problem: &CaseProblem, costs: &[f64]) -> RiskRecord {
     RiskRecord {
         measure: ensemble.risk().name().to_owned(),
         value: ensemble.risk().value(p, costs).into(),
+        exact: ensemble.risk().exact(p, costs).into(),
         deviation: deviation(p, costs).into(),
         measures: Some(ensemble.risks_of(costs).into_iter().map(of).collect()),
     }

@@ -1,32 +1,33 @@
 //! `nastic check`: what the case says, as it was understood. Nothing is solved.
 
 use crate::run::describe;
-use crate::run::describe::line::Line;
 use crate::run::error::{Exit, RunError};
 use crate::run::session::Session;
+use nastic_case::describe as words;
+use nastic_case::describe::Line;
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let problem = &session.problem;
     let sections = [
-        describe::units(problem),
-        describe::mesh(problem),
+        words::units(problem),
+        words::mesh(problem),
         describe::memory(problem),
-        describe::groups(problem),
-        describe::materials(problem),
+        words::groups(problem),
+        words::materials(problem),
         describe::existence(problem),
         describe::actuation(problem),
-        describe::controls(problem),
-        describe::supports(problem),
+        words::controls(problem),
+        words::supports(problem),
         describe::springs(problem),
         describe::contacts(problem),
-        describe::time(problem),
-        describe::costs::costs(problem),
+        words::time(problem),
+        words::costs(problem),
         describe::load_cases(problem),
         describe::scenarios(problem),
-        describe::optimizer(problem),
+        words::optimizer(problem),
         // It takes as long as a Newton iteration.
         if session.console.is_silent() { vec![] } else { describe::duration(problem) },
-        describe::conventions(problem),
+        words::conventions(problem),
     ];
     for lines in &sections {
         let mut head = "";

@@ -15,9 +15,10 @@ use crate::result::snapshot;
 use crate::run::error::RunError;
 pub(crate) use crate::run::motion::record::Record;
 pub(crate) use crate::run::motion::table::Table;
-use crate::run::motion::table::{ENERGY, KINETIC_ENERGY, POTENTIAL, energies};
+use crate::run::motion::table::{ENERGY, KINETIC_ENERGY, MIN_J, POTENTIAL, energies};
 use crate::run::session::Session;
 use crate::run::{modes, time_steps};
+use nastic_case::inspect::{compression, flight};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{TIME_STEP, Warning};
 use nastic_control::{EnsemblePoint, Evaluated, StateFields, Timeline};
@@ -79,7 +80,7 @@ fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, 
 }
 
 /// Looks into the states that are written, beside the last one, which is looked into with all others; what deserves attention is reported
-/// once for each kind, with the first instant that has it.
+/// once for each kind, with the first instant that has it; J and flight of all instants together.
 fn warnings(problem: &CaseProblem, records: &[Record]) -> Vec<Warning> {
     records.iter().flat_map(|record| warnings_of(problem.member(record.member), record)).collect()
 }
@@ -102,7 +103,10 @@ fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
         warning.message += &format!(" (the first of {count} such states among {})", before.len());
         warning
     };
-    described.into_iter().map(with_count).collect()
+    let rows = record.table.iter().flat_map(|table| &table.rows).map(|row| (row[MIN_J], row[0]));
+    let smallest = rows.min_by(|a, b| a.0.total_cmp(&b.0));
+    let of_all = smallest.and_then(|(min_j, time)| compression(member, min_j, Some(time)));
+    described.into_iter().map(with_count).chain(of_all).chain(flight(member, &record.shown, &record.touches)).collect()
 }
 
 /// The entry `time` of the result, and lines about the motions.

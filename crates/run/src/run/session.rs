@@ -24,7 +24,7 @@ use nastic_language::number;
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostics, Document};
-use nastic_opt::{Failed, Objective, Request};
+use nastic_opt::{Budget, Failed, Objective, Request};
 use nastic_report::OnTrial;
 use nastic_report::record::{RunRecord, StateRecord, UnitsRecord, VersionsRecord};
 use nastic_team::Team;
@@ -35,6 +35,8 @@ use std::time::Instant;
 
 /// Relative accuracy of the state at the start; its residual is a hundredth of that.
 pub(super) const START_ACCURACY: f64 = 1e-10;
+/// Newton iterations after which the search of an equilibrium ends: hundreds are many.
+const MOST_ITERATIONS: usize = 4000;
 
 /// A command under way.
 pub(super) struct Session<'c> {
@@ -345,7 +347,8 @@ impl<'c> Session<'c> {
         accuracy: f64,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<EnsemblePoint, Failed> {
-        let how = Request { accuracy, ..Request::default() };
+        let budget = if self.problem.is_motion() { Budget::Unlimited } else { Budget::Of(MOST_ITERATIONS) };
+        let how = Request { accuracy, budget, ..Request::default() };
         let point = self.problem.ensemble.evaluate(m, &how, workspace);
         self.console.clear();
         point

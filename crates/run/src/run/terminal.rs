@@ -40,7 +40,7 @@ pub(crate) fn say_members(session: &Session<'_>, result: &StateRecord) {
     if let Some(measures) = &result.risk.measures {
         let of = |(name, measure): (&String, &MeasureRecord)| {
             let level = measure.level.map_or_else(String::new, |level| format!(" (level {})", short(level)));
-            format!("{name}{level} {}", digits(measure.value, 4))
+            format!("{name}{level} {}", digits(measure.plain(), 4))
         };
         let all: Vec<String> = measures.iter().map(of).collect();
         let deviation = scientific(known(result.risk.deviation), 4);
@@ -66,7 +66,15 @@ pub(crate) fn inertia(state: &StateRecord) -> String {
 pub(crate) fn say_cost(session: &Session<'_>, state: &StateRecord) {
     let terms = &state.cost.terms;
     if !terms.is_empty() {
-        session.console.say(format!("cost        {}", digits(state.cost.total, 9)));
+        match state.risk.unsmoothed() {
+            Some(exact) => {
+                let what = state.risk.words(session.problem.ensemble.scenarios().len());
+                session.console.say(format!("cost        {}, {what}", digits(exact, 9)));
+                let smoothed = digits(state.cost.total, 9);
+                session.console.say(format!("            smoothed, as it is optimised, {smoothed}"));
+            }
+            None => session.console.say(format!("cost        {}", digits(state.cost.total, 9))),
+        }
         for (name, value) in terms.iter().filter(|_| terms.len() > 1) {
             session.console.say(format!("            {name} {}", digits(*value, 9)));
         }

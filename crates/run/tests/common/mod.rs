@@ -149,3 +149,19 @@ fn strip(text: &str) -> String {
     let directory = format!("{}/tests/cases/", env!("CARGO_MANIFEST_DIR"));
     text.replace(&directory, "")
 }
+
+/// A bar in millimetres with room for more blocks.
+pub fn bar_with(more: &str) -> String {
+    format!(
+        r#"{{ "nastic": 1, "units": "mm",
+  "mesh": {{ "box": {{ "size": [20, 4, 4], "cells": [3, 1, 1], "element": "hex20" }} }},
+  "materials": [ {{ "region": "body", "law": "neo_hooke", "young": "0.2 MPa", "poisson": 0.3, "density": "1000 kg/m^3" }} ],
+  "supports": [ {{ "surface": "x-", "fix": "all" }} ]{more} }}"#
+    )
+}
+
+/// The messages of a code in a result.
+pub fn messages(found: &serde_json::Value, code: &str) -> Vec<String> {
+    let all = found["warnings"].as_array().unwrap().iter().filter(|warning| warning["code"] == code);
+    all.map(|warning| warning["message"].as_str().unwrap().to_owned()).collect()
+}

@@ -175,15 +175,32 @@ impl BodyEnergy {
     }
 
     fn extend(&mut self, cells: &[u32], change: impl Fn(&mut Composition)) {
-        for &cell in cells {
-            let mut wanted = self.compositions[self.of_cell[cell as usize] as usize].clone();
+        let (mut all, mut own) = (vec![0; self.compositions.len()], vec![0; self.compositions.len()]);
+        self.of_cell.iter().for_each(|&old| all[old as usize] += 1);
+        cells.iter().for_each(|&cell| own[self.of_cell[cell as usize] as usize] += 1);
+        // one that no cell keeps is changed where it is, so that there are never more than kinds of cells
+        let mut left: Vec<bool> = (0..all.len()).map(|old| own[old] > 0 && own[old] == all[old]).collect();
+        let mut becomes: Vec<u32> = (0..all.len() as u32).collect();
+        for old in (0..all.len()).filter(|old| own[*old] > 0) {
+            let mut wanted = self.compositions[old].clone();
             change(&mut wanted);
-            let known = self.compositions.iter().rposition(|c| *c == wanted);
-            let index = known.unwrap_or_else(|| {
-                self.compositions.push(wanted);
-                self.compositions.len() - 1
-            });
-            self.of_cell[cell as usize] = index as u32;
+            let is_there = |k: &usize| !left.get(*k).is_some_and(|left| *left) && self.compositions[*k] == wanted;
+            let known = (0..self.compositions.len()).rev().find(is_there);
+            becomes[old] = match known {
+                Some(known) => known,
+                None if left[old] => {
+                    (self.compositions[old], left[old]) = (wanted, false);
+                    old
+                }
+                None => {
+                    self.compositions.push(wanted);
+                    self.compositions.len() - 1
+                }
+            } as u32;
+        }
+        for &cell in cells {
+            let of_cell = &mut self.of_cell[cell as usize];
+            *of_cell = becomes[*of_cell as usize];
         }
     }
 

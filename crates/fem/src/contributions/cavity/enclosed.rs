@@ -95,6 +95,17 @@ impl Enclosed {
             .map(|(node, plane)| (node, plane.axis))
     }
 
+    /// Whether the nodes of a rim lie, and are held, in one plane across an axis: no control moves them out of it.
+    pub fn stays_in_plane(&self, rim: &[u32], supports: &Supports) -> bool {
+        let (dim, tolerance) = (self.mesh.dim(), ON_PLANE * self.mesh.diagonal());
+        let dof = |node: u32, axis: usize| dim * node as usize + axis;
+        (0..dim).any(|axis| {
+            let held = rim.iter().all(|&node| supports.holds_still(dof(node, axis)));
+            let place = |node: u32| self.mesh.points()[node as usize][axis] + supports.values()[dof(node, axis)];
+            held && rim.windows(2).all(|pair| (place(pair[0]) - place(pair[1])).abs() <= tolerance)
+        })
+    }
+
     /// The nodes of every rim that has a lid.
     pub fn rims(&self) -> Vec<Vec<u32>> {
         self.lids.iter().map(|lid| lid.nodes.clone()).collect()

@@ -70,7 +70,9 @@ impl Cavity {
     }
 
     /// The surface is open, and the supports hold its rim: a membrane or a plate under a follower pressure. The potential is that with a
-    /// lid, which loads held nodes alone.
+    /// lid, which loads held nodes alone. Every rim is held in all components; or it lies in a plane across an axis and is held along that axis alone, so that it
+    /// moves within its plane: the lid stays in the plane, and the volume behind both does not change to first order with the rim, nothing but the pressure on the surface
+    /// does work, and the tangent is symmetric.
     #[must_use]
     pub fn open(mut self) -> Self {
         self.open = true;
@@ -117,8 +119,8 @@ impl Cavity {
     /// That of an open surface, which encloses no volume: its measure is the cube of a length whose square is its area (in the
     /// plane the square of its length).
     fn on_open(&self, mesh: &Arc<Mesh>, enclosed: Enclosed, volume: f64) -> Result<Arc<dyn Contribution>, FemError> {
-        let rim: Vec<u32> = enclosed.rims().concat();
-        let refused = match (rim.is_empty(), self.lid, self.by_volume) {
+        let rims = enclosed.rims();
+        let refused = match (rims.is_empty(), self.lid, self.by_volume) {
             (true, ..) => Some("is closed: leave out \"open\""),
             (_, true, _) => Some("has \"open\" and \"lid\", of which only one can be"),
             (.., true) => Some("is open and encloses no volume: control its pressure, or close it by a lid"),
@@ -132,7 +134,7 @@ impl Cavity {
         let points = QuadraturePoints::of_facets(mesh, &facets, |kind| kind.rule().clone());
         let dim = mesh.dim() as f64;
         let measure = points.weights().iter().sum::<f64>().powf(dim / (dim - 1.0));
-        let (name, held) = (self.name.clone(), Some(rim));
+        let (name, held) = (self.name.clone(), Some(rims));
         Ok(Arc::new(CavityPressure(Room { name, enclosed, reference_volume: volume, measure, held })))
     }
 }
@@ -183,8 +185,8 @@ struct Room {
     reference_volume: f64,
     /// Weight of its control in the inner product.
     measure: f64,
-    /// The rim that the supports must hold, of an open surface.
-    held: Option<Vec<u32>>,
+    /// The rims that the supports must hold, of an open surface.
+    held: Option<Vec<Vec<u32>>>,
 }
 
 /// The controls, of which a cavity has one; in plane strain the volume is an area.
@@ -196,10 +198,11 @@ impl Room {
     fn check(&self, supports: &Supports) -> Result<(), FemError> {
         let (dim, fixed) = (self.enclosed.dim(), supports.fixed());
         let free = |&node: &u32| (0..dim).find(|axis| !fixed[dim * node as usize + axis]).map(|axis| (node, axis));
-        if let Some((node, axis)) = self.held.iter().flatten().find_map(free) {
+        let moving = self.held.iter().flatten().filter(|rim| !self.enclosed.stays_in_plane(rim, supports));
+        if let Some((node, axis)) = moving.flatten().find_map(free) {
             let what = format!(
-                "the surface of cavity \"{}\" is open, and node {node} of its rim may move along {}; hold the rim, or close the \
-                 surface by a lid, which loads the rim, or name the plane of symmetry on which it ends",
+                "the surface of cavity \"{}\" is open, and node {node} of its rim may move along {}; hold the rim, or, where all of it lies in a plane \
+                 across an axis, hold it along that axis, or close the surface by a lid, which loads the rim, or name the plane of symmetry on which it ends",
                 self.name, AXES[axis]
             );
             return Err(FemError::Meaningless { what });

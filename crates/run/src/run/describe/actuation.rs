@@ -1,7 +1,7 @@
 //! The actuations in words and as JSON.
 
-use crate::run::describe::line::{Line, line};
-use crate::run::describe::parameters::{catalogue_of, law, parameters, scalar, vector_field};
+use crate::run::describe::parameters::law;
+use nastic_case::describe::{Line, catalogue_of, line, parameters, scalar, vector_field};
 use nastic_case::lower::CaseProblem;
 use nastic_fem::contributions::catalogue::{FormValues, Key, KeyKind};
 use nastic_fem::{BodyEnergy, BodyPoint};

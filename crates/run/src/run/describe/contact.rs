@@ -1,6 +1,6 @@
 //! Obstacles and contacts in words and as JSON.
 
-use crate::run::describe::line::{Line, line};
+use nastic_case::describe::{Line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_fem::{Instant, TouchParameters};
 use nastic_language::number::{count, quantity, short};

@@ -1,6 +1,6 @@
 //! How long a trial takes on this machine, from a factorisation and the costs at rest.
 
-use crate::run::describe::line::{Line, line};
+use nastic_case::describe::{Line, line};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{ControlError, Partials};
 use nastic_fem::{Solver, available_memory};

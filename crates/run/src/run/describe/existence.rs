@@ -1,6 +1,6 @@
 //! Which of the conditions for a state of least energy hold: J. Ball (1977), survey, theorem 2.
 
-use crate::run::describe::line::{Line, line};
+use nastic_case::describe::{Line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_energy::{Existence, MaterialPoint};
 use nastic_language::number::{count, short};

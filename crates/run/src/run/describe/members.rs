@@ -1,7 +1,6 @@
 //! Load cases and scenarios in words.
 
-use crate::run::describe::costs::cost_line;
-use crate::run::describe::line::{Line, line};
+use nastic_case::describe::{Line, cost_line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_language::number::{count, short};
 use nastic_language::schema::{LoadCase, Rule, Scenarios};

@@ -1,6 +1,6 @@
 //! The memory that a solve takes, predicted.
 
-use crate::run::describe::line::{Line, line};
+use nastic_case::describe::{Line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_fem::{Solver, available_memory};
 use nastic_report::record::MemoryRecord;

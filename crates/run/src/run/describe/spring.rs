@@ -1,7 +1,7 @@
 //! The springs in words and as JSON.
 
 use crate::run::describe::actuation::{at_rest, body_point, point};
-use crate::run::describe::line::{Line, line};
+use nastic_case::describe::{Line, line};
 use nastic_case::lower::CaseProblem;
 use nastic_fem::BodyPoint;
 use nastic_language::number::quantity;

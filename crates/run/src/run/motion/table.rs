@@ -9,7 +9,7 @@ use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{Instant, State, TimeStep, Touch};
 use nastic_language::quantity::Dimension;
 use nastic_picture::{Chart, Curve};
-use nastic_report::csv::quoted;
+use nastic_report::csv::column;
 
 /// Curves of a chart.
 const CURVES: usize = 6;
@@ -19,6 +19,7 @@ pub(super) const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
 /// Columns of every table.
 pub(super) const KINETIC_ENERGY: usize = 1;
 pub(super) const POTENTIAL: usize = 2;
+pub(super) const MIN_J: usize = 3;
 
 /// Columns of a table of a motion, one row for every step.
 pub(crate) struct Table {
@@ -98,7 +99,7 @@ impl Table {
     }
 
     pub fn csv(&self) -> String {
-        let mut text = self.names.iter().map(|name| quoted(name)).collect::<Vec<_>>().join(",") + "\n";
+        let mut text = self.names.iter().map(|name| column(name)).collect::<Vec<_>>().join(",") + "\n";
         for row in &self.rows {
             text += &(row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(",") + "\n");
         }

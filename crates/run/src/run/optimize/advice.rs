@@ -196,7 +196,7 @@ fn stages_before(session: &Session<'_>, stage: usize) -> Vec<String> {
 fn narrowed(session: &Session<'_>) -> Vec<String> {
     let problem = &session.problem;
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
-    let scalars = fields.filter(|(block, _)| controls::owner(problem, block).components == 1);
+    let scalars = fields.filter(|(block, _)| problem.control_block(block).components == 1);
     let bounds = scalars.filter_map(|(_, field)| match field.admitted {
         Admitted::Between { lower, upper } => {
             Some([("lower", lower), ("upper", upper)].map(|(key, v)| (field, key, v)))
@@ -213,7 +213,7 @@ fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> 
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     let set: Vec<String> = fields
         .filter_map(|(block, field)| {
-            let components = controls::owner(problem, block).components;
+            let components = problem.control_block(block).components;
             let m = block.of(&best.m);
             let on_bounds = controls::active(m, components, field) * components;
             let Admitted::Between { lower, upper } = field.admitted else { return None };

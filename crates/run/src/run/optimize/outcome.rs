@@ -22,6 +22,7 @@ use crate::run::session::Session;
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
 use crate::run::terminal::{known as known_number, say_members, say_probes, say_stability, say_tracked};
+use nastic_case::film::kilovolts;
 use nastic_case::lower::CaseMember;
 use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
@@ -143,7 +144,14 @@ fn say(
         ));
     }
     let (from, now) = (&result.start.cost, &result.cost);
-    console.say(format!("cost        {}", fall(*from.total, *now.total)));
+    match result.risk.unsmoothed() {
+        Some(exact) => {
+            let what = result.risk.words(session.problem.ensemble.scenarios().len());
+            console.say(format!("cost        {}; {what}", fall(result.start.risk.unsmoothed(), Some(exact))));
+            console.say(format!("            smoothed, as it is optimised, {}", fall(*from.total, *now.total)));
+        }
+        None => console.say(format!("cost        {}", fall(*from.total, *now.total))),
+    }
     for (name, value) in now.terms.iter().filter(|_| now.terms.len() > 1) {
         console.say(format!("            {name} {}", fall(number_of(&from.terms, name), **value)));
     }
@@ -178,8 +186,10 @@ fn say(
         let variation = control.total_variation.filter(|_| control.space.as_deref() != Some("uniform"));
         let variation =
             variation.map(|v| format!(", total variation {}{unit} {}", short(v), area.trim_end_matches("^1")));
+        let volts = control.voltage.as_ref().map(|range| kilovolts([range.min, range.max].map(|u| known_number(*u))));
+        let volts = volts.map_or_else(String::new, |volts| format!(" ({volts} over the film at rest)"));
         console.say(format!(
-            "control     {name} from {} to {}{unit}, {} of {} on their bounds{}",
+            "control     {name} from {} to {}{unit}{volts}, {} of {} on their bounds{}",
             short(known_number(*control.min)),
             short(known_number(*control.max)),
             control.active.unwrap_or_default(),
@@ -220,6 +230,8 @@ fn write(
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
+    // first the numbers of a motion, which nothing else holds
+    let of_motion = motion::write(problem, records, &out)?;
     let mut files = vec!["history.jsonl".to_owned()];
     let lead = problem.leads().next().map_or_else(String::new, title);
     let several = problem.case.optimizer.starts > 1;
@@ -268,7 +280,7 @@ fn write(
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
     files.extend(write_collections(problem, "optimum", &out)?);
-    files.extend(motion::write(problem, records, &out)?);
+    files.extend(of_motion);
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::beside(member))));
     files.extend(crate::result::target_files::target_files(problem));
     let number = if several { format!("start_{best_start}_") } else { String::new() };

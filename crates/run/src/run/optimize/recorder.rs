@@ -154,6 +154,7 @@ impl<'s> Recorder<'s> {
         line.hausdorff_true = distance(FigureKind::TrueDistance);
         line.tracking_root_mean_square = distance(FigureKind::RootMeanSquareDistance);
         line.tracking_largest = distance(FigureKind::LargestDistance);
+        line.position_distance = distance(FigureKind::PositionDistance);
         if let Some(point) = point {
             line.inertia = self.inertia(point).into();
             let changed = self.changes_branch(point, trial);

@@ -5,6 +5,7 @@ use crate::run::constraints::Known;
 use crate::run::error::RunError;
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::session::Session;
+use nastic_case::inspect::determination;
 use nastic_case::lower::{CONTRACTION, ControlField};
 use nastic_case::warning::{ALL_ON_BOUNDS, IDLE, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
 use nastic_control::{EnsembleBlock, EnsembleWorkspace, Evaluated};
@@ -37,6 +38,9 @@ pub(super) fn warn(
     }
     if !interrupted && found.iter().all(|warning| warning.kind != &OTHER_SIGN) {
         found.extend(movement(run));
+    }
+    if !interrupted {
+        found.extend(determination(problem, &run.best.m));
     }
     found.extend(terms(session, run));
     found.extend(crate::run::constraints::warnings(problem, &run.constraints, constraints));
@@ -93,7 +97,7 @@ fn idle(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session:
 /// A control all of whose values lie on bounds.
 fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session: &Session<'_>) -> Option<Warning> {
     let m = block.of(&run.best.m);
-    let components = controls::owner(&session.problem, block).components;
+    let components = session.problem.control_block(block).components;
     let on_bounds = controls::active(m, components, field);
     if m.is_empty() || on_bounds * components < m.len() {
         return None;

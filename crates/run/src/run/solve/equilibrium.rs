@@ -14,6 +14,8 @@ use crate::run::solve::{equilibria, exact_contact, minimum, modes};
 use crate::run::states::Shown;
 use crate::run::terminal::{say_cost, say_members, say_probes, say_reactions, say_stability, say_tracked};
 use nastic_case::analysis::Analysis;
+use nastic_case::inspect::stillness;
+use nastic_case::warning::Warning;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
 use nastic_fem::{Modes, SolveReport};
 use nastic_language::number::short;
@@ -29,6 +31,9 @@ pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Res
         point = session.timed("descent", |session| minimum::descend(session, point))?;
     }
     let found = session.inspect(motion::state_name(&session.problem), &point);
+    let still = session.problem.members().zip(&point.members);
+    let still: Vec<Warning> = still.filter_map(|(member, at)| stillness(member, [at.state()])).collect();
+    still.into_iter().for_each(|warning| session.warn(warning));
     report(session, &point, &found)?;
     let modes = match analysis {
         Analysis::Modes(count) => session.timed("modes", |session| modes::find(session, &point, *count))?,
@@ -115,6 +120,8 @@ pub(crate) fn write(
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
+    // first the numbers of a motion, which nothing else holds
+    let of_motion = motion::write(problem, records, &out)?;
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.members) {
         let found = found.get(member.index());
@@ -144,7 +151,7 @@ pub(crate) fn write(
     }
     files.extend(write_targets(problem, &out)?);
     files.extend(write_collections(problem, "start", &out)?);
-    files.extend(motion::write(problem, records, &out)?);
+    files.extend(of_motion);
     say_files(session, files);
     Ok(())
 }

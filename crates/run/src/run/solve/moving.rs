@@ -5,6 +5,7 @@ use crate::run::motion;
 use crate::run::motion::MotionCheckpoint;
 use crate::run::session::Session;
 use crate::run::solve::equilibrium::{report, show, write};
+use nastic_case::inspect::stillness;
 use nastic_report::record::ResumedRecord;
 use std::mem::take;
 
@@ -14,6 +15,10 @@ pub(super) fn run(session: &mut Session<'_>, from: Option<MotionCheckpoint>) -> 
     let (point, records) = motion::solve(session, from)?;
     let found = session.inspect(motion::state_name(&session.problem), &point);
     session.warn_of_motions(&records);
+    for record in &records {
+        let found = stillness(session.problem.member(record.member), &record.shown);
+        found.into_iter().for_each(|warning| session.warn(warning));
+    }
     report(session, &point, &found)?;
     session.report_motions(&records, &point);
     session.timed("write", |session| write(session, &point, (&found, &records), &[]))?;

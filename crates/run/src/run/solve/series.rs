@@ -13,7 +13,7 @@ use nastic_io::write_atomically;
 use nastic_language::number::short;
 use nastic_mesh::Snapshot;
 use nastic_picture::{Chart, Curve};
-use nastic_report::csv::quoted;
+use nastic_report::csv::column;
 use nastic_report::record::{PointRecord, StateRecord};
 use rayon::prelude::*;
 
@@ -170,7 +170,7 @@ impl<'p> Series<'p> {
     }
 
     fn csv(&self) -> String {
-        let head = [quoted(&self.parameter.0)].into_iter().chain(self.columns().into_iter().map(|name| quoted(&name)));
+        let head = [column(&self.parameter.0)].into_iter().chain(self.columns().into_iter().map(|name| column(&name)));
         let head = head.chain(["min_J", "negative_pivots", "potential", "newton_iterations"].map(str::to_owned));
         let mut text = head.collect::<Vec<_>>().join(",") + "\n";
         for row in &self.rows {

@@ -1,12 +1,12 @@
 //! The signs and conventions that a case uses.
 
-use crate::result::controls::owner;
-use crate::run::describe::line::{Line, line};
-use nastic_case::lower::CaseProblem;
+use super::line::{Line, line};
+use crate::lower::CaseProblem;
 use nastic_language::schema::{Input, Means};
 use nastic_numeric::format::scientific;
 
-pub(in crate::run) fn conventions(problem: &CaseProblem) -> Vec<Line> {
+/// What the signs of the case mean.
+pub fn conventions(problem: &CaseProblem) -> Vec<Line> {
     let mut out = vec![line(
         "conventions",
         "x = X + u, F = I + grad u, P = dW/dF; loads are dead: per reference area and volume",
@@ -61,7 +61,7 @@ pub(in crate::run) fn conventions(problem: &CaseProblem) -> Vec<Line> {
             format!("B_r is carried along by C; mu0 = {} in these units unless given", scientific(mu0, 8)),
         ));
     }
-    let mut spaces = problem.ensemble.blocks().iter().map(|block| owner(problem, block).basis.space());
+    let mut spaces = problem.ensemble.blocks().iter().map(|block| problem.control_block(block).basis.space());
     if spaces.any(|space| space == nastic_control::Space::Node)
         && problem.mesh().blocks().iter().any(|block| block.kind.order() > 1)
     {

@@ -1,6 +1,6 @@
 //! Terms of the cost and the values of their keys in words.
 
-use crate::run::describe::costs::obstacle;
+use super::costs::obstacle;
 use nastic_control::CostWords;
 use nastic_language::expression::Formula;
 use nastic_language::number::{count, short};
@@ -34,6 +34,7 @@ fn value_in_words(value: &TermValue) -> String {
             let wanted = ["x", "y", "z"].iter().zip(position.entries());
             wanted.filter_map(|(c, y)| Some(format!("{c} = {}", value(y?)))).collect::<Vec<_>>().join(", ")
         }
+        TermValue::Path(table) => format!("{} of {} over the time", table.names().join(", "), table.file),
         TermValue::Target(Target::Formulas(entries)) => {
             format!("({})", entries.iter().map(Formula::text).collect::<Vec<_>>().join(", "))
         }

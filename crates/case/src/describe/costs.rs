@@ -1,14 +1,15 @@
 //! Costs, constraints and targets in words.
 
-use crate::run::describe::line::{Line, line};
-use crate::run::describe::shape_cost;
-use crate::run::describe::time;
-use nastic_case::lower::{CaseProblem, TargetShape};
+use super::line::{Line, line};
+use super::shape_cost;
+use super::time;
+use crate::lower::{CaseProblem, TargetShape};
 use nastic_language::number::{count, short};
 use nastic_language::schema::{Constraint, Cost, HoldsWhen, Phi, ShapeOrName, Stage, Stages};
 use nastic_opt::Constrained;
 
-pub(crate) fn costs(problem: &CaseProblem) -> Vec<Line> {
+/// Costs, constraints and targets.
+pub fn costs(problem: &CaseProblem) -> Vec<Line> {
     let mut out: Vec<Line> = problem.case.costs.iter().map(|cost| cost_line("costs", cost)).collect();
     let reduced = problem.member(0).reduced();
     for (k, (block, group)) in problem.case.constraints.iter().zip(reduced.constraints()).enumerate() {
@@ -46,7 +47,7 @@ pub(super) fn obstacle(shape: &ShapeOrName) -> String {
 }
 
 /// At which instants a constraint of a motion holds.
-pub(crate) fn instants_of(block: &Constraint, count_of: usize, lacks_steps: bool) -> String {
+fn instants_of(block: &Constraint, count_of: usize, lacks_steps: bool) -> String {
     match &block.when {
         // how many there are is not known yet
         Some(HoldsWhen::Always) if lacks_steps => "at every instant".to_owned(),
@@ -56,7 +57,7 @@ pub(crate) fn instants_of(block: &Constraint, count_of: usize, lacks_steps: bool
 }
 
 /// A term of the cost.
-pub(crate) fn cost_line(head: &'static str, cost: &Cost) -> Line {
+pub fn cost_line(head: &'static str, cost: &Cost) -> Line {
     let text = match cost {
         Cost::SmoothedHausdorff(block) => {
             let stages = match &block.stages {
@@ -76,7 +77,7 @@ pub(crate) fn cost_line(head: &'static str, cost: &Cost) -> Line {
 }
 
 /// A shape that a term aims at.
-pub(crate) fn target_line(problem: &CaseProblem, target: &TargetShape) -> Line {
+fn target_line(problem: &CaseProblem, target: &TargetShape) -> Line {
     let unit = problem.units().length().symbol;
     if target.displacement.is_empty() {
         let size: Vec<String> = target.mesh.size()[..target.mesh.dim()].iter().map(|s| short(*s)).collect();
@@ -92,7 +93,7 @@ pub(crate) fn target_line(problem: &CaseProblem, target: &TargetShape) -> Line {
     line("targets", format!("{}: {} to be moved by up to {} {unit}", target.cost, count(n, "node"), short(far)))
 }
 
-pub(crate) fn phi(phi: &Phi) -> String {
+fn phi(phi: &Phi) -> String {
     match phi {
         Phi::Exponential(block) => match (block.length, block.fraction) {
             (Some(length), _) => format!("exp(-r/{})", short(length)),

@@ -1,14 +1,15 @@
 //! A motion in words: its steps, masses and dissipation.
 
-use crate::run::describe::line::{Line, line};
-use crate::run::describe::parameters::scalar;
-use nastic_case::lower::CaseProblem;
+use super::line::{Line, line};
+use super::parameters::scalar;
+use crate::lower::CaseProblem;
 use nastic_control::{ControlBlock, Timeline};
 use nastic_language::number::{count, grouped, quantity, short, vector};
 use nastic_language::quantity::{Dimension, Units};
-use nastic_language::schema::{Beginning, KnotInterpolation, Material, Parameter, Time, When};
+use nastic_language::schema::{Beginning, KnotInterpolation, Material, Parameter, SpringMeasure, Time, When};
 
-pub(in crate::run) fn time(problem: &CaseProblem) -> Vec<Line> {
+/// Steps, start and dissipation of a motion; nothing of an equilibrium.
+pub fn time(problem: &CaseProblem) -> Vec<Line> {
     let Some(time) = &problem.case.time else { return vec![] };
     let units = problem.units();
     let of = |value: f64| quantity(value, Dimension::TIME, units);
@@ -63,7 +64,11 @@ pub(super) fn inertia(material: &Material, units: &Units) -> String {
     for branch in &material.maxwell {
         let shear = scalar(&branch.shear, Dimension::PRESSURE, units);
         let relaxation = scalar(&branch.relaxation, Dimension::TIME, units);
-        parts.push(format!("Maxwell branch of shear {shear}, relaxation {relaxation}"));
+        let measure = match branch.measure {
+            SpringMeasure::Hencky => "",
+            SpringMeasure::NeoHooke => ", neo-Hookean spring",
+        };
+        parts.push(format!("Maxwell branch of shear {shear}, relaxation {relaxation}{measure}"));
     }
     if let Some(dashpot) = &material.kelvin_voigt {
         let of = |value: &Option<Parameter>| {

@@ -1,0 +1,18 @@
+//! A problem in words: what `nastic check` prints of a case.
+
+mod body;
+mod controls;
+mod conventions;
+mod costs;
+mod line;
+mod parameters;
+mod shape_cost;
+mod time;
+
+pub use body::{groups, materials, mesh, supports, units};
+pub use controls::{controls, optimizer};
+pub use conventions::conventions;
+pub use costs::{cost_line, costs};
+pub use line::{Line, line};
+pub use parameters::{catalogue_of, parameters, scalar, vector_field};
+pub use time::time;
