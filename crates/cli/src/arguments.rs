@@ -70,8 +70,8 @@ pub enum Command {
     ///
     /// Commas outside of brackets, braces, parentheses and quotes stand between values: --set materials/0/young="90 kPa,110 kPa",
     /// --set actuation/0/direction=[1,0,0],[0,1,0]. Several such options mean all combinations; an option with one value is fixed.
-    /// Each run has a directory of its own, NAME=VALUE in that of the results, with all its files; beside them are written sweep.csv
-    /// (a row per run), sweep.json, sweep.svg and sweep.pvd (the optima, for ParaView). A run that fails is a row; the exit code is
+    /// Each run has a directory of its own, NAME=VALUE in that of the results, with all its files; beside them are written sweep.html
+    /// (a page), sweep.csv (a row per run), sweep.json, sweep.svg and sweep.pvd (the optima, for ParaView). A run that fails is a row; the exit code is
     /// that of the worst. Ctrl-C or SIGTERM ends the run at hand and the sweep. What the case expects is left aside.
     ///
     /// A run whose finished result is there, of the same case, command and version of the program, is kept; one that was interrupted goes on from
