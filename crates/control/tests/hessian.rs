@@ -103,7 +103,8 @@ fn assert_symmetric<O: Objective>(problem: &O, m: &[f64], stage: usize, what: &s
 #[test]
 fn every_cost_with_every_actuation() -> Outcome {
     for k in 0..bodies()?.len() {
-        for row in COSTS.iter().filter(|row| row.second) {
+        // what holds a bar at one end balances its loads: no actuation within it changes their sum (reactions_in_motion.rs and costs.rs have others)
+        for row in COSTS.iter().filter(|row| row.second && row.name != "reaction") {
             for example in 0.. {
                 let (actuation, body, m) = bodies()?.swap_remove(k);
                 let control = body.layout().blocks()[0].name.clone();

@@ -20,7 +20,7 @@ fn chamber(friction: f64) -> Outcome<Solid> {
         let (r, angle) = (1.0 + 0.3 * x, PI * y);
         [r * angle.cos(), if y == 0.0 || y == 1.0 { 0.0 } else { r * angle.sin() }, 0.0]
     })?;
-    let wall = Obstacle::half_space([0.0, 1.34, 0.0], [0.3, -1.0, 0.0]);
+    let wall = Obstacle::half_space([0.0, 1.39, 0.0], [0.3, -1.0, 0.0]);
     let contact = Contact::of("wall", "x+", wall).thickness(0.01).stiffness(100.0);
     Ok(Solid::new(ring)?
         .material("body", NeoHookeIsochoric::new(1.0, 5e3)?)?

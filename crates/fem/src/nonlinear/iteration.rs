@@ -179,9 +179,10 @@ impl<'a> Iteration<'a> {
                 return Err(Stop::Spent { residual: relative });
             }
             let here = Iterate { x, now: &now.sums, point: &now.point, residual: &residual, relative };
+            let is_pending = direction.is_pending();
             (*x, now, last, tiny) = match self.step(&here, direction, report) {
                 // no step lowers what is rounding alone
-                Err(Stop::Slow { .. }) if relative <= ROUNDING && !direction.is_pending() => return Ok(last),
+                Err(Stop::Slow { .. }) if relative <= ROUNDING && !is_pending => return Ok(last),
                 taken => taken?,
             };
         }
