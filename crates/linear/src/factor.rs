@@ -78,7 +78,7 @@ impl Symbolic {
     /// `parallel` uses all threads of the current rayon pool; the bits of the result do not depend on it.
     ///
     /// # Errors
-    /// [`FactorError`]; [`StructureError::TooLarge`] in it when the factor would have more than 2^31 entries (17 GB).
+    /// [`FactorError`]; [`StructureError::TooLarge`](super::StructureError::TooLarge) in it when the factor would have more than 2^31 entries (17 GB).
     pub fn factorize(
         self: &Arc<Self>,
         matrix: &SparseMatrix,
