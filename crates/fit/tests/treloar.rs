@@ -70,6 +70,17 @@ fn more_flexible_laws_fit_better_and_criteria_say_whether_it_pays() {
     for fit in &all {
         println!("{:20} S {:9.3e} AICc {:8.1} {:?}", fit.law.label(), fit.squares, fit.criteria.aicc, fit.starts);
         assert!(fit.squares <= of(named("neo_hooke")).squares * (1.0 + 1e-9));
+        // n log(S/n) + 2 K + 2 K (K + 1)/(n - K - 1) and n log(S/n) + K log n, K one more than the parameters
+        let (n, k) = (fit.points as f64, fit.parameters.len() as f64 + 1.0);
+        let likelihood = n * (fit.squares / n).ln();
+        let aicc = likelihood + 2.0 * k + 2.0 * k * (k + 1.0) / (n - k - 1.0);
+        assert!(
+            (fit.criteria.aicc / aicc - 1.0).abs() < 1e-12,
+            "{}: {} for {aicc}",
+            fit.law.label(),
+            fit.criteria.aicc
+        );
+        assert!((fit.criteria.bic / (likelihood + k * n.ln()) - 1.0).abs() < 1e-12);
     }
     assert!(
         of(named("ogden_3")).squares <= of(named("ogden_2")).squares

@@ -119,3 +119,14 @@ fn a_jump_is_told_and_the_next_trial_stays_before_it() -> Outcome {
     assert!((message[at + 1].0 - expected).abs() < 1e-12 && message[at + 1].1, "{message:?}");
     Ok(())
 }
+
+/// `j(m(t)) <= reference + armijo dj.(m(t) - m) + slack`, at its border.
+#[test]
+fn a_step_needs_its_share_of_the_predicted_decrease() {
+    let search = LineSearch::default();
+    let (reference, predicted) = (1.0, -2.0);
+    let border = reference + search.armijo * predicted;
+    assert!(search.accepts(reference, predicted, 0.0, border - 1e-9));
+    assert!(!search.accepts(reference, predicted, 0.0, border + 1e-9), "a decrease of less than that share");
+    assert!(search.accepts(reference, predicted, 2e-9, border + 1e-9), "within rounding");
+}
