@@ -4,10 +4,12 @@ use std::ops::{Add, Mul, Neg, Sub};
 pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
     /// One that does not change.
     fn constant(x: f64) -> Self;
-    /// The value itself.
-    fn real(self) -> f64;
-    /// A function with its first two derivatives at [`real`](Self::real): `[f, f', f'']`.
+    /// A function of the value with its first two derivatives there: `f(x)`, `[f', f'']` from x and f.
     fn apply(self, f: impl Fn(f64) -> f64, slopes: impl Fn(f64, f64) -> [f64; 2]) -> Self;
+    /// `yes` where the values of the two compare so, else `no`.
+    fn select(self, other: Self, compare: impl Fn(f64, f64) -> bool, yes: Self, no: Self) -> Self;
+    /// The power of an exponent that may change too.
+    fn power(self, exponent: Self) -> Self;
 }
 
 impl Number for f64 {
@@ -17,13 +19,17 @@ impl Number for f64 {
     }
 
     #[inline(always)]
-    fn real(self) -> f64 {
-        self
+    fn apply(self, f: impl Fn(f64) -> f64, _slopes: impl Fn(f64, f64) -> [f64; 2]) -> Self {
+        f(self)
     }
 
     #[inline(always)]
-    fn apply(self, f: impl Fn(f64) -> f64, _slopes: impl Fn(f64, f64) -> [f64; 2]) -> Self {
-        f(self)
+    fn select(self, other: Self, compare: impl Fn(f64, f64) -> bool, yes: Self, no: Self) -> Self {
+        if compare(self, other) { yes } else { no }
+    }
+
+    fn power(self, exponent: Self) -> Self {
+        self.powf(exponent)
     }
 }
 
@@ -44,15 +50,26 @@ impl Number for HyperDual {
         HyperDual { real: x, first: [0.0; 2], both: 0.0 }
     }
 
-    fn real(self) -> f64 {
-        self.real
-    }
-
     fn apply(self, f: impl Fn(f64) -> f64, slopes: impl Fn(f64, f64) -> [f64; 2]) -> Self {
         let value = f(self.real);
         let [first, second] = slopes(self.real, value);
         let [a, b] = self.first;
         HyperDual { real: value, first: [first * a, first * b], both: first * self.both + second * a * b }
+    }
+
+    fn select(self, other: Self, compare: impl Fn(f64, f64) -> bool, yes: Self, no: Self) -> Self {
+        if compare(self.real, other.real) { yes } else { no }
+    }
+
+    /// `a^b = exp(b log a)`, of a constant exponent for every base that has the power.
+    fn power(self, exponent: Self) -> Self {
+        let y = exponent.real;
+        let by_base = self.apply(|x| x.powf(y), |x, _| [y * x.powf(y - 1.0), y * (y - 1.0) * x.powf(y - 2.0)]);
+        if self.real <= 0.0 {
+            return by_base;
+        }
+        let log = self.apply(f64::ln, |x, _| [1.0 / x, -1.0 / (x * x)]);
+        by_base * ((exponent - Self::constant(y)) * log).apply(|_| 1.0, |_, _| [1.0, 1.0])
     }
 }
 

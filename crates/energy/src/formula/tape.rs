@@ -124,7 +124,7 @@ impl Tape {
 
     /// The values of the outputs for these invariants and parameters.
     #[inline]
-    pub fn evaluate<N: Number, const OUT: usize>(&self, inputs: [N; INPUTS], parameters: &[f64]) -> [N; OUT] {
+    pub fn evaluate<N: Number, const OUT: usize>(&self, inputs: [N; INPUTS], parameters: &[N]) -> [N; OUT] {
         match self.registers {
             ..=8 => self.run::<N, 8, OUT>(inputs, parameters),
             9..=24 => self.run::<N, 24, OUT>(inputs, parameters),
@@ -134,7 +134,7 @@ impl Tape {
     }
 
     #[inline]
-    fn run<N: Number, const R: usize, const OUT: usize>(&self, inputs: [N; INPUTS], parameters: &[f64]) -> [N; OUT] {
+    fn run<N: Number, const R: usize, const OUT: usize>(&self, inputs: [N; INPUTS], parameters: &[N]) -> [N; OUT] {
         let mut r = [N::constant(0.0); R];
         r[..INPUTS].copy_from_slice(&inputs);
         for step in &self.code {
@@ -273,12 +273,12 @@ fn is_safe(graph: &Graph, id: Id) -> bool {
 
 impl Instruction {
     #[inline(always)]
-    fn value<N: Number>(&self, r: &[N], parameters: &[f64]) -> N {
+    fn value<N: Number>(&self, r: &[N], parameters: &[N]) -> N {
         let a = r[self.a as usize];
         match self.code {
             Code::Constant(x) => N::constant(x),
             Code::Input => a,
-            Code::Parameter => N::constant(parameters[self.a as usize]),
+            Code::Parameter => parameters[self.a as usize],
             Code::Negate => -a,
             Code::Add => a + r[self.b as usize],
             Code::Subtract => a - r[self.b as usize],
@@ -298,53 +298,17 @@ impl Instruction {
             Code::Sqrt => a.apply(f64::sqrt, |x, y| [0.5 / y, -0.25 / (x * y)]),
             Code::Sin => a.apply(f64::sin, |x, y| [x.cos(), -y]),
             Code::Cos => a.apply(f64::cos, |x, y| [-x.sin(), -y]),
-            Code::Abs => {
-                if a.real() < 0.0 {
-                    -a
-                } else {
-                    a
-                }
-            }
-            Code::Power | Code::Minimum | Code::Maximum | Code::Less | Code::LessOrEqual => {
-                self.code.of_two(a, r[self.b as usize])
-            }
+            Code::Abs => a.select(a, |x, _| x < 0.0, -a, a),
+            Code::Minimum => a.select(r[self.b as usize], |x, y| x < y, a, r[self.b as usize]),
+            Code::Maximum => a.select(r[self.b as usize], |x, y| y < x, a, r[self.b as usize]),
+            Code::Less => a.select(r[self.b as usize], |x, y| x < y, N::constant(1.0), N::constant(0.0)),
+            Code::LessOrEqual => a.select(r[self.b as usize], |x, y| x <= y, N::constant(1.0), N::constant(0.0)),
+            Code::Power => a.power(r[self.b as usize]),
         }
     }
 }
 
 impl Code {
-    fn of_two<N: Number>(self, a: N, b: N) -> N {
-        let (x, y) = (a.real(), b.real());
-        match self {
-            Code::Minimum => {
-                if x < y {
-                    a
-                } else {
-                    b
-                }
-            }
-            Code::Maximum => {
-                if y < x {
-                    a
-                } else {
-                    b
-                }
-            }
-            Code::Less => N::constant(f64::from(u8::from(x < y))),
-            Code::LessOrEqual => N::constant(f64::from(u8::from(x <= y))),
-            // a^b = exp(b log a), of a constant exponent for every base that has the power
-            _ => {
-                let by_base = a.apply(|x| x.powf(y), |x, _| [y * x.powf(y - 1.0), y * (y - 1.0) * x.powf(y - 2.0)]);
-                let change = b - N::constant(y);
-                if x <= 0.0 {
-                    return by_base;
-                }
-                let log = a.apply(f64::ln, |x, _| [1.0 / x, -1.0 / (x * x)]);
-                by_base * (change * log).apply(|_| 1.0, |_, _| [1.0, 1.0])
-            }
-        }
-    }
-
     fn fault(self, a: f64, b: f64, value: f64) -> Fault {
         match self {
             Code::Log => Fault { measure: "what the energy takes a logarithm of", value: a, limit: 0.0 },

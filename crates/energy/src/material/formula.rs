@@ -3,8 +3,8 @@ use std::collections::BTreeMap;
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, cross};
 
 use crate::formula::{
-    Expression, FormulaError, FormulaProblem, Graph, HyperDual, Id, Invariant, MOST_NODES, Node, Step, Tape,
-    check_smooth,
+    Expression, FormulaError, FormulaProblem, Graph, HyperDual, Id, Invariant, LANES, Lanes, MOST_NODES, Node, Number,
+    Step, Tape, check_smooth,
 };
 use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, Moduli, Outside, PointBatch, Response, Slots, Want, check};
 
@@ -173,6 +173,23 @@ impl FormulaLaw {
         [square(self.uses[0], k.f()), square(self.uses[1], k.h()), k.j(), fiber]
     }
 
+    /// The energies of some points at a time; the last ones stand for those that are missing.
+    fn add_energies(&self, at: &PointBatch, energy: &mut [f64]) {
+        for (part, out) in energy[..at.len()].chunks_mut(LANES).enumerate() {
+            let last = out.len() - 1;
+            let (mut y, mut theta) = ([Lanes::constant(0.0); 4], [Lanes::constant(0.0); MOST_FIELDS]);
+            for lane in 0..LANES {
+                let q = LANES * part + lane.min(last);
+                let place = at.place(q);
+                let own = self.invariants(place, &at.kinematics[q]);
+                y.iter_mut().zip(own).for_each(|(y, own)| y.0[lane] = own);
+                theta.iter_mut().zip(&self.fields).for_each(|(theta, field)| theta.0[lane] = field.at(place));
+            }
+            let [w] = self.energy.evaluate(y, &theta);
+            out.iter_mut().zip(w.0).for_each(|(out, w)| *out += w);
+        }
+    }
+
     /// `y_a'`
     #[inline]
     fn slopes(&self, at: MaterialPoint, k: &Kinematics) -> [Mat3; 4] {
@@ -242,13 +259,15 @@ fn combination(w: &[f64], m: &[Mat3; 4]) -> Mat3 {
 
 impl EnergyTerm for FormulaLaw {
     fn respond(&self, at: &PointBatch, _m: Slots, want: Want, out: &mut Response) {
+        if want.energy {
+            self.add_energies(at, out.energy);
+        }
+        if !want.stress && !want.tangent {
+            return;
+        }
         for (q, k) in at.kinematics.iter().enumerate() {
             let place = at.place(q);
             let (y, theta) = (self.invariants(place, k), self.parameters(place));
-            if want.energy {
-                let [w] = self.energy.evaluate(y, &theta);
-                out.energy[q] += w;
-            }
             if want.tangent {
                 let slopes = self.slopes(place, k);
                 let w: [f64; 14] = self.curvature.evaluate(y, &theta);
@@ -296,7 +315,7 @@ impl EnergyTerm for FormulaLaw {
                 let both = self.curved_by(place, k, &one, a).dot(b);
                 HyperDual { real: y[n], first: [slopes[n].dot(a), slopes[n].dot(b)], both }
             });
-            let w: [HyperDual; 4] = self.gradient.evaluate(inputs, &self.parameters(place));
+            let w: [HyperDual; 4] = self.gradient.evaluate(inputs, &self.parameters(place).map(HyperDual::constant));
             out[q] += combination(&w.map(|w| w.both), &slopes);
             out[q] += self.curved_by(place, k, &w.map(|w| w.first[0]), b);
             out[q] += self.curved_by(place, k, &w.map(|w| w.first[1]), a);
