@@ -227,6 +227,8 @@ pub struct MeetingGuides {
     pub places: [[f64; 3]; 2],
     /// Their distance over that in the reference body.
     pub share: f64,
+    /// The load of a limit point before that, if the path of equilibria was followed to one.
+    pub limit: Option<f64>,
 }
 
 impl Cause {
@@ -262,7 +264,13 @@ impl fmt::Display for Cause {
                 let change = if beside.is_empty() { "" } else { " in proportion" };
                 write!(f, "{change}: the energy may be unbounded below; keep it under the bound")
             }
-            Cause::GuidesMeet(MeetingGuides { name, places: [a, b], share }) => {
+            Cause::GuidesMeet(MeetingGuides { name, places: [a, b], share, limit }) => {
+                if let Some(load) = limit {
+                    write!(
+                        f,
+                        "the path of equilibria turns back at a limit point near {load:.4} of the way, and beyond it "
+                    )?;
+                }
                 let [a, b] = [a, b].map(|x| format!("({:.4e}, {:.4e}, {:.4e})", x[0], x[1], x[2]));
                 write!(
                     f,

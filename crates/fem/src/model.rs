@@ -200,6 +200,11 @@ impl Model {
         self.others.iter().all(|c| c.has_potential() || c.path_dependence().is_some())
     }
 
+    /// The largest ratio of bulk to shear modulus of the cells at rest, of their passive laws: how nearly incompressible the body is.
+    pub fn bulk_over_shear(&self) -> f64 {
+        self.body.bulk_over_shear()
+    }
+
     /// Whether all contributions have a potential.
     pub fn has_potential(&self) -> bool {
         self.others.iter().all(|c| c.has_potential())

@@ -4,8 +4,10 @@ use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, node_at, regular};
-use nastic_energy::{NeoHooke, Turgor};
-use nastic_fem::{Demand, Equilibria, Instant, PathOptions, Solid, SolveOptions, State, StateError, Workspace};
+use nastic_energy::{NeoHooke, NeoHookeIsochoric, Turgor};
+use nastic_fem::{
+    Demand, Equilibria, Formulation, Instant, PathOptions, Solid, SolveOptions, State, StateError, Workspace,
+};
 use nastic_mesh::CellKind;
 use nastic_numeric::vector::norm;
 use nastic_tensor::Vec3;
@@ -142,5 +144,52 @@ fn what_cannot_be_asked_is_a_typed_error() -> Outcome {
     let cancel = std::sync::atomic::AtomicBool::new(true);
     let cancelled = ask(&solid, 2, &SolveOptions { cancel: Some(&cancel), ..STRICT });
     assert!(matches!(cancelled, Err(StateError::Cancelled)), "{cancelled:?}");
+    Ok(())
+}
+
+/// Rivlin's cube: under three equal tractions T per reference area a nearly incompressible neo-Hookean cube has, beside the shape that it had, states of
+/// stretches `(l, l, l^-2)` with `l + l^-2 = T / mu` about each axis (R. S. Rivlin, Phil. Trans. A 240, 1948, 491-508).
+#[test]
+fn the_seven_states_of_a_cube_under_equal_tractions() -> Outcome {
+    let ratio = 2.2;
+    // l + l^-2 falls up to l = 2^(1/3) and rises beyond
+    let root = |(mut low, mut high): (f64, f64), rising: bool| {
+        for _ in 0..60 {
+            let l = 0.5 * (low + high);
+            if (l + l.powi(-2) > ratio) == rising { high = l } else { low = l }
+        }
+        low
+    };
+    let roots = [root((0.5, 1.25), false), root((1.26, 3.0), true)];
+    for (stiffness, wanted) in [(10.0, None), (1e3, Some(7)), (1e4, Some(5))] {
+        let mut solid = Solid::new(regular(CellKind::Hex8, [1.0; 3], [1, 1, 1])?)?
+            .material("body", NeoHookeIsochoric::new(1.0, stiffness)?)?
+            .formulation("body", Formulation::MeanDilatation)?;
+        for (k, (held, pulled)) in [("x-", "x+"), ("y-", "y+"), ("z-", "z+")].into_iter().enumerate() {
+            let mut traction = Vec3::zeros();
+            traction[k] = ratio;
+            solid =
+                solid.displace(held, std::array::from_fn(|i| (i == k).then_some(0.0)))?.traction(pulled, traction)?;
+        }
+        let rest = solid.solve(&solid.controls(), &STRICT)?;
+        let all = find(&solid, &rest, 9)?;
+        check(&solid, &all)?;
+        println!("bulk over shear modulus {stiffness}: {} states", all.found.len());
+        assert!(all.found.len() >= wanted.unwrap_or(7), "{} states at {stiffness}", all.found.len());
+        if wanted.is_none() {
+            continue;
+        }
+        let corner = node_at(solid.mesh(), [1.0; 3]).ok_or("no such node")?;
+        let mut seen = [0; 2];
+        for one in &all.found[1..] {
+            let mut l: Vec<f64> = one.state.u[3 * corner..][..3].iter().map(|u| 1.0 + u).collect();
+            l.sort_by(f64::total_cmp);
+            // the two equal ones stand in the middle
+            let kind = roots.iter().position(|root| (l[1] / root - 1.0).abs() < 5e-3).ok_or(format!("{l:?}"))?;
+            assert!((l[0] * l[1] * l[2] - 1.0).abs() < 1e-2, "{l:?}");
+            seen[kind] += 1;
+        }
+        assert!(seen.iter().all(|&seen| (1..=3).contains(&seen)), "{seen:?}");
+    }
     Ok(())
 }

@@ -4,10 +4,12 @@
 
 use crate::common;
 
-use common::Outcome;
 use common::shells::{pressure as pressure_at, shell};
+use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Ahead, Cause, Cavity, Controls, Solid, SolveOptions, SolveReport, State, StateError, Workspace};
+use nastic_fem::{
+    Ahead, Cause, Cavity, Controls, Solid, SolveOptions, SolveReport, State, StateError, Tendon, Workspace,
+};
 use nastic_mesh::CellKind;
 
 /// An eighth of a thick sphere that is inflated.
@@ -111,5 +113,33 @@ fn a_limit_point_ahead_is_told() -> Outcome {
     let report = &mut SolveReport::default();
     let cut = model.ahead(&near, (&pressure(&solid, to)?, 1.0), &brief, &mut Workspace::default(), report)?;
     assert!(matches!(cut, Ahead::Unknown(share) if share < limit.share), "{cut:?}");
+    Ok(())
+}
+
+/// Two tendons pull a bar beyond a limit point where cells collapse beside one of them: the load steps that end before it do not grow like those to
+/// a fold, and the path from the last of them finds it.
+#[test]
+fn a_limit_point_that_load_steps_do_not_show_is_found_by_the_path() -> Outcome {
+    let mut solid = Solid::new(regular(CellKind::Hex20, [0.1, 0.016, 0.02], [20, 2, 2])?)?
+        .material("body", NeoHooke::from_young_poisson(0.3e6, 0.45)?)?
+        .clamp("x-")?;
+    for (name, z) in [("flexor", 0.003), ("extensor", 0.017)] {
+        let ends = [[0.0, 0.008, z], [0.1, 0.008, z]];
+        solid = solid.tendon(Tendon::through(name, ends).spacing(0.005))?;
+    }
+    let mut controls = solid.controls();
+    let how = SolveOptions::default();
+    for (k, tension) in [5.0, 15.0].into_iter().enumerate() {
+        controls.values_mut(k).fill(tension);
+    }
+    let error = solid.solve(&controls, &how).err().ok_or("an equilibrium beyond the limit")?;
+    let StateError::NoConvergence { cause, .. } = &error else { panic!("{error}") };
+    let limit = match cause {
+        Cause::LimitPoint { load } => Some(*load),
+        Cause::GuidesMeet(guides) => guides.limit,
+        _ => None,
+    };
+    // where `nastic solve --path` finds it for the same bar
+    assert!(limit.is_some_and(|load| (load - 0.6931).abs() < 5e-4), "{error}");
     Ok(())
 }

@@ -79,7 +79,7 @@ impl Guides {
             ([a.into(), b.into()], segment.length / (b - a).norm())
         });
         let nearest = pairs.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share < MEETING);
-        nearest.map(|(places, share)| MeetingGuides { name: name.to_owned(), places, share })
+        nearest.map(|(places, share)| MeetingGuides { name: name.to_owned(), places, share, limit: None })
     }
 
     /// The nodes of all points, ascending, each once.

@@ -1,7 +1,7 @@
 //! [`Ahead`]: what stands on the path of equilibria from a state towards other controls.
 
 use crate::contributions::controls::Controls;
-use crate::error::StateError;
+use crate::error::{Cause, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::path::{EventKind, PathEnd, PathOptions};
@@ -35,6 +35,8 @@ pub struct LimitAhead {
 /// Steps of the path: as long as its direction and Newton's method allow, at most a tenth of the body's diagonal in the
 /// root mean square.
 const STEP: f64 = 1.0;
+/// Points of a path that explains why a solve ended: the limit point is near.
+const NEAR: usize = 30;
 /// A branch without limit points takes some ten points; one that takes more is given up.
 const POINTS: usize = 60;
 /// A path begins towards larger s, and ends at 1 or at its first limit point: this end is never reached.
@@ -54,7 +56,36 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Ahead, StateError> {
-        let options = PathOptions { step: STEP, points: POINTS, range: [BEHIND, 1.0], to_limit: true };
+        self.ahead_within(POINTS, (from, to), how, workspace, report)
+    }
+
+    /// A solve that ended without an equilibrium, for a reason that is not known, or at guides that meet: where the path from its last one turns back, that is said.
+    pub(super) fn explained(&self, mut error: StateError, to: &Controls, how: &SolveOptions) -> StateError {
+        let StateError::NoConvergence { cause, last, reached, .. } = &mut error else { return error };
+        if !matches!(cause, Cause::Unknown | Cause::GuidesMeet(_)) {
+            return error;
+        }
+        let how = SolveOptions { near: None, guess: None, ..how.clone() };
+        let (mut kept, mut report) = (Workspace::default(), SolveReport::default());
+        if let Ok(Ahead::LimitPoint(at)) = self.ahead_within(NEAR, (last, (to, 1.0)), &how, &mut kept, &mut report) {
+            let load = *reached + at.share * (1.0 - *reached);
+            match cause {
+                Cause::GuidesMeet(guides) => guides.limit = Some(load),
+                _ => *cause = Cause::LimitPoint { load },
+            }
+        }
+        error
+    }
+
+    fn ahead_within(
+        &self,
+        points: usize,
+        (from, to): (&State, (&Controls, f64)),
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<Ahead, StateError> {
+        let options = PathOptions { step: STEP, points, range: [BEHIND, 1.0], to_limit: true };
         let mut path = self.path(from, to, &options, how, workspace, &mut |point| {
             report.add_work(&point.state.report);
         })?;

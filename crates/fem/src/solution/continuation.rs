@@ -376,7 +376,10 @@ impl Model {
                 Err(stop) => {
                     if steps.failed(path) || report.newton > most {
                         let suspect = newton.at(&u, |at| self.suspect(at));
-                        return Err(self.give_up(stop, path, (&steps, suspect), (to, None), report, here));
+                        let error = self.give_up(stop, path, (&steps, suspect), (to, None), report, here);
+                        // a trial from a state nearby is looked into by who makes it
+                        let alone = time_step.is_none() && how.near.is_none();
+                        return Err(if alone { self.explained(error, to, how) } else { error });
                     }
                     report.cuts += 1;
                     workspace.forget();

@@ -69,7 +69,8 @@ fn add_cause(out: &mut FailureRecord, cause: &Cause) {
                 beside: beside.iter().map(|(name, tension)| of(name, *tension)).collect(),
             });
         }
-        Cause::GuidesMeet(MeetingGuides { name, places, share }) => {
+        Cause::GuidesMeet(MeetingGuides { name, places, share, limit }) => {
+            out.limit_point = (*limit).into();
             let places = places.iter().map(|place| numbers(place)).collect();
             out.guides_meet = Some(MeetingGuidesRecord { name: name.clone(), places, share: (*share).into() });
         }
