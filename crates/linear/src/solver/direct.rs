@@ -21,6 +21,10 @@ const ENOUGH: f64 = 0.1;
 const FRESH: usize = 12;
 /// Relative error of a solution that rounding alone may leave.
 const SETTLED: f64 = 1e-7;
+/// Residual at which the definiteness of a matrix counts as shown, and how many times the rounding of a Rayleigh quotient its smallest eigenvalue
+/// has to be for that.
+const EVIDENCE: f64 = 1e-8;
+const APART: f64 = 1e4;
 /// Rounding of a Rayleigh quotient, in units of the rounding of the terms that cancel in it.
 const ROUNDING: f64 = 4.0;
 
@@ -338,9 +342,15 @@ impl LinearSolver for Direct {
         }
     }
 
+    /// First by a factor in single precision, which shows that a matrix is positive definite and well away from singular: see [`definite`].
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         symmetric(system)?;
         let symbolic = self.symbolic();
+        let rounding = |x: &[f64]| ROUNDING * f64::EPSILON * mean_diagonal(system, x);
+        let evidence = symbolic.approximate(system.matrix, system.parallel).ok().and_then(|f| definite(&f, system));
+        if evidence.is_some_and(|(smallest, x)| smallest > APART * rounding(&x)) {
+            return Ok(Some(Inertia { negative: 0 }));
+        }
         let factor = match symbolic.factorize(system.matrix, Pivots::Positive, system.parallel) {
             Err(FactorError::NotPositive { .. }) => {
                 symbolic.factorize(system.matrix, Pivots::AnySign, system.parallel)?
@@ -348,8 +358,12 @@ impl LinearSolver for Direct {
             done => done?,
         };
         let negative = if factor.pivots() == Pivots::Positive { 0 } else { factor.negative_pivots() };
-        let (smallest, x) = smallest_eigenvalue(&factor, system);
-        let rounding = ROUNDING * f64::EPSILON * mean_diagonal(system, &x);
+        let solve = |x: &mut Vec<f64>| {
+            factor.solve(x, 1);
+            true
+        };
+        let Some((smallest, x)) = smallest_eigenvalue(solve, system) else { return Ok(Some(Inertia { negative })) };
+        let rounding = rounding(&x);
         if smallest < rounding {
             return Err(LinearError::NearlySingular { smallest, rounding });
         }
@@ -385,18 +399,33 @@ fn symmetric(system: &System) -> Result<(), LinearError> {
 }
 
 /// `|A x| / |x|`, and x, after three steps of inverse iteration from a seeded vector: the smallest absolute value of an eigenvalue
-/// from above, and to a few per cent where it is far below the others. Infinite where every unknown is fixed.
-fn smallest_eigenvalue(factor: &Factor, system: &System) -> (f64, Vec<f64>) {
+/// from above, and to a few per cent where it is far below the others. Infinite where every unknown is fixed; nothing where a solution fails.
+fn smallest_eigenvalue(mut solve: impl FnMut(&mut Vec<f64>) -> bool, system: &System) -> Option<(f64, Vec<f64>)> {
     let mut random = Random::new(1);
     let mut x: Vec<f64> = system.fixed.iter().map(|fixed| if *fixed { 0.0 } else { random.symmetric() }).collect();
     let mut growth = 0.0;
     for _ in 0..3 {
         let size = system.space().norm(&x);
         x.iter_mut().for_each(|x| *x /= size);
-        factor.solve(&mut x, 1);
+        if !solve(&mut x) {
+            return None;
+        }
         growth = system.space().norm(&x);
     }
-    (if growth > 0.0 { 1.0 / growth } else { f64::INFINITY }, x)
+    Some((if growth > 0.0 { 1.0 / growth } else { f64::INFINITY }, x))
+}
+
+/// The smallest eigenvalue and its vector, if the matrix is positive definite as far as conjugate gradients show: they solve three systems of inverse
+/// iteration, whose right-hand sides turn into the softest mode, to [`EVIDENCE`] with a factor in single precision. In that preconditioner all
+/// eigenvalues but those of the softest modes are 1 up to rounding; a negative one stands apart and shows as negative curvature.
+fn definite(factor: &Factor, system: &System) -> Option<(f64, Vec<f64>)> {
+    let solve = |x: &mut Vec<f64>| {
+        let b = std::mem::take(x);
+        *x = vec![0.0; b.len()];
+        let product = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
+        conjugate_gradient(&product, factor, &b, x, EVIDENCE, FRESH).converged()
+    };
+    smallest_eigenvalue(solve, system)
 }
 
 /// `sum_i |A_ii| x_i^2 / |x|^2`: the size of the terms that cancel in the Rayleigh quotient of x.

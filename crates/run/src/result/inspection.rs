@@ -10,6 +10,7 @@ use nastic_control::EnsemblePoint;
 use nastic_fem::{PointPeak, State, StateError};
 use nastic_language::number::{quantity, short};
 use nastic_language::quantity::Dimension;
+use nastic_mesh::Mesh;
 use nastic_mesh::spatial::{SelfIntersection, Shape};
 use nastic_numeric::vector::{norm, sub};
 use nastic_report::record::{IntersectionRecord, UncountedRecord};
@@ -70,33 +71,33 @@ impl Inspection {
     pub fn of(member: CaseMember<'_>, state: &State) -> Self {
         if member.reduced().timeline().is_some() {
             let why = "a state in motion is no equilibrium".to_owned();
-            return Self::with_inertia(member, state, Err(Uncounted { singular: false, moving: true, why }));
+            return Self::counted_by(member, state, || Err(Uncounted { singular: false, moving: true, why }));
         }
-        let counted = member.solid().negative_pivots(state);
         let uncounted =
             |error: StateError| Uncounted { singular: error.is_singular(), moving: false, why: error.to_string() };
-        Self::with_inertia(member, state, counted.map_err(uncounted))
+        Self::counted_by(member, state, || member.solid().negative_pivots(state).map_err(uncounted))
     }
 
     /// Of a state whose negative pivots may be known; else the reason is found anew.
     pub fn of_counted(member: CaseMember<'_>, state: &State, negative: Option<usize>) -> Self {
         match negative {
-            Some(negative) => Self::with_inertia(member, state, Ok(negative)),
+            Some(negative) => Self::counted_by(member, state, || Ok(negative)),
             None => Self::of(member, state),
         }
     }
 
-    fn with_inertia(member: CaseMember<'_>, state: &State, inertia: Result<usize, Uncounted>) -> Self {
+    /// Counts pivots while it looks at the deformed cells.
+    fn counted_by(
+        member: CaseMember<'_>,
+        state: &State,
+        count: impl FnOnce() -> Result<usize, Uncounted> + Send,
+    ) -> Self {
         let mesh = member.mesh();
         let positions = positions(mesh.points(), &state.u, mesh.dim());
-        let shape = Shape::new(mesh, &positions, None);
-        let intersection = shape.map(|shape| shape.self_intersection()).unwrap_or_default();
-        let (before, now) = (mesh.quality(), mesh.quality_at(&positions));
-        let worse = before.cells.iter().zip(&now.cells);
-        let distorted: Vec<(u32, f64)> = worse
-            .filter(|(before, now)| before.scaled_jacobian >= POOR && now.scaled_jacobian < POOR)
-            .map(|(_, now)| (now.cell, now.scaled_jacobian))
-            .collect();
+        let intersect =
+            || Shape::new(mesh, &positions, None).map(|shape| shape.self_intersection()).unwrap_or_default();
+        let distort = || distorted(mesh, &positions);
+        let (inertia, (intersection, distorted)) = rayon::join(count, || rayon::join(intersect, distort));
         let lowest = distorted.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
         Self {
             inertia,
@@ -232,4 +233,14 @@ fn overlap(member: CaseMember<'_>, state: &State, found: &SelfIntersection) -> f
     };
     // Not `sum`, which is -0.0 of nothing.
     found.overlapped.iter().map(volume).fold(0.0, |all, one| all + one)
+}
+
+/// The cells that the displacement made badly shaped, with their scaled Jacobians.
+fn distorted(mesh: &Mesh, positions: &[[f64; 3]]) -> Vec<(u32, f64)> {
+    let (before, now) = rayon::join(|| mesh.quality(), || mesh.quality_at(positions));
+    let worse = before.cells.iter().zip(&now.cells);
+    worse
+        .filter(|(before, now)| before.scaled_jacobian >= POOR && now.scaled_jacobian < POOR)
+        .map(|(_, now)| (now.cell, now.scaled_jacobian))
+        .collect()
 }
