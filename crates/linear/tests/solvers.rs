@@ -290,6 +290,21 @@ fn only_the_rounding_of_the_eigenvalue_itself_makes_a_matrix_singular() {
     assert!(message.is_singular() && !message.is_lack_of_memory(), "three free motions: {message}");
 }
 
+/// The three free motions of a body on springs have the eigenvalue of the springs, whose sign is counted right above and far below what single
+/// precision resolves.
+#[test]
+fn eigenvalues_below_single_precision_are_counted() {
+    let case = Case::new([4, 3, 3]);
+    for size in [1e-3, 1e-5, 1e-7, 1e-9, 1e-11] {
+        for (spring, negative) in [(size, 0), (-size, 3)] {
+            let mut matrix = case.grid.laplacian(&case.pattern, 0.0);
+            matrix.add_to_diagonal(spring);
+            let counted = Solver::DIRECT.make(&case.structure).inertia(&case.system(&matrix)).unwrap();
+            assert_eq!(counted.map(|found| found.negative), Some(negative), "{spring}");
+        }
+    }
+}
+
 #[test]
 fn every_solver_has_a_name_of_its_own() {
     let case = Case::new([2, 2, 2]);

@@ -21,9 +21,11 @@ const ENOUGH: f64 = 0.1;
 const FRESH: usize = 12;
 /// Relative error of a solution that rounding alone may leave.
 const SETTLED: f64 = 1e-7;
-/// Residual at which the definiteness of a matrix counts as shown, and how many times the rounding of a Rayleigh quotient its smallest eigenvalue
-/// has to be for that.
+/// Residual at which the definiteness of a matrix counts as shown.
 const EVIDENCE: f64 = 1e-8;
+/// Residual of the solutions that only turn a vector towards the softest mode.
+const TOWARDS: f64 = 1e-3;
+/// How many times the rounding of a Rayleigh quotient the smallest eigenvalue has to be for that.
 const APART: f64 = 1e4;
 /// Rounding of a Rayleigh quotient, in units of the rounding of the terms that cancel in it.
 const ROUNDING: f64 = 4.0;
@@ -416,14 +418,16 @@ fn smallest_eigenvalue(mut solve: impl FnMut(&mut Vec<f64>) -> bool, system: &Sy
 }
 
 /// The smallest eigenvalue and its vector, if the matrix is positive definite as far as conjugate gradients show: they solve three systems of inverse
-/// iteration, whose right-hand sides turn into the softest mode, to [`EVIDENCE`] with a factor in single precision. In that preconditioner all
-/// eigenvalues but those of the softest modes are 1 up to rounding; a negative one stands apart and shows as negative curvature.
+/// iteration, whose right-hand sides turn into the softest mode, the last one to [`EVIDENCE`], with a factor in single precision. In that
+/// preconditioner all eigenvalues but those of the softest modes are 1 up to rounding; a negative one stands apart and shows as negative curvature.
 fn definite(factor: &Factor, system: &System) -> Option<(f64, Vec<f64>)> {
+    let mut tolerances = [TOWARDS, TOWARDS, EVIDENCE].into_iter();
     let solve = |x: &mut Vec<f64>| {
         let b = std::mem::take(x);
         *x = vec![0.0; b.len()];
         let product = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
-        conjugate_gradient(&product, factor, &b, x, EVIDENCE, FRESH).converged()
+        let tolerance = tolerances.next().unwrap_or(EVIDENCE);
+        conjugate_gradient(&product, factor, &b, x, tolerance, FRESH).converged()
     };
     smallest_eigenvalue(solve, system)
 }
