@@ -76,6 +76,24 @@ fn chambers_have_the_colour_of_their_pressure() {
     assert!(svg.contains(">0</text>") && !svg.contains("displacement"));
     assert!(figure(&place, &["--field", "mises", "--behind", ""]).contains("von Mises"));
     assert!(!figure(&place, &["--behind", ""]).contains(">target</text>") && svg.contains(">target</text>"));
+    // a chamber of a list of surfaces is drawn like one of a name
+    let surface = std::fs::read_to_string(&case).unwrap();
+    let surface = surface.split("\"surface\": \"").nth(1).unwrap().split('"').next().unwrap();
+    let listed = format!("actuation/0/surface=[\"{surface}\"]");
+    let again = ["solve", &case, "--out", "out", "--quiet", "--set", "expect={}", "--set", &listed];
+    let again = place.nastic(&again);
+    assert_eq!(code(&again), 0, "{}", text(&again.stderr));
+    assert_eq!(figure(&place, &[]), svg);
+}
+
+#[test]
+fn kept_iterations_are_states() {
+    let place = CaseDirectory::new(BAR);
+    let run = ["optimize", "case.json", "--out", "out", "--quiet", "--set", "output/every=1", "--set", "expect={}"];
+    assert!([0, 4].contains(&code(&place.nastic(&run))));
+    assert!(place.path("out/iteration_0001.vtu").exists());
+    assert!(figure(&place, &["--state", "iteration_0001"]).contains(">iteration 0001</text>"));
+    assert!(refusal(&place, &["--state", "iteration_9999"]).contains("iteration_0001"));
 }
 
 #[test]

@@ -130,10 +130,17 @@ fn figures(result: &RunRecord) -> Vec<(String, String, String)> {
     }
     for (suffix, own, begin) in members(result) {
         for (term, figures) in &own.figures {
-            let Some(distance) = number_of(figures, "position_distance") else { continue };
-            let begin = begin.and_then(|begin| number_of(begin.figures.get(term)?, "position_distance"));
-            let name = format!("Distance of {term} from its target{suffix}");
-            add(&name, millimetres(distance, length), from_length(begin, length));
+            for (key, of_motion) in [
+                ("position_distance", " at the end"),
+                ("position_distance_largest", ", largest"),
+                ("position_distance_root_mean_square", ", root mean square"),
+            ] {
+                let Some(distance) = number_of(figures, key) else { continue };
+                let begin = begin.and_then(|begin| number_of(begin.figures.get(term)?, key));
+                let moves = figures.contains_key("position_distance_largest");
+                let name = format!("Distance of {term} from its target{}{suffix}", if moves { of_motion } else { "" });
+                add(&name, millimetres(distance, length), from_length(begin, length));
+            }
         }
     }
     if result.min_j.is_some() {

@@ -11,6 +11,10 @@ use nastic_opt::Constrained;
 /// Costs, constraints and targets.
 pub fn costs(problem: &CaseProblem) -> Vec<Line> {
     let mut out: Vec<Line> = problem.case.costs.iter().map(|cost| cost_line("costs", cost)).collect();
+    let is_driven = !problem.case.controls.is_empty();
+    if !problem.has_costs() && is_driven {
+        out.push(line("costs", "none: solve needs none, optimize and gradient do".to_owned()));
+    }
     let reduced = problem.member(0).reduced();
     for (k, (block, group)) in problem.case.constraints.iter().zip(reduced.constraints()).enumerate() {
         let instants = reduced.constraint_states(k).len().max(1);

@@ -34,7 +34,11 @@ fn value_in_words(value: &TermValue) -> String {
             let wanted = ["x", "y", "z"].iter().zip(position.entries());
             wanted.filter_map(|(c, y)| Some(format!("{c} = {}", value(y?)))).collect::<Vec<_>>().join(", ")
         }
-        TermValue::Path(table) => format!("{} of {} over the time", table.names().join(", "), table.file),
+        TermValue::Path(table) => {
+            let components = ["x", "y", "z"].iter().zip(table.components());
+            let named: Vec<String> = components.filter_map(|(c, column)| Some(format!("{c} = {}", column?))).collect();
+            format!("{} of {} over the time", named.join(", "), table.file)
+        }
         TermValue::Target(Target::Formulas(entries)) => {
             format!("({})", entries.iter().map(Formula::text).collect::<Vec<_>>().join(", "))
         }

@@ -37,6 +37,10 @@ impl Cost for Named {
         self.cost.numbers()
     }
 
+    fn has_position(&self) -> bool {
+        self.cost.has_position()
+    }
+
     fn check_in_motion(&self, solid: &Solid, timeline: &Timeline, at_start: bool) -> Result<(), ControlError> {
         self.cost.check_in_motion(solid, timeline, at_start)
     }

@@ -56,7 +56,9 @@ fn resolve_paths((term, end): (&mut CostTerm, Option<f64>), context: &mut Contex
         let TermValue::Path(table) = value else { continue };
         let at = term.at.key(key);
         if let Some(formulas) = formulas((table, end), &at, context) {
-            *value = TermValue::Position(Box::new(Coordinates::of(formulas, &at)));
+            let mut given = formulas.into_iter();
+            let by_component = table.components().into_iter().map(|column| column.and_then(|_| given.next())).collect();
+            *value = TermValue::Position(Box::new(Coordinates::of(by_component, &at)));
         }
     }
 }

@@ -23,6 +23,24 @@ pub enum FigureKind {
     Other(&'static str),
 }
 
+/// How far a point is from its target over a motion, at the instants at which its cost counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DistanceInTime {
+    /// The largest distance (m).
+    pub largest: f64,
+    /// Root of the mean of the squared distances (m), each instant counting once.
+    pub root_mean_square: f64,
+}
+
+impl DistanceInTime {
+    /// Of distances; nothing of none.
+    pub(crate) fn of(distances: &[f64]) -> Option<Self> {
+        let squares = distances.iter().map(|distance| distance * distance).sum::<f64>();
+        let largest = distances.iter().copied().reduce(f64::max)?;
+        Some(DistanceInTime { largest, root_mean_square: (squares / distances.len() as f64).sqrt() })
+    }
+}
+
 impl FigureKind {
     /// Its key in results.
     pub fn name(self) -> &'static str {

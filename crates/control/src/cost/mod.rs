@@ -34,7 +34,7 @@ pub use cost_form::{CostForm, CostInputs, Counts, MakeCost};
 pub use cost_key::{CostKey, CostTakes, Need};
 pub use cost_value::{CostTaken, CostValue, CostWords};
 pub use curvature::Curvature;
-pub use figure::{Figure, FigureKind};
+pub use figure::{DistanceInTime, Figure, FigureKind};
 pub use mean_radius::MeanRadius;
 pub use obstacle::ObstaclePenetration;
 pub use orientation::Orientation;
@@ -178,6 +178,11 @@ pub trait Cost: Debug + Send + Sync {
     /// directions of the control than that where it is small; `None` of any other cost.
     fn numbers(&self) -> Option<usize> {
         None
+    }
+
+    /// Whether its figures have the distance of one point from its target, at hardly any cost: a motion then reports it over its instants.
+    fn has_position(&self) -> bool {
+        false
     }
 
     /// Whether it can count in a motion, and at its beginning if it does there.

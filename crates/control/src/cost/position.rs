@@ -150,6 +150,10 @@ impl Cost for OnBody {
         Some(self.target.iter().flatten().count())
     }
 
+    fn has_position(&self) -> bool {
+        true
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let dim = at.solid.discretization().dim();
         let moved = mean(&self.shares, at.u, dim);

@@ -4,7 +4,7 @@ use super::Reduced;
 use super::in_time::Motion;
 use super::motion_progress::{InstantValues, Progress};
 use crate::constraint::ConstraintPoint;
-use crate::cost::CostPoint;
+use crate::cost::{CostPoint, DistanceInTime, FigureKind};
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::time::{MotionObserver, TrajectoryContext};
@@ -149,6 +149,30 @@ impl Reduced {
             }
             _ => point.states().iter().enumerate().try_for_each(|(n, state)| each(n, state)),
         }
+    }
+
+    /// By term of states the distances from the target over the instants at which it counts, of terms that have one point and its target; nothing of
+    /// others, and empty of a static problem. A motion that keeps few of its states runs once more.
+    ///
+    /// # Errors
+    /// A cost that is not defined in a state.
+    pub fn distances_in_time(&self, point: &Evaluated) -> Result<Vec<Option<DistanceInTime>>, ControlError> {
+        let Some(motion) = &self.motion else { return Ok(Vec::new()) };
+        let mut all: Vec<Vec<f64>> = vec![Vec::new(); self.costs.len()];
+        if self.costs.iter().any(|cost| cost.has_position()) {
+            let counting = InstantValues::new(motion).counting;
+            self.for_each_state(point, &mut |n, state| {
+                for &(k, place) in counting[n].iter().filter(|(k, _)| self.costs[*k].has_position()) {
+                    self.cost_point(motion, (k, place), (n, state), (&point.m, point.stage), &mut |cost| {
+                        let own = cost.figures()?.into_iter().filter(|one| one.kind == FigureKind::PositionDistance);
+                        all[k].extend(own.map(|one| one.value));
+                        Ok(())
+                    })?;
+                }
+                Ok(())
+            })?;
+        }
+        Ok(all.iter().map(|distances| DistanceInTime::of(distances)).collect())
     }
 
     /// The values of a motion in another stage.

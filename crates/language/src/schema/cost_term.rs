@@ -226,7 +226,7 @@ impl Keyed<'_, '_, '_> {
         let default = (need != Need::Required).then_some(None);
         self.reader.key_by(self.node, self.at, name, about, default, |node, at, reader| {
             match TimeTable::is_named_by(node) {
-                true => TimeTable::read_for(Some(true), node, at, reader).map(|table| Some(TermValue::Path(table))),
+                true => TimeTable::read_for_position(Some(true), node, at, reader).map(|t| Some(TermValue::Path(t))),
                 false => Box::read(node, at, Want::ANY, reader).map(|position| Some(TermValue::Position(position))),
             }
         })

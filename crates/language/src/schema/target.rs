@@ -65,11 +65,12 @@ impl Coordinates {
         [self.x.as_ref(), self.y.as_ref(), self.z.as_ref()]
     }
 
-    /// Of formulas of x, y and z, as many as there are.
+    /// Of formulas of x, y and z, as many as there are; nothing where a component is free.
     #[must_use]
-    pub fn of(formulas: Vec<Formula>, at: &At) -> Self {
+    pub fn of(formulas: Vec<Option<Formula>>, at: &At) -> Self {
         let mut formulas = formulas.into_iter();
-        Self { x: formulas.next(), y: formulas.next(), z: formulas.next(), at: at.clone() }
+        let mut next = || formulas.next().flatten();
+        Self { x: next(), y: next(), z: next(), at: at.clone() }
     }
 
     /// Those at an instant.

@@ -19,7 +19,11 @@ impl ComparisonRecord {
         }
         if let Some(nodes) = &self.node_by_node {
             let numbers = format!("{:>12} {:>12} {:>12}", "", number(nodes.rms, ""), number(nodes.largest, ""));
-            let _ = writeln!(out, "{:14} {numbers}{unit}, at node {} of {}", "node by node", nodes.node, nodes.nodes);
+            let _ = writeln!(
+                out,
+                "{:14} {numbers}{unit}, at node {}, of {} nodes",
+                "node by node", nodes.node, nodes.nodes
+            );
         }
         let _ = writeln!(out, "\nchamfer    {}{unit}, the means of both ways added", number(self.chamfer, ""));
         let proof = match *self.hausdorff_gap {

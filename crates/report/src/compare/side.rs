@@ -71,7 +71,7 @@ impl Side {
         let boxes: Vec<Aabb> = points.iter().map(|x| Aabb::around([&(*x).into()])).collect();
         Ok(Self {
             name: path.display().to_string(),
-            of: "its points".to_owned(),
+            of: "points of the cloud".to_owned(),
             unit: None,
             body: None,
             search: Search::Points(Tree::build(&boxes)),

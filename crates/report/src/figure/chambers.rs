@@ -14,7 +14,7 @@ use serde_json::Value;
 /// A chamber as the case lists it.
 struct Chamber {
     name: String,
-    surface: String,
+    surfaces: Vec<String>,
 }
 
 /// The chambers of the case.
@@ -23,7 +23,11 @@ fn all(folder: &ResultFolder) -> Vec<Chamber> {
     let text = |entry: &Value, key: &str| entry[key].as_str().map(str::to_owned);
     let of = |entry: &Value| {
         let is_chamber = entry["kind"].as_str() == Some("cavity");
-        is_chamber.then(|| Some(Chamber { name: text(entry, "name")?, surface: text(entry, "surface")? }))?
+        let surfaces = match &entry["surface"] {
+            Value::Array(names) => names.iter().filter_map(Value::as_str).map(str::to_owned).collect(),
+            name => vec![name.as_str()?.to_owned()],
+        };
+        is_chamber.then(|| Some(Chamber { name: text(entry, "name")?, surfaces }))?
     };
     case["actuation"].as_array().into_iter().flatten().filter_map(of).collect()
 }
@@ -47,16 +51,17 @@ pub(super) fn bodies(
     let shot = &state.shot;
     let mut found = Vec::new();
     for chamber in all(folder) {
-        let facets = shot.mesh.surface(&chamber.surface).map_err(|error| {
+        let walls: Result<Vec<_>, _> = chamber.surfaces.iter().map(|name| shot.mesh.surface(name)).collect();
+        let facets = walls.map(|walls| walls.concat()).map_err(|error| {
             folder.content(&format!("{}.vtu", state.name), format!("the wall of chamber \"{}\": {error}", chamber.name))
         })?;
         let body = if shot.mesh.dim() == 2 {
             let positions = shot.positions();
             let bad = |error: MeshError| folder.content(&format!("{}.vtu", state.name), error.to_string());
-            Body::new("", lumen::mesh(&shot.mesh, &positions, facets).map_err(bad)?)
+            Body::new("", lumen::mesh(&shot.mesh, &positions, &facets).map_err(bad)?)
         } else {
             let mut marked = vec![false; shot.mesh.points().len()];
-            shot.mesh.nodes_of_facets(facets).iter().for_each(|node| marked[*node as usize] = true);
+            shot.mesh.nodes_of_facets(&facets).iter().for_each(|node| marked[*node as usize] = true);
             Body::of("", shot).part(marked)
         };
         found.push((pressure(folder, state, &chamber.name)?, body));

@@ -35,6 +35,7 @@ impl Table {
 
 /// The positions of a probe over all instants.
 pub(super) fn of_probe(folder: &ResultFolder, state: &State<'_>, name: &str) -> Result<Vec<[f64; 3]>, ReportError> {
+    let table = Table::of(folder, state)?;
     let probes = probes(state);
     let point = probes.iter().find(|(own, _)| own == name).map(|(_, probe)| &probe.point);
     let point = point.ok_or_else(|| ReportError::Unknown {
@@ -42,7 +43,6 @@ pub(super) fn of_probe(folder: &ResultFolder, state: &State<'_>, name: &str) -> 
         name: name.to_owned(),
         has: probes.iter().map(|(own, _)| own.clone()).collect(),
     })?;
-    let table = Table::of(folder, state)?;
     let mut columns = Vec::new();
     for axis in ["x", "y", "z"].iter().take(state.shot.mesh.dim()) {
         columns.push(table.column(&format!("{name}.{axis}"))?);

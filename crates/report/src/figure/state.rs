@@ -60,8 +60,13 @@ fn names(folder: &ResultFolder) -> Vec<String> {
         |file: &str| members().any(|member| member.targets.iter().chain(&member.obstacles).any(|own| own == file));
     let is_state = |name: &&str| !["_obstacles", "_lines"].iter().any(|ending| name.ends_with(ending));
     let files = folder.result.files.iter().flatten().filter(|file| !is_shape(file));
-    let names = files.filter_map(|file| file.strip_suffix(".vtu")).filter(is_state);
-    names.map(str::to_owned).collect()
+    let listed = files.filter_map(|file| file.strip_suffix(".vtu")).filter(is_state).map(str::to_owned);
+    let mut names: Vec<String> = listed.collect();
+    // those of `output.every` are named by their collection
+    let iterations = members().map(|member| folder.instants(&format!("{}iterations.pvd", member.stem)));
+    let kept = iterations.flat_map(|files| files.unwrap_or_default());
+    names.extend(kept.filter_map(|(file, _)| file.strip_suffix(".vtu").map(str::to_owned)));
+    names
 }
 
 /// The optimum, else the last instant of a motion, else the equilibrium.

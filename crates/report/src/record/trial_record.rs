@@ -46,7 +46,7 @@ records! {
         tracking_root_mean_square: Number,
         /// Largest distance of a tracked point.
         tracking_largest: Number,
-        /// Largest distance of a position from its target.
+        /// Largest distance of a position from its target; of a motion at its end.
         position_distance: Number,
         /// Negative pivots of the tangent, of accepted points.
         inertia: Nullable<usize>,

@@ -3,7 +3,7 @@
 use crate::result::inspection::{Inspection, Uncounted};
 use crate::result::summary;
 use nastic_case::lower::{CaseMember, CaseProblem, LocatedProbe};
-use nastic_control::{ControlError, CostPoint, EnsemblePoint, Measured};
+use nastic_control::{ControlError, CostPoint, DistanceInTime, EnsemblePoint, Measured};
 use nastic_fem::{SolveReport, State};
 use nastic_report::record::{
     ByName, CostRecord, MeasureRecord, ProbeRecord, ProbesRecord, RiskRecord, StateRecord, numbers,
@@ -21,6 +21,8 @@ pub(crate) struct MemberReport<'a> {
     pub terms: Vec<f64>,
     /// The terms themselves, evaluated.
     pub costs: Cow<'a, [Arc<dyn CostPoint>]>,
+    /// Of a motion by term the distances over its instants, of positions with a target.
+    pub distances: Vec<Option<DistanceInTime>>,
     pub stage: usize,
     pub work: SolveReport,
     /// The smallest J, of a motion over all its states.
@@ -47,10 +49,13 @@ pub(crate) fn of_point<'a>(
     point: &'a EnsemblePoint,
 ) -> Result<Vec<MemberReport<'a>>, MemberError> {
     let of = |(member, at): (CaseMember<'a>, &'a nastic_control::Evaluated)| {
-        let costs = member.reduced().costs_of(at).map_err(|error| (member.index(), error))?;
+        let failed = |error: ControlError| (member.index(), error);
+        let costs = member.reduced().costs_of(at).map_err(failed)?;
+        let distances = member.reduced().distances_in_time(at).map_err(failed)?;
         let (terms, work) = (at.terms.clone(), at.total_work());
         let min_j = at.min_j();
-        Ok(MemberReport { member, state: at.state(), terms, costs, stage: at.stage, work, min_j, inspection: None })
+        let (state, stage) = (at.state(), at.stage);
+        Ok(MemberReport { member, state, terms, costs, distances, stage, work, min_j, inspection: None })
     };
     problem.members().zip(&point.members).map(of).collect()
 }
@@ -116,6 +121,7 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<StateRecord, MemberEr
         out.hausdorff = summary::hausdorff(one.member, &one.costs).map_err(failed)?;
         out.tracking = summary::tracking(one.member, &one.costs).map_err(failed)?;
         out.figures = summary::figures(one.member, &one.costs).map_err(failed)?;
+        summary::add_distances(&mut out.figures, one.member, &one.distances);
     }
     if detail == Detail::Full {
         out.min_j = one.min_j.into();

@@ -2,7 +2,7 @@
 
 use crate::result::member_report::MemberReport;
 use nastic_case::lower::{CaseMember, LocatedProbe};
-use nastic_control::{ControlError, CostPoint, FigureKind};
+use nastic_control::{ControlError, CostPoint, DistanceInTime, FigureKind};
 use nastic_fem::{Demand, Inadmissible, Instant, SolveReport, State};
 use nastic_report::record::{
     ByName, CostRecord, HausdorffRecord, Number, Numbers, ProbeRecord, ProbesRecord, StateRecord, numbers,
@@ -61,6 +61,20 @@ pub(crate) fn tracking(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> 
 /// By term what other costs report of themselves.
 pub(crate) fn figures(member: CaseMember<'_>, costs: &[Arc<dyn CostPoint>]) -> Result<ByName<Numbers>, ControlError> {
     reported(member, costs, |kind| !kind.is_hausdorff() && !kind.is_tracking())
+}
+
+/// The distances over a motion, beside that at its end.
+pub(crate) fn add_distances(
+    figures: &mut ByName<Numbers>,
+    member: CaseMember<'_>,
+    distances: &[Option<DistanceInTime>],
+) {
+    for (name, distance) in member.reduced().term_names().into_iter().zip(distances) {
+        if let (Some(own), Some(DistanceInTime { largest, root_mean_square })) = (figures.get_mut(&name), distance) {
+            own.insert("position_distance_largest".to_owned(), (*largest).into());
+            own.insert("position_distance_root_mean_square".to_owned(), (*root_mean_square).into());
+        }
+    }
 }
 
 fn probes(member: CaseMember<'_>, state: &State) -> ByName<ProbesRecord> {

@@ -188,8 +188,10 @@ pub(crate) fn say_tracked(session: &Session<'_>, result: &RunRecord) {
     }
     for (name, now) in &result.figures {
         let before = |key: &str| result.start.figures.get(name).and_then(|before| number_of(before, key));
+        let moves = now.contains_key("position_distance_largest");
         let of = |(key, value): (&String, &Number)| {
-            format!("{} {}", key.replace('_', " "), change(before(key), known(*value), &short))
+            let at = if moves && key == "position_distance" { " at the end" } else { "" };
+            format!("{}{at} {}", key.replace('_', " "), change(before(key), known(*value), &short))
         };
         let shown: Vec<String> = now.iter().map(of).collect();
         session.console.say(format!("reached     {name}: {}", shown.join(", ")));

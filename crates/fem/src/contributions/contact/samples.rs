@@ -60,13 +60,14 @@ impl Samples {
         self.weights.push(weight);
     }
 
-    /// Of every node of some surfaces the mean of a value of their samples, by the shares of the node; zero where a sample has none.
+    /// Of every node of some surfaces the mean of a value of their samples, by the positive shares of the node; zero where a sample has none. (With
+    /// the negative ones of centroids the shares of a corner of tri6 would add up to nothing.)
     pub fn nodal_means(surfaces: &[(&Samples, Vec<(usize, f64)>)]) -> Vec<(u32, f64)> {
         let mut sums: BTreeMap<u32, [f64; 2]> = BTreeMap::new();
         for (samples, values) in surfaces {
             let mut add = |sample: usize, which: usize, value: f64| {
                 for &(node, shape) in samples.parts(sample) {
-                    sums.entry(node).or_default()[which] += samples.weights[sample] * shape * value;
+                    sums.entry(node).or_default()[which] += samples.weights[sample] * shape.max(0.0) * value;
                 }
             };
             (0..samples.len()).for_each(|sample| add(sample, 0, 1.0));
