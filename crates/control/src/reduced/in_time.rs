@@ -207,6 +207,11 @@ impl Reduced {
         Ok(self)
     }
 
+    /// Whether it has a cost, of states or of a motion.
+    pub fn has_costs(&self) -> bool {
+        !self.costs.is_empty() || self.motion.as_ref().is_some_and(|motion| !motion.costs.is_empty())
+    }
+
     /// When each cost of states counts, in a problem in time.
     pub fn schedules(&self) -> Vec<&When> {
         self.motion.iter().flat_map(|motion| motion.schedules.iter().map(|schedule| &schedule.when)).collect()
