@@ -186,4 +186,5 @@ tutorials! {
     grasping: "9-grasping.md",
     tendons: "10-tendons.md",
     figures: "11-figures.md",
+    test_data: "12-test-data.md",
 }
