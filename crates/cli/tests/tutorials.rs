@@ -163,6 +163,11 @@ fn materials() {
 }
 
 #[test]
+fn features() {
+    run_page("../features.md");
+}
+
+#[test]
 fn trouble() {
     run_page("../trouble.md");
 }
