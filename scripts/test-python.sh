@@ -10,11 +10,13 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 venv="$PWD/target/python-package"
 requirements=(numpy scipy meshio pytest)
+notebooks=(nbclient ipykernel matplotlib) # what runs docs/notebooks
 
 [ -x "$venv/bin/python" ] || python3 -m venv "$venv"
 pip() { "$venv/bin/python" -m pip --disable-pip-version-check --quiet "$@"; }
 # shellcheck disable=SC2086 # a list of packages
 pip install "${requirements[@]}" ${NASTIC_PYTHON_EXTRA:-}
+pip install "${notebooks[@]}" || echo "SKIPPED: the notebooks of docs/notebooks, because ${notebooks[*]} cannot be installed"
 pip install ./crates/python
 # Not from the checkout: what is tested is what was installed.
 cd crates/python/tests

@@ -79,7 +79,7 @@ pub enum Command {
     Sweep(Sweep),
     /// Find the parameters of material laws from test data
     ///
-    /// DATA.json names tests (uniaxial, equibiaxial, planar, simple_shear, inflation, volumetric) with CSV files of deformation and stress, and the
+    /// DATA is a CSV file of one test, or a data file: DATA.json names tests (uniaxial, equibiaxial, planar, simple_shear, inflation, volumetric) with CSV files of deformation and stress, and the
     /// laws to compare: { "nastic_fit": 1, "tests": [{ "kind": "uniaxial", "file": "bar.csv" }], "laws": ["yeoh", "ogden_3"], "bulk":
     /// "1 GPa" }. A CSV file begins with its columns: stretch,nominal_stress [MPa]. Weighted least squares over all tests together; confidence
     /// intervals, stability, comparison by AICc and BIC, and blocks "materials" and "scenarios" to paste. Writes fit.json and fit.svg.
@@ -231,9 +231,12 @@ pub struct Resume {
 /// Test data.
 #[derive(Debug, Args)]
 pub struct Fit {
-    /// The data file
+    /// The data file, or the CSV file of one test
     #[arg(value_name = "DATA")]
     pub data: PathBuf,
+    /// What is known of a CSV file.
+    #[command(flatten)]
+    pub table: Table,
     /// Directory of all results [default: out/DATA beside the file]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -243,6 +246,26 @@ pub struct Fit {
     /// Print the result as JSON instead of text for people
     #[arg(long)]
     pub json: bool,
+}
+
+/// A table of test data without a data file, which has keys of these names.
+#[derive(Clone, Debug, Args)]
+pub struct Table {
+    /// Of a CSV file: how the material was deformed [default: uniaxial]
+    #[arg(long, value_name = "KIND")]
+    pub kind: Option<String>,
+    /// Of a CSV file: the bulk modulus, "1 GPa" of solid rubber, or about 50 times the shear modulus where a body is to be solved without locking
+    #[arg(long, value_name = "PRESSURE")]
+    pub bulk: Option<String>,
+    /// Of a CSV file with a column "force": the area at rest of the cross-section, as "40 mm^2"
+    #[arg(long, value_name = "AREA")]
+    pub area: Option<String>,
+    /// Of a CSV file with a column "extension": the length at rest that was extended, as "33 mm"
+    #[arg(long, value_name = "LENGTH")]
+    pub length: Option<String>,
+    /// Of a CSV file: laws to compare, with commas between [default: all that can be fitted]
+    #[arg(long, value_name = "LAWS", value_delimiter = ',')]
+    pub laws: Vec<String>,
 }
 
 /// A result directory.

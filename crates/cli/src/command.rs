@@ -15,8 +15,8 @@ use nastic_run::console::Console;
 use nastic_run::record::{ErrorRecord, ProblemRecord, RunRecord};
 use nastic_run::run;
 use nastic_run::run::{
-    Analysis, Exit, ModesRequest, Options, Outcome, Part, RunError, Share, SpectrumRequest, report, resume, run_with,
-    sweep,
+    Analysis, Exit, LoneTable, ModesRequest, Options, Outcome, Part, RunError, Share, SpectrumRequest, report, resume,
+    run_with, sweep,
 };
 use nastic_run::signals::cancelled_by_signals;
 use nastic_team::Team;
@@ -170,11 +170,13 @@ impl<'c> Program<'c> {
     }
 
     /// Fits laws to test data.
-    fn on_data(&self, Fit { data, out, quiet, json }: &Fit) -> u8 {
+    fn on_data(&self, Fit { data, table, out, quiet, json }: &Fit) -> u8 {
         let (quiet, json) = (*quiet, *json);
         let running =
             Running { threads: None, strict: false, no_report: true, figure: false, explain: false, quiet, json };
-        match run::fit(data, out.clone(), &self.console(&running)) {
+        let arguments::Table { kind, bulk, area, length, laws } = table.clone();
+        let table = LoneTable { kind, bulk, area, length, laws };
+        match run::fit_with(data, &table, out.clone(), &self.console(&running)) {
             Ok(outcome) => {
                 if json {
                     print(&outcome.result);

@@ -36,7 +36,8 @@ pub struct Figure {
     /// States that stand behind as glass, with commas between; "target", or "" for none [default: start,target]
     #[arg(long, value_name = "NAMES")]
     pub behind: Option<String>,
-    /// A probe whose path over the instants of the motion is drawn; may be given several times
+    /// A probe, or a cost of one position, whose path over the instants of the motion is drawn; may be given several times. Targets that move are dashed [default:
+    /// costs whose targets move]
     #[arg(long, value_name = "PROBE")]
     pub path: Vec<String>,
     /// Draw the edges of elements

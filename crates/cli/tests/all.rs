@@ -3,6 +3,7 @@
 mod clusters;
 mod common;
 mod compare;
+mod features;
 mod figure;
 mod keys;
 mod new;

@@ -109,6 +109,52 @@ fn motions_have_instants_and_paths() {
     assert!(refusal(&place, &["--path", "top"]).contains("there is no probe \"top\"; there is: tip"));
 }
 
+/// The numbers of a column of `motion.csv`.
+fn column(place: &CaseDirectory, name: &str) -> Vec<f64> {
+    let text = std::fs::read_to_string(place.path("out/motion.csv")).unwrap();
+    let mut lines = text.lines();
+    let k = lines.next().unwrap().split(',').position(|own| own == name).unwrap();
+    lines.map(|line| line.split(',').nth(k).unwrap().parse().unwrap()).collect()
+}
+
+/// Dashes: lines in the colour of ink.
+fn dashes(svg: &str) -> usize {
+    svg.matches("stroke=\"#262b33\" stroke-width=\"3.5\"").count()
+}
+
+#[test]
+fn targets_that_move_are_dashed_beside_what_follows_them() {
+    let place = CaseDirectory::new("{}");
+    let case = shipped("arm.json");
+    let solved = place.nastic(&["solve", &case, "--out", "out", "--quiet", "--figure", "--set", "expect={}"]);
+    assert_eq!(code(&solved), 0, "{}", text(&solved.stderr));
+    // the circle of the case, and the end face, where tensions alike leave it in the middle
+    let (t, target) = (column(&place, "t"), column(&place, "circle.target.y"));
+    let circle = |t: f64| 8.0 + 25.0 * (t / 0.2).min(1.0) * (2.0 * std::f64::consts::PI * t).cos();
+    assert!(t.len() == 25 && t.iter().zip(&target).all(|(t, y)| (y - circle(*t)).abs() < 1e-12), "{target:?}");
+    let [y, z] = ["y", "z"].map(|axis| column(&place, &format!("circle.position.{axis}")));
+    assert!((y[0] - 8.0).abs() < 1e-9 && y.iter().chain(&z).all(|x| (x - 8.0).abs() < 1.0), "{y:?} {z:?}");
+    let end: Vec<f64> =
+        column(&place, "circle.position.x").iter().zip(column(&place, "tip.x")).map(|(x, u)| x - 150.0 - u).collect();
+    assert!(end.iter().all(|gap| gap.abs() < 0.3), "{end:?}"); // the face is not plane
+
+    let usual = std::fs::read_to_string(place.path("out/figure.svg")).unwrap();
+    for label in ["path of circle", "target path"] {
+        assert!(usual.contains(&format!(">{label}</text>")), "{label}");
+    }
+    let with_tip = figure(&place, &["--path", "tip", "--behind", "motion_0004,target"]);
+    assert!(with_tip.contains(">path of tip</text>") && with_tip.contains(">target path</text>"));
+    let without = figure(&place, &["--path", "tip", "--behind", "motion_0004"]);
+    assert!(!without.contains("target path") && dashes(&without) == 0 && dashes(&with_tip) > 20);
+    // a place that stays where it should be has no path
+    let still = ["solve", &case, "--out", "out", "--quiet", "--set", "expect={}", "--set", "costs/0/target={\"y\": 8}"];
+    assert_eq!(code(&place.nastic(&still)), 0);
+    let drawn = figure(&place, &[]);
+    assert!(!drawn.contains("path of") && !drawn.contains("target path"));
+    assert!(figure(&place, &["--path", "circle"]).contains(">path of circle</text>"));
+    assert!(refusal(&place, &["--path", "top"]).contains("there is no probe \"top\"; there is: tip, circle"));
+}
+
 /// Ramps have no pressures of chambers: their figures show the displacement. A run that fails says why, not that there is nothing to draw.
 #[test]
 fn runs_without_a_usual_figure_end_as_they_would() {

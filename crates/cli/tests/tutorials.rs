@@ -163,6 +163,11 @@ fn materials() {
 }
 
 #[test]
+fn features() {
+    run_page("../features.md");
+}
+
+#[test]
 fn trouble() {
     run_page("../trouble.md");
 }
@@ -186,4 +191,5 @@ tutorials! {
     grasping: "9-grasping.md",
     tendons: "10-tendons.md",
     figures: "11-figures.md",
+    test_data: "12-test-data.md",
 }

@@ -1,13 +1,11 @@
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra_of_levenberg_marquardt::{DMatrix, DVector, Dyn, Owned};
-use nastic_energy::EnergyTerm;
 use nastic_numeric::Random;
-use nastic_tensor::Mat3;
 
-use crate::law::{Scale, unit_law};
-use crate::specimen::Specimen;
+use crate::data::Data;
+use crate::law::Scale;
 use crate::statistics::covariance;
-use crate::{Criteria, Estimate, Fibers, FitError, Law, Mode, Response, Test, curve, student};
+use crate::{Criteria, Estimate, FitError, Law, Test, student};
 
 /// What residuals are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -168,106 +166,14 @@ pub fn squares(law: Law, parameters: &[f64], tests: &[Test], errors: Errors) -> 
     Ok(residuals.iter().map(|r| r * r).sum::<f64>() * data.unit * data.unit)
 }
 
-/// All points of all tests.
-struct Data {
-    points: Vec<Point>,
-    targets: Vec<f64>,
-    /// Factors of the residuals.
-    factors: Vec<f64>,
-    /// Largest response: residuals are shares of it.
-    unit: f64,
-}
+/// Of differences, by numbers of the order of one.
+const STEP: f64 = 1e-4;
 
-/// What was done to the material, and what was measured.
-#[derive(Clone, Copy)]
-struct Point {
-    mode: Mode,
-    fibers: Fibers,
-    response: Response,
-    x: f64,
-}
-
-impl Data {
-    fn new(law: Law, tests: &[Test], errors: Errors) -> Result<Self, FitError> {
-        let mut out = Data { points: vec![], targets: vec![], factors: vec![], unit: 1.0 };
-        for test in tests.iter().filter(|test| test.mode != Mode::Volumetric) {
-            test.check()?;
-            check_signs(test)?;
-            if law.has_fibers() && test.fibers.is_none() {
-                return Err(FitError::NoFibers { law: law.label(), test: test.name.clone() });
-            }
-            let most = test.points.iter().fold(0.0f64, |most, [_, y]| most.max(y.abs()));
-            for [x, y] in &test.points {
-                // at rest every law is free of stress: nothing to learn
-                if test.mode.is_rest(*x) {
-                    continue;
-                }
-                if errors == Errors::Relative && most == 0.0 {
-                    return Err(FitError::ZeroTest { test: test.name.clone() });
-                }
-                let size = if errors == Errors::Relative { y.abs().max(0.05 * most) } else { 1.0 };
-                let Test { mode, response, fibers, .. } = test;
-                let fibers = fibers.unwrap_or_default();
-                out.points.push(Point { mode: *mode, fibers, response: *response, x: *x });
-                out.targets.push(*y);
-                out.factors.push(test.weight.sqrt() / size);
-            }
-        }
-        let scaled = out.targets.iter().zip(&out.factors);
-        out.unit = scaled.map(|(y, factor)| (y * factor).abs()).fold(0.0, f64::max);
-        Ok(out)
-    }
-
-    /// The neo-Hookean modulus of least squares, and the largest `I1 - 3`.
-    fn scale(&self) -> Result<Scale, FitError> {
-        let curve = self.responses(&unit_law()?).unwrap_or_default();
-        let (mut along, mut own) = (0.0, 0.0);
-        for ((a, y), factor) in curve.iter().zip(&self.targets).zip(&self.factors) {
-            along += factor * factor * a * y;
-            own += factor * factor * a * a;
-        }
-        let gradients = self.points.iter().filter_map(|point| point.mode.gradient(point.x));
-        let reach = gradients.map(|f| f.norm_squared() - 3.0).fold(0.0, f64::max);
-        let shear = along / own;
-        match shear {
-            _ if self.unit == 0.0 => Err(FitError::NoStress),
-            _ if shear > 0.0 && reach > 0.0 => Ok(Scale { shear, reach }),
-            _ => Err(FitError::NegativeShear { shear }),
-        }
-    }
-
-    /// Responses of a law; `None` where a point lies beyond its domain.
-    fn responses(&self, law: &dyn EnergyTerm) -> Option<Vec<f64>> {
-        let of = |point: &Point| {
-            let specimen = Specimen { law, fibers: point.fibers };
-            let f = specimen.gradient(point.mode, point.x)?;
-            Some((f, specimen.turn(point.mode.projection(point.response, point.x, f[(2, 2)]))))
-        };
-        let (gradients, projections): (Vec<Mat3>, Vec<Mat3>) =
-            self.points.iter().map(of).collect::<Option<Vec<_>>>()?.into_iter().unzip();
-        // in the axes of the law, so that the batch may hold specimens of either kind
-        let stress = Specimen { law, fibers: Fibers::Along }.stresses(&gradients)?;
-        let out: Vec<f64> = stress.iter().zip(&projections).map(|(p, a)| a.dot(p)).collect();
-        out.iter().all(|y| y.is_finite()).then_some(out)
-    }
-
-    fn residuals(&self, law: &dyn EnergyTerm) -> Option<Vec<f64>> {
-        let model = self.responses(law)?;
-        let measured = self.targets.iter().zip(&self.factors);
-        Some(model.iter().zip(measured).map(|(y, (target, factor))| (y - target) * factor / self.unit).collect())
-    }
-}
-
-/// Whether any response has the sign that every law gives it: that of the neo-Hookean one.
-fn check_signs(test: &Test) -> Result<(), FitError> {
-    let at: Vec<f64> = test.points.iter().map(|[x, _]| *x).collect();
-    let expected = curve(&unit_law()?, test.mode, Fibers::Along, test.response, &at);
-    let signs = || expected.iter().zip(&test.points).map(|(a, [_, y])| a * y).filter(|product| *product != 0.0);
-    let points = signs().count();
-    if points > 0 && signs().all(|product| product < 0.0) {
-        return Err(FitError::WrongSign { test: test.name.clone(), points });
-    }
-    Ok(())
+/// Central differences of fourth order about zero.
+fn slope(at: &dyn Fn(f64) -> Option<Vec<f64>>) -> Option<Vec<f64>> {
+    let [one, back, two, far] = [at(STEP)?, at(-STEP)?, at(2.0 * STEP)?, at(-2.0 * STEP)?];
+    let of = |i: usize| (8.0 * (one[i] - back[i]) - (two[i] - far[i])) / (12.0 * STEP);
+    Some((0..one.len()).map(of).collect())
 }
 
 /// The problem as the method sees it: residuals as functions of free numbers.
@@ -281,8 +187,6 @@ struct Problem<'a> {
 
 /// A residual that no step is taken for: of free numbers without a law.
 const FAR: f64 = 1e8;
-/// Of differences by free numbers, which are of the order of one.
-const STEP: f64 = 1e-4;
 
 impl Problem<'_> {
     fn decoded(&self, x: &[f64]) -> Vec<f64> {
@@ -298,19 +202,39 @@ impl Problem<'_> {
         Some(residuals.iter().map(|r| r * r).sum::<f64>() * self.data.unit * self.data.unit)
     }
 
-    /// Derivatives by central differences of fourth order.
+    /// Derivatives by the free numbers.
     fn derivatives(&self, of: &dyn Fn(&[f64]) -> Option<Vec<f64>>) -> Option<DMatrix<f64>> {
         let columns = (0..self.x.len()).map(|k| {
-            let at = |steps: f64| {
+            let at = |step: f64| {
                 let mut x = self.x.as_slice().to_vec();
-                x[k] += steps * STEP;
+                x[k] += step;
                 of(&x)
             };
-            let [one, back, two, far] = [at(1.0)?, at(-1.0)?, at(2.0)?, at(-2.0)?];
-            let slope = |i: usize| (8.0 * (one[i] - back[i]) - (two[i] - far[i])) / (12.0 * STEP);
-            Some(DVector::from_iterator(one.len(), (0..one.len()).map(slope)))
+            slope(&at).map(DVector::from_vec)
         });
         Some(DMatrix::from_columns(&columns.collect::<Option<Vec<_>>>()?))
+    }
+
+    /// Derivatives of the residuals. The sides of a bar with fibres follow the law, by `tau_2 - tau_3 = g(e, x) = 0` for `e = ln l2`: with the bar held as it is,
+    /// and `de/dx = -(dg/dx) / (dg/de)`, instead of a search for its sides at every difference.
+    fn slopes(&self) -> Option<DMatrix<f64>> {
+        let law_at = |x: &[f64]| self.law.incompressible(&self.decoded(x)).ok();
+        let law = law_at(self.x.as_slice())?;
+        if !self.data.has_free_sides(&*law) {
+            return self.derivatives(&|x| self.at(x));
+        }
+        let shape = self.data.gradients(&*law)?;
+        let both = |[answers, across]: [Vec<f64>; 2]| [answers, across].concat();
+        let by_number = self.derivatives(&|x| self.data.answers(&*law_at(x)?, &shape).map(both))?;
+        let by_side = slope(&|step| self.data.answers(&*law, &self.data.thinned(&shape, step)).map(both))?;
+        let count = self.data.targets.len();
+        let slope = |i: usize, k: usize| {
+            let (held, across) = (by_number[(i, k)], by_number[(count + i, k)]);
+            let sides = if across == 0.0 { 0.0 } else { by_side[i] * across / by_side[count + i] };
+            (held - sides) * self.data.factors[i] / self.data.unit
+        };
+        let slopes = DMatrix::from_fn(count, self.x.len(), slope);
+        slopes.iter().all(|slope| slope.is_finite()).then_some(slopes)
     }
 
     /// Ogden's terms by what they contribute to the shear modulus, the largest first.
@@ -329,7 +253,7 @@ impl Problem<'_> {
         let values = self.decoded(self.x.as_slice());
         let (n, k) = (self.data.targets.len(), values.len());
         let (unit, free) = (self.data.unit, (n - k) as f64);
-        let jacobian = self.derivatives(&|x| self.at(x));
+        let jacobian = self.slopes();
         let by_free = self.derivatives(&|x| Some(self.decoded(x)));
         let variance = squares / (unit * unit) / free;
         let border = self.law.on_border(self.x.as_slice());
@@ -379,6 +303,46 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        self.derivatives(&|x| self.at(x))
+        self.slopes()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Fibers, Mode, Response};
+
+    /// Derivatives with free sides that follow the law are those of differences for which the sides are sought anew.
+    #[test]
+    fn slopes_follow_free_sides() -> Result<(), FitError> {
+        let law = Law::named("holzapfel_gasser_ogden_2")?;
+        let values = [1.5e4, 2e4, 1.3, 0.1, 40.0];
+        let at: Vec<f64> = (1..6).map(|k| 1.0 + 0.05 * f64::from(k)).collect();
+        let test = |mode, fibers, response| -> Result<Test, FitError> {
+            let stresses = crate::curve(&*law.incompressible(&values)?, mode, fibers, response, &at);
+            let points = at.iter().zip(stresses).map(|(x, y)| [*x, 1.1 * y]).collect();
+            Test::new("", mode, response, points)?.loaded(fibers)
+        };
+        let tests = [
+            test(Mode::Uniaxial, Fibers::Along, Response::Nominal)?,
+            test(Mode::Uniaxial, Fibers::Across, Response::Cauchy)?,
+            test(Mode::Planar, Fibers::Across, Response::Nominal)?,
+        ];
+        let data = Data::new(law, &tests, Errors::Absolute)?;
+        let scale = data.scale()?;
+        let x = DVector::from_vec(vec![-0.4, -0.5, 0.3, 0.9, 0.7]);
+        let problem = Problem { law, data: &data, scale, signs: vec![], x };
+        let (Some(found), Some(expected)) = (problem.slopes(), problem.derivatives(&|x| problem.at(x))) else {
+            unreachable!("the law has a response")
+        };
+        let far = (&found - &expected).amax() / expected.amax();
+        assert!(far < 1e-7, "{far}: {found} {expected}");
+        // held sides are another derivative
+        let law_at = |x: &[f64]| law.incompressible(&problem.decoded(x)).ok();
+        let shape = law_at(problem.x.as_slice()).and_then(|law| data.gradients(&*law)).unwrap_or_default();
+        let held = |x: &[f64]| data.answers(&*law_at(x)?, &shape).map(|[answers, _]| answers);
+        let held = problem.derivatives(&held).map(|held| held / data.unit);
+        assert!(held.is_some_and(|held| (held - &expected).amax() > 1e-2 * expected.amax()));
+        Ok(())
     }
 }

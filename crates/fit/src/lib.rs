@@ -17,6 +17,7 @@
 //! # }
 //! ```
 
+mod data;
 mod error;
 mod free_numbers;
 mod law;

@@ -10,19 +10,24 @@ pub(crate) struct Specimen<'a> {
     pub fibers: Fibers,
 }
 
+/// A tensor of the test in the axes of the law, or of these in those of the test.
+pub(crate) fn turned(fibers: Fibers, a: Mat3) -> Mat3 {
+    match fibers {
+        Fibers::Along => a,
+        Fibers::Across => {
+            let swap = Mat3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
+            swap * a * swap
+        }
+    }
+}
+
 /// Steps of the search for a lateral stretch.
 const STEPS: usize = 100;
 
 impl Specimen<'_> {
     /// A tensor of the test in the axes of the law.
     pub fn turn(&self, a: Mat3) -> Mat3 {
-        match self.fibers {
-            Fibers::Along => a,
-            Fibers::Across => {
-                let swap = Mat3::new(0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0);
-                swap * a * swap
-            }
-        }
+        turned(self.fibers, a)
     }
 
     /// The deformation gradient of a test, in the axes of the law; `None` where there is none.

@@ -38,12 +38,19 @@ pub struct Curve {
     label: String,
     /// x, y, and whether the curve is solid there: both ends of a dashed piece or one of them are not.
     points: Vec<(f64, f64, bool)>,
+    /// Of a line without dots: its width.
+    width: Option<f64>,
 }
 
 impl Curve {
     /// `(x, y, solid)`: what is not solid is dashed, with hollow dots. Points that are not finite interrupt the curve.
     pub fn new(label: &str, points: impl IntoIterator<Item = (f64, f64, bool)>) -> Self {
-        Self { label: label.to_owned(), points: points.into_iter().collect() }
+        Self { label: label.to_owned(), points: points.into_iter().collect(), width: None }
+    }
+
+    /// A line of this width (pixels) without dots, under all others and under lines before it.
+    pub fn line(label: &str, width: f64, points: impl IntoIterator<Item = (f64, f64, bool)>) -> Self {
+        Self { width: Some(width), ..Self::new(label, points) }
     }
 }
 
@@ -53,7 +60,9 @@ const FIELD: [f64; 4] = [210.0, 1550.0, 150.0, 850.0];
 const COLOURS: [Colour; 6] =
     [Colour::BLUE, Colour::ORANGE, Colour::GREEN, Colour::RED, Colour([122, 92, 174]), Colour([120, 126, 134])];
 /// Curves named in the legend.
-const NAMED: usize = 6;
+const NAMED: usize = 12;
+/// Height of a row of the legend; two rows have room below the axes.
+const ROW: f64 = 32.0;
 
 impl Chart {
     /// An empty chart with the names of its axes.
@@ -62,7 +71,7 @@ impl Chart {
         Self { title: title.to_owned(), axes, curves: Vec::new(), lines: Vec::new(), dots: Vec::new() }
     }
 
-    /// Adds a curve; after six the colours repeat.
+    /// Adds a curve; after six the colours repeat. One without a name goes on with the one before: it has its colour, and no entry in the legend.
     pub fn curve(mut self, curve: Curve) -> Self {
         self.curves.push(curve);
         self
@@ -126,20 +135,58 @@ impl Chart {
         let dots = |axis: usize| self.dots.iter().map(move |(at, _)| at[axis]);
         let x = finite(&mut points().map(|p| p.0).chain(self.lines.iter().map(|line| line.0)).chain(dots(0)))?;
         let y = finite(&mut points().map(|p| p.1).chain(dots(1)))?;
-        let mut drawing = Drawing { x, y, marks: Vec::new() };
+        let rows = rows(&self.curves);
+        let [left, right, top, bottom] = FIELD;
+        let field = [left, right, top, bottom - ROW * (rows.len().max(2) - 2) as f64];
+        let mut drawing = Drawing { x, y, field, marks: Vec::new() };
         drawing.frame(self);
         for (x, name) in &self.lines {
             drawing.vertical(*x, name);
         }
-        for (k, curve) in self.curves.iter().enumerate() {
-            drawing.curve(curve, COLOURS[k % COLOURS.len()]);
+        let coloured = coloured(&self.curves);
+        let (lines, dotted): (Vec<_>, Vec<_>) = coloured.into_iter().partition(|(curve, _)| curve.width.is_some());
+        for (curve, colour) in lines.into_iter().rev().chain(dotted) {
+            drawing.curve(curve, colour);
         }
         for (at, name) in &self.dots {
             drawing.named_dot(*at, name);
         }
-        drawing.legend(&self.curves);
+        drawing.legend(&rows);
         Some(drawing.marks)
     }
+}
+
+/// Curves with their colours.
+fn coloured(curves: &[Curve]) -> Vec<(&Curve, Colour)> {
+    let mut named = 0;
+    let of = |curve: &'_ Curve| {
+        named += usize::from(!curve.label.is_empty());
+        COLOURS[named.saturating_sub(1) % COLOURS.len()]
+    };
+    let colours: Vec<Colour> = curves.iter().map(of).collect();
+    curves.iter().zip(colours).collect()
+}
+
+/// The entries of the legend in as many rows as they take.
+fn rows(curves: &[Curve]) -> Vec<Vec<(&Curve, Colour)>> {
+    let named = coloured(curves).into_iter().filter(|(curve, _)| !curve.label.is_empty()).take(NAMED);
+    let (mut rows, mut right): (Vec<Vec<_>>, f64) = (Vec::new(), f64::INFINITY);
+    for entry in named {
+        let wide = entry_width(entry.0);
+        if right + wide > SIZE[0] {
+            rows.push(Vec::new());
+            right = FIELD[0];
+        }
+        right += wide;
+        if let Some(row) = rows.last_mut() {
+            row.push(entry);
+        }
+    }
+    rows
+}
+
+fn entry_width(curve: &Curve) -> f64 {
+    44.0 + text::width(&curve.label, 24.0) + 36.0
 }
 
 /// The range of an axis.
@@ -171,12 +218,14 @@ impl Axis {
 struct Drawing {
     x: Axis,
     y: Axis,
+    /// The rectangle of the axes: left, right, top, bottom.
+    field: [f64; 4],
     marks: Vec<Mark>,
 }
 
 impl Drawing {
     fn place(&self, x: f64, y: f64) -> [f64; 2] {
-        let [left, right, top, bottom] = FIELD;
+        let [left, right, top, bottom] = self.field;
         [left + (right - left) * self.x.share(x), bottom + (top - bottom) * self.y.share(y)]
     }
 
@@ -190,7 +239,7 @@ impl Drawing {
     }
 
     fn frame(&mut self, chart: &Chart) {
-        let [left, right, top, bottom] = FIELD;
+        let [left, right, top, bottom] = self.field;
         let grid = Colour([214, 218, 224]);
         self.text([48.0, 56.0], Anchor::Start, true, Colour::INK, &chart.title);
         for x in ticks(self.x.low, self.x.high) {
@@ -211,10 +260,10 @@ impl Drawing {
 
     fn vertical(&mut self, x: f64, name: &str) {
         let [at, _] = self.place(x, self.y.low);
-        self.dashed([at, FIELD[2]], [at, FIELD[3]], 2.0, MUTED);
+        self.dashed([at, self.field[2]], [at, self.field[3]], 2.0, MUTED);
         let anchor = if self.x.share(x) > 0.85 { Anchor::End } else { Anchor::Start };
         let aside = if anchor == Anchor::End { -8.0 } else { 8.0 };
-        self.text([at + aside, FIELD[2] + 14.0], anchor, false, MUTED, name);
+        self.text([at + aside, self.field[2] + 14.0], anchor, false, MUTED, name);
     }
 
     fn curve(&mut self, curve: &Curve, colour: Colour) {
@@ -222,10 +271,13 @@ impl Drawing {
         for pair in curve.points.windows(2).filter(|pair| pair.iter().all(finite)) {
             let [from, to] = [pair[0], pair[1]].map(|p| self.place(p.0, p.1));
             if pair[0].2 && pair[1].2 {
-                self.line(from, to, 3.5, colour);
+                self.line(from, to, curve.width.unwrap_or(3.5), colour);
             } else {
-                self.dashed(from, to, 2.0, colour);
+                self.dashed(from, to, curve.width.unwrap_or(2.0), colour);
             }
+        }
+        if curve.width.is_some() {
+            return;
         }
         for point in curve.points.iter().filter(|point| finite(point)) {
             let at = self.place(point.0, point.1);
@@ -268,19 +320,22 @@ impl Drawing {
         self.text([at[0] + aside, at[1] + aloft], anchor, false, Colour::INK, name);
     }
 
-    /// The names of curves below the axis, in two rows where one is too short.
-    fn legend(&mut self, curves: &[Curve]) {
-        let wide = |curve: &Curve| 44.0 + text::width(&curve.label, 24.0) + 36.0;
-        let named = || curves.iter().zip(&COLOURS).take(NAMED);
-        let fits = FIELD[0] + named().map(|(curve, _)| wide(curve)).sum::<f64>() <= SIZE[0];
-        let [mut x, mut y] = [FIELD[0], SIZE[1] - if fits { 40.0 } else { 54.0 }];
-        for (curve, &colour) in named() {
-            if x > FIELD[0] && x + wide(curve) > SIZE[0] {
-                [x, y] = [FIELD[0], y + 32.0];
+    /// The names of curves below the axis.
+    fn legend(&mut self, rows: &[Vec<(&Curve, Colour)>]) {
+        let below = if rows.len() > 1 { 54.0 + ROW * (rows.len() - 2) as f64 } else { 40.0 };
+        let mut y = SIZE[1] - below;
+        for row in rows {
+            let mut x = FIELD[0];
+            for (curve, colour) in row {
+                let is_solid = curve.width.is_none() || curve.points.iter().all(|point| point.2);
+                match is_solid {
+                    true => self.line([x, y], [x + 34.0, y], 5.0, *colour),
+                    false => self.dashed([x, y], [x + 34.0, y], 5.0, *colour),
+                }
+                self.text([x + 44.0, y], Anchor::Start, false, Colour::INK, &curve.label);
+                x += entry_width(curve);
             }
-            self.line([x, y], [x + 34.0, y], 5.0, colour);
-            self.text([x + 44.0, y], Anchor::Start, false, Colour::INK, &curve.label);
-            x += wide(curve);
+            y += ROW;
         }
     }
 }

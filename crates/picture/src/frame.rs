@@ -2,7 +2,8 @@
 
 use super::arrows;
 use super::colour::Colour;
-use super::polylines;
+use super::path::NamedPath;
+use super::polylines::{self, DASH, GAP};
 use super::scene::{Bar, Scene};
 use super::vector::{V3, unit};
 use super::{Appearance, Picture};
@@ -68,7 +69,7 @@ impl Frame {
 /// What stands before a name of the legend.
 enum Swatch<'a> {
     Body(&'a Appearance),
-    Path(Colour),
+    Path(&'a NamedPath),
 }
 
 struct Layout {
@@ -125,7 +126,7 @@ impl Layout {
         let most = self.size[0] - 470.0 * u;
         let mut at = [48.0 * u, self.size[1] - 50.0 * u];
         let bodies = picture.bodies.iter().map(|body| (&body.label, Swatch::Body(&body.appearance)));
-        let paths = picture.paths.iter().map(|path| (&path.label, Swatch::Path(path.colour)));
+        let paths = picture.paths.iter().map(|path| (&path.label, Swatch::Path(path)));
         for (label, swatch) in bodies.chain(paths).filter(|(label, _)| !label.is_empty()) {
             let wide = 46.0 * u + super::text::width(label, 24.0 * u);
             if at[0] + wide > most && at[0] > 48.0 * u {
@@ -141,7 +142,13 @@ impl Layout {
         let u = self.unit;
         let (low, high) = ([x, y - 11.0 * u], [x + 34.0 * u, y + 11.0 * u]);
         match (swatch, &scene.bar) {
-            (Swatch::Path(colour), _) => self.line([low[0], y], [high[0], y], 3.5, *colour),
+            (Swatch::Path(path), _) if path.is_dashed => {
+                let line = [[low[0], y], [high[0], y]];
+                for [from, to] in polylines::dashes(&line, [DASH * u, GAP * u]) {
+                    self.line(from, to, 3.5, path.colour);
+                }
+            }
+            (Swatch::Path(path), _) => self.line([low[0], y], [high[0], y], 3.5, path.colour),
             (Swatch::Body(Appearance::Solid(colour)), _) => self.rectangle(low, high, *colour, 1.0),
             (Swatch::Body(Appearance::Field(_)), Some(bar)) => self.gradient(low, high, bar, false),
             (Swatch::Body(Appearance::Field(_)), None) => {}

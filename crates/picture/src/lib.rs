@@ -260,7 +260,13 @@ impl Picture {
 
     /// Draws a line through points of space over all bodies, with its name in the legend: the path of a tip, say.
     pub fn path(mut self, label: &str, colour: Colour, points: Vec<[f64; 3]>) -> Self {
-        self.paths.push(NamedPath { label: label.to_owned(), colour, points });
+        self.paths.push(NamedPath { label: label.to_owned(), colour, is_dashed: false, points });
+        self
+    }
+
+    /// Draws a dashed line so, over the others: a path that should be followed.
+    pub fn dashed_path(mut self, label: &str, colour: Colour, points: Vec<[f64; 3]>) -> Self {
+        self.paths.push(NamedPath { label: label.to_owned(), colour, is_dashed: true, points });
         self
     }
 

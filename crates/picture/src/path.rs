@@ -6,5 +6,6 @@ use super::colour::Colour;
 pub(super) struct NamedPath {
     pub label: String,
     pub colour: Colour,
+    pub is_dashed: bool,
     pub points: Vec<[f64; 3]>,
 }

@@ -113,3 +113,24 @@ fn names_that_need_more_than_a_row_have_two() {
     }
     assert!(place(3, "y") > place(0, "y"));
 }
+
+/// Lines without dots lie under all else, go on in their colour without an entry, and the axes leave room for every row of names.
+#[test]
+fn lines_of_one_name_have_one_colour() {
+    let directory = tempfile::tempdir().unwrap();
+    let drawn = |names: &[&str]| {
+        let line =
+            |chart: Chart, name: &&str| chart.curve(Curve::line(name, 3.0, [(0.0, 0.0, true), (1.0, 1.0, true)]));
+        let file = directory.path().join("chart.svg");
+        names.iter().fold(Chart::new("", "x", "y"), line).write(&file).unwrap();
+        std::fs::read_to_string(&file).unwrap()
+    };
+    let two = drawn(&["one", "", "other"]);
+    assert_eq!([Colour::BLUE, Colour::ORANGE, Colour::GREEN].map(|colour| lines(&two, colour, "3.0").len()), [2, 1, 0]);
+    assert!(!two.contains("<circle") && two.matches("<path").count() < drawn(&["one", "", "other"]).len());
+    // twelve long names take three rows or more: the lines end higher
+    let long = ["holzapfel_gasser_ogden_1"; 12];
+    let bottom = |svg: &str| lines(svg, Colour::BLUE, "3.0")[0][1];
+    let many = drawn(&long);
+    assert!(bottom(&many) < bottom(&two) - 30.0 && many.matches("holzapfel").count() == 12, "{}", bottom(&many));
+}

@@ -43,6 +43,11 @@ def test_fit_takes_a_file_or_a_dictionary(tmp_path):
     assert sorted(file.name for file in tmp_path.iterdir()) == ["asked.json", "out"]
     with pytest.raises(nastic.Error, match="nothing.csv"):
         nastic.fit({**asked, "tests": [{"kind": "uniaxial", "file": "nothing.csv"}]}, directory=place)
+    # a table alone
+    alone = nastic.fit("treloar_uniaxial.csv", directory=place, bulk="1 GPa", laws=["yeoh", "neo_hooke"])
+    assert alone["laws"][0] == found["laws"][0]
+    with pytest.raises(TypeError, match="in data files and dictionaries they are keys"):
+        nastic.fit(asked, bulk="1 GPa")
 
 
 def test_figures_and_plots(bar, tmp_path):

@@ -14,6 +14,7 @@ use crate::error::ReportError;
 use crate::folder::ResultFolder;
 use fields::Shown;
 use nastic_picture::{Appearance, Body, Colour, Picture, View};
+use paths::TargetPath;
 pub(crate) use state::State;
 use std::path::Path;
 
@@ -35,7 +36,7 @@ pub struct FigureRequest {
     pub size: Option<[u32; 2]>,
     /// States that stand behind as glass; start and target unless this is given.
     pub behind: Option<Vec<String>>,
-    /// Probes whose path over the instants of the motion is drawn.
+    /// Probes, or costs that look at a place, whose path over the instants of the motion is drawn. Without any, costs whose targets move.
     pub paths: Vec<String>,
     /// Whether element edges are drawn.
     pub edges: bool,
@@ -65,9 +66,17 @@ pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, Repo
     for body in bodies(&folder, &state, field, request)? {
         picture = picture.body(body);
     }
-    for (k, probe) in request.paths.iter().enumerate() {
-        let points = paths::of_probe(&folder, &state, probe)?;
-        picture = picture.path(&format!("path of {probe}"), PATHS[k % PATHS.len()], points);
+    let targets = paths::moving_targets(&folder, &state)?;
+    let shown = if request.paths.is_empty() { paths::usual(&state, &folder, &targets) } else { request.paths.clone() };
+    for (k, name) in shown.iter().enumerate() {
+        let points = paths::of(&folder, &state, name)?;
+        picture = picture.path(&format!("path of {name}"), PATHS[k % PATHS.len()], points);
+    }
+    let with_targets = behind::with_targets(request.behind.as_deref());
+    let is_one = targets.len() == 1;
+    for TargetPath { cost, points } in targets.into_iter().filter(|_| with_targets) {
+        let label = if is_one { "target path".to_owned() } else { format!("target path of {cost}") };
+        picture = picture.dashed_path(&label, Colour::INK, points);
     }
     Ok(picture)
 }

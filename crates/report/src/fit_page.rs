@@ -14,7 +14,7 @@ impl FitRecord {
         let laws: String = self.laws.iter().map(law).collect();
         let body = [
             section("found", "Best law", &self.found()),
-            section("data", "Data (points) and best law (curves)", &drawn),
+            section("data", "Readings (points) and laws (curves)", &drawn),
             section("laws", "All laws, the best first", &self.order()),
             section("parameters", "Parameters", &laws),
             section("tests", "Tests", &self.tests()),

@@ -45,10 +45,11 @@ mod unmet;
 
 pub use commands::{resume, run, run_document, run_with, thread_pool};
 pub use error::{Exit, RunError};
-pub use fit::{FitOutcome, fit};
+pub use fit::{FitOutcome, fit, fit_with};
 pub use gradcheck::{GradientTest, test_gradient};
 pub use modes_request::ModesRequest;
 pub use nastic_case::analysis::Analysis;
+pub use nastic_case::lower::LoneTable;
 pub use nastic_case::part::{Part, PartError, Share};
 pub use nastic_report::{FigureRequest, OnTrial};
 pub use options::Options;

@@ -16,6 +16,7 @@ mod doubtful;
 mod ensembles;
 mod fibers;
 mod fit;
+mod fit_tables;
 mod formula_laws;
 mod formulations;
 mod foundation;

@@ -128,14 +128,15 @@ fn mistakes_name_file_line_and_column() {
     assert!(error.contains("has the unit \"mm\", but a pressure is wanted"), "{error}");
     let error = with("elongation,nominal_stress [MPa]\n1.2,0.1\n");
     assert!(
-        error.contains("no column \"stretch\" or \"strain\" for a test of kind \"uniaxial\"; found: elongation"),
+        error.contains(
+            "no column \"stretch\" or \"strain\" or \"extension\" for a test of kind \"uniaxial\"; found: elongation"
+        ),
         "{error}"
     );
     let error = with("stretch,nominal_stress [MPa]\n1.2\n");
     assert!(error.contains("bar.csv:2:4: the row has no column 2"), "{error}");
     let error = with("stretch,pressure [MPa]\n1.2,0.1\n");
-    let wanted =
-        "no column \"nominal_stress\" or \"cauchy_stress\" for a test of kind \"uniaxial\"; found: stretch, pressure";
+    let wanted = "no column \"nominal_stress\" or \"cauchy_stress\" or \"force\" for a test of kind \"uniaxial\"; found: stretch, pressure";
     assert!(error.contains(wanted), "{error}");
     // a decimal comma, whether the first number has it or the second
     let error = with("stretch,nominal_stress [MPa]\n1.2,0.1\n1.3,0,25\n");

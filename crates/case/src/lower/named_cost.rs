@@ -1,7 +1,7 @@
 //! Terms of the cost under the names that the case gives them.
 
 use nastic_control::{
-    ControlError, Cost, CostContext, CostPoint, CostTarget, Layout, Smoothing, Timeline, TrajectoryContext,
+    Aim, ControlError, Cost, CostContext, CostPoint, CostTarget, Layout, Smoothing, Timeline, TrajectoryContext,
     TrajectoryCost, TrajectoryPartials,
 };
 use nastic_fem::Solid;
@@ -59,6 +59,10 @@ impl Cost for Named {
 
     fn target(&self, solid: &Solid) -> Option<CostTarget> {
         self.cost.target(solid)
+    }
+
+    fn aim(&self, solid: &Solid, u: &[f64]) -> Option<Aim> {
+        self.cost.aim(solid, u)
     }
 }
 

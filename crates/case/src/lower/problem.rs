@@ -92,7 +92,7 @@ impl CaseProblem {
     /// Whether anything is to be made small.
     #[must_use]
     pub fn has_costs(&self) -> bool {
-        self.members().any(|member| !member.reduced().costs().is_empty())
+        self.members().any(|member| member.reduced().has_costs())
     }
 
     /// Whether it is one in time.

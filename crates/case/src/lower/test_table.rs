@@ -1,4 +1,4 @@
-//! Tables of test data: CSV with a line of column names and units.
+//! Tables of test data: CSV with a line of column names and units, stresses and stretches or the forces and extensions of a specimen.
 
 use super::test_stiffness;
 use nastic_fit::{FitError, Mode, Response, Test};
@@ -9,16 +9,27 @@ use nastic_language::syntax::{Diagnostic, Diagnostics, Document, quoted};
 use std::path::Path;
 
 /// The columns that may stand for a deformation.
-const STRETCH: &[&str] = &["stretch", "strain"];
+const STRETCH: &[&str] = &["stretch", "strain", EXTENSION];
+const EXTENSION: &str = "extension";
 const SHEAR: &[&str] = &["shear"];
 const RATIO: &[&str] = &["volume_ratio"];
 /// The columns of responses.
-const RESPONSES: [(&str, Response); 4] = [
+const RESPONSES: [(&str, Response); 5] = [
     ("nominal_stress", Response::Nominal),
     ("cauchy_stress", Response::Cauchy),
+    (FORCE, Response::Nominal),
     ("shear_stress", Response::Shear),
     ("pressure", Response::Pressure),
 ];
+
+const FORCE: &str = "force";
+
+/// What a table of forces and extensions does not say, in SI.
+#[derive(Clone, Copy, Default)]
+struct Specimen {
+    area: Option<f64>,
+    length: Option<f64>,
+}
 
 /// Where something is wrong: line and column from 1, 0 for the file as a whole.
 type Wrong = (usize, usize, String);
@@ -62,7 +73,8 @@ fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Vec<St
     let text = std::fs::read_to_string(&path).map_err(|error| {
         document.complain(&test.at.key("file"), format!("{} cannot be read: {error}", path.display()))
     })?;
-    let Table { response, rows, is_strain } = parse(&text, mode).map_err(|wrong| {
+    let specimen = Specimen { area: test.area, length: test.length };
+    let Table { response, rows, is_strain, uses } = parse(&text, mode, specimen).map_err(|wrong| {
         let report = |(line, column, message)| Diagnostic {
             file: path.display().to_string(),
             path: String::new(),
@@ -72,6 +84,13 @@ fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Vec<St
         };
         Diagnostics::new(wrong.into_iter().map(report).collect())
     })?;
+    for (key, given, column, used) in [("area", test.area, FORCE, uses[0]), ("length", test.length, EXTENSION, uses[1])]
+    {
+        if given.is_some() && !used {
+            let message = format!("{} has no column \"{column}\" that it would be for", path.display());
+            return Err(document.complain(&test.at.key(key), message).into());
+        }
+    }
     let stem =
         || Path::new(&test.file).file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
     let name = test.name.clone().unwrap_or_else(stem);
@@ -114,6 +133,8 @@ struct Table {
     rows: Vec<Row>,
     /// Whether the deformations are strains as plain numbers.
     is_strain: bool,
+    /// Whether they are forces over an area, and extensions over a length.
+    uses: [bool; 2],
 }
 
 /// A row that was measured.
@@ -123,20 +144,21 @@ struct Row {
 }
 
 /// A column of use: its place, and how a number of it becomes one in SI.
-struct Column {
+struct Column<'a> {
+    name: &'a str,
     index: usize,
     factor: f64,
     shift: f64,
 }
 
-fn parse(text: &str, mode: Mode) -> Result<Table, Vec<Wrong>> {
+fn parse(text: &str, mode: Mode, specimen: Specimen) -> Result<Table, Vec<Wrong>> {
     let lines = text.trim_start_matches('\u{feff}').lines().enumerate().map(|(k, line)| (k + 1, line));
     let mut lines = lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
     let Some((line, head)) = lines.next() else {
         let example = "stretch,nominal_stress [MPa]";
         return Err(vec![(0, 0, format!("the table is empty: a line of columns is wanted, as in \"{example}\""))]);
     };
-    let (x, y, response) = columns(line, head, mode)?;
+    let (x, y, response) = columns(line, head, mode, specimen)?;
     let named = cells(head).count();
     let (mut rows, mut wrong) = (Vec::new(), Vec::new());
     for (line, row) in lines {
@@ -153,8 +175,9 @@ fn parse(text: &str, mode: Mode) -> Result<Table, Vec<Wrong>> {
     if rows.is_empty() && wrong.is_empty() {
         wrong.push((0, 0, "the table has no rows below its line of columns".to_owned()));
     }
-    let is_strain = x.factor == 1.0 && x.shift != 0.0;
-    if wrong.is_empty() { Ok(Table { response, rows, is_strain }) } else { Err(wrong) }
+    let is_strain = x.name == "strain" && x.factor == 1.0;
+    let uses = [y.name == FORCE, x.name == EXTENSION];
+    if wrong.is_empty() { Ok(Table { response, rows, is_strain, uses }) } else { Err(wrong) }
 }
 
 /// A decimal comma splits a number into two cells, and the rest of the row moves on by one column.
@@ -193,7 +216,12 @@ fn separator(row: &str) -> char {
 }
 
 /// The columns of deformation and response.
-fn columns(line: usize, head: &str, mode: Mode) -> Result<(Column, Column, Response), Vec<Wrong>> {
+fn columns(
+    line: usize,
+    head: &str,
+    mode: Mode,
+    specimen: Specimen,
+) -> Result<(Column<'_>, Column<'_>, Response), Vec<Wrong>> {
     let known = match mode {
         Mode::SimpleShear => SHEAR,
         Mode::Volumetric => RATIO,
@@ -209,10 +237,13 @@ fn columns(line: usize, head: &str, mode: Mode) -> Result<(Column, Column, Respo
             continue;
         }
         let read = unit_of(cell).and_then(|unit| match answer {
-            Some((_, response)) => pressure_unit(unit)
-                .map(|factor| ys.push((name, place, Column { index, factor, shift: 0.0 }, *response))),
+            Some((_, response)) => {
+                let factor = if name == FORCE { specimen.stress(unit) } else { pressure_unit(unit) };
+                factor.map(|factor| ys.push((name, place, Column { name, index, factor, shift: 0.0 }, *response)))
+            }
             None => {
-                strain_unit(name, unit).map(|[factor, shift]| xs.push((name, place, Column { index, factor, shift })))
+                let numbers = if name == EXTENSION { specimen.stretch(unit) } else { strain_unit(name, unit) };
+                numbers.map(|[factor, shift]| xs.push((name, place, Column { name, index, factor, shift })))
             }
         });
         wrong.extend(read.err().map(|why| (line, place, format!("\"{name}\" {why}"))));
@@ -254,12 +285,33 @@ fn strain_unit(name: &str, unit: Option<&str>) -> Result<[f64; 2], String> {
     }
 }
 
+impl Specimen {
+    /// Nominal stress per unit of a column of forces: `P = force / area`.
+    fn stress(self, unit: Option<&str>) -> Result<f64, String> {
+        let newton = scale(unit, Dimension::FORCE, "a force", "as in \"force [N]\" (N, mN, kN)")?;
+        let missing = "needs the area at rest of the cross-section: \"area\" of the test, as \"40 mm^2\" (--area of a table alone)";
+        self.area.map(|area| newton / area).ok_or_else(|| missing.to_owned())
+    }
+
+    /// Factor and shift from a column of extensions to stretches: `l = 1 + extension / length`.
+    fn stretch(self, unit: Option<&str>) -> Result<[f64; 2], String> {
+        let metre = scale(unit, Dimension::LENGTH, "a length", "as in \"extension [mm]\" (mm, cm, m)")?;
+        let missing = "needs the length at rest that was extended: \"length\" of the test, as \"33 mm\" (--length of a table alone)";
+        self.length.map(|length| [metre / length, 1.0]).ok_or_else(|| missing.to_owned())
+    }
+}
+
+/// SI per unit of a column that has this dimension.
+fn scale(unit: Option<&str>, dimension: Dimension, what: &str, example: &str) -> Result<f64, String> {
+    let Some(symbol) = unit else { return Err(format!("has no unit: it stands in brackets, {example}")) };
+    match Unit::named(symbol) {
+        Some(unit) if unit.dimension == dimension => Ok(10f64.powi(unit.exponent)),
+        _ => Err(format!("has the unit {}, but {what} is wanted, {example}", quoted(symbol))),
+    }
+}
+
 /// Pa per unit of a column.
 fn pressure_unit(unit: Option<&str>) -> Result<f64, String> {
     let example = "as in \"nominal_stress [MPa]\" (Pa, kPa, MPa, GPa, bar, mbar)";
-    let Some(symbol) = unit else { return Err(format!("has no unit: it stands in brackets, {example}")) };
-    match Unit::named(symbol) {
-        Some(unit) if unit.dimension == Dimension::PRESSURE => Ok(10f64.powi(unit.exponent)),
-        _ => Err(format!("has the unit {}, but a pressure is wanted, {example}", quoted(symbol))),
-    }
+    scale(unit, Dimension::PRESSURE, "a pressure", example)
 }

@@ -1,5 +1,6 @@
 //! Costs: terms j(u, m) of the objective functional.
 
+mod aim;
 mod automatic_stages;
 pub(crate) mod body_points;
 mod bound_hausdorff;
@@ -26,6 +27,7 @@ mod target_positions;
 mod tracking;
 mod volume;
 
+pub use aim::Aim;
 pub use bound_hausdorff::BoundHausdorff;
 pub use catalogue::{CATALOGUE, CostExample, CostRow};
 pub use compliance::Compliance;
@@ -200,6 +202,11 @@ pub trait Cost: Debug + Send + Sync {
 
     /// The shape it aims at on a body, where it has one: pictures and `target.vtu` show it.
     fn target(&self, _solid: &Solid) -> Option<CostTarget> {
+        None
+    }
+
+    /// The place that it looks at under a displacement, and where that should be: tables of motions and paths in figures show it.
+    fn aim(&self, _solid: &Solid, _u: &[f64]) -> Option<Aim> {
         None
     }
 }

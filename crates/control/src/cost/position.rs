@@ -2,7 +2,8 @@
 
 use super::body_points::BodyPart;
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    Aim, Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials,
+    check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -160,6 +161,11 @@ impl Cost for OnBody {
         let gap = |i: usize| self.target[i].map_or(0.0, |y| self.reference[i] + moved[i] - y);
         let (shares, free) = (self.shares.clone(), self.target.map(|y| y.is_none()));
         Ok(Arc::new(EvaluatedCost { shares, free, weight: self.weight, dim, gap: std::array::from_fn(gap) }))
+    }
+
+    fn aim(&self, solid: &Solid, u: &[f64]) -> Option<Aim> {
+        let moved = mean(&self.shares, u, solid.discretization().dim());
+        Some(Aim { position: std::array::from_fn(|i| self.reference[i] + moved[i]), target: self.target })
     }
 }
 

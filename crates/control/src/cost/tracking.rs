@@ -3,8 +3,8 @@
 use super::body_points::{BodyPart, BodyPoints};
 use super::target_positions::Target;
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, CostTarget, Figure, FigureKind, IntoCost, Partials,
-    check_weight,
+    Aim, Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, CostTarget, Figure, FigureKind, IntoCost,
+    Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -136,6 +136,17 @@ impl Cost for BoundTracking {
             }
         }
         Some(CostTarget { mesh: mesh.clone(), regions: None, displacement })
+    }
+
+    /// The means over what is tracked.
+    fn aim(&self, solid: &Solid, u: &[f64]) -> Option<Aim> {
+        let mean = |at: &[[f64; 3]]| -> [f64; 3] {
+            let measure: f64 = (0..at.len()).map(|q| self.points.weight(q)).sum();
+            let sum = |i: usize| at.iter().enumerate().map(|(q, x)| self.points.weight(q) * x[i]).sum::<f64>();
+            std::array::from_fn(|i| sum(i) / measure)
+        };
+        let x = self.points.positions(solid, Some(u));
+        Some(Aim { position: mean(&x), target: mean(&self.target).map(Some) })
     }
 }
 

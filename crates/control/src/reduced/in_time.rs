@@ -2,7 +2,7 @@
 
 use super::Reduced;
 use crate::constraint::IntoConstraint;
-use crate::cost::IntoCost;
+use crate::cost::{Aim, IntoCost};
 use crate::error::ControlError;
 use crate::layout::Layout;
 use crate::map::Space;
@@ -207,9 +207,31 @@ impl Reduced {
         Ok(self)
     }
 
+    /// Whether it has a cost, of states or of a motion.
+    pub fn has_costs(&self) -> bool {
+        !self.costs.is_empty() || self.motion.as_ref().is_some_and(|motion| !motion.costs.is_empty())
+    }
+
     /// When each cost of states counts, in a problem in time.
     pub fn schedules(&self) -> Vec<&When> {
         self.motion.iter().flat_map(|motion| motion.schedules.iter().map(|schedule| &schedule.when)).collect()
+    }
+
+    /// What the costs of states aim at, with their names, at the n-th instant of a motion in displacement u: of costs that look at a place.
+    /// A target that moves is there at the instants at which it counts.
+    pub fn aims(&self, n: usize, u: &[f64]) -> Vec<(&str, Aim)> {
+        let schedules = self.motion.iter().flat_map(|motion| &motion.schedules);
+        let mut aims = Vec::new();
+        for (cost, schedule) in self.costs.iter().zip(schedules) {
+            let place = schedule.weights.iter().position(|(own, _)| *own == n);
+            let now = place.and_then(|place| schedule.own.get(place));
+            let Some(mut aim) = now.unwrap_or(cost).aim(&self.solid, u) else { continue };
+            if now.is_none() && !schedule.own.is_empty() {
+                aim.target = [None; 3];
+            }
+            aims.push((cost.name(), aim));
+        }
+        aims
     }
 
     /// What one motion takes: memory of its states, and steps that its derivative computes again; nothing of a static problem.

@@ -47,6 +47,8 @@ impl Want {
     pub const LENGTH_IN_TIME: Self = Self::LENGTH.in_time();
     /// A length > 0.
     pub const POSITIVE_LENGTH: Self = Self::LENGTH.positive();
+    /// An area > 0.
+    pub const POSITIVE_AREA: Self = Self::a(Dimension::of(2, 0, 0, 0)).positive();
     /// A length >= 0.
     pub const NOT_NEGATIVE_LENGTH: Self =
         Self { dimension: Some(Dimension::LENGTH), sign: Sign::NotNegative, in_time: false };

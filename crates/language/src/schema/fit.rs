@@ -51,6 +51,10 @@ object! {
         pub weight: f64 as POSITIVE = 1.0,
         /// Of a specimen with fibres: whether it was loaded along or across them.
         pub fibers: Option<FitFibers>,
+        /// Of a table with a column "force": the area at rest of the cross-section that it acts on.
+        pub area: Option<f64> as POSITIVE_AREA,
+        /// Of a table with a column "extension": the length at rest that was extended.
+        pub length: Option<f64> as POSITIVE_LENGTH,
         /// Of "inflation": thickness over radius of the balloon at rest.
         pub thickness_to_radius: Option<f64> as POSITIVE,
     }

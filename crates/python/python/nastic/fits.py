@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,11 +17,24 @@ def fit(
     *,
     out: str | os.PathLike[str] | None = None,
     directory: str | os.PathLike[str] = ".",
+    kind: str = "uniaxial",
+    bulk: str | float | None = None,
+    area: str | float | None = None,
+    length: str | float | None = None,
+    laws: Sequence[str] = (),
 ) -> dict[str, Any]:
     """Fits laws to test data, as `nastic fit` does; the dictionary of fit.json (docs/fit.md).
 
     `data`: a file, or a dictionary with its keys, names of files counted from `directory`. `out`: where fit.json and fit.svg go; nowhere without it.
+    A CSV file of one test may stand for it, with what a data file would say of it: `kind`, `bulk` ("1 GPa"), `area` and `length` of a table of forces and
+    extensions, `laws`.
     """
+    if not isinstance(data, Mapping) and Path(data).suffix.lower() == ".csv":
+        specimen = {"area": area, "length": length}
+        test = {"kind": kind, "file": os.fspath(data), **{key: one for key, one in specimen.items() if one is not None}}
+        data = {"nastic_fit": 1, "tests": [test], **({} if bulk is None else {"bulk": bulk}), **({"laws": list(laws)} if laws else {})}
+    elif kind != "uniaxial" or laws or any(one is not None for one in (bulk, area, length)):
+        raise TypeError("kind, bulk, area, length and laws are of CSV files: in data files and dictionaries they are keys")
     with tempfile.TemporaryDirectory() as place:
         if isinstance(data, Mapping):
             found = dict(data)

@@ -22,7 +22,7 @@ pub(super) fn bodies(
         let label = if wanted.is_none() { "start".to_owned() } else { state::label(folder, stem, &ghost.name)? };
         out.push(Body::of(&label, &ghost.shot).appearance(Appearance::Glass(Colour::GREY)));
     }
-    let with_target = wanted.is_none_or(|wanted| wanted.iter().any(|name| name == "target"));
+    let with_target = with_targets(wanted);
     let member = shown.member;
     for file in member.iter().flat_map(|member| &member.targets).filter(|file| with_target && folder.wrote(file)) {
         out.extend(target(&folder.snapshot(file)?));
@@ -34,6 +34,11 @@ pub(super) fn bodies(
         out.push(Body::of(label, &folder.snapshot(&file)?).appearance(Appearance::Solid(Colour::GREY)));
     }
     Ok(out)
+}
+
+/// Whether targets are drawn: unless other names are given alone.
+pub(super) fn with_targets(wanted: Option<&[String]>) -> bool {
+    wanted.is_none_or(|wanted| wanted.iter().any(|name| name == "target"))
 }
 
 /// A target shape, or the part that is tracked; nothing of single points.

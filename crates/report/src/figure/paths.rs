@@ -5,6 +5,11 @@ use crate::error::ReportError;
 use crate::folder::ResultFolder;
 use crate::record::{ProbeRecord, ProbesRecord};
 
+const AXES: [&str; 3] = ["x", "y", "z"];
+/// What follows the name of a cost in the columns of the place that it looks at, and of where that should be.
+const POSITION: &str = ".position.";
+const TARGET: &str = ".target.";
+
 /// The table of a motion.
 struct Table {
     head: Vec<String>,
@@ -31,25 +36,74 @@ impl Table {
             has: self.head.clone(),
         })
     }
+
+    /// The costs with columns of this kind, in order.
+    fn costs(&self, kind: &str) -> Vec<String> {
+        let of = |name: &String| {
+            let mut cost = AXES.iter().filter_map(|axis| name.strip_suffix(&format!("{kind}{axis}")));
+            cost.next().map(str::to_owned)
+        };
+        let mut names: Vec<String> = self.head.iter().filter_map(of).collect();
+        names.dedup();
+        names
+    }
+
+    /// Three columns in all rows in which they are numbers; zero where there is no column.
+    fn places(&self, columns: &[Option<usize>; 3]) -> Vec<[f64; 3]> {
+        let at = |row: &Vec<f64>| columns.map(|column| column.map_or(0.0, |column| row[column]));
+        self.rows.iter().map(at).filter(|at| at.iter().all(|x| x.is_finite())).collect()
+    }
 }
 
-/// The positions of a probe over all instants.
-pub(super) fn of_probe(folder: &ResultFolder, state: &State<'_>, name: &str) -> Result<Vec<[f64; 3]>, ReportError> {
+/// The positions over all instants of a probe, or of the place that a cost looks at.
+pub(super) fn of(folder: &ResultFolder, state: &State<'_>, name: &str) -> Result<Vec<[f64; 3]>, ReportError> {
     let table = Table::of(folder, state)?;
     let probes = probes(state);
-    let point = probes.iter().find(|(own, _)| own == name).map(|(_, probe)| &probe.point);
-    let point = point.ok_or_else(|| ReportError::Unknown {
-        what: "probe",
-        name: name.to_owned(),
-        has: probes.iter().map(|(own, _)| own.clone()).collect(),
-    })?;
-    let mut columns = Vec::new();
-    for axis in ["x", "y", "z"].iter().take(state.shot.mesh.dim()) {
-        columns.push(table.column(&format!("{name}.{axis}"))?);
+    let Some((_, probe)) = probes.iter().find(|(own, _)| own == name) else {
+        let costs = table.costs(POSITION);
+        if costs.iter().any(|own| own == name) {
+            return Ok(table.places(&AXES.map(|axis| table.column(&format!("{name}{POSITION}{axis}")).ok())));
+        }
+        let has = probes.iter().map(|(own, _)| own.clone()).chain(costs).collect();
+        return Err(ReportError::Unknown { what: "probe", name: name.to_owned(), has });
+    };
+    let mut columns = [None; 3];
+    for (k, axis) in AXES.iter().enumerate().take(state.shot.mesh.dim()) {
+        columns[k] = Some(table.column(&format!("{name}.{axis}"))?);
     }
-    let rest: [f64; 3] = std::array::from_fn(|i| point.get(i).and_then(|x| **x).unwrap_or(0.0));
-    let at = |row: &Vec<f64>| std::array::from_fn(|i| rest[i] + columns.get(i).map_or(0.0, |column| row[*column]));
-    Ok(table.rows.iter().map(at).filter(|at: &[f64; 3]| at.iter().all(|x| x.is_finite())).collect())
+    let rest: [f64; 3] = std::array::from_fn(|i| probe.point.get(i).and_then(|x| **x).unwrap_or(0.0));
+    Ok(table.places(&columns).iter().map(|u| std::array::from_fn(|i| rest[i] + u[i])).collect())
+}
+
+/// The path of a target that moves, and the cost that it is of.
+pub(super) struct TargetPath {
+    pub cost: String,
+    pub points: Vec<[f64; 3]>,
+}
+
+/// The paths of targets that move; components that are free are those of the place itself.
+pub(super) fn moving_targets(folder: &ResultFolder, state: &State<'_>) -> Result<Vec<TargetPath>, ReportError> {
+    if !folder.wrote(&format!("{}motion.csv", state.stem())) {
+        return Ok(Vec::new());
+    }
+    let table = Table::of(folder, state)?;
+    let moving = |name: String| {
+        let target = AXES.map(|axis| table.column(&format!("{name}{TARGET}{axis}")).ok());
+        let own = AXES.map(|axis| table.column(&format!("{name}{POSITION}{axis}")).ok());
+        let wanted = table.places(&target);
+        let moves = wanted.windows(2).any(|pair| pair[0] != pair[1]);
+        let columns: [Option<usize>; 3] = std::array::from_fn(|i| target[i].or(own[i]));
+        moves.then(|| TargetPath { cost: name, points: table.places(&columns) })
+    };
+    Ok(table.costs(TARGET).into_iter().filter_map(moving).collect())
+}
+
+/// The paths that are drawn unless others are asked for: of what should follow targets that move, in the motion that the table is of.
+pub(super) fn usual(state: &State<'_>, folder: &ResultFolder, targets: &[TargetPath]) -> Vec<String> {
+    let own = state.name.strip_prefix(state.stem()).unwrap_or(&state.name);
+    let of_motion = own == "optimum" || own.starts_with("motion_");
+    let is_end = own == "start" && !folder.wrote(&format!("{}optimum.vtu", state.stem()));
+    if of_motion || is_end { targets.iter().map(|target| target.cost.clone()).collect() } else { Vec::new() }
 }
 
 fn probes(state: &State<'_>) -> Vec<(String, ProbeRecord)> {

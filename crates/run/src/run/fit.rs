@@ -1,4 +1,4 @@
-//! `nastic fit DATA.json`: parameters of laws from test data, and what they are worth.
+//! `nastic fit DATA`: parameters of laws from test data, and what they are worth.
 
 mod entry;
 mod plot;
@@ -9,12 +9,11 @@ use crate::result::files::Directory;
 use crate::run::error::{Exit, RunError};
 use crate::run::fit::entry::Fitted;
 use crate::run::output_directory::directory_of;
-use nastic_case::lower::read_tests;
+use nastic_case::lower::{LoneTable, read_tests};
 use nastic_case::output_names::FIT;
 use nastic_fit::{FitError, FitOptions, Law, fit as fit_law};
 use nastic_io::write_atomically;
 use nastic_language::schema::FitData;
-use nastic_language::syntax::Document;
 use nastic_report::record::{FailedLawRecord, FitRecord};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -39,10 +38,23 @@ pub struct FitOutcome {
 /// [`RunError::Input`]: a file that cannot be read, a row of a table that is none; [`RunError::Fit`]: no law could be fitted;
 /// [`RunError::Write`], [`RunError::InUse`].
 pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOutcome, RunError> {
-    let document = Document::open(data)?;
-    let asked = FitData::read_document(&document)?;
-    let (tests, doubtful) = read_tests(&document, &asked)?;
-    let out = Directory::claim(out.unwrap_or_else(|| directory_of(&document, None)), FIT, [data])?;
+    fit_with(data, &LoneTable::default(), out, console)
+}
+
+/// The same; `data` may be the CSV file of one test, of which `table` says what a data file would.
+///
+/// # Errors
+/// As [`fit`].
+pub fn fit_with(
+    data: &Path,
+    table: &LoneTable,
+    out: Option<PathBuf>,
+    console: &Console,
+) -> Result<FitOutcome, RunError> {
+    let document = &table.document(data)?;
+    let asked = FitData::read_document(document)?;
+    let (tests, doubtful) = read_tests(document, &asked)?;
+    let out = Directory::claim(out.unwrap_or_else(|| directory_of(document, None)), FIT, [data])?;
     // They belong to an earlier fit, and would stand there as results of this one if it fails.
     out.remove(FILE)?;
     out.remove(PAGE)?;
@@ -69,7 +81,7 @@ pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOu
         return Err(RunError::Fit(failed.into_iter().next().map_or(FitError::NoStress, |(_, error)| error)));
     };
     print::found(&fitted, &tests, &failed, errors, console);
-    let charts = plot::charts(best, &tests, asked.title.as_deref());
+    let charts = plot::charts(&fitted, &tests, asked.title.as_deref());
     for (name, chart) in &charts {
         chart.write(out.file(name))?;
     }

@@ -1,4 +1,4 @@
-//! Data and curves of the best law.
+//! Data and curves of all laws.
 
 use crate::run::fit::entry::Fitted;
 use nastic_fit::{Mode, Response, Test, curve};
@@ -7,6 +7,10 @@ use nastic_picture::{Chart, Curve};
 /// Points of a curve.
 const POINTS: usize = 80;
 const MEGA: f64 = 1e6;
+/// Laws in colours of their own; lines of further ones are dashed.
+const COLOURS: usize = 6;
+/// Widths of lines: of the best law, and of others.
+const WIDTHS: [f64; 2] = [6.0, 3.0];
 
 /// Which tests a chart shows.
 type Belongs = fn(&Test) -> bool;
@@ -32,7 +36,7 @@ pub(super) fn files() -> impl Iterator<Item = String> {
 }
 
 /// Charts by file name: stresses over stretches first (or what there is), other kinds of tests in charts of their own.
-pub(super) fn charts(best: &Fitted, tests: &[Test], title: Option<&str>) -> Vec<(String, Chart)> {
+pub(super) fn charts(fitted: &[Fitted], tests: &[Test], title: Option<&str>) -> Vec<(String, Chart)> {
     let mut out: Vec<(String, Chart)> = Vec::new();
     for (name, belongs) in GROUPS {
         let own: Vec<&Test> = tests.iter().filter(|test| belongs(test)).collect();
@@ -40,37 +44,47 @@ pub(super) fn charts(best: &Fitted, tests: &[Test], title: Option<&str>) -> Vec<
             continue;
         }
         let file = if out.is_empty() { FIRST.to_owned() } else { file_of(name) };
-        out.push((file, chart(best, &own, title)));
+        out.push((file, chart(fitted, &own, title)));
     }
     out
 }
 
-fn chart(best: &Fitted, tests: &[&Test], title: Option<&str>) -> Chart {
-    let values = best.fit.values();
-    let title = format!("{} (points) and {} (curves)", title.unwrap_or("Tests"), best.fit.law.label());
+fn chart(fitted: &[Fitted], tests: &[&Test], title: Option<&str>) -> Chart {
+    let title = format!("{}: readings (points) and laws, the best first", title.unwrap_or("Tests"));
     let pressure = tests[0].response == Response::Pressure;
     let y = if pressure { "pressure (MPa)" } else { "stress (MPa)" };
     let mut chart = Chart::new(&title, tests[0].mode.deformation(), y);
-    for test in tests {
-        let volumetric = test.mode == Mode::Volumetric;
-        let made = if volumetric {
-            best.fit.law.build(&values, best.bulk.value)
-        } else {
-            best.fit.law.incompressible(&values)
-        };
-        let Ok(law) = made else { continue };
-        let rest = if test.mode == Mode::SimpleShear { 0.0 } else { 1.0 };
-        let [low, high] =
-            test.points.iter().fold([rest, rest], |[low, high], [x, _]| [f64::min(low, *x), f64::max(high, *x)]);
-        let at: Vec<f64> = (0..=POINTS).map(|k| low + (high - low) * k as f64 / POINTS as f64).collect();
-        let responses = curve(&*law, test.mode, test.fibers.unwrap_or_default(), test.response, &at);
-        let label =
-            if test.response == Response::Cauchy { format!("{} (Cauchy)", test.name) } else { test.name.clone() };
-        chart = chart.curve(Curve::new(&label, at.into_iter().zip(responses).map(|(x, y)| (x, y / MEGA, true))));
+    for (k, one) in fitted.iter().enumerate() {
+        let label = one.fit.law.label();
+        let drawn = tests.iter().filter_map(|test| curve_of(one, test));
+        for (n, points) in drawn.enumerate() {
+            let points = points.into_iter().map(|(x, y)| (x, y / MEGA, k < COLOURS));
+            chart = chart.curve(Curve::line(if n == 0 { &label } else { "" }, WIDTHS[k.min(1)], points));
+        }
     }
-    // the data, behind the curves in order and above them in sight
-    for [x, y] in tests.iter().flat_map(|test| &test.points) {
-        chart = chart.dot(*x, y / MEGA, "");
+    // the readings, above the curves in sight; the last of each test with its name
+    for test in tests {
+        let cauchy = if test.response == Response::Cauchy { " (Cauchy)" } else { "" };
+        for (k, [x, y]) in test.points.iter().enumerate() {
+            let is_named = tests.len() > 1 && k + 1 == test.points.len();
+            let name = if is_named { format!("{}{cauchy}", test.name) } else { String::new() };
+            chart = chart.dot(*x, y / MEGA, &name);
+        }
     }
     chart
+}
+
+/// What a law answers to a test, from rest through its readings.
+fn curve_of(one: &Fitted, test: &Test) -> Option<Vec<(f64, f64)>> {
+    let values = one.fit.values();
+    let made = match test.mode {
+        Mode::Volumetric => one.fit.law.build(&values, one.bulk.value),
+        _ => one.fit.law.incompressible(&values),
+    };
+    let rest = if test.mode == Mode::SimpleShear { 0.0 } else { 1.0 };
+    let [low, high] =
+        test.points.iter().fold([rest, rest], |[low, high], [x, _]| [f64::min(low, *x), f64::max(high, *x)]);
+    let at: Vec<f64> = (0..=POINTS).map(|k| low + (high - low) * k as f64 / POINTS as f64).collect();
+    let responses = curve(&*made.ok()?, test.mode, test.fibers.unwrap_or_default(), test.response, &at);
+    Some(at.into_iter().zip(responses).collect())
 }

@@ -71,6 +71,13 @@ impl Table {
             let axes = AXES.iter().take(member.mesh().dim());
             columns.extend(axes.map(|axis| (format!("reactions.{name}.{axis}"), units.force().symbol.to_owned())));
         }
+        for (name, wanted) in aimed(member) {
+            let axes = AXES.iter().enumerate().take(member.mesh().dim());
+            let unit = || units.length().symbol.to_owned();
+            columns.extend(axes.clone().map(|(_, axis)| (format!("{name}.position.{axis}"), unit())));
+            let wanted = axes.filter(|(k, _)| wanted[*k]);
+            columns.extend(wanted.map(|(_, axis)| (format!("{name}.target.{axis}"), unit())));
+        }
         let (names, units) = columns.into_iter().unzip();
         Self { names, units, rows: vec![] }
     }
@@ -94,6 +101,12 @@ impl Table {
         }
         row.extend(quantities(member, before, state).into_iter().map(|(.., value)| value));
         row.extend(summary::forces(member, before, state).iter().flat_map(|(_, force)| &force[..dim]));
+        let aims = member.reduced().aims(self.rows.len(), &state.u);
+        for ((_, wanted), (_, aim)) in aimed(member).iter().zip(&aims) {
+            row.extend_from_slice(&aim.position[..dim]);
+            let components = (0..dim).filter(|k| wanted[*k]);
+            row.extend(components.map(|k| aim.target[k].unwrap_or(f64::NAN)));
+        }
         self.rows.push(row);
         Ok(())
     }
@@ -133,6 +146,14 @@ impl Table {
         }
         Ok(files)
     }
+}
+
+/// The costs that look at a place, and which components have a target.
+fn aimed(member: CaseMember<'_>) -> Vec<(String, [bool; 3])> {
+    let rest = vec![0.0; member.mesh().points().len() * member.mesh().dim()];
+    let costs = member.reduced().costs().iter();
+    let aims = costs.filter_map(|cost| Some((cost.name().to_owned(), cost.aim(member.solid(), &rest)?)));
+    aims.map(|(name, aim)| (name, aim.target.map(|target| target.is_some()))).collect()
 }
 
 /// One value in space, or one vector.
