@@ -176,8 +176,9 @@ impl Scene {
             _ => return None,
         };
         let points = edge.points.iter().map(|p| self.place(*p)).collect();
-        // Outlines of glass also show on an opaque body just in front of it: often the two nearly coincide.
-        let lift = if matches!(appearance, Appearance::Glass(_)) { 16.0 * thickness } else { 1.5 };
+        // Outlines of glass also show on an opaque body just in front of it: often the two nearly coincide. In print they would be a tangle on it.
+        let shows_through = matches!(appearance, Appearance::Glass(_)) && (self.plane || self.ground != Ground::White);
+        let lift = if shows_through { 16.0 * thickness } else { 1.5 };
         Some(Stroke { points, colour, opacity, width: width * thickness.max(0.6), lift })
     }
 

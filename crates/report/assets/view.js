@@ -78,13 +78,16 @@ class View {
     this.show();
   }
 
-  // The frame to begin with. The last: the optimum, the end of a path; of a state with its modes the state; of a motion the most deformed.
+  // The frame to begin with. The last: the optimum, the end of a path; of a state with its modes the state; of a motion its most deformed instant.
   opening(frames) {
     if (frames.some((frame) => frame.fields.mode)) return 0;
     const last = frames.length - 1;
-    if (!frames[last].label.startsWith("t = ")) return last;
-    const rest = values(frames[0].x);
-    const farthest = frames.map(({ x }) => values(x).reduce((most, at, k) => Math.max(most, Math.abs(at - rest[k])), 0));
+    const isInstant = ({ label }) => label.startsWith("t = ");
+    if (!isInstant(frames[last])) return last;
+    // Kept iterations stand before the instants.
+    const rest = values(frames.find(isInstant).x);
+    const distance = ({ x }) => values(x).reduce((most, at, k) => Math.max(most, Math.abs(at - rest[k])), 0);
+    const farthest = frames.map((frame) => (isInstant(frame) ? distance(frame) : -1));
     // An end that is as far is as good.
     return farthest.lastIndexOf(farthest.reduce((most, one) => Math.max(most, one), 0));
   }

@@ -17,10 +17,11 @@ pub(super) fn bodies(
     let start = [format!("{stem}start"), format!("{stem}motion_0000")];
     let usual = || start.iter().find(|name| folder.wrote(&format!("{name}.vtu"))).filter(|name| **name != shown.name);
     let names: Vec<String> = wanted.map_or_else(|| usual().cloned().into_iter().collect(), <[String]>::to_vec);
-    for name in names.iter().filter(|name| *name != "target") {
-        let ghost = State::find(folder, Some(name))?;
+    let states: Vec<&String> = names.iter().filter(|name| *name != "target").collect();
+    for (k, name) in states.iter().enumerate() {
+        let ghost = State::find(folder, Some(name.as_str()))?;
         let label = if wanted.is_none() { "start".to_owned() } else { state::label(folder, stem, &ghost.name)? };
-        out.push(Body::of(&label, &ghost.shot).appearance(Appearance::Glass(Colour::GREY)));
+        out.push(Body::of(&label, &ghost.shot).appearance(Appearance::Glass(grey(k, states.len()))));
     }
     let with_target = with_targets(wanted);
     let member = shown.member;
@@ -31,9 +32,15 @@ pub(super) fn bodies(
     let obstacles = member.iter().flat_map(|member| &member.obstacles).cloned().chain([moving]);
     for (k, file) in obstacles.filter(|file| folder.wrote(file)).enumerate() {
         let label = if k == 0 { "obstacle" } else { "" };
-        out.push(Body::of(label, &folder.snapshot(&file)?).appearance(Appearance::Solid(Colour::GREY)));
+        out.push(Body::of(label, &folder.snapshot(&file)?).appearance(Appearance::Solid(Colour::GREY)).lines(false));
     }
     Ok(out)
+}
+
+/// The k-th of some states behind: the later, the darker.
+fn grey(k: usize, count: usize) -> Colour {
+    let darker = if count > 1 { 0.55 * k as f64 / (count - 1) as f64 } else { 0.0 };
+    Colour(Colour::GREY.0.map(|byte| (f64::from(byte) * (1.0 - darker)) as u8))
 }
 
 /// Whether targets are drawn: unless other names are given alone.
