@@ -34,7 +34,17 @@ fn a_figure_shows_a_state_and_nothing_of_the_run() {
     assert!(figure(&place, &["--field", "|u|"]).contains("displacement |u| ["));
     assert!(svg.contains("stop-color=\"#ffffff\""));
     assert!(figure(&place, &["--field", "none"]) != svg && !figure(&place, &["--field", "none"]).contains("tension"));
-    assert!(figure(&place, &["--field", "displacement.x", "--range", "-1e-3,2e-3"]).contains(">-0.001</text>"));
+    let along = figure(&place, &["--field", "displacement.x", "--range", "-1e-3,2e-3"]);
+    assert!(along.contains(">-1</text>") && along.contains("displacement x [mm]"), "{along}");
+    for (field, label) in [
+        ("nodal_mises", "von Mises stress ["),
+        ("cauchy_stress.xx", "Cauchy stress xx ["),
+        ("|reaction|", "|force of the supports| ["),
+        ("green_strain.xz", "Green-Lagrange strain xz<"),
+        ("nodal_cauchy_stress.zz", "Cauchy stress zz ["),
+    ] {
+        assert!(figure(&place, &["--field", field]).contains(label), "{field}");
+    }
     assert!(figure(&place, &["--field", "cauchy_stress.xx", "--size", "800x500"]).contains("viewBox=\"0 0 800 500\""));
     let kept = figure(&place, &["--clip", "x<0.05", "--view", "0,-1,0"]);
     assert!(kept != figure(&place, &["--clip", "x>0.05", "--view", "0,-1,0"]));

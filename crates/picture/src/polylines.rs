@@ -47,11 +47,10 @@ pub(super) fn dashes(points: &[[f64; 2]], [dash, gap]: [f64; 2]) -> Vec<[[f64; 2
         let first = ((passed - dash) / (dash + gap)).ceil().max(0.0) as usize;
         for k in first.. {
             let begin = k as f64 * (dash + gap) - passed;
-            if begin >= length {
-                break;
-            }
-            if begin + dash > 0.0 {
-                parts.push([at(begin), at(begin + dash)]);
+            match begin < length {
+                true if begin + dash > 0.0 => parts.push([at(begin), at(begin + dash)]),
+                true => {}
+                false => break,
             }
         }
         passed += length;

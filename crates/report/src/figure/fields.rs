@@ -6,6 +6,7 @@ use crate::error::ReportError;
 use crate::folder::ResultFolder;
 use crate::frame::DISPLACEMENT;
 use crate::page;
+use crate::record::UnitsRecord;
 use nastic_mesh::NamedArray;
 use nastic_picture::Field;
 use serde_json::Value;
@@ -45,8 +46,13 @@ pub(super) fn shown(folder: &ResultFolder, state: &State<'_>, name: Option<&str>
     }
     for (arrays, at_nodes) in [(&shot.point_data, true), (&shot.cell_data, false)] {
         if let Some((array, values)) = arrays.iter().find_map(|array| Some((array, values(array, &name)?))) {
-            let (known, unit) = text(&texts, &array.name);
-            let label = if name == array.name { known } else { name.clone() };
+            let (label, unit) = match beyond_the_page(&folder.result.units, &array.name) {
+                Some((known, unit)) => (part_of(known, &name, &array.name), unit.to_owned()),
+                None => {
+                    let (known, unit) = text(&texts, &array.name);
+                    (if name == array.name { known } else { name.clone() }, unit)
+                }
+            };
             let field = if at_nodes { Field::at_nodes } else { Field::at_cells };
             return Ok(Shown::Field(field(&label, &unit, values)));
         }
@@ -102,6 +108,29 @@ fn values(array: &NamedArray, name: &str) -> Option<Vec<f64>> {
 
 fn length(vector: &[f64]) -> f64 {
     vector.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Arrays that the page does not show: what they are called in a figure, and their units.
+fn beyond_the_page<'a>(units: &'a UnitsRecord, array: &str) -> Option<(&'static str, &'a str)> {
+    Some(match array {
+        "displacement" => ("displacement", &units.length),
+        "target_distance" => ("distance from the target", &units.length),
+        "reaction" => ("force of the supports", &units.force),
+        "nodal_mises" => ("von Mises stress", &units.pressure),
+        "cauchy_stress" | "nodal_cauchy_stress" => ("Cauchy stress", &units.pressure),
+        "P" => ("first Piola-Kirchhoff stress", &units.pressure),
+        "green_strain" => ("Green-Lagrange strain", ""),
+        _ => return None,
+    })
+}
+
+/// The name of a component, or of a length.
+fn part_of(known: &str, name: &str, array: &str) -> String {
+    match name.strip_prefix(array).map(|rest| rest.trim_start_matches('.')) {
+        Some("") => known.to_owned(),
+        Some(component) => format!("{known} {component}"),
+        None => format!("|{known}|"),
+    }
 }
 
 /// What an array is called on the page, and its unit.
