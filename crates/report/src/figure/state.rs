@@ -69,14 +69,17 @@ fn names(folder: &ResultFolder) -> Vec<String> {
     names
 }
 
-/// The optimum, else the last instant of a motion, else the equilibrium.
+/// The optimum, else the last instant of a motion, else the last equilibrium of a ramp or a path, else the equilibrium.
 fn main(folder: &ResultFolder, all: &[String]) -> Result<String, ReportError> {
     let stem = folder.result.members.iter().flatten().next().map_or("", |member| &member.stem);
     let optimum = format!("{stem}optimum");
-    let instants = folder.series(&format!("{stem}motion_"), ".vtu");
-    let last = instants.last().and_then(|file| file.strip_suffix(".vtu")).map(str::to_owned);
-    let others = [last, Some(format!("{stem}start")), Some("failure".to_owned())].into_iter().flatten();
-    let found = std::iter::once(optimum).chain(others).find(|name| all.contains(name));
+    let last = |series: &str| {
+        let files = folder.series(&format!("{stem}{series}_"), ".vtu");
+        files.last().and_then(|file| file.strip_suffix(".vtu")).map(str::to_owned)
+    };
+    let of_series = ["motion", "ramp", "path"].into_iter().filter_map(last);
+    let others = [format!("{stem}start"), "failure".to_owned()];
+    let found = std::iter::once(optimum).chain(of_series).chain(others).find(|name| all.contains(name));
     found.or_else(|| all.first().cloned()).ok_or_else(|| ReportError::Unknown {
         what: "state",
         name: "start".to_owned(),

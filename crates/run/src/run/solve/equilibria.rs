@@ -76,10 +76,7 @@ fn of_member(
         let stem = member.file("equilibrium_");
         out.remove_numbered(&stem);
         for k in 0..series.rows.len() {
-            let shot = series.snapshot(k)?;
-            let name = format!("{stem}{:03}.vtu", k + 1);
-            out.write_vtu(&name, &shot)?;
-            files.push(name);
+            files.extend(out.write_state(&format!("{stem}{:03}", k + 1), &series.snapshot(k)?)?);
         }
     }
     let found = series.points();

@@ -147,12 +147,11 @@ impl<'p> Series<'p> {
         let file = |ending: &str| self.member.file(&format!("{}{ending}", self.name));
         let stem = file("_");
         out.remove_numbered(&stem);
-        let mut shots = Vec::new();
+        let (mut shots, mut states) = (Vec::new(), Vec::new());
         for (k, row) in self.rows.iter().enumerate() {
-            let shot = self.snapshot(k)?;
-            let name = format!("{stem}{k:04}.vtu");
-            out.write_vtu(&name, &shot)?;
-            shots.push((row.parameter, name));
+            let name = format!("{stem}{k:04}");
+            states.extend(out.write_state(&name, &self.snapshot(k)?)?);
+            shots.push((row.parameter, format!("{name}.vtu")));
         }
         let (csv, svg, pvd) = (file(".csv"), file(".svg"), file(".pvd"));
         let text = self.csv();
@@ -165,7 +164,7 @@ impl<'p> Series<'p> {
         nastic_io::write_pvd(out.file(&pvd), &shots)?;
         chart.write(out.file(&svg))?;
         let mut files = vec![csv, svg, pvd];
-        files.extend(shots.into_iter().map(|(_, name)| name));
+        files.extend(states);
         Ok(files)
     }
 
