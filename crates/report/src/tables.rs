@@ -3,8 +3,8 @@
 use crate::html::{escape, folded, paragraph, section, table};
 use crate::number::{count, duration, number, short};
 use crate::record::{
-    ControlRecord, MemberRecord, Nullable, Number, ProbesRecord, RangeRecord, RunRecord, StateRecord, UnitsRecord,
-    number_of,
+    ControlRecord, MemberRecord, Nullable, Number, Numbers, ProbesRecord, RangeRecord, RunRecord, StateRecord,
+    UnitsRecord, number_of,
 };
 use crate::summary::stability;
 use nastic_mesh::Snapshot;
@@ -145,14 +145,12 @@ pub(crate) fn events(result: &RunRecord) -> String {
     section("events", "Critical points", &table(&["kind", "value", "negative pivots"], &rows))
 }
 
-/// Probes, reactions, cavities, tendons and springs of the result's state, or of every load case.
+/// Probes, reactions, contacts, cavities, tendons and springs of the result's state, or of every load case.
 pub(crate) fn states(result: &RunRecord) -> String {
     let UnitsRecord { length, force, pressure, .. } = &result.units;
     let vector =
         |value: &[Number]| -> Vec<String> { (0..3).map(|k| number(value.get(k).and_then(|x| **x), "")).collect() };
-    let (mut probes, mut reactions) = (Vec::new(), Vec::new());
-    let mut others: Vec<Vec<String>> = Vec::new();
-    let (mut cavities, mut tendons, mut springs) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut probes, mut rows) = (Vec::new(), Rows::default());
     for (name, own) in entries(result) {
         for (probe, entry) in own.probes.iter().flatten() {
             let (displacement, position) = match entry {
@@ -167,56 +165,73 @@ pub(crate) fn states(result: &RunRecord) -> String {
         for (support, force) in own.reactions.iter().flatten() {
             let mut row = vec![format!("{name}{support}")];
             row.extend(vector(force));
-            reactions.push(row);
+            rows.reactions.push(row);
         }
         for (contribution, entry) in &own.contributions {
-            let of = |key: &str, unit: &str| number(number_of(entry, key), unit);
-            let has = |key: &str| entry.get(key).is_some();
-            if has("force_x") && !has("pressure") {
-                let mut row = vec![format!("{name}{contribution}")];
-                row.extend(["force_x", "force_y", "force_z"].map(|key| of(key, "")));
-                reactions.push(row);
-                continue;
-            }
-            if has("tension") {
-                let slack = if number_of(entry, "slack") == Some(1.0) { "slack" } else { "taut" };
-                let mut row = vec![format!("{name}{contribution}"), slack.to_owned(), of("tension", force)];
-                row.extend(["length", "reference_length"].map(|key| of(key, length)));
-                tendons.push(row);
-                continue;
-            }
-            if has("rest_length") {
-                let mut row = vec![format!("{name}{contribution}"), of("force", force)];
-                row.extend(["length", "rest_length"].map(|key| of(key, length)));
-                springs.push(row);
-                continue;
-            }
-            if !has("volume") {
-                for (quantity, value) in entry {
-                    others.push(vec![format!("{name}{contribution}"), quantity.replace('_', " "), number(*value, "")]);
-                }
-                continue;
-            }
-            let volume = format!("{length}^3");
-            cavities.push(vec![
-                format!("{name}{contribution}"),
-                of("pressure", pressure),
-                of("volume", &volume),
-                of("reference_volume", &volume),
-            ]);
+            rows.add(format!("{name}{contribution}"), entry, &result.units);
         }
     }
     let heads = ["u x", "u y", "u z", "x", "y", "z"].map(|head| format!("{head} [{length}]"));
     let head: Vec<&str> = ["probe"].into_iter().chain(heads.iter().map(String::as_str)).collect();
     let forces = ["x", "y", "z"].map(|head| format!("{head} [{force}]"));
-    let force_head: Vec<&str> = ["reaction at"].into_iter().chain(forces.iter().map(String::as_str)).collect();
+    let of_force = |first| -> Vec<&str> { [first].into_iter().chain(forces.iter().map(String::as_str)).collect() };
+    let more = [
+        format!("presses with [{force}]"),
+        format!("area [{length}^2]"),
+        format!("largest pressure [{pressure}]"),
+        format!("smallest gap [{length}]"),
+    ];
+    let of_contact: Vec<&str> = of_force("contact").into_iter().chain(more.iter().map(String::as_str)).collect();
     let content = table(&head, &probes)
-        + &table(&force_head, &reactions)
-        + &table(&["cavity", "pressure", "volume", "volume at rest"], &cavities)
-        + &table(&["contribution", "", ""], &others)
-        + &table(&["tendon", "", "tension", "length", "length at rest"], &tendons)
-        + &table(&["spring", "force", "length", "rest length"], &springs);
-    section("states", "Probes, reactions, cavities, tendons, springs", &content)
+        + &table(&of_force("reaction at"), &rows.reactions)
+        + &table(&of_contact, &rows.contacts)
+        + &table(&["cavity", "pressure", "volume", "volume at rest"], &rows.cavities)
+        + &table(&["contribution", "", ""], &rows.others)
+        + &table(&["tendon", "", "tension", "length", "length at rest"], &rows.tendons)
+        + &table(&["spring", "force", "length", "rest length"], &rows.springs);
+    section("states", "Probes, reactions, contacts, cavities, tendons, springs", &content)
+}
+
+/// What contributions report, by kind.
+#[derive(Default)]
+struct Rows {
+    reactions: Vec<Vec<String>>,
+    contacts: Vec<Vec<String>>,
+    cavities: Vec<Vec<String>>,
+    tendons: Vec<Vec<String>>,
+    springs: Vec<Vec<String>>,
+    others: Vec<Vec<String>>,
+}
+
+impl Rows {
+    /// Adds a contribution to those of its kind, by the numbers that it has.
+    fn add(&mut self, name: String, entry: &Numbers, UnitsRecord { length, force, pressure, .. }: &UnitsRecord) {
+        let of = |key: &str, unit: &str| number(number_of(entry, key), unit);
+        let has = |key: &str| entry.get(key).is_some();
+        let forces = ["force_x", "force_y", "force_z"].map(|key| of(key, ""));
+        if has("pressing") {
+            let more = ["pressing", "area", "largest_pressure", "smallest_gap"].map(|key| of(key, ""));
+            self.contacts.push([name].into_iter().chain(forces).chain(more).collect());
+        } else if has("force_x") && !has("pressure") {
+            self.reactions.push([name].into_iter().chain(forces).collect());
+        } else if has("tension") {
+            let slack = if number_of(entry, "slack") == Some(1.0) { "slack" } else { "taut" };
+            let lengths = ["length", "reference_length"].map(|key| of(key, length));
+            self.tendons.push([name, slack.to_owned(), of("tension", force)].into_iter().chain(lengths).collect());
+        } else if has("rest_length") {
+            let lengths = ["length", "rest_length"].map(|key| of(key, length));
+            self.springs.push([name, of("force", force)].into_iter().chain(lengths).collect());
+        } else if has("volume") {
+            let volume = format!("{length}^3");
+            let volumes = ["volume", "reference_volume"].map(|key| of(key, &volume));
+            self.cavities.push([name, of("pressure", pressure)].into_iter().chain(volumes).collect());
+        } else {
+            let row = |(quantity, value): (&String, &Number)| {
+                vec![name.clone(), quantity.replace('_', " "), number(*value, "")]
+            };
+            self.others.extend(entry.iter().map(row));
+        }
+    }
 }
 
 /// The result's own entries, or those of its load cases with their names.
