@@ -173,6 +173,8 @@ fn runs_without_a_usual_figure_end_as_they_would() {
     let run = ["solve", &case, "--out", "out", "--quiet", "--set", "expect={}", "--figure"];
     let ramp = place.nastic(&[&run[..], &["--ramp", "air.volume=0:1e-7 m^3:2"]].concat());
     assert_eq!(code(&ramp), 0, "{}", text(&ramp.stderr));
+    let last = figure(&place, &[]);
+    assert!(last.contains(">air.volume = 1e-7 m^3</text>") || last.contains(">air.volume = 100 mm^3</text>"), "{last}");
     let svg = std::fs::read_to_string(place.path("out/figure.svg")).unwrap();
     assert!(svg.contains("displacement") && !svg.contains("pressure"), "{svg}");
     let place = CaseDirectory::new(BAR);

@@ -87,7 +87,7 @@ fn main(folder: &ResultFolder, all: &[String]) -> Result<String, ReportError> {
     })
 }
 
-/// What a state is called in the legend: of a motion its instant.
+/// What a state is called in the legend: of a motion its instant, of a ramp the value of its control.
 pub(super) fn label(folder: &ResultFolder, stem: &str, name: &str) -> Result<String, ReportError> {
     let own = name.strip_prefix(stem).unwrap_or(name);
     if own.starts_with("motion_") {
@@ -95,6 +95,14 @@ pub(super) fn label(folder: &ResultFolder, stem: &str, name: &str) -> Result<Str
         if let Some((_, t)) = instants.iter().find(|(file, _)| file.strip_suffix(".vtu") == Some(name)) {
             return Ok(format!("t = {} {}", short(*t), folder.result.units.time));
         }
+    }
+    let members = folder.result.members.iter().flatten();
+    let record = members.filter(|member| member.stem == stem).find_map(|member| folder.result.member(member));
+    let ramp = record.and_then(|record| record.ramp.as_ref());
+    if let (Some(row), Some(ramp)) = (own.strip_prefix("ramp_").and_then(|number| number.parse::<usize>().ok()), ramp)
+        && let (Some(control), Some(value)) = (&ramp.control, ramp.points.get(row).and_then(|point| *point.value))
+    {
+        return Ok(format!("{control} = {} {}", short(value), ramp.unit.as_deref().unwrap_or_default()));
     }
     let has_optimum = folder.wrote(&format!("{stem}optimum.vtu"));
     Ok(match LABELS.iter().find(|(known, _)| *known == own) {
