@@ -56,13 +56,17 @@ pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, Repo
     if let Some(direction) = request.view {
         picture = picture.view(View::From(direction));
     }
-    for body in behind::bodies(&folder, &state, request.behind.as_deref())? {
+    let field = fields::shown(&folder, &state, request.field.as_deref())?;
+    // the body itself is glass around its chambers: a start of glass behind it could not be told from it
+    let target = ["target".to_owned()];
+    let is_glass = matches!(field, Shown::Chambers) && state.shot.mesh.dim() == 3;
+    let behind = request.behind.as_deref().or(is_glass.then_some(&target));
+    for body in behind::bodies(&folder, &state, behind)? {
         picture = picture.body(body);
     }
     if let Some(field) = uniform_field(&state.shot) {
         picture = picture.vector("field", FIELD, field);
     }
-    let field = fields::shown(&folder, &state, request.field.as_deref())?;
     for body in bodies(&folder, &state, field, request)? {
         picture = picture.body(body);
     }
@@ -72,7 +76,7 @@ pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, Repo
         let points = paths::of(&folder, &state, name)?;
         picture = picture.path(&format!("path of {name}"), PATHS[k % PATHS.len()], points);
     }
-    let with_targets = behind::with_targets(request.behind.as_deref());
+    let with_targets = behind::with_targets(behind);
     let is_one = targets.len() == 1;
     for TargetPath { cost, points } in targets.into_iter().filter(|_| with_targets) {
         let label = if is_one { "target path".to_owned() } else { format!("target path of {cost}") };
