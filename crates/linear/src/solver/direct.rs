@@ -344,7 +344,7 @@ impl LinearSolver for Direct {
         }
     }
 
-    /// First by a factor in single precision, which shows that a matrix is positive definite and well away from singular: see [`definite`].
+    /// First by a factor in single precision, which shows that a matrix is positive definite and well away from singular: see `definite`.
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         symmetric(system)?;
         let symbolic = self.symbolic();
