@@ -90,7 +90,7 @@ pub enum Command {
     Report(Report),
     /// Draw a state of a result directory for print: white ground, colour bar, scale of lengths, no text of the run
     ///
-    /// Without more: the optimum (or the equilibrium, or the end of the motion) coloured by the first controlled field, chambers by their
+    /// Without more: the optimum (or the equilibrium, or the end of the motion or ramp) coloured by the first controlled field, chambers by their
     /// pressure, or else the displacement, before the start and the target as glass. The same picture gives the same bytes.
     Figure(Figure),
     /// Measure how far two shapes are apart: results, states, meshes, point clouds

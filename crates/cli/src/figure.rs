@@ -33,7 +33,7 @@ pub struct Figure {
     /// Width and height in pixels, 320x200 to 16384x16384 [default: 1600x1000]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size)]
     pub size: Option<[u32; 2]>,
-    /// States that stand behind as glass, with commas between; "target", or "" for none [default: start,target]
+    /// States that stand behind as glass, with commas between; "target", or "" for none [default: start,target; of chambers in space target]
     #[arg(long, value_name = "NAMES")]
     pub behind: Option<String>,
     /// A probe, or a cost of one position, whose path over the instants of the motion is drawn; may be given several times. Targets that move are dashed [default:

@@ -18,8 +18,8 @@ use paths::TargetPath;
 pub(crate) use state::State;
 use std::path::Path;
 
-/// What a figure shows; without more the optimum (or the equilibrium, or the end of the motion), coloured by the first controlled
-/// field or else by the displacement, before the start and the target.
+/// What a figure shows; without more the optimum (or the equilibrium, or the end of the motion, ramp or path), coloured by the first controlled
+/// field or else by the displacement, before the start and the target; chambers in space before the target alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FigureRequest {
     /// A state by the name of its file, with or without `.vtu`.
@@ -34,7 +34,7 @@ pub struct FigureRequest {
     pub clip: Option<([f64; 3], f64)>,
     /// Width and height in pixels.
     pub size: Option<[u32; 2]>,
-    /// States that stand behind as glass; start and target unless this is given.
+    /// States that stand behind as glass; unless this is given start and target, of chambers in space the target.
     pub behind: Option<Vec<String>>,
     /// Probes, or costs that look at a place, whose path over the instants of the motion is drawn. Without any, costs whose targets move.
     pub paths: Vec<String>,

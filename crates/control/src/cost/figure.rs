@@ -33,11 +33,8 @@ pub struct DistanceInTime {
 }
 
 impl DistanceInTime {
-    /// Of distances; nothing of less than two, which the figures of a state say already.
+    /// Of distances; nothing of none.
     pub(crate) fn of(distances: &[f64]) -> Option<Self> {
-        if distances.len() < 2 {
-            return None;
-        }
         let squares = distances.iter().map(|distance| distance * distance).sum::<f64>();
         let largest = distances.iter().copied().reduce(f64::max)?;
         Some(DistanceInTime { largest, root_mean_square: (squares / distances.len() as f64).sqrt() })

@@ -159,10 +159,14 @@ impl Reduced {
     pub fn distances_in_time(&self, point: &Evaluated) -> Result<Vec<Option<DistanceInTime>>, ControlError> {
         let Some(motion) = &self.motion else { return Ok(Vec::new()) };
         let mut all: Vec<Vec<f64>> = vec![Vec::new(); self.costs.len()];
-        if self.costs.iter().any(|cost| cost.has_position()) {
-            let counting = InstantValues::new(motion).counting;
+        let mut counting = InstantValues::new(motion).counting;
+        // what counts at the end alone is in the figures of the state
+        let at_end = |k: usize| matches!(motion.schedules[k].weights[..], [(n, _)] if n + 1 == counting.len());
+        let wanted: Vec<bool> = (0..all.len()).map(|k| self.costs[k].has_position() && !at_end(k)).collect();
+        counting.iter_mut().for_each(|places| places.retain(|(k, _)| wanted[*k]));
+        if wanted.contains(&true) {
             self.for_each_state(point, &mut |n, state| {
-                for &(k, place) in counting[n].iter().filter(|(k, _)| self.costs[*k].has_position()) {
+                for &(k, place) in &counting[n] {
                     self.cost_point(motion, (k, place), (n, state), (&point.m, point.stage), &mut |cost| {
                         let own = cost.figures()?.into_iter().filter(|one| one.kind == FigureKind::PositionDistance);
                         all[k].extend(own.map(|one| one.value));

@@ -35,8 +35,9 @@ pub struct LimitAhead {
 /// Steps of the path: as long as its direction and Newton's method allow, at most a tenth of the body's diagonal in the
 /// root mean square.
 const STEP: f64 = 1.0;
-/// Points of a path that explains why a solve ended: the limit point is near.
+/// Points of a path that explains why a solve ended, and how far behind the load that failed a limit point may be its reason.
 const NEAR: usize = 30;
+const BEHIND_FAILURE: f64 = 1.0 / 64.0;
 /// A branch without limit points takes some ten points; one that takes more is given up.
 const POINTS: usize = 60;
 /// A path begins towards larger s, and ends at 1 or at its first limit point: this end is never reached.
@@ -59,20 +60,28 @@ impl Model {
         self.ahead_within(POINTS, (from, to), how, workspace, report)
     }
 
-    /// A solve that ended without an equilibrium, for a reason that is not known, or at guides that meet: where the path from its last one turns back, that is said.
+    /// A solve that ended without an equilibrium, for a reason that is not known, or at guides that meet: where the path from its last one turns back
+    /// before the load that failed, or just behind it, that is said.
     pub(super) fn explained(&self, mut error: StateError, to: &Controls, how: &SolveOptions) -> StateError {
-        let StateError::NoConvergence { cause, last, reached, .. } = &mut error else { return error };
+        let StateError::NoConvergence { cause, last, reached, load, newton, .. } = &mut error else { return error };
         if !matches!(cause, Cause::Unknown | Cause::GuidesMeet(_)) {
             return error;
         }
-        let how = SolveOptions { near: None, guess: None, ..how.clone() };
+        let budget = how.budget.map(|budget| budget.saturating_sub(*newton));
+        let how = SolveOptions { near: None, guess: None, budget, ..how.clone() };
         let (mut kept, mut report) = (Workspace::default(), SolveReport::default());
-        if let Ok(Ahead::LimitPoint(at)) = self.ahead_within(NEAR, (last, (to, 1.0)), &how, &mut kept, &mut report) {
-            let load = *reached + at.share * (1.0 - *reached);
-            match cause {
-                Cause::GuidesMeet(guides) => guides.limit = Some(load),
-                _ => *cause = Cause::LimitPoint { load },
-            }
+        let at = match self.ahead_within(NEAR, (last, (to, 1.0)), &how, &mut kept, &mut report) {
+            Err(StateError::Cancelled) => return StateError::Cancelled,
+            Ok(Ahead::LimitPoint(at)) => *reached + at.share * (1.0 - *reached),
+            _ => return error,
+        };
+        *newton += report.newton;
+        if at > *load + BEHIND_FAILURE {
+            return error;
+        }
+        match cause {
+            Cause::GuidesMeet(guides) => guides.limit = Some(at),
+            _ => *cause = Cause::LimitPoint { load: at },
         }
         error
     }

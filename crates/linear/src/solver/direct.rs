@@ -344,12 +344,14 @@ impl LinearSolver for Direct {
         }
     }
 
-    /// First by a factor in single precision, which shows that a matrix is positive definite and well away from singular: see `definite`.
+    /// First by a factor in single precision: whether conjugate gradients with it show no negative curvature, in a matrix well away from singular (see
+    /// `definite`). Pivots of a factor in double precision are counted where they do, or where single precision is known to be too coarse.
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         symmetric(system)?;
         let symbolic = self.symbolic();
         let rounding = |x: &[f64]| ROUNDING * f64::EPSILON * mean_diagonal(system, x);
-        let evidence = symbolic.approximate(system.matrix, system.parallel).ok().and_then(|f| definite(&f, system));
+        let single = || symbolic.approximate(system.matrix, system.parallel).ok();
+        let evidence = (self.precision == Precision::Single).then(single).flatten().and_then(|f| definite(&f, system));
         if evidence.is_some_and(|(smallest, x)| smallest > APART * rounding(&x)) {
             return Ok(Some(Inertia { negative: 0 }));
         }
