@@ -54,6 +54,7 @@ mod teams;
 mod terminal;
 mod time;
 mod time_tolerance;
+mod vector_starts;
 mod vibrations;
 mod warnings;
 mod worst_case;
