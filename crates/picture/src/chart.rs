@@ -57,9 +57,21 @@ impl Curve {
 const SIZE: [f64; 2] = [1600.0, 1000.0];
 /// The rectangle of the axes: left, right, top, bottom.
 const FIELD: [f64; 4] = [210.0, 1550.0, 150.0, 850.0];
-const COLOURS: [Colour; 6] =
-    [Colour::BLUE, Colour::ORANGE, Colour::GREEN, Colour::RED, Colour([122, 92, 174]), Colour([120, 126, 134])];
-/// Curves named in the legend.
+const COLOURS: [Colour; NAMED] = [
+    Colour::BLUE,
+    Colour::ORANGE,
+    Colour::GREEN,
+    Colour::RED,
+    Colour([122, 92, 174]),
+    Colour([120, 126, 134]),
+    Colour([128, 84, 52]),
+    Colour([222, 112, 178]),
+    Colour([148, 146, 34]),
+    Colour([32, 168, 186]),
+    Colour([34, 48, 104]),
+    Colour([142, 202, 96]),
+];
+/// Curves named in the legend, each in a colour of its own.
 const NAMED: usize = 12;
 /// Height of a row of the legend; two rows have room below the axes.
 const ROW: f64 = 32.0;
@@ -71,7 +83,7 @@ impl Chart {
         Self { title: title.to_owned(), axes, curves: Vec::new(), lines: Vec::new(), dots: Vec::new() }
     }
 
-    /// Adds a curve; after six the colours repeat. One without a name goes on with the one before: it has its colour, and no entry in the legend.
+    /// Adds a curve; after twelve the colours repeat. One without a name goes on with the one before: it has its colour, and no entry in the legend.
     pub fn curve(mut self, curve: Curve) -> Self {
         self.curves.push(curve);
         self

@@ -74,12 +74,24 @@ pub(super) struct Fragment {
 
 #[derive(Clone, Copy)]
 struct Sample {
-    /// Towards the eye; minus infinity where there is nothing.
+    /// Towards the eye.
     z: f32,
+    /// Of which fragment.
     fragment: u32,
 }
 
-const NOTHING: Sample = Sample { z: f32::NEG_INFINITY, fragment: 0 };
+/// No fragment.
+const NONE: u32 = u32::MAX;
+const NOTHING: Sample = Sample { z: f32::NEG_INFINITY, fragment: NONE };
+
+/// What a shape shows of itself in a pixel.
+pub(super) enum Seen<'a> {
+    Nothing,
+    /// One look at all samples.
+    Whole(&'a Fragment),
+    /// Several, or some samples without any.
+    Part,
+}
 
 /// One shape over one band of the picture.
 pub(super) struct Layer {
@@ -126,31 +138,27 @@ impl Layer {
     pub fn at(&self, row: usize, column: usize) -> Option<(f32, &Fragment)> {
         let column = column.checked_sub(self.left).filter(|column| *column < self.width)?;
         let sample = self.samples[row * self.width + column];
-        (sample.z > f32::NEG_INFINITY).then(|| (sample.z, &self.fragments[sample.fragment as usize]))
+        Some((sample.z, self.fragments.get(sample.fragment as usize)?))
     }
 
-    /// Whether anything is seen at a pixel of the band.
-    pub fn covers(&self, row: usize, column: usize) -> bool {
-        self.pixel(row, column).is_some_and(|rows| rows.flatten().any(|sample| sample.z > f32::NEG_INFINITY))
-    }
-
-    /// The look of a pixel all of whose samples have the same.
-    pub fn same(&self, row: usize, column: usize) -> Option<&Fragment> {
-        let fragment = self.pixel(row, column)?.flatten().next()?.fragment;
-        let is_same = |sample: &Sample| sample.z > f32::NEG_INFINITY && sample.fragment == fragment;
-        self.pixel(row, column)?.flatten().all(is_same).then(|| &self.fragments[fragment as usize])
-    }
-
-    /// The samples of a pixel, row by row.
-    fn pixel(&self, row: usize, column: usize) -> Option<impl Iterator<Item = &[Sample]>> {
-        let column = (column * SAMPLES).checked_sub(self.left).filter(|column| *column < self.width)?;
-        Some((0..SAMPLES).map(move |k| &self.samples[(row * SAMPLES + k) * self.width + column..][..SAMPLES]))
+    /// What is seen at a pixel of the band.
+    pub fn seen(&self, row: usize, column: usize) -> Seen<'_> {
+        let Some(column) = (column * SAMPLES).checked_sub(self.left).filter(|column| *column < self.width) else {
+            return Seen::Nothing;
+        };
+        let first = self.samples[row * SAMPLES * self.width + column].fragment;
+        let rows = (0..SAMPLES).map(|k| &self.samples[(row * SAMPLES + k) * self.width + column..][..SAMPLES]);
+        if rows.flatten().any(|sample| sample.fragment != first) {
+            return Seen::Part;
+        }
+        self.fragments.get(first as usize).map_or(Seen::Nothing, Seen::Whole)
     }
 
     /// Every pixel is shaded once, at the first of its samples that the triangle covers.
     fn triangle(&mut self, triangle: &Triangle, paint: &Paint) {
         let [_, _, top, bottom] = triangle.bounds();
         let rows = self.rows_within(top, bottom);
+        let mut shaded = Vec::new();
         for pixel_row in rows.start / SAMPLES..rows.end.div_ceil(SAMPLES) {
             let spans: [Span; SAMPLES] = std::array::from_fn(|k| {
                 let row = pixel_row * SAMPLES + k;
@@ -158,22 +166,23 @@ impl Layer {
             });
             let start = spans.iter().map(|span| span.start).min().unwrap_or(0) / SAMPLES;
             let end = spans.iter().map(|span| span.end).max().unwrap_or(0).div_ceil(SAMPLES);
-            for pixel in start..end {
-                let mut shaded = None;
-                for (k, span) in spans.iter().enumerate() {
-                    let row = pixel_row * SAMPLES + k;
-                    for column in span.start.max(pixel * SAMPLES)..span.end.min((pixel + 1) * SAMPLES) {
-                        let z = span.depth_at(column) as f32;
-                        let sample = &mut self.samples[row * self.width + column];
-                        if z > sample.z {
-                            let fragment = *shaded.get_or_insert_with(|| {
-                                let (normal, value) = triangle.look_at(self.first + row, self.left + column);
-                                let (colour, opacity) = paint.at(normal, value);
-                                self.fragments.push(Fragment { opacity, colour, glass: opacity < 1.0 });
-                                self.fragments.len() as u32 - 1
-                            });
-                            *sample = Sample { z, fragment };
+            // fragment by pixel
+            shaded.clear();
+            shaded.resize(end.saturating_sub(start), NONE);
+            for (k, span) in spans.iter().enumerate().filter(|(_, span)| span.start < span.end) {
+                let row = pixel_row * SAMPLES + k;
+                let samples = &mut self.samples[row * self.width..][span.start..span.end];
+                for (column, sample) in (span.start..).zip(samples) {
+                    let z = span.depth_at(column) as f32;
+                    if z > sample.z {
+                        let fragment = &mut shaded[column / SAMPLES - start];
+                        if *fragment == NONE {
+                            let (normal, value) = triangle.look_at(self.first + row, self.left + column);
+                            let (colour, opacity) = paint.at(normal, value);
+                            *fragment = self.fragments.len() as u32;
+                            self.fragments.push(Fragment { opacity, colour, glass: opacity < 1.0 });
                         }
+                        *sample = Sample { z, fragment: *fragment };
                     }
                 }
             }
@@ -196,15 +205,16 @@ impl Layer {
                 if z < sample.z {
                     continue;
                 }
-                let empty = sample.z == f32::NEG_INFINITY;
                 // A sample inked before (by a joint of the same line) must not be inked twice.
-                let before = self.fragments[sample.fragment as usize];
-                let inked = !empty && before.colour == colour;
-                if bare || empty {
-                    if !inked || before.opacity < opacity {
+                let before = self.fragments.get(sample.fragment as usize).copied();
+                let inked = before.filter(|before| before.colour == colour);
+                let Some(before) = before.filter(|_| !bare) else {
+                    if inked.is_none_or(|inked| inked.opacity < opacity) {
                         self.samples[at] = Sample { z, fragment: own };
                     }
-                } else if !inked {
+                    continue;
+                };
+                if inked.is_none() {
                     if last.0 != sample.fragment {
                         last = (sample.fragment, self.push(over(&before, colour, opacity)));
                     }

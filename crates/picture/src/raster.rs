@@ -1,7 +1,7 @@
 //! The z-buffer: nine samples per pixel, one layer per shape, layers laid over each other from far to near.
 
 use super::colour::{Linear, mix, tint};
-use super::layer::{Drawable, Fragment, Layer};
+use super::layer::{Drawable, Fragment, Layer, Seen};
 use super::scene::Scene;
 use rayon::prelude::*;
 
@@ -38,13 +38,21 @@ pub(super) fn render(scene: &Scene, width: usize, height: usize) -> Image {
 
 /// The mean of a pixel's samples.
 fn pixel(layers: &[Layer], row: usize, column: usize, behind: Linear) -> Linear {
-    let mut covering = layers.iter().filter(|layer| layer.covers(row, column));
+    let mut only = None;
+    let mut covering = 0;
+    for layer in layers {
+        match layer.seen(row, column) {
+            Seen::Nothing => continue,
+            Seen::Whole(fragment) => only = Some(fragment),
+            Seen::Part => only = None,
+        }
+        covering += 1;
+    }
     // Most of a picture is background, and most of a body one layer and one triangle per pixel.
-    let Some(first) = covering.next() else { return behind };
-    if covering.next().is_none()
-        && let Some(fragment) = first.same(row, column)
-    {
-        return laid(fragment, false, behind);
+    match (covering, only) {
+        (0, _) => return behind,
+        (1, Some(fragment)) => return laid(fragment, false, behind),
+        _ => {}
     }
     let mut sum = [0.0; 3];
     for k in 0..SAMPLES * SAMPLES {

@@ -8,7 +8,7 @@ use nastic_picture::{Chart, Curve};
 const POINTS: usize = 80;
 const MEGA: f64 = 1e6;
 /// Laws in colours of their own; lines of further ones are dashed.
-const COLOURS: usize = 6;
+const COLOURS: usize = 12;
 /// Widths of lines: of the best law, and of others.
 const WIDTHS: [f64; 2] = [6.0, 3.0];
 
