@@ -2,15 +2,17 @@
 //!
 //! `cargo bench --bench assembly -- element=hex27 n=6 repeat=20 threads=1`: the body of the bench `forward` in a bent
 //! configuration that costs no solve. Times are the smallest of the repetitions, in seconds: on a machine that does other work too, that
-//! is the figure that repeats itself.
+//! is the figure that repeats itself. Cycles of multigrid are at rest, on entries and on products of cells.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
 mod common;
 
 use common::{Arguments, cantilever};
+use nastic::fem::Instant;
+use nastic::linear::{Geometry, Multigrid, Preconditioner};
 use nastic::prelude::*;
-use std::time::Instant;
+use rayon::prelude::*;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments = Arguments::read(&["element", "n", "repeat", "only", "threads"])?;
@@ -41,18 +43,51 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let force = least(repeat, || body.evaluate(&u, &controls, true, true).map(drop))?;
     let energy = least(repeat, || body.evaluate(&u, &controls, false, true).map(drop))?;
     let control_vjp = least(repeat, || body.control_vjp(&u, &controls, &v, true).map(drop))?;
+    let threads = common::threads();
     let mut product = vec![0.0; disc.dofs()];
     let direct = least(repeat, || body.tangent_product(&u, &controls, &v, &mut product, true))?;
     let assembled = least(repeat, || {
         matrix.multiply(&v, &mut product);
         Ok::<(), std::convert::Infallible>(())
     })?;
+    let instant = Instant::new(&u, &controls, 1.0);
+    let products = solid.model().cell_products(&instant)?;
+    let by_cells = match &products {
+        None => f64::NAN,
+        Some(products) => {
+            let mut room = Vec::new();
+            least(repeat, || {
+                products.of_cells(&v, &mut room, threads > 1);
+                let at = |node: usize| products.at_node(node, &room).iter().sum::<f64>();
+                std::hint::black_box((0..disc.dofs() / 3).into_par_iter().with_min_len(512).map(at).sum::<f64>());
+                Ok::<(), std::convert::Infallible>(())
+            })?
+        }
+    };
+    let rest = solid.rest();
+    matrix.clear();
+    body.evaluate_tangent(&rest.u, &rest.controls, &mut matrix, true)?;
+    let products = solid.model().cell_products(&Instant::of(&rest))?;
+    let diagonal = matrix.diagonal().iter().copied().fold(0.0, f64::max);
+    matrix.eliminate(solid.supports().fixed(), diagonal);
+    let cycle = |products| -> Result<f64, Box<dyn std::error::Error>> {
+        let (points, fixed) = (solid.mesh().points(), solid.supports().fixed());
+        let geometry = Geometry { points, fixed, corners: disc.corners(), products };
+        let levels = Multigrid::new(&matrix, &geometry, threads > 1)?;
+        let mut x = v.clone();
+        solid.supports().clear(&mut x);
+        Ok(least(repeat, || {
+            levels.apply(&mut x);
+            Ok::<(), std::convert::Infallible>(())
+        })?)
+    };
+    let cycles = [cycle(None)?, cycle(products.as_ref())?];
     let max_step = least(repeat, || body.max_step(&u, &v, true).map(drop))?;
     let cells = solid.mesh().cells();
     println!(
         "{{\"element\": \"{}\", \"cells\": {cells}, \"ndof\": {}, \"threads\": {}, \"tangent_s\": {tangent:.5}, \
          \"of_which_clear_s\": {clear:.5}, \"force_s\": {force:.5}, \"energy_s\": {energy:.5}, \"pull_back_s\": {control_vjp:.5}, \
-         \"product_s\": {direct:.5}, \"assembled_product_s\": {assembled:.5}, \"max_step_s\": {max_step:.5}, \"tangent_us_per_cell\": {:.2}}}",
+         \"product_s\": {direct:.5}, \"assembled_product_s\": {assembled:.5}, \"product_by_cells_s\": {by_cells:.5}, \"cycles_s\": {cycles:.5?}, \"max_step_s\": {max_step:.5}, \"tangent_us_per_cell\": {:.2}}}",
         kind.name(),
         disc.dofs(),
         common::threads(),
@@ -74,7 +109,7 @@ fn arc(mesh: &Mesh) -> Vec<f64> {
 fn least<E>(repeat: usize, mut work: impl FnMut() -> Result<(), E>) -> Result<f64, E> {
     let mut least = f64::INFINITY;
     for _ in 0..repeat.max(1) {
-        let began = Instant::now();
+        let began = std::time::Instant::now();
         work()?;
         least = least.min(began.elapsed().as_secs_f64());
     }

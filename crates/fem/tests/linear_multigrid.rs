@@ -7,7 +7,7 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, distance, largest, noise, regular};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
-use nastic_fem::{Controls, Solid, SolveOptions, Solver, State};
+use nastic_fem::{Controls, Formulation, Foundation, Instant, Solid, SolveOptions, Solver, State};
 use nastic_linear::{
     CgEnd, CgReport, FactorError, Geometry, Multigrid, Pivots, Preconditioner, SparseMatrix, conjugate_gradient,
 };
@@ -65,7 +65,7 @@ impl System {
     fn multigrid(&self, parallel: bool) -> Result<Multigrid, FactorError> {
         let corners = self.solid.discretization().corners();
         let fixed = self.solid.supports().fixed();
-        Multigrid::new(&self.matrix, &Geometry { points: &self.points, fixed, corners }, parallel)
+        Multigrid::new(&self.matrix, &Geometry { points: &self.points, fixed, corners, products: None }, parallel)
     }
 
     fn vector(&self, seed: usize) -> Vec<f64> {
@@ -226,7 +226,7 @@ fn the_structure_of_levels_is_kept() -> Outcome {
         let new = applied(&levels);
         let renew = |levels: &mut Multigrid, system: &System| {
             let (fixed, corners) = (system.solid.supports().fixed(), system.solid.discretization().corners());
-            levels.renew(&system.matrix, &Geometry { points: &system.points, fixed, corners }, true)
+            levels.renew(&system.matrix, &Geometry { points: &system.points, fixed, corners, products: None }, true)
         };
         // there and back: the bits of levels that were made for it alone
         renew(&mut levels, &bent)?;
@@ -284,7 +284,8 @@ fn indefinite_matrices_are_told_of() -> Outcome {
             assert!(matches!(report.end, CgEnd::NegativeCurvature { .. }), "{report:?}");
         }
     }
-    let geometry = Geometry { points: &system.points[1..], fixed: system.solid.supports().fixed(), corners: None };
+    let geometry =
+        Geometry { points: &system.points[1..], fixed: system.solid.supports().fixed(), corners: None, products: None };
     assert!(matches!(Multigrid::new(&system.matrix, &geometry, true), Err(FactorError::Structure(_))));
     Ok(())
 }
@@ -339,5 +340,39 @@ fn an_unstable_state_falls_back_to_the_factor() -> Outcome {
     let solved = solid.solve(&solid.controls(), &MULTIGRID)?;
     assert!(solved.report.residual <= 1e-10, "{:?}", solved.report);
     assert!(distance(&solved.u, &state.u) < 1e-8 * largest(&state.u), "another equilibrium");
+    Ok(())
+}
+
+/// `K v` by cells against the matrix, on bent cells that are no boxes, a number of them that fills no batch.
+#[test]
+fn products_of_cells_are_those_of_the_matrix() -> Outcome {
+    let system = System::bent(cantilever(CellKind::Hex27, 1.0, [5, 2, 2], 1e6)?)?;
+    let state = system.solid.solve(&bending(&system.solid), &SolveOptions::default())?;
+    let instant = Instant::of(&state);
+    let products = system.solid.model().cell_products(&instant)?.ok_or("27-node hexahedra have products")?;
+    let v = system.vector(3);
+    let mut wanted = vec![0.0; v.len()];
+    system.matrix.multiply(&v, &mut wanted);
+    let of = |parallel: bool| {
+        let mut room = vec![f32::NAN; 7];
+        products.of_cells(&v, &mut room, parallel);
+        (0..v.len() / 3).flat_map(|node| products.at_node(node, &room)).collect::<Vec<f64>>()
+    };
+    let found = of(false);
+    assert_eq!(found, of(true));
+    assert!(distance(&found, &wanted) < 3e-6 * largest(&wanted), "{}", distance(&found, &wanted) / largest(&wanted));
+    Ok(())
+}
+
+/// What other cells and other contributions have no products for.
+#[test]
+fn only_bodies_of_hexahedra_alone_have_products() -> Outcome {
+    let has =
+        |solid: &Solid| -> Outcome<bool> { Ok(solid.model().cell_products(&Instant::of(&solid.rest()))?.is_some()) };
+    let hex27 = || cantilever(CellKind::Hex27, 1.0, [2, 1, 1], 1e6);
+    assert!(has(&hex27()?)?);
+    assert!(!has(&cantilever(CellKind::Hex20, 1.0, [2, 1, 1], 1e6)?)?);
+    assert!(!has(&hex27()?.formulation("body", Formulation::LinearDilatation)?)?);
+    assert!(!has(&hex27()?.foundation(Foundation::on("x+", 1e3))?)?);
     Ok(())
 }

@@ -75,7 +75,7 @@ pub use graph::Graph;
 pub use iterative::{CgEnd, CgReport, Preconditioner, StoppingTest, conjugate_gradient};
 pub use joined_structure::JoinedStructure;
 pub use matrix::{SparseMatrix, Symmetry};
-pub use multigrid::{Corners, Geometry, Multigrid};
+pub use multigrid::{CellProducts, Corners, Geometry, Multigrid};
 pub use operator::{OnThreads, Operator};
 pub use ordering::{Ordering, OrderingMethod};
 pub use pattern::Pattern;

@@ -1,12 +1,14 @@
 //! [`Discretization`]: everything about a mesh that materials, loads and supports do not change.
 
 pub(crate) mod cell_fields;
+pub(crate) mod hexahedra;
 mod nodal_fields;
 mod nodal_volumes;
 mod patches;
 pub(crate) mod quadrature_points;
 pub(crate) mod supports;
 
+use crate::discretization::hexahedra::Hexahedra;
 use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
 use crate::error::FemError;
 use crate::structure::{KeptStructures, StructureCounts, TangentStructure};
@@ -23,6 +25,7 @@ pub struct Discretization {
     mesh: Arc<Mesh>,
     points: Arc<QuadraturePoints>,
     corners: OnceLock<Option<Corners>>,
+    hexahedra: OnceLock<Option<Arc<Hexahedra>>>,
     /// See [`patches`](patches::patches).
     patches: OnceLock<Vec<u32>>,
     /// That of tangents with the couplings of cells alone.
@@ -40,8 +43,8 @@ impl Discretization {
         let points = Arc::new(QuadraturePoints::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?);
         let structures = Arc::<KeptStructures>::default();
         let of_cells = TangentStructure::new(mesh.clone(), points.clone(), Vec::new(), structures.clone())?;
-        let (corners, patches) = (OnceLock::new(), OnceLock::new());
-        Ok(Arc::new(Discretization { mesh, points, corners, patches, of_cells, structures }))
+        let (corners, hexahedra, patches) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Ok(Arc::new(Discretization { mesh, points, corners, hexahedra, patches, of_cells, structures }))
     }
 
     /// The structure of tangents in which nodes are coupled by cells alone.
@@ -105,6 +108,12 @@ impl Discretization {
             Corners::new(self.mesh.points().len(), elements)
         };
         self.corners.get_or_init(make).as_ref()
+    }
+
+    /// Its cells in batches, if all are 27-node hexahedra. Made when first asked for.
+    pub(crate) fn hexahedra(&self) -> Option<&Arc<Hexahedra>> {
+        let make = || Hexahedra::new(&self.points, self.mesh.points().len()).map(Arc::new);
+        self.hexahedra.get_or_init(make).as_ref()
     }
 
     /// The [patch](patches::patches) of every cell. Made when first asked for.

@@ -11,6 +11,7 @@ pub(crate) mod cell_sweep;
 pub(crate) mod cells;
 pub(crate) mod dilatation;
 pub(crate) mod displaced;
+pub(crate) mod hexahedra;
 pub(crate) mod hyper_dual;
 mod matrix;
 pub(crate) mod patch;

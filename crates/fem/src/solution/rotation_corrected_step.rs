@@ -65,7 +65,7 @@ impl Laplacian {
             return structure.symbolic().approximate(&matrix, parallel).ok().map(Laplacian::Factor);
         }
         let disc = model.discretization();
-        let geometry = Geometry { points: disc.mesh().points(), fixed, corners: disc.corners() };
+        let geometry = Geometry { points: disc.mesh().points(), fixed, corners: disc.corners(), products: None };
         let levels = Multigrid::new(&matrix, &geometry, parallel).ok()?;
         Some(Laplacian::Multigrid(Box::new((matrix, levels))))
     }

@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use super::block_matrix::BlockMatrix;
+use super::cell_products::CellProducts;
 use super::corners::Corners;
 use super::couplings::{Couplings, Symmetric};
 use super::cycle::{Vectors, v_cycle};
@@ -25,6 +26,8 @@ pub struct Geometry<'a> {
     pub fixed: &'a [bool],
     /// The corner nodes of second-order elements.
     pub corners: Option<&'a Corners>,
+    /// The matrix by the products of its cells: what is smoothed with on second-order elements, in the place of its entries.
+    pub products: Option<&'a Arc<dyn CellProducts>>,
 }
 
 /// A symmetric positive definite approximation of the inverse of a positive definite matrix.
@@ -115,7 +118,7 @@ impl Multigrid {
         for l in 0.. {
             let values = inherited.as_deref().unwrap_or(&matrix.values);
             if let Some(level) = self.levels.get_mut(l) {
-                level.matrix.fill(values, parallel);
+                level.matrix.fill(values, geometry.products.filter(|_| l == 0 && geometry.corners.is_some()), parallel);
                 if !level.serves(parallel) {
                     self.cut(l);
                 }
@@ -144,13 +147,13 @@ impl Multigrid {
         let parallel = self.parallel;
         let couplings = self.last_couplings().clone();
         self.layouts += 1;
-        let filled = || {
+        let filled = |products| {
             let mut matrix = BlockMatrix::new(couplings.clone());
-            matrix.fill(values, parallel);
+            matrix.fill(values, products, parallel);
             matrix
         };
         if let (true, Some(corners)) = (self.levels.is_empty(), geometry.corners) {
-            self.levels.push(Level::of_corners(filled(), corners, geometry.fixed, parallel));
+            self.levels.push(Level::of_corners(filled(geometry.products), corners, geometry.fixed, parallel));
             return Ok(());
         }
         if !self.levels.is_empty() && couplings.unknowns() <= ANALYSED {
@@ -161,7 +164,7 @@ impl Multigrid {
                 return Ok(());
             }
         }
-        match Level::of_aggregates(filled(), (modes::count(self.finest.size), COARSENING), parallel) {
+        match Level::of_aggregates(filled(None), (modes::count(self.finest.size), COARSENING), parallel) {
             Some(level) => self.levels.push(level),
             None => self.coarsest = Some(Coarsest { symbolic: coarsest::analyse(&couplings)?, factor: None }),
         }

@@ -1,7 +1,7 @@
 //! Multigrid for elastic bodies: a preconditioner whose cost grows with the number of unknowns, for bodies whose factor
 //! does not.
 //!
-//! Second-order elements first hand over to the first-order elements on their corners ([`Corners`]); below that come
+//! Second-order elements, smoothed on by [products](CellProducts) where there are some, first hand over to the first-order elements on their corners ([`Corners`]); below that come
 //! smoothed aggregates of nodes that carry the rigid motions of the *displaced* body; the last level is factorised. One
 //! application is a symmetric V-cycle with Chebyshev smoothing, so it serves conjugate gradients.
 //!
@@ -10,6 +10,7 @@
 
 mod aggregation;
 mod block_matrix;
+mod cell_products;
 mod chunks;
 mod coarsest;
 mod corners;
@@ -25,5 +26,6 @@ mod smoother;
 mod tentative;
 mod transfer;
 
+pub use cell_products::CellProducts;
 pub use corners::Corners;
 pub use hierarchy::{Geometry, Multigrid};

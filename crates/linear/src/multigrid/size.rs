@@ -42,7 +42,7 @@ impl Couplings {
 
 impl BlockMatrix {
     pub(super) fn bytes(&self) -> usize {
-        self.couplings.bytes() + 4 * self.couplings.size.pow(2) * self.couplings.codes.len()
+        self.couplings.bytes() + self.bytes_of_values()
     }
 }
 

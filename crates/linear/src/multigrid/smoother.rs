@@ -116,13 +116,14 @@ impl Smoother {
         d: &[f64],
         parallel: bool,
     ) {
+        let of_d = matrix.times::<N>(d, parallel);
         let (d, _) = d.as_chunks::<N>();
         let [x, r, next] = [x, r, next].map(|v| chunks::rows(v.as_chunks_mut::<N>().0, 1));
         let parts = x.zip(r).zip(next).collect();
         type Rows<'a, const N: usize> = &'a mut [[f64; N]];
         chunks::each(parts, parallel, |k, ((x, r), next): ((Rows<N>, Rows<N>), Rows<N>)| {
             let first = CHUNK * k;
-            matrix.products(first..first + x.len(), d, |at, product| {
+            of_d.rows(first..first + x.len(), |at, product| {
                 let r = &mut r[at];
                 (0..N).for_each(|c| r[c] -= product[c]);
                 let z = self.scaled(first + at, r);

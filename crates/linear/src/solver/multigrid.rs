@@ -95,7 +95,9 @@ impl MultigridSolver {
         let kept = self.levels.take().and_then(Arc::into_inner);
         let mut levels = kept.unwrap_or_else(|| Multigrid::empty(system.matrix.pattern()));
         let (points, corners) = (system.configuration.positions(), system.configuration.corners());
-        let geometry = Geometry { points, fixed: system.fixed, corners };
+        let products = system.has_products.then(|| system.configuration.products()).flatten();
+        work.by_cells += usize::from(products.is_some());
+        let geometry = Geometry { points, fixed: system.fixed, corners, products: products.as_ref() };
         let renewed = levels.renew(system.matrix, &geometry, system.parallel);
         (self.levels, self.serves) = (Some(Arc::new(levels)), renewed.is_ok());
         (self.rate, self.excess) = (MOST as f64, 0.0);

@@ -29,6 +29,7 @@ pub(crate) mod excess_tension;
 pub(crate) mod formulation;
 pub(crate) mod history;
 pub(crate) mod max_step;
+mod moduli;
 pub(crate) mod point_peaks;
 pub(crate) mod point_strains;
 mod second_order;
