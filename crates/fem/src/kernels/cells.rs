@@ -43,7 +43,12 @@ impl<'a> Cells<'a> {
 
     /// The first cell of a patch, by its number in the mesh.
     pub fn first(&self, patch: Patch) -> usize {
-        patch.cells.first().map_or(0, |&c| self.part.cells[c as usize] as usize)
+        self.part.cells[self.number(patch)] as usize
+    }
+
+    /// The same by its number in the group.
+    pub fn number(&self, patch: Patch) -> usize {
+        patch.cells.first().map_or(0, |&c| c as usize)
     }
 
     /// The q-th point of a patch, inverted.

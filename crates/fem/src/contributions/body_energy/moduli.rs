@@ -17,6 +17,8 @@ use rayon::prelude::*;
 use std::fmt;
 use std::sync::Arc;
 
+/// Moduli of a batch.
+const BATCH: usize = NODES * MODULI * CELLS;
 /// Batches handled by one task, and nodes copied by one.
 const TASK: usize = 8;
 const COPIED: usize = 4096;
@@ -45,17 +47,29 @@ impl BodyEnergy {
         if !self.groups().all(|(cells, _)| affine(cells)) {
             return Ok(None);
         }
-        let mut moduli = vec![0.0; hexahedra.batches() * NODES * MODULI * CELLS];
+        let mut moduli = vec![0.0; hexahedra.batches() * BATCH];
         for (cells, patches) in self.groups() {
             let work = Moduli { body: self, cells, to, driving, hexahedra };
+            let (mut batch, mut of_cells) = (0, vec![0.0; CELLS * NODES * MODULI]);
             sweep(&work, patches, parallel, |patch, own| {
-                let Some(&c) = patch.cells.first() else { return };
-                let (batch, lane) = (c as usize / CELLS, c as usize % CELLS);
-                let of_batch = &mut moduli[batch * NODES * MODULI * CELLS..][..NODES * MODULI * CELLS];
-                of_batch.iter_mut().skip(lane).step_by(CELLS).zip(own).for_each(|(to, from)| *to = *from);
+                let c = cells.number(patch);
+                if c / CELLS != batch {
+                    transpose(&of_cells, &mut moduli[batch * BATCH..][..BATCH]);
+                    of_cells.fill(0.0);
+                    batch = c / CELLS;
+                }
+                of_cells[c % CELLS * NODES * MODULI..][..NODES * MODULI].copy_from_slice(own);
             })?;
+            transpose(&of_cells, &mut moduli[batch * BATCH..][..BATCH]);
         }
         Ok(Some(Arc::new(HexahedraProducts { hexahedra: hexahedra.clone(), moduli, fixed: fixed.to_vec() })))
+    }
+}
+
+/// From cell by cell to modulus by modulus.
+fn transpose(of_cells: &[f32], batch: &mut [f32]) {
+    for (k, moduli) in batch.as_chunks_mut::<CELLS>().0.iter_mut().enumerate() {
+        (0..CELLS).for_each(|cell| moduli[cell] = of_cells[cell * NODES * MODULI + k]);
     }
 }
 
@@ -81,7 +95,7 @@ impl CellWork for Moduli<'_> {
     }
 
     fn compute(&self, patch: Patch, scratch: &mut Scratch, moduli: &mut Vec<f32>) -> Result<(), Inadmissible> {
-        let Some(&c) = patch.cells.first() else { return Ok(()) };
+        let c = self.cells.number(patch);
         self.body.kinematics(self.cells, patch, self.to, scratch)?;
         let want = Want { energy: false, stress: false, tangent: true };
         scratch.clear(want);
@@ -95,7 +109,7 @@ impl CellWork for Moduli<'_> {
                 self.body.actuations[k].law.respond(&at, self.driving.slots(k, &at), want, &mut out);
             }
         }
-        let inverse = &self.cells.part.inverse[c as usize * NODES..][..NODES];
+        let inverse = &self.cells.part.inverse[c * NODES..][..NODES];
         for (q, (tangent, &weight)) in scratch.tangent.iter().zip(&scratch.weights).enumerate() {
             let at = self.hexahedra.point(q);
             put_moduli(tangent, &inverse[q], weight, &mut moduli[at * MODULI..][..MODULI]);
@@ -142,7 +156,7 @@ impl CellProducts for HexahedraProducts {
         let multiply = |own: &[[f32; 4]], first: usize, rows: &mut [f32]| {
             for (at, rows) in rows.chunks_exact_mut(ROWS).enumerate() {
                 let batch = first + at;
-                let moduli = &self.moduli[batch * NODES * MODULI * CELLS..][..NODES * MODULI * CELLS];
+                let moduli = &self.moduli[batch * BATCH..][..BATCH];
                 let (line, nodes) = (hexahedra.line(), hexahedra.nodes_of(batch));
                 Batch { line, moduli, nodes, v: own, rows }.multiply();
             }
