@@ -104,10 +104,9 @@ fn second_derivatives_have_the_same_bits_on_any_number_of_ranks() -> Outcome {
 
 /// The formulas of docs/clusters.md. `of` has the bytes that are told of a member.
 fn exchanged(shares: &Shares, of: usize) -> Traffic {
-    let others = shares.ranks() - 1;
-    let told = |rank: usize| 16 + of * shares.of(rank).len();
-    let all: usize = (0..shares.ranks()).map(told).sum();
-    Traffic { messages: 2 * others, bytes: all - told(0) + others * (all + 8 * shares.ranks()) }
+    let ranks = shares.ranks();
+    let rounds = ranks.next_power_of_two().trailing_zeros() as usize;
+    Traffic { messages: ranks * rounds, bytes: (ranks - 1) * (24 * ranks + of * shares.members()) }
 }
 
 #[test]
