@@ -195,6 +195,30 @@ fn a_failed_member_is_the_same_failure_on_all_ranks() -> Outcome {
 }
 
 #[test]
+fn members_of_an_ensemble_share_equal_vectors() -> Outcome {
+    let all = bars(Mean)?;
+    let [first, second, ..] = all.members() else { panic!("{MEMBERS} members") };
+    let (first, second) = (first.problem(), second.problem());
+    assert!(std::ptr::eq(first.solid().supports(), second.solid().supports()));
+    assert!(std::ptr::eq(first.solid().dead_load(), second.solid().dead_load()));
+    let basis = |problem: &Reduced| problem.layout().blocks()[0].basis.clone();
+    assert!(Arc::ptr_eq(&basis(first), &basis(second)));
+    // that of another body on the same mesh is its own, with its own forces
+    let body = |force: f64| -> Outcome<Reduced> {
+        let solid =
+            Solid::on(first.solid().discretization().clone())
+                .nodal_force(&vec![force; first.solid().dead_load().len()])?;
+        Ok(Reduced::new(solid).share_equal_parts())
+    };
+    let (one, other) = (body(1.0)?, body(2.0)?);
+    assert_eq!(
+        (one.solid().dead_load()[0], other.solid().dead_load()[0], first.solid().dead_load()[0]),
+        (1.0, 2.0, 0.0)
+    );
+    Ok(())
+}
+
+#[test]
 fn members_that_move_between_ranks_change_no_bit() -> Outcome {
     let m = start(bars(Mean)?.len());
     let two = |all: &Ensemble, moves: &dyn Fn() -> bool| {

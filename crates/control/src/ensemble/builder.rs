@@ -143,7 +143,7 @@ impl EnsembleBuilder {
 
 /// Members run side by side, each on one thread; a single one may have them all.
 fn prepared(problem: Reduced, alone: bool, cancel: Option<&Arc<AtomicBool>>, keep_factors: bool) -> Reduced {
-    let problem = if alone { problem } else { problem.sequential() };
+    let problem = if alone { problem } else { problem.sequential().share_equal_parts() };
     let problem = if keep_factors { problem } else { problem.keep_factors(false) };
     match cancel {
         Some(flag) => problem.cancelled_by(flag.clone()),
