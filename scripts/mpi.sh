@@ -1,27 +1,32 @@
 #!/usr/bin/env bash
 # nastic-mpi on the ranks of MPI against nastic alone: the same bits for 1, 2, 3, 4 and 7 ranks, ranks that are killed, and what resumes.
 #
-#   scripts/mpi.sh [KILLS]        KILLS: moments at which a rank is killed, 20 if absent
+#   scripts/mpi.sh [KILLS [SEED]]        KILLS: moments at which a rank is killed, 20 if absent
 #
-# Needs mpirun, mpicc and libclang (Debian: libopenmpi-dev or libmpich-dev, libclang-dev). MPIRUN and MPICC choose among several.
+# Needs mpirun, mpicc and libclang (Debian: libopenmpi-dev or libmpich-dev, libclang-dev). Where both libraries are installed:
+#
+#   MPIRUN=mpirun.mpich MPICC=mpicc.mpich scripts/mpi.sh
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 kills=${1:-20}
+RANDOM=${2:-1}
 mpirun=${MPIRUN:-mpirun}
-out=target/mpi_runs
+library=mpich
+"$mpirun" --version 2>&1 | grep -q "Open MPI" && library=openmpi
+out="$PWD/target/mpi_runs_$library"
 failed=()
 export CARGO_TARGET_DIR="$PWD/target"
 rm -rf "$out"
 mkdir -p "$out"
 
 cargo build --release --workspace --locked --quiet --bins || exit 1
-cargo build --release --locked --quiet --manifest-path mpi/Cargo.toml --target-dir target/mpi || exit 1
+cargo build --release --locked --quiet --manifest-path mpi/Cargo.toml --target-dir "target/mpi_$library" || exit 1
 nastic=target/release/nastic
-program=target/mpi/release/nastic-mpi
+program="target/mpi_$library/release/nastic-mpi"
 
 options=()
-if "$mpirun" --version 2>&1 | grep -q "Open MPI"; then
+if [ "$library" = openmpi ]; then
   # More ranks than processors, which give way while they wait.
   options=(--oversubscribe --mca mpi_yield_when_idle 1)
   [ "$(id -u)" = 0 ] && options+=(--allow-run-as-root)
@@ -56,6 +61,7 @@ def result(folder):
 def files(folder):
     left_out = {"history.jsonl", "result.json", "checkpoint.bin", "report.html"}
     names = {file.name for file in folder.iterdir() if not file.name.startswith(".")} - left_out
+    names = {name for name in names if not name.startswith("checkpoint_")}
     return {name: (folder / name).read_bytes() for name in names}
 
 for what in (history, result, files):
@@ -77,16 +83,25 @@ compare() { # NAME ARGUMENTS...
   done
 }
 
-# A rank is killed: all end within 5 s, and any number of ranks goes on.
-kill_a_rank() { # NUMBER ARGUMENTS...
-  local number="$1" place="$out/killed_$1" job victim began n
-  shift
-  setsid "$mpirun" "${options[@]}" -n 3 "$program" "$@" --threads 1 --quiet --out "$place" >"$place.log" 2>&1 &
+# Processes of ranks that write to a directory.
+ranks_in() { # DIRECTORY
+  local pid
+  for pid in $(pgrep -x nastic-mpi); do
+    { tr '\0' '\n' <"/proc/$pid/cmdline" | grep -qxF -- "$1" && echo "$pid"; } 2>/dev/null
+  done
+}
+
+# A rank is killed at a moment of the run: all end within 5 s, and any number of ranks goes on.
+kill_a_rank() { # NUMBER MILLISECONDS ARGUMENTS...
+  local number="$1" moment=$((RANDOM % ($2 * 4 / 5))) which=$((RANDOM % 3)) place="$out/killed_$1" job victim began gone n
+  shift 2
+  "$mpirun" "${options[@]}" -n 3 "$program" "$@" --threads 1 --quiet --out "$place" >"$place.log" 2>&1 &
   job=$!
-  sleep "$((number % 4)).$((number * 7 % 10))"
-  victim=$(pgrep -s "$job" -x nastic-mpi | tail -n 1)
+  sleep "$((moment / 1000)).$(printf %03d $((moment % 1000)))"
+  victim=$(ranks_in "$place" | sed -n "$((which + 1))p")
+  gone=""
   began=$SECONDS
-  [ -n "$victim" ] && kill -KILL "$victim"
+  kill -KILL "${victim:-none}" 2>/dev/null || gone=" (it had ended)"
   wait "$job" 2>/dev/null
   [ $((SECONDS - began)) -le 5 ] || note "killed $number: ended after $((SECONDS - began)) s" 1
   n=$((1 + number % 4))
@@ -96,7 +111,25 @@ kill_a_rank() { # NUMBER ARGUMENTS...
     ranks "$n" "$@" --quiet --restart --out "$place" >>"$place.log" 2>&1
   fi
   same "$out/uninterrupted" "$place"
-  note "a rank killed, moment $number, then $n ranks" $?
+  note "a rank killed after $moment ms${gone}, then $n ranks" $?
+}
+
+# A disk becomes full on the way, and has space again.
+fill_a_disk() { # ARGUMENTS...
+  local disk="$out/disk" place="$out/disk/run" status
+  mkdir -p "$disk"
+  if ! mount -t tmpfs -o size=760k tmpfs "$disk" 2>/dev/null; then
+    echo "skipped a full disk: there is no right to mount one"
+    return
+  fi
+  ranks 3 "$@" --quiet --out "$place" >"$out/disk.log" 2>&1
+  status=$?
+  [ "$status" = 7 ] || note "a full disk: exit code $status" 1
+  mount -o remount,size=64m "$disk"
+  ranks 2 resume "$place" --quiet >>"$out/disk.log" 2>&1
+  same "$out/uninterrupted" "$place"
+  note "a full disk, then 2 ranks" $?
+  umount "$disk"
 }
 
 cases=examples/cases
@@ -109,7 +142,13 @@ compare risk_and_constraints optimize $cases/robust_turgor.json "${short[@]}" --
 compare starts optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6 --set optimizer/starts=7
 long=(optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=12 --set optimizer/tolerance=1e-12 --set output/checkpoint=1)
 "$nastic" "${long[@]}" --threads 2 --quiet --out "$out/uninterrupted"
-for number in $(seq "$kills"); do kill_a_rank "$number" "${long[@]}"; done
+began=$(date +%s%3N)
+ranks 3 "${long[@]}" --quiet --out "$out/timed" >"$out/timed.log" 2>&1
+length=$(($(date +%s%3N) - began))
+same "$out/uninterrupted" "$out/timed"
+note "the run whose ranks are killed, $length ms" $?
+fill_a_disk "${long[@]}"
+for number in $(seq "$kills"); do kill_a_rank "$number" "$length" "${long[@]}"; done
 
 [ "${#failed[@]}" = 0 ] && echo "all as on one rank" && exit 0
 printf 'FAILED: %s\n' "${failed[@]}"

@@ -41,10 +41,9 @@ def shares(work, ranks):
 
 
 def exchange(members, ranks, size):
-    """Gathered at rank 0, one message after the other, and sent on to all along a binary tree."""
-    gathered = (ranks - 1) * (LATENCY / ranks + 2 * OVERHEAD) + (16 * (ranks - 1) + size * members) / BANDWIDTH
-    hops = math.ceil(math.log2(ranks))
-    return gathered + LATENCY + hops * (LATENCY + 2 * OVERHEAD + (24 * ranks + size * members) / BANDWIDTH)
+    """Rounds in which a rank hears of as many others as it knows; in a ring of ranks that send or receive first in turns at most three messages wait for each other."""
+    rounds = math.ceil(math.log2(ranks))
+    return 3 * (rounds * (LATENCY + 2 * OVERHEAD) + (24 * ranks + size * members) / BANDWIDTH)
 
 
 def tree_sum(members, ranks):
@@ -73,7 +72,7 @@ def main():
     print("|---|---|---|---|---|---|")
     for unknowns, (solve, gradient) in BODIES.items():
         for ranks in RANKS:
-            of = lambda balanced: [efficiency(ranks, solve, gradient, balanced, random) for _ in range(REPEATS if ranks < 1_000 else 3)]
+            of = lambda balanced: [efficiency(ranks, solve, gradient, balanced, random) for _ in range(REPEATS if ranks < 10_000 else 8)]
             even, balanced = of(False), of(True)
             rows.append((unknowns, ranks, *(float(numpy.mean([e for e, _ in found])) for found in (even, balanced))))
             milliseconds = 1e3 * balanced[0][1]

@@ -53,6 +53,7 @@ const OPTIMIZE: &[&str] = &[
     "spectrum.json",
     "spectrum.vtu",
     "checkpoint.bin",
+    "checkpoint_#.bin",
     "optimum.vtu",
     "optimum_lines.vtu",
     "optimum_obstacles.vtu",

@@ -94,7 +94,9 @@ impl Layout {
         names.dedup();
         let of_body = match names.is_empty() {
             true => None,
-            false => Some(Arc::new(Basis::new(solid.discretization(), &names.into(), space)?)),
+            false => {
+                Some(solid.discretization().share(Arc::new(Basis::new(solid.discretization(), &names.into(), space)?)))
+            }
         };
         let mut targets: Vec<ControlTarget> = Vec::new();
         for (consumer, found) in resolved {

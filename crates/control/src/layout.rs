@@ -7,7 +7,7 @@ use crate::error::ControlError;
 use crate::map::{Basis, Chain, Direction, Expansion, Length, Space};
 use crate::time::Knots;
 use nastic_energy::SlotGroup;
-use nastic_fem::{Controllable, Controls, Solid};
+use nastic_fem::{Controllable, Controls, Discretization, Solid};
 use nastic_numeric::vector::{axpy, norm};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -17,14 +17,14 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Layout {
     blocks: Vec<ControlBlock>,
-    fixed: Controls,
+    fixed: Arc<Controls>,
     len: usize,
 }
 
 impl Layout {
     /// No control field yet; every slot has its fixed value.
     pub fn new(fixed: Controls) -> Self {
-        Layout { blocks: vec![], fixed, len: 0 }
+        Layout { blocks: vec![], fixed: Arc::new(fixed), len: 0 }
     }
 
     /// Names of everything that can be controlled: `ACTUATION`, or `ACTUATION.SLOT` where it has several groups of slots.
@@ -251,7 +251,12 @@ impl Layout {
 
     /// The same, to be changed.
     pub fn fixed_mut(&mut self) -> &mut Controls {
-        &mut self.fixed
+        Arc::make_mut(&mut self.fixed)
+    }
+
+    /// Shares the fixed values with other problems on the discretisation that have the same ones.
+    pub(crate) fn share_equal_parts(&mut self, disc: &Discretization) {
+        self.fixed = disc.share(self.fixed.clone());
     }
 
     /// Values of all actuations at the points; of fields in time at t = 0.
@@ -260,8 +265,8 @@ impl Layout {
     /// [`ControlError::Length`].
     pub fn to_points(&self, m: &[f64]) -> Result<Controls, ControlError> {
         match self.blocks.iter().any(|block| block.knots.is_some()) {
-            true => self.of_instant().to_points_over(self.fixed.clone(), &self.at(m, 0.0)?),
-            false => self.to_points_over(self.fixed.clone(), m),
+            true => self.of_instant().to_points_over(self.fixed.as_ref().clone(), &self.at(m, 0.0)?),
+            false => self.to_points_over(self.fixed.as_ref().clone(), m),
         }
     }
 
@@ -290,7 +295,7 @@ impl Layout {
     pub fn change(&self, m: &[f64], v: &[f64]) -> Result<Controls, ControlError> {
         self.check(m)?;
         self.check(v)?;
-        let mut controls = self.fixed.clone();
+        let mut controls = self.fixed.as_ref().clone();
         (0..controls.len()).for_each(|k| controls.values_mut(k).fill(0.0));
         for block in &self.blocks {
             block.write_change(m, v, &mut controls);
@@ -324,7 +329,7 @@ pub(crate) fn basis_of(solid: &Solid, of: &Controllable, name: &str, space: Spac
     };
     let fits = |basis: &Basis| space == Space::Uniform || !of.points.is_empty() || !basis.is_of_contribution();
     match basis.filter(fits) {
-        Some(basis) => Ok(Arc::new(basis)),
+        Some(basis) => Ok(solid.discretization().share(Arc::new(basis))),
         None if of.points.is_empty() => Err(ControlError::OneNumber { name: name.to_owned(), space: space.name() }),
         None => Err(ControlError::OwnPoints { name: name.to_owned(), space: space.name() }),
     }

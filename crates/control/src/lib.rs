@@ -41,7 +41,7 @@ pub use cost::{
 pub use design::Consumer;
 pub use ensemble::{
     Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,
-    Measured, Member, MemberValues, Parcel,
+    Measured, Member, MemberBlock, MemberValues, Parcel, SavedMembers, blocks_of_members,
 };
 pub use error::{ControlError, RemoteFailure};
 pub use evaluated::{AdjointState, Evaluated, SolvedStates, StepError};

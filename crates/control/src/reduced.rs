@@ -205,6 +205,14 @@ impl Reduced {
         Ok(self)
     }
 
+    /// Shares vectors with other problems on the [`Discretization`](nastic_fem::Discretization) that have equal ones, as members of an
+    /// ensemble do: supports, dead loads, fixed values.
+    pub fn share_equal_parts(mut self) -> Self {
+        self.solid.share_equal_parts();
+        self.layout.share_equal_parts(self.solid.discretization());
+        self
+    }
+
     /// Adds a cost term; in a problem in time [at its end](crate::When::End).
     ///
     /// # Errors

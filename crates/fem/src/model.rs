@@ -41,7 +41,7 @@ pub use point::ModelPoint;
 #[derive(Debug, Clone)]
 pub struct Model {
     pub(crate) body: BodyEnergy,
-    pub(crate) supports: Supports,
+    pub(crate) supports: Arc<Supports>,
     pub(crate) dead_load: DeadLoad,
     others: Vec<Arc<dyn Contribution>>,
     space: Arc<Space>,
@@ -77,7 +77,7 @@ impl Model {
 
     /// A body without materials, supports or loads.
     pub fn new(disc: Arc<Discretization>) -> Self {
-        let (supports, dead_load) = (Supports::new(disc.mesh()), DeadLoad(vec![0.0; disc.dofs()]));
+        let (supports, dead_load) = (Arc::new(Supports::new(disc.mesh())), DeadLoad(Arc::new(vec![0.0; disc.dofs()])));
         let space = Arc::new(fields::displacement_alone(disc.mesh()));
         Model { body: BodyEnergy::new(disc), supports, dead_load, others: Vec::new(), space }
     }
@@ -97,10 +97,10 @@ impl Model {
         let space = self.space_with(contribution.as_ref())?;
         let structure = self.tangent_structure().with_couplings(&contribution.couplings())?;
         if let Some(moved) = contribution.prescribes() {
-            self.supports.drive(name, &moved.unknowns())?;
+            Arc::make_mut(&mut self.supports).drive(name, &moved.unknowns())?;
         }
         self.body.set_structure(structure)?;
-        self.supports.widen(space.block());
+        Arc::make_mut(&mut self.supports).widen(space.block());
         self.space = Arc::new(space);
         self.others.push(contribution);
         Ok(())

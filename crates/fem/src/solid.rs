@@ -139,7 +139,7 @@ impl Solid {
     pub fn displace(mut self, surface: impl Into<GroupNames>, values: [Option<f64>; 3]) -> Result<Self, FemError> {
         let surface = surface.into();
         let nodes = self.nodes_of(&surface)?;
-        self.model.supports.prescribe(&surface.to_string(), &nodes, values)?;
+        Arc::make_mut(&mut self.model.supports).prescribe(&surface.to_string(), &nodes, values)?;
         Ok(self)
     }
 
@@ -159,7 +159,7 @@ impl Solid {
             let point = mesh.points().get(node as usize).ok_or_else(|| FemError::Meaningless {
                 what: format!("support \"{name}\" names node {node}; there are {}", mesh.points().len()),
             })?;
-            self.model.supports.prescribe(name, &[node], value(node, *point))?;
+            Arc::make_mut(&mut self.model.supports).prescribe(name, &[node], value(node, *point))?;
         }
         Ok(self)
     }
@@ -213,8 +213,15 @@ impl Solid {
         }
         let weighted: Vec<f64> =
             sampling.weights().iter().flat_map(|w| (0..dim).map(move |i| w * density[i])).collect();
-        sampling.spread(&weighted, dim, &mut self.model.dead_load.0);
+        sampling.spread(&weighted, dim, Arc::make_mut(&mut self.model.dead_load.0).as_mut_slice());
         Ok(())
+    }
+
+    /// Shares supports and dead loads with other bodies on the discretisation that have equal ones: [`Discretization::share`].
+    pub fn share_equal_parts(&mut self) {
+        let disc = self.model.discretization().clone();
+        self.model.supports = disc.share(self.model.supports.clone());
+        self.model.dead_load.0 = disc.share(self.model.dead_load.0.clone());
     }
 
     /// Adds a nodal dead load, flat (`dim` per node).
@@ -227,7 +234,7 @@ impl Solid {
             return Err(FemError::Length { what: "nodal force".to_owned(), found, expected });
         }
         crate::contributions::controls::check_finite("nodal force", force)?;
-        for (total, f) in self.model.dead_load.0.iter_mut().zip(force) {
+        for (total, f) in Arc::make_mut(&mut self.model.dead_load.0).iter_mut().zip(force) {
             *total += f;
         }
         Ok(self)

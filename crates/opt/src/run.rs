@@ -257,6 +257,11 @@ impl<O: Objective> Run<O> {
         &self.current.point
     }
 
+    /// The best point so far, where that is another one.
+    pub fn best_point(&self) -> Option<&O::Point> {
+        self.best.as_ref().map(|best| &best.point)
+    }
+
     /// The present cost.
     pub fn cost(&self) -> f64 {
         self.current.cost

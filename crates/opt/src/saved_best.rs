@@ -12,9 +12,14 @@ const MAGIC: &str = "nastic-best-2";
 impl<P> Best<P> {
     /// Little-endian bytes of all but the certificate, the point as [`Objective::save`] writes it.
     pub fn save<O: Objective<Point = P>>(&self, objective: &O) -> Vec<u8> {
+        self.save_with(&objective.save(&self.point))
+    }
+
+    /// The same with other bytes in the place of the point: none of one that is kept elsewhere.
+    pub fn save_with(&self, point: &[u8]) -> Vec<u8> {
         let mut out = Writer::new(MAGIC);
         out.floats(&self.m);
-        out.bytes(&objective.save(&self.point));
+        out.bytes(point);
         out.count(self.stage);
         out.float(self.cost);
         out.floats(&self.derivative);
@@ -31,8 +36,21 @@ impl<P> Best<P> {
     /// # Errors
     /// [`SavedRunError`] within for bytes of something else, truncated or damaged ones; as [`Objective::load`].
     pub fn load<O: Objective<Point = P>>(objective: &O, bytes: &[u8]) -> Result<Self, Failed> {
+        Self::load_with(objective, bytes, None)
+    }
+
+    /// The same, with its point from elsewhere if it is given.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn load_with<O: Objective<Point = P>>(
+        objective: &O,
+        bytes: &[u8],
+        elsewhere: Option<Vec<u8>>,
+    ) -> Result<Self, Failed> {
         let saved = Saved::from_bytes(bytes).map_err(Failed::new)?;
         let Saved { m, point, stage, cost, derivative, gradient_norm, active, stop, counts, stages } = saved;
+        let point = elsewhere.unwrap_or(point);
         let point = objective.load(&m, &point, &Request { stage, ..Request::default() })?;
         Ok(Self { m, point, stage, cost, derivative, gradient_norm, active, stop, counts, stages, certificate: None })
     }

@@ -31,7 +31,8 @@ fn content(place: &CaseDirectory) -> (Value, Vec<Value>, Vec<NamedBytes>) {
     let timed = ["seconds", "threads", "peak_memory", "resumed"];
     result.as_object_mut().unwrap().retain(|key, _| !timed.contains(&key.as_str()));
     let own = ["result.json", "history.jsonl", "checkpoint.bin", "report.html"];
-    let files = place.files().into_iter().filter(|name| !own.contains(&name.as_str()));
+    let is_own = |name: &str| own.contains(&name) || name.starts_with("checkpoint_");
+    let files = place.files().into_iter().filter(|name| !is_own(name));
     let files = files.map(|name| (name.clone(), std::fs::read(place.path("out").join(name)).unwrap())).collect();
     let own_name = place.directory.path().display().to_string();
     (serde_json::from_str(&result.to_string().replace(&own_name, "")).unwrap(), history(place), files)

@@ -86,7 +86,7 @@ fn load_cases() {
 
 #[test]
 fn motions() {
-    assert_same_on(&driven(), &[], &[2, 3]);
+    assert_same_on(&driven(), &["output/checkpoint=1"], &[2, 3]);
 }
 
 #[test]
@@ -159,6 +159,54 @@ fn after_a_lost_rank_another_number_of_ranks_goes_on() {
             .unwrap();
         assert_same(&place, &serial, &format!("lost at message {message}"));
     }
+}
+
+/// The second of two sets of files has a place that cannot be written to, for the block of the third rank.
+#[test]
+fn a_checkpoint_that_one_rank_cannot_write_leaves_the_one_before() {
+    let set = ["optimizer/max_iterations=9", "output/checkpoint=2"];
+    let serial = CaseDirectory::new();
+    serial.run_with(Command::Optimize, &robust(), &Console::silent(), &options(&serial, &set)).unwrap();
+    let place = CaseDirectory::new();
+    let file = place.write("case.json", &robust());
+    let in_the_way = place.path("out").join("checkpoint_b1.bin");
+    std::fs::create_dir_all(in_the_way.join("full")).unwrap();
+    let optimize = |options: &Options| run(Command::Optimize, &file, options, &Console::silent());
+    let found = on_ranks(3, &Faults::default(), &options(&place, &set), optimize);
+    let failed = found[0].as_ref().unwrap_err();
+    assert_eq!(failed.exit(), Exit::NotWritten, "{failed}");
+    assert!(failed.to_string().contains("checkpoint_b1.bin") && failed.to_string().contains("(on rank 2)"), "{failed}");
+    std::fs::remove_dir_all(in_the_way).unwrap();
+    for then in [1, 4, 2] {
+        let go_on = |options: &Options| resume(&Catalogue::standard(), &place.path("out"), options, &Console::silent());
+        let found = on_ranks(then, &Faults::default(), &Options { threads: Some(1), ..Options::default() }, go_on);
+        let Ok(found) = &found[0] else { panic!("{then} ranks: {:?}", found[0]) };
+        assert_eq!(found.result["resumed"]["iteration"].as_u64(), Some(if then == 1 { 0 } else { 8 }));
+        // one rank has all in one file
+        assert!(!place.path("out").join("checkpoint_a0.bin").exists(), "then {then} ranks");
+        assert_same(&place, &serial, &format!("then {then} ranks"));
+    }
+}
+
+/// A file of another checkpoint, and one that is not there, are named.
+#[test]
+fn a_block_that_does_not_belong_to_its_checkpoint_is_refused() {
+    let place = CaseDirectory::new();
+    optimize(&place, &robust(), &["optimizer/max_iterations=9", "output/checkpoint=2"], 2);
+    let [a, b] = ["a", "b"].map(|set| place.path("out").join(format!("checkpoint_{set}1.bin")));
+    let refused = || {
+        let go_on = resume(&Catalogue::standard(), &place.path("out"), &Options::default(), &Console::silent());
+        let Err(error) = go_on else { panic!("a checkpoint of pieces that do not fit") };
+        assert_eq!(error.exit(), Exit::BadInput);
+        error.to_string()
+    };
+    let kept = std::fs::read(&a).unwrap();
+    std::fs::copy(&b, &a).unwrap();
+    assert!(refused().contains("checkpoint_a1.bin does not fit: it belongs to another checkpoint"), "{}", refused());
+    std::fs::remove_file(&a).unwrap();
+    assert!(refused().contains("checkpoint.bin names it, and it is not there"), "{}", refused());
+    std::fs::write(&a, kept).unwrap();
+    resume(&Catalogue::standard(), &place.path("out"), &Options::default(), &Console::silent()).unwrap();
 }
 
 #[test]

@@ -133,7 +133,11 @@ fn label(ensemble: &Ensemble, member: &Member, case: &Case) -> Label {
 /// The shapes that the costs of a body aim at.
 fn targets(body: &Reduced) -> Vec<TargetShape> {
     let terms = body.costs().iter().zip(body.term_names());
-    terms.filter_map(|(cost, name)| Some(TargetShape::of(At::root(), &name, cost.target(body.solid())?))).collect()
+    terms
+        .filter_map(|(cost, name)| {
+            Some(TargetShape::of(At::root(), &name, cost.target(body.solid())?, body.solid().discretization()))
+        })
+        .collect()
 }
 
 fn field(

@@ -30,7 +30,8 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     let reduced = load::fix(case, reduced, context)?;
     let reduced = gravity::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
-    context.is_sound().then_some(reduced)
+    // members in one process, or on all ranks, have most of their vectors in common
+    context.is_sound().then(|| reduced.share_equal_parts())
 }
 
 /// Every cell has a material, no rigid motion is left free unless the body begins to move from rest.

@@ -10,6 +10,7 @@ use nastic_control::{
 };
 use nastic_language::schema;
 use nastic_language::schema::{Case, Cost as Block, Phi as PhiBlock, Stages};
+use std::sync::Arc;
 
 /// The target meshes, by cost; read before the body is built, so that all missing files are reported at once.
 pub(super) fn load_targets(case: &Case, context: &mut Context<'_>) -> Vec<Option<TargetShape>> {
@@ -22,7 +23,13 @@ pub(super) fn load_target(cost: &Block, context: &mut Context<'_>) -> Option<Tar
         _ => cost_term::mesh_of(cost.term()?)?,
     };
     let mesh = super::mesh::load(source, &at, context)?;
-    Some(TargetShape { at: cost.at().clone(), cost: cost.name().to_owned(), mesh, regions: None, displacement: vec![] })
+    Some(TargetShape {
+        at: cost.at().clone(),
+        cost: cost.name().to_owned(),
+        mesh,
+        regions: None,
+        displacement: Arc::default(),
+    })
 }
 
 /// Adds all terms to the problem, with the targets to show; `None` if that cannot be.
@@ -51,7 +58,8 @@ pub(super) fn add(
         let lowering = Lowering { case, reduced: &reduced, block: &at_end, target: target.as_ref() };
         let Some(cost) = lowering.lower(context) else { continue };
         let shape = cost.target(reduced.solid());
-        let shape = shape.map(|shape| TargetShape::of(block.at().clone(), block.name(), shape));
+        let shape = shape
+            .map(|shape| TargetShape::of(block.at().clone(), block.name(), shape, reduced.solid().discretization()));
         far_target::check((block, cost.as_ref(), shape.as_ref()), &reduced, context);
         shapes.extend(shape);
         terms.push((block, target, Named::new(block.name(), cost)));

@@ -1,6 +1,7 @@
 //! The shapes that costs aim at.
 
 use nastic_control::CostTarget;
+use nastic_fem::Discretization;
 use nastic_language::syntax::At;
 use nastic_mesh::{GroupNames, Mesh};
 use std::sync::Arc;
@@ -17,13 +18,14 @@ pub struct TargetShape {
     /// The regions of its mesh that are the target; all of it if `None`.
     pub regions: Option<GroupNames>,
     /// Displacement of the nodes where the mesh is the body's, with a flag for those it matters at; empty otherwise.
-    pub displacement: Vec<([f64; 3], bool)>,
+    pub displacement: Arc<Vec<([f64; 3], bool)>>,
 }
 
 impl TargetShape {
-    /// That of a cost of this name and block.
-    pub(super) fn of(at: At, cost: &str, target: CostTarget) -> Self {
+    /// That of a cost of this name and block, for a body on a discretisation.
+    pub(super) fn of(at: At, cost: &str, target: CostTarget, disc: &Discretization) -> Self {
         let CostTarget { mesh, regions, displacement } = target;
+        let displacement = disc.share(Arc::new(displacement));
         Self { at, cost: cost.to_owned(), mesh, regions, displacement }
     }
 

@@ -10,8 +10,8 @@ use crate::error::ControlError;
 use crate::reduced::Reduced;
 use nastic_uncertainty::risk::Risk;
 use std::collections::BTreeSet;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 
 /// What [`Ensemble::new`] begins. Nothing is checked before [`build`](Self::build).
 #[derive(Debug)]
@@ -108,7 +108,8 @@ impl EnsembleBuilder {
         let len = blocks.iter().map(|block| block.len).sum();
         let product = Arc::new(EnsembleProduct::new(&blocks, &members, products));
         let (risk, watch, ranks) = (self.risk, self.watch, Ranks::alone(members.len()));
-        Ok(Ensemble { members, names, probabilities, blocks, len, risk, product, watch, ranks })
+        let kept = Mutex::default();
+        Ok(Ensemble { members, names, probabilities, blocks, len, risk, product, watch, ranks, kept })
     }
 
     fn check_names(&self) -> Result<(), EnsembleError> {
@@ -143,7 +144,7 @@ impl EnsembleBuilder {
 
 /// Members run side by side, each on one thread; a single one may have them all.
 fn prepared(problem: Reduced, alone: bool, cancel: Option<&Arc<AtomicBool>>, keep_factors: bool) -> Reduced {
-    let problem = if alone { problem } else { problem.sequential() };
+    let problem = if alone { problem } else { problem.sequential().share_equal_parts() };
     let problem = if keep_factors { problem } else { problem.keep_factors(false) };
     match cancel {
         Some(flag) => problem.cancelled_by(flag.clone()),

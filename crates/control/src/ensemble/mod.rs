@@ -13,6 +13,7 @@ mod point;
 mod product;
 mod ranks;
 mod report;
+mod saved;
 mod second_order;
 mod shape;
 
@@ -23,6 +24,7 @@ pub use member::{LoadCase, Member};
 pub use parcel::{MemberValues, Parcel};
 pub use point::{EnsemblePoint, EnsembleWorkspace};
 pub use report::Measured;
+pub use saved::{MemberBlock, SavedMembers, blocks as blocks_of_members};
 
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
@@ -37,8 +39,8 @@ use point::Held;
 use product::EnsembleProduct;
 use ranks::Ranks;
 use std::fmt;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 /// The risk of one control vector over scenarios, each a weighted sum over load cases:
@@ -94,6 +96,8 @@ pub struct Ensemble {
     product: Arc<EnsembleProduct>,
     watch: Watch,
     ranks: Ranks,
+    /// Motions that stay where they are while others move: number, saved, as they are.
+    kept: Mutex<Vec<(usize, Vec<u8>, Evaluated)>>,
 }
 
 /// A member that has been evaluated: the argument of [`EnsembleBuilder::watched_by`].

@@ -1,14 +1,11 @@
 //! [`Ensemble`] as an optimiser sees it.
 
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member};
+use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member, SavedMembers};
 use crate::error::ControlError;
 use crate::reduced::failed;
 use crate::workspace::ReducedWorkspace;
-use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{Failed, Hessian, InnerProduct, Objective, Problem, Request, SavedRunError, Summary};
 use std::sync::Arc;
-
-const MAGIC: &str = "nastic-ensemble-point-1";
 
 impl Objective for Ensemble {
     type Point = EnsemblePoint;
@@ -94,31 +91,22 @@ impl Objective for Ensemble {
         out
     }
 
-    /// On a team all members at the first rank, at the others their own alone.
+    /// On a team every rank has its own members alone: [`SavedMembers`].
     fn save(&self, point: &EnsemblePoint) -> Vec<u8> {
-        let mut out = Writer::new(MAGIC);
-        out.count(self.members.len());
-        self.bytes_of(point).iter().for_each(|bytes| out.bytes(bytes));
-        out.finish()
+        let mut saved = SavedMembers::none(self.members.len());
+        point.held().for_each(|(index, at)| saved.0[index] = at.to_bytes());
+        saved.to_bytes()
     }
 
-    /// Solves nothing; of a motion see [`Reduced`](crate::Reduced).
+    /// Solves nothing; of a motion see [`Reduced`](crate::Reduced). On a team a rank is sent those of its own members that it lacks by one that has them.
     fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, Failed> {
         self.check_len(m)?;
-        let saved = self.read_members(bytes).map_err(Failed::new)?;
-        Ok(self.loaded(m, saved, how)?)
-    }
-}
-
-impl Ensemble {
-    fn read_members(&self, bytes: &[u8]) -> Result<Vec<Vec<u8>>, SavedRunError> {
-        let mut input = Reader::new(bytes, MAGIC)?;
-        if input.count(8)? != self.members.len() {
-            return Err(input.damaged("another number of members"));
+        let SavedMembers(saved) = SavedMembers::from_bytes(bytes).map_err(Failed::new)?;
+        if saved.len() != self.members.len() {
+            let other = SavedRunError::Damaged { at: 0, what: "another number of members" };
+            return Err(Failed::new(other));
         }
-        let own = self.members.iter().map(|_| input.list()).collect::<Result<_, _>>()?;
-        input.finish()?;
-        Ok(own)
+        Ok(self.loaded(m, saved, how)?)
     }
 }
 

@@ -3,14 +3,14 @@
 use super::blocks::gather;
 use super::point::Held;
 use super::ranks::Ranks;
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, MemberValues, Parcel};
+use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, MemberBlock, MemberValues, Parcel};
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
 use nastic_opt::{Failed, Objective, Request};
 use nastic_team::{Team, TeamError};
 use rayon::prelude::*;
-use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, PoisonError};
 
 impl Ensemble {
     /// Shares the members out over the ranks of a team, in ranges by number: each rank solves, and keeps the states and factors of, its own. All
@@ -23,10 +23,39 @@ impl Ensemble {
         self.ranks = Ranks::new(team, self.members.len(), Some([signal, agreed]));
     }
 
-    /// Shares the members out anew, in ranges that balance what they have taken, which all ranks have counted alike; whether any moves. Points
-    /// from before must be saved and [loaded](Objective::load) then, and workspaces cleared: no bit depends on who has which members.
-    pub fn share_anew(&self, work: &[usize]) -> bool {
-        work.len() == self.members.len() && self.ranks.share_anew(work)
+    /// Shares the members out anew, in ranges that balance what they have taken, which all ranks have counted alike, if the largest share becomes
+    /// smaller by that; whether any moves. Points from before must be saved and [loaded](Objective::load) then, and workspaces cleared: no bit
+    /// depends on who has which members.
+    ///
+    /// A load solves motions once more. Of `kept`, points that will be loaded, this rank keeps the motions that stay with it until
+    /// [`forget`](Self::forget) is called; those that move are counted, with what they took for each of so many `solves`.
+    pub fn share_anew(&self, work: &[usize], (kept, solves): (&[&EnsemblePoint], usize)) -> bool {
+        if work.len() != self.members.len() {
+            return false;
+        }
+        let is_motion = |index: usize| self.members[index].problem.timeline().is_some();
+        let again = |index: usize| if is_motion(index) { kept.len() * work[index] / solves.max(1) } else { 0 };
+        if !self.ranks.share_anew(work, again) {
+            return false;
+        }
+        let own = self.ranks.own();
+        let all = kept.iter().flat_map(|point| point.held());
+        let stays = all.filter(|(index, _)| own.contains(index) && is_motion(*index));
+        let stays = stays.map(|(index, at)| (index, at.to_bytes(), at.clone())).collect();
+        *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = stays;
+        true
+    }
+
+    /// Forgets the motions that were kept for loads.
+    pub fn forget(&self) {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
+    /// Takes a motion that was kept.
+    fn kept(&self, index: usize, bytes: &[u8]) -> Option<Evaluated> {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let place = kept.iter().position(|(own, saved, _)| *own == index && saved == bytes)?;
+        Some(kept.swap_remove(place).2)
     }
 
     /// Why messages pass between the ranks no more, if so: every evaluation fails from then on.
@@ -102,22 +131,21 @@ impl Ensemble {
         loaded.map_err(|failed| EnsembleError::member(&member.name, unloaded(&failed)))
     }
 
-    /// The bytes of all members at the first rank; elsewhere nothing in the place of those of others. So too once messages pass no more: [`broken`](Self::broken).
-    pub(super) fn bytes_of(&self, point: &EnsemblePoint) -> Vec<Vec<u8>> {
-        let own = || point.held().map(|(index, at)| (index, at.to_bytes()));
-        let mut out = vec![vec![]; self.members.len()];
-        own().for_each(|(index, bytes)| out[index] = bytes);
-        if !point.is_whole() {
-            let first = self.ranks.own().len();
-            let sent = self.ranks.at_first(self.members.len(), |index| out[index].clone());
-            for (k, bytes) in sent.ok().flatten().into_iter().flatten().enumerate() {
-                out[first + k] = bytes;
-            }
-        }
-        out
+    /// Whether the members are shared out over ranks.
+    pub fn is_shared_out(&self) -> bool {
+        !self.ranks.is_alone()
     }
 
-    /// The point of saved members, of which each rank reads its own; those that have moved to it are sent to it.
+    /// What `of` makes of every member, [block by block](super::blocks_of_members): at the owner of the first member of a block all of that block. `of`
+    /// is asked for this rank's own members.
+    ///
+    /// # Errors
+    /// [`EnsembleError::Team`].
+    pub fn blocks_of(&self, of: impl Fn(usize) -> Vec<u8>) -> Result<Vec<MemberBlock>, EnsembleError> {
+        self.ranks.blocks(super::blocks_of_members(self.members.len()), of)
+    }
+
+    /// The point of saved members, of which each rank reads its own; those that it lacks are sent to it.
     pub(super) fn loaded(
         &self,
         m: &[f64],
@@ -127,6 +155,9 @@ impl Ensemble {
         self.ranks.complete(&mut saved)?;
         let how = Request { near: None, accuracy: how.accuracy, stage: how.stage, budget: how.budget };
         let load = |index: usize, member: &super::Member, _: &mut crate::ReducedWorkspace| {
+            if let Some(at) = self.kept(index, &saved[index]) {
+                return Ok(at);
+            }
             let loaded = member.problem.load(&gather(&self.blocks, member, m), &saved[index], &how);
             loaded.map_err(|failed| unloaded(&failed))
         };

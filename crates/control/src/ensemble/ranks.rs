@@ -2,6 +2,7 @@
 
 use super::error::EnsembleError;
 use super::parcel::{Parcel, packed, unpacked};
+use super::saved::MemberBlock;
 use crate::error::ControlError;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_team::{Alone, Shares, Team, TeamError};
@@ -62,10 +63,15 @@ impl Ranks {
         self.shares.read().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Ranges that balance what the members have taken, in a unit that all ranks have counted alike; whether they are other ones.
-    pub fn share_anew(&self, work: &[usize]) -> bool {
-        let balanced = Shares::balanced(work, self.team.size());
-        let changes = *self.shares() != balanced;
+    /// Ranges that balance what the members have taken, in a unit that all ranks have counted alike, if the largest share is smaller then, with what a
+    /// member that moves takes `again`; whether they are taken.
+    pub fn share_anew(&self, work: &[usize], again: impl Fn(usize) -> usize) -> bool {
+        let (now, balanced) = (self.shares().clone(), Shares::balanced(work, self.team.size()));
+        let ranks = 0..self.team.size();
+        let most = ranks.clone().map(|rank| work[now.of(rank)].iter().sum::<usize>()).max();
+        let cost = |rank: usize, index: usize| work[index] + if now.owner(index) == rank { 0 } else { again(index) };
+        let share = |rank: usize| balanced.of(rank).map(|index| cost(rank, index)).sum::<usize>();
+        let changes = ranks.map(share).max() < most;
         if changes {
             *self.shares.write().unwrap_or_else(PoisonError::into_inner) = balanced;
         }
@@ -176,28 +182,62 @@ impl Ranks {
         Ok(Some(out))
     }
 
-    /// Completes saved members, of which the first rank has all: every rank is sent those of its own that it lacks.
+    /// Completes saved members: every rank is sent those of its own that it lacks by the first one that has them. What a rank has is a range.
     pub fn complete(&self, saved: &mut [Vec<u8>]) -> Result<(), EnsembleError> {
         if self.is_alone() {
             return Ok(());
         }
-        let lacking: Vec<usize> = self.own().filter(|index| saved[*index].is_empty()).collect();
-        let all = self.noted(nastic_team::exchange(self.team(), packed(&lacking)))?;
-        for (rank, bytes) in all.iter().enumerate().skip(1) {
-            let wanted = self.noted(unpacked(rank, bytes, Vec::<usize>::unpack))?;
-            if wanted.is_empty() {
-                continue;
-            }
-            if self.team.leads() {
-                let sent: Vec<Vec<u8>> = wanted.iter().map(|index| saved[*index].clone()).collect();
-                self.noted(self.team.send(rank, packed(&sent)))?;
-            } else if rank == self.team.rank() {
-                let bytes = self.noted(self.team.receive(0))?;
-                let came = self.noted(unpacked(0, &bytes, Vec::<Vec<u8>>::unpack))?;
-                wanted.into_iter().zip(came).for_each(|(index, bytes)| saved[index] = bytes);
+        let first = saved.iter().position(|member| !member.is_empty()).unwrap_or(0);
+        let count = saved[first..].iter().take_while(|member| !member.is_empty()).count();
+        let lacking = self.own().filter(|index| !(first..first + count).contains(index));
+        let told: Vec<usize> = [first, count].into_iter().chain(lacking).collect();
+        let all = self.noted(nastic_team::exchange(self.team(), packed(&told)))?;
+        let read = |(rank, bytes): (usize, &Vec<u8>)| unpacked(rank, bytes, Vec::<usize>::unpack);
+        let all = self.noted(all.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>())?;
+        let has = |told: &[usize], index: usize| matches!(told, [first, count, ..] if (*first..first + count).contains(&index));
+        // in the same order on all ranks
+        for (to, told) in all.iter().enumerate() {
+            let of = |index: &usize| all.iter().position(|told| has(told, *index));
+            for wanted in told.get(2..).unwrap_or_default().chunk_by(|a, b| of(a) == of(b)) {
+                let nobody = TeamError::Unexpected { rank: to, what: "it wants a state that no rank has" };
+                let from = self.noted(of(&wanted[0]).ok_or(nobody))?;
+                if from == self.team.rank() {
+                    let sent: Vec<Vec<u8>> = wanted.iter().map(|index| saved[*index].clone()).collect();
+                    self.noted(self.team.send(to, packed(&sent)))?;
+                } else if to == self.team.rank() {
+                    let bytes = self.noted(self.team.receive(from))?;
+                    let came = self.noted(unpacked(from, &bytes, Vec::<Vec<u8>>::unpack))?;
+                    wanted.iter().zip(came).for_each(|(index, bytes)| saved[*index] = bytes);
+                }
             }
         }
         Ok(())
+    }
+
+    /// What `of` makes of the members of every block whose first member is this rank's: others send it theirs.
+    pub fn blocks(
+        &self,
+        blocks: impl Iterator<Item = Range<usize>>,
+        of: impl Fn(usize) -> Vec<u8>,
+    ) -> Result<Vec<MemberBlock>, EnsembleError> {
+        let (shares, here, own) = (self.shares().clone(), self.team.rank(), self.own());
+        let mut found = Vec::new();
+        // in the same order on all ranks
+        for (number, block) in blocks.enumerate() {
+            let (owner, last) = (shares.owner(block.start), shares.owner(block.end - 1));
+            let part = own.start.max(block.start)..own.end.min(block.end);
+            let mut members: Vec<Vec<u8>> = part.map(&of).collect();
+            if here == owner {
+                for rank in owner + 1..=last {
+                    let bytes = self.noted(self.team.receive(rank))?;
+                    members.extend(self.noted(unpacked(rank, &bytes, Vec::<Vec<u8>>::unpack))?);
+                }
+                found.push(MemberBlock { number, members });
+            } else if (owner..=last).contains(&here) {
+                self.noted(self.team.send(owner, packed(&members)))?;
+            }
+        }
+        Ok(found)
     }
 
     /// The sum over the members of all ranks; `leaf` is asked for this rank's own.

@@ -46,7 +46,7 @@ use std::collections::BTreeSet;
 /// assert!((left - right).abs() < 1e-12 * left);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Basis {
     space: Space,
     /// Row starts by quadrature point of the body, or by point of a contribution (empty rows where the actuation does not act).

@@ -3,10 +3,11 @@
 use super::{Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sums};
 use crate::error::{Inadmissible, SecondDerivativeError};
 use nastic_linear::SparseMatrix;
+use std::sync::Arc;
 
 /// Nodal forces d times the load: potential `-load d . u`, residual `-load d`.
 #[derive(Debug, Clone)]
-pub(crate) struct DeadLoad(pub Vec<f64>);
+pub(crate) struct DeadLoad(pub Arc<Vec<f64>>);
 
 impl Contribution for DeadLoad {
     fn name(&self) -> &str {
@@ -27,7 +28,7 @@ impl ContributionPoint for DeadLoad {
             sums.energy_scale += at.load.abs() * scale;
         }
         if demand.force {
-            for ((r, s), d) in sums.force.iter_mut().zip(&mut sums.force_scale).zip(&self.0) {
+            for ((r, s), d) in sums.force.iter_mut().zip(&mut sums.force_scale).zip(self.0.iter()) {
                 *r -= at.load * d;
                 *s += (at.load * d).abs();
             }

@@ -6,10 +6,12 @@ mod nodal_fields;
 mod nodal_volumes;
 mod patches;
 pub(crate) mod quadrature_points;
+mod shared;
 pub(crate) mod supports;
 
 use crate::discretization::hexahedra::Hexahedra;
 use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
+use crate::discretization::shared::Shared;
 use crate::error::FemError;
 use crate::structure::{KeptStructures, StructureCounts, TangentStructure};
 use nastic_linear::{Corners, Space};
@@ -31,6 +33,7 @@ pub struct Discretization {
     /// That of tangents with the couplings of cells alone.
     of_cells: Arc<TangentStructure>,
     structures: Arc<KeptStructures>,
+    shared: Shared,
 }
 
 impl Discretization {
@@ -44,7 +47,8 @@ impl Discretization {
         let structures = Arc::<KeptStructures>::default();
         let of_cells = TangentStructure::new(mesh.clone(), points.clone(), Vec::new(), structures.clone())?;
         let (corners, hexahedra, patches) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Ok(Arc::new(Discretization { mesh, points, corners, hexahedra, patches, of_cells, structures }))
+        let shared = Shared::default();
+        Ok(Arc::new(Discretization { mesh, points, corners, hexahedra, patches, of_cells, structures, shared }))
     }
 
     /// The structure of tangents in which nodes are coupled by cells alone.
@@ -55,6 +59,12 @@ impl Discretization {
     /// How often the tangents of this mesh, with whatever couplings, were put in order and analysed so far.
     pub fn structure_counts(&self) -> StructureCounts {
         self.structures.counts()
+    }
+
+    /// An equal value that another problem on this discretisation shared before and still has, else this one: members of an ensemble differ in
+    /// few of their vectors.
+    pub fn share<T: PartialEq + Send + Sync + 'static>(&self, value: Arc<T>) -> Arc<T> {
+        self.shared.share(value)
     }
 
     /// The mesh.

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Prescribed unknowns on nodes (Dirichlet): displacement components, and those of further fields.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Supports {
     dim: usize,
     /// Unknowns per node, those of the displacement first.

@@ -65,7 +65,12 @@ impl Model {
             let what = format!("field \"{field}\" has no component {component}; it has {}", known.components);
             return Err(FemError::Meaningless { what });
         }
-        self.supports.hold(support, nodes, (first + component, &format!("{component} of \"{field}\"")), value)
+        Arc::make_mut(&mut self.supports).hold(
+            support,
+            nodes,
+            (first + component, &format!("{component} of \"{field}\"")),
+            value,
+        )
     }
 
     /// The space with the fields of a contribution.
@@ -198,7 +203,7 @@ impl Model {
     /// The supports of the fields that a contribution knows of.
     pub(super) fn supports_of(&self, contribution: &dyn Contribution) -> Cow<'_, Supports> {
         match self.selection(contribution) {
-            None => Cow::Borrowed(&self.supports),
+            None => Cow::Borrowed(self.supports.as_ref()),
             Some(selection) => Cow::Owned(selection.supports(&self.supports)),
         }
     }

@@ -332,6 +332,11 @@ impl<O: Constrained> AugmentedRun<O> {
         self.run.point()
     }
 
+    /// The best point so far, where that is another one.
+    pub fn best_point(&self) -> Option<&O::Point> {
+        self.run.best_point()
+    }
+
     /// The augmented Lagrangian at hand, for a [`Taylor`](crate::Taylor) test, say.
     pub fn augmented(&self) -> &Augmented<O> {
         self.run.objective()

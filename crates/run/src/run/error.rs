@@ -136,6 +136,14 @@ pub enum RunError {
     /// A file could not be written.
     #[error(transparent)]
     Write(#[from] WriteError),
+    /// A file could not be written by another rank.
+    #[error("{message} (on rank {rank})")]
+    NotWrittenByRank {
+        /// The rank.
+        rank: usize,
+        /// What it says.
+        message: String,
+    },
     /// Another program writes to the output directory.
     #[error(
         "{} is in use by another program{}: wait until it has ended, or choose another directory with --out",
@@ -257,7 +265,7 @@ impl RunError {
             Self::Team(_) => Exit::Parted,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,
             Self::Taylor(_) => Exit::BadInput,
-            Self::Write(_) | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,
+            Self::Write(_) | Self::NotWrittenByRank { .. } | Self::InUse { .. } | Self::Snapshot(_) => Exit::NotWritten,
             Self::Cancelled | Self::NothingToJoin { .. } => Exit::NotConverged,
             Self::Motion { source, .. } => source.exit(),
         }

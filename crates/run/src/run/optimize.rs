@@ -1,6 +1,7 @@
 //! `nastic optimize`: the main job; `nastic resume` goes on with it.
 
 mod advice;
+mod blocks;
 mod branch_changes;
 mod checkpoint;
 mod finished_run;
@@ -11,6 +12,7 @@ mod minima;
 mod minimization;
 mod ordered_output;
 mod outcome;
+mod parted;
 mod recorder;
 mod round;
 mod run_trials;
@@ -84,7 +86,7 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
     let Some((begun, gradient_check)) = first_start(session)? else { return Ok(Exit::GradientWrong) };
     let mut all = vec![StartRun { index: 0, phase: Phase::Evaluated(Box::new(begun)) }];
     all.extend((1..session.problem.case.optimizer.starts).map(StartRun::waiting));
-    let position = Position { gradient_check, round: 0, history: vec![], best: None, starts: all };
+    let position = Position { gradient_check, starts: all, ..Position::default() };
     let (began, mut starts) = (Instant::now(), Starts::default());
     let ran = starts.run(session, optimizer, position, (&journal, false));
     conclude(session, (starts, ran), journal, began)
@@ -147,7 +149,7 @@ pub(super) fn resume(
     warn_of_own_files(session);
     session.record.gradient_check = position.gradient_check.clone();
     session.meet()?;
-    let journal = SharedJournal::new(Journal::resume(session, from)?);
+    let journal = SharedJournal::new(Journal::resume(session, &position)?);
     let began = Instant::now();
     let mut starts = Starts::default();
     let ran = starts.run(session, optimizer, position, (&journal, true));

@@ -41,6 +41,11 @@ impl Session<'_> {
         self.team.as_deref().filter(|_| self.shares_starts())
     }
 
+    /// The team, where it shares out members.
+    pub(super) fn team_of_members(&self) -> Option<Arc<dyn Team>> {
+        self.team.clone().filter(|_| !self.shares_starts())
+    }
+
     fn shares_starts(&self) -> bool {
         self.team.is_some() && self.problem.case.optimizer.starts > 1
     }

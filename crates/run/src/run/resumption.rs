@@ -14,6 +14,7 @@ use crate::run::{motion, optimize};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
+use nastic_team::{Shares, Team};
 use std::path::{Path, PathBuf};
 
 /// Where a run goes on.
@@ -39,7 +40,7 @@ pub(super) fn open<'c>(
         check_program(&checkpoint.case, directory.join(motion::CHECKPOINT))?;
         (out, checkpoint.case.clone(), Command::Solve, Resumed::Motion(checkpoint))
     } else {
-        let (out, Checkpoint { case, position, .. }) = read(directory, leads)?;
+        let (out, Checkpoint { case, position, .. }) = read(directory, options.team.as_deref())?;
         (out, case, Command::Optimize, Resumed::Optimization(position))
     };
     let document = case.reopen(catalogue, directory)?;
@@ -58,15 +59,17 @@ pub(super) fn is_interrupted(directory: &Path, command: &Command, document: &Doc
     case.is_some_and(|case| case.is_of(document))
 }
 
-/// Claims an output directory, where `leads` says so, and reads its checkpoint.
-pub(super) fn read(directory: &Path, leads: bool) -> Result<(Option<Directory>, Checkpoint), RunError> {
+/// Claims an output directory, on the first rank of a team alone, and reads its checkpoint, each rank its own members.
+pub(super) fn read(directory: &Path, team: Option<&dyn Team>) -> Result<(Option<Directory>, Checkpoint), RunError> {
+    let leads = team.is_none_or(Team::leads);
     let file = directory.join(checkpoint_file::NAME);
     if !file.is_file() {
         // A name that was mistyped is not made a directory.
         return Err(CheckpointError::Missing { directory: directory.to_owned() }.into());
     }
     let out = leads.then(|| Directory::claim(directory.to_owned(), &[], [])).transpose()?;
-    let checkpoint = Checkpoint::read(directory)?;
+    let own = |members: usize| team.map_or(0..members, |team| Shares::even(members, team.size()).of(team.rank()));
+    let checkpoint = Checkpoint::read(directory, &own)?;
     check_program(&checkpoint.case, file)?;
     Ok((out, checkpoint))
 }

@@ -5,16 +5,25 @@ use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
+use crate::run::optimize::blocks::Blocks;
 use crate::run::optimize::journal::Written;
+use crate::run::optimize::parted::Parted;
 use crate::run::optimize::start_run::StartRun;
 use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_report::record::GradientCheckRecord;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::ops::Range;
 use std::path::Path;
 
-const MAGIC: &str = "nastic-optimisation-7";
+const MAGIC: &str = "nastic-optimisation-8";
+
+/// A run has its start, the point at which it stands, and the best one.
+const MOST_POINTS: usize = 3;
+
+/// Which of so many members are wanted of a checkpoint that has them in blocks.
+pub(in crate::run) type Wanted<'w> = &'w dyn Fn(usize) -> Range<usize>;
 
 /// The content of `checkpoint.bin`.
 pub(in crate::run) struct Checkpoint {
@@ -26,6 +35,7 @@ pub(in crate::run) struct Checkpoint {
 }
 
 /// Where an optimisation stood.
+#[derive(Default)]
 pub(in crate::run) struct Position {
     /// The result's entry of the gradient check at the start as written.
     pub(super) gradient_check: GradientCheckRecord,
@@ -33,9 +43,11 @@ pub(in crate::run) struct Position {
     pub(super) round: usize,
     /// `history.jsonl` as it was when that round began.
     pub(super) history: Vec<u8>,
-    /// The best of the starts that had ended, as bytes: its number and its run.
-    pub(super) best: Option<Vec<u8>>,
+    /// The best of the starts that had ended: its number and its run.
+    pub(super) best: Option<Parted>,
     pub(super) starts: Vec<StartRun>,
+    /// Which set of files has the points, if they are in files of their own.
+    pub(super) set: Option<usize>,
 }
 
 /// What checkpoints of a round hold beside case and history.
@@ -45,20 +57,20 @@ pub(super) struct Record {
     pub round: usize,
     /// Length of `history.jsonl` when the round began.
     pub history: usize,
-    pub best: Option<Vec<u8>>,
+    pub best: Option<Parted>,
     pub starts: Vec<SavedStart>,
 }
 
 /// A start as bytes.
 pub(super) struct SavedStart {
-    pub bytes: Vec<u8>,
+    pub run: Parted,
     pub iteration: usize,
     pub ended: bool,
 }
 
 impl SavedStart {
     pub fn of(start: &StartRun) -> Self {
-        Self { bytes: start.to_bytes(), iteration: start.iteration(), ended: start.has_ended() }
+        Self { run: start.to_parted(), iteration: start.iteration(), ended: start.has_ended() }
     }
 }
 
@@ -81,25 +93,30 @@ fn place(starts: impl ExactSizeIterator<Item = (bool, usize)>) -> Written {
 }
 
 impl Checkpoint {
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SavedRunError> {
-        let (ended, body) = open(bytes)?;
-        let mut input = Reader::new(&body, "")?;
-        let case = CaseRecord::from_bytes(&input.list()?)?;
-        let position = if input.flag()? { Some(read_position(&mut input)?) } else { None };
-        input.finish()?;
-        Ok(Self { case, position, ended })
-    }
-
-    /// That of a directory.
-    pub fn read(directory: &Path) -> Result<Self, CheckpointError> {
+    /// That of a directory, with the wanted members of all points that are in files of their own.
+    pub fn read(directory: &Path, wanted: Wanted<'_>) -> Result<Self, CheckpointError> {
         let content = checkpoint_file::read(directory, checkpoint_file::NAME)?;
-        Self::from_bytes(&content).map_err(|error| unfit(directory, &error))
+        let unfit = |error: SavedRunError| unfit(directory, &error);
+        let (ended, body) = open(&content).map_err(unfit)?;
+        let mut input = Reader::new(&body, "").map_err(unfit)?;
+        let case = input.list().and_then(|case| CaseRecord::from_bytes(&case)).map_err(unfit)?;
+        let position = match input.flag().map_err(unfit)? {
+            true => Some(read_position(&mut input, (directory, wanted), &unfit)?),
+            false => None,
+        };
+        input.finish().map_err(unfit)?;
+        Ok(Self { case, position, ended })
     }
 }
 
 impl Record {
-    /// A checkpoint; `history`: all of `history.jsonl` so far.
-    pub fn to_bytes(&self, case: &CaseRecord, history: &[u8]) -> Vec<u8> {
+    /// The runs that have points.
+    pub fn runs(&self) -> impl Iterator<Item = &Parted> {
+        self.best.iter().chain(self.starts.iter().map(|start| &start.run))
+    }
+
+    /// A checkpoint; `history`: all of `history.jsonl` so far. The points are in it, or in `blocks`.
+    pub fn to_bytes(&self, case: &CaseRecord, history: &[u8], blocks: Option<&Blocks>) -> Vec<u8> {
         let mut out = Writer::new("");
         out.bytes(&case.to_bytes());
         out.count(1);
@@ -107,9 +124,14 @@ impl Record {
         out.count(self.round);
         out.bytes(&history[..self.history.min(history.len())]);
         out.count(usize::from(self.best.is_some()));
-        self.best.iter().for_each(|best| out.bytes(best));
         out.count(self.starts.len());
-        self.starts.iter().for_each(|start| out.bytes(&start.bytes));
+        out.count(usize::from(blocks.is_some()));
+        for run in self.runs() {
+            out.bytes(&run.body);
+            out.count(run.points.len());
+            run.points.iter().filter(|_| blocks.is_none()).for_each(|point| out.bytes(point));
+        }
+        blocks.iter().for_each(|blocks| blocks.write_to(&mut out));
         close(false, &out.finish())
     }
 
@@ -124,7 +146,7 @@ impl Record {
 /// # Errors
 /// There is a checkpoint, and it cannot be read: whether it is worth keeping is not known.
 pub(in crate::run) fn interrupted(directory: &Path) -> Result<Option<(CaseRecord, usize)>, CheckpointError> {
-    match Checkpoint::read(directory) {
+    match Checkpoint::read(directory, &|_| 0..0) {
         Ok(Checkpoint { ended: false, position: Some(position), case }) if !position.is_start() => {
             Ok(Some((case, position.place().iteration)))
         }
@@ -177,12 +199,42 @@ pub(super) fn before_the_start(case: &CaseRecord) -> Vec<u8> {
     close(false, &out.finish())
 }
 
-fn read_position(input: &mut Reader<'_>) -> Result<Position, SavedRunError> {
-    let (gradient_check, round, history) = (read_json(input)?, input.number()?, input.list()?);
-    let best = if input.flag()? { Some(input.list()?) } else { None };
-    let starts = (0..input.count(8)?).map(|index| StartRun::from_bytes(index, &input.list()?));
-    let starts = starts.collect::<Result<_, _>>()?;
-    Ok(Position { gradient_check, round, history, best, starts })
+fn read_position(
+    input: &mut Reader<'_>,
+    (directory, wanted): (&Path, Wanted<'_>),
+    unfit: &dyn Fn(SavedRunError) -> CheckpointError,
+) -> Result<Position, CheckpointError> {
+    let mut head = || Ok((read_json(input)?, input.number()?, input.list()?, input.flag()?, input.count(8)?));
+    let (gradient_check, round, history, has_best, starts) = head().map_err(unfit)?;
+    let mut body = || read_runs(input, usize::from(has_best) + starts);
+    let (mut runs, blocks) = body().map_err(unfit)?;
+    if let Some(blocks) = &blocks {
+        let count = runs.iter().map(|run| run.points.len()).sum();
+        let mut points = blocks.points(directory, count, wanted(blocks.members))?.into_iter();
+        runs.iter_mut().flat_map(|run| &mut run.points).zip(&mut points).for_each(|(place, point)| *place = point);
+    }
+    let mut runs = runs.into_iter();
+    let best = if has_best { runs.next() } else { None };
+    let starts = runs.enumerate().map(|(index, run)| StartRun::from_parted(index, run));
+    let starts = starts.collect::<Result<_, _>>().map_err(unfit)?;
+    Ok(Position { gradient_check, round, history, best, starts, set: blocks.map(|blocks| blocks.set) })
+}
+
+/// So many runs, with their points unless these are in blocks.
+fn read_runs(input: &mut Reader<'_>, count: usize) -> Result<(Vec<Parted>, Option<Blocks>), SavedRunError> {
+    let in_blocks = input.flag()?;
+    let mut runs = Vec::new();
+    for _ in 0..count {
+        let (body, points) = (input.list()?, input.number()?);
+        let points = match in_blocks {
+            true if points > MOST_POINTS => return Err(input.damaged("a run of too many points")),
+            true => vec![vec![]; points],
+            false => (0..points).map(|_| input.list()).collect::<Result<_, _>>()?,
+        };
+        runs.push(Parted { body, points });
+    }
+    let blocks = if in_blocks { Some(Blocks::read_from(input)?) } else { None };
+    Ok((runs, blocks))
 }
 
 /// An entry of the result as text.

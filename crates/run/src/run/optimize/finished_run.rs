@@ -2,13 +2,14 @@
 
 use crate::run::error::RunError;
 use crate::run::optimize::met_limits::MetLimits;
+use crate::run::optimize::parted::{Parted, next};
 use crate::run::session::Session;
 use nastic_control::{Ensemble, EnsemblePoint, read_report, write_report};
 use nastic_fem::SolveReport;
 use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{AugmentedLagrangian, Best, ConstraintsReport, Failed, Objective, Request, SavedRunError};
 
-const MAGIC: &str = "nastic-finished-run-3";
+const MAGIC: &str = "nastic-finished-run-4";
 
 /// A run from one start.
 #[derive(Clone)]
@@ -36,25 +37,30 @@ impl FinishedRun {
         own < others || own == others && self.best.cost < other.best.cost
     }
 
-    pub fn to_bytes(&self, ensemble: &Ensemble) -> Vec<u8> {
+    pub fn to_parted(&self, index: usize, ensemble: &Ensemble) -> Parted {
         let mut out = Writer::new(MAGIC);
-        write_start(&self.start, ensemble, &mut out);
-        out.bytes(&self.best.save(ensemble));
+        out.count(index);
+        out.floats(&self.start.m);
+        out.bytes(&self.best.save_with(&[]));
         self.constraints.write(&mut out);
         write_work(&self.work, &mut out);
         self.limits.write(&mut out);
-        out.finish()
+        Parted { body: out.finish(), points: vec![ensemble.save(&self.start), ensemble.save(&self.best.point)] }
     }
 
-    pub fn from_bytes(bytes: &[u8], ensemble: &Ensemble) -> Result<Self, Failed> {
-        let mut input = Reader::new(bytes, MAGIC).map_err(Failed::new)?;
-        let start = read_start(&mut input, ensemble)?;
-        let best = Best::load(ensemble, &input.list().map_err(Failed::new)?)?;
+    /// The run with its number.
+    pub fn from_parted(Parted { body, points }: &Parted, ensemble: &Ensemble) -> Result<(usize, Self), Failed> {
+        let (mut input, mut points) = (Reader::new(body, MAGIC).map_err(Failed::new)?, points.iter().cloned());
+        let index = input.number().map_err(Failed::new)?;
+        let (m, start) = (input.floats().map_err(Failed::new)?, next(&mut points).map_err(Failed::new)?);
+        let start = ensemble.load(&m, &start, &Request::default())?;
+        let best = input.list().map_err(Failed::new)?;
+        let best = Best::load_with(ensemble, &best, Some(next(&mut points).map_err(Failed::new)?))?;
         let constraints = ConstraintsReport::read(&mut input).map_err(Failed::new)?;
         let work = read_work(&mut input).map_err(Failed::new)?;
         let limits = MetLimits::read(&mut input).map_err(Failed::new)?;
         input.finish().map_err(Failed::new)?;
-        Ok(Self { start, best, constraints, work, limits })
+        Ok((index, Self { start, best, constraints, work, limits }))
     }
 }
 
@@ -68,18 +74,6 @@ impl Session<'_> {
         };
         Ok(start.zip(point).map(whole))
     }
-}
-
-/// A start: evaluated, in the first stage.
-pub(super) fn write_start(start: &EnsemblePoint, ensemble: &Ensemble, out: &mut Writer) {
-    out.floats(&start.m);
-    out.bytes(&ensemble.save(start));
-}
-
-pub(super) fn read_start(input: &mut Reader<'_>, ensemble: &Ensemble) -> Result<EnsemblePoint, Failed> {
-    let m = input.floats().map_err(Failed::new)?;
-    let point = input.list().map_err(Failed::new)?;
-    ensemble.load(&m, &point, &Request::default())
 }
 
 pub(super) fn write_work(work: &[SolveReport], out: &mut Writer) {

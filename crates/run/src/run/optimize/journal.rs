@@ -6,10 +6,14 @@ use crate::result::checkpoint_file;
 use crate::result::files::Directory;
 use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
-use crate::run::optimize::checkpoint;
+use crate::run::optimize::checkpoint::Position;
+use crate::run::optimize::parted::Parted;
 use crate::run::optimize::start_run::StartRun;
+use crate::run::optimize::{blocks, checkpoint};
 use crate::run::session::Session;
+use nastic_control::Ensemble;
 use nastic_report::record::{GradientCheckRecord, TrialRecord};
+use nastic_team::{Team, broadcast};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// `history.jsonl` and `checkpoint.bin`. An optimisation does not end for a file that cannot be written: that is said at
@@ -22,6 +26,11 @@ pub(super) struct Journal {
     /// Whether the lines of a round are written when it has ended: those of other ranks are not known before.
     at_the_end: bool,
     record: checkpoint::Record,
+    /// Where members are shared out over ranks: these, and where each of them writes its own.
+    shared: Option<(Arc<dyn Team>, Option<Directory>)>,
+    /// The set of files that has the points of the last checkpoint, and whether there is one.
+    set: usize,
+    has_blocks: bool,
     /// The last checkpoint that was written.
     written: Option<Written>,
     /// Why the last checkpoint could not be written.
@@ -66,6 +75,7 @@ impl Journal {
                 0 => out.remove(checkpoint_file::NAME)?,
                 _ => checkpoint_file::write(out, checkpoint_file::NAME, &checkpoint::before_the_start(&journal.case))?,
             }
+            blocks::remove(out);
         }
         Ok(journal)
     }
@@ -74,8 +84,9 @@ impl Journal {
     ///
     /// # Errors
     /// That cannot be written.
-    pub fn resume(session: &Session<'_>, from: Written) -> Result<Self, RunError> {
-        let journal = Self::of(session, Some(from));
+    pub fn resume(session: &Session<'_>, from: &Position) -> Result<Self, RunError> {
+        let mut journal = Self::of(session, Some(from.place()));
+        (journal.set, journal.has_blocks) = (from.set.unwrap_or(journal.set), from.set.is_some());
         if let Some(out) = &journal.out {
             checkpoint::record_end(out, false)?;
         }
@@ -90,6 +101,9 @@ impl Journal {
             history: None,
             at_the_end: session.team_of_starts().is_some(),
             record: checkpoint::Record::default(),
+            shared: session.team_of_members().map(|team| (team, session.own_out.clone())),
+            set: 1,
+            has_blocks: false,
             written,
             unsaved: None,
             failed: None,
@@ -130,7 +144,7 @@ impl Journal {
         &mut self,
         gradient_check: &GradientCheckRecord,
         round: usize,
-        best: Option<Vec<u8>>,
+        best: Option<Parted>,
         starts: &[StartRun],
     ) {
         let history = self.history.as_ref().map_or(0, |history| history.text().len());
@@ -143,8 +157,8 @@ impl Journal {
         };
     }
 
-    /// A start of the round has ended; `best`: it is the best so far, as bytes. It goes into the next checkpoint.
-    pub fn end_start(&mut self, start: &StartRun, best: Option<Vec<u8>>) {
+    /// A start of the round has ended; `best`: it is the best so far. It goes into the next checkpoint.
+    pub fn end_start(&mut self, start: &StartRun, best: Option<Parted>) {
         self.record.starts[start.index] = checkpoint::SavedStart::of(start);
         if best.is_some() {
             self.record.best = best;
@@ -152,29 +166,62 @@ impl Journal {
     }
 
     /// Writes a scheduled checkpoint of a start under way.
-    pub fn save_start(&mut self, index: usize, bytes: Vec<u8>, iteration: usize) {
-        self.record.starts[index] = checkpoint::SavedStart { bytes, iteration, ended: false };
-        self.save();
+    pub fn save_start(&mut self, index: usize, (run, iteration): (Parted, usize), ensemble: &Ensemble) {
+        self.record.starts[index] = checkpoint::SavedStart { run, iteration, ended: false };
+        self.save(ensemble);
     }
 
-    /// Writes a scheduled checkpoint; if that fails the last good one stays.
-    pub fn save(&mut self) {
-        let Some(out) = &self.out else { return };
-        let history = self.history.as_ref().map_or(&[] as &[u8], History::text);
-        let content = self.record.to_bytes(&self.case, history);
-        match checkpoint_file::write(out, checkpoint_file::NAME, &content) {
-            Ok(()) => {
+    /// Writes a scheduled checkpoint; if that fails the last good one stays. Where members are shared out all ranks call it together.
+    pub fn save(&mut self, ensemble: &Ensemble) {
+        let saved = match self.shared.clone() {
+            Some((team, Some(own))) => self.save_in_blocks(ensemble, team.as_ref(), &own),
+            _ => self.save_whole(),
+        };
+        match saved {
+            Ok(true) => {
                 self.written = Some(self.record.place());
                 self.unsaved = None;
             }
+            Ok(false) => {}
             Err(error) => {
-                let (error, first) = (RunError::from(error), self.unsaved.is_none());
-                if first {
+                if self.unsaved.is_none() {
                     self.say(&error);
                 }
                 self.unsaved = Some(error);
             }
         }
+    }
+
+    /// All in one file; whether it was written.
+    fn save_whole(&mut self) -> Result<bool, RunError> {
+        let Some(out) = &self.out else { return Ok(false) };
+        checkpoint_file::write(out, checkpoint_file::NAME, &self.content(None))?;
+        if std::mem::take(&mut self.has_blocks) {
+            blocks::remove(out);
+        }
+        Ok(true)
+    }
+
+    /// The points by all ranks, what belongs to all by the first one.
+    fn save_in_blocks(&mut self, ensemble: &Ensemble, team: &dyn Team, own: &Directory) -> Result<bool, RunError> {
+        let set = 1 - self.set;
+        let blocks = blocks::write((ensemble, team, own), self.record.runs(), set)?;
+        let written = match &self.out {
+            Some(out) => checkpoint_file::write(out, checkpoint_file::NAME, &self.content(Some(&blocks))),
+            None => Ok(()),
+        };
+        // the next one may replace the files of the set that counts no more
+        let counts = broadcast(team, vec![u8::from(written.is_ok())])? == [1];
+        written?;
+        if counts {
+            self.set = set;
+        }
+        Ok(counts)
+    }
+
+    fn content(&self, blocks: Option<&blocks::Blocks>) -> Vec<u8> {
+        let history = self.history.as_ref().map_or(&[] as &[u8], History::text);
+        self.record.to_bytes(&self.case, history, blocks)
     }
 
     /// Notes another file that could not be written.

@@ -83,11 +83,13 @@ pub(crate) fn minimize<'s>(
             let state = run.checkpoint();
             recorder.save(&state);
             saved = Some(done);
-            if let Some(moved) = recorder.moved_members(session) {
+            let kept: Vec<&EnsemblePoint> = [&start, run.point()].into_iter().chain(run.best_point()).collect();
+            if let Some(moved) = recorder.moved_members(session, &kept) {
                 match moved.and_then(|start| Ok((resume_run(session, optimizer, &state)?, start))) {
                     Ok(moved) => (run, start) = moved,
                     Err(error) => break Stop::Aborted(Failed::because(error.to_string()).fatal()),
                 }
+                session.problem.ensemble.forget();
                 recorder.goes_on_from(run.point());
             }
         }

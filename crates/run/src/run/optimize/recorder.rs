@@ -40,8 +40,10 @@ pub(super) struct Recorder<'s> {
     trials: RunTrials,
     /// The last accepted point.
     before: Option<Before>,
-    /// Newton iterations of the members up to the last checkpoint.
-    counted: Vec<usize>,
+    /// The start, saved where its members are since they moved.
+    moved_start: Option<Vec<u8>>,
+    /// Newton iterations of the members up to the last checkpoint, and evaluations since then.
+    counted: (Vec<usize>, usize),
     /// Whether what belongs to the last accepted trial was not found because the run is cancelled.
     broken_off: bool,
     last: Instant,
@@ -68,7 +70,8 @@ impl<'s> Recorder<'s> {
             explain: session.explain,
             trials: RunTrials::new(problem.members().count(), problem.leads().count()),
             before: None,
-            counted: vec![0; problem.members().count()],
+            moved_start: None,
+            counted: (vec![0; problem.members().count()], 0),
             broken_off: false,
             last: Instant::now(),
             pace: Pace::new(problem.case.optimizer.max_iterations),
@@ -87,15 +90,22 @@ impl<'s> Recorder<'s> {
         self.before = Some(Before::new(point));
     }
 
-    /// Shares the members out anew by what they took since the last checkpoint; the start as it is then, if any member moves.
-    pub fn moved_members(&mut self, session: &Session<'_>) -> Option<Result<EnsemblePoint, RunError>> {
+    /// Shares the members out anew by what they took since the last checkpoint; the start as it is then, if any member moves. `kept`: the points that are
+    /// to be loaded again.
+    pub fn moved_members(
+        &mut self,
+        session: &Session<'_>,
+        kept: &[&EnsemblePoint],
+    ) -> Option<Result<EnsemblePoint, RunError>> {
         let now: Vec<usize> = self.trials.work.iter().map(|work| work.newton).collect();
-        let since: Vec<usize> = now.iter().zip(&self.counted).map(|(now, before)| now - before).collect();
-        self.counted = now;
-        // motions would be solved once more where they go
-        let moves =
-            !self.problem.is_motion() && since.iter().any(|work| *work > 0) && self.problem.ensemble.share_anew(&since);
-        moves.then(|| read_record(session, self.record))
+        let since: Vec<usize> = now.iter().zip(&self.counted.0).map(|(now, before)| now - before).collect();
+        let (_, solves) = std::mem::replace(&mut self.counted, (now, 0));
+        let moves = since.iter().any(|work| *work > 0) && self.problem.ensemble.share_anew(&since, (kept, solves));
+        moves.then(|| {
+            let start = read_record(session, self.record)?;
+            self.moved_start = Some(self.problem.ensemble.save(&start));
+            Ok(start)
+        })
     }
 
     /// Says the names of the columns, which follow from what is known of a point.
@@ -115,8 +125,12 @@ impl<'s> Recorder<'s> {
         if self.broken_off || self.problem.ensemble.broken().is_some() {
             return;
         }
-        let bytes = self.record.under_way(&self.trials, run);
-        self.journal.lock().save_start(self.start.0, bytes, run.run.progress.counts.iterations);
+        let mut saved = self.record.under_way(&self.trials, run);
+        if let (Some(start), Some(moved)) = (saved.points.first_mut(), &self.moved_start) {
+            start.clone_from(moved);
+        }
+        let iteration = run.run.progress.counts.iterations;
+        self.journal.lock().save_start(self.start.0, (saved, iteration), &self.problem.ensemble);
     }
 
     pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {
@@ -130,6 +144,7 @@ impl<'s> Recorder<'s> {
         self.last = Instant::now();
         if let Some(point) = trial.point.filter(|_| !trial.reason.is_revaluation()) {
             self.trials.work.iter_mut().zip(point.work()).for_each(|(work, own)| work.add_work(&own));
+            self.counted.1 += 1;
         } else if let (None, Some(newton), Some(first)) =
             (trial.cost, trial.summary.get("newton"), self.trials.work.first_mut())
         {

@@ -2,10 +2,11 @@
 
 use crate::run::check_gradient;
 use crate::run::error::RunError;
-use crate::run::optimize::finished_run::{FinishedRun, read_start, write_start};
+use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::minimization::{Minimized, begin_run, evaluate, minimize, resume_run};
 use crate::run::optimize::ordered_output::{OrderedOutput, StartOutput};
+use crate::run::optimize::parted::Parted;
 use crate::run::optimize::recorder::{Recorder, write_iterates};
 use crate::run::optimize::run_trials::RunTrials;
 use crate::run::optimize::start_place::{place, seed};
@@ -15,9 +16,8 @@ use crate::run::optimize::table_of_starts::{entry, failed_entry};
 use crate::run::session::{Session, say_warning};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Solver, available_memory};
-use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::early_stopping::Standing;
-use nastic_opt::{Failed, Objective, Optimizer, Stop, TaylorError, Verdict};
+use nastic_opt::{Failed, Objective, Optimizer, Request, Stop, TaylorError, Verdict};
 use nastic_report::record::{GradientCheckRecord, StartRecord as StartEntry};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -225,10 +225,9 @@ impl Round<'_> {
         output: &StartOutput,
     ) -> StartRun {
         let start = begun.point.clone();
-        let mut bytes = Writer::new("");
-        write_start(&start, &self.session.problem.ensemble, &mut bytes);
         let warnings = std::mem::take(&mut begun.warnings);
-        let record = StartRecord { warnings, start: bytes.finish(), certificate };
+        let saved = self.session.problem.ensemble.save(&start);
+        let record = StartRecord { warnings, m: start.m.clone(), start: saved, certificate };
         match begin_run(self.session, self.optimizer, begun) {
             Ok(run) => {
                 let recorder = Recorder::new(self.session, (index, &record), (self.journal, output));
@@ -290,7 +289,7 @@ impl Round<'_> {
             found.interrupted |= interrupted;
             let best = run.is_some_and(|run| found.add(index, run));
             if !interrupted {
-                let best = if best { found.best.as_ref().map(|best| best_bytes(self.session, best)) } else { None };
+                let best = if best { found.best.as_ref().map(|best| best_parted(self.session, best)) } else { None };
                 self.journal.lock().end_start(&start, best);
             }
         });
@@ -343,8 +342,7 @@ fn evaluated_start(session: &Session<'_>, index: usize, output: &StartOutput) ->
 
 /// The start of a run under way.
 pub(super) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result<EnsemblePoint, RunError> {
-    let start = Reader::new(&record.start, "").map_err(Failed::new);
-    let start = start.and_then(|mut input| read_start(&mut input, &session.problem.ensemble));
+    let start = session.problem.ensemble.load(&record.m, &record.start, &Request::default());
     start.map_err(|failed| session.unfit_checkpoint(&failed.to_string()))
 }
 
@@ -377,9 +375,6 @@ pub(super) fn ended(
 }
 
 /// The best of the starts that have ended, for a checkpoint.
-pub(super) fn best_bytes(session: &Session<'_>, (index, run): &(usize, FinishedRun)) -> Vec<u8> {
-    let mut out = Writer::new("");
-    out.count(*index);
-    out.bytes(&run.to_bytes(&session.problem.ensemble));
-    out.finish()
+pub(super) fn best_parted(session: &Session<'_>, (index, run): &(usize, FinishedRun)) -> Parted {
+    run.to_parted(*index, &session.problem.ensemble)
 }

@@ -7,7 +7,7 @@ use crate::run::case_record::CaseRecord;
 use crate::run::error::{Exit, RunError};
 use crate::run::optimize::checkpoint::{Checkpoint, Position, record_end};
 use crate::run::optimize::journal::{Journal, SharedJournal};
-use crate::run::optimize::round::{RoundEnd, best_bytes, failed};
+use crate::run::optimize::round::{RoundEnd, best_parted, failed};
 use crate::run::optimize::start_place::seed;
 use crate::run::optimize::start_run::{Phase, StartRun};
 use crate::run::optimize::starts::{Starts, read_best};
@@ -122,7 +122,7 @@ fn run_one(
     }
     let (position, journal, resumed) = match known {
         Some(position) => {
-            let journal = Journal::resume(session, position.place())?;
+            let journal = Journal::resume(session, &position)?;
             (position, journal, true)
         }
         None => {
@@ -146,7 +146,7 @@ fn run_one(
     };
     if exit == Exit::Done {
         // Whatever the schedule is: the end is what others read.
-        journal.lock().save();
+        journal.lock().save(&session.problem.ensemble);
     }
     journal.lock().finish()?;
     if exit == Exit::Done {
@@ -169,7 +169,7 @@ fn alone(session: &mut Session<'_>, index: usize) -> Result<Option<Position>, Ru
     let all = 0..session.problem.case.optimizer.starts;
     let mut starts: Vec<StartRun> = all.map(|other| absent(session, other, "left to another process")).collect();
     starts[index].phase = phase;
-    Ok(Some(Position { gradient_check, round: 0, history: vec![], best: None, starts }))
+    Ok(Some(Position { gradient_check, starts, ..Position::default() }))
 }
 
 fn absent(session: &Session<'_>, index: usize, why: &str) -> StartRun {
@@ -178,7 +178,7 @@ fn absent(session: &Session<'_>, index: usize, why: &str) -> StartRun {
 
 /// Where the run in a directory stands, if it is of this case and version of the program.
 fn read(session: &Session<'_>, directory: &Path) -> Option<Position> {
-    let Checkpoint { case, position, .. } = Checkpoint::read(directory).ok()?;
+    let Checkpoint { case, position, .. } = Checkpoint::read(directory, &|members| 0..members).ok()?;
     position.filter(|_| case.is_same(&CaseRecord::of(&session.problem, &session.settings)))
 }
 
@@ -210,7 +210,7 @@ pub(in crate::run) fn join(
     let (began, mut joined) = (Instant::now(), Starts::default());
     let ran = joined.run(session, optimizer, position, (&journal, true));
     match missing.is_empty() {
-        true if session.problem.case.output.checkpoint > 0 => journal.lock().save(),
+        true if session.problem.case.output.checkpoint > 0 => journal.lock().save(&session.problem.ensemble),
         true => {}
         false => out.remove(checkpoint_file::NAME)?,
     }
@@ -244,8 +244,8 @@ fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usiz
         // Without it one process has no result either.
         return Err(RunError::NothingToJoin { directory: out.path().to_owned() });
     }
-    let best = found.best.as_ref().map(|best| best_bytes(session, best));
-    Ok((Position { gradient_check, round: 0, history: vec![], best, starts }, missing))
+    let best = found.best.as_ref().map(|best| best_parted(session, best));
+    Ok((Position { gradient_check, best, starts, ..Position::default() }, missing))
 }
 
 /// Copies the files of a start.

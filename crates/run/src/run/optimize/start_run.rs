@@ -2,6 +2,7 @@
 
 use crate::result::warning_record::{warning_of, warning_record};
 use crate::run::optimize::checkpoint::{read_json, write_json};
+use crate::run::optimize::parted::{Parted, next};
 use crate::run::optimize::run_trials::RunTrials;
 use nastic_case::warning::Warning;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
@@ -10,7 +11,7 @@ use nastic_opt::early_stopping::Standing;
 use nastic_opt::{AugmentedState, SavedRunError};
 use nastic_report::record::{GradientCheckRecord, StartRecord as StartEntry};
 
-const MAGIC: &str = "nastic-start-3";
+const MAGIC: &str = "nastic-start-4";
 
 /// One of several starts.
 pub(super) struct StartRun {
@@ -41,7 +42,9 @@ pub(super) struct UnderWay {
 pub(super) struct StartRecord {
     /// What deserves attention in its states; said already.
     pub warnings: Vec<Warning>,
-    /// The start as bytes.
+    /// The control of the start.
+    pub m: Vec<f64>,
+    /// The start, saved.
     pub start: Vec<u8>,
     /// Its gradient check, where it is a random one.
     pub certificate: GradientCheckRecord,
@@ -104,30 +107,35 @@ impl StartRun {
         }
     }
 
-    pub fn to_bytes(&self) -> Vec<u8> {
+    pub fn to_parted(&self) -> Parted {
         match &self.phase {
             Phase::Waiting | Phase::Evaluated(_) => {
                 let mut out = Writer::new(MAGIC);
                 out.count(0);
-                out.finish()
+                Parted::whole(out.finish())
             }
             Phase::UnderWay(at) => at.record.under_way(&at.trials, &at.run),
-            Phase::Ended(ended) => ended.to_bytes(),
+            Phase::Ended(ended) => Parted::whole(ended.to_bytes()),
         }
     }
 
-    pub fn from_bytes(index: usize, bytes: &[u8]) -> Result<Self, SavedRunError> {
-        let mut input = Reader::new(bytes, MAGIC)?;
+    pub fn from_parted(index: usize, Parted { body, points }: Parted) -> Result<Self, SavedRunError> {
+        let (mut input, mut points) = (Reader::new(&body, MAGIC)?, points.into_iter());
         let phase = match input.number()? {
             0 => Phase::Waiting,
             1 => {
                 let record = StartRecord {
                     warnings: read_warnings(&mut input)?,
-                    start: input.list()?,
+                    m: input.floats()?,
+                    start: next(&mut points)?,
                     certificate: read_json(&mut input)?,
                 };
                 let trials = RunTrials::read(&mut input)?;
-                let run = AugmentedState::from_bytes(&input.list()?)?;
+                let mut run = AugmentedState::from_bytes(&input.list()?)?;
+                run.run.current.point = next(&mut points)?;
+                if let Some(best) = &mut run.run.best {
+                    best.point = next(&mut points)?;
+                }
                 Phase::UnderWay(Box::new(UnderWay { record, trials, run }))
             }
             2 => Phase::Ended(Box::new(Ended {
@@ -145,16 +153,19 @@ impl StartRun {
 }
 
 impl StartRecord {
-    /// A run at a checkpoint, as [`StartRun::to_bytes`] writes it.
-    pub fn under_way(&self, trials: &RunTrials, run: &AugmentedState) -> Vec<u8> {
+    /// A run at a checkpoint, as [`StartRun::to_parted`] writes it.
+    pub fn under_way(&self, trials: &RunTrials, run: &AugmentedState) -> Parted {
+        let (mut run, mut points) = (run.clone(), vec![self.start.clone()]);
+        points.push(std::mem::take(&mut run.run.current.point));
+        points.extend(run.run.best.as_mut().map(|best| std::mem::take(&mut best.point)));
         let mut out = Writer::new(MAGIC);
         out.count(1);
         write_warnings(&self.warnings, &mut out);
-        out.bytes(&self.start);
+        out.floats(&self.m);
         write_json(&self.certificate, &mut out);
         trials.write(&mut out);
         out.bytes(&run.to_bytes());
-        out.finish()
+        Parted { body: out.finish(), points }
     }
 }
 

@@ -5,8 +5,9 @@ use crate::run::optimize::checkpoint::Position;
 use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::minimization::resume_run;
+use crate::run::optimize::parted::Parted;
 use crate::run::optimize::recorder::write_iterates;
-use crate::run::optimize::round::{Round, RoundEnd, best_bytes, ended, read_record};
+use crate::run::optimize::round::{Round, RoundEnd, best_parted, ended, read_record};
 use crate::run::optimize::same_program::same_program;
 use crate::run::optimize::start_place::seed;
 use crate::run::optimize::start_run::{Phase, StartRun, UnderWay};
@@ -14,7 +15,6 @@ use crate::run::optimize::table_of_starts::failed_entry;
 use crate::run::session::{Session, say_warning};
 use nastic_case::warning::Warning;
 use nastic_language::number::short;
-use nastic_opt::bytes::Reader;
 use nastic_opt::early_stopping;
 use nastic_opt::early_stopping::{Outperformed, Standing};
 use nastic_opt::{AugmentedBest, Constrained, Failed, Optimizer, Stop};
@@ -62,9 +62,9 @@ impl Starts {
         position: Position,
         (journal, resumed): (&SharedJournal, bool),
     ) -> Result<(), RunError> {
-        let Position { gradient_check, round, history, best, starts } = position;
+        let Position { gradient_check, round, history, best, starts, .. } = position;
         let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
-        let best = best.map(|bytes| read_best(session, &bytes)).transpose().map_err(unfit)?;
+        let best = best.map(|best| read_best(session, &best)).transpose().map_err(unfit)?;
         let rounds = Rounds { session, optimizer, journal, gradient_check, round, starts, best };
         if resumed {
             rounds.starts.iter().flat_map(StartRun::warnings).for_each(|warning| say_warning(session.console, warning));
@@ -102,10 +102,10 @@ impl Starts {
 impl Rounds<'_> {
     fn run(&mut self, mut resumed: bool) -> Result<RoundEnd, RunError> {
         loop {
-            let best = self.best.as_ref().map(|best| best_bytes(self.session, best));
+            let best = self.best.as_ref().map(|best| best_parted(self.session, best));
             self.journal.lock().begin_round(&self.gradient_check, self.round, best, &self.starts);
             if self.round > 0 && !resumed && self.session.problem.case.output.checkpoint > 0 {
-                self.journal.lock().save();
+                self.journal.lock().save(&self.session.problem.ensemble);
             }
             let found = Mutex::new(RoundEnd { best: self.best.take(), ..RoundEnd::default() });
             let (session, optimizer, journal) = (self.session, self.optimizer, self.journal);
@@ -201,12 +201,8 @@ impl Rounds<'_> {
 }
 
 /// The best of the starts that have ended, from a checkpoint.
-pub(super) fn read_best(session: &Session<'_>, bytes: &[u8]) -> Result<(usize, FinishedRun), Failed> {
-    let mut input = Reader::new(bytes, "").map_err(Failed::new)?;
-    let index = input.number().map_err(Failed::new)?;
-    let run = FinishedRun::from_bytes(&input.list().map_err(Failed::new)?, &session.problem.ensemble)?;
-    input.finish().map_err(Failed::new)?;
-    Ok((index, run))
+pub(super) fn read_best(session: &Session<'_>, best: &Parted) -> Result<(usize, FinishedRun), Failed> {
+    FinishedRun::from_parted(best, &session.problem.ensemble)
 }
 
 /// The entry of a start that an interruption found before its first trial.

@@ -2,7 +2,8 @@
 
 use crate::run::error::RunError;
 use crate::run::optimize::journal::SharedJournal;
-use crate::run::optimize::round::{RoundEnd, best_bytes};
+use crate::run::optimize::parted::Parted;
+use crate::run::optimize::round::{RoundEnd, best_parted};
 use crate::run::optimize::start_run::StartRun;
 use crate::run::optimize::starts::read_best;
 use crate::run::session::Session;
@@ -13,7 +14,7 @@ use nastic_team::{Team, TeamError, exchange};
 /// What a rank has found.
 struct Told {
     starts: Vec<StartRun>,
-    best: Option<Vec<u8>>,
+    best: Option<Parted>,
     interrupted: bool,
     aborted: Option<(usize, String)>,
 }
@@ -47,7 +48,7 @@ pub(super) fn share(
             starts[place] = start;
         }
     }
-    let best = found.best.as_ref().map(|best| best_bytes(session, best));
+    let best = found.best.as_ref().map(|best| best_parted(session, best));
     let mut journal = journal.lock();
     for start in &*starts {
         journal.add_recorded(start.lines());
@@ -61,10 +62,10 @@ pub(super) fn share(
 fn told(session: &Session<'_>, starts: &[StartRun], found: &RoundEnd) -> Vec<u8> {
     let mut out = Writer::new("");
     let own = |start: &&StartRun| session.has_start(start.index);
-    starts.iter().filter(own).for_each(|start| out.bytes(&start.to_bytes()));
+    starts.iter().filter(own).for_each(|start| out.bytes(&start.to_parted().to_bytes()));
     let best = found.best.as_ref().filter(|(index, _)| session.has_start(*index));
     out.count(usize::from(best.is_some()));
-    best.iter().for_each(|best| out.bytes(&best_bytes(session, best)));
+    best.iter().for_each(|best| out.bytes(&best_parted(session, best).to_bytes()));
     out.count(usize::from(found.interrupted));
     out.count(usize::from(found.aborted.is_some()));
     if let Some((index, why)) = &found.aborted {
@@ -77,8 +78,9 @@ fn told(session: &Session<'_>, starts: &[StartRun], found: &RoundEnd) -> Vec<u8>
 fn heard(bytes: &[u8], (rank, team): (usize, &dyn Team), starts: usize) -> Result<Told, SavedRunError> {
     let mut input = Reader::new(bytes, "")?;
     let own = (0..starts).filter(|index| index % team.size() == rank);
-    let starts = own.map(|index| StartRun::from_bytes(index, &input.list()?)).collect::<Result<_, _>>()?;
-    let best = if input.flag()? { Some(input.list()?) } else { None };
+    let starts =
+        own.map(|index| StartRun::from_parted(index, Parted::from_bytes(&input.list()?)?)).collect::<Result<_, _>>()?;
+    let best = if input.flag()? { Some(Parted::from_bytes(&input.list()?)?) } else { None };
     let interrupted = input.flag()?;
     let aborted = if input.flag()? { Some((input.number()?, input.text()?)) } else { None };
     input.finish()?;

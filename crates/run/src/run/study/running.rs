@@ -148,7 +148,7 @@ fn stop_by_signals(console: &Console) -> Arc<AtomicBool> {
 
 /// Goes on where the directory holds a checkpoint of the same problem beyond its start; begins elsewhere.
 fn resume_in(session: &mut Session<'_>, optimizer: &dyn Optimizer, directory: PathBuf) -> Result<Exit, RunError> {
-    match resumption::read(&directory, true) {
+    match resumption::read(&directory, None) {
         Err(RunError::Checkpoint(CheckpointError::Missing { .. })) => {
             session.out = Some(session.claim(directory.clone())?);
             session.take_directory(&directory);
