@@ -54,6 +54,7 @@ mod target_shape;
 mod tension;
 mod test_stiffness;
 mod test_table;
+mod thinner_layers;
 mod time;
 mod time_table;
 mod variant;
