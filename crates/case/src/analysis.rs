@@ -10,6 +10,8 @@ pub enum Analysis {
     Minimum,
     /// The equilibrium, and the one of exact contact: `--exact-contact`.
     ExactContact,
+    /// The state, equilibrium or motion, and the one whose contacts have layers half as thick: `--half-thickness`.
+    HalfThickness,
     /// The equilibrium and so many smallest eigenvalues of its tangent, with their modes: `--modes N`.
     Modes(usize),
     /// Equilibria with one control going from a value to another: `--ramp CONTROL=FROM:TO:N`.
@@ -30,11 +32,18 @@ impl Analysis {
             Self::Equilibrium => None,
             Self::Minimum => Some("--minimum"),
             Self::ExactContact => Some("--exact-contact"),
+            Self::HalfThickness => Some("--half-thickness"),
             Self::Modes(_) => Some("--modes"),
             Self::Ramp(_) => Some("--ramp"),
             Self::Path | Self::PathToLimit => Some("--path"),
             Self::Equilibria(_) => Some("--equilibria"),
         }
+    }
+
+    /// Whether it is for motions too.
+    #[must_use]
+    pub fn goes_with_time(&self) -> bool {
+        matches!(self, Self::Equilibrium | Self::HalfThickness)
     }
 
     /// Whether the result has the entries of a single state.

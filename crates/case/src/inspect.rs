@@ -4,6 +4,7 @@ mod compression;
 mod determination;
 mod flight;
 mod stillness;
+pub mod touches;
 
 pub use compression::compression;
 pub use determination::determination;

@@ -274,6 +274,7 @@ fn analysis(asked: &arguments::Analysis) -> Analysis {
         arguments::Analysis { path: true, .. } => Analysis::Path,
         arguments::Analysis { minimum: true, .. } => Analysis::Minimum,
         arguments::Analysis { exact_contact: true, .. } => Analysis::ExactContact,
+        arguments::Analysis { half_thickness: true, .. } => Analysis::HalfThickness,
         arguments::Analysis { equilibria: Some(count), .. } => Analysis::Equilibria((*count).into()),
         _ => Analysis::Equilibrium,
     }

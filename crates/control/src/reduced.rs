@@ -430,9 +430,15 @@ impl Reduced {
     /// # Errors
     /// A cost that is not defined there.
     pub fn costs_at(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<Arc<dyn CostPoint>>, ControlError> {
-        let m = self.at_instant(m, state.time)?;
-        let context = self.context(state, &m, stage);
-        self.costs.iter().map(|cost| cost.at(&context)).collect()
+        let own = self.at_instant(m, state.time)?;
+        let context = self.context(state, &own, stage);
+        let at = |cost: &dyn Cost| {
+            let instants = self.timeline().map_or(&[][..], Timeline::instants);
+            let n = instants.partition_point(|t| *t < state.time);
+            let step = self.step_begin(cost.needs_step(), n, m)?;
+            cost.at(&CostContext { step: step.as_ref(), ..context })
+        };
+        self.costs.iter().map(|cost| at(cost.as_ref())).collect()
     }
 
     /// The evaluated terms of a point: those it keeps, or evaluated again.
@@ -448,7 +454,15 @@ impl Reduced {
 
     fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {
         let u = self.solid.model().nodal(&state.u);
-        CostContext { solid: &self.solid, layout: self.layout_of_instant(), u, state: Some(state), m, stage }
+        CostContext {
+            solid: &self.solid,
+            layout: self.layout_of_instant(),
+            u,
+            state: Some(state),
+            m,
+            stage,
+            step: None,
+        }
     }
 
     /// The control fields at one instant: what costs of states see.

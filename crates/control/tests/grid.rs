@@ -54,6 +54,7 @@ fn integrals_over_the_body_are_exact() -> Outcome {
                 state: None,
                 m: &m,
                 stage,
+                step: None,
             };
             let value = |k: usize| -> Outcome<f64> { Ok(problem.costs()[k].at(&context(0))?.value()) };
             assert!((value(0)? - 9.0).abs() < 1e-9, "{kind}, {cells:?}: {}", value(0)?);

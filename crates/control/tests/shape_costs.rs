@@ -40,7 +40,15 @@ fn moved(body: &Reduced, to: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<f64> {
 /// Value and figures.
 fn message(body: &Reduced, cost: &dyn Cost, u: &[f64]) -> Outcome<(f64, Vec<(&'static str, f64)>)> {
     let m = vec![0.0; body.layout().len()];
-    let at = cost.at(&CostContext { solid: body.solid(), layout: body.layout(), u, state: None, m: &m, stage: 0 })?;
+    let at = cost.at(&CostContext {
+        solid: body.solid(),
+        layout: body.layout(),
+        u,
+        state: None,
+        m: &m,
+        stage: 0,
+        step: None,
+    })?;
     Ok((at.value(), at.figures()?.iter().map(|figure| (figure.kind.name(), figure.value)).collect()))
 }
 
@@ -215,7 +223,7 @@ fn partials_in_plane_strain_are_differences() -> Outcome {
     let wave = |k: f64| -> Vec<f64> { (0..u.len()).map(|i| 0.01 * (i as f64 * 1.3 + k).sin()).collect() };
     let (m, v, w) = (vec![0.0; body.layout().len()], wave(0.4), wave(2.1));
     let partials = |cost: &dyn Cost, u: &[f64]| -> Outcome<(f64, Vec<f64>, Vec<f64>)> {
-        let at = cost.at(&CostContext { solid, layout: body.layout(), u, state: None, m: &m, stage: 0 })?;
+        let at = cost.at(&CostContext { solid, layout: body.layout(), u, state: None, m: &m, stage: 0, step: None })?;
         let (mut first, mut second) = (Partials::zero(u.len(), m.len()), Partials::zero(u.len(), m.len()));
         at.add_partials(&mut first)?;
         at.add_second_partials(&Partials { u: v.clone(), m: m.clone() }, &mut second)?;

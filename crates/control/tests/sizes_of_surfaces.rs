@@ -19,7 +19,15 @@ fn bar() -> Outcome<Reduced> {
 /// Value and figure of a cost at a displacement.
 fn figure(body: &Reduced, cost: &dyn Cost, u: &[f64]) -> Outcome<[f64; 2]> {
     let state = State { u: u.to_vec().into(), load: 1.0, ..body.solid().rest() };
-    let context = CostContext { solid: body.solid(), layout: body.layout(), u, state: Some(&state), m: &[], stage: 0 };
+    let context = CostContext {
+        solid: body.solid(),
+        layout: body.layout(),
+        u,
+        state: Some(&state),
+        m: &[],
+        stage: 0,
+        step: None,
+    };
     let at = cost.at(&context)?;
     Ok([at.value(), at.figures()?.first().ok_or("no figure")?.value])
 }
@@ -76,6 +84,7 @@ fn a_reaction_is_the_load() -> Outcome {
             state: Some(&state),
             m: &[],
             stage: 0,
+            step: None,
         };
         let figures = cost.at(&context)?.figures()?;
         let found = figures.first().ok_or("no figure")?.value;

@@ -25,15 +25,15 @@ pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BeforeStep, BodyPoint, Cavity, Constrains, Contact, ContactLaw, Contribution, ContributionPoint, ControlPoint,
     Controls, Demand, ExactContact, Foundation, History, Increment, Inertia, Instant, Lumen, MovingSupport, Need,
-    Prescribes, Remembers, RigidPose, SecondSensitivities, Sensitivities, Sliding, Spring, Sums, SurfaceContact,
-    Tendon, TimeStep, Touch, TouchParameters, Touches, VaryingLoad, check_contribution,
+    Onsets, Prescribes, Remembers, RigidPose, SampleState, SecondSensitivities, Sensitivities, Sliding, Spring, Sums,
+    SurfaceContact, Tendon, TimeStep, Touch, TouchParameters, Touches, VaryingLoad, check_contribution,
 };
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
-pub use model::{Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing};
+pub use model::{Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing, Slipping};
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };

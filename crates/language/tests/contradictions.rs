@@ -279,9 +279,12 @@ fn friction_that_does_not_act_is_found() {
     let friction = "with friction an equilibrium depends on the way to it, and the case is static: give \"time\": { \"end\": \"1 s\", \"step\": \
                     \"10 ms\", \"start\": \"rest\", \"scheme\": \"quasi_static\" } with loads that grow, or leave this out";
     let speed = "the slip speed of a contact without friction: give \"friction\", or leave this out";
+    let lagged = "lagged friction of a contact without friction: give \"friction\", or leave this out";
     let floor = "\"obstacles\": [ { \"name\": \"floor\", \"shape\": { \"half_space\": { \"point\": [0, 0, -9], \"normal\": [0, 0, 1] } } } ], ";
     for (before, touched) in [(floor, "\"obstacle\": \"floor\""), ("", "\"with\": \"clamp\"")] {
-        for (key, value, message) in [("friction", "0.3", friction), ("slip_speed", "\"1 mm/s\"", speed)] {
+        for (key, value, message) in
+            [("friction", "0.3", friction), ("slip_speed", "\"1 mm/s\"", speed), ("lagged", "true", lagged)]
+        {
             let contact = format!("\"contact\": [ {{ \"surface\": \"tip\", {touched}, \"{key}\": {value} }} ], ");
             let to = format!("{before}{contact}\"loads\":");
             one(COMPLETE, "\"loads\":", &to, &format!(": contact/0/{key}: {message}"));

@@ -183,7 +183,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"kind\": \"smoothed_hausdorff\", ",
         "",
         ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, orientation, curvature, \
-         mean_radius, volume, largest_stretch, compliance, reaction, contact_force, contact_pressure, obstacle, control_norm, control_smoothness, \
+         mean_radius, volume, largest_stretch, compliance, reaction, contact_force, contact_pressure, contact_slip, obstacle, control_norm, control_smoothness, \
          control_rate, \
          kinetic_energy, actuation_work, pump_work)",
     );

@@ -112,6 +112,7 @@ fn analysis(py: Python<'_>, (what, value): &(String, String)) -> PyResult<Analys
         "path" => Analysis::Path,
         "minimum" => Analysis::Minimum,
         "exact_contact" => Analysis::ExactContact,
+        "half_thickness" => Analysis::HalfThickness,
         "equilibria" => Analysis::Equilibria(count()?),
         "modes" => Analysis::Modes(count()?),
         // of the command `modes`

@@ -53,7 +53,7 @@ pub use case_record::{
     MemoryRecord, MeshRecord, NamesRecord, QualityRecord, SetRecord, SpringRecord,
 };
 pub use comparison_record::{ComparedRecord, ComparisonRecord, DistancesRecord, NodeByNodeRecord};
-pub use contact_record::{ContactRecord, ExactContactRecord};
+pub use contact_record::{ContactRecord, ExactContactRecord, HalfThicknessRecord};
 pub use control_record::{ControlRecord, ControlValues, RangeRecord};
 pub use error_record::{ErrorRecord, ProblemRecord};
 pub use failure_record::{

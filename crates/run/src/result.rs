@@ -8,14 +8,12 @@ pub(crate) mod failure;
 pub(crate) mod files;
 pub(crate) mod inspection;
 pub(crate) mod member_report;
-pub(crate) mod obstacle_shape;
 pub(crate) mod picture;
 pub(crate) mod smoothing;
 pub(crate) mod snapshot;
 pub(crate) mod summary;
 pub(crate) mod target_files;
 pub(crate) mod title;
-pub(crate) mod touches;
 pub(crate) mod warning_record;
 
 pub use checkpoint_file::CheckpointError;

@@ -9,6 +9,7 @@ mod commands;
 mod common;
 mod constraints;
 mod contact;
+mod contact_costs;
 mod damaged_checkpoints;
 mod determination;
 mod documents;

@@ -110,7 +110,7 @@ fn bounds_on_functionals() {
     };
     wrong(
         "{ \"cost\": { \"kind\": \"control_norm\", \"of\": \"tension\" } }",
-        "exactly one of \"at_most\" and \"equal\"",
+        "exactly one of \"at_most\", \"at_least\" and \"equal\"",
     );
     wrong("{ \"cost\": { \"kind\": \"control_norm\", \"of\": \"tension\" }, \"at_most\": 0 }", "needs a \"scale\"");
     wrong(

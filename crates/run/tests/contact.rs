@@ -106,6 +106,29 @@ fn a_slider_slides_against_its_friction_and_says_so() {
     assert_eq!(number(&held, "contributions/feet/sticking"), 1.0);
 }
 
+/// A hold whose forces grow by 6 % a step, at 95 % of the cone: friction by the normal forces of the step before slips at
+/// `v = sum_n h (g_n sin - mu g_(n-1) cos)`, `g_0 = 0`, as nothing presses before, `mu = tan / 0.95`; with those of the step itself it creeps below the
+/// slip speed.
+#[test]
+fn lagged_friction_slips_where_forces_grow() {
+    let growing = with(
+        SLIDER,
+        r#""gravity": ["4 m/s^2", 0, "-10 m/s^2"]"#,
+        r#""gravity": ["3.8 m/s^2 * 1.06^(t / (4 ms))", 0, "-10 m/s^2 * 1.06^(t / (4 ms))"]"#,
+    );
+    let growing = with(&growing, r#""friction": 0.3"#, r#""friction": 0.4"#);
+    let lagged = with(&growing, r#""friction": 0.4"#, r#""friction": 0.4, "lagged": true"#);
+    let speed = |case: &str| number(&solve(case).1, "contributions/feet/sliding_speed");
+    assert!(speed(&growing) < 1.0, "{}", speed(&growing));
+    // mm/s, backward Euler
+    let before = |n: i32| if n == 1 { 0.0 } else { 1.06f64.powi(n - 1) };
+    let expected: f64 = (1..=50).map(|n| 4.0 * (3.8 * 1.06f64.powi(n) - 0.4 * 10.0 * before(n))).sum();
+    let found = speed(&lagged);
+    assert!((found / expected - 1.0).abs() < 0.02, "{found} {expected}");
+    let heard = CaseDirectory::new().text(Command::Check, &lagged, &[]);
+    assert!(heard.contains("friction 0.4, with the normal forces of the instant before, slip speed 1 mm/s"), "{heard}");
+}
+
 #[test]
 fn friction_needs_time() {
     let case = with(BLOCK, r#""obstacle": "floor""#, r#""obstacle": "floor", "friction": 0.3"#);
@@ -330,4 +353,54 @@ fn exact_contact_tells_how_much_the_layer_changes() {
         error.contains("exact contact does not go with \"dent\": it is for obstacles with the cubic law"),
         "{error}"
     );
+}
+
+/// Twice the gap of a block on its floor is that of a layer twice as thick: `d = delta (1 - sqrt(p/k))` of the same pressure and stiffness.
+#[test]
+fn half_the_thickness_halves_the_gap_and_keeps_the_force() {
+    let of = |case: &str| {
+        let (place, heard) = (CaseDirectory::new(), Heard::default());
+        let options = Options { analysis: Analysis::HalfThickness, ..place.options(&[]) };
+        let found = place.run_with(Command::Solve, case, &Console::new(heard.clone()), &options);
+        (found.map(|found| found.result).map_err(|error| error.to_string()), heard.text())
+    };
+    let (found, heard) = of(BLOCK);
+    let found = found.unwrap();
+    let [whole, half] = ["contributions", "half_thickness/contacts"]
+        .map(|place| ["force_z", "mean_gap"].map(|name| number(&found, &format!("{place}/z- on floor/{name}"))));
+    assert!((half[0] / whole[0] - 1.0).abs() < 1e-8 && (2.0 * half[1] / whole[1] - 1.0).abs() < 1e-4, "{found}");
+    let moved = number(&found, "half_thickness/largest_change");
+    assert!((moved / half[1] - 1.0).abs() < 1e-3, "{moved} {half:?}");
+    let line = heard.lines().find(|line| line.starts_with("half ")).unwrap();
+    assert!(line.contains("layers half as thick: displacements, 0.4"), "{line}");
+    assert!(heard.contains("z- on floor presses with 0.03924 N, changed by 0 %, smallest gap"), "{heard}");
+    // a motion: friction at its end
+    let (found, _) = of(SLIDER);
+    let found = found.unwrap();
+    let force = number(&found, "half_thickness/contacts/feet/force_x");
+    assert!((force + 0.3 * 4e-3 * 10.0).abs() < 1e-3 * 0.012, "{force}");
+    let contact = r#""contact": [ { "name": "feet", "surface": "z-", "obstacle": "floor", "friction": 0.3, "slip_speed": "1 mm/s" } ],"#;
+    let without = with(SLIDER, contact, "");
+    let error = of(&without).0.unwrap_err();
+    assert!(error.contains("--half-thickness looks at the layers of contacts, and the case has none"), "{error}");
+}
+
+/// Where a ball comes to a body, the second derivative jumps: to one side of that there is no force, to the other one that grows as the square
+/// of the depth. The remainders behind the second derivative fall as t^2 there, as those of a wrong one.
+#[test]
+fn a_kink_where_a_contact_begins_is_told_as_one() {
+    let place = CaseDirectory::new();
+    let touching = ["controls/0/start=0", "obstacles/0/translation=[0, 0, 0]"];
+    let found = place.run(Command::Gradcheck, INDENTED, &touching).unwrap();
+    let of = |path: &str| found.result["gradcheck"].pointer(path).cloned().unwrap_or_default();
+    assert_eq!(found.exit.code(), 0, "{}", found.result["gradcheck"]);
+    assert!(of("/second/verdict").as_str().unwrap().starts_with("a kink in 1 of 2"), "{}", of("/second"));
+    assert!(of("/near_onset").as_u64().unwrap() >= 1, "{}", of("/near_onset"));
+    assert_eq!((of("/tests/0/kink"), of("/tests/1/kink")), (Value::from(true), Value::from(false)));
+    assert!(of("/tests/0/directions/0/rows/0/changed").as_u64().unwrap() >= 1, "{}", of("/tests/0/directions/0"));
+    let heard = place.text(Command::Gradcheck, INDENTED, &touching);
+    assert!(heard.contains("do not touch, or slip, as at the start: second derivatives jump between"), "{heard}");
+    // well within a contact there is none
+    let found = place.run(Command::Gradcheck, INDENTED, &[]).unwrap();
+    assert_eq!(found.result["gradcheck"]["tests"][0]["kink"], false, "{}", found.result["gradcheck"]);
 }

@@ -18,7 +18,7 @@ pub fn costs(problem: &CaseProblem) -> Vec<Line> {
     let reduced = problem.member(0).reduced();
     for (k, (block, group)) in problem.case.constraints.iter().zip(reduced.constraints()).enumerate() {
         let instants = reduced.constraint_states(k).len().max(1);
-        let bound = match (&block.obstacle, block.at_most, block.equal) {
+        let bound = match (&block.obstacle, block.at_most, block.at_least) {
             (Some(keep_out), ..) => format!(
                 "{} at least {} {} from {}",
                 count(group.len / instants, "node"),
@@ -27,7 +27,8 @@ pub fn costs(problem: &CaseProblem) -> Vec<Line> {
                 obstacle(&keep_out.shape)
             ),
             (None, Some(most), _) => format!("at most {}", short(most)),
-            (None, None, value) => format!("equal to {}", short(value.unwrap_or_default())),
+            (None, None, Some(least)) => format!("at least {}", short(least)),
+            (None, None, None) => format!("equal to {}", short(block.equal.unwrap_or_default())),
         };
         let when = problem
             .case

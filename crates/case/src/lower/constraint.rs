@@ -8,8 +8,9 @@ use crate::lower::target_shape::TargetShape;
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
     BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, Instants, IntoConstraint,
-    ObstacleDistance, Reduced,
+    ObstacleDistance, Reduced, Timeline,
 };
+use nastic_fem::Solid;
 use nastic_language::number::{count, short};
 use nastic_language::schema::{Case, Constraint as Block, Cost, HoldsWhen, KeepOut};
 use nastic_opt::ConstraintGroup;
@@ -67,9 +68,10 @@ pub(super) fn add(
                 check_at_instants(cost, context)?;
                 let lowering = Lowering { case, reduced: &reduced, block: cost, target: target.as_ref() };
                 let cost = lowering.lower(context)?;
-                let limit = match (block.at_most, block.equal) {
-                    (Some(bound), _) => CostLimit::at_most(cost, bound),
-                    (None, bound) => CostLimit::equal(cost, bound.unwrap_or_default()),
+                let limit = match (block.at_most, block.at_least, block.equal) {
+                    (Some(bound), ..) => CostLimit::at_most(cost, bound),
+                    (None, Some(bound), _) => CostLimit::at_least(cost, bound),
+                    (None, None, bound) => CostLimit::equal(cost, bound.unwrap_or_default()),
                 };
                 let limit = block.scale.into_iter().fold(limit, CostLimit::scale);
                 context.take(&block.at, limit.bind(reduced.solid()))
@@ -141,7 +143,8 @@ fn look_at_rest(
     if held.is_empty() && free.is_empty() {
         let u = vec![0.0; solid.model().unknowns().len()];
         let (layout, m) = (reduced.layout_of_instant(), vec![]);
-        let between = bound.between_nodes(&CostContext { solid, layout, u: &u, state: None, m: &m, stage: 0 });
+        let between =
+            bound.between_nodes(&CostContext { solid, layout, u: &u, state: None, m: &m, stage: 0, step: None });
         if let Some(BetweenNodes { distance, position }) = between.filter(|between| between.distance < -tolerance) {
             let message = format!(
                 "{name}: the body at rest is inside of the obstacle between its nodes, at ({}) by {} {unit}: they do not see it, unless the mesh is finer there",
@@ -183,6 +186,14 @@ impl Constraint for Named {
 
     fn between_nodes(&self, at: &CostContext) -> Option<BetweenNodes> {
         self.constraint.between_nodes(at)
+    }
+
+    fn check_in_motion(&self, solid: &Solid, timeline: &Timeline, at_start: bool) -> Result<(), ControlError> {
+        self.constraint.check_in_motion(solid, timeline, at_start)
+    }
+
+    fn needs_step(&self) -> bool {
+        self.constraint.needs_step()
     }
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {

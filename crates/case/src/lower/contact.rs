@@ -55,6 +55,7 @@ fn between(case: &Case, (contact, with): (&Contact, &GroupNames), mesh: &Mesh) -
     let built = contact.thickness.into_iter().fold(built, SurfaceContact::thickness);
     let built = contact.stiffness.into_iter().fold(built, SurfaceContact::stiffness);
     let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));
+    let built = if contact.lagged { built.lagged() } else { built };
     let size = diagonal(mesh, &contact.surface).min(diagonal(mesh, with));
     friction(case, contact, size).into_iter().fold(built, |built, (friction, speed)| built.friction(friction, speed))
 }
@@ -76,6 +77,7 @@ fn build(
     let built = contact.thickness.into_iter().fold(built, nastic_fem::Contact::thickness);
     let built = contact.stiffness.into_iter().fold(built, nastic_fem::Contact::stiffness);
     let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));
+    let built = if contact.lagged { built.lagged() } else { built };
     let built = touched.centre.iter().fold(built, |built, centre| built.about(centre.xyz()));
     let friction = friction(case, contact, diagonal(mesh, &contact.surface));
     friction.into_iter().fold(built, |built, (friction, speed)| built.friction(friction, speed))

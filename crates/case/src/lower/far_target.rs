@@ -53,7 +53,7 @@ fn apart(a: &Mesh, b: &Mesh) -> f64 {
 fn position(cost: &dyn Cost, reduced: &Reduced) -> Option<f64> {
     let (solid, layout) = (reduced.solid(), reduced.layout());
     let (rest, m) = (solid.rest(), vec![0.0; layout.len()]);
-    let at = CostContext { solid, layout, u: &rest.u, state: None, m: &m, stage: 0 };
+    let at = CostContext { solid, layout, u: &rest.u, state: None, m: &m, stage: 0, step: None };
     // without a position it has no such figure, and others may not be defined at rest
     if cost.name() != "position" {
         return None;

@@ -45,6 +45,10 @@ impl Cost for Named {
         self.cost.check_in_motion(solid, timeline, at_start)
     }
 
+    fn needs_step(&self) -> bool {
+        self.cost.needs_step()
+    }
+
     fn smoothings(&self) -> Vec<Smoothing> {
         self.cost.smoothings()
     }

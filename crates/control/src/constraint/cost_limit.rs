@@ -1,7 +1,7 @@
 //! [`CostLimit`]: a bound on any cost.
 
 use super::{Constraint, ConstraintPoint, IntoConstraint};
-use crate::cost::{Cost, CostContext, CostPoint, IntoCost, Partials};
+use crate::cost::{Cost, CostContext, CostPoint, IntoCost, MotionPartials, Partials};
 use crate::error::ControlError;
 use crate::time::Timeline;
 use nastic_fem::Solid;
@@ -9,7 +9,7 @@ use nastic_numeric::vector::{axpy, dot};
 use nastic_opt::{ConstraintGroup, Sense};
 use std::sync::Arc;
 
-/// `c = j(u, m) - bound <= 0` (or `= 0`) for any cost j, in its last continuation stage.
+/// `c = j(u, m) - bound <= 0` (or `= 0`, or `bound - j <= 0`) for any cost j, in its last continuation stage.
 ///
 /// Scale: `|bound|`, unless it is given ([`scale`](Self::scale)); a bound of zero needs one.
 #[derive(Debug)]
@@ -17,18 +17,25 @@ pub struct CostLimit<C> {
     cost: C,
     sense: Sense,
     bound: f64,
+    /// Of j in c.
+    sign: f64,
     scale: Option<f64>,
 }
 
 impl<C: IntoCost> CostLimit<C> {
     /// `j <= bound`
     pub fn at_most(cost: C, bound: f64) -> Self {
-        CostLimit { cost, sense: Sense::AtMost, bound, scale: None }
+        CostLimit { cost, sense: Sense::AtMost, bound, sign: 1.0, scale: None }
+    }
+
+    /// `j >= bound`
+    pub fn at_least(cost: C, bound: f64) -> Self {
+        CostLimit { sign: -1.0, ..Self::at_most(cost, bound) }
     }
 
     /// `j = bound`
     pub fn equal(cost: C, bound: f64) -> Self {
-        CostLimit { cost, sense: Sense::Equal, bound, scale: None }
+        CostLimit { cost, sense: Sense::Equal, bound, sign: 1.0, scale: None }
     }
 
     /// What violations are measured in, > 0, in the cost's unit.
@@ -40,7 +47,7 @@ impl<C: IntoCost> CostLimit<C> {
 
 impl<C: IntoCost> IntoConstraint for CostLimit<C> {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Constraint>, ControlError> {
-        let CostLimit { cost, sense, bound, scale } = self;
+        let CostLimit { cost, sense, bound, sign, scale } = self;
         let cost = cost.bind(solid)?;
         let (name, scale) = (cost.name().to_owned(), scale.unwrap_or(bound.abs()));
         if !(bound.is_finite() && scale > 0.0 && scale.is_finite()) {
@@ -50,7 +57,7 @@ impl<C: IntoCost> IntoConstraint for CostLimit<C> {
             );
             return Err(ControlError::Cost { what });
         }
-        Ok(Box::new(BoundLimit { cost, group: ConstraintGroup { name, sense, len: 1, scale }, bound }))
+        Ok(Box::new(BoundLimit { cost, group: ConstraintGroup { name, sense, len: 1, scale }, bound, sign }))
     }
 }
 
@@ -59,6 +66,7 @@ struct BoundLimit {
     cost: Box<dyn Cost>,
     group: ConstraintGroup,
     bound: f64,
+    sign: f64,
 }
 
 impl Constraint for BoundLimit {
@@ -70,10 +78,15 @@ impl Constraint for BoundLimit {
         self.cost.check_in_motion(solid, timeline, at_start)
     }
 
+    fn needs_step(&self) -> bool {
+        self.cost.needs_step()
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
         let cost = self.cost.at(&CostContext { stage: self.cost.stages().saturating_sub(1), ..*at })?;
         Ok(Arc::new(EvaluatedConstraint {
-            values: [cost.value() - self.bound],
+            values: [self.sign * (cost.value() - self.bound)],
+            sign: self.sign,
             cost,
             sizes: [at.solid.model().unknowns().len(), at.m.len()],
         }))
@@ -84,6 +97,7 @@ impl Constraint for BoundLimit {
 struct EvaluatedConstraint {
     cost: Arc<dyn CostPoint>,
     values: [f64; 1],
+    sign: f64,
     /// Lengths of u and m.
     sizes: [usize; 2],
 }
@@ -107,17 +121,21 @@ impl ConstraintPoint for EvaluatedConstraint {
     fn add_partials(&self, y: &[f64], out: &mut Partials) -> Result<(), ControlError> {
         let mut own = self.zero();
         self.cost.add_partials(&mut own)?;
-        y.iter().for_each(|y| add(*y, &own, out));
+        y.iter().for_each(|y| add(self.sign * y, &own, out));
         Ok(())
     }
 
-    fn add_partials_in_motion(&self, y: &[f64], out: &mut Partials, held: &mut Vec<f64>) -> Result<(), ControlError> {
-        let (mut own, mut by_held) = (self.zero(), Vec::new());
-        self.cost.add_partials_in_motion(&mut own, &mut by_held)?;
+    fn add_partials_in_motion(
+        &self,
+        y: &[f64],
+        out: &mut Partials,
+        more: &mut MotionPartials,
+    ) -> Result<(), ControlError> {
+        let (mut own, mut others) = (self.zero(), MotionPartials::default());
+        self.cost.add_partials_in_motion(&mut own, &mut others)?;
         for y in y {
-            add(*y, &own, out);
-            held.resize(held.len().max(by_held.len()), 0.0);
-            axpy(*y, &by_held, &mut held[..by_held.len()]);
+            add(self.sign * y, &own, out);
+            more.add(self.sign * y, &others);
         }
         Ok(())
     }
@@ -125,13 +143,13 @@ impl ConstraintPoint for EvaluatedConstraint {
     fn change(&self, along: &Partials) -> Result<Vec<f64>, ControlError> {
         let mut own = self.zero();
         self.cost.add_partials(&mut own)?;
-        Ok(vec![dot(&own.u, &along.u) + dot(&own.m, &along.m)])
+        Ok(vec![self.sign * (dot(&own.u, &along.u) + dot(&own.m, &along.m))])
     }
 
     fn add_second_partials(&self, y: &[f64], along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
         let mut own = self.zero();
         self.cost.add_second_partials(along, &mut own)?;
-        y.iter().for_each(|y| add(*y, &own, out));
+        y.iter().for_each(|y| add(self.sign * y, &own, out));
         Ok(())
     }
 }

@@ -6,7 +6,7 @@ mod obstacle_distance;
 pub use cost_limit::CostLimit;
 pub use obstacle_distance::ObstacleDistance;
 
-use crate::cost::{CostContext, Partials};
+use crate::cost::{CostContext, MotionPartials, Partials};
 use crate::error::ControlError;
 use crate::time::Timeline;
 use nastic_fem::Solid;
@@ -43,6 +43,11 @@ pub trait Constraint: Debug + Send + Sync {
         Ok(())
     }
 
+    /// Whether they look at [the step](CostContext::step) that led to a state.
+    fn needs_step(&self) -> bool {
+        false
+    }
+
     /// Evaluated at a displacement and a control; `at.stage` does not matter.
     ///
     /// # Errors
@@ -74,7 +79,12 @@ pub trait ConstraintPoint: Debug + Send + Sync {
     ///
     /// # Errors
     /// A derivative that is not finite.
-    fn add_partials_in_motion(&self, y: &[f64], out: &mut Partials, _held: &mut Vec<f64>) -> Result<(), ControlError> {
+    fn add_partials_in_motion(
+        &self,
+        y: &[f64],
+        out: &mut Partials,
+        _more: &mut MotionPartials,
+    ) -> Result<(), ControlError> {
         self.add_partials(y, out)
     }
 

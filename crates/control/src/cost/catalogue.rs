@@ -1,10 +1,10 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
 use super::{
-    ContactLoad, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue, Curvature, IntoCost,
-    LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, PumpWork, Reaction, SmoothedHausdorff, Target,
-    Tracking, compliance, contact_load, curvature, mean_radius, obstacle, orientation, position, pump_work, reaction,
-    regularization, stretch, tracking, volume,
+    ContactLoad, ContactSlip, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue, Curvature,
+    IntoCost, LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, PumpWork, Reaction, SmoothedHausdorff,
+    Target, Tracking, compliance, contact_load, contact_slip, curvature, mean_radius, obstacle, orientation, position,
+    pump_work, reaction, regularization, stretch, tracking, volume,
 };
 use crate::error::ControlError;
 use crate::time::When;
@@ -91,6 +91,7 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow::of(&contact_load::FORCE, |on| contact_load(on, ContactLoad::force)).first_order(),
     CostRow::of(&contact_load::PRESSURE, |on| contact_load(on, |contact| ContactLoad::pressure(contact, 2)))
         .first_order(),
+    CostRow::of(&contact_slip::FORM, contact_slip).first_order(),
     CostRow::of(&obstacle::FORM, obstacle),
     // Controls are stresses of 1e5 Pa, whose squares would drown what else is compared.
     CostRow::of(&regularization::NORM, |on| Ok(vec![Box::new(ControlNorm::of(on.control, 1e-10 * on.weight)?)])),
@@ -159,6 +160,13 @@ fn orientation(on: &CostExample) -> ExampleCosts {
 fn contact_load(on: &CostExample, of: impl Fn(&str) -> ContactLoad) -> ExampleCosts {
     let contacts = on.solid.model().touch_parameters();
     contacts.iter().map(|(name, _)| of(name).weight(on.weight).bind(on.solid)).collect()
+}
+
+/// Of every contact with friction, which static bodies have none of.
+fn contact_slip(on: &CostExample) -> ExampleCosts {
+    let contacts = on.solid.model().touch_parameters();
+    let rubs = contacts.iter().filter(|(_, own)| own.friction.is_some());
+    rubs.map(|(name, _)| ContactSlip::of(name, 2).weight(on.weight).bind(on.solid)).collect()
 }
 
 fn curvature(on: &CostExample) -> ExampleCosts {

@@ -5,7 +5,7 @@ use super::{
 };
 use crate::error::ControlError;
 use crate::layout::Layout;
-use nastic_fem::{Controls, Instant, Solid};
+use nastic_fem::{Controls, Instant, Solid, TouchParameters};
 use nastic_numeric::vector::axpy;
 use std::cell::Cell;
 use std::sync::Arc;
@@ -82,18 +82,26 @@ impl IntoCost for ContactLoad {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         let name = self.exponent.map_or("contact_force", |_| "contact_pressure");
         check_weight(name, self.weight)?;
-        let refuse = |what: String| ControlError::Cost { what };
-        let known = solid.model().touch_parameters();
-        let Some((_, own)) = known.iter().find(|(own, _)| *own == self.contact) else {
-            let names: Vec<String> = known.iter().map(|(own, _)| format!("\"{own}\"")).collect();
-            let there = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
-            return Err(refuse(format!("{name}: no contact \"{}\"; {there}", self.contact)));
-        };
+        let own = contact_of(name, solid, &self.contact)?;
         if self.exponent == Some(0) {
-            return Err(refuse(format!("{name}: the exponent is 0; it is 1 or more")));
+            return Err(ControlError::Cost { what: format!("{name}: the exponent is 0; it is 1 or more") });
         }
         Ok(Box::new(OnBody { area: own.area, of: self, name }))
     }
+}
+
+/// What a contact of a name is made of.
+///
+/// # Errors
+/// There is none of that name.
+pub(super) fn contact_of(cost: &str, solid: &Solid, contact: &str) -> Result<TouchParameters, ControlError> {
+    let known = solid.model().touch_parameters();
+    if let Some((_, own)) = known.iter().find(|(own, _)| *own == contact) {
+        return Ok(*own);
+    }
+    let names: Vec<String> = known.iter().map(|(own, _)| format!("\"{own}\"")).collect();
+    let there = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
+    Err(ControlError::Cost { what: format!("{cost}: no contact \"{contact}\"; {there}") })
 }
 
 #[derive(Debug)]

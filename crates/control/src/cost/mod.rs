@@ -7,6 +7,7 @@ mod bound_hausdorff;
 mod catalogue;
 mod compliance;
 mod contact_load;
+mod contact_slip;
 mod cost_form;
 mod cost_key;
 mod cost_value;
@@ -32,6 +33,7 @@ pub use bound_hausdorff::BoundHausdorff;
 pub use catalogue::{CATALOGUE, CostExample, CostRow};
 pub use compliance::Compliance;
 pub use contact_load::ContactLoad;
+pub use contact_slip::ContactSlip;
 pub use cost_form::{CostForm, CostInputs, Counts, MakeCost};
 pub use cost_key::{CostKey, CostTakes, Need};
 pub use cost_value::{CostTaken, CostValue, CostWords};
@@ -54,8 +56,9 @@ pub use volume::LumenVolume;
 use crate::error::ControlError;
 use crate::layout::Layout;
 use crate::time::Timeline;
-use nastic_fem::{Solid, State};
+use nastic_fem::{Controls, Solid, State};
 use nastic_hausdorff::Smoothing;
+use nastic_numeric::vector::axpy;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -74,6 +77,42 @@ pub struct CostContext<'a> {
     pub m: &'a [f64],
     /// Continuation stage; a cost with fewer stages stays at its last.
     pub stage: usize,
+    /// With what the step began that led to the state, of a cost of a motion that [asks for it](Cost::needs_step); `None` where it begins.
+    pub step: Option<&'a StepBegin>,
+}
+
+/// With what a step begins.
+#[derive(Debug, Clone)]
+pub struct StepBegin {
+    /// Its instant.
+    pub time: f64,
+    /// The controls of all contributions.
+    pub controls: Arc<Controls>,
+    /// Control vector of that instant.
+    pub m: Vec<f64>,
+}
+
+/// Partial derivatives of a cost of a state in motion beyond those by displacement and control; empty where they are zero.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MotionPartials {
+    /// By the forces that supports exert, flat and zero on free unknowns.
+    pub held: Vec<f64>,
+    /// By the velocity, flat.
+    pub velocity: Vec<f64>,
+    /// By the control vector of the instant that the step begins at.
+    pub before: Vec<f64>,
+}
+
+impl MotionPartials {
+    /// Adds a multiple of others.
+    pub fn add(&mut self, factor: f64, other: &MotionPartials) {
+        let pairs =
+            [(&mut self.held, &other.held), (&mut self.velocity, &other.velocity), (&mut self.before, &other.before)];
+        for (own, other) in pairs {
+            own.resize(own.len().max(other.len()), 0.0);
+            axpy(factor, other, &mut own[..other.len()]);
+        }
+    }
 }
 
 /// Partial derivatives of a cost, to be added to; also a change of what they are by.
@@ -195,6 +234,11 @@ pub trait Cost: Debug + Send + Sync {
         Ok(())
     }
 
+    /// Whether it looks at [the step](CostContext::step) that led to a state.
+    fn needs_step(&self) -> bool {
+        false
+    }
+
     /// Things the user should know (a smoothing length below the point spacing, say).
     fn warnings(&self, _solid: &Solid) -> Vec<String> {
         vec![]
@@ -222,12 +266,12 @@ pub trait CostPoint: Debug + Send + Sync {
     /// A derivative that is not finite.
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError>;
 
-    /// The same of a state of a motion: what hangs on the forces R that supports exert ([`Model::held_forces`](nastic_fem::Model::held_forces)) is left
-    /// out of `out`, and `dj/dR`, flat and zero on free unknowns, added to `held`, which is empty for zero.
+    /// The same of a state of a motion: what hangs on the forces R that supports exert ([`Model::held_forces`](nastic_fem::Model::held_forces)), on
+    /// velocities and on the controls where the step begins is left out of `out`, and added to `more`.
     ///
     /// # Errors
     /// A derivative that is not finite.
-    fn add_partials_in_motion(&self, out: &mut Partials, _held: &mut Vec<f64>) -> Result<(), ControlError> {
+    fn add_partials_in_motion(&self, out: &mut Partials, _more: &mut MotionPartials) -> Result<(), ControlError> {
         self.add_partials(out)
     }
 

@@ -1,7 +1,8 @@
 //! [`Reaction`]: the squared deviation of the force of a support from a wanted one.
 
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, MotionPartials, Partials,
+    check_weight,
 };
 use crate::error::ControlError;
 use crate::layout::Layout;
@@ -215,9 +216,9 @@ impl CostPoint for EvaluatedCost {
         Ok(())
     }
 
-    fn add_partials_in_motion(&self, _: &mut Partials, held: &mut Vec<f64>) -> Result<(), ControlError> {
-        held.resize(self.along.len(), 0.0);
-        axpy(self.weight * self.gap, &self.along, held);
+    fn add_partials_in_motion(&self, _: &mut Partials, more: &mut MotionPartials) -> Result<(), ControlError> {
+        more.held.resize(self.along.len(), 0.0);
+        axpy(self.weight * self.gap, &self.along, &mut more.held);
         Ok(())
     }
 

@@ -4,7 +4,7 @@ use super::Reduced;
 use super::in_time::Motion;
 use super::motion_progress::{InstantValues, Progress};
 use crate::constraint::ConstraintPoint;
-use crate::cost::{CostPoint, DistanceInTime, FigureKind};
+use crate::cost::{CostContext, CostPoint, DistanceInTime, FigureKind, StepBegin};
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::time::{MotionObserver, TrajectoryContext};
@@ -246,6 +246,14 @@ impl Reduced {
         Ok(())
     }
 
+    /// With what the step to the n-th instant of a motion begins, if it is `wanted`; `None` where the motion does, and of a static problem.
+    pub(super) fn step_begin(&self, wanted: bool, n: usize, m: &[f64]) -> Result<Option<StepBegin>, ControlError> {
+        let (Some(motion), Some(before), true) = (&self.motion, n.checked_sub(1), wanted) else { return Ok(None) };
+        let time = motion.timeline.instants()[before];
+        let controls = Arc::new(self.controls_at(motion, m, before)?);
+        Ok(Some(StepBegin { time, controls, m: self.layout.at(m, time)? }))
+    }
+
     /// A constraint evaluated at an instant.
     pub(super) fn constraint_point(
         &self,
@@ -255,7 +263,8 @@ impl Reduced {
         m: &[f64],
     ) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
         let at_instant = self.layout.at(m, motion.timeline.instants()[n])?;
-        self.constraints[k].at(&self.context(state, &at_instant, 0))
+        let step = self.step_begin(self.constraints[k].needs_step(), n, m)?;
+        self.constraints[k].at(&CostContext { step: step.as_ref(), ..self.context(state, &at_instant, 0) })
     }
 
     /// Calls with a cost that counts in a state, evaluated there.
@@ -269,7 +278,8 @@ impl Reduced {
     ) -> Result<(), ControlError> {
         let cost = motion.schedules[k].own.get(place).unwrap_or(&self.costs[k]);
         let at_instant = self.layout.at(m, motion.timeline.instants()[n])?;
-        let context = self.context(state, &at_instant, stage);
+        let step = self.step_begin(cost.needs_step(), n, m)?;
+        let context = CostContext { step: step.as_ref(), ..self.context(state, &at_instant, stage) };
         call(cost.at(&context)?.as_ref())
     }
 }

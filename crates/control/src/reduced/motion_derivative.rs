@@ -3,7 +3,7 @@
 use super::in_time::Motion;
 use super::motion_progress::counting;
 use super::{Lagrangian, Reduced};
-use crate::cost::Partials;
+use crate::cost::{MotionPartials, Partials};
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, SolvedStates};
 use crate::time::TrajectoryPartials;
@@ -93,7 +93,7 @@ impl<'a> InstantPartials<'a> {
     /// Those of the constraints that hold in the n-th state.
     fn add_constraints(&mut self, n: usize, state: &State, by: &mut StatePartials) -> Result<(), ControlError> {
         let (problem, motion, mut y) = (self.problem, self.motion, self.of.multipliers());
-        let mut own = None;
+        let (mut own, mut more) = (None, MotionPartials::default());
         if y.is_empty() {
             return Ok(());
         }
@@ -108,9 +108,10 @@ impl<'a> InstantPartials<'a> {
             }
             let point = problem.constraint_point(motion, k, (n, state), self.at.0)?;
             let zero = || Partials::zero(state.u.len(), motion.layout.len());
-            point.add_partials_in_motion(y, own.get_or_insert_with(zero), &mut by.held)?;
+            point.add_partials_in_motion(y, own.get_or_insert_with(zero), &mut more)?;
         }
         own.iter().for_each(|own| self.add(motion.timeline.instants()[n], 1.0, own, &mut by.u));
+        self.add_more(n, 1.0, more, by);
         Ok(())
     }
 
@@ -124,14 +125,13 @@ impl<'a> InstantPartials<'a> {
             }
             let schedule = &motion.schedules[k];
             let mut own = Partials::zero(state.u.len(), motion.layout.len());
-            let (mut factor, mut held) = (0.0, Vec::new());
+            let (mut factor, mut more) = (0.0, MotionPartials::default());
             problem.cost_point(motion, (k, place), (n, state), self.at, &mut |cost| {
                 factor = schedule.weights[place].1 * schedule.shape(cost.value()).1;
-                cost.add_partials_in_motion(&mut own, &mut held)
+                cost.add_partials_in_motion(&mut own, &mut more)
             })?;
             self.add(motion.timeline.instants()[n], factor, &own, &mut by_state.u);
-            by_state.held.resize(by_state.held.len().max(held.len()), 0.0);
-            axpy(factor, &held, &mut by_state.held[..held.len()]);
+            self.add_more(n, factor, more, &mut by_state);
         }
         self.add_constraints(n, state, &mut by_state)?;
         let all = by_state.u.iter().chain(&by_state.velocity).chain(&by_state.held);
@@ -145,6 +145,16 @@ impl<'a> InstantPartials<'a> {
         axpy(factor, &own.u, by_u);
         let by_m: Vec<f64> = own.m.iter().map(|d| factor * d).collect();
         self.problem.layout.add_at(t, &by_m, &mut self.out.m);
+    }
+
+    /// Adds those by the forces that supports exert, the velocity, and the controls where the step to the n-th instant began, times a factor.
+    fn add_more(&mut self, n: usize, factor: f64, more: MotionPartials, by: &mut StatePartials) {
+        let mut sum = MotionPartials { held: take(&mut by.held), velocity: take(&mut by.velocity), before: Vec::new() };
+        sum.add(factor, &more);
+        if let (Some(before), false) = (n.checked_sub(1), sum.before.is_empty()) {
+            self.problem.layout.add_at(self.motion.timeline.instants()[before], &sum.before, &mut self.out.m);
+        }
+        (by.held, by.velocity) = (sum.held, sum.velocity);
     }
 
     /// What the sweep found at the n-th instant.

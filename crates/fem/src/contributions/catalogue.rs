@@ -222,6 +222,15 @@ pub const CATALOGUE: &[Entry] = &[
         },
     },
     Entry {
+        name: "contact with lagged friction",
+        form: None,
+        example: || {
+            let contact =
+                Contact::of("contact with lagged friction", "x+", pad()).friction(0.4, 9.0).lagged().refine(1);
+            block()?.contact(contact.thickness(3.0).stiffness(2e3).about([5.0, 3.0, 3.0]))
+        },
+    },
+    Entry {
         name: "contact of surfaces",
         form: None,
         example: || {

@@ -49,7 +49,7 @@ pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 pub use spring::Spring;
 use std::fmt::Debug;
 pub use tendon::Tendon;
-pub use touches::{ExactContact, RigidPose, Sliding, Touch, TouchParameters, Touches};
+pub use touches::{ExactContact, Onsets, RigidPose, SampleState, Sliding, Touch, TouchParameters, Touches};
 pub use varying_load::VaryingLoad;
 
 /// A term of the residual `r(u) = sum_c r_c(u; controls, load, v, a)`, whose zero is an equilibrium.

@@ -31,6 +31,23 @@ pub trait Touches {
         into: &mut Sensitivities,
     ) -> Result<f64, Inadmissible>;
 
+    /// `sum_s w_s p_s (|v_t| / e)^2q` over the pressures p, areas w and velocities of sliding v_t of the samples within the layer, e the slip speed, at the end
+    /// of a step ([`Instant::in_step`]); adds the derivatives by the displacement at fixed velocities, and by the latter and the controls at both ends of
+    /// the step. `None` without friction.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    fn add_slip(
+        &self,
+        at: &Instant,
+        q: u32,
+        by_u: &mut [f64],
+        into: &mut Sensitivities,
+    ) -> Result<Option<f64>, Inadmissible>;
+
+    /// Which of its samples touch and slip, and how many are about to change that. With friction in a step ([`Instant::in_step`]). `None` where the body cannot be.
+    fn onsets(&self, at: &Instant) -> Option<Onsets>;
+
     /// The same contact with multipliers by a state, so that its layer takes up no gap; `None` where there is no such thing.
     fn exact(&self, _: &Instant) -> Option<ExactContact> {
         None
@@ -38,6 +55,43 @@ pub trait Touches {
 
     /// Of every node of the surface the mean pressure of its samples (Pa), by their shares of the node.
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)>;
+}
+
+/// What a sample of a contact does: where that changes, second derivatives jump.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SampleState {
+    /// It is beyond the layer.
+    Free,
+    /// It touches; with friction it slides slower than the slip speed.
+    Touches,
+    /// It slides at the slip speed or faster.
+    Slips,
+}
+
+/// What the samples of a contact do.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Onsets {
+    /// By sample.
+    pub states: Vec<SampleState>,
+    /// How many are within 1 % of another state, by the gap over the thickness and the velocity over the slip speed.
+    pub near: usize,
+}
+
+impl Onsets {
+    /// Within what share of an onset a sample is near to it.
+    const NEAR: f64 = 0.01;
+
+    /// Adds a sample with a gap as a share of the thickness, that slides, if it touches, with these shares of the slip speed.
+    pub(crate) fn add(&mut self, gap: f64, slides: &[f64]) {
+        let near = |share: &f64| (share - 1.0).abs() < Self::NEAR;
+        let slides = if gap < 1.0 { slides } else { &[] };
+        self.near += usize::from(near(&gap) || slides.iter().any(near));
+        self.states.push(match () {
+            () if gap >= 1.0 => SampleState::Free,
+            () if slides.iter().any(|share| *share >= 1.0) => SampleState::Slips,
+            () => SampleState::Touches,
+        });
+    }
 }
 
 /// A contact with multipliers by a state.
@@ -62,6 +116,8 @@ pub struct TouchParameters {
     pub stiffness: f64,
     /// Friction coefficient at rest and slip speed, if it has friction.
     pub friction: Option<(f64, f64)>,
+    /// Whether friction takes its normal forces where a step begins.
+    pub lagged: bool,
     /// Area of the surface.
     pub area: f64,
     /// Number of samples.

@@ -3,7 +3,7 @@
 use super::Model;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::Sensitivities;
-use crate::contributions::{Contribution, Controls, RigidPose, Touch, TouchParameters, Touches};
+use crate::contributions::{Contribution, Controls, Onsets, RigidPose, Touch, TouchParameters, Touches};
 use crate::error::Inadmissible;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
@@ -18,6 +18,17 @@ pub struct Pressing {
     pub by_u: Vec<f64>,
     /// By the controls.
     pub by_controls: Controls,
+}
+
+/// How much a contact slips, with its derivatives.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Slipping {
+    /// The sum.
+    pub value: f64,
+    /// By the displacement at fixed velocities, flat.
+    pub by_u: Vec<f64>,
+    /// By the velocities, and by the controls at both ends of the step.
+    pub by_others: Sensitivities,
 }
 
 impl Model {
@@ -67,6 +78,35 @@ impl Model {
             }
         });
         found
+    }
+
+    /// `sum_s w_s p_s (|v_t| / e)^2q` over the samples of a contact at the end of a step ([`Instant::in_step`]), v_t the velocity that they slide with, e the slip
+    /// speed; `None` where no contact with friction has that name.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn slipping(&self, at: &Instant, name: &str, q: u32) -> Option<Result<Slipping, Inadmissible>> {
+        let mut found = None;
+        self.each_touching(at, |own, touches, at| {
+            if own == name {
+                let (mut by_u, mut into) = (vec![0.0; at.u.len()], Sensitivities::zero(self.controls(), at));
+                let value = touches.add_slip(at, q, &mut by_u, &mut into).transpose();
+                found = value.map(|value| value.map(|value| Slipping { value, by_u, by_others: into }));
+            }
+        });
+        found
+    }
+
+    /// What the samples of all contacts do, one contact after the other; without those that cannot be where they are.
+    pub fn onsets(&self, at: &Instant) -> Onsets {
+        let mut all = Onsets::default();
+        self.each_touching(at, |_, touches, at| {
+            if let Some(found) = touches.onsets(at) {
+                all.states.extend(found.states);
+                all.near += found.near;
+            }
+        });
+        all
     }
 
     /// What every contact is made of, with its name.

@@ -132,9 +132,9 @@ impl Model {
                 true => self.iterate_once(&controls, begin, (&options, &time_step), modes.as_ref(), workspace),
                 false => {
                     let predicted = points.predict(&time_step, &here);
-                    let guesses = match self.has_potential() {
-                        true => vec![predicted],
-                        false => {
+                    let guesses = match self.depends_on_path() {
+                        false if self.has_potential() => vec![predicted],
+                        _ => {
                             let predicted = predicted.or_else(|| points.coast(&time_step));
                             vec![predicted, self.carried(&here, &controls, how.parallel)]
                         }

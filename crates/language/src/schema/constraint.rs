@@ -17,6 +17,8 @@ object! {
         pub cost: Option<Cost>,
         /// Its upper bound.
         pub at_most: Option<f64> as NUMBER,
+        /// Its lower bound.
+        pub at_least: Option<f64> as NUMBER,
         /// The value that it must have.
         pub equal: Option<f64> as NUMBER,
         /// At which instants of a motion it holds: an obstacle always, a bound on a functional at the end, if left out.
@@ -52,15 +54,16 @@ impl Constraint {
 }
 
 fn check_bound(block: &Constraint, reader: &mut Reader<'_>) {
-    let bounds = usize::from(block.at_most.is_some()) + usize::from(block.equal.is_some());
+    let bounds = [block.at_most, block.at_least, block.equal].iter().flatten().count();
     if block.cost.is_some() && bounds != 1 {
-        reader.complain_at(&block.at, "a bounded functional needs exactly one of \"at_most\" and \"equal\"");
+        let message = "a bounded functional needs exactly one of \"at_most\", \"at_least\" and \"equal\"";
+        reader.complain_at(&block.at, message);
     }
     if block.obstacle.is_some() && (bounds > 0 || block.scale.is_some()) {
         let message = "an obstacle has no bound: \"clearance\" in its block is the distance to keep";
         reader.complain_at(&block.at, message);
     }
-    let bound = block.at_most.or(block.equal);
+    let bound = block.at_most.or(block.at_least).or(block.equal);
     if block.cost.is_some() && bound == Some(0.0) && block.scale.is_none() {
         let message = "a bound of zero needs a \"scale\": a value of the functional that counts as large";
         reader.complain_at(&block.at, message);

@@ -24,6 +24,8 @@ object! {
         pub friction: Option<f64> as NOT_NEGATIVE,
         /// Speed below which friction is smoothed: what sticks creeps at a share of it. 1/100 of the surface's diagonal (between surfaces of the smaller one) over the motion's end if left out.
         pub slip_speed: Option<f64> as POSITIVE_VELOCITY,
+        /// Friction takes the normal forces of the instant before: cheaper steps, but a hold whose forces grow slips. For comparison.
+        pub lagged: bool = false,
         /// Samples of each facet as of so many pieces squared; as many as the obstacle's width asks for if left out, 1 between surfaces.
         pub refine: Option<u64> as POSITIVE,
     }

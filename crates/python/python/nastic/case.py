@@ -60,6 +60,7 @@ class Case(dict[str, Any]):
         equilibria: int | None = None,
         modes: int | None = None,
         exact_contact: bool = False,
+        half_thickness: bool = False,
         out: str | os.PathLike[str] | None = None,
         threads: int | None = None,
         report: bool = True,
@@ -69,9 +70,10 @@ class Case(dict[str, Any]):
 
         `ramp="CONTROL=FROM:TO:N"`: a curve of equilibria. `path=True`: through limit points by arc length, `path="limit"`: to the first. `minimum`:
         a stable state. `equilibria=N`: other states under the same controls. `modes=N`: eigenvalues of the tangent. `exact_contact`: without layers.
+        `half_thickness`: with layers of contacts half as thick, of motions too.
         What they find stands in `result` under the same name. `figure`: figure.png and figure.svg in `out` too.
         """
-        given = {"ramp": ramp, "path": path, "minimum": minimum, "equilibria": equilibria, "modes": modes, "exact_contact": exact_contact}
+        given = {"ramp": ramp, "path": path, "minimum": minimum, "equilibria": equilibria, "modes": modes, "exact_contact": exact_contact, "half_thickness": half_thickness}
         asked = [(key, str(value)) for key, value in given.items() if value is not None and value is not False]
         if len(asked) > 1:
             raise CaseError(f"solve does one of these at a time, and {' and '.join(key for key, _ in asked)} were given")

@@ -1,4 +1,5 @@
-//! [`ContactRecord`]: a contact as it was understood; [`ExactContactRecord`]: an equilibrium without contact layers.
+//! [`ContactRecord`]: a contact as it was understood; [`ExactContactRecord`]: an equilibrium without contact layers;
+//! [`HalfThicknessRecord`]: a state whose layers are half as thick.
 
 use crate::record::{ByName, Nullable, Number, Numbers};
 
@@ -21,6 +22,8 @@ records! {
         friction: Nullable<f64>,
         /// Slip speed at which friction is full.
         slip_speed: Nullable<f64>,
+        /// Whether friction takes the normal forces of the instant before.
+        lagged: bool,
     }
 
     /// The equilibrium of `solve --exact-contact`.
@@ -35,6 +38,18 @@ records! {
         weakly_active: usize,
         /// Largest change of a displacement.
         largest_change: Number,
+        /// By name what each contact carries, as under `contributions`.
+        contacts: Option<ByName<Numbers>>,
+    }
+
+    /// The state of `solve --half-thickness`, of a motion its end.
+    HalfThicknessRecord {
+        /// Newton iterations that it took.
+        newton_iterations: usize,
+        /// Largest change of a displacement.
+        largest_change: Number,
+        /// Largest displacement.
+        largest_displacement: Number,
         /// By name what each contact carries, as under `contributions`.
         contacts: Option<ByName<Numbers>>,
     }

@@ -13,6 +13,8 @@ records! {
         lowest_order: Number,
         /// The same of the second derivative, whose order is 3.
         second: SecondGradcheckRecord,
+        /// Samples of contacts within 1 % of where they begin to touch or to slip at the start, over all instants: second derivatives jump there.
+        near_onset: usize,
         /// By control and term.
         tests: Vec<TermCheckRecord>,
     }
@@ -37,6 +39,8 @@ records! {
         verdict: String,
         /// The same of the second derivative.
         second: Nullable<String>,
+        /// Whether remainders that it is judged by lead over such an onset, and are not those of a smooth function: it is not wrong then.
+        kink: bool,
         /// Every direction.
         directions: Vec<DirectionRecord>,
     }
@@ -71,6 +75,8 @@ records! {
         r1: Number,
         /// Whether the order is fitted to it.
         used: bool,
+        /// Samples of contacts that touch, part, stick or slip other than at the start, over all instants.
+        changed: usize,
     }
 
     /// The second derivative along a direction.

@@ -1,8 +1,8 @@
 //! [`StateRecord`]: what a result says of a state, or of several together.
 
 use crate::record::{
-    ByName, EquilibriaRecord, ExactContactRecord, MemberRecord, ModesRecord, Nullable, Number, Numbers, SeriesRecord,
-    TimeRecord,
+    ByName, EquilibriaRecord, ExactContactRecord, HalfThicknessRecord, MemberRecord, ModesRecord, Nullable, Number,
+    Numbers, SeriesRecord, TimeRecord,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -82,6 +82,8 @@ records! {
         equilibria: Option<EquilibriaRecord>,
         /// The equilibrium without contact layers, of `solve --exact-contact`.
         exact_contact: Option<ExactContactRecord>,
+        /// The state whose contact layers are half as thick, of `solve --half-thickness`.
+        half_thickness: Option<HalfThicknessRecord>,
         /// Modes of the tangent (`solve --modes`) or of small vibrations (`modes`).
         modes: ModesRecord,
         /// The same of each scenario.

@@ -1,7 +1,6 @@
 //! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
 
-use crate::result::touches;
-use nastic_case::inspect::compression;
+use nastic_case::inspect::{compression, touches};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{
     BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,

@@ -1,8 +1,8 @@
 //! Pictures of start, target and result, for those who do not have ParaView open.
 
 use crate::result::files::Directory;
-use crate::result::{obstacle_shape, snapshot};
-use nastic_case::lower::{Admitted, CaseMember, ControlField, TargetShape};
+use crate::result::snapshot;
+use nastic_case::lower::{Admitted, CaseMember, ControlField, TargetShape, obstacle_shape};
 use nastic_control::{ControlBlock, Space};
 use nastic_io::WriteError;
 use nastic_mesh::{NamedArray, Snapshot};

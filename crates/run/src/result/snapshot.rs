@@ -1,8 +1,9 @@
 //! States as snapshots, under the names the case gives its controls.
 
+use crate::result::controls;
 use crate::result::files::Beside;
 use crate::result::inspection::Inspection;
-use crate::result::{controls, obstacle_shape};
+use nastic_case::lower::obstacle_shape;
 use nastic_case::lower::result_array::TARGET_DISTANCE;
 use nastic_case::lower::{CaseMember, ControlField, TargetShape};
 use nastic_control::{ControlBlock, ControlError, StateFields};

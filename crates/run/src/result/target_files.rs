@@ -1,9 +1,9 @@
 //! Files with the shapes that costs aim at, and with obstacles.
 
 use crate::result::files::Directory;
-use crate::result::{obstacle_shape, snapshot};
+use crate::result::snapshot;
 pub(crate) use crate::run::error::RunError;
-use nastic_case::lower::{CaseMember, CaseProblem, TargetShape, file_name};
+use nastic_case::lower::{CaseMember, CaseProblem, TargetShape, file_name, obstacle_shape};
 
 /// `target.vtu` of the first target; further ones bear their cost's name, and those that members have alone begin as
 /// the members' files do. Obstacles besides.

@@ -1,8 +1,8 @@
 //! What contacts carry, and what deserves attention in them, of equilibria and of motions.
 
-use crate::result::touches;
 use crate::run::motion::{Record, Table};
 use crate::run::session::Session;
+use nastic_case::inspect::touches;
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::{CREEPS, NO_CONTACT, PENETRATED, STEPS_PER_CONTACT, Warning};
 use nastic_control::EnsemblePoint;

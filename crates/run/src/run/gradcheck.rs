@@ -7,6 +7,7 @@ use crate::run::gradcheck::memo::{Column, Memo, Term};
 use crate::run::session::Session;
 use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_control::EnsembleError;
+use nastic_language::number;
 use nastic_numeric::format::scientific;
 use nastic_opt::{Admissible, Failed, Objective, SecondOrder, Taylor, TaylorDirection, TaylorError, Verdict};
 use nastic_report::record::{
@@ -30,6 +31,8 @@ pub struct GradientTest {
     pub directions: Vec<TaylorDirection>,
     /// Why there are no second derivatives, where there are none.
     pub without_second: Option<String>,
+    /// By direction and step, how many samples of contacts touch, part, stick or slip other than at the control itself.
+    pub changed: Vec<Vec<usize>>,
 }
 
 impl GradientTest {
@@ -40,10 +43,38 @@ impl GradientTest {
         [Verdict::Wrong, Verdict::Right, Verdict::Linear].into_iter().find(|v| is(*v)).unwrap_or(Verdict::Undecided)
     }
 
-    /// The same of the second derivative; `None` where there is none.
+    /// Whether the remainders that a direction is judged by lead over an onset of contact or slip, where second derivatives jump, and are not those of
+    /// a smooth function; of the second derivative, or of the first.
+    #[must_use]
+    pub fn is_kink(&self, direction: usize, second: bool) -> bool {
+        let (Some(d), Some(changed)) = (self.directions.get(direction), self.changed.get(direction)) else {
+            return false;
+        };
+        let over = |row: usize| changed.get(row).is_some_and(|count| *count > 0);
+        match (&d.second, second) {
+            (Some(found), true) => {
+                matches!(found.verdict, Verdict::Wrong | Verdict::Undecided) && found.used.iter().any(|row| over(*row))
+            }
+            (None, true) => false,
+            (_, false) => {
+                let judged = d.verdict == Verdict::Undecided && d.order1 < Taylor::default().order;
+                judged && d.rows.iter().enumerate().any(|(row, of)| of.used && over(row))
+            }
+        }
+    }
+
+    fn has_kink(&self, second: bool) -> bool {
+        (0..self.directions.len()).any(|direction| self.is_kink(direction, second))
+    }
+
+    /// The verdict on the second derivative; undecided at a kink; `None` where there is none.
     #[must_use]
     pub fn second_verdict(&self) -> Option<Verdict> {
-        let found: Vec<Verdict> = self.directions.iter().filter_map(|d| Some(d.second.as_ref()?.verdict)).collect();
+        let of = |(k, d): (usize, &TaylorDirection)| {
+            let found = d.second.as_ref()?.verdict;
+            Some(if self.is_kink(k, true) { Verdict::Undecided } else { found })
+        };
+        let found: Vec<Verdict> = self.directions.iter().enumerate().filter_map(of).collect();
         let is = |verdict| found.contains(&verdict);
         let first = [Verdict::Wrong, Verdict::Right, Verdict::Quadratic].into_iter().find(|v| is(*v));
         (!found.is_empty()).then_some(first.unwrap_or(Verdict::Undecided))
@@ -78,8 +109,9 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         say(session, &field.name, &found);
         tests.extend(found);
     }
+    let near_onset = memo.near_onset();
     session.note_time("gradient_check", began.elapsed().as_secs_f64());
-    Ok(conclude(session, &tests))
+    Ok(conclude(session, &tests, near_onset))
 }
 
 fn test_field(
@@ -90,7 +122,11 @@ fn test_field(
 ) -> Result<Vec<GradientTest>, TaylorError> {
     let test = |term: Term| -> Result<GradientTest, TaylorError> {
         let (label, column) = (term.label.clone(), Column { memo, term });
-        let with = |taylor: &Taylor| test_gradient(&column, &problem.set, &problem.start, taylor, control, &label);
+        let with = |taylor: &Taylor| -> Result<GradientTest, TaylorError> {
+            let test = test_gradient(&column, &problem.set, &problem.start, taylor, control, &label)?;
+            let changed = test.directions.iter().map(|d| changed(problem, memo, d)).collect();
+            Ok(GradientTest { changed, ..test })
+        };
         match with(&Taylor { second: true, ..taylor.clone() }) {
             // No state was solved before this was known.
             Err(TaylorError::Base(failed)) if lacks_second_derivatives(&failed) => {
@@ -100,6 +136,16 @@ fn test_field(
         }
     };
     memo.terms().into_iter().map(test).collect()
+}
+
+/// By step along a direction, how many samples of contacts do something else than at the start.
+fn changed(problem: &CaseProblem, memo: &Memo<'_>, along: &TaylorDirection) -> Vec<usize> {
+    let mut m = problem.start.clone();
+    let at = |t: f64| {
+        problem.set.retract(&problem.start, &along.direction, t, &mut m);
+        memo.changed(&m)
+    };
+    along.rows.iter().map(|row| row.t).map(at).collect()
 }
 
 fn lacks_second_derivatives(failed: &Failed) -> bool {
@@ -120,7 +166,7 @@ pub fn test_gradient<O: Objective>(
 ) -> Result<GradientTest, TaylorError> {
     let report = taylor.test(objective, set, m)?;
     let (control, term) = (control.to_owned(), term.to_owned());
-    Ok(GradientTest { control, term, directions: report.directions, without_second: None })
+    Ok(GradientTest { control, term, directions: report.directions, without_second: None, changed: vec![] })
 }
 
 /// Size of a control where neither its set nor its values show: the law's bound on it, or the one bound it has.
@@ -159,15 +205,36 @@ fn say(session: &Session<'_>, control: &str, tests: &[GradientTest]) {
         };
         line("dj.d", &|d| scientific(d.slope, 3));
         line("order", &|d| order(d.order1));
-        line("verdict", &|d| word(d.verdict).to_owned());
+        let verdicts = |second: bool, of: &dyn Fn(&TaylorDirection) -> String| {
+            let cell = |test: &GradientTest| match test.is_kink(k, second) {
+                true => format!("{KINK:>width$}  "),
+                false => format!("{:>width$}  ", of(&test.directions[k])),
+            };
+            tests.iter().map(cell).collect::<Vec<_>>().concat()
+        };
+        session.console.say(format!("{:>8}  {}", "verdict", verdicts(false, &|d| word(d.verdict).to_owned())));
+        say_changed(session, first, k);
         if tests.iter().any(|test| test.directions[k].second.is_some()) {
             let of = |d: &TaylorDirection, of: &dyn Fn(&SecondOrder) -> String| {
                 d.second.as_ref().map_or_else(|| "-".to_owned(), of)
             };
             line("d.Hd", &|d| of(d, &|second| scientific(second.curvature, 3)));
             line("order", &|d| of(d, &|second| order(second.order)));
-            line("second", &|d| of(d, &|second| word(second.verdict).to_owned()));
+            let second = verdicts(true, &|d| of(d, &|second| word(second.verdict).to_owned()));
+            session.console.say(format!("{:>8}  {second}", "second"));
         }
+    }
+}
+
+/// From which step on samples of contacts do something else.
+fn say_changed(session: &Session<'_>, test: &GradientTest, direction: usize) {
+    let rows = test.directions[direction].rows.iter().zip(test.changed.get(direction).into_iter().flatten());
+    if let Some((row, count)) = rows.filter(|(_, changed)| **changed > 0).last() {
+        session.console.say(format!(
+            "contacts    from a step of {} on {} do not touch, or slip, as at the start: second derivatives jump between",
+            scientific(row.t, 1),
+            number::count(*count, "sample")
+        ));
     }
 }
 
@@ -185,6 +252,8 @@ fn cell(direction: &TaylorDirection, row: usize, width: usize) -> String {
     }
 }
 
+const KINK: &str = "kink";
+
 fn word(verdict: Verdict) -> &'static str {
     match verdict {
         Verdict::Right => "right",
@@ -195,7 +264,7 @@ fn word(verdict: Verdict) -> &'static str {
     }
 }
 
-fn conclude(session: &mut Session<'_>, tests: &[GradientTest]) -> Exit {
+fn conclude(session: &mut Session<'_>, tests: &[GradientTest], near_onset: usize) -> Exit {
     session.console.say("");
     session
         .console
@@ -205,7 +274,7 @@ fn conclude(session: &mut Session<'_>, tests: &[GradientTest]) -> Exit {
         .say("at round-off are not judged. Order 3 of what the second derivative d.Hd leaves shows the same of that.");
     let first: Vec<_> = tests.iter().map(|test| (test, test.verdict())).collect();
     let second: Vec<_> = tests.iter().filter_map(|test| Some((test, test.second_verdict()?))).collect();
-    let (verdict, second_verdict) = (summary(&first, 2), summary(&second, 3));
+    let (verdict, second_verdict) = (summary(&first, 2, false), summary(&second, 3, true));
     session.console.say(format!("verdict     {verdict}"));
     let missing = tests.iter().find_map(|test| test.without_second.as_ref());
     let second_verdict = match (missing, second.is_empty()) {
@@ -214,6 +283,12 @@ fn conclude(session: &mut Session<'_>, tests: &[GradientTest]) -> Exit {
         (None, _) => second_verdict,
     };
     session.console.say(format!("second      {second_verdict}"));
+    if near_onset > 0 {
+        session.console.say(format!(
+            "contacts    {} within 1 % of where they begin to touch or to slip: second derivatives jump there",
+            number::count(near_onset, "sample")
+        ));
+    }
     let lowest = |orders: &mut dyn Iterator<Item = f64>| {
         let lowest = orders.filter(|order| order.is_finite()).fold(f64::INFINITY, f64::min);
         lowest.is_finite().then_some(lowest)
@@ -232,17 +307,23 @@ fn conclude(session: &mut Session<'_>, tests: &[GradientTest]) -> Exit {
             verdict: second_verdict,
             lowest_order: lowest_second.into(),
         },
+        near_onset,
         tests: tests.iter().map(record).collect(),
     });
     if passed && second_passed { Exit::Done } else { Exit::GradientWrong }
 }
 
 /// In words, of tests that should have this order.
-fn summary(tests: &[(&GradientTest, Verdict)], order: usize) -> String {
+fn summary(tests: &[(&GradientTest, Verdict)], order: usize, of_second: bool) -> String {
+    let kinks = tests.iter().filter(|(test, _)| test.has_kink(of_second)).count();
     let of = |wanted| tests.iter().filter(move |(_, verdict)| *verdict == wanted);
     let wrong: Vec<String> = of(Verdict::Wrong).map(|(t, _)| format!("{} by {}", t.term, t.control)).collect();
     match (wrong.is_empty(), of(Verdict::Undecided).count()) {
         (false, _) => format!("WRONG: {}", wrong.join(", ")),
+        (true, _) if kinks > 0 => format!(
+            "a kink in {kinks} of {}: contacts begin or cease to touch or to slip within the steps, where second derivatives jump",
+            tests.len()
+        ),
         (true, 0) => format!("right: every order is {order}"),
         (true, n) if n == tests.len() => "undecided: no remainder stands clear of round-off".to_owned(),
         (true, n) => format!("right where it can be judged; {n} of {} undecided", tests.len()),
@@ -255,16 +336,19 @@ fn record(test: &GradientTest) -> TermCheckRecord {
         term: test.term.clone(),
         verdict: word(test.verdict()).to_owned(),
         second: test.second_verdict().map(|verdict| word(verdict).to_owned()).into(),
-        directions: test.directions.iter().map(direction).collect(),
+        kink: test.has_kink(false) || test.has_kink(true),
+        directions: test.directions.iter().enumerate().map(|(k, d)| direction(test, k, d)).collect(),
     }
 }
 
-fn direction(d: &TaylorDirection) -> DirectionRecord {
-    let row = |row: &nastic_opt::Row| RemainderRecord {
+fn direction(test: &GradientTest, k: usize, d: &TaylorDirection) -> DirectionRecord {
+    let changed = |row: usize| test.changed.get(k).and_then(|of| of.get(row)).copied().unwrap_or(0);
+    let row = |(k, row): (usize, &nastic_opt::Row)| RemainderRecord {
         t: row.t.into(),
         r0: row.r0.into(),
         r1: row.r1.into(),
         used: row.used,
+        changed: changed(k),
     };
     let second = |SecondOrder { curvature, remainders, used, order, verdict }: &SecondOrder| SecondDirectionRecord {
         curvature: (*curvature).into(),
@@ -280,7 +364,7 @@ fn direction(d: &TaylorDirection) -> DirectionRecord {
         order0: d.order0.into(),
         order1: d.order1.into(),
         verdict: word(d.verdict).to_owned(),
-        rows: d.rows.iter().map(row).collect(),
+        rows: d.rows.iter().enumerate().map(row).collect(),
         second: d.second.as_ref().map(second).into(),
     }
 }

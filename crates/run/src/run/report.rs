@@ -3,11 +3,10 @@
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::member_report::{self, Detail};
-use crate::result::obstacle_shape;
 use crate::result::target_files::target_names;
 use crate::run::error::RunError;
 use crate::run::session::Session;
-use nastic_case::lower::CaseProblem;
+use nastic_case::lower::{CaseProblem, obstacle_shape};
 use nastic_case::output_names;
 use nastic_control::EnsemblePoint;
 use nastic_io::write_atomically;

@@ -3,6 +3,7 @@
 mod equilibria;
 pub(crate) mod equilibrium;
 mod exact_contact;
+mod half_thickness;
 mod minimum;
 pub(super) mod modes;
 mod moving;
@@ -22,7 +23,7 @@ use crate::run::solve::equilibrium::equilibrium;
 use nastic_case::analysis::Analysis;
 
 pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
-    if let Some(option) = analysis.option().filter(|_| session.problem.is_motion()) {
+    if let Some(option) = analysis.option().filter(|_| session.problem.is_motion() && !analysis.goes_with_time()) {
         let refused = motion::refused(&session.problem, option);
         return Err(session.refuse(refused));
     }
@@ -35,12 +36,13 @@ pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit
         out.remove("failure.vtu")?;
     }
     if session.problem.is_motion() {
-        return moving::run(session, None);
+        return moving::run(session, None, analysis);
     }
     match analysis {
         Analysis::Equilibrium
         | Analysis::Minimum
         | Analysis::ExactContact
+        | Analysis::HalfThickness
         | Analysis::Modes(_)
         | Analysis::Equilibria(_) => equilibrium(session, analysis),
         Analysis::Ramp(text) => ramp::run(session, text),

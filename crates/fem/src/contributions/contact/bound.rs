@@ -10,6 +10,7 @@ use crate::contributions::{Contribution, ContributionPoint, Instant, Need, Touch
 use crate::error::{FemError, Inadmissible};
 use nastic_energy::Slot;
 use nastic_linear::Symmetry;
+use nastic_mesh::Facet;
 use nastic_mesh::spatial::{Obstacle, SignedDistance};
 use nastic_tensor::Vec3;
 
@@ -37,6 +38,8 @@ pub(crate) struct BoundContact {
     pub(super) depth: f64,
     /// e, with friction.
     pub(super) slip_speed: Option<f64>,
+    /// Friction takes its normal forces where the step begins.
+    pub(super) lagged: bool,
     pub(super) samples: Samples,
     /// Positions of the samples in the reference body.
     pub(super) reference: Vec<Vec3>,
@@ -86,8 +89,7 @@ impl BoundContact {
             refuse(format!("no passive law behind {} says how stiff the body is: give a stiffness", of.surface))
         })?;
         let stiffness = positive("stiffness", stiffness)?;
-        let refine = of.layer.refine.unwrap_or_else(|| defaults::refine(&of.obstacle, mesh, &facets));
-        if refine == 0 {
+        if of.layer.refine == Some(0) {
             return Err(refuse("refine is 0; it is 1 or more".to_owned()));
         }
         let slots = slots(of, stiffness)?;
@@ -96,6 +98,7 @@ impl BoundContact {
         if centre.iter().any(|x| !x.is_finite()) {
             return Err(refuse("its centre is not finite".to_owned()));
         }
+        let refine = |facet: &Facet| of.layer.refine.unwrap_or_else(|| defaults::refine(&of.obstacle, mesh, facet));
         let samples = Samples::new(mesh, &of.surface, refine)?;
         let place =
             |s| samples.parts(s).iter().map(|&(node, shape)| shape * Vec3::from(mesh.points()[node as usize])).sum();
@@ -116,6 +119,7 @@ impl BoundContact {
             offsets: Vec::new(),
             depth,
             slip_speed,
+            lagged: of.layer.lagged,
             samples,
             reference,
             slots,
@@ -164,7 +168,7 @@ impl Contribution for BoundContact {
     }
 
     fn symmetry(&self) -> Symmetry {
-        if self.slip_speed.is_some() { Symmetry::General } else { Symmetry::Symmetric }
+        if self.slip_speed.is_some() && !self.lagged { Symmetry::General } else { Symmetry::Symmetric }
     }
 
     fn slots(&self) -> &[Slot] {

@@ -79,17 +79,14 @@ pub(super) fn half_width(obstacle: &Obstacle, dim: usize) -> f64 {
     }
 }
 
-/// Pieces of a facet's edge that are no longer than half of the obstacle's least width.
-pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facets: &[Facet]) -> usize {
+/// Pieces of the longest edge of a facet that are no longer than half of the obstacle's least width.
+pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facet: &Facet) -> usize {
     let width = half_width(obstacle, mesh.dim());
-    let edge = |facet: &Facet| -> f64 {
-        let (kind, nodes) = mesh.facet_nodes(*facet);
-        let corners: Vec<Vec3> =
-            nodes[..kind.corners()].iter().map(|&node| Vec3::from(mesh.points()[node as usize])).collect();
-        let next = corners.iter().skip(1).chain(corners.first());
-        corners.iter().zip(next).map(|(a, b)| (b - a).norm()).fold(0.0, f64::max)
-    };
-    let longest = facets.iter().map(edge).fold(0.0, f64::max);
+    let (kind, nodes) = mesh.facet_nodes(*facet);
+    let corners: Vec<Vec3> =
+        nodes[..kind.corners()].iter().map(|&node| Vec3::from(mesh.points()[node as usize])).collect();
+    let next = corners.iter().skip(1).chain(corners.first());
+    let longest = corners.iter().zip(next).map(|(a, b)| (b - a).norm()).fold(0.0, f64::max);
     ((longest / width).ceil() as usize).clamp(1, MOST_PIECES)
 }
 

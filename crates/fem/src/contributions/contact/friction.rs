@@ -1,6 +1,6 @@
 //! [`Slip`]: the direction and share of Coulomb friction by the slip velocity.
 
-use crate::contributions::Instant;
+use crate::contributions::{Controls, Instant};
 use crate::error::FemError;
 use crate::kernels::hyper_dual::Scalar;
 use nastic_energy::Slot;
@@ -49,9 +49,33 @@ pub(super) fn check_controls(contact: &str, stiffness: f64, coefficient: Option<
     }
 }
 
-/// Without the step where friction is lagged: then the samples of the instant push alone.
-pub(super) fn without_lagged<'a>(at: &Instant<'a>) -> Instant<'a> {
-    let step = at.step.filter(|step| step.lag.is_none());
+/// Where normal forces, normals and places of friction are taken, instead of those of the instant.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Elsewhere<'a> {
+    pub u: &'a [f64],
+    pub controls: &'a Controls,
+    /// What the slip speed is multiplied by.
+    pub smoothing: f64,
+}
+
+impl<'a> Elsewhere<'a> {
+    /// Where a step begins, if friction is `lagged`; else where a step that is not found at once says.
+    pub fn of(at: &Instant<'a>, lagged: bool) -> Option<Self> {
+        let step = at.step?;
+        match (&step.lag, lagged) {
+            (lag, true) => {
+                let smoothing = lag.as_ref().map_or(1.0, |lag| lag.smoothing);
+                Some(Elsewhere { u: &step.before.u, controls: &step.before.controls, smoothing })
+            }
+            (Some(lag), false) => Some(Elsewhere { u: &lag.u, controls: &lag.controls, smoothing: lag.smoothing }),
+            (None, false) => None,
+        }
+    }
+}
+
+/// Without the step where normal forces are taken elsewhere: then the samples of the instant push alone.
+pub(super) fn without_lagged<'a>(at: &Instant<'a>, lagged: bool) -> Instant<'a> {
+    let step = at.step.filter(|_| Elsewhere::of(at, lagged).is_none());
     Instant { step, ..*at }
 }
 

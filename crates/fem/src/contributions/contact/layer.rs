@@ -10,6 +10,8 @@ pub(super) struct Layer {
     pub thickness: Option<f64>,
     pub stiffness: Option<f64>,
     pub friction: Option<Friction>,
+    /// Friction takes its normal forces where the step begins.
+    pub lagged: bool,
     pub refine: Option<usize>,
 }
 
@@ -46,7 +48,15 @@ macro_rules! layer_methods {
             self
         }
 
-        /// Samples of each facet as of `refine^2` pieces. If not given, between surfaces 1, and before an obstacle as many (8 at most) as leave samples no
+        /// Friction takes normal forces, normals and places where the step begins, not where it ends: the tangent is symmetric and a step the minimum
+        /// of a potential, but a hold whose forces grow by more than `1/r - 1` a step slips, r the share of the cone that it takes. For comparison.
+        #[must_use]
+        pub fn lagged(mut self) -> Self {
+            self.layer.lagged = true;
+            self
+        }
+
+        /// Samples of each facet as of `refine^2` pieces. If not given, between surfaces 1, and before an obstacle of each facet as many (8 at most) as leave its samples no
         /// further apart than half of its least width: nothing slips between them, and a sphere of radius R enters by `h^2/(8 R)` where they
         /// are h apart.
         #[must_use]

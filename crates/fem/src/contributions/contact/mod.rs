@@ -11,6 +11,7 @@ mod point;
 mod pose;
 mod samples;
 mod second_order;
+mod slip;
 mod sums;
 mod surfaces;
 

@@ -130,7 +130,7 @@ impl<'a> TouchPoint<'a> {
         mut call: impl FnMut(&Touch, Mat3) -> Result<(), Inadmissible>,
     ) -> Result<(), Inadmissible> {
         let gaps = self.gaps(at)?;
-        let at = &without_lagged(at);
+        let at = &without_lagged(at, self.of.lagged);
         let c = at.step.map_or(0.0, |step| step.velocity.0) * Mat3::identity() - gaps.pose.spin_matrix();
         for touch in &gaps.touches {
             let traction = self.of.traction(touch, &gaps.pose, at);
@@ -168,9 +168,9 @@ impl ContributionPoint for TouchPoint<'_> {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let (gaps, of, friction) = (self.gaps(at)?, self.of, LaggedFriction::at(self.of, at)?);
         if let Some(friction) = &friction {
-            friction.add_residual(at, demand, sums)?;
+            friction.add_residual(at, demand, sums);
         }
-        let at = &without_lagged(at);
+        let at = &without_lagged(at, of.lagged);
         for touch in &gaps.touches {
             let (weight, traction) = (of.samples.weights[touch.sample], of.traction(touch, &gaps.pose, at));
             if demand.energy {
@@ -198,7 +198,7 @@ impl ContributionPoint for TouchPoint<'_> {
 
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         if let Some(friction) = LaggedFriction::at(self.of, at)? {
-            friction.add_tangent_product(at, v, out)?;
+            friction.add_tangent_product(at, v, out);
         }
         self.each_tangent(at, |touch, block| {
             let product = block * self.of.samples.of(touch.sample, self.of.dim, |dof| v[dof]);
@@ -229,8 +229,10 @@ impl ContributionPoint for TouchPoint<'_> {
         let (gaps, of) = (self.gaps(at)?, self.of);
         let spin = gaps.pose.spin_matrix();
         let (mut by, mut by_stiffness, mut by_friction) = (ByPose::default(), 0.0, 0.0);
+        let lagged = LaggedFriction::at(of, at)?;
+        let pushing = &without_lagged(at, of.lagged);
         for touch in &gaps.touches {
-            let traction = of.traction(touch, &gaps.pose, at);
+            let traction = of.traction(touch, &gaps.pose, pushing);
             let [a, b] = traction.tangents(&touch.distance);
             let weighted = of.samples.weights[touch.sample] * of.samples.of(touch.sample, of.dim, |dof| lambda[dof]);
             let (by_place, by_velocity) = (a.transpose() * weighted, b.transpose() * weighted);
@@ -245,6 +247,9 @@ impl ContributionPoint for TouchPoint<'_> {
             by.translation -= by_place + spin * by_velocity;
             by.velocity -= by_velocity;
             by.spin -= arm.cross(&by_velocity);
+        }
+        if let Some(friction) = &lagged {
+            friction.vjp(at, lambda, &mut by, into);
         }
         gaps.pose.add_vjp(at, &by, of.dim, into);
         into.add_control(at, STIFFNESS, by_stiffness);

@@ -94,7 +94,12 @@ impl Pose {
 
     /// Of the obstacle's point at x.
     pub fn velocity(&self, x: &Vec3) -> Vec3 {
-        self.motion.map_or(Vec3::zeros(), |m| m.velocity + m.turned.cross(&self.arm(x)) / m.elapsed)
+        self.velocity_of(&self.arm(x))
+    }
+
+    /// Of the obstacle's point with an arm.
+    pub fn velocity_of(&self, arm: &Vec3) -> Vec3 {
+        self.motion.map_or(Vec3::zeros(), |m| m.velocity + m.turned.cross(arm) / m.elapsed)
     }
 
     /// `[Omega x]`
@@ -116,6 +121,12 @@ impl Pose {
         }
         let rotation = spin(&self.theta).transpose() * turn;
         each_slot(dim, translation, rotation, |slot, value| into.add_control(at, slot, value));
+    }
+
+    /// Adds the derivatives by a pose that the step begins with, which has no velocities.
+    pub fn add_vjp_before(&self, at: &Instant, by: &ByPose, dim: usize, into: &mut Sensitivities) {
+        let rotation = spin(&self.theta).transpose() * by.turn;
+        each_slot(dim, by.translation, rotation, |slot, value| into.before.add_control(at, slot, value));
     }
 
     /// The turn omega of R along a change of theta.

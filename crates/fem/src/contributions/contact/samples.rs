@@ -1,7 +1,7 @@
 //! [`Samples`]: the points of a surface at which it may touch.
 
 use crate::error::FemError;
-use nastic_mesh::{CellKind, GroupNames, Mesh};
+use nastic_mesh::{CellKind, Facet, GroupNames, Mesh};
 use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
 
@@ -21,15 +21,15 @@ pub(super) struct Samples {
 }
 
 impl Samples {
-    /// Of a surface, each facet in `refine^2` pieces (`refine` in the plane).
-    pub fn new(mesh: &Mesh, surface: &GroupNames, refine: usize) -> Result<Self, FemError> {
+    /// Of a surface, each facet in `refine^2` pieces (`refine` in the plane), which facets may differ in.
+    pub fn new(mesh: &Mesh, surface: &GroupNames, refine: impl Fn(&Facet) -> usize) -> Result<Self, FemError> {
         let mut at_nodes: BTreeMap<u32, f64> = BTreeMap::new();
         let mut between: Vec<(Vec<(u32, f64)>, f64)> = Vec::new();
         for facet in mesh.facets_of(surface)? {
             let (kind, nodes) = mesh.facet_nodes(facet);
             let positions = mesh.gather(mesh.points(), &nodes);
             let mut of_facet: BTreeMap<[i64; 2], (Vec<f64>, f64)> = BTreeMap::new();
-            for corners in pieces(kind, refine) {
+            for corners in pieces(kind, refine(&facet)) {
                 for (xi, weight) in rule(kind, &positions, &corners) {
                     let mut shapes = vec![0.0; nodes.len()];
                     kind.shapes(&xi, &mut shapes);

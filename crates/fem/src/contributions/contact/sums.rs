@@ -2,11 +2,14 @@
 
 use super::bound::{BoundContact, FRICTION, STIFFNESS};
 use super::exact;
+use super::friction::without_lagged;
+use super::lagged::LaggedFriction;
 use super::point::Gaps;
 use super::pose::ByPose;
 use super::samples::Samples;
+use super::slip;
 use crate::contributions::rigid_motion;
-use crate::contributions::touches::{ExactContact, RigidPose, Sliding, Touch, TouchParameters, Touches};
+use crate::contributions::touches::{ExactContact, Onsets, RigidPose, Sliding, Touch, TouchParameters, Touches};
 use crate::contributions::{Instant, Sensitivities};
 use crate::error::Inadmissible;
 use nastic_mesh::spatial::Obstacle;
@@ -19,7 +22,8 @@ impl Touches for BoundContact {
     }
 
     fn touch(&self, at: &Instant) -> Option<Touch> {
-        let gaps = Gaps::at(self, at).ok()?;
+        let (gaps, lagged) = (Gaps::at(self, at).ok()?, LaggedFriction::at(self, at).ok()?);
+        let (at_step, at) = (at, &without_lagged(at, self.lagged));
         let (mut force, mut moment, mut area, mut largest) = (Vec3::zeros(), Vec3::zeros(), 0.0, 0.0_f64);
         let (mut normal, mut remaining, mut sticking, mut speed) = (0.0, 0.0, 0.0, 0.0_f64);
         for touch in &gaps.touches {
@@ -41,11 +45,24 @@ impl Touches for BoundContact {
                 sticking += weight * p;
             }
         }
-        let of_all = |share: f64, none: f64| if normal > 0.0 { share / normal } else { none };
+        let mut borne = normal;
+        if let (Some(friction), Some(e)) = (&lagged, self.slip_speed) {
+            (borne, sticking) = (0.0, 0.0);
+            for rubbed in friction.each(at_step) {
+                let (push, slides) = (friction.force(&rubbed), rubbed.slides.norm());
+                force -= push;
+                moment -= (gaps.all[rubbed.sample].0 - gaps.pose.pivot()).cross(&push);
+                let carried = self.samples.weights[rubbed.sample] * rubbed.pressure.value;
+                borne += carried;
+                speed = speed.max(slides);
+                sticking += if slides < e { carried } else { 0.0 };
+            }
+        }
+        let of_all = |share: f64, normal: f64, none: f64| if normal > 0.0 { share / normal } else { none };
         let gap = |(sample, &(x, d)): (usize, &(Vec3, f64))| (x, d - self.offset(sample));
         let (deepest, smallest_gap) = gaps.all.iter().enumerate().map(gap).min_by(|a, b| a.1.total_cmp(&b.1))?;
         let sunk = gaps.all.iter().map(|(_, d)| -d).fold(f64::NEG_INFINITY, f64::max);
-        let sliding = |slip_speed| Sliding { sticking: of_all(sticking, 1.0), speed, slip_speed };
+        let sliding = |slip_speed| Sliding { sticking: of_all(sticking, borne, 1.0), speed, slip_speed };
         Some(Touch {
             force: force.into(),
             pressing: normal,
@@ -54,7 +71,7 @@ impl Touches for BoundContact {
             smallest_gap,
             deepest: deepest.into(),
             largest_pressure: largest,
-            mean_gap: of_all(remaining, 0.0),
+            mean_gap: of_all(remaining, normal, 0.0),
             approach: self.approach(&gaps),
             sunk,
             sliding: self.slip_speed.map(sliding),
@@ -87,6 +104,33 @@ impl Touches for BoundContact {
         Ok(sum)
     }
 
+    fn onsets(&self, at: &Instant) -> Option<Onsets> {
+        let gaps = Gaps::at(self, at).ok()?;
+        let mut found = Onsets::default();
+        for (sample, (place, d)) in gaps.all.iter().enumerate() {
+            let mut slides = Vec::new();
+            if let (Some(e), Some(_), true) = (self.slip_speed, at.step, *d < self.thickness) {
+                let n = Vec3::from(self.signed_distance(&gaps.pose, (sample, place)).normal);
+                let own = self.samples.of(sample, self.dim, |dof| at.velocity(dof));
+                let relative = own - gaps.pose.velocity(place);
+                slides.push((relative - n * n.dot(&relative)).norm() / e);
+            }
+            found.add(d / self.thickness, &slides);
+        }
+        Some(found)
+    }
+
+    fn add_slip(
+        &self,
+        at: &Instant,
+        q: u32,
+        by_u: &mut [f64],
+        into: &mut Sensitivities,
+    ) -> Result<Option<f64>, Inadmissible> {
+        let Some(e) = self.slip_speed else { return Ok(None) };
+        slip::add(self, (at, e), q as i32, by_u, into).map(Some)
+    }
+
     fn parameters(&self) -> TouchParameters {
         let samples = self.samples.len();
         let area = self.samples.weights.iter().sum::<f64>();
@@ -102,6 +146,7 @@ impl Touches for BoundContact {
             inset: self.inset,
             stiffness: self.slots[STIFFNESS].rest(),
             friction: self.slip_speed.map(|slip_speed| (self.slots[FRICTION].rest(), slip_speed)),
+            lagged: self.lagged,
             samples,
             between_samples: apart * apart / (8.0 * radius),
         }

@@ -14,9 +14,15 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
         named.extend(contact.obstacle.as_ref().map(|name| (name.as_str(), contact.at.key("obstacle"))));
         // one that could not be read was complained about
         let given = reader.document.root().find(contact.at.key("friction").as_str()).is_some();
-        if contact.slip_speed.is_some() && contact.friction.is_none() && !given {
-            let message = "the slip speed of a contact without friction: give \"friction\", or leave this out";
-            reader.complain_at(&contact.at.key("slip_speed"), message);
+        let of_friction = [
+            ("slip_speed", contact.slip_speed.is_some(), "the slip speed of"),
+            ("lagged", contact.lagged, "lagged friction of"),
+        ];
+        for (key, _, what) in
+            of_friction.iter().filter(|(_, is_there, _)| *is_there && contact.friction.is_none() && !given)
+        {
+            let message = format!("{what} a contact without friction: give \"friction\", or leave this out");
+            reader.complain_at(&contact.at.key(key), message);
         }
     }
     let shapes: Vec<(&ShapeOrName, At)> = shapes(blocks).collect();

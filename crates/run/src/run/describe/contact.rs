@@ -53,8 +53,9 @@ fn shown(problem: &CaseProblem, of: &TouchParameters, gap: Option<f64>) -> Strin
         let speed = quantity(slip_speed, Dimension::VELOCITY, units);
         let creep = length(CREEP_AT_HALF * slip_speed * time.end);
         parts.push(format!(
-            "friction {}, slip speed {speed}: held at half of what friction bears it creeps by {creep} until the end",
-            short(friction)
+            "friction {}{}, slip speed {speed}: held at half of what friction bears it creeps by {creep} until the end",
+            short(friction),
+            if of.lagged { ", with the normal forces of the instant before" } else { "" }
         ));
     }
     if of.inset > 0.0 {
@@ -79,6 +80,7 @@ pub(super) fn records(problem: &CaseProblem) -> Vec<ContactRecord> {
             between_samples: of.between_samples.into(),
             friction: friction.into(),
             slip_speed: slip_speed.into(),
+            lagged: of.lagged,
         }
     };
     problem.member(0).solid().model().touch_parameters().into_iter().map(of).collect()

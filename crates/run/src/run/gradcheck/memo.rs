@@ -1,6 +1,7 @@
 //! One state serves all terms: what was evaluated is kept by control vector.
 
-use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
+use nastic_control::{ControlError, Ensemble, EnsemblePoint, EnsembleWorkspace};
+use nastic_fem::{Instant, Onsets, State, TimeStep};
 use nastic_numeric::Random;
 use nastic_numeric::vector::dot;
 use nastic_opt::{Constrained, ConstraintGroup, Failed, Hessian, Objective, Request};
@@ -45,13 +46,15 @@ pub(super) struct Memo<'a> {
     accuracy: f64,
     /// The base control, valued by every stage.
     base: Vec<EnsemblePoint>,
+    /// What samples of contacts do there.
+    onsets: Onsets,
     known: Mutex<Known>,
 }
 
 /// What was evaluated so far, and the workspace of the next evaluation.
 #[derive(Default)]
 struct Known {
-    values: Vec<(Vec<f64>, CostValues)>,
+    values: Vec<(Vec<f64>, CostValues, Onsets)>,
     workspace: EnsembleWorkspace,
 }
 
@@ -62,8 +65,21 @@ impl<'a> Memo<'a> {
         let first = ensemble.evaluate(m, &how, &mut known.workspace)?;
         let later = (1..ensemble.stages()).map(|stage| ensemble.restage(stage, &first));
         let later = later.collect::<Result<Vec<_>, _>>()?;
+        let onsets = onsets(ensemble, &first);
         let base = std::iter::once(first).chain(later).collect();
-        Ok(Self { ensemble, accuracy, base, known: Mutex::new(known) })
+        Ok(Self { ensemble, accuracy, base, onsets, known: Mutex::new(known) })
+    }
+
+    /// How many samples of contacts are near to where they begin or cease to touch or to slip.
+    pub fn near_onset(&self) -> usize {
+        self.onsets.near
+    }
+
+    /// How many samples of contacts do something else at another control that was evaluated, over all instants.
+    pub fn changed(&self, m: &[f64]) -> usize {
+        let Ok(known) = self.known.lock() else { return 0 };
+        let Some((.., there)) = known.values.iter().find(|(at, ..)| at == m) else { return 0 };
+        self.onsets.states.iter().zip(&there.states).filter(|(here, there)| here != there).count()
     }
 
     /// The total of every stage, then every term of every stage it has, then every constraint.
@@ -123,23 +139,47 @@ impl<'a> Memo<'a> {
             return Some(self.base.iter().map(|point| self.values_of(point)).collect());
         }
         let mut known = self.known.lock().ok()?;
-        if let Some((_, values)) = known.values.iter().find(|(at, _)| at == m) {
+        if let Some((_, values, _)) = known.values.iter().find(|(at, ..)| at == m) {
             return values.clone();
         }
-        let values = self.evaluate(m, &mut known.workspace);
-        known.values.push((m.to_vec(), values.clone()));
+        let (values, onsets) = self.evaluate(m, &mut known.workspace).unzip();
+        known.values.push((m.to_vec(), values.clone(), onsets.unwrap_or_default()));
         values
     }
 
-    fn evaluate(&self, m: &[f64], workspace: &mut EnsembleWorkspace) -> CostValues {
+    fn evaluate(&self, m: &[f64], workspace: &mut EnsembleWorkspace) -> Option<(Vec<Value>, Onsets)> {
         let how = Request { near: Some(&self.base[0]), accuracy: self.accuracy, stage: 0, ..Request::default() };
         let first = self.ensemble.evaluate(m, &how, workspace).ok()?;
         let mut out = vec![self.values_of(&first)];
         for stage in 1..self.ensemble.stages() {
             out.push(self.values_of(&self.ensemble.restage(stage, &first).ok()?));
         }
-        Some(out)
+        Some((out, onsets(self.ensemble, &first)))
     }
+}
+
+/// What samples of contacts do, over all members and instants.
+fn onsets(ensemble: &Ensemble, point: &EnsemblePoint) -> Onsets {
+    let mut all = Onsets::default();
+    for (member, at) in ensemble.members().iter().zip(&point.members) {
+        let (problem, mut before) = (member.problem(), None::<State>);
+        let model = problem.solid().model();
+        if model.touch_parameters().is_empty() {
+            continue;
+        }
+        let each = &mut |_: usize, state: &State| {
+            let step = before.as_ref().map(|before| TimeStep::between(before, state));
+            let instant = Instant::of(state);
+            let found = model.onsets(&step.as_ref().map_or(instant, |step| instant.in_step(step)));
+            all.states.extend(found.states);
+            all.near += found.near;
+            before = Some(state.clone());
+            Ok::<(), ControlError>(())
+        };
+        // what cannot be computed again is not compared
+        let _ = problem.for_each_state(at, each);
+    }
+    all
 }
 
 /// One part of the cost as an objective.

@@ -10,7 +10,7 @@ use crate::run::error::{Exit, RunError};
 use crate::run::motion;
 use crate::run::report::say_files;
 use crate::run::session::Session;
-use crate::run::solve::{equilibria, exact_contact, minimum, modes};
+use crate::run::solve::{equilibria, exact_contact, half_thickness, minimum, modes};
 use crate::run::states::Shown;
 use crate::run::terminal::{say_cost, say_members, say_probes, say_reactions, say_stability, say_tracked};
 use nastic_case::analysis::Analysis;
@@ -25,6 +25,9 @@ use nastic_numeric::format::scientific;
 pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
     if *analysis == Analysis::ExactContact {
         exact_contact::check(session)?;
+    }
+    if *analysis == Analysis::HalfThickness {
+        half_thickness::check(session)?;
     }
     let mut point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
     if *analysis == Analysis::Minimum {
@@ -44,6 +47,7 @@ pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Res
     let exit = match analysis {
         Analysis::Equilibria(count) => equilibria::run(session, &point, *count)?,
         Analysis::ExactContact => exact_contact::run(session, &point)?,
+        Analysis::HalfThickness => half_thickness::run(session, &point)?,
         _ => Exit::Done,
     };
     show(session, point, None, found);

@@ -5,12 +5,21 @@ use crate::run::motion;
 use crate::run::motion::MotionCheckpoint;
 use crate::run::session::Session;
 use crate::run::solve::equilibrium::{report, show, write};
+use crate::run::solve::half_thickness;
+use nastic_case::analysis::Analysis;
 use nastic_case::inspect::stillness;
 use nastic_report::record::ResumedRecord;
 use std::mem::take;
 
 /// The motion at the start controls, from the beginning or from a checkpoint.
-pub(super) fn run(session: &mut Session<'_>, from: Option<MotionCheckpoint>) -> Result<Exit, RunError> {
+pub(super) fn run(
+    session: &mut Session<'_>,
+    from: Option<MotionCheckpoint>,
+    analysis: &Analysis,
+) -> Result<Exit, RunError> {
+    if *analysis == Analysis::HalfThickness {
+        half_thickness::check(session)?;
+    }
     session.find_steps()?;
     let (point, records) = motion::solve(session, from)?;
     let found = session.inspect(motion::state_name(&session.problem), &point);
@@ -22,6 +31,9 @@ pub(super) fn run(session: &mut Session<'_>, from: Option<MotionCheckpoint>) -> 
     report(session, &point, &found)?;
     session.report_motions(&records, &point);
     session.timed("write", |session| write(session, &point, (&found, &records), &[]))?;
+    if *analysis == Analysis::HalfThickness {
+        half_thickness::run(session, &point)?;
+    }
     show(session, point, None, found);
     Ok(Exit::Done)
 }
@@ -37,5 +49,5 @@ pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCh
     let shown = places.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
     session.console.say(format!("resumed     the motion goes on behind step {shown}"));
     session.record.resumed = ResumedRecord { steps: Some(places), ..ResumedRecord::default() };
-    run(session, Some(checkpoint))
+    run(session, Some(checkpoint), &Analysis::Equilibrium)
 }

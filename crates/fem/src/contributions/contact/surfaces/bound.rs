@@ -41,6 +41,8 @@ pub(crate) struct BoundSurfaces {
     pub(super) sides: Vec<Side>,
     /// e, with friction.
     pub(super) slip_speed: Option<f64>,
+    /// Friction takes its normal forces where the step begins.
+    pub(super) lagged: bool,
     pub(super) slots: Vec<Slot>,
     /// Displacements that it resists to.
     normals: Vec<Vec<(u32, f64)>>,
@@ -97,8 +99,8 @@ impl BoundSurfaces {
         let slots = [stiffness].into_iter().chain(friction).collect();
         let slip_speed = of.layer.friction.map(|friction| friction.slip_speed);
         let normals = sides.iter().flat_map(|side| normals(side, &rest, mesh.dim())).collect();
-        let (name, dim, law) = (of.name.clone(), mesh.dim(), of.layer.law);
-        Ok(BoundSurfaces { name, dim, law, thickness, sides, slip_speed, slots, normals })
+        let (name, dim, law, lagged) = (of.name.clone(), mesh.dim(), of.layer.law, of.layer.lagged);
+        Ok(BoundSurfaces { name, dim, law, thickness, sides, slip_speed, lagged, slots, normals })
     }
 
     /// Distance at which a gap is zero.
@@ -163,7 +165,7 @@ impl Contribution for BoundSurfaces {
     }
 
     fn symmetry(&self) -> Symmetry {
-        if self.slip_speed.is_some() { Symmetry::General } else { Symmetry::Symmetric }
+        if self.slip_speed.is_some() && !self.lagged { Symmetry::General } else { Symmetry::Symmetric }
     }
 
     fn path_dependence(&self) -> Option<&'static str> {

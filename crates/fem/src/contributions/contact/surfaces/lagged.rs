@@ -4,8 +4,8 @@ use super::bound::{BoundSurfaces, FRICTION, STIFFNESS};
 use super::point::SurfacePoint;
 use super::rub::Rub;
 use super::sample::unit;
-use crate::contributions::contact::friction::dissipation;
-use crate::contributions::{Demand, Instant, Sums};
+use crate::contributions::contact::friction::{Elsewhere, dissipation};
+use crate::contributions::{Demand, Instant, Sensitivities, Sums};
 use crate::error::Inadmissible;
 use nastic_linear::SparseMatrix;
 use nastic_tensor::Vec3;
@@ -26,14 +26,15 @@ impl<'a> LaggedRubbing<'a> {
     /// `None` where friction is not lagged.
     pub fn at(of: &'a BoundSurfaces, at: &Instant) -> Result<Option<Self>, Inadmissible> {
         let (Some(step), Some(slip_speed)) = (at.step, of.slip_speed) else { return Ok(None) };
-        let Some(lag) = &step.lag else { return Ok(None) };
-        let point = SurfacePoint::new(of, of.gaps(&lag.u)?);
+        let Some(lag) = Elsewhere::of(at, of.lagged) else { return Ok(None) };
+        let point = SurfacePoint::new(of, of.gaps(lag.u)?);
         let (slip_speed, velocity) = (lag.smoothing * slip_speed, step.velocity.0);
         let strength = at.control(FRICTION) * at.control(STIFFNESS);
         Ok(Some(LaggedRubbing { point, at: lag.u.to_vec(), slip_speed, strength, velocity }))
     }
 
-    fn each(&self, mut call: impl FnMut(&Rub, f64)) {
+    /// Calls with every sample that touches there, and mu k times its area.
+    pub fn each(&self, mut call: impl FnMut(&Rub, f64)) {
         self.point.touching().for_each(|sample| call(&Rub::at(sample, &self.at), self.strength * sample.weight()));
     }
 
@@ -76,5 +77,25 @@ impl<'a> LaggedRubbing<'a> {
             let found = rub.by_velocity(&velocities, self.slip_speed, &rub.sample.slots(|dof| v[dof]));
             rub.sample.spread(&found, |dof, value| out[dof] += self.velocity * strength * value);
         });
+    }
+
+    /// Adds `lambda . dr/dp`: by velocities, coefficient and stiffness, and by the displacement where the step begins.
+    pub fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) {
+        let (mu, k, mut work) = (at.control(FRICTION), at.control(STIFFNESS), 0.0);
+        self.each(|rub, strength| {
+            let sample = &rub.sample;
+            let [velocities, own] = [sample.slots(|dof| at.velocity(dof)), sample.slots(|dof| lambda[dof])];
+            let on_own = |forces: &[Vec3]| forces.iter().zip(&own).map(|(force, own)| force.dot(own)).sum::<f64>();
+            work += sample.weight() * on_own(&rub.forces(at, self.slip_speed));
+            let by_velocity = rub.by_velocity(&velocities, self.slip_speed, &own);
+            sample.spread(&by_velocity, |dof, value| into.velocity[dof] += strength * value);
+            let columns = rub.columns_by_place(at, self.slip_speed);
+            let mut by_place = vec![Vec3::zeros(); own.len()];
+            let dim = self.point.of.dim;
+            columns.iter().enumerate().for_each(|(k, column)| by_place[k / dim][k % dim] = on_own(column));
+            sample.spread(&by_place, |dof, value| into.before.u[dof] += strength * value);
+        });
+        into.add_control(at, FRICTION, k * work);
+        into.add_control(at, STIFFNESS, mu * work);
     }
 }

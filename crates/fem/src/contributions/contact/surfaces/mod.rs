@@ -10,6 +10,7 @@ mod rub;
 mod sample;
 mod side;
 mod simplex;
+mod slid;
 mod spin;
 mod sums;
 

@@ -76,7 +76,7 @@ impl ContributionPoint for SurfacePoint<'_> {
         if let Some(friction) = LaggedRubbing::at(self.of, at)? {
             friction.add_residual(at, demand, sums);
         }
-        let (at, k) = (&without_lagged(at), at.control(STIFFNESS));
+        let (at, k) = (&without_lagged(at, self.of.lagged), at.control(STIFFNESS));
         for sample in self.touching() {
             let (d, mut forces) = sample.force(at.u);
             if d >= self.of.thickness {
@@ -106,7 +106,7 @@ impl ContributionPoint for SurfacePoint<'_> {
         if let Some(friction) = LaggedRubbing::at(self.of, at)? {
             friction.add_tangent(at, tangent);
         }
-        let (at, samples) = (&without_lagged(at), self.samples());
+        let (at, samples) = (&without_lagged(at, self.of.lagged), self.samples());
         let block = |sample: &Sample| self.block(sample, at);
         let blocks: Vec<Vec<f64>> = match at.parallel {
             true => samples.par_iter().map(block).collect(),
@@ -120,7 +120,7 @@ impl ContributionPoint for SurfacePoint<'_> {
         if let Some(friction) = LaggedRubbing::at(self.of, at)? {
             friction.add_tangent_product(at, v, out);
         }
-        let (at, k) = (&without_lagged(at), at.control(STIFFNESS));
+        let (at, k) = (&without_lagged(at, self.of.lagged), at.control(STIFFNESS));
         for sample in self.touching() {
             let change = sample.slots(|dof| v[dof]);
             let mut found: Vec<Vec3> = sample.along(at.u, [&change, &change]).iter().map(|parts| parts[1]).collect();
@@ -142,6 +142,10 @@ impl ContributionPoint for SurfacePoint<'_> {
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         let mut by_stiffness = 0.0;
         self.per_stiffness(at.u, |dof, value| by_stiffness += lambda[dof] * value);
+        if let Some(friction) = LaggedRubbing::at(self.of, at)? {
+            friction.vjp(at, lambda, into);
+        }
+        let at = &without_lagged(at, self.of.lagged);
         if let Some(slip_speed) = self.of.slides_at(at) {
             let (k, mu, mut unit) = (at.control(STIFFNESS), at.control(FRICTION), 0.0);
             for sample in self.touching() {

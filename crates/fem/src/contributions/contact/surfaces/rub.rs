@@ -11,7 +11,7 @@
 //! however thick the layer is. A force F of the residual has the power `F . w`: F at the sample, `-b_a F` at the nodes of the piece, and the couple
 //! `-r x F` on the surface around the sample, so that forces and moments cancel.
 
-use super::gap::slope;
+use super::gap::{Foot, slope};
 use super::sample::{Sample, unit};
 use super::spin::Spin;
 use crate::contributions::Instant;
@@ -41,7 +41,7 @@ pub(super) struct RubFoot<'a> {
 }
 
 /// Velocities of the slots at an instant, and the spin.
-struct Motion {
+pub(super) struct Motion {
     /// Of a velocity by the displacement.
     by_place: f64,
     slots: Vec<Vec3>,
@@ -111,6 +111,11 @@ impl<'a> Rub<'a> {
         Motion { by_place: at.step.map_or(0.0, |step| step.velocity.0), slots, rates, omega }
     }
 
+    /// With velocities that do not depend on the slots.
+    pub fn given_motion(&self, at: &Instant) -> Motion {
+        Motion { by_place: 0.0, ..self.motion(at) }
+    }
+
     /// The change of the forces along a change of the slots, with their velocities as in the step.
     pub fn change(&self, at: &Instant, slip_speed: f64, along: &[Vec3]) -> Vec<Vec3> {
         let [found, _] = self.changes(&self.motion(at), slip_speed, [along, along]);
@@ -119,22 +124,36 @@ impl<'a> Rub<'a> {
 
     /// The derivative of the forces by the slots, in columns.
     pub fn columns(&self, at: &Instant, slip_speed: f64) -> Vec<Vec<Vec3>> {
-        let (dim, slots, motion) = (self.sample.of.dim, self.places.len(), self.motion(at));
+        self.columns_of(&self.motion(at), slip_speed)
+    }
+
+    /// The same with velocities that do not depend on the slots.
+    pub fn columns_by_place(&self, at: &Instant, slip_speed: f64) -> Vec<Vec<Vec3>> {
+        self.columns_of(&self.given_motion(at), slip_speed)
+    }
+
+    fn columns_of(&self, motion: &Motion, slip_speed: f64) -> Vec<Vec<Vec3>> {
+        let (dim, slots) = (self.sample.of.dim, self.places.len());
         let pair = |first: usize| {
             let [one, two] = [first, first + 1].map(|component| unit(dim, slots, component));
-            self.changes(&motion, slip_speed, [&one, &two])
+            self.changes(motion, slip_speed, [&one, &two])
         };
         let mut columns: Vec<Vec<Vec3>> = (0..dim * slots).step_by(2).flat_map(pair).collect();
         columns.truncate(dim * slots);
         columns
     }
 
-    fn changes(&self, motion: &Motion, slip_speed: f64, along: [&[Vec3]; 2]) -> [Vec<Vec3>; 2] {
+    /// Places and velocities of the slots of the potential, and omega, along two changes of the slots.
+    pub fn duals(
+        &self,
+        motion: &Motion,
+        along: [&[Vec3]; 2],
+    ) -> (Vec<[HyperDual; 3]>, Vec<[HyperDual; 3]>, [HyperDual; 3]) {
         let (near, c) = (self.sample.near_slots(), motion.by_place);
-        let of_arms = along.map(|along| arms(&self.sample, along));
-        let of_omega = of_arms.each_ref().map(|da| {
-            let of_rates: Vec<Vec3> = da.iter().map(|da| c * da).collect();
-            self.spin.change(&motion.rates, da, &of_rates)
+        let of_omega = along.map(|along| {
+            let of_arms = arms(&self.sample, along);
+            let of_rates: Vec<Vec3> = of_arms.iter().map(|da| c * da).collect();
+            self.spin.change(&motion.rates, &of_arms, &of_rates)
         });
         let dual = |x: &Vec3, by: f64, [a, b]: [&Vec3; 2]| -> [HyperDual; 3] {
             std::array::from_fn(|i| HyperDual([x[i], by * a[i], by * b[i], 0.0]))
@@ -143,8 +162,14 @@ impl<'a> Rub<'a> {
             (0..near).map(|slot| dual(&x[slot], by, [&along[0][slot], &along[1][slot]])).collect()
         };
         let omega = dual(&motion.omega, 1.0, [&of_omega[0], &of_omega[1]]);
-        let found =
-            near_forces(&self.sample, (&of_slots(&self.places, 1.0), &of_slots(&motion.slots, c), omega), slip_speed);
+        (of_slots(&self.places, 1.0), of_slots(&motion.slots, c), omega)
+    }
+
+    fn changes(&self, motion: &Motion, slip_speed: f64, along: [&[Vec3]; 2]) -> [Vec<Vec3>; 2] {
+        let near = self.sample.near_slots();
+        let of_arms = along.map(|along| arms(&self.sample, along));
+        let (places, velocities, omega) = self.duals(motion, along);
+        let found = near_forces(&self.sample, (&places, &velocities, omega), slip_speed);
         let part = |slot: usize, which: usize| Vec3::from_fn(|i, _| found[slot][i].0[which]);
         [0, 1].map(|which| {
             let mut out: Vec<Vec3> = (0..near).map(|slot| part(slot, which + 1)).collect();
@@ -181,11 +206,7 @@ fn near_forces<T: Scalar>(
         let n = foot.nearest.normal;
         let arm = n.map(|n| foot.nearest.distance * n);
         let shares = || foot.between.iter().zip(foot.nearest.shares);
-        let below = shares().fold(zero, |sum, (&node, share)| plus(sum, velocities[node + 1], share));
-        let turned = cross(omega, arm);
-        let relative: [T; 3] = std::array::from_fn(|i| velocities[0][i] - below[i] - turned[i]);
-        let towards = relative[0] * n[0] + relative[1] * n[1] + relative[2] * n[2];
-        let slides = plus(relative, n, T::of(0.0) - towards);
+        let slides = slides_on(&foot, velocities, omega);
         let force = share(slides, slip_speed).map(|f| foot.part * pressure * f);
         out[0] = plus(out[0], force, T::of(1.0));
         shares().for_each(|(&node, share)| out[node + 1] = plus(out[node + 1], force, T::of(0.0) - share));
@@ -193,6 +214,17 @@ fn near_forces<T: Scalar>(
         out[last] = plus(out[last], cross(arm, force), T::of(-1.0));
     }
     out
+}
+
+/// v_t on a piece.
+pub(super) fn slides_on<T: Scalar>(foot: &Foot<'_, T>, velocities: &[[T; 3]], omega: [T; 3]) -> [T; 3] {
+    let n = foot.nearest.normal;
+    let shares = foot.between.iter().zip(foot.nearest.shares);
+    let below = shares.fold([T::of(0.0); 3], |sum, (&node, share)| plus(sum, velocities[node + 1], share));
+    let turned = cross(omega, n.map(|n| foot.nearest.distance * n));
+    let relative: [T; 3] = std::array::from_fn(|i| velocities[0][i] - below[i] - turned[i]);
+    let towards = relative[0] * n[0] + relative[1] * n[1] + relative[2] * n[2];
+    plus(relative, n, T::of(0.0) - towards)
 }
 
 /// `a + s b`

@@ -31,7 +31,7 @@ impl Side {
         facets: &[Facet],
     ) -> Result<Self, FemError> {
         let (mesh, pieces) = (disc.mesh().clone(), Pieces::new(disc, facets));
-        let samples = Samples::new(&mesh, surface, refine)?;
+        let samples = Samples::new(&mesh, surface, |_| refine)?;
         let mut of_node: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for (number, nodes) in pieces.facets.iter().enumerate() {
             nodes.iter().for_each(|&node| of_node.entry(node).or_default().push(number as u32));

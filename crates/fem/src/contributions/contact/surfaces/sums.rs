@@ -2,11 +2,14 @@
 
 use super::bound::{BoundSurfaces, FRICTION, STIFFNESS, least};
 use super::gap::slope;
+use super::lagged::LaggedRubbing;
 use super::point::SurfacePoint;
 use super::rub::Rub;
 use super::sample::{SHARE, Sample};
+use super::slid::slid;
+use crate::contributions::contact::friction::without_lagged;
 use crate::contributions::contact::samples::Samples;
-use crate::contributions::touches::{RigidPose, Sliding, Touch, TouchParameters, Touches};
+use crate::contributions::touches::{Onsets, RigidPose, Sliding, Touch, TouchParameters, Touches};
 use crate::contributions::{Instant, Sensitivities};
 use crate::error::Inadmissible;
 use crate::kernels::hyper_dual::HyperDual;
@@ -42,6 +45,8 @@ impl Touches for BoundSurfaces {
 
     fn touch(&self, at: &Instant) -> Option<Touch> {
         let (point, k) = (SurfacePoint::new(self, self.gaps(at.u).ok()?), at.control(STIFFNESS));
+        let lagged = LaggedRubbing::at(self, at).ok()?;
+        let (at_step, at) = (at, &without_lagged(at, self.lagged));
         let mut touch = Touch::none(self.least_gap(at.u)?);
         let (mut carried, mut remaining) = (Carried::default(), 0.0);
         for sample in point.samples() {
@@ -59,12 +64,21 @@ impl Touches for BoundSurfaces {
             touch.largest_pressure = touch.largest_pressure.max(pressure);
             carried.add(&sample, at, weight * pressure);
         }
+        let mut borne = touch.pressing;
+        if let Some(friction) = &lagged {
+            borne = 0.0;
+            friction.each(|rub, strength| {
+                let pressing = k * rub.sample.weight() * rub.feet.iter().map(|foot| foot.pressure).sum::<f64>();
+                borne += pressing;
+                carried.rub(rub, at_step, (strength, pressing));
+            });
+        }
         (touch.force, touch.moment) = (carried.force.into(), carried.moment.into());
         touch.mean_gap = if touch.pressing > 0.0 { remaining / touch.pressing } else { 0.0 };
         touch.sunk = -touch.smallest_gap;
         touch.sliding = self.slip_speed.map(|slip_speed| {
-            let in_step = touch.pressing > 0.0 && at.step.is_some();
-            let sticking = if in_step { carried.sticking / touch.pressing } else { 1.0 };
+            let in_step = borne > 0.0 && at_step.step.is_some();
+            let sticking = if in_step { carried.sticking / borne } else { 1.0 };
             Sliding { sticking, speed: carried.speed, slip_speed }
         });
         Some(touch)
@@ -76,6 +90,7 @@ impl Touches for BoundSurfaces {
             inset: 0.0,
             stiffness: self.slots[STIFFNESS].rest(),
             friction: self.slip_speed.map(|slip_speed| (self.slots[FRICTION].rest(), slip_speed)),
+            lagged: self.lagged,
             area: SHARE * self.sides.iter().flat_map(|side| &side.samples.weights).sum::<f64>(),
             samples: self.sides.iter().map(|side| side.samples.len()).sum(),
             between_samples: 0.0,
@@ -107,6 +122,51 @@ impl Touches for BoundSurfaces {
         Ok(sum)
     }
 
+    fn onsets(&self, at: &Instant) -> Option<Onsets> {
+        let point = SurfacePoint::new(self, self.gaps(at.u).ok()?);
+        let mut found = Onsets::default();
+        for side in &self.sides {
+            let mut near = point.samples().into_iter().filter(|sample| std::ptr::eq(sample.side, side)).peekable();
+            for k in 0..side.samples.len() {
+                let Some(sample) = near.next_if(|sample| sample.gap.sample == k) else {
+                    found.add(f64::INFINITY, &[]);
+                    continue;
+                };
+                let gap = sample.pressed(at.u).gap / self.thickness;
+                let slides = match self.slides_at(at).filter(|_| gap < 1.0) {
+                    Some(slip_speed) => {
+                        let (rub, velocities) = (Rub::at(sample, at.u), sample.slots(|dof| at.velocity(dof)));
+                        let feet = rub.feet.iter().filter(|foot| foot.part > PART);
+                        feet.map(|foot| rub.slides(foot, &velocities).norm() / slip_speed).collect()
+                    }
+                    None => Vec::new(),
+                };
+                found.add(gap, &slides);
+            }
+        }
+        Some(found)
+    }
+
+    fn add_slip(
+        &self,
+        at: &Instant,
+        q: u32,
+        by_u: &mut [f64],
+        into: &mut Sensitivities,
+    ) -> Result<Option<f64>, Inadmissible> {
+        let Some(slip_speed) = self.slip_speed else { return Ok(None) };
+        let (point, k, mut unit) = (SurfacePoint::new(self, self.gaps(at.u)?), at.control(STIFFNESS), 0.0);
+        for sample in point.touching() {
+            let (rub, weight) = (Rub::at(sample, at.u), sample.weight());
+            let found = slid(&rub, at, (slip_speed, q as i32));
+            unit += weight * found.value;
+            sample.spread(&found.by_place, |dof, value| by_u[dof] += k * weight * value);
+            sample.spread(&found.by_velocity, |dof, value| into.velocity[dof] += k * weight * value);
+        }
+        into.add_control(at, STIFFNESS, unit);
+        Ok(Some(k * unit))
+    }
+
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)> {
         let point = self.gaps(at.u).map(|gaps| SurfacePoint::new(self, gaps));
         let all: Vec<Sample> = point.iter().flat_map(SurfacePoint::samples).collect();
@@ -133,12 +193,20 @@ impl Carried {
     /// Of a sample that presses with a force.
     fn add(&mut self, sample: &Sample, at: &Instant, pressing: f64) {
         let (of, k) = (sample.of, at.control(STIFFNESS));
-        let mut forces = sample.force(at.u).1;
-        if let (Some(slip_speed), Some(_)) = (of.slip_speed, at.step) {
-            let (rub, weight) = (Rub::at(*sample, at.u), sample.weight());
+        self.push(sample, at, &sample.force(at.u).1.iter().map(|force| k * force).collect::<Vec<_>>());
+        if of.slides_at(at).is_some() {
+            let strength = k * at.control(FRICTION) * sample.weight();
+            self.rub(&Rub::at(*sample, at.u), at, (strength, pressing));
+        }
+    }
+
+    /// Of friction of a strength on a sample that presses with a force.
+    fn rub(&mut self, rub: &Rub, at: &Instant, (strength, pressing): (f64, f64)) {
+        let sample = &rub.sample;
+        if let Some(slip_speed) = sample.of.slip_speed {
             let velocities = sample.slots(|dof| at.velocity(dof));
-            let strength = at.control(FRICTION) * weight;
-            forces.iter_mut().zip(rub.forces(at, slip_speed)).for_each(|(force, more)| *force += strength * more);
+            let forces: Vec<Vec3> = rub.forces(at, slip_speed).iter().map(|force| strength * force).collect();
+            self.push(sample, at, &forces);
             let (mut sticking, mut all) = (0.0, 0.0);
             // pieces that have almost no part in the pressure do not count
             for foot in rub.feet.iter().filter(|foot| foot.part > PART) {
@@ -149,10 +217,14 @@ impl Carried {
             }
             self.sticking += if all > 0.0 { pressing * sticking / all } else { 0.0 };
         }
-        let [first, _] = &of.sides[..] else { return };
+    }
+
+    /// Of forces on the slots of a sample.
+    fn push(&mut self, sample: &Sample, at: &Instant, forces: &[Vec3]) {
+        let [first, _] = &sample.of.sides[..] else { return };
         // the nodes of the pieces bear the opposite of what the sample's side does, and the opposite moment
-        let on_own = if std::ptr::eq(first, sample.side) { k } else { -k };
-        for (place, force) in sample.places(at.u)[..sample.near_slots()].iter().zip(&forces).skip(1) {
+        let on_own = if std::ptr::eq(first, sample.side) { 1.0 } else { -1.0 };
+        for (place, force) in sample.places(at.u)[..sample.near_slots()].iter().zip(forces).skip(1) {
             self.force += on_own * force;
             self.moment += place.cross(&(on_own * force));
         }

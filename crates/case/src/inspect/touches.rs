@@ -1,7 +1,7 @@
 //! What the contacts of an equilibrium carry, and what deserves attention in them.
 
-use nastic_case::lower::CaseMember;
-use nastic_case::warning::{PENETRATED, THICK_LAYER, Warning};
+use crate::lower::CaseMember;
+use crate::warning::{PENETRATED, THICK_LAYER, Warning};
 use nastic_fem::{Instant, State, Touch};
 use nastic_language::number::{quantity, short, vector};
 use nastic_language::quantity::Dimension;
@@ -10,12 +10,12 @@ use nastic_language::quantity::Dimension;
 const THICK: f64 = 0.05;
 
 /// What the contacts of an equilibrium carry.
-pub(crate) fn of_state(member: CaseMember<'_>, state: &State) -> Vec<(String, Touch)> {
+pub fn of_state(member: CaseMember<'_>, state: &State) -> Vec<(String, Touch)> {
     member.solid().model().touches(&Instant::of(state))
 }
 
 /// What is said of a contact that is pressed harder than its stiffness bears.
-pub(crate) fn inside(member: CaseMember<'_>, name: &str, depth: &str) -> String {
+pub fn inside(member: CaseMember<'_>, name: &str, depth: &str) -> String {
     match member.case().contact.iter().any(|contact| contact.with.is_some() && contact.name() == name) {
         true => format!("the surfaces are {depth} nearer to each other than twice the thickness"),
         false => format!("the body is {depth} inside the obstacle"),
@@ -23,7 +23,7 @@ pub(crate) fn inside(member: CaseMember<'_>, name: &str, depth: &str) -> String 
 }
 
 /// What deserves attention in the contacts of an equilibrium.
-pub(crate) fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
+pub fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
     let of = |value: f64| quantity(value, Dimension::LENGTH, member.problem().units());
     let mut out = Vec::new();
     for (name, touch) in of_state(member, state) {

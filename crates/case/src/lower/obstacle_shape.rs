@@ -1,13 +1,15 @@
 //! Obstacles as bodies to be drawn.
 
-use nastic_case::lower::{CaseMember, CaseProblem, mesh_again, obstacle_of};
+use crate::lower::mesh::again as mesh_again;
+use crate::lower::obstacle::obstacle_of;
+use crate::lower::{CaseMember, CaseProblem};
 use nastic_fem::{Instant, State};
 use nastic_language::schema::{Constraint, Cost, Obstacle, Shape, ShapeOrName};
 use nastic_mesh::{Mesh, RawMesh, Snapshot};
 use std::sync::Arc;
 
 /// The obstacles of a member that rest, each once; a half-space, which has no end, as a plate in front of the body.
-pub(crate) fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
+pub fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
     let case = member.case();
     let own = |shape: &ShapeOrName| match shape {
         ShapeOrName::Shape(shape) => Some(shape.clone()),
@@ -43,12 +45,12 @@ fn is_moved(member: CaseMember<'_>, obstacle: &Obstacle) -> bool {
 }
 
 /// Whether obstacles of a member may move.
-pub(crate) fn has_moved(member: CaseMember<'_>) -> bool {
+pub fn has_moved(member: CaseMember<'_>) -> bool {
     member.case().obstacles.iter().any(|obstacle| is_moved(member, obstacle))
 }
 
 /// The obstacles that may move, where they are in a state, as one mesh with a region for each.
-pub(crate) fn moved(member: CaseMember<'_>, state: &State) -> Option<Arc<Mesh>> {
+pub fn moved(member: CaseMember<'_>, state: &State) -> Option<Arc<Mesh>> {
     let poses = member.solid().model().poses(&Instant::of(state));
     let mut raw = RawMesh::new("obstacles");
     for obstacle in member.case().obstacles.iter().filter(|obstacle| is_moved(member, obstacle)) {
@@ -71,7 +73,7 @@ pub(crate) fn moved(member: CaseMember<'_>, state: &State) -> Option<Arc<Mesh>> 
 }
 
 /// `obstacle_1.vtu` and so on for all members together, and the names of each member's own.
-pub(crate) fn files(problem: &CaseProblem) -> (Vec<(String, Snapshot)>, Vec<Vec<String>>) {
+pub fn files(problem: &CaseProblem) -> (Vec<(String, Snapshot)>, Vec<Vec<String>>) {
     let mut files: Vec<(String, Snapshot)> = Vec::new();
     let mut name = |shape: Snapshot| {
         if let Some((known, _)) = files.iter().find(|(_, known)| known.mesh.points() == shape.mesh.points()) {

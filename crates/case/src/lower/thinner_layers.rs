@@ -1,0 +1,44 @@
+//! The same problem with thinner layers of its contacts.
+
+use crate::lower::problem::CaseProblem;
+use nastic_language::syntax::{At, Diagnostics, Setting};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// What differs by less, relatively, is the same thickness.
+const ROUNDING: f64 = 1e-9;
+
+impl CaseProblem {
+    /// The problem whose contacts have layers of a share of their thickness, with the stiffness that they have: the same pressure at the same share of the
+    /// layer. Time steps that were found stay.
+    ///
+    /// # Errors
+    /// What is wrong with the case then: a load case or scenario that sets a thickness of its own, say.
+    pub fn with_thinner_layers(&self, share: f64, cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
+        let known = self.solid().model().touch_parameters();
+        let mut settings = Vec::new();
+        for (k, contact) in self.case.contact.iter().enumerate() {
+            let name = contact.name();
+            let Some((_, layer)) = known.iter().find(|(own, _)| *own == name) else { continue };
+            settings.push(Setting::option(&format!("contact/{k}/thickness={}", share * layer.thickness))?);
+            settings.push(Setting::option(&format!("contact/{k}/stiffness={}", layer.stiffness))?);
+        }
+        let instants = |member: super::CaseMember<'_>| Some(member.reduced().timeline()?.instants().to_vec());
+        let found: Option<Vec<Vec<f64>>> = self.has_steps.then(|| self.members().filter_map(instants).collect());
+        let thinner = Self::lower_through(self.document.with(&settings)?, cancel, &found.unwrap_or_default())?;
+        for (member, own) in thinner.members().zip(self.members()) {
+            let layers = own.solid().model().touch_parameters();
+            for ((name, thin), (_, layer)) in member.solid().model().touch_parameters().iter().zip(layers) {
+                let found = thin.thickness / (share * layer.thickness);
+                if (found - 1.0).abs() > ROUNDING {
+                    let message = format!(
+                        "{}: contact \"{name}\" has a thickness of its own there: layers of all members are made thinner alike; leave it out",
+                        member.name()
+                    );
+                    return Err(self.document.complain(&At::root().key("contact"), message).into());
+                }
+            }
+        }
+        Ok(Self { has_steps: self.has_steps, ..thinner })
+    }
+}

@@ -1,0 +1,104 @@
+//! `nastic solve --half-thickness`: the state whose contacts have layers half as thick, beside the one that was asked for.
+
+use crate::run::contacts::quantities;
+use crate::run::error::{Exit, RunError};
+use crate::run::session::{START_ACCURACY, Session};
+use nastic_case::lower::CaseMember;
+use nastic_control::{EnsemblePoint, EnsembleWorkspace, Evaluated};
+use nastic_fem::{Instant, TimeStep, Touch};
+use nastic_language::number::{quantity, short};
+use nastic_language::quantity::Dimension;
+use nastic_opt::{Objective, Request};
+use nastic_report::record::HalfThicknessRecord;
+
+const HALF: f64 = 0.5;
+
+/// Refuses a case without contacts, before anything is solved.
+pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
+    match session.problem.case.contact.is_empty() {
+        true => {
+            let message = "--half-thickness looks at the layers of contacts, and the case has none: leave it out";
+            Err(session.problem.complain("contact", message).into())
+        }
+        false => Ok(()),
+    }
+}
+
+/// Solves, says and puts it into the result, for every member.
+pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Exit, RunError> {
+    let (problem, thin) = session.timed("half thickness", |session| {
+        let problem = session.problem.with_thinner_layers(HALF, session.signal.clone())?;
+        let how = Request { accuracy: START_ACCURACY, ..Request::default() };
+        let found = problem.ensemble.evaluate(&problem.start, &how, &mut EnsembleWorkspace::default());
+        session.console.clear();
+        let thin = found.map_err(|failed| session.evaluation_failed(&failed))?;
+        Ok::<_, RunError>((problem, thin))
+    })?;
+    for index in 0..point.members.len() {
+        let whole = (session.problem.member(index), &point.members[index]);
+        let entry = say(session, whole, (problem.member(index), &thin.members[index]));
+        session.entries_of(index).half_thickness = Some(entry);
+    }
+    Ok(Exit::Done)
+}
+
+/// What contacts carry in a state, of a motion at the end of its last step.
+fn touches((member, at): (CaseMember<'_>, &Evaluated)) -> Vec<(String, Touch)> {
+    let step = match at.states() {
+        [.., before, end] => Some(TimeStep::between(before, end)),
+        _ => None,
+    };
+    let instant = Instant::of(at.state());
+    member.solid().model().touches(&step.as_ref().map_or(instant, |step| instant.in_step(step)))
+}
+
+/// Says what halving the layers changes in a member.
+fn say(
+    session: &Session<'_>,
+    whole: (CaseMember<'_>, &Evaluated),
+    half: (CaseMember<'_>, &Evaluated),
+) -> HalfThicknessRecord {
+    let member = whole.0;
+    let (units, dim) = (member.problem().units(), member.mesh().dim());
+    let length = |value: f64| quantity(value, Dimension::LENGTH, units);
+    let [of_whole, of_half] = [whole, half].map(|(member, at)| member.solid().model().nodal(&at.state().u).to_vec());
+    let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
+    let change = largest(&mut of_half.iter().zip(&of_whole).map(|(a, b)| a - b));
+    let displacement = largest(&mut of_half.iter().copied());
+    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    session.console.say(format!(
+        "half        layers half as thick: displacements, {} at most, change by at most {}{inside}",
+        length(displacement),
+        length(change)
+    ));
+    let (before, after) = (touches(whole), touches(half));
+    for ((name, after), (_, before)) in after.iter().zip(&before) {
+        let force = if before.pressing > 0.0 {
+            let percent = 100.0 * (after.pressing / before.pressing - 1.0);
+            format!(
+                "presses with {} {}, changed by {} %",
+                short(after.pressing),
+                units.force().symbol,
+                short(round(percent))
+            )
+        } else {
+            format!("presses with {} {}", short(after.pressing), units.force().symbol)
+        };
+        session.console.say(format!(
+            "            {name} {force}, smallest gap {} instead of {}",
+            length(after.smallest_gap),
+            length(before.smallest_gap)
+        ));
+    }
+    HalfThicknessRecord {
+        newton_iterations: half.1.work.newton,
+        largest_change: change.into(),
+        largest_displacement: displacement.into(),
+        contacts: Some(after.iter().map(|(name, touch)| (name.clone(), quantities(touch, dim))).collect()),
+    }
+}
+
+/// To hundredths.
+fn round(percent: f64) -> f64 {
+    (100.0 * percent).round() / 100.0
+}
