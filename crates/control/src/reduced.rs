@@ -10,6 +10,7 @@ mod objective;
 mod second_order;
 mod sensitivity;
 mod static_trial;
+mod terms;
 
 pub use adaptive_steps::AdaptiveSteps;
 pub(crate) use constrained::Lagrangian;
@@ -20,7 +21,7 @@ pub(crate) use second_order::SecondDerivative;
 use crate::constraint::Constraint;
 use crate::control_block::Shown;
 use crate::control_values::ControlValues;
-use crate::cost::{Cost, CostContext, CostPoint, Figure, IntoCost};
+use crate::cost::{Cost, IntoCost};
 use crate::design::Consumer;
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
@@ -104,9 +105,6 @@ impl fmt::Debug for SolveProgress {
         f.write_str("SolveProgress(..)")
     }
 }
-
-/// Values of the cost terms, and the evaluated terms.
-type Terms = (Vec<f64>, Vec<Arc<dyn CostPoint>>);
 
 /// Relative residual asked of a state solve per relative accuracy of the state: slender bodies amplify residuals.
 const RESIDUAL_PER_ACCURACY: f64 = 1e-2;
@@ -415,56 +413,6 @@ impl Reduced {
         }
     }
 
-    /// Values of the terms, and the evaluated terms where points keep them.
-    fn terms(&self, state: &State, m: &[f64], stage: usize) -> Result<Terms, ControlError> {
-        let mut costs = self.costs_at(state, m, stage)?;
-        let values = costs.iter().map(|cost| cost.value()).collect();
-        if !self.keep_factors {
-            costs.clear();
-        }
-        Ok((values, costs))
-    }
-
-    /// Evaluates the terms in a state; of a problem in time with the controls of its instant, whenever they count.
-    ///
-    /// # Errors
-    /// A cost that is not defined there.
-    pub fn costs_at(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<Arc<dyn CostPoint>>, ControlError> {
-        let own = self.at_instant(m, state.time)?;
-        let context = self.context(state, &own, stage);
-        let at = |cost: &dyn Cost| {
-            let instants = self.timeline().map_or(&[][..], Timeline::instants);
-            let n = instants.partition_point(|t| *t < state.time);
-            let step = self.step_begin(cost.needs_step(), n, m)?;
-            cost.at(&CostContext { step: step.as_ref(), ..context })
-        };
-        self.costs.iter().map(|cost| at(cost.as_ref())).collect()
-    }
-
-    /// The evaluated terms of a point: those it keeps, or evaluated again.
-    ///
-    /// # Errors
-    /// A cost that is not defined there.
-    pub fn costs_of<'a>(&self, point: &'a Evaluated) -> Result<Cow<'a, [Arc<dyn CostPoint>]>, ControlError> {
-        if point.costs.len() == self.costs.len() {
-            return Ok(Cow::Borrowed(&point.costs));
-        }
-        self.costs_at(point.state(), &point.m, point.stage).map(Cow::Owned)
-    }
-
-    fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {
-        let u = self.solid.model().nodal(&state.u);
-        CostContext {
-            solid: &self.solid,
-            layout: self.layout_of_instant(),
-            u,
-            state: Some(state),
-            m,
-            stage,
-            step: None,
-        }
-    }
-
     /// The control fields at one instant: what costs of states see.
     pub fn layout_of_instant(&self) -> &Layout {
         self.motion.as_ref().map_or(&self.layout, |motion| &motion.layout)
@@ -483,24 +431,5 @@ impl Reduced {
             Some(motion) => self.restage_motion(motion, point, stage),
             None => self.valued(point.solved.clone(), &point.m, stage, SolveReport::default()),
         }
-    }
-
-    /// Names of the terms; those that occur several times are numbered, `tracking_0`, `tracking_1`.
-    pub fn term_names(&self) -> Vec<String> {
-        let of_motion = self.motion.iter().flat_map(|motion| motion.costs.iter().map(|cost| cost.name()));
-        let all: Vec<&str> = self.costs.iter().map(|cost| cost.name()).chain(of_motion).collect();
-        let name = |k: usize| match all.iter().filter(|name| **name == all[k]).count() {
-            1 => all[k].to_owned(),
-            _ => format!("{}_{}", all[k], (0..k).filter(|&i| all[i] == all[k]).count()),
-        };
-        (0..all.len()).map(name).collect()
-    }
-
-    /// Figures of every cost term beside its value (a true distance, say), more expensive than the values.
-    ///
-    /// # Errors
-    /// Where a cost cannot.
-    pub fn figures_of(&self, point: &Evaluated) -> Result<Vec<Vec<Figure>>, ControlError> {
-        self.costs_of(point)?.iter().map(|cost| cost.figures()).collect()
     }
 }

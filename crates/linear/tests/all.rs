@@ -4,6 +4,7 @@ mod beyond;
 mod direct;
 mod eigenpairs;
 mod iterative;
+mod products;
 mod single;
 mod solvers;
 mod structure;
