@@ -135,7 +135,7 @@ records! {
 
     /// One group.
     ConstraintGroupRecord {
-        /// `at_most` or `equal`.
+        /// Of the values c below: `at_most` (c <= 0; c is bound - functional of `at_least`, minus the distance of an obstacle) or `equal` (c = 0).
         sense: String,
         /// Number of constraints.
         count: usize,
