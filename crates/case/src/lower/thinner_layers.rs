@@ -21,7 +21,6 @@ impl CaseProblem {
             let name = contact.name();
             let Some((_, layer)) = known.iter().find(|(own, _)| *own == name) else { continue };
             settings.push(Setting::option(&format!("contact/{k}/thickness={}", share * layer.thickness))?);
-            settings.push(Setting::option(&format!("contact/{k}/stiffness={}", layer.stiffness))?);
         }
         let instants = |member: super::CaseMember<'_>| Some(member.reduced().timeline()?.instants().to_vec());
         let found: Option<Vec<Vec<f64>>> = self.has_steps.then(|| self.members().filter_map(instants).collect());
@@ -29,14 +28,17 @@ impl CaseProblem {
         for (member, own) in thinner.members().zip(self.members()) {
             let layers = own.solid().model().touch_parameters();
             for ((name, thin), (_, layer)) in member.solid().model().touch_parameters().iter().zip(layers) {
-                let found = thin.thickness / (share * layer.thickness);
-                if (found - 1.0).abs() > ROUNDING {
-                    let message = format!(
-                        "{}: contact \"{name}\" has a thickness of its own there: layers of all members are made thinner alike; leave it out",
-                        member.name()
-                    );
-                    return Err(self.document.complain(&At::root().key("contact"), message).into());
-                }
+                let differs = |found: f64, wanted: f64| (found / wanted - 1.0).abs() > ROUNDING;
+                let what = match () {
+                    () if differs(thin.thickness, share * layer.thickness) => "thickness",
+                    () if differs(thin.stiffness, layer.stiffness) => "stiffness",
+                    () => continue,
+                };
+                let message = format!(
+                    "{}: contact \"{name}\" has a {what} of its own there: layers of all members are made thinner alike; leave it out",
+                    member.name()
+                );
+                return Err(self.document.complain(&At::root().key("contact"), message).into());
             }
         }
         Ok(Self { has_steps: self.has_steps, ..thinner })

@@ -43,6 +43,8 @@ impl ContactSlip {
 }
 
 const NAME: &str = "contact_slip";
+/// The largest exponent q: powers of 2q of speeds up to 1e9 times the slip speed are numbers.
+const MOST: u32 = 16;
 
 /// How it stands in case files.
 pub(super) const FORM: CostForm = CostForm::new(
@@ -73,8 +75,8 @@ impl IntoCost for ContactSlip {
             let what = format!("the contact \"{}\" has no friction: what slips is not held back", self.contact);
             return refuse(what);
         }
-        if self.exponent == 0 {
-            return refuse("the exponent is 0; it is 1 or more".to_owned());
+        if !(1..=MOST).contains(&self.exponent) {
+            return refuse(format!("the exponent is {}; it is 1 to {MOST}", self.exponent));
         }
         Ok(Box::new(OnBody(self)))
     }

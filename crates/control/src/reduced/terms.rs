@@ -32,7 +32,7 @@ impl Reduced {
         let context = self.context(state, &own, stage);
         let at = |cost: &dyn Cost| {
             let instants = self.timeline().map_or(&[][..], Timeline::instants);
-            let n = instants.partition_point(|t| *t < state.time);
+            let n = nearest(instants, state.time);
             let step = self.step_begin(cost.needs_step(), n, m)?;
             cost.at(&CostContext { step: step.as_ref(), ..context })
         };
@@ -81,4 +81,11 @@ impl Reduced {
     pub fn figures_of(&self, point: &Evaluated) -> Result<Vec<Vec<Figure>>, ControlError> {
         self.costs_of(point)?.iter().map(|cost| cost.figures()).collect()
     }
+}
+
+/// The number of the instant that is nearest to a time.
+fn nearest(instants: &[f64], time: f64) -> usize {
+    let after = instants.partition_point(|t| *t < time);
+    let distance = |n: usize| instants.get(n).map_or(f64::INFINITY, |t| (t - time).abs());
+    if after > 0 && distance(after - 1) < distance(after) { after - 1 } else { after }
 }

@@ -113,7 +113,7 @@ impl Model {
             if let Some(moves) = self.prescribed_by() {
                 return refuse(scheme.name(), moves, "which moves a surface: take tr_bdf2");
             }
-            if let Some(other) = self.others.iter().find(|c| !c.has_potential()) {
+            if let Some(other) = self.others.iter().find(|c| !c.has_potential() || c.path_dependence().is_some()) {
                 return refuse(scheme.name(), other.name(), instead);
             }
         }

@@ -70,11 +70,12 @@ fn check_bound(block: &Constraint, reader: &mut Reader<'_>) {
     }
     if let Some(cost) = block.cost.as_ref().filter(|cost| bound == Some(0.0) && cost.is_square()) {
         let kind = cost.kind();
+        let never_below = format!("\"{kind}\" is a square, which is never below zero: leave this bound out");
         let message = format!(
             "\"{kind}\" is a square: where it is zero its derivative is zero too, and no multiplier can hold it there; bound it by the \
              square of what is near enough: \"at_most\""
         );
-        reader.complain_at(&block.at, message);
+        reader.complain_at(&block.at, if block.at_least.is_some() { never_below } else { message });
     }
     if block.cost.as_ref().is_some_and(|cost| cost.weight() == 0.0) {
         reader.complain_at(&block.at.key("cost"), "the weight is zero: the functional is zero, whatever the state");

@@ -55,6 +55,7 @@ impl BlockMatrix {
             self.values = Vec::new();
             return;
         }
+        lock(&self.rooms).clear();
         let couplings = self.couplings.clone();
         let of = Symmetric { couplings: &couplings, values };
         with_size!(couplings.size, self.fill_blocks(&of, parallel));

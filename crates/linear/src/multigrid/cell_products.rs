@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// Products with the finest matrix in single precision, cell by cell, in the place of its entries: what a cycle smooths with where
-/// these are fewer bytes. Symmetric; a supported unknown takes no part.
+/// these are fewer bytes. Of three unknowns per node, and symmetric; a supported unknown takes no part. Vectors are rounded to single precision.
 pub trait CellProducts: fmt::Debug + Send + Sync {
     /// What every cell makes of a vector, into room of any length and contents.
     fn of_cells(&self, v: &[f64], room: &mut Vec<f32>, parallel: bool);

@@ -30,6 +30,13 @@ pub struct Geometry<'a> {
     pub products: Option<&'a Arc<dyn CellProducts>>,
 }
 
+impl Geometry<'_> {
+    /// Whether products of cells serve on the finest level: with so many unknowns per node.
+    fn has_products(&self, unknowns: usize) -> bool {
+        unknowns == 3 && self.corners.is_some()
+    }
+}
+
 /// A symmetric positive definite approximation of the inverse of a positive definite matrix.
 ///
 /// Its bits depend on the matrices and geometries it was made of alone, not on the number of threads.
@@ -118,7 +125,7 @@ impl Multigrid {
         for l in 0.. {
             let values = inherited.as_deref().unwrap_or(&matrix.values);
             if let Some(level) = self.levels.get_mut(l) {
-                level.matrix.fill(values, geometry.products.filter(|_| l == 0 && geometry.corners.is_some()), parallel);
+                level.matrix.fill(values, geometry.products.filter(|_| l == 0 && geometry.has_products(dim)), parallel);
                 if !level.serves(parallel) {
                     self.cut(l);
                 }
@@ -153,7 +160,12 @@ impl Multigrid {
             matrix
         };
         if let (true, Some(corners)) = (self.levels.is_empty(), geometry.corners) {
-            self.levels.push(Level::of_corners(filled(geometry.products), corners, geometry.fixed, parallel));
+            self.levels.push(Level::of_corners(
+                filled(geometry.products.filter(|_| geometry.has_products(couplings.size))),
+                corners,
+                geometry.fixed,
+                parallel,
+            ));
             return Ok(());
         }
         if !self.levels.is_empty() && couplings.unknowns() <= ANALYSED {

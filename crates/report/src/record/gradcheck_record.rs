@@ -39,7 +39,7 @@ records! {
         verdict: String,
         /// The same of the second derivative.
         second: Nullable<String>,
-        /// Whether remainders that it is judged by lead over such an onset, and are not those of a smooth function: it is not wrong then.
+        /// Whether remainders that it is judged by lead over such an onset, and are not those of a smooth function: it is not decided then.
         kink: bool,
         /// Every direction.
         directions: Vec<DirectionRecord>,

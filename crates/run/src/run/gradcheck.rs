@@ -53,7 +53,13 @@ impl GradientTest {
         let over = |row: usize| changed.get(row).is_some_and(|count| *count > 0);
         match (&d.second, second) {
             (Some(found), true) => {
-                matches!(found.verdict, Verdict::Wrong | Verdict::Undecided) && found.used.iter().any(|row| over(*row))
+                let mut rows = found.used.iter().map(|row| over(*row));
+                match found.verdict {
+                    // steps that lead over no onset show the error of a wrong one as well
+                    Verdict::Wrong => !found.used.is_empty() && rows.all(|over| over),
+                    Verdict::Undecided => rows.any(|over| over),
+                    _ => false,
+                }
             }
             (None, true) => false,
             (_, false) => {

@@ -80,6 +80,7 @@ impl<'s> Recorder<'s> {
 
     /// Takes up what an earlier program reported of the same start, up to this point.
     pub fn restore(&mut self, trials: RunTrials, point: &EnsemblePoint) {
+        self.counted.0 = trials.work.iter().map(|work| work.newton).collect();
         self.trials = trials;
         self.goes_on_from(point);
         self.begin_table(&self.problem.ensemble.figures(point));
