@@ -121,7 +121,7 @@ pub struct New {
     /// The directory to make; its last part names the case too. What exists is never replaced
     #[arg(value_name = "NAME")]
     pub directory: PathBuf,
-    /// Which: a finger bent by a muscle, a finger with an air chamber, a magnetic strip, a finger of uncertain stiffness
+    /// Which: a finger bent by a muscle, a finger with an air chamber, a finger that grips a block, a magnetic strip, a finger of uncertain stiffness
     #[arg(long, value_name = "TEMPLATE", default_value = "finger", value_parser = templates())]
     pub template: String,
 }

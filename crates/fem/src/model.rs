@@ -293,12 +293,12 @@ impl Model {
     }
 
     /// The tangent of an equilibrium by the products of its cells, in single precision and with the supports left out: of a body of 27-node hexahedra
-    /// of the standard formulation that nothing but its own energy holds; `None` of others.
+    /// of the standard formulation beside whose energy no contribution [is stiff](Contribution::is_stiff); `None` of others.
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn cell_products(&self, at: &Instant) -> Result<Option<Arc<dyn CellProducts>>, Inadmissible> {
-        if !self.others.is_empty() || at.step.is_some() {
+        if self.others.iter().any(|own| own.is_stiff()) || at.step.is_some() {
             return Ok(None);
         }
         let to = Displaced::by(self.nodal(at.u));

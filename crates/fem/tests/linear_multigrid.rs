@@ -7,7 +7,7 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, distance, largest, noise, regular};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
-use nastic_fem::{Controls, Formulation, Foundation, Instant, Solid, SolveOptions, Solver, State};
+use nastic_fem::{Controls, Formulation, Foundation, Inertia, Instant, Solid, SolveOptions, Solver, State};
 use nastic_linear::{
     CgEnd, CgReport, FactorError, Geometry, Multigrid, Pivots, Preconditioner, SparseMatrix, conjugate_gradient,
 };
@@ -374,6 +374,7 @@ fn only_bodies_of_hexahedra_alone_have_products() -> Outcome {
         |solid: &Solid| -> Outcome<bool> { Ok(solid.model().cell_products(&Instant::of(&solid.rest()))?.is_some()) };
     let hex27 = || cantilever(CellKind::Hex27, 1.0, [2, 1, 1], 1e6);
     assert!(has(&hex27()?)?);
+    assert!(has(&hex27()?.inertia(Inertia::new("body", 1e3))?)?, "inertia has no tangent in an equilibrium");
     assert!(!has(&cantilever(CellKind::Hex20, 1.0, [2, 1, 1], 1e6)?)?);
     assert!(!has(&hex27()?.formulation("body", Formulation::LinearDilatation)?)?);
     assert!(!has(&hex27()?.foundation(Foundation::on("x+", 1e3))?)?);

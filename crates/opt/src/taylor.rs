@@ -198,7 +198,7 @@ impl Taylor {
             let verdict = match () {
                 () if order1 >= self.order && hidden <= Self::HIDDEN => Verdict::Right,
                 () if order1 >= self.order => Verdict::Undecided,
-                () if is_linear(window, &rows, order1) => Verdict::Wrong,
+                () if is_linear(window, &rows, order1) && persists(window, &rows) => Verdict::Wrong,
                 () => return None, // round-off, or between the two: ask steps that stand clearer of it
             };
             Some((window.to_vec(), verdict))
@@ -214,6 +214,9 @@ impl Taylor {
         TaylorDirection { seed, direction, slope, observed, noise, rows, order0, order1, verdict, second: None }
     }
 }
+
+/// Share of a linear part that noise leaves of it at small steps.
+const PERSISTS: f64 = 0.3;
 
 /// What stays the same along all directions.
 struct Base<'a, O: Objective> {
@@ -276,6 +279,16 @@ fn is_linear(window: &[usize], rows: &[Row], order: f64) -> bool {
     let ratios = window.iter().map(|k| rows[*k].r1 / rows[*k].t);
     let (low, high) = ratios.fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
     (order - 1.0).abs() < 0.2 && high < 2.0 * low
+}
+
+/// Whether the linear part of the remainders of a window is there at the smallest steps too, as the error of a derivative is: else it comes from
+/// what happens on the way, the beginning of a contact say.
+fn persists(window: &[usize], rows: &[Row]) -> bool {
+    let rate = |row: &Row| if row.r0 > 0.0 { row.r1 / row.t } else { f64::INFINITY };
+    let largest = |rows: &[Row]| rows.iter().map(rate).fold(0.0, f64::max);
+    let least = rows.windows(3).map(largest).filter(|rate| !rate.is_nan()).fold(f64::INFINITY, f64::min);
+    let low = window.iter().map(|k| rate(&rows[*k])).fold(f64::INFINITY, f64::min);
+    least >= PERSISTS * low
 }
 
 /// The largest error of the derivative, as a share of the slope, that the remainders leave room for: the least r1 / (t |slope|)

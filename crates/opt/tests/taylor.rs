@@ -86,6 +86,19 @@ fn a_cost_deaf_to_small_steps_is_not_called_wrong() {
     }
 }
 
+/// Beyond a short way the cost is linear, as where a contact begins, and on that way its remainders are noise: no error of the derivative shows there.
+#[test]
+fn what_begins_on_the_way_is_no_error_of_the_derivative() {
+    let noise = |m: f64| 2e-6 * ((m.to_bits().wrapping_mul(0x2545_f491_4f6c_dd1d) >> 11) as f64 / (1u64 << 53) as f64);
+    let value = move |m: &[f64]| 1.0 + m[0].hypot(1e-3) + noise(m[0]);
+    let set = Bounds::new(-1.0, 1.0).unwrap();
+    for seed in 0..20 {
+        let cost = Cost::new(Bounds::new(-1.0, 1.0).unwrap(), value, |_| vec![0.0]);
+        let report = Taylor { seed, ..Taylor::default() }.test(&cost, &set, &[0.0]).unwrap();
+        assert_ne!(report.verdict(), Verdict::Wrong, "{report}");
+    }
+}
+
 #[test]
 fn linear_and_constant_costs() {
     let linear = Cost::new(Bounds::none(), |m| 3.0 * m[0] - m[1], |_| vec![3.0, -1.0]);

@@ -146,6 +146,10 @@ impl Contribution for BodyInertia {
         self.mass.add_to(1.0, mass)
     }
 
+    fn is_stiff(&self) -> bool {
+        false
+    }
+
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
         Ok(Box::new(self))
     }

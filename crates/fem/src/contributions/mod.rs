@@ -112,6 +112,11 @@ pub trait Contribution: Debug + Send + Sync {
         false
     }
 
+    /// Whether its force depends on the displacement outside of time steps: not of inertia, damping, loads that do not follow.
+    fn is_stiff(&self) -> bool {
+        true
+    }
+
     /// Why an equilibrium with it depends on the way there, if it does: such a contribution acts in steps in time alone.
     fn path_dependence(&self) -> Option<&'static str> {
         None

@@ -205,6 +205,10 @@ impl Contribution for RigidSurface {
         Some(self)
     }
 
+    fn is_stiff(&self) -> bool {
+        false
+    }
+
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
         Ok(Box::new(self))
     }

@@ -63,6 +63,10 @@ impl Contribution for RayleighDamping {
         Self::NAME
     }
 
+    fn is_stiff(&self) -> bool {
+        false
+    }
+
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
         Ok(Box::new(self))
     }

@@ -92,6 +92,10 @@ impl Contribution for VaryingLoad {
         &self.points
     }
 
+    fn is_stiff(&self) -> bool {
+        false
+    }
+
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
         Ok(Box::new(self))
     }

@@ -35,7 +35,7 @@ records! {
         control: String,
         /// `total`, a term, each with its stage where there are several, or `constraint NAME`.
         term: String,
-        /// `right`, `WRONG`, `linear`, `quadratic` or `undecided`.
+        /// `right`, `WRONG`, `linear`, `quadratic`, `kink` or `undecided`.
         verdict: String,
         /// The same of the second derivative.
         second: Nullable<String>,

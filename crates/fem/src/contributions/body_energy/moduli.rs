@@ -147,7 +147,7 @@ impl CellProducts for HexahedraProducts {
         room.resize(4 * nodes + hexahedra.batches() * ROWS, 0.0);
         let (own, rows) = room.split_at_mut(4 * nodes);
         let own = own.as_chunks_mut::<4>().0;
-        let copy = |(own, (v, fixed)): (&mut [[f32; 4]], (&[f64], &[bool]))| {
+        let copy = |own: &mut [[f32; 4]], v: &[f64], fixed: &[bool]| {
             let of_nodes = v.as_chunks::<3>().0.iter().zip(fixed.as_chunks::<3>().0);
             for (own, (v, fixed)) in own.iter_mut().zip(of_nodes) {
                 (0..3).for_each(|i| own[i] = if fixed[i] { 0.0 } else { v[i] as f32 });
@@ -162,12 +162,12 @@ impl CellProducts for HexahedraProducts {
             }
         };
         if !parallel {
-            copy((own, (v, &self.fixed)));
+            copy(own, v, &self.fixed);
             multiply(own, 0, rows);
             return;
         }
         let vectors = v.par_chunks(3 * COPIED).zip(self.fixed.par_chunks(3 * COPIED));
-        own.par_chunks_mut(COPIED).zip(vectors).for_each(copy);
+        own.par_chunks_mut(COPIED).zip(vectors).for_each(|(own, (v, fixed))| copy(own, v, fixed));
         let own = &*own;
         rows.par_chunks_mut(TASK * ROWS).enumerate().for_each(|(task, rows)| multiply(own, TASK * task, rows));
     }

@@ -11,8 +11,8 @@ use nastic_language::quantity::Dimension;
 use nastic_picture::{Chart, Curve};
 use nastic_report::csv::column;
 
-/// Curves of a chart.
-const CURVES: usize = 6;
+/// Curves of a chart: colours that it has.
+const CURVES: usize = 12;
 const AXES: [&str; 3] = ["x", "y", "z"];
 pub(super) const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
 
@@ -135,7 +135,13 @@ impl Table {
             let unit = &self.units[columns.start];
             let same = columns.clone().all(|c| self.units[c] == *unit);
             let upwards = if same { format!("{what} ({unit})") } else { what.to_owned() };
-            let mut chart = Chart::new(&title(member), &format!("t ({})", self.units[0]), &upwards);
+            let heading = match columns.len() {
+                more if more > CURVES => {
+                    format!("{}: the first {CURVES} of {more} curves, all in motion.csv", title(member))
+                }
+                _ => title(member),
+            };
+            let mut chart = Chart::new(&heading, &format!("t ({})", self.units[0]), &upwards);
             for c in columns.take(CURVES) {
                 let label = if same { self.names[c].clone() } else { format!("{} ({})", self.names[c], self.units[c]) };
                 chart = chart.curve(Curve::new(&label, self.rows.iter().map(|row| (row[0], row[c], true))));
