@@ -1,15 +1,12 @@
 //! [`TangentSystems`]: the linear systems of one nonlinear solve.
 
-use crate::contributions::instant::Instant;
 use crate::model::Model;
 use crate::solution::nodal_rotations::nodal_rotations;
 use crate::solution::state::SolveReport;
 use nastic_linear::solver::{
     Accuracy, BlockElimination, Border, Configuration, Curvature, Shift, System, solve_bordered,
 };
-use nastic_linear::{
-    CellProducts, Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, Space, SparseMatrix,
-};
+use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, Space, SparseMatrix};
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
@@ -82,30 +79,7 @@ impl<'a> TangentSystems<'a> {
         (tolerance, wanted): (f64, StepWanted),
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Curvature), LinearError> {
-        self.step_at(Deformed::new(self.model, u, self.parallel), matrix, rhs, (tolerance, wanted), report)
-    }
-
-    /// The same of the tangent of the model at an instant, whose products serve a solver that wants them.
-    pub fn step_of_model(
-        &mut self,
-        matrix: &SparseMatrix,
-        at: &Instant,
-        rhs: &[f64],
-        (tolerance, wanted): (f64, StepWanted),
-        report: &mut SolveReport,
-    ) -> Result<(Vec<f64>, Curvature), LinearError> {
-        let configuration = Deformed { at: Some(at), ..Deformed::new(self.model, at.u, self.parallel) };
-        self.step_at(configuration, matrix, rhs, (tolerance, wanted), report)
-    }
-
-    fn step_at(
-        &mut self,
-        configuration: Deformed,
-        matrix: &SparseMatrix,
-        rhs: &[f64],
-        (tolerance, wanted): (f64, StepWanted),
-        report: &mut SolveReport,
-    ) -> Result<(Vec<f64>, Curvature), LinearError> {
+        let configuration = Deformed::new(self.model, u, self.parallel);
         let system = configuration.system(matrix);
         let mut work = LinearWork::default();
         let step = match self.solver.step(&system, rhs, tolerance, &mut work) {
@@ -340,8 +314,6 @@ struct Deformed<'a> {
     model: &'a Model,
     /// The displacement.
     u: Cow<'a, [f64]>,
-    /// Where the matrix is the tangent of the model.
-    at: Option<&'a Instant<'a>>,
     parallel: bool,
     rotations: OnceLock<Arc<Rotations>>,
     positions: OnceLock<Vec<[f64; 3]>>,
@@ -349,13 +321,12 @@ struct Deformed<'a> {
 
 impl<'a> Deformed<'a> {
     fn new(model: &'a Model, u: &'a [f64], parallel: bool) -> Self {
-        let (rotations, positions) = (OnceLock::new(), OnceLock::new());
-        Deformed { model, u: model.displacement(u), at: None, parallel, rotations, positions }
+        Deformed { model, u: model.displacement(u), parallel, rotations: OnceLock::new(), positions: OnceLock::new() }
     }
 
     fn system<'s>(&'s self, matrix: &'s SparseMatrix) -> System<'s> {
-        let (fixed, has_products) = (self.model.supports.fixed(), self.at.is_some());
-        System { matrix, fixed, configuration: self, has_products, parallel: self.parallel }
+        let fixed = self.model.supports.fixed();
+        System { matrix, fixed, configuration: self, has_products: false, parallel: self.parallel }
     }
 }
 
@@ -378,11 +349,6 @@ impl Configuration for Deformed<'_> {
 
     fn corners(&self) -> Option<&Corners> {
         self.model.discretization().corners()
-    }
-
-    /// Nothing where the tangent itself could be made and its products cannot: entries serve as well.
-    fn products(&self) -> Option<Arc<dyn CellProducts>> {
-        self.model.cell_products(self.at?).ok().flatten()
     }
 
     fn space(&self) -> &Space {

@@ -64,8 +64,6 @@ records! {
         back_substitutions: Option<usize>,
         /// Hierarchies of multigrid.
         multigrid_hierarchies: Option<usize>,
-        /// Those whose finest level is the products of its cells, and not its entries.
-        multigrid_by_cells: Option<usize>,
         /// Cycles of multigrid.
         multigrid_cycles: Option<usize>,
         /// Load or time steps that were cut.

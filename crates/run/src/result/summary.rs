@@ -165,7 +165,6 @@ pub(crate) fn add_work(state: &mut StateRecord, work: &SolveReport) {
     state.reused_factorisations = Some(work.reused);
     state.back_substitutions = Some(work.back_substitutions);
     state.multigrid_hierarchies = Some(work.hierarchies);
-    state.multigrid_by_cells = Some(work.by_cells);
     state.multigrid_cycles = Some(work.cycles);
     state.load_steps_cut = Some(work.cuts);
     state.linear_solver = Some(work.solver.to_owned());

@@ -43,9 +43,8 @@ impl Direction for Plain<'_> {
             Some(jump) => (equations.model.unknowns().max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
             None => forcing(here.relative, equations.options.accuracy),
         };
-        let (systems, how) = (&mut self.systems, (accuracy, StepWanted::Newton));
         let (mut dx, curvature) =
-            equations.at(here.x, |at| systems.step_of_model(matrix, at, &self.rhs, how, report))?;
+            self.systems.step(matrix, here.x, &self.rhs, (accuracy, StepWanted::Newton), report)?;
         if let Some(jump) = self.jump.take() {
             equations.prescribe(&mut dx, &jump);
             return Ok(Step { scale, ..Step::whole(dx, curvature, equations.model.unknowns()) });

@@ -106,12 +106,7 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
         scientific(states().map(|state| state.report.residual).fold(0.0, f64::max), 1)
     ));
     if work.cycles > 0 {
-        let by_cells = match work.by_cells {
-            0 => String::new(),
-            some => format!(", {some} of them smoothed by products of cells"),
-        };
-        let (cycles, sets) = (work.cycles, work.hierarchies);
-        console.say(format!("linear      multigrid: {cycles} cycles on {sets} sets of levels{by_cells}"));
+        console.say(format!("linear      multigrid: {} cycles on {} sets of levels", work.cycles, work.hierarchies));
     }
     say_stability(session, result);
     say_cost(session, result);
