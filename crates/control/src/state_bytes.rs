@@ -76,7 +76,6 @@ pub fn write_report(report: &SolveReport, out: &mut Writer) {
         reused,
         back_substitutions,
         hierarchies,
-        by_cells,
         cycles,
         load_steps,
         cuts,
@@ -88,8 +87,9 @@ pub fn write_report(report: &SolveReport, out: &mut Writer) {
     } = *report;
     let position = Solver::CATALOGUE.iter().position(|factory| factory.name() == solver);
     out.count(position.unwrap_or(Solver::CATALOGUE.len()));
-    let of_linear = [factorisations, reused, back_substitutions, hierarchies, by_cells, cycles];
-    for count in [newton].into_iter().chain(of_linear).chain([load_steps, cuts, restarts, shifted]) {
+    for count in
+        [newton, factorisations, reused, back_substitutions, hierarchies, cycles, load_steps, cuts, restarts, shifted]
+    {
         out.count(count);
     }
     [residual, min_j, energy].into_iter().for_each(|x| out.float(x));
@@ -111,7 +111,6 @@ pub fn read_report(input: &mut Reader<'_>) -> Result<SolveReport, SavedRunError>
         reused: input.number()?,
         back_substitutions: input.number()?,
         hierarchies: input.number()?,
-        by_cells: input.number()?,
         cycles: input.number()?,
         load_steps: input.number()?,
         cuts: input.number()?,

@@ -364,6 +364,27 @@ fn products_of_cells_are_those_of_the_matrix() -> Outcome {
     Ok(())
 }
 
+/// Levels on products against levels on entries, at rest and bent.
+#[test]
+fn multigrid_on_products_takes_the_same_cycles() -> Outcome {
+    for bent in [false, true] {
+        let solid = cantilever(CellKind::Hex27, 1.0, [10, 2, 2], 1e6)?;
+        let state = if bent { solid.solve(&bending(&solid), &SolveOptions::default())? } else { solid.rest() };
+        let system = System::new(solid, &state)?;
+        let products = system.solid.model().cell_products(&Instant::of(&state))?;
+        let (corners, fixed) = (system.solid.discretization().corners(), system.solid.supports().fixed());
+        let geometry = Geometry { points: &system.points, fixed, corners, products: products.as_ref() };
+        let levels = Multigrid::new(&system.matrix, &geometry, true)?;
+        assert!(levels.bytes() < system.multigrid(true)?.bytes(), "products are fewer bytes than entries");
+        let (b, mut x) = (system.vector(1), vec![0.0; system.matrix.pattern().dofs()]);
+        let multiply = |v: &[f64], out: &mut [f64]| system.matrix.multiply(v, out);
+        let report = conjugate_gradient(&multiply, &levels, &b, &mut x, 1e-8, 600);
+        let by_entries = system.cycles()?;
+        assert!(report.converged() && report.iterations.abs_diff(by_entries) <= 1, "{report:?} against {by_entries}");
+    }
+    Ok(())
+}
+
 /// What other cells and other contributions have no products for.
 #[test]
 fn only_bodies_of_hexahedra_alone_have_products() -> Outcome {

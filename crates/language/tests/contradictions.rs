@@ -297,13 +297,15 @@ fn friction_that_does_not_act_is_found() {
 
 #[test]
 fn a_square_is_not_bounded_by_zero() {
-    let bounded = |kind: &str| {
-        format!("\"constraints\": [ {{ \"cost\": {{ {kind} }}, \"equal\": 0, \"scale\": 1 }} ], \"costs\": [")
+    let bounded = |bound: &str| {
+        let tracking = r#""kind": "tracking", "surface": "tip", "target": ["X", "Y", "Z"]"#;
+        format!("\"constraints\": [ {{ \"cost\": {{ {tracking} }}, \"{bound}\": 0, \"scale\": 1 }} ], \"costs\": [")
     };
-    let tracked = bounded(r#""kind": "tracking", "surface": "tip", "target": ["X", "Y", "Z"]"#);
     let message = ": constraints/0: \"tracking\" is a square: where it is zero its derivative is zero too, and no multiplier can \
                    hold it there; bound it by the square of what is near enough: \"at_most\"";
-    one(COMPLETE, "\"costs\":     [", &tracked, message);
+    one(COMPLETE, "\"costs\":     [", &bounded("equal"), message);
+    let message = ": constraints/0: \"tracking\" is a square, which is never below zero: leave this bound out";
+    one(COMPLETE, "\"costs\":     [", &bounded("at_least"), message);
 }
 
 #[test]

@@ -4,7 +4,6 @@ mod beyond;
 mod direct;
 mod eigenpairs;
 mod iterative;
-mod products;
 mod single;
 mod solvers;
 mod structure;

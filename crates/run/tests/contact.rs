@@ -7,9 +7,10 @@ use crate::common;
 use common::{CaseDirectory, Heard, problems, warnings, with};
 use nastic_language::number::short;
 use nastic_language::schema::Command;
+use nastic_opt::{Row, SecondOrder, TaylorDirection, Verdict};
 use nastic_run::console::Console;
 use nastic_run::result::find;
-use nastic_run::run::{Analysis, Options};
+use nastic_run::run::{Analysis, GradientTest, Options};
 use serde_json::Value;
 
 /// A block of 4 g above a floor, which nothing but the floor holds in z.
@@ -374,6 +375,18 @@ fn half_the_thickness_halves_the_gap_and_keeps_the_force() {
     let line = heard.lines().find(|line| line.starts_with("half ")).unwrap();
     assert!(line.contains("layers half as thick: displacements, 0.4"), "{line}");
     assert!(heard.contains("z- on floor presses with 0.03924 N, changed by 0 %, smallest gap"), "{heard}");
+    // every scenario with the stiffness that it has
+    let young = |name: &str, value: &str| {
+        format!(r#"{{ "name": "{name}", "probability": 0.5, "set": {{ "materials/0/young": "{value}" }} }}"#)
+    };
+    let scenarios =
+        format!(r#""scenarios": [ {}, {} ], "obstacles":"#, young("soft", "0.05 MPa"), young("hard", "0.2 MPa"));
+    let found = of(&with(BLOCK, r#""obstacles":"#, &scenarios)).0.unwrap();
+    for name in ["soft", "hard"] {
+        let [whole, half] = ["contributions", "half_thickness/contacts"]
+            .map(|place| number(&found, &format!("scenarios/{name}/{place}/z- on floor/mean_gap")));
+        assert!((2.0 * half / whole - 1.0).abs() < 1e-4, "{name}: {whole} {half}");
+    }
     // a motion: friction at its end
     let (found, _) = of(SLIDER);
     let found = found.unwrap();
@@ -383,6 +396,52 @@ fn half_the_thickness_halves_the_gap_and_keeps_the_force() {
     let without = with(SLIDER, contact, "");
     let error = of(&without).0.unwrap_err();
     assert!(error.contains("--half-thickness looks at the layers of contacts, and the case has none"), "{error}");
+}
+
+/// `siere` takes modes of a symmetric stiffness, which lagged friction has, but modes know no step.
+#[test]
+fn modes_that_move_exactly_know_no_friction_lagged_or_not() {
+    for lagged in ["false", "true"] {
+        let rubs = with(SLIDER, r#""slip_speed": "1 mm/s""#, &format!(r#""slip_speed": "1 mm/s", "lagged": {lagged}"#));
+        let message = problems(&with(&rubs, r#""scheme": "backward_euler""#, r#""scheme": "siere""#));
+        assert!(message.contains("siere") && message.contains("take tr_bdf2"), "{lagged}: {message}");
+    }
+}
+
+/// What only the longest of the judged steps leads over does not excuse the others.
+#[test]
+fn a_wrong_second_derivative_is_no_kink_where_steps_lead_over_no_onset() {
+    let row = |k: i32| Row { t: 10f64.powi(-k), cost: Some(1.0), r0: 0.0, r1: 0.0, used: true };
+    let second = |verdict| SecondOrder {
+        curvature: 1.0,
+        remainders: vec![1.0; 5],
+        used: vec![0, 1, 2, 3, 4],
+        order: 2.0,
+        verdict,
+    };
+    let of = |verdict, changed: [usize; 5]| GradientTest {
+        control: "push".to_owned(),
+        term: "total".to_owned(),
+        directions: vec![TaylorDirection {
+            seed: 1,
+            direction: vec![1.0],
+            slope: 1.0,
+            observed: 1.0,
+            noise: 0.0,
+            rows: (0..5).map(row).collect(),
+            order0: 1.0,
+            order1: 2.0,
+            verdict: Verdict::Right,
+            second: Some(second(verdict)),
+        }],
+        without_second: None,
+        changed: vec![changed.to_vec()],
+    };
+    assert!(!of(Verdict::Wrong, [3, 0, 0, 0, 0]).is_kink(0, true));
+    assert_eq!(of(Verdict::Wrong, [3, 0, 0, 0, 0]).second_verdict(), Some(Verdict::Wrong));
+    assert!(of(Verdict::Wrong, [3, 3, 2, 1, 1]).is_kink(0, true));
+    assert!(of(Verdict::Undecided, [3, 0, 0, 0, 0]).is_kink(0, true));
+    assert!(!of(Verdict::Right, [3, 3, 2, 1, 1]).is_kink(0, true));
 }
 
 /// Where a ball comes to a body, the second derivative jumps: to one side of that there is no force, to the other one that grows as the square

@@ -49,8 +49,6 @@ pub struct SolveReport {
     pub back_substitutions: usize,
     /// Multigrid hierarchies built.
     pub hierarchies: usize,
-    /// Those of them whose finest level is the products of its cells, and not its entries.
-    pub by_cells: usize,
     /// Multigrid cycles, one per conjugate-gradient iteration.
     pub cycles: usize,
     /// Load steps that led to the answer.
@@ -78,7 +76,6 @@ impl Default for SolveReport {
             reused: 0,
             back_substitutions: 0,
             hierarchies: 0,
-            by_cells: 0,
             cycles: 0,
             load_steps: 0,
             cuts: 0,
@@ -99,7 +96,6 @@ impl SolveReport {
         self.reused += work.reused;
         self.back_substitutions += work.back_substitutions;
         self.hierarchies += work.hierarchies;
-        self.by_cells += work.by_cells;
         self.cycles += work.cycles;
         self.shifted += work.shifted;
     }
@@ -111,7 +107,6 @@ impl SolveReport {
         self.reused += other.reused;
         self.back_substitutions += other.back_substitutions;
         self.hierarchies += other.hierarchies;
-        self.by_cells += other.by_cells;
         self.cycles += other.cycles;
         self.cuts += other.cuts;
         self.restarts += other.restarts;

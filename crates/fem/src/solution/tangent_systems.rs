@@ -325,8 +325,7 @@ impl<'a> Deformed<'a> {
     }
 
     fn system<'s>(&'s self, matrix: &'s SparseMatrix) -> System<'s> {
-        let fixed = self.model.supports.fixed();
-        System { matrix, fixed, configuration: self, has_products: false, parallel: self.parallel }
+        System { matrix, fixed: self.model.supports.fixed(), configuration: self, parallel: self.parallel }
     }
 }
 

@@ -124,11 +124,6 @@ impl BlockMatrix {
         Multiplied { matrix: self, x: x.as_chunks::<N>().0, of_cells }
     }
 
-    /// Whether it is known by products.
-    pub fn is_by_cells(&self) -> bool {
-        self.products.is_some()
-    }
-
     /// Memory of the values or products, in bytes.
     pub fn bytes_of_values(&self) -> usize {
         let rooms = lock(&self.rooms).iter().map(|room| size_of_val(&room[..])).sum::<usize>();

@@ -212,11 +212,6 @@ impl Multigrid {
         of_levels.chain([self.last_couplings().unknowns()]).collect()
     }
 
-    /// Whether its finest level is the products of cells.
-    pub fn is_by_cells(&self) -> bool {
-        self.levels.first().is_some_and(|level| level.matrix.is_by_cells())
-    }
-
     /// Memory of the levels, with the vectors of a cycle, in bytes.
     pub fn bytes(&self) -> usize {
         let levels: usize = self.levels.iter().map(Level::bytes).sum();

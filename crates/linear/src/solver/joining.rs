@@ -66,7 +66,7 @@ impl Joining {
     ) -> Result<T, LinearError> {
         match self.ready(system.matrix)? {
             None => call(self.solver.as_mut(), system),
-            Some(joined) => call(self.solver.as_mut(), &System { matrix: &joined, has_products: false, ..*system }),
+            Some(joined) => call(self.solver.as_mut(), &System { matrix: &joined, ..*system }),
         }
     }
 }

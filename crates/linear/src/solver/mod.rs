@@ -79,8 +79,6 @@ pub struct LinearWork {
     pub back_substitutions: usize,
     /// Multigrid hierarchies built.
     pub hierarchies: usize,
-    /// Those of them whose finest level is the products of its cells, and not its entries.
-    pub by_cells: usize,
     /// Multigrid cycles.
     pub cycles: usize,
     /// Shifts of an indefinite matrix.

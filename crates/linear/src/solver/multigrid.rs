@@ -14,9 +14,8 @@ const COARSEST_STEP: f64 = 1e-2;
 const EVIDENCE: f64 = 1e-8;
 /// Cycles allowed per system. A nearly incompressible body (Poisson's ratio 0.4994) takes about 250 to full accuracy.
 const MOST: usize = 600;
-/// What a new hierarchy costs, in cycles: its products, and the bound of the smoother. Cycles on products of cells take half the time, the
-/// hierarchy as long as ever.
-const RENEWAL: [f64; 2] = [8.0, 16.0];
+/// What a new hierarchy costs, in cycles: its products, and the bound of the smoother.
+const RENEWAL: f64 = 8.0;
 /// Backward error `|b - A x| / (|A| |x| + |b|)` that counts as rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -54,10 +53,10 @@ impl MultigridSolver {
         let (mut x, mut reached) = (vec![0.0; b.len()], 1.0);
         if let (Some(levels), true) = (&self.levels, self.serves) {
             let wanted = self.rate * decades(tolerance);
-            let most = (wanted + self.renewal() - self.excess).ceil() as usize;
+            let most = (wanted + RENEWAL - self.excess).ceil() as usize;
             let cg = iterate(system, levels, b, &mut x, (tolerance, most.min(MOST)), work);
             self.excess += (cg.iterations as f64 - wanted).max(0.0);
-            self.serves = self.excess < self.renewal();
+            self.serves = self.excess < RENEWAL;
             match cg.end {
                 CgEnd::NegativeCurvature { .. } => {
                     self.serves = false;
@@ -90,20 +89,13 @@ impl MultigridSolver {
         Ok(Outcome::Solved(x))
     }
 
-    /// What the next hierarchy costs, in cycles of this one.
-    fn renewal(&self) -> f64 {
-        RENEWAL[usize::from(self.levels.as_ref().is_some_and(|levels| levels.is_by_cells()))]
-    }
-
     /// The levels of a matrix.
     fn renew(&mut self, system: &System, work: &mut LinearWork) -> Result<(), FactorError> {
         work.hierarchies += 1;
         let kept = self.levels.take().and_then(Arc::into_inner);
         let mut levels = kept.unwrap_or_else(|| Multigrid::empty(system.matrix.pattern()));
         let (points, corners) = (system.configuration.positions(), system.configuration.corners());
-        let products = system.has_products.then(|| system.configuration.products()).flatten();
-        work.by_cells += usize::from(products.is_some());
-        let geometry = Geometry { points, fixed: system.fixed, corners, products: products.as_ref() };
+        let geometry = Geometry { points, fixed: system.fixed, corners, products: None };
         let renewed = levels.renew(system.matrix, &geometry, system.parallel);
         (self.levels, self.serves) = (Some(Arc::new(levels)), renewed.is_ok());
         (self.rate, self.excess) = (MOST as f64, 0.0);

@@ -42,9 +42,7 @@ impl Shift {
         while shift <= MOST {
             matrix.add_to_diagonal((shift - added) * scale);
             added = shift;
-            if let Some(step) =
-                solver.solve_definite(&System { matrix: &matrix, has_products: false, ..*system }, b, work)?
-            {
+            if let Some(step) = solver.solve_definite(&System { matrix: &matrix, ..*system }, b, work)? {
                 self.last = shift;
                 return Ok(step);
             }

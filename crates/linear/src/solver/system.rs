@@ -2,7 +2,7 @@
 
 use crate::gmres::GmresReport;
 use crate::matrix::SparseMatrix;
-use crate::multigrid::{CellProducts, Corners};
+use crate::multigrid::Corners;
 use crate::operator::Operator;
 use crate::rotations::Rotations;
 use crate::space::Space;
@@ -24,11 +24,6 @@ pub trait Configuration: Sync {
     /// The corner nodes of second-order elements.
     fn corners(&self) -> Option<&Corners>;
 
-    /// The matrix that was taken there by the products of its cells, where that is less work than its entries; made when asked for.
-    fn products(&self) -> Option<Arc<dyn CellProducts>> {
-        None
-    }
-
     /// The space of the unknowns: what sums over them.
     fn space(&self) -> &Space {
         Space::LOCAL
@@ -44,8 +39,6 @@ pub struct System<'a> {
     pub fixed: &'a [bool],
     /// Where the matrix was taken.
     pub configuration: &'a dyn Configuration,
-    /// Whether [`Configuration::products`] are those of this matrix.
-    pub has_products: bool,
     /// Whether to use all threads; the bits are the same.
     pub parallel: bool,
 }
