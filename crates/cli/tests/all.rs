@@ -6,6 +6,7 @@ mod compare;
 mod features;
 mod figure;
 mod keys;
+mod memory;
 mod new;
 mod own_program;
 mod program;

@@ -89,28 +89,6 @@ fn a_place_that_cannot_be_written_to_is_seven() {
     assert!(text(&output.stderr).contains("cannot write there/deeper"), "{}", text(&output.stderr));
 }
 
-/// A factor that does not fit is refused before it is allocated, with what it would take.
-#[test]
-fn too_little_memory_is_three() {
-    let place = CaseDirectory::new(BAR);
-    let with_limit = |limit: &str| place.program(&["solve", "case.json"]).env("NASTIC_MEMORY", limit).output().unwrap();
-    let output = with_limit("1M");
-    let message = text(&output.stderr);
-    assert_eq!(code(&output), 3, "{message}");
-    assert!(message.contains("a factor of the tangent takes 1 MiB where 0 MiB are available: try"), "{message}");
-    assert!(message.contains("NASTIC_MEMORY"), "{message}");
-    let output = with_limit("64G");
-    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
-    let output = with_limit("lots");
-    assert_eq!(code(&output), 2);
-    assert!(text(&output.stderr).contains("NASTIC_MEMORY=\"lots\" is no size of memory"), "{}", text(&output.stderr));
-    let message = text(&place.nastic(&["check", "case.json"]).stdout);
-    assert!(
-        message.contains("memory      a factor has ") && message.contains(" MB while it is made on one thread"),
-        "{message}"
-    );
-}
-
 #[test]
 fn json_is_the_result_and_nothing_else() {
     let place = CaseDirectory::new(BAR);

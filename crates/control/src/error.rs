@@ -153,8 +153,8 @@ pub enum ControlError {
         "the cost {cost} gives no second derivatives; take a method that needs first ones alone (lbfgs, spectral, projected_gradient); in the library: `CostPoint::add_second_partials`"
     )]
     NoSecondPartials {
-        /// Type of the evaluated cost.
-        cost: &'static str,
+        /// Its name, or where none is known the type of the evaluated cost.
+        cost: String,
     },
     /// What a problem in time does not have.
     #[error(
@@ -203,6 +203,14 @@ impl RemoteFailure {
 }
 
 impl ControlError {
+    /// The same of a cost or constraint whose name is known.
+    pub(crate) fn of(self, name: &str) -> Self {
+        match self {
+            ControlError::NoSecondPartials { .. } => ControlError::NoSecondPartials { cost: format!("\"{name}\"") },
+            other => other,
+        }
+    }
+
     /// Whether the machine has too little memory: nothing is said of the control.
     pub fn is_lack_of_memory(&self) -> bool {
         match self {

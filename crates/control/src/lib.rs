@@ -27,7 +27,7 @@ mod time;
 mod total_variation;
 mod workspace;
 
-pub use constraint::{BetweenNodes, Constraint, ConstraintPoint, CostLimit, IntoConstraint, ObstacleDistance};
+pub use constraint::{BetweenNodes, Bound, Constraint, ConstraintPoint, CostLimit, IntoConstraint, ObstacleDistance};
 pub use control_block::{ControlBlock, ControlTarget, Shown};
 pub use control_limit::{ControlAt, ControlLimit};
 pub use control_values::{ControlEntity, ControlValues, Pairs};

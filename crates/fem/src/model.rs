@@ -26,7 +26,7 @@ use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
 use crate::structure::TangentStructure;
 use nastic_energy::Slot;
-use nastic_linear::{CellProducts, Space, SparseMatrix, Symmetry};
+use nastic_linear::{CellProducts, SolverFactory, Space, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
 use std::sync::Arc;
 
@@ -45,6 +45,8 @@ pub struct Model {
     pub(crate) dead_load: DeadLoad,
     others: Vec<Arc<dyn Contribution>>,
     space: Arc<Space>,
+    /// What solves its tangent systems, if that was chosen.
+    pub(crate) chosen_solver: Option<&'static dyn SolverFactory>,
 }
 
 /// What can be controlled: an actuation of the body, or a contribution with slots of its own.
@@ -79,7 +81,7 @@ impl Model {
     pub fn new(disc: Arc<Discretization>) -> Self {
         let (supports, dead_load) = (Arc::new(Supports::new(disc.mesh())), DeadLoad(Arc::new(vec![0.0; disc.dofs()])));
         let space = Arc::new(fields::displacement_alone(disc.mesh()));
-        Model { body: BodyEnergy::new(disc), supports, dead_load, others: Vec::new(), space }
+        Model { body: BodyEnergy::new(disc), supports, dead_load, others: Vec::new(), space, chosen_solver: None }
     }
 
     /// Adds a contribution.
@@ -454,6 +456,7 @@ impl Model {
     /// Checks that the problem is complete for motion, in which a body may be free.
     pub(crate) fn check_in_motion(&self) -> Result<(), FemError> {
         self.body.check_complete()?;
+        self.check_solver(None)?;
         self.others.iter().try_for_each(|contribution| contribution.check(&self.supports_of(contribution.as_ref())))
     }
 }

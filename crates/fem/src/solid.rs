@@ -18,6 +18,7 @@ use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
 use crate::solution::workspace::Workspace;
 use nastic_energy::{Actuation, EnergyTerm};
+use nastic_linear::SolverFactory;
 use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
 use std::collections::BTreeSet;
@@ -129,6 +130,15 @@ impl Solid {
     /// The name is unknown, or an earlier support prescribes another value.
     pub fn clamp(self, surface: impl Into<GroupNames>) -> Result<Self, FemError> {
         self.displace(surface, [Some(0.0); 3])
+    }
+
+    /// Chooses what solves the tangent systems: a row of [`Solver::CATALOGUE`](crate::Solver::CATALOGUE), or a factory of your own. Unless something is
+    /// chosen, what [`Solver::cheaper`](crate::Solver::cheaper) expects to be cheaper, where the tangent is not symmetric what takes it. Whether it
+    /// goes with the rest of the body is checked with that.
+    #[must_use]
+    pub fn solver(mut self, factory: &'static dyn SolverFactory) -> Self {
+        self.model.chosen_solver = Some(factory);
+        self
     }
 
     /// Prescribes some displacement components (`None` stays free) on a surface or node set, or on several, whose reactions are

@@ -47,7 +47,7 @@ mod units;
 mod value;
 
 pub use actuation::{Actuation, Fixed, Means};
-pub use case::{Case, Output, Probe, Reading};
+pub use case::{Case, LinearSolver, Output, Probe, Reading};
 pub use case_schema::json_schema;
 pub use catalogue::{Input, SlotName};
 pub use constraint::{Constraint, KeepOut};

@@ -22,7 +22,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
          mesh, materials, supports, springs, obstacles, contact, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
-         probes, expect, output, $schema)",
+         linear_solver, probes, expect, output, $schema)",
     );
     one(
         COMPLETE,

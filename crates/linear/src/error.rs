@@ -90,9 +90,9 @@ pub enum FactorError {
     },
     /// More memory than there is.
     #[error(
-        "{what} takes {} MiB where {} MiB are available: try a coarser mesh, fewer threads (each scenario on a thread of its own holds a \
-         factor), or raise the limit {}, if it is set",
-        mib(*.needed), mib(*.available), crate::memory::LIMIT
+        "{what} takes {} where {} are available: try multigrid (\"linear_solver\": \"multigrid\"), a coarser mesh, \
+         fewer threads (each scenario on a thread of its own holds a factor), or raise the limit {}, if it is set",
+        size(*.needed), size(*.available), crate::memory::LIMIT
     )]
     Memory {
         /// What was to be allocated.
@@ -124,6 +124,10 @@ pub enum FactorError {
     NotSymmetric,
 }
 
-fn mib(bytes: usize) -> usize {
-    bytes.div_ceil(1 << 20)
+/// `12.3 MB`, `45 kB`
+fn size(bytes: usize) -> String {
+    match bytes as f64 {
+        small if small < 1e6 => format!("{:.0} kB", (small / 1e3).ceil()),
+        large => format!("{:.1} MB", large / 1e6),
+    }
 }

@@ -57,22 +57,8 @@ impl Curve {
 const SIZE: [f64; 2] = [1600.0, 1000.0];
 /// The rectangle of the axes: left, right, top, bottom.
 const FIELD: [f64; 4] = [210.0, 1550.0, 150.0, 850.0];
-const COLOURS: [Colour; NAMED] = [
-    Colour::BLUE,
-    Colour::ORANGE,
-    Colour::GREEN,
-    Colour::RED,
-    Colour([122, 92, 174]),
-    Colour([120, 126, 134]),
-    Colour([128, 84, 52]),
-    Colour([222, 112, 178]),
-    Colour([148, 146, 34]),
-    Colour([32, 168, 186]),
-    Colour([34, 48, 104]),
-    Colour([142, 202, 96]),
-];
 /// Curves named in the legend, each in a colour of its own.
-const NAMED: usize = 12;
+const NAMED: usize = Colour::DISTINCT.len();
 /// Height of a row of the legend; two rows have room below the axes.
 const ROW: f64 = 32.0;
 
@@ -173,7 +159,7 @@ fn coloured(curves: &[Curve]) -> Vec<(&Curve, Colour)> {
     let mut named = 0;
     let of = |curve: &'_ Curve| {
         named += usize::from(!curve.label.is_empty());
-        COLOURS[named.saturating_sub(1) % COLOURS.len()]
+        Colour::DISTINCT[named.saturating_sub(1) % NAMED]
     };
     let colours: Vec<Colour> = curves.iter().map(of).collect();
     curves.iter().zip(colours).collect()

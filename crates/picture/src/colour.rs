@@ -17,6 +17,21 @@ impl Colour {
     pub const RED: Colour = Colour([206, 66, 58]);
     /// Near black.
     pub const INK: Colour = Colour([38, 43, 51]);
+    /// Colours that can be told apart, for curves and paths.
+    pub const DISTINCT: [Colour; 12] = [
+        Colour::BLUE,
+        Colour::ORANGE,
+        Colour::GREEN,
+        Colour::RED,
+        Colour([122, 92, 174]),
+        Colour([120, 126, 134]),
+        Colour([128, 84, 52]),
+        Colour([222, 112, 178]),
+        Colour([148, 146, 34]),
+        Colour([32, 168, 186]),
+        Colour([34, 48, 104]),
+        Colour([142, 202, 96]),
+    ];
 
     /// Red, green, blue in linear light, 0..1.
     pub(super) fn linear(self) -> Linear {

@@ -5,6 +5,7 @@ use std::fmt;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
 
 /// Where lines for people go; clones speak to the same place. Writing never fails: a reader who left (`| head`) does not
 /// stop a computation.
@@ -17,6 +18,9 @@ pub struct Console {
     pace: Arc<Mutex<Option<Pace>>>,
     /// Whether single solves are not shown: several runs share the place.
     without_solves: Arc<AtomicBool>,
+    /// When the last line was said, and how long none has to be until a line about a solve is.
+    last_line: Arc<Mutex<Instant>>,
+    silence: Duration,
 }
 
 /// A line whose control characters, of a title say, are shown and not obeyed.
@@ -25,8 +29,9 @@ fn printable(line: &impl fmt::Display) -> String {
     line.to_string().chars().map(escaped).collect()
 }
 
-/// Iterations between lines about a solve where there is no terminal.
+/// Between lines about a solve where there is no terminal: iterations, and the least time without any line.
 const EVERY: usize = 50;
+const SILENCE: Duration = Duration::from_secs(5);
 
 type Sink = Arc<Mutex<Option<Box<dyn Write + Send>>>>;
 
@@ -40,7 +45,14 @@ impl Console {
     /// Says nothing.
     #[must_use]
     pub fn silent() -> Self {
-        Self { lines: Arc::default(), passing: Arc::default(), pace: Arc::default(), without_solves: Arc::default() }
+        Self {
+            lines: Arc::default(),
+            passing: Arc::default(),
+            pace: Arc::default(),
+            without_solves: Arc::default(),
+            last_line: Arc::new(Mutex::new(Instant::now())),
+            silence: SILENCE,
+        }
     }
 
     /// Says everything to `out`.
@@ -52,6 +64,13 @@ impl Console {
     #[must_use]
     pub fn with_passing(mut self, terminal: impl Write + Send + 'static) -> Self {
         self.passing = Arc::new(Mutex::new(Some(Box::new(terminal))));
+        self
+    }
+
+    /// With lines about a solve, where there is no terminal, after another time of silence than five seconds.
+    #[must_use]
+    pub fn with_silence(mut self, silence: Duration) -> Self {
+        self.silence = silence;
         self
     }
 
@@ -78,20 +97,27 @@ impl Console {
         let Ok(mut out) = self.lines.lock() else { return };
         if let Some(out) = out.as_mut() {
             let _ = writeln!(out, "{}", printable(&line)).and_then(|()| out.flush());
+            if let Ok(mut last) = self.last_line.lock() {
+                *last = Instant::now();
+            }
         }
     }
 
-    /// Shows how a solve goes on: on a terminal a line until the next one; elsewhere a line every 50 iterations, so that a log
-    /// is not silent for minutes. `count` is the number of iterations so far.
+    /// Shows how a solve goes on: on a terminal a line until the next one; elsewhere a line every 50 iterations where none was said for
+    /// five seconds, so that a log is neither silent for minutes nor full of solves. `count` is the number of iterations so far.
     pub fn progress(&self, count: usize, line: impl fmt::Display) {
         if self.without_solves.load(Ordering::Relaxed) {
             return;
         }
         if self.passing.lock().is_ok_and(|passing| passing.is_some()) {
             self.pass(line);
-        } else if count > 0 && count.is_multiple_of(EVERY) {
+        } else if count > 0 && count.is_multiple_of(EVERY) && self.has_been_silent() {
             self.say(format!("            {line}"));
         }
+    }
+
+    fn has_been_silent(&self) -> bool {
+        self.last_line.lock().is_ok_and(|last| last.elapsed() >= self.silence)
     }
 
     /// Shows a line about a solve until the next one, behind how far an optimisation is.

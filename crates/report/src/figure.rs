@@ -74,7 +74,7 @@ pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, Repo
     let shown = if request.paths.is_empty() { paths::usual(&state, &folder, &targets) } else { request.paths.clone() };
     for (k, name) in shown.iter().enumerate() {
         let points = paths::of(&folder, &state, name)?;
-        picture = picture.path(&format!("path of {name}"), PATHS[k % PATHS.len()], points);
+        picture = picture.path(&format!("path of {name}"), path_colour(k), points);
     }
     let with_targets = behind::with_targets(behind);
     let is_one = targets.len() == 1;
@@ -85,8 +85,12 @@ pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, Repo
     Ok(picture)
 }
 
-/// Colours of paths.
-const PATHS: [Colour; 3] = [Colour::RED, Colour::GREEN, Colour::BLUE];
+/// The colour of the k-th path: red first, which stands out before a body in shades of blue.
+fn path_colour(k: usize) -> Colour {
+    let mut colours = Colour::DISTINCT;
+    colours[..4].reverse();
+    colours[k % colours.len()]
+}
 
 /// The body itself with what it carries; chambers in the colour of their pressure within a body of glass.
 fn bodies(

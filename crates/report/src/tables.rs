@@ -170,13 +170,17 @@ pub(crate) fn states(result: &RunRecord) -> String {
         for (contribution, entry) in &own.contributions {
             rows.add(format!("{name}{contribution}"), entry, &result.units);
         }
+        let half = own.half_thickness.iter().flat_map(|half| half.contacts.iter().flatten());
+        for (contact, entry) in half {
+            rows.add(format!("{name}{contact}, its layer half as thick"), entry, &result.units);
+        }
     }
     let heads = ["u x", "u y", "u z", "x", "y", "z"].map(|head| format!("{head} [{length}]"));
     let head: Vec<&str> = ["probe"].into_iter().chain(heads.iter().map(String::as_str)).collect();
     let forces = ["x", "y", "z"].map(|head| format!("{head} [{force}]"));
     let of_force = |first| -> Vec<&str> { [first].into_iter().chain(forces.iter().map(String::as_str)).collect() };
     let more = [
-        format!("presses with [{force}]"),
+        format!("sum of normal forces [{force}]"),
         format!("area [{length}^2]"),
         format!("largest pressure [{pressure}]"),
         format!("smallest gap [{length}]"),

@@ -25,6 +25,7 @@ mod grid;
 mod groups;
 mod inextensible_tendon;
 mod joint_tensions;
+mod linear_solver;
 mod loads_in_time;
 mod locking;
 mod material_tests;

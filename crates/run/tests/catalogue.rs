@@ -136,7 +136,7 @@ fn no_spectrum_of_a_cost_without_second_derivatives() {
         matches!(error, RunError::Spectrum(SpectrumRefusal::SecondDerivatives(_))) && error.exit() == Exit::BadInput
     );
     let said = error.to_string();
-    assert!(said.contains("LiftPoint gives no second derivatives"), "{said}");
+    assert!(said.contains("\"lift\" gives no second derivatives"), "{said}");
     assert_eq!(optimize(None).unwrap().exit, Exit::NotConverged);
 }
 

@@ -363,9 +363,11 @@ fn half_the_thickness_halves_the_gap_and_keeps_the_force() {
         let (place, heard) = (CaseDirectory::new(), Heard::default());
         let options = Options { analysis: Analysis::HalfThickness, ..place.options(&[]) };
         let found = place.run_with(Command::Solve, case, &Console::new(heard.clone()), &options);
-        (found.map(|found| found.result).map_err(|error| error.to_string()), heard.text())
+        let page = std::fs::read_to_string(place.path("out/report.html")).unwrap_or_default();
+        (found.map(|found| found.result).map_err(|error| error.to_string()), heard.text(), page)
     };
-    let (found, heard) = of(BLOCK);
+    let (found, heard, page) = of(BLOCK);
+    assert!(page.contains("z- on floor, its layer half as thick"));
     let found = found.unwrap();
     let [whole, half] = ["contributions", "half_thickness/contacts"]
         .map(|place| ["force_z", "mean_gap"].map(|name| number(&found, &format!("{place}/z- on floor/{name}"))));
@@ -374,7 +376,7 @@ fn half_the_thickness_halves_the_gap_and_keeps_the_force() {
     assert!((moved / half[1] - 1.0).abs() < 1e-3, "{moved} {half:?}");
     let line = heard.lines().find(|line| line.starts_with("half ")).unwrap();
     assert!(line.contains("layers half as thick: displacements, 0.4"), "{line}");
-    assert!(heard.contains("z- on floor presses with 0.03924 N, changed by 0 %, smallest gap"), "{heard}");
+    assert!(heard.contains("z- on floor: normal forces sum to 0.03924 N, changed by 0 %, smallest gap"), "{heard}");
     // every scenario with the stiffness that it has
     let young = |name: &str, value: &str| {
         format!(r#"{{ "name": "{name}", "probability": 0.5, "set": {{ "materials/0/young": "{value}" }} }}"#)
@@ -388,7 +390,7 @@ fn half_the_thickness_halves_the_gap_and_keeps_the_force() {
         assert!((2.0 * half / whole - 1.0).abs() < 1e-4, "{name}: {whole} {half}");
     }
     // a motion: friction at its end
-    let (found, _) = of(SLIDER);
+    let (found, _, _) = of(SLIDER);
     let found = found.unwrap();
     let force = number(&found, "half_thickness/contacts/feet/force_x");
     assert!((force + 0.3 * 4e-3 * 10.0).abs() < 1e-3 * 0.012, "{force}");

@@ -142,11 +142,8 @@ fn a_ramp_that_fails_keeps_its_points_and_says_where() {
     assert!(tension.iter().all(|t| (t - number("last_value")).abs() < 1e-6), "{tension:?}");
     assert!(result["error"].as_str().unwrap().contains("the ramp stops at"), "{result:#}");
     assert!(said.contains("STOPPED"), "{said}");
-    // a solve that takes long is reported every 50 iterations where there is no terminal
-    let spent = number("newton_iterations");
-    let message = said.lines().filter(|line| line.starts_with("            Newton iteration ")).count() as f64;
-    assert!(spent >= 50.0 && message >= (spent / 50.0).floor(), "{spent} iterations, {message} lines: {said}");
-    assert!(said.contains("            Newton iteration 50, residual "), "{said}");
+    // it took no five seconds, so that a log has nothing of the iterations
+    assert!(number("newton_iterations") >= 50.0 && !said.contains("            Newton iteration "), "{said}");
     assert_eq!(std::fs::read_to_string(place.path("out/ramp.csv")).unwrap().lines().count(), 1 + points.len());
 }
 

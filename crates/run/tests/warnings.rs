@@ -403,6 +403,22 @@ fn a_random_field_that_is_cut_off() {
     assert_eq!(codes(&check("1 m")), [""; 0]);
 }
 
+/// Points of the target 0.05 m apart, at a resolution of 0.3 mm and of 0.2 m.
+#[test]
+fn a_distance_that_sees_separate_points() {
+    let distance = |length: f64| {
+        format!(
+            r#"{{ "kind": "smoothed_hausdorff", "quadrature": 1,
+        "target": {{ "box": {{ "size": [1.0, 0.25, 0.25], "cells": [20, 5, 5], "element": "hex8" }} }},
+        "phi": {{ "exponential": {{ "length": {length} }} }}, "stages": [ {{ "alpha": 2, "beta": 2, "gamma": 2 }} ] }}"#
+        )
+    };
+    let tracking = r#"{ "kind": "tracking", "surface": "x+", "target": ["X - 0.1", "Y", "Z + 0.1"] }"#;
+    let coarse = warnings(&with(BAR, tracking, &distance(6e-4)));
+    assert!(coarse.contains("[hausdorff_length]") && coarse.contains("it sees separate points"), "{coarse}");
+    assert!(!warnings(&with(BAR, tracking, &distance(2.0))).contains("hausdorff_length"));
+}
+
 /// A strip of 32 x 4 cells resolves a grid of as many, in its own words (a plane grid has two numbers of cells).
 #[test]
 fn a_control_grid_finer_than_the_mesh() {

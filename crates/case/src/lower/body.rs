@@ -4,8 +4,8 @@ use super::context::Context;
 use super::variant::Variant;
 use super::{actuation, contact, control, gravity, inertia, load, material, optimizer, spring, support, time};
 use nastic_control::Reduced;
-use nastic_fem::{Discretization, FemError, Solid};
-use nastic_language::schema::{Beginning, Case, Time};
+use nastic_fem::{Discretization, FemError, Solid, Solver};
+use nastic_language::schema::{Beginning, Case, LinearSolver, Time};
 use nastic_language::syntax::At;
 use std::sync::Arc;
 
@@ -20,6 +20,11 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     load::add(case, &mut solid, context);
     contact::add(case, &mut solid, context);
     inertia::add(case, &mut solid, context);
+    solid = match case.linear_solver {
+        None => solid,
+        Some(LinearSolver::Direct) => solid.solver(Solver::DIRECT),
+        Some(LinearSolver::Multigrid) => solid.solver(Solver::MULTIGRID),
+    };
     if context.is_sound() {
         check_complete(case, &solid, context);
     }
@@ -45,6 +50,7 @@ fn check_complete(case: &Case, solid: &Solid, context: &mut Context<'_>) {
         let block = match &error {
             FemError::RigidMotion { .. } => "supports",
             FemError::NoMaterial { .. } => "materials",
+            FemError::Unsupported { .. } if case.linear_solver.is_some() => "linear_solver",
             _ => "mesh",
         };
         let message = match (&error, &case.time) {

@@ -7,7 +7,7 @@ use super::obstacle;
 use crate::lower::target_shape::TargetShape;
 use crate::warning::INSIDE_OBSTACLE;
 use nastic_control::{
-    BetweenNodes, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, Instants, IntoConstraint,
+    BetweenNodes, Bound, Constraint, ConstraintPoint, ControlError, CostContext, CostLimit, Instants, IntoConstraint,
     ObstacleDistance, Reduced, Timeline,
 };
 use nastic_fem::Solid;
@@ -178,6 +178,10 @@ impl Constraint for Named {
 
     fn unit(&self) -> &'static str {
         self.constraint.unit()
+    }
+
+    fn bound(&self) -> Option<Bound> {
+        self.constraint.bound()
     }
 
     fn nodes(&self) -> Option<&[u32]> {

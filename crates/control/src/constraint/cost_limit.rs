@@ -1,6 +1,6 @@
 //! [`CostLimit`]: a bound on any cost.
 
-use super::{Constraint, ConstraintPoint, IntoConstraint};
+use super::{Bound, Constraint, ConstraintPoint, IntoConstraint};
 use crate::cost::{Cost, CostContext, CostPoint, IntoCost, MotionPartials, Partials};
 use crate::error::ControlError;
 use crate::time::Timeline;
@@ -72,6 +72,14 @@ struct BoundLimit {
 impl Constraint for BoundLimit {
     fn group(&self) -> ConstraintGroup {
         self.group.clone()
+    }
+
+    fn bound(&self) -> Option<Bound> {
+        Some(match (self.group.sense, self.sign < 0.0) {
+            (Sense::Equal, _) => Bound::Equal(self.bound),
+            (Sense::AtMost, true) => Bound::AtLeast(self.bound),
+            (Sense::AtMost, false) => Bound::AtMost(self.bound),
+        })
     }
 
     fn check_in_motion(&self, solid: &Solid, timeline: &Timeline, at_start: bool) -> Result<(), ControlError> {

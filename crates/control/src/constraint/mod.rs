@@ -1,8 +1,10 @@
 //! Constraints: conditions c(u, m) <= 0 or c(u, m) = 0 on state and control.
 
+mod bound;
 mod cost_limit;
 mod obstacle_distance;
 
+pub use bound::Bound;
 pub use cost_limit::CostLimit;
 pub use obstacle_distance::ObstacleDistance;
 
@@ -23,6 +25,11 @@ pub trait Constraint: Debug + Send + Sync {
     /// SI unit of the values; empty for plain numbers, and where it is not known.
     fn unit(&self) -> &'static str {
         ""
+    }
+
+    /// The bound on a functional that its only value comes from; `None` of other constraints.
+    fn bound(&self) -> Option<Bound> {
+        None
     }
 
     /// The nodes that its values belong to, in their order; none where they belong to none.

@@ -280,7 +280,7 @@ pub trait CostPoint: Debug + Send + Sync {
     /// # Errors
     /// [`ControlError::NoSecondPartials`] where the cost does not implement it (the default).
     fn add_second_partials(&self, _along: &Partials, _out: &mut Partials) -> Result<(), ControlError> {
-        Err(ControlError::NoSecondPartials { cost: std::any::type_name::<Self>() })
+        Err(ControlError::NoSecondPartials { cost: std::any::type_name::<Self>().to_owned() })
     }
 
     /// Figures worth reporting beside the value, more expensive than it: for accepted points alone.

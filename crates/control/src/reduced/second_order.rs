@@ -92,10 +92,12 @@ impl Reduced {
         let exact = which == Hessian::Exact;
         let lambda = if exact || first { Some(self.adjoint_of(point, term, workspace)?) } else { None };
         let costs = self.costs_of(point)?;
-        let own = costs.iter().enumerate().filter(|(k, _)| term.is_none_or(|term| term == *k));
-        let own: Vec<_> = own.map(|(_, cost)| cost).collect();
+        let own = self.costs().iter().zip(costs.iter()).enumerate();
+        let own = own.filter(|(k, _)| term.is_none_or(|term| term == *k));
+        let own: Vec<_> = own.map(|(_, named)| named).collect();
         let add = |along: &Partials, change: &mut Partials| {
-            own.iter().try_for_each(|cost| cost.add_second_partials(along, change))
+            let mut own = own.iter();
+            own.try_for_each(|(of, at)| at.add_second_partials(along, change).map_err(|error| error.of(of.name())))
         };
         let by_m = || Ok(self.partials(point, term)?.m);
         let first: Option<ByControls<'_>> = if first { Some(&by_m) } else { None };
@@ -119,7 +121,9 @@ impl Reduced {
         let costs = if of.costs { self.costs_of(point)? } else { Cow::default() };
         let constraints = self.constraints_of(point)?;
         let add = |along: &Partials, change: &mut Partials| {
-            costs.iter().try_for_each(|cost| cost.add_second_partials(along, change))?;
+            for (of, cost) in self.costs().iter().zip(costs.iter()) {
+                cost.add_second_partials(along, change).map_err(|error| error.of(of.name()))?;
+            }
             for ((constraint, y), (_, w)) in
                 Self::with_weights(&constraints, of.y).zip(Self::with_weights(&constraints, w))
             {

@@ -216,19 +216,32 @@ impl Model {
         }
     }
 
-    /// Refuses a solver that does not go with the fields: multigrid, whose modes are those of rigid motions.
+    /// Refuses a solver, that of a request or else the chosen one, which does not go with the fields (multigrid, whose modes are those of rigid
+    /// motions), or with a tangent that is not symmetric.
     pub(crate) fn check_solver(&self, wanted: Option<&dyn SolverFactory>) -> Result<(), FemError> {
+        let Some(wanted) = wanted.or(self.chosen_solver.map(|chosen| chosen as &dyn SolverFactory)) else {
+            return Ok(());
+        };
+        let instead = self.suitable_solver().name();
         match self.further() {
-            Some((field, owner)) if wanted.is_some_and(|wanted| wanted.name() == Solver::MULTIGRID.name()) => {
-                let why = format!("it has no modes for its field \"{field}\": take {}", self.solver().name());
+            Some((field, owner)) if wanted.name() == Solver::MULTIGRID.name() => {
+                let why = format!("it has no modes for its field \"{field}\": take {instead}");
                 Err(refused("multigrid", owner, &why))
+            }
+            _ if self.symmetry() == Symmetry::General && wanted.takes() == Symmetry::Symmetric => {
+                let why = format!("the tangent is not symmetric: take {instead}");
+                Err(refused(wanted.name(), "friction or follower loads", &why))
             }
             _ => Ok(()),
         }
     }
 
-    /// What solves its tangent systems unless set otherwise.
+    /// What solves its tangent systems unless a request says otherwise: what was chosen, or else what suits.
     pub fn solver(&self) -> &'static dyn SolverFactory {
+        self.chosen_solver.unwrap_or_else(|| self.suitable_solver())
+    }
+
+    fn suitable_solver(&self) -> &'static dyn SolverFactory {
         match (self.symmetry(), self.space.has_one_nodal_field()) {
             (Symmetry::Symmetric, true) => self.tangent_structure().solver(),
             (Symmetry::Symmetric, false) => Solver::DIRECT,

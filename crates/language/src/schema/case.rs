@@ -64,6 +64,8 @@ object! {
         pub time: Option<Time>,
         /// How.
         pub optimizer: Optimizer,
+        /// What solves the linear systems; left out, what counts of work expect to be cheaper.
+        pub linear_solver: Option<LinearSolver>,
         /// Points to report.
         pub probes: Vec<Probe> = Vec::new(),
         /// Values the results must have, by their path in `result.json`.
@@ -72,6 +74,16 @@ object! {
         pub output: Output,
         /// For editors: where the JSON Schema of case files is, as `nastic schema` prints it.
         pub schema("$schema"): Option<String>,
+    }
+}
+
+choice! {
+    /// What solves the linear systems of bodies with a symmetric tangent stiffness.
+    pub enum LinearSolver {
+        /// A sparse factor, kept as preconditioner of conjugate gradients while it serves.
+        "direct" => Direct,
+        /// Conjugate gradients with multigrid: memory in proportion to the unknowns.
+        "multigrid" => Multigrid,
     }
 }
 

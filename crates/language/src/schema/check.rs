@@ -109,6 +109,7 @@ pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
         risk: Risk::Mean,
         time: block(reader, "time"),
         optimizer: block(reader, "optimizer").or_else(Read::absent)?,
+        linear_solver: None,
         probes: list(reader, "probes"),
         expect: BTreeMap::new(),
         output: Read::absent()?,

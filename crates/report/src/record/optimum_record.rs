@@ -135,8 +135,12 @@ records! {
 
     /// One group.
     ConstraintGroupRecord {
-        /// Of the values c below: `at_most` (c <= 0; c is bound - functional of `at_least`, minus the distance of an obstacle) or `equal` (c = 0).
+        /// What the values c below are: `at_most` (c = functional - bound <= 0; of an obstacle minus its distance), `at_least` (c = bound - functional <= 0) or `equal` (c = functional - bound = 0).
         sense: String,
+        /// The bound of a functional.
+        bound: Option<Number>,
+        /// The functional itself, in a motion where it keeps its bound least.
+        functional: Option<Number>,
         /// Number of constraints.
         count: usize,
         /// How many are active.

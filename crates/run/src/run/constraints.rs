@@ -4,7 +4,7 @@ use crate::run::error::RunError;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{BETWEEN_NODES, VIOLATED, Warning};
-use nastic_control::{BetweenNodes, ControlError, EnsemblePoint, Evaluated};
+use nastic_control::{BetweenNodes, Bound, ControlError, EnsemblePoint, Evaluated};
 use nastic_fem::State;
 use nastic_language::number::short;
 use nastic_opt::{AugmentedLagrangian, Constrained, ConstraintReport, ConstraintsReport, Sense};
@@ -20,6 +20,8 @@ const FEW: usize = 20;
 pub(super) struct Known {
     /// The unit of its values, where they have one: lengths so far.
     unit: Option<&'static str>,
+    /// Of a bounded functional.
+    bound: Option<Bound>,
     /// The largest value, or the one farthest from zero of an equality.
     worst: Option<Worst>,
     /// The nodes that the values of one instant belong to, where they do.
@@ -44,6 +46,13 @@ impl Known {
     /// Behind a value.
     fn unit(&self) -> String {
         self.unit.map_or_else(String::new, |unit| format!(" {unit}"))
+    }
+
+    /// The functional with its bound, in words.
+    fn functional(&self) -> Option<String> {
+        let (bound, worst) = self.bound.zip(self.worst.as_ref())?;
+        let value = short(bound.functional(worst.value));
+        Some(format!("{value}{unit}, {bound}{unit}", unit = self.unit()))
     }
 
     /// The node of its worst value, in words.
@@ -95,6 +104,7 @@ fn look(member: CaseMember<'_>, at: &Evaluated, groups: &[&ConstraintReport]) ->
     let mut found: Vec<Known> = groups.iter().map(of_no_state).collect();
     for (k, ((term, group), known)) in terms.iter().zip(groups).zip(&mut found).enumerate() {
         let states = reduced.constraint_states(k);
+        known.bound = term.bound();
         known.unit = (term.unit() == "m").then_some(length);
         known.nodes = term.nodes().unwrap_or_default().to_vec();
         known.times = instants.map_or_else(Vec::new, |instants| states.iter().map(|n| instants[*n]).collect());
@@ -182,7 +192,9 @@ fn group(one: &ConstraintReport, known: &Known) -> ConstraintGroupRecord {
         touching.map(entry).collect()
     };
     ConstraintGroupRecord {
-        sense: if one.group.sense == Sense::Equal { "equal" } else { "at_most" }.to_owned(),
+        sense: known.bound.map_or("at_most", Bound::key).to_owned(),
+        bound: known.bound.map(|bound| bound.value().into()),
+        functional: known.bound.zip(known.worst.as_ref()).map(|(bound, worst)| bound.functional(worst.value).into()),
         count: one.values.len(),
         active: one.active(),
         violation: one.violation().into(),
@@ -248,13 +260,15 @@ pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, known: &[Known
         let most = one.multipliers.iter().fold(0.0, |most: f64, y| most.max(y.abs()));
         let held = format!(", {} of {} active, largest multiplier {}", one.active(), one.values.len(), short(most));
         let held = if one.multipliers.is_empty() { "" } else { &held };
-        let worst = known.worst.as_ref().filter(|_| known.unit.is_some() || one.violation() > 0.0);
+        let functional = known.functional().map_or_else(String::new, |functional| functional + ": ");
+        let told = known.unit.is_some() || known.bound.is_some();
+        let worst = known.worst.as_ref().filter(|_| told || one.violation() > 0.0);
         let kept = worst.filter(|_| one.violation() == 0.0 && one.group.sense == Sense::AtMost);
         let kept = kept.map_or_else(String::new, |worst| format!(", kept by {}{unit}", short(-worst.value)));
         let place = worst.and_then(|_| known.place()).map_or_else(String::new, |place| format!(" at {place}"));
         let time = at_time(&session.problem, worst.and_then(|worst| known.time(worst.index, one.values.len())));
         session.console.say(format!(
-            "{head:<12}{}: largest violation {}{unit}{kept}{place}{time} ({} of its scale){held}",
+            "{head:<12}{}: {functional}largest violation {}{unit}{kept}{place}{time} ({} of its scale){held}",
             one.group.name,
             short(one.violation()),
             short(one.violation() / one.group.scale)

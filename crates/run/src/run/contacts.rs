@@ -73,7 +73,7 @@ fn line(name: &str, touch: &Touch, member: CaseMember<'_>) -> String {
     let unit = units.force().symbol;
     // on a surface that touches itself there is no force in all
     let force = match touch.force == [0.0; 3] {
-        true => format!("presses with {} {unit}", short(touch.pressing)),
+        true => format!("normal forces sum to {} {unit}", short(touch.pressing)),
         false => format!("pushes with {} {unit}", vector(&touch.force[..member.mesh().dim()])),
     };
     let pressure = of(touch.largest_pressure, Dimension::PRESSURE);

@@ -9,12 +9,11 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let structure = problem.solid().model().tangent_structure();
     let mut out = Vec::new();
     let megabytes = |bytes: usize| format!("{:.1} MB", bytes as f64 / 1e6);
-    let factor = megabytes(structure.factor_bytes());
+    let (factor, levels) = (megabytes(structure.factor_bytes()), megabytes(structure.multigrid_bytes()));
     let members = problem.members().count();
     let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
     let text = match problem.solid().model().solver() == Solver::MULTIGRID {
         true => {
-            let levels = megabytes(structure.multigrid_bytes());
             format!("multigrid; the tangent and its levels have about {levels}{each}; a factor would have {factor}")
         }
         false => format!(
@@ -32,6 +31,11 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     }
     if let Ok(Some(available)) = available_memory() {
         out.push(line("memory", format!("{} are available", megabytes(available))));
+        let model = problem.solid().model();
+        if model.solver() == Solver::DIRECT && structure.factorisation_bytes() > available {
+            let text = format!("too little for a factor; \"linear_solver\": \"multigrid\" takes about {levels}{each}");
+            out.push(line("memory", text));
+        }
     }
     out
 }

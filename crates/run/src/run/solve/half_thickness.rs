@@ -76,16 +76,16 @@ fn say(
         let force = if before.pressing > 0.0 {
             let percent = 100.0 * (after.pressing / before.pressing - 1.0);
             format!(
-                "presses with {} {}, changed by {} %",
+                "normal forces sum to {} {}, changed by {} %",
                 short(after.pressing),
                 units.force().symbol,
                 short(round(percent))
             )
         } else {
-            format!("presses with {} {}", short(after.pressing), units.force().symbol)
+            format!("normal forces sum to {} {}", short(after.pressing), units.force().symbol)
         };
         session.console.say(format!(
-            "            {name} {force}, smallest gap {} instead of {}",
+            "            {name}: {force}, smallest gap {} instead of {}",
             length(after.smallest_gap),
             length(before.smallest_gap)
         ));

@@ -1,0 +1,65 @@
+//! Limits of memory: what does not fit is refused or told, before it is allocated.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
+
+use crate::common;
+
+use common::{BAR, CaseDirectory, code, text};
+
+/// A bar of 8,019 unknowns, whose factor takes 30.6 MB, solved by multigrid.
+const LONG: &str = r#"{ "nastic": 1, "linear_solver": "multigrid",
+  "mesh": { "box": { "size": [0.6, 0.2, 0.2], "cells": [32, 8, 8], "element": "hex8" } },
+  "materials": [ { "region": "body", "law": "neo_hooke", "young": "100 kPa", "poisson": 0.3 } ],
+  "supports": [ { "surface": "x-", "fix": "all" } ],
+  "loads": [ { "surface": "x+", "traction": [0, 0, "-100 Pa"] } ] }"#;
+
+/// A factor that does not fit is refused before it is allocated, with what it would take.
+#[test]
+fn too_little_memory_is_three() {
+    let place = CaseDirectory::new(BAR);
+    let with_limit = |limit: &str| place.program(&["solve", "case.json"]).env("NASTIC_MEMORY", limit).output().unwrap();
+    let output = with_limit("1M");
+    let message = text(&output.stderr);
+    assert_eq!(code(&output), 3, "{message}");
+    assert!(
+        message.contains("a factor of the tangent takes ") && message.contains(" kB where 0 kB are available"),
+        "{message}"
+    );
+    assert!(
+        message.contains("try multigrid (\"linear_solver\": \"multigrid\")") && message.contains("NASTIC_MEMORY"),
+        "{message}"
+    );
+    let limited = place.program(&["check", "case.json"]).env("NASTIC_MEMORY", "1M").output().unwrap();
+    let message = text(&limited.stdout);
+    assert!(message.contains("too little for a factor; \"linear_solver\": \"multigrid\" takes about"), "{message}");
+    let output = with_limit("64G");
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let output = with_limit("lots");
+    assert_eq!(code(&output), 2);
+    assert!(text(&output.stderr).contains("NASTIC_MEMORY=\"lots\" is no size of memory"), "{}", text(&output.stderr));
+    let message = text(&place.nastic(&["check", "case.json"]).stdout);
+    assert!(
+        message.contains("memory      a factor has ") && message.contains(" MB while it is made on one thread"),
+        "{message}"
+    );
+}
+
+/// Multigrid solves where a factor of the tangent does not fit, and whether the state is stable is then said not to be known.
+#[test]
+fn a_state_whose_pivots_cannot_be_counted() {
+    let place = CaseDirectory::new(LONG);
+    let solved = |limit: &str| {
+        let output =
+            place.program(&["solve", "case.json", "--json", "--no-report"]).env("NASTIC_MEMORY", limit).output();
+        let output = output.unwrap();
+        assert_eq!(code(&output), 0, "{limit}: {}", text(&output.stderr));
+        serde_json::from_slice::<serde_json::Value>(&output.stdout).unwrap()
+    };
+    let codes = |found: &serde_json::Value| {
+        let all = found["warnings"].as_array().unwrap().iter();
+        all.map(|warning| warning["code"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    let (much, little) = (solved("64G"), solved("30M"));
+    assert_eq!((codes(&much), much["inertia"].as_u64()), (vec![], Some(0)));
+    assert_eq!((codes(&little), little["inertia"].as_u64()), (vec!["inertia_not_counted".to_owned()], None));
+}
