@@ -6,10 +6,10 @@ use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, distorted, largest, regular};
-use nastic_energy::NeoHooke;
+use nastic_energy::{NeoHooke, NeoHookeIsochoric};
 use nastic_fem::{Contact, ContactLaw, Instant, Solid, State, StateError};
-use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
+use nastic_mesh::{CellKind, box_mesh};
 use nastic_tensor::Vec3;
 
 /// Young's modulus, Poisson's ratio 0.3.
@@ -154,5 +154,22 @@ fn a_body_finds_the_floor_that_holds_it() -> Outcome {
     let away = above_a_floor(300.0)?;
     let refused = away.solve(&away.controls(), &STRICT);
     assert!(matches!(refused, Err(StateError::NoConvergence { .. } | StateError::Linear(_))), "{refused:?}");
+    Ok(())
+}
+
+/// A ball that goes a tenth of its height into a block carries what it touches along: 36 Newton iterations and 20 factorisations, 111 and 315 where load
+/// steps began at the state before them.
+#[test]
+fn what_an_obstacle_touches_goes_with_it() -> Outcome {
+    let ball = Obstacle::sphere([1.0, 1.0, 3.0], 2.0);
+    let solid = Solid::new(box_mesh([2.0, 2.0, 1.0], [12, 12, 8], CellKind::Hex8)?)?
+        .material("body", NeoHookeIsochoric::new(4e4, 2e5)?)?
+        .clamp("z-")?
+        .contact(Contact::of("plate", "z+", ball))?;
+    let state = press(&solid, 2, 0.1)?;
+    let work = state.report;
+    assert!(work.newton <= 45 && work.factorisations <= 30, "{work:?}");
+    let force = quantity(&solid, &state, "force_z");
+    assert!((force + 13932.15).abs() < 0.1, "{force}");
     Ok(())
 }

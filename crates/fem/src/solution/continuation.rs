@@ -25,6 +25,8 @@ const MOST: usize = 10_000;
 /// their own at the quadrature points, and from which others turn to them after so many iterations downhill.
 const STIFF: (f64, f64) = (100.0, 1000.0);
 const BRIEF: usize = 12;
+/// Relative residual of the states on the way, where obstacles move.
+const ON_THE_WAY: f64 = 1e-7;
 /// Longer load steps than this share of the way that fail with strains of their own, of a body that creeps downhill, are halved at once.
 const DOWNHILL: f64 = 1.0 / 16.0;
 
@@ -335,17 +337,25 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<State, StateError> {
         let mut here = from.clone();
-        let (mut steps, mut follow) = (LoadSteps::default(), None::<Vec<f64>>);
+        let (mut steps, mut failed) = (LoadSteps::default(), false);
         let mut way = Way::new(self, time_step.is_some());
         let unbounded = self.body.excess_tension(to).is_some();
+        // in time, steps are short
+        let obstacles_move = time_step.is_none() && {
+            let instant = self.instant(from, None, how.parallel);
+            self.poses(&instant) != self.poses(&instant.under(to))
+        };
         while steps.done < 1.0 {
             let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
             let bears = self.admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
-            // where obstacles move, the body may go on as it did in the last step
-            let rate = follow.take().filter(|_| bears < 1.0);
+            // where obstacles move, what they touch goes with them, unless that has just led nowhere
+            let rate = match (bears < 1.0 || obstacles_move) && !failed {
+                true => self.rate_along((&here, from, to), (how, time_step), (steps.done, bears), workspace, report),
+                false => None,
+            };
             let ahead = |length| rate.as_ref().map(|rate| moved(&here.u, rate, length));
             let borne = |u: Vec<f64>| self.admissible_change(&instant, &Instant { u: &u, ..instant.under(to) }).ok();
-            let followed = ahead(1.0 - steps.done).and_then(borne).filter(|share| *share > bears);
+            let followed = ahead(1.0 - steps.done).and_then(borne).filter(|share| *share > bears || *share == 1.0);
             let path = match followed.unwrap_or(bears) {
                 share if share < 1.0 => steps.next().min(steps.done + share * (1.0 - steps.done)),
                 _ => steps.next(),
@@ -353,17 +363,18 @@ impl Model {
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
-            let newton = self.equations(&controls, load, time_step, path, how);
+            let rough = SolveOptions { accuracy: how.accuracy.max(ON_THE_WAY), ..how.clone() };
+            let how_here = if obstacles_move && path < 1.0 { &rough } else { how };
+            let newton = self.equations(&controls, load, time_step, path, how_here);
             let hopeless = unbounded || steps.limit_point().is_some();
-            let mut u = followed.and_then(|_| ahead(path - steps.done)).unwrap_or_else(|| here.u.to_vec());
+            let ahead = followed.and_then(|_| ahead(path - steps.done)).filter(|u| newton.evaluate(u).is_ok());
+            let mut u = ahead.unwrap_or_else(|| here.u.to_vec());
             let step = (&mut way, path - steps.done, hopeless);
-            match self.attempt(&newton, &mut u, step, workspace, report) {
+            let attempted = self.attempt(&newton, &mut u, step, workspace, report);
+            failed = attempted.is_err();
+            match attempted {
                 Ok(()) => {
                     report.load_steps += 1;
-                    if bears < 1.0 {
-                        let length = path - steps.done;
-                        follow = Some(u.iter().zip(here.u.iter()).map(|(to, from)| (to - from) / length).collect());
-                    }
                     steps.succeeded(path, self.unknowns().norm(&sub(self.nodal(&u), self.nodal(&here.u))));
                     here = State::equilibrium(u, controls, load, *report);
                 }

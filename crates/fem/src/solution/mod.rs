@@ -8,6 +8,7 @@ pub(crate) mod deflation;
 pub(crate) mod descent;
 pub(crate) mod exact_contact;
 mod limit_point;
+mod load_rate;
 mod load_steps;
 pub(crate) mod modes;
 pub(crate) mod nodal_rotations;
