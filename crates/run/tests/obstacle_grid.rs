@@ -18,7 +18,8 @@ const INDENTED: &str = r#"{ "nastic": 1, "units": "mm",
   "obstacles": [ { "name": "stamp", "shape": { "mesh": "stamp.vtu" }, "grid": "1 mm", "translation": [0.5, 0, 0] } ],
   "contact": [ { "name": "dent", "surface": "z+", "obstacle": "stamp", "thickness": 0.5 } ],
   "controls": [ { "of": "stamp.translation", "name": "depth", "direction": [0, 0, -1], "space": "uniform", "lower": 0, "upper": 3, "start": 1 },
-                { "of": "stamp.rotation", "name": "turn", "space": "uniform", "lower": -0.2, "upper": 0.2, "start": 0.03 },
+                { "of": "stamp.rotation", "name": "turn", "space": "uniform", "lower": [-0.2, -0.2, -0.2], "upper": [0.2, 0.2, 0.2],
+                  "start": [0.03, 0.02, -0.04] },
                 { "of": "dent.stiffness", "space": "uniform", "lower": "1 MPa", "upper": "20 MPa" } ],
   "costs": [ { "kind": "contact_pressure", "contact": "dent" }, { "kind": "position", "point": [10, 10, 10], "target": { "z": 8 } } ] }"#;
 
@@ -38,12 +39,12 @@ fn number(found: &Value, path: &str) -> f64 {
 fn pose_and_stiffness_are_controls_with_exact_derivatives() {
     let place = CaseDirectory::new();
     stamp(&place);
-    let motion = r#"time={ "end": "20 ms", "step": "4 ms", "scheme": "backward_euler", "start": "rest" }"#;
-    let costs = r#"costs=[ { "kind": "contact_slip", "contact": "dent", "when": { "at": ["12 ms", "20 ms"] } },
+    let motion = r#"time={ "end": "12 ms", "step": "4 ms", "scheme": "backward_euler", "start": "rest" }"#;
+    let costs = r#"costs=[ { "kind": "contact_slip", "contact": "dent", "when": { "at": ["8 ms", "12 ms"] } },
                            { "kind": "contact_force", "contact": "dent" } ]"#;
     let rough = vec![motion, costs, "contact/0/friction=0.4", r#"contact/0/slip_speed="20 mm/s""#];
     let rough =
-        [rough, vec![r#"controls/0/in_time={ "every": "10 ms" }"#, r#"controls/0/start="60 mm/s * t""#]].concat();
+        [rough, vec![r#"controls/0/in_time={ "every": "4 ms" }"#, r#"controls/0/start="100 mm/s * t""#]].concat();
     let lagged = [rough.clone(), vec!["contact/0/lagged=true"]].concat();
     for settings in [vec![], rough, lagged] {
         let found = place.run(Command::Gradcheck, INDENTED, &settings).unwrap_or_else(|error| panic!("{error}"));
@@ -72,7 +73,7 @@ fn the_solid_is_drawn_and_its_grid_told() {
     );
 }
 
-/// Where faces are flat it is the exact distance of the mesh: the same optimum as by the formula of the box.
+/// Where faces are flat it is the exact distance of the mesh: the same values as by the formula of the box, and an optimum that keeps away from it.
 #[test]
 fn costs_and_constraints_take_an_obstacle_on_a_grid() {
     let case = r#"{ "nastic": 1, "units": "mm",
@@ -82,29 +83,27 @@ fn costs_and_constraints_take_an_obstacle_on_a_grid() {
       "actuation": [ { "name": "muscle", "kind": "muscle", "region": "body", "direction": "x" } ],
       "obstacles": [ { "name": "block", "shape": SHAPE } ],
       "controls": [ { "of": "muscle", "space": "cell", "start": "10 kPa * Z / 10 mm", "lower": 0, "upper": "50 kPa" } ],
-      "costs": [ { "kind": "position", "surface": "x+", "target": { "z": 15 } },
+      "costs": [ { "kind": "position", "surface": "x+", "target": { "z": 9 } },
                  { "kind": "obstacle", "surface": "z+", "shape": "block", "clearance": 6, "weight": 1e-3 } ],
-      "constraints": [ { "obstacle": { "surface": "z+", "shape": "block", "clearance": 1 } } ],
-      "optimizer": { "max_iterations": 8 } }"#;
-    let exact = with(case, "SHAPE", r#"{ "box": { "low": [0, 0, 0], "high": [90, 90, 9] } }"#);
+      "constraints": [ { "obstacle": { "surface": "z+", "shape": "block", "clearance": 1 } } ] }"#;
+    let exact = with(case, "SHAPE", r#"{ "box": { "low": [-20, -20, 12], "high": [70, 30, 42] } }"#);
     let meshed = with(case, "SHAPE", r#"{ "mesh": { "file": "block.vtu" } }, "grid": 2"#);
-    let run = |case: &str| {
+    let run = |command: Command, case: &str| {
         let place = CaseDirectory::new();
         let at = |x: [f64; 3]| [x[0] - 20.0, x[1] - 20.0, x[2] + 12.0];
         let block = box_mesh([90.0, 50.0, 30.0], [1; 3], CellKind::Hex8).unwrap().mapped(at).unwrap();
         nastic_io::write_vtu(place.path("block.vtu"), &Snapshot::new(block)).unwrap();
-        place.run(Command::Optimize, case, &["expect={}"]).unwrap_or_else(|error| panic!("{error}")).result
+        let settings = ["optimizer/max_iterations=40", "expect={}"];
+        place.run(command, case, &settings).unwrap_or_else(|error| panic!("{error}")).result
     };
-    let exact = run(&with(&exact, r#"[0, 0, 0], "high": [90, 90, 9]"#, r#"[-20, -20, 12], "high": [70, 30, 42]"#));
-    let meshed = run(&meshed);
-    let [a, b] = [&exact, &meshed].map(|found| number(found, "cost/total"));
-    assert!((a / b - 1.0).abs() < 1e-3, "{a} {b}");
+    let [by_formula, by_grid] = [&exact, &meshed].map(|case| run(Command::Solve, case));
+    let [a, b] = [&by_formula, &by_grid].map(|found| number(found, "cost/total"));
+    assert!((a / b - 1.0).abs() < 1e-4, "{a} {b}");
     let violation = |found: &Value| number(found, "constraints/groups/obstacle/violation");
-    assert!(
-        violation(&meshed) < 0.05 && (violation(&meshed) - violation(&exact)).abs() < 0.02,
-        "{}",
-        meshed["constraints"]
-    );
+    let [a, b] = [violation(&by_formula), violation(&by_grid)];
+    assert!(a > 1.0 && (a / b - 1.0).abs() < 1e-3, "{a} {b}");
+    let best = run(Command::Optimize, &meshed);
+    assert!(violation(&best) < 1e-2, "{}", best["constraints"]);
 }
 
 #[test]
@@ -128,7 +127,7 @@ fn mistakes_get_answers() {
     for (case, words) in [
         (plate(5.0, r#", "grid": "1 mm", "rounding": 1"#), ": obstacles/0/grid: an obstacle has a rounding or a grid"),
         (round, ": obstacles/0/grid: a sphere has a distance in closed form: leave the grid out"),
-        (plate(5.0, r#", "grid": 0"#), ": obstacles/0/grid: "),
+        (plate(5.0, r#", "grid": 0"#), ": obstacles/0/grid: must be positive"),
         (plate(5.0, r#", "grid": "1 kPa""#), ": obstacles/0/grid: "),
         (plate(5.0, r#", "grid": 0.03"#), "are the most (64 MB): take a spacing of 0.1"),
         (plate(5.0, ""), "give `rounding`, or a thinner layer by `thickness`, or put its distance on a `grid`"),
@@ -136,6 +135,8 @@ fn mistakes_get_answers() {
         let message = problems(&case);
         assert!(message.contains(words), "{message}");
     }
+    let unread = problems(&plate(5.0, r#", "grid": 0"#));
+    assert!(!unread.contains("rounding"), "{unread}");
     let message = warnings(&plate(5.0, r#", "grid": 3"#));
     assert!(message.contains("[coarse_grid]") && message.contains("more than the layer of contact"), "{message}");
     assert_eq!(message.matches("coarse_grid").count(), 1, "{message}");

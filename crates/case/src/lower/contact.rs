@@ -29,6 +29,11 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             continue;
         }
         let Some(touched) = case.obstacles.iter().find(|own| contact.is_on(&own.name)) else { continue };
+        // one that could not be read was complained about
+        let given = context.document.root().find(touched.at.key("grid").as_str()).is_some();
+        if given && touched.grid.is_none() {
+            continue;
+        }
         let outline = (touched.outline(), contact.thickness.unwrap_or(0.0));
         let Some(shape) = obstacle::build(outline, context) else { continue };
         let built = build(case, (contact, touched), shape.clone(), &mesh);

@@ -235,23 +235,22 @@ pub const CATALOGUE: &[Entry] = &[
         form: None,
         example: || {
             let contact = Contact::of("contact on a grid", "x+", hollow_pad()?);
-            block()?.contact(contact.thickness(6.0).stiffness(2e3).about([5.0, 2.0, 1.0]))
+            block()?.contact(contact.thickness(6.0).stiffness(2e3).about([5.0, 3.0, 3.0]))
         },
     },
     Entry {
         name: "contact on a grid with friction",
         form: None,
         example: || {
-            let contact = Contact::of("contact on a grid with friction", "x+", hollow_pad()?).friction(0.4, 60.0);
-            block()?.contact(contact.refine(1).thickness(6.0).stiffness(2e3).about([5.0, 2.0, 1.0]))
+            let contact = Contact::of("contact on a grid with friction", "x+", hollow_pad()?).friction(0.4, 9.0);
+            block()?.contact(contact.refine(1).thickness(6.0).stiffness(2e3).about([5.0, 3.0, 3.0]))
         },
     },
     Entry {
         name: "contact on a grid with lagged friction",
         form: None,
         example: || {
-            let contact =
-                Contact::of("contact on a grid with lagged friction", "x+", hollow_pad()?).friction(0.4, 60.0);
+            let contact = Contact::of("contact on a grid with lagged friction", "x+", hollow_pad()?).friction(0.4, 9.0);
             block()?.contact(contact.lagged().refine(1).thickness(6.0).stiffness(2e3).about([5.0, 3.0, 3.0]))
         },
     },
