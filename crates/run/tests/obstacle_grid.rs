@@ -93,7 +93,7 @@ fn costs_and_constraints_take_an_obstacle_on_a_grid() {
         let at = |x: [f64; 3]| [x[0] - 20.0, x[1] - 20.0, x[2] + 12.0];
         let block = box_mesh([90.0, 50.0, 30.0], [1; 3], CellKind::Hex8).unwrap().mapped(at).unwrap();
         nastic_io::write_vtu(place.path("block.vtu"), &Snapshot::new(block)).unwrap();
-        let settings = ["optimizer/max_iterations=40", "expect={}"];
+        let settings = ["optimizer/max_iterations=60", "expect={}"];
         place.run(command, case, &settings).unwrap_or_else(|error| panic!("{error}")).result
     };
     let [by_formula, by_grid] = [&exact, &meshed].map(|case| run(Command::Solve, case));

@@ -126,7 +126,7 @@ impl DistanceGrid {
         self.spline.partials(x).map_or_else(|| from_surface(&self.solid.nearest(*x)), |found| signed_distance(&found))
     }
 
-    /// A bound from below of how fast [`DistanceGrid::guarded`] changes over a length: `|grad d|` is no larger on the grid, and at least 1.
+    /// A bound of how fast [`DistanceGrid::guarded`] changes over a length, at least 1: `|grad d|` is no larger on the grid.
     pub fn steepest(&self) -> f64 {
         self.steepest
     }
@@ -140,6 +140,7 @@ impl DistanceGrid {
         }
     }
 
+    /// How far the faces of the solid are off, and what wall behind them is lost.
     fn look_at_faces(&mut self) {
         let solid = self.solid.clone();
         for ([a, b, c], normal) in solid.faces() {
