@@ -36,6 +36,7 @@ mod named;
 mod named_cost;
 mod named_groups;
 mod obstacle;
+mod obstacle_grid;
 pub mod obstacle_shape;
 mod optimizer;
 mod probe;

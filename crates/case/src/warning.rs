@@ -47,6 +47,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &SELF_INTERSECTION,
     &NOT_VERIFIED,
     &INSIDE_OBSTACLE,
+    &COARSE_GRID,
     &VIOLATED,
     &BETWEEN_NODES,
     &STEP_ERROR,
@@ -328,6 +329,13 @@ pub const INSIDE_OBSTACLE: WarningKind = WarningKind {
     code: "inside_obstacle",
     about: "the body at rest, or its supports, lie inside of an obstacle that a constraint keeps it away from, or that it touches",
     advice: "move the obstacle, or name the part of the surface that is free to move",
+};
+
+/// The distance on a grid is not that of the mesh.
+pub const COARSE_GRID: WarningKind = WarningKind {
+    code: "coarse_grid",
+    about: "the grid on which the distance from a meshed obstacle is interpolated is coarse: it loses a thin wall, or moves the surface by more than the layer of a contact",
+    advice: "give a smaller \"grid\", or leave it out for the exact distance",
 };
 
 /// Nodes keep their distance, the surface between them does not.

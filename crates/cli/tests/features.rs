@@ -1,4 +1,4 @@
-//! Every law, actuation, cost, scheme, method and element that a case can name has a shipped case, or a command on `docs/features.md` that
+//! Every law, actuation, cost, obstacle, scheme, method and element that a case can name has a shipped case, or a command on `docs/features.md` that
 //! `tutorials.rs` runs; the tables of that page say which.
 
 #![allow(clippy::unwrap_used)] // a test may
@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// What words a kind of feature has in the schema: the definitions whose key names it.
-const KINDS: [(&str, &[&str], &str); 8] = [
+const KINDS: [(&str, &[&str], &str); 9] = [
     ("Law", &["Material"], "law"),
     ("Actuation", &["Actuation"], "kind"),
     ("Cost", &[], "kind"),
@@ -19,6 +19,7 @@ const KINDS: [(&str, &[&str], &str); 8] = [
     ("Scheme", &["Time"], "scheme"),
     ("Method", &["Optimizer"], "method"),
     ("Element", &["BoxMesh"], "element"),
+    ("Obstacle", &[], ""),
 ];
 
 fn file(name: &str) -> String {
@@ -53,6 +54,11 @@ fn features() -> BTreeMap<&'static str, BTreeSet<String>> {
         let is_cost = |name: &str| kind == "Cost" && (name.ends_with("Cost") || name == "SmoothedHausdorff");
         let parts = definitions.iter().filter(|(name, _)| names.contains(&name.as_str()) || is_cost(name));
         parts.for_each(|(_, part)| words(part, key, &mut found));
+        if kind == "Obstacle" {
+            let shapes = definitions["Obstacle"]["properties"]["shape"]["oneOf"].as_array().unwrap();
+            found.extend(shapes.iter().flat_map(|shape| shape["properties"].as_object().unwrap().keys().cloned()));
+            found.insert("grid".to_owned());
+        }
         (kind, found)
     };
     KINDS.map(of).into()

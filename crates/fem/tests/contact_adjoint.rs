@@ -14,8 +14,8 @@ use nastic_fem::{
     Checkpoints, Contact, ContactLaw, Controls, Inertia, Recording, ReverseSweep, Scheme, Solid, StateError, StepTo,
     Trajectory, Workspace,
 };
-use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
+use nastic_mesh::{CellKind, rectangle};
 use nastic_tensor::Vec3;
 
 /// A plane strip on a floor, with a finger that comes down on it, drags it along, turns and leaves. A foot of it stands in a corner where no
@@ -30,10 +30,20 @@ fn lagged_strip(law: ContactLaw) -> Outcome<Solid> {
 }
 
 fn strip_with(law: ContactLaw, rub: impl Fn(Contact, f64) -> Contact) -> Outcome<Solid> {
+    strip_below(Obstacle::capsule([0.9, 1.42, 0.0], [1.7, 1.46, 0.0], 0.35), law, rub)
+}
+
+/// A finger from a mesh, arched, whose distance is on a grid: its gradient is no unit vector.
+fn arched_finger() -> Outcome<Obstacle> {
+    let arched = |x: [f64; 3]| [x[0] + 0.55, x[1] + 1.09 + 0.05 * (5.0 * x[0]).sin(), 0.0];
+    let finger = rectangle([1.5, 0.6], [8, 2], CellKind::Quad4)?.mapped(arched)?;
+    Ok(Obstacle::on_grid(&finger, 0.15, 0.0)?)
+}
+
+fn strip_below(finger: Obstacle, law: ContactLaw, rub: impl Fn(Contact, f64) -> Contact) -> Outcome<Solid> {
     let layer =
         |contact: Contact| contact.thickness(0.08).law(law).stiffness(if law == ContactLaw::Log { 0.3 } else { 3.0 });
     let floor = Obstacle::half_space([0.0, -0.06, 0.0], [0.05, 1.0, 0.0]);
-    let finger = Obstacle::capsule([0.9, 1.42, 0.0], [1.7, 1.46, 0.0], 0.35);
     let solid = Solid::new(regular(CellKind::Quad4, [3.0, 1.0, 0.0], [6, 2, 1])?)?
         .material("body", NeoHooke::new(1.0, 2.0)?)?
         .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
@@ -134,6 +144,23 @@ fn the_gradient_with_lagged_friction_is_exact() -> Outcome {
         check_to(&solid, scheme, true, &OF_LAGGED)?;
     }
     check_to(&lagged_strip(ContactLaw::Log)?, &Scheme::backward_euler(), true, &OF_LAGGED)
+}
+
+/// Of a distance on a grid.
+#[test]
+fn the_gradient_by_an_obstacle_on_a_grid_is_exact() -> Outcome {
+    let all = schemes_with_moving_supports()?;
+    let plain = strip_below(arched_finger()?, ContactLaw::Cubic, |contact, _| contact)?;
+    let rough = strip_below(arched_finger()?, ContactLaw::Cubic, |contact, mu| contact.friction(mu, 0.01))?;
+    let lagged = strip_below(arched_finger()?, ContactLaw::Cubic, |contact, mu| contact.friction(mu, 0.01).lagged())?;
+    let log = strip_below(arched_finger()?, ContactLaw::Log, |contact, mu| contact.friction(mu, 0.01))?;
+    check(&plain, &Scheme::backward_euler(), false)?;
+    check(&log, &Scheme::backward_euler(), true)?;
+    for (scheme, _) in all.iter().filter(|(scheme, _)| goes_with(scheme, true)).take(4) {
+        check(&rough, scheme, true)?;
+        check_to(&lagged, scheme, true, &OF_LAGGED)?;
+    }
+    Ok(())
 }
 
 /// From states that are computed again, the same bits.

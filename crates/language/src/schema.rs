@@ -65,7 +65,7 @@ pub use load_case::LoadCase;
 pub use material::Material;
 pub use mesh::{BoxMesh, MeshFile, MeshSource};
 pub use named::{Element, Method, SchemeName};
-pub use obstacle::{AlignedBox, Capsule, HalfSpace, Obstacle, Shape, ShapeOrName, Sphere, VectorInTime};
+pub use obstacle::{AlignedBox, Capsule, HalfSpace, Obstacle, Outline, Shape, ShapeOrName, Sphere, VectorInTime};
 pub use optimizer::{Metric, Optimizer, Unstable};
 pub use scenario::{
     BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,

@@ -2,6 +2,7 @@
 
 mod build;
 mod columns;
+mod distance_grid;
 mod elements;
 mod generate;
 mod locate;

@@ -40,9 +40,9 @@ fn derivatives_agree_with_differences_outside_of_every_shape() -> Outcome {
             let at = |s: f64| -> SignedDistance { shape.at(&std::array::from_fn(|i| x[i] + s * v[i])) };
             let here = at(0.0);
             let slope = difference(|s| [at(s).value; 3])[0];
-            let along: f64 = here.normal.iter().zip(&v).map(|(n, v)| n * v).sum();
+            let along: f64 = here.gradient.iter().zip(&v).map(|(n, v)| n * v).sum();
             assert!((slope - along).abs() < 1e-9, "{name} {x:?}: {slope} {along}");
-            assert!(largest(difference(|s| at(s).normal), here.second(&v)) < 1e-8, "{name} {x:?}");
+            assert!(largest(difference(|s| at(s).gradient), here.second(&v)) < 1e-8, "{name} {x:?}");
             assert!(largest(difference(|s| at(s).second(&w)), here.third(v, w)) < 1e-7, "{name} {x:?}");
             let product = here.hessian() * nalgebra::Vector3::from(v);
             assert!(largest(product.into(), here.second(&v)) < 1e-14, "{name} {x:?}");

@@ -35,6 +35,7 @@ mod motion_constraints;
 mod motions_of_members;
 mod moving_supports;
 mod muscle;
+mod obstacle_grid;
 mod output_directory;
 mod readable_units;
 mod result_files;

@@ -95,7 +95,7 @@ fn distance(case: &Case, block: &KeepOut, reduced: &Reduced, context: &mut Conte
     let solid = reduced.solid();
     let place = NamedGroups::of(&block.surface, &block.region, &block.nodes)?;
     place.nodes(solid.mesh(), &block.at, context)?;
-    let shape = obstacle::of(case, &block.shape, context)?;
+    let shape = obstacle::of(case, (&block.shape, block.clearance), context)?;
     let distance = match place.kind {
         Kind::Surface => ObstacleDistance::surface(place.names, shape),
         Kind::Region => ObstacleDistance::region(place.names, shape),
@@ -114,7 +114,7 @@ fn look_at_rest(
 ) {
     let solid = reduced.solid();
     let (mesh, dim, supports) = (solid.mesh(), solid.discretization().dim(), solid.supports());
-    let Some(shape) = obstacle::of(case, &keep_out.shape, context) else { return };
+    let Some(shape) = obstacle::of(case, (&keep_out.shape, keep_out.clearance), context) else { return };
     let unit = context.units.length().symbol;
     let tolerance = ROUNDING * mesh.diagonal();
     let (mut held, mut free) = (Vec::new(), Vec::new());

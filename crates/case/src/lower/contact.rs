@@ -3,7 +3,7 @@
 use super::actuation::fix_number;
 use super::context::Context;
 use super::named::attempt;
-use super::{named_groups, obstacle};
+use super::{named_groups, obstacle, obstacle_grid};
 use crate::warning::{INPUT, INSIDE_OBSTACLE};
 use nastic_control::Reduced;
 use nastic_fem::{ContactLaw, Solid, SurfaceContact};
@@ -29,10 +29,17 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             continue;
         }
         let Some(touched) = case.obstacles.iter().find(|own| contact.is_on(&own.name)) else { continue };
-        let Some(shape) = obstacle::build((&touched.shape, touched.rounding), context) else { continue };
+        // one that could not be read was complained about
+        let given = context.document.root().find(touched.at.key("grid").as_str()).is_some();
+        if given && touched.grid.is_none() {
+            continue;
+        }
+        let outline = (touched.outline(), contact.thickness.unwrap_or(0.0));
+        let Some(shape) = obstacle::build(outline, context) else { continue };
         let built = build(case, (contact, touched), shape.clone(), &mesh);
         attempt(solid, &contact.at, context, |solid| solid.contact(built));
         check_outside(case, (contact, touched), (&shape, solid), context);
+        obstacle_grid::check(touched, &contact.name(), (&shape, solid), context);
     }
     for untouched in case.obstacles.iter().filter(|own| !case.contact.iter().any(|contact| contact.is_on(&own.name))) {
         if let Some((key, _)) = untouched.pose().next() {

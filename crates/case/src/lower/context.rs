@@ -3,6 +3,7 @@
 use crate::warning::{WARNINGS, WarningKind};
 use nastic_language::quantity::Units;
 use nastic_language::syntax::{At, Diagnostic, Document};
+use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{Mesh, Snapshot};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -31,6 +32,8 @@ struct Files {
     named: Vec<PathBuf>,
     meshes: BTreeMap<String, Arc<Mesh>>,
     snapshots: BTreeMap<PathBuf, Arc<Snapshot>>,
+    /// Distances on grids, by mesh, spacing and reach.
+    grids: Vec<(Arc<Mesh>, [f64; 2], Obstacle)>,
 }
 
 impl<'a> Context<'a> {
@@ -86,6 +89,25 @@ impl<'a> Context<'a> {
             self.files.borrow_mut().meshes.insert(key, mesh.clone());
             Some(mesh)
         })
+    }
+
+    /// The distance from a mesh on a grid of a spacing with a reach, or the one made now.
+    pub fn grid<E>(
+        &mut self,
+        mesh: &Arc<Mesh>,
+        key: [f64; 2],
+        make: impl FnOnce() -> Result<Obstacle, E>,
+    ) -> Result<Obstacle, E> {
+        let is_it = |(of, own, _): &&(Arc<Mesh>, [f64; 2], Obstacle)| Arc::ptr_eq(of, mesh) && *own == key;
+        let known = self.files.borrow().grids.iter().find(is_it).map(|(.., grid)| grid.clone());
+        known.map_or_else(
+            || {
+                let grid = make()?;
+                self.files.borrow_mut().grids.push((mesh.clone(), key, grid.clone()));
+                Ok(grid)
+            },
+            Ok,
+        )
     }
 
     /// What a VTU file holds.

@@ -39,7 +39,7 @@ impl Lowering<'_> {
         let given: Vec<(&CostKey, &TermValue)> = given.collect();
         for (key, value) in &given {
             let at = term.at.key(key.name);
-            if let Some(value) = self.value(key, (value, &at), &fault, context) {
+            if let Some(value) = self.value(key, (term, value, &at), &fault, context) {
                 values.insert(key.name, value);
             }
         }
@@ -69,7 +69,7 @@ impl Lowering<'_> {
     fn value(
         &self,
         key: &CostKey,
-        (value, at): (&TermValue, &At),
+        (term, value, at): (&CostTerm, &TermValue, &At),
         fault: &Fault,
         context: &mut Context<'_>,
     ) -> Option<CostValue> {
@@ -104,7 +104,9 @@ impl Lowering<'_> {
             TermValue::Path(_) => return None,
             TermValue::Target(block) => CostValue::Target(self.positions((block, at), fault, context)?),
             TermValue::Mesh(_) => CostValue::Mesh(self.target?.mesh.clone()),
-            TermValue::Obstacle(shape) => CostValue::Obstacle(obstacle::of(self.case, shape, context)?),
+            TermValue::Obstacle(shape) => {
+                CostValue::Obstacle(obstacle::of(self.case, (shape, clearance(term)), context)?)
+            }
             TermValue::Contact(name) => CostValue::Name(name.clone()),
             // the library's name of a control is that of its actuation
             TermValue::Control(name) => {
@@ -155,6 +157,14 @@ impl Lowering<'_> {
                 Some(Target::Displacement(pairs.flat_map(|(y, x)| (0..dim).map(move |k| y[k] - x[k])).collect()))
             }
         }
+    }
+}
+
+/// The distance to keep from an obstacle.
+fn clearance(term: &CostTerm) -> f64 {
+    match term.values.get("clearance") {
+        Some(TermValue::Number(clearance)) => *clearance,
+        _ => 0.0,
     }
 }
 

@@ -1,20 +1,24 @@
 //! Obstacles as the library makes them.
 
 use super::context::Context;
-use nastic_language::schema::{AlignedBox, Case, Shape, ShapeOrName};
+use super::obstacle_grid;
+use nastic_language::schema::{AlignedBox, Case, Outline, Shape, ShapeOrName};
 use nastic_mesh::spatial::Obstacle;
 
-/// Of a shape with a rounding radius.
-pub(super) fn build((shape, rounding): (&Shape, f64), context: &mut Context<'_>) -> Option<Obstacle> {
-    let built = match shape {
+/// Of a shape from which distances up to a reach matter.
+pub(super) fn build((outline, reach): (Outline<'_>, f64), context: &mut Context<'_>) -> Option<Obstacle> {
+    let built = match outline.shape {
         Shape::Mesh(source) => {
             let at = super::mesh::place(source);
             let mesh = super::mesh::load(source, &at, context)?;
-            context.take(&at, Obstacle::solid(&mesh))?
+            match outline.grid {
+                Some((spacing, block)) => obstacle_grid::build((block, spacing), (&mesh, reach), context)?,
+                None => context.take(&at, Obstacle::solid(&mesh))?,
+            }
         }
         shape => obstacle_of(shape)?,
     };
-    Some(built.rounded(rounding))
+    Some(built.rounded(outline.rounding))
 }
 
 /// Of a shape that is given by numbers; `None` of a meshed one.
@@ -40,7 +44,7 @@ fn aligned_box(block: &AlignedBox) -> Obstacle {
     Obstacle::aligned_box([x0, y0, -reach], [x1, y1, reach])
 }
 
-/// Of a cost or constraint; a name that is not there has been complained about.
-pub(super) fn of(case: &Case, shape: &ShapeOrName, context: &mut Context<'_>) -> Option<Obstacle> {
-    build(shape.among(&case.obstacles)?, context)
+/// Of a cost or constraint with a clearance; a name that is not there has been complained about.
+pub(super) fn of(case: &Case, (shape, clearance): (&ShapeOrName, f64), context: &mut Context<'_>) -> Option<Obstacle> {
+    build((shape.among(&case.obstacles)?, clearance), context)
 }

@@ -131,13 +131,14 @@ impl ConstraintPoint for EvaluatedConstraint {
 
     fn add_partials(&self, y: &[f64], out: &mut Partials) -> Result<(), ControlError> {
         for ((first, d), y) in self.each().zip(y) {
-            (0..self.dim).for_each(|i| out.u[first + i] -= y * d.normal[i]);
+            (0..self.dim).for_each(|i| out.u[first + i] -= y * d.gradient[i]);
         }
         Ok(())
     }
 
     fn change(&self, along: &Partials) -> Result<Vec<f64>, ControlError> {
-        let of = |(first, d): (usize, &SignedDistance)| -dot(&d.normal[..self.dim], &along.u[first..first + self.dim]);
+        let of =
+            |(first, d): (usize, &SignedDistance)| -dot(&d.gradient[..self.dim], &along.u[first..first + self.dim]);
         Ok(self.each().map(of).collect())
     }
 

@@ -151,7 +151,7 @@ impl CostPoint for EvaluatedCost {
         for (q, (force, d)) in forces.chunks_exact_mut(self.dim).zip(&self.distances).enumerate() {
             let depth = (self.clearance - d.value).max(0.0);
             let factor = -self.weight * self.points.weight(q) * depth;
-            force.iter_mut().zip(&d.normal).for_each(|(f, n)| *f = factor * n);
+            force.iter_mut().zip(&d.gradient).for_each(|(f, n)| *f = factor * n);
         }
         self.points.spread(&forces, self.dim, &mut out.u);
         Ok(())
@@ -165,8 +165,8 @@ impl CostPoint for EvaluatedCost {
                 v.fill(0.0);
                 continue;
             }
-            let (slope, bent) = (dot(&d.normal[..v.len()], v), d.second(v));
-            v.iter_mut().zip(d.normal).zip(bent).for_each(|((v, n), bent)| *v = slope * n - depth * bent);
+            let (slope, bent) = (dot(&d.gradient[..v.len()], v), d.second(v));
+            v.iter_mut().zip(d.gradient).zip(bent).for_each(|((v, n), bent)| *v = slope * n - depth * bent);
         }
         self.points.spread(&forces, self.dim, &mut out.u);
         Ok(())

@@ -231,6 +231,30 @@ pub const CATALOGUE: &[Entry] = &[
         },
     },
     Entry {
+        name: "contact on a grid",
+        form: None,
+        example: || {
+            let contact = Contact::of("contact on a grid", "x+", hollow_pad()?);
+            block()?.contact(contact.thickness(6.0).stiffness(2e3).about([5.0, 3.0, 3.0]))
+        },
+    },
+    Entry {
+        name: "contact on a grid with friction",
+        form: None,
+        example: || {
+            let contact = Contact::of("contact on a grid with friction", "x+", hollow_pad()?).friction(0.4, 9.0);
+            block()?.contact(contact.refine(1).thickness(6.0).stiffness(2e3).about([5.0, 3.0, 3.0]))
+        },
+    },
+    Entry {
+        name: "contact on a grid with lagged friction",
+        form: None,
+        example: || {
+            let contact = Contact::of("contact on a grid with lagged friction", "x+", hollow_pad()?).friction(0.4, 9.0);
+            block()?.contact(contact.lagged().refine(1).thickness(6.0).stiffness(2e3).about([5.0, 3.0, 3.0]))
+        },
+    },
+    Entry {
         name: "contact of surfaces",
         form: None,
         example: || {
@@ -275,6 +299,14 @@ pub const CATALOGUE: &[Entry] = &[
 /// A capsule beside the cup, which its whole side is near to.
 fn pad() -> Obstacle {
     Obstacle::capsule([4.6, -0.4, 0.9], [4.4, 3.6, 1.5], 1.0)
+}
+
+/// A large bent block beside it, hollow towards it, whose distance is on a grid so coarse that the side is in one cell, which third derivatives do not
+/// jump in; its gradient is no unit vector.
+fn hollow_pad() -> Result<Obstacle, FemError> {
+    let bent = |x: [f64; 3]| [x[0] + 3.5 - 0.02 * (x[1] - 9.5).powi(2), x[1] - 8.5, x[2] - 8.5];
+    let pad = box_mesh([17.7, 19.0, 18.0], [2, 6, 2], CellKind::Hex8)?.mapped(bent)?;
+    Obstacle::on_grid(&pad, 10.0, 0.0).map_err(|error| FemError::Meaningless { what: error.to_string() })
 }
 
 /// Two bodies above each other, 0.5 apart, with the surfaces "lower" and "upper" between them.

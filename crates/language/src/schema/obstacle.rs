@@ -13,13 +13,15 @@ use serde_json::{Value as Json, json};
 
 object! {
     /// Something rigid that contacts, costs and constraints refer to by its name.
-    pub struct Obstacle {
+    pub struct Obstacle checked by check_edges {
         /// Name, by which others refer to it; its pose is controlled as "NAME.translation" and "NAME.rotation".
         pub name: String,
         /// Its shape, where it is not moved.
         pub shape: Shape,
         /// Radius by which edges and corners are rounded: the faces of a box stay, a mesh grows by it.
         pub rounding: f64 as NOT_NEGATIVE_LENGTH = 0.0,
+        /// Of a mesh: spacing of a grid on which its distance is interpolated with a continuous second derivative, in place of a rounding.
+        pub grid: Option<f64> as POSITIVE_LENGTH,
         /// How far it is moved, where that is no control; numbers, or of a motion formulas of t or a table.
         pub translation: Option<VectorInTime> as LENGTH_IN_TIME,
         /// Rotation vector, in radians about its direction, where that is no control.
@@ -55,12 +57,47 @@ impl Read for VectorInTime {
     }
 }
 
+fn check_edges(obstacle: &Obstacle, reader: &mut Reader<'_>) {
+    if obstacle.grid.is_none() {
+        return;
+    }
+    if !matches!(obstacle.shape, Shape::Mesh(_)) {
+        let message = format!(
+            "a {} has a distance in closed form: leave the grid out; it is for a shape from a mesh",
+            obstacle.shape.name().replace('_', "-")
+        );
+        reader.complain_at(&obstacle.at.key("grid"), message);
+    } else if obstacle.rounding > 0.0 {
+        let message = "an obstacle has a rounding or a grid: a rounding grows it by that radius, a grid keeps its size and rounds edges within a \
+                       spacing; leave one of them out";
+        reader.complain_at(&obstacle.at.key("grid"), message);
+    }
+}
+
 impl Obstacle {
+    /// Its shape, and how its edges are treated.
+    #[must_use]
+    pub fn outline(&self) -> Outline<'_> {
+        let grid = self.grid.map(|spacing| (spacing, self));
+        Outline { shape: &self.shape, rounding: self.rounding, grid }
+    }
+
     /// The parts of its pose that are no controls, with their keys.
     pub fn pose(&self) -> impl Iterator<Item = (&'static str, &Fixed)> {
         let parts = [("translation", &self.translation), ("rotation", &self.rotation)];
         parts.into_iter().filter_map(|(key, part)| part.as_ref().map(|part| (key, &part.0)))
     }
+}
+
+/// A shape, and how its edges are treated.
+#[derive(Clone, Copy, Debug)]
+pub struct Outline<'a> {
+    /// The shape.
+    pub shape: &'a Shape,
+    /// Radius of its edges.
+    pub rounding: f64,
+    /// Of a meshed one the spacing of the grid of its distance, with the obstacle that says so.
+    pub grid: Option<(f64, &'a Obstacle)>,
 }
 
 /// The obstacle of a cost or constraint: a shape, or the name of one of `obstacles`.
@@ -73,15 +110,12 @@ pub enum ShapeOrName {
 }
 
 impl ShapeOrName {
-    /// The shape and its rounding radius; `None` of a name that is not there.
+    /// The shape; `None` of a name that is not there.
     #[must_use]
-    pub fn among<'a>(&'a self, obstacles: &'a [Obstacle]) -> Option<(&'a Shape, f64)> {
+    pub fn among<'a>(&'a self, obstacles: &'a [Obstacle]) -> Option<Outline<'a>> {
         match self {
-            Self::Shape(shape) => Some((shape, 0.0)),
-            Self::Name(name) => {
-                let found = obstacles.iter().find(|obstacle| obstacle.name == *name)?;
-                Some((&found.shape, found.rounding))
-            }
+            Self::Shape(shape) => Some(Outline { shape, rounding: 0.0, grid: None }),
+            Self::Name(name) => obstacles.iter().find(|obstacle| obstacle.name == *name).map(Obstacle::outline),
         }
     }
 }

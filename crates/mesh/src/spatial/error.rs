@@ -60,6 +60,39 @@ pub enum SpatialError {
         /// Dimension of the second solid.
         b: usize,
     },
+    /// No length.
+    #[error("the {what} of the grid of a distance is {length}; it is a positive, finite length")]
+    GridSpacing {
+        /// Spacing or margin.
+        what: &'static str,
+        /// The value given.
+        length: f64,
+    },
+    /// More numbers than a grid keeps.
+    #[error(
+        "a grid of spacing {spacing} around the solid takes {numbers:.1e} nodes, {most:.0e} are the most ({} MB): take a spacing of {coarser} or more",
+        most * 8e-6
+    )]
+    LargeGrid {
+        /// Distance of neighbouring nodes.
+        spacing: f64,
+        /// Nodes it takes.
+        numbers: f64,
+        /// The most it may take.
+        most: f64,
+        /// A spacing that is large enough.
+        coarser: f64,
+    },
+    /// A grid that has no node inside of the solid.
+    #[error(
+        "a grid of spacing {spacing} has no node inside of the solid, whose bounding box is {size:?}: take a spacing below the thickness of its walls"
+    )]
+    CoarseGrid {
+        /// Distance of neighbouring nodes.
+        spacing: f64,
+        /// Sides of the bounding box.
+        size: Vec<f64>,
+    },
     /// An obstacle that is none.
     #[error("{what}")]
     Obstacle {

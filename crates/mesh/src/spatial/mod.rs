@@ -30,7 +30,7 @@ mod tree;
 
 pub use error::SpatialError;
 pub use hausdorff::{Hausdorff, hausdorff, hausdorff_within};
-pub use obstacle::{Obstacle, SignedDistance};
+pub use obstacle::{DistanceGrid, LostWall, Obstacle, SignedDistance};
 pub use polyhedron::{Feature, Polyhedron, SurfacePoint};
 pub use self_intersection::SelfIntersection;
 pub use shape::Shape;

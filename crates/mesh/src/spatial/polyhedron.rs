@@ -112,12 +112,22 @@ impl Polyhedron {
         (low.into(), high.into())
     }
 
+    /// Corners of its faces, of segments in the plane the second one twice, and normals.
+    pub(super) fn faces(&self) -> impl Iterator<Item = ([V; 3], V)> {
+        self.triangles.iter().map(|triangle| (triangle.corners, triangle.face))
+    }
+
     /// The nearest point of the surface, and the signed distance from it. Inside or outside is decided by the mean normal of the part that
     /// is nearest (Baerentzen, Aanaes, "Signed distance computation using the angle weighted pseudonormal", IEEE TVCG 11, 2005).
     pub fn nearest(&self, x: [f64; 3]) -> SurfacePoint {
+        self.nearest_within(x, f64::INFINITY)
+    }
+
+    /// The same of a point that is known to be no further from the surface.
+    pub(super) fn nearest_within(&self, x: [f64; 3], reach: f64) -> SurfacePoint {
         let x = V::from(x);
         let mut found = (f64::INFINITY, 0, V::zeros(), Part::Face);
-        self.tree.nearest(&x, f64::INFINITY, |item, best| {
+        self.tree.nearest(&x, reach * reach, |item, best| {
             let (point, part) = self.triangles[item].nearest(&x);
             let squared = (x - point).norm_squared();
             // of several at one distance the first in the mesh

@@ -63,8 +63,20 @@ impl BoundContact {
 
     /// The same with its derivatives.
     pub(super) fn signed_distance(&self, pose: &Pose, (sample, x): (usize, &Vec3)) -> SignedDistance {
-        let found = pose.signed_distance(&self.obstacle, x);
-        SignedDistance { value: found.value + self.offset(sample), ..found }
+        pose.signed_distance(&self.obstacle, x).plus(self.offset(sample))
+    }
+
+    /// The distance by which it is told how far a sample may go: of a grid one that changes no faster than the obstacle is steep.
+    pub(super) fn guarded(&self, pose: &Pose, (sample, x): (usize, &Vec3)) -> f64 {
+        pose.guarded(&self.obstacle, x) + self.offset(sample)
+    }
+
+    /// The same of a sample whose distance is known.
+    pub(super) fn guarded_from(&self, pose: &Pose, sample: usize, (x, d): &(Vec3, f64)) -> f64 {
+        match self.obstacle {
+            Obstacle::Grid(_) => self.guarded(pose, (sample, x)),
+            _ => *d,
+        }
     }
 
     /// The name of its pose.
@@ -105,8 +117,9 @@ impl BoundContact {
         let reference: Vec<Vec3> = (0..samples.len()).map(place).collect();
         let least = reference.iter().map(|x| obstacle.distance(&(*x).into())).fold(f64::INFINITY, f64::min);
         let inset = if of.settled && least > -thickness { (thickness - least).max(0.0) } else { 0.0 };
+        within_grid(&obstacle, thickness).map_err(refuse)?;
         let normals = normals(&samples, &reference, &obstacle, dim);
-        let depth = 0.5 * defaults::half_width(&obstacle, dim);
+        let depth = 0.5 * defaults::half_thickness(&obstacle, dim);
         let slip_speed = of.layer.friction.map(|friction| friction.slip_speed);
         Ok(BoundContact {
             name,
@@ -132,7 +145,7 @@ impl BoundContact {
 /// `n . u` at every sample.
 fn normals(samples: &Samples, reference: &[Vec3], obstacle: &Obstacle, dim: usize) -> Vec<Vec<(u32, f64)>> {
     let of_sample = |sample: usize| {
-        let n = obstacle.at(&reference[sample].into()).normal;
+        let n = obstacle.at(&reference[sample].into()).normal();
         let of_node = |&(node, shape): &(u32, f64)| (0..dim).map(move |i| (dim as u32 * node + i as u32, shape * n[i]));
         samples.parts(sample).iter().flat_map(of_node).collect()
     };
@@ -156,9 +169,21 @@ fn rounded(obstacle: &Obstacle, thickness: f64) -> Result<Obstacle, String> {
         }
         Obstacle::Solid { rounding, .. } if *rounding < least => Err(format!(
             "a meshed obstacle needs a rounding radius of at least {least:.3e}, twice the thickness of the layer, by which it grows (it \
-             has {rounding:.3e}): give `rounding`, or a thinner layer by `thickness`"
+             has {rounding:.3e}): give `rounding`, or a thinner layer by `thickness`, or put its distance on a `grid`"
         )),
         _ => Ok(obstacle.clone()),
+    }
+}
+
+/// A layer where the distance is interpolated.
+fn within_grid(obstacle: &Obstacle, thickness: f64) -> Result<(), String> {
+    match obstacle {
+        Obstacle::Grid(grid) if grid.margin() < thickness => Err(format!(
+            "its layer, {thickness:.3e} thick, is thicker than the margin of the obstacle's grid, {:.3e}: give a thinner layer by `thickness`, or \
+             the grid a wider margin",
+            grid.margin()
+        )),
+        _ => Ok(()),
     }
 }
 
@@ -215,14 +240,15 @@ impl Contribution for BoundContact {
         if pose.is_at(&end) && at.u == to.u {
             return Ok(1.0);
         }
-        for (sample, &(x, d)) in gaps.all.iter().enumerate() {
+        for (sample, here) in gaps.all.iter().enumerate() {
+            let (x, d) = (here.0, self.guarded_from(&pose, sample, here));
             let dx = self.samples.of(sample, self.dim, |dof| to.u[dof] - at.u[dof]);
-            let reach = pose.reach(&end, &x, &dx);
+            let reach = self.obstacle.steepest() * pose.reach(&end, &x, &dx);
             let floor = floor(self.law, d, DEPTH * self.thickness);
             if d - reach < floor {
                 let distance = |s: f64| {
                     let pose = Pose::at(&at.under(&from.blend(end_of, s)), self.centre);
-                    self.distance(&pose, (sample, &(x + s * dx)))
+                    self.guarded(&pose, (sample, &(x + s * dx)))
                 };
                 share = share.min(advance((d, floor), reach, distance));
             }

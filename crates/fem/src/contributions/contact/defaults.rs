@@ -76,6 +76,18 @@ pub(super) fn half_width(obstacle: &Obstacle, dim: usize) -> f64 {
             let (low, high) = of.bounds();
             half(&low, &high)
         }
+        Obstacle::Grid(grid) => {
+            let (low, high) = grid.solid().bounds();
+            half(&low, &high)
+        }
+    }
+}
+
+/// How deep its inside is, as far as that is known: of a grid that of its deepest node, else half of the obstacle's least width.
+pub(super) fn half_thickness(obstacle: &Obstacle, dim: usize) -> f64 {
+    match obstacle {
+        Obstacle::Grid(grid) => grid.deepest(),
+        _ => half_width(obstacle, dim),
     }
 }
 
@@ -100,6 +112,10 @@ pub(super) fn centre(obstacle: &Obstacle) -> [f64; 3] {
         Obstacle::Box { low, high, .. } => middle(low, high),
         Obstacle::Solid { of, .. } => {
             let (low, high) = of.bounds();
+            middle(&low, &high)
+        }
+        Obstacle::Grid(grid) => {
+            let (low, high) = grid.solid().bounds();
             middle(&low, &high)
         }
     }

@@ -2,7 +2,7 @@
 
 use super::bound::{BoundContact, FRICTION, STIFFNESS};
 use super::friction::{Elsewhere, Slip, dissipation};
-use super::law::Pressure;
+use super::law::Push;
 use super::point::{Gaps, Touch};
 use super::pose::{ByPose, Pose};
 use crate::contributions::guides::add_element;
@@ -11,8 +11,8 @@ use crate::error::Inadmissible;
 use nastic_linear::SparseMatrix;
 use nastic_tensor::{Mat3, Vec3};
 
-/// `sum_s w_s mu p_l F(|v_t|) / c_v`, with `v_t = (1 - n_l n_l^T)(v_s(u) - v_o(y_l))`, pressures p_l, normals n_l and arms y_l about the obstacle's pivot of
-/// another displacement and pose: its derivative is `sum_s w_s mu p_l N^T f(v_t)`, and it is convex in u.
+/// `sum_s w_s mu P_l F(|v_t|) / c_v`, with `v_t = (1 - n_l n_l^T)(v_s(u) - v_o(y_l))`, pressures P_l, normals n_l and arms y_l about the obstacle's pivot of
+/// another displacement and pose: its derivative is `sum_s w_s mu P_l N^T f(v_t)`, and it is convex in u.
 pub(super) struct LaggedFriction<'a> {
     of: &'a BoundContact,
     gaps: Gaps,
@@ -20,8 +20,8 @@ pub(super) struct LaggedFriction<'a> {
     mu: f64,
     /// k there.
     stiffness: f64,
-    /// p_l of every sample that touches there.
-    pressures: Vec<Pressure>,
+    /// P_l of every sample that touches there.
+    pushes: Vec<Push>,
     pose: Pose,
     velocity: f64,
 }
@@ -30,8 +30,8 @@ pub(super) struct LaggedFriction<'a> {
 pub(super) struct Rubbed<'t> {
     touch: &'t Touch,
     pub sample: usize,
-    /// p_l
-    pub pressure: Pressure,
+    /// P_l
+    pub push: Push,
     n: Vec3,
     /// y_l
     arm: Vec3,
@@ -49,27 +49,27 @@ impl<'a> LaggedFriction<'a> {
         let slip_speed = lag.smoothing * slip_speed;
         let there = Instant { u: lag.u, controls: lag.controls, step: None, ..*at };
         let gaps = Gaps::at(of, &there)?;
-        let pressures = gaps.touches.iter().map(|touch| of.traction(touch, &gaps.pose, &there).pressure).collect();
+        let pushes = gaps.touches.iter().map(|touch| of.traction(touch, &gaps.pose, &there).push).collect();
         let (mu, stiffness) = (at.control(FRICTION), there.control(STIFFNESS));
         let (pose, velocity) = (Pose::at(at, of.centre), step.velocity.0);
-        Ok(Some(LaggedFriction { of, gaps, slip_speed, mu, stiffness, pressures, pose, velocity }))
+        Ok(Some(LaggedFriction { of, gaps, slip_speed, mu, stiffness, pushes, pose, velocity }))
     }
 
     /// The samples that touch there.
     pub fn each<'s>(&'s self, at: &'s Instant) -> impl Iterator<Item = Rubbed<'s>> {
-        self.gaps.touches.iter().zip(&self.pressures).map(|(touch, &pressure)| {
-            let (n, sample) = (Vec3::from(touch.distance.normal), touch.sample);
+        self.gaps.touches.iter().zip(&self.pushes).map(|(touch, &push)| {
+            let (n, sample) = (Vec3::from(touch.distance.normal()), touch.sample);
             let own = self.of.samples.of(sample, self.of.dim, |dof| at.velocity(dof));
             // the point that the sample was at has moved on with the obstacle
             let arm = self.gaps.pose.arm(&touch.place);
             let relative = own - self.pose.velocity_of(&arm);
-            Rubbed { touch, sample, pressure, n, arm, relative, slides: relative - n * n.dot(&relative) }
+            Rubbed { touch, sample, push, n, arm, relative, slides: relative - n * n.dot(&relative) }
         })
     }
 
-    /// Weight times mu p_l.
+    /// Weight times mu P_l.
     fn strength(&self, rubbed: &Rubbed) -> f64 {
-        self.of.samples.weights[rubbed.sample] * self.mu * rubbed.pressure.value
+        self.of.samples.weights[rubbed.sample] * self.mu * rubbed.push.value
     }
 
     /// The force of the residual on a sample.
@@ -116,34 +116,34 @@ impl<'a> LaggedFriction<'a> {
 
     /// Adds `lambda . dr/dp`: by velocities and the motion of the obstacle (`by`), and by displacement, pose and stiffness where the step begins.
     ///
-    /// With `q = D lambda`, `b = mu p_l (1 - n n^T) q` and `t = mu p_l f(v_t)` the derivative by the place there is
+    /// With `q = D lambda`, `W = dn/dx`, `b = mu P_l (1 - n n^T) q` and `t = mu P_l f(v_t)` the derivative by the place there is
     ///
     /// ```text
-    /// a + Omega x b,    a = mu (p_l' (lambda . f) n - p_l ((n . w) H q + (n . q) H w)),    w = v_s - v_o
+    /// a + Omega x b,    a = mu ((lambda . f) dP_l/dx - P_l W^T ((n . w) q + (n . q) w)),    w = v_s - v_o
     /// ```
     ///
-    /// and by a turn of the obstacle there `-y_l x a - mu p_l ((n . w) n x q + (n . q) n x w)`.
+    /// and by a turn of the obstacle there `-y_l x a - mu P_l ((n . w) n x q + (n . q) n x w)`.
     pub fn vjp(&self, at: &Instant, lambda: &[f64], by: &mut ByPose, into: &mut Sensitivities) {
         let spin = self.pose.spin_matrix();
         let (mut there, mut by_friction, mut by_stiffness) = (ByPose::default(), 0.0, 0.0);
         for rubbed in self.each(at) {
-            let Rubbed { sample, n, arm, relative: w, pressure: p, .. } = rubbed;
+            let Rubbed { sample, n, arm, relative: w, push, .. } = rubbed;
             let weighted = self.of.samples.weights[sample] * self.of.samples.of(sample, self.of.dim, |dof| lambda[dof]);
             let slip = Slip::at(&rubbed.slides, self.slip_speed);
             let (q, work) = (slip.slope * weighted, weighted.dot(&slip.share));
             let (along, across) = (n.dot(&w), n.dot(&q));
-            let by_velocity = self.mu * p.value * (q - n * across);
+            let by_velocity = self.mu * push.value * (q - n * across);
             self.of.spread(sample, &by_velocity, &mut into.velocity);
             by.velocity -= by_velocity;
             by.spin -= arm.cross(&by_velocity);
-            by_friction += p.value * work;
-            by_stiffness += self.mu * p.value * work / self.stiffness;
-            let h = rubbed.touch.distance.hessian();
-            let a = self.mu * (p.slope * work * n - p.value * h * (along * q + across * w));
+            by_friction += push.value * work;
+            by_stiffness += self.mu * push.value * work / self.stiffness;
+            let turn = rubbed.touch.distance.normal_change().transpose();
+            let a = self.mu * (work * push.change - push.value * turn * (along * q + across * w));
             let by_place = a + spin * by_velocity;
             self.of.spread(sample, &by_place, &mut into.before.u);
             there.translation -= by_place;
-            there.turn -= arm.cross(&a) + self.mu * p.value * n.cross(&(along * q + across * w));
+            there.turn -= arm.cross(&a) + self.mu * push.value * n.cross(&(along * q + across * w));
         }
         self.gaps.pose.add_vjp_before(at, &there, self.of.dim, into);
         into.before.add_control(at, STIFFNESS, by_stiffness);

@@ -1,5 +1,8 @@
 //! [`ContactLaw`]: the pressure of a contact by its gap.
 
+use nastic_mesh::spatial::SignedDistance;
+use nastic_tensor::Vec3;
+
 /// The potential of a contact per reference area, `psi(d)`, d the signed distance, delta the thickness of its layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ContactLaw {
@@ -22,6 +25,24 @@ pub(super) struct Pressure {
     pub slope: f64,
     /// `p''`
     pub second: f64,
+}
+
+/// What presses at a sample, per area: `P = p m`, `m = |grad d|`, which is 1 but for a distance on a grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Push {
+    /// P, Pa
+    pub value: f64,
+    /// `dP/dx = p' m grad d + p dm/dx`
+    pub change: Vec3,
+}
+
+impl Push {
+    /// Of the pressure p at a distance d.
+    pub fn of(pressure: &Pressure, distance: &SignedDistance) -> Self {
+        let m = distance.steepness();
+        let along = pressure.slope * m * Vec3::from(distance.gradient);
+        Push { value: pressure.value * m, change: along + pressure.value * Vec3::from(distance.steepness_change()) }
+    }
 }
 
 impl ContactLaw {

@@ -3,7 +3,7 @@
 use super::bound::{BoundContact, FRICTION, STIFFNESS};
 use super::friction::{Slip, without_lagged};
 use super::lagged::LaggedFriction;
-use super::law::{ContactLaw, Pressure};
+use super::law::{ContactLaw, Pressure, Push};
 use super::pose::{ByPose, Pose};
 use super::second_order;
 use crate::contributions::guides::add_element;
@@ -40,11 +40,12 @@ pub(super) struct Touch {
     pub distance: SignedDistance,
 }
 
-/// What acts at a sample, per area: the residual `t = -p n + mu p f(v_t)` and what its derivatives take.
+/// What acts at a sample, per area: the residual `t = -P n + mu P f(v_t)` and what its derivatives take.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Traction {
     pub n: Vec3,
     pub pressure: Pressure,
+    pub push: Push,
     /// `v_s - v_o`
     pub relative: Vec3,
     pub slip: Option<(f64, Slip)>,
@@ -73,34 +74,35 @@ impl Gaps {
 
 impl BoundContact {
     pub(super) fn traction(&self, touch: &Touch, pose: &Pose, at: &Instant) -> Traction {
-        let n = Vec3::from(touch.distance.normal);
+        let n = Vec3::from(touch.distance.normal());
         let unit = self.law.at(touch.distance.value, self.thickness);
         let k = at.control(STIFFNESS);
         let pressure =
             Pressure { energy: k * unit.energy, value: k * unit.value, slope: k * unit.slope, second: k * unit.second };
-        let mut t = -pressure.value * n;
+        let push = Push::of(&pressure, &touch.distance);
+        let mut t = -push.value * n;
         let (mut relative, mut slip) = (Vec3::zeros(), None);
         if let (Some(e), Some(_)) = (self.slip_speed, at.step) {
             let own = self.samples.of(touch.sample, self.dim, |dof| at.velocity(dof));
             relative = own - pose.velocity(&touch.place);
             let (mu, found) = (at.control(FRICTION), Slip::at(&(relative - n * n.dot(&relative)), e));
-            t += mu * pressure.value * found.share;
+            t += mu * push.value * found.share;
             slip = Some((mu, found));
         }
-        Traction { n, pressure, relative, slip, t }
+        Traction { n, pressure, push, relative, slip, t }
     }
 }
 
 impl Traction {
     /// `A = dt/dx` at fixed relative velocity and `B = dt/d(v_s - v_o)`.
     pub fn tangents(&self, distance: &SignedDistance) -> [Mat3; 2] {
-        let (n, p) = (self.n, self.pressure);
-        let h = distance.hessian();
-        let mut by_place = -p.slope * n * n.transpose() - p.value * h;
+        let (n, p, push, g) = (self.n, self.pressure, self.push, Vec3::from(distance.gradient));
+        let mut by_place = -p.slope * g * g.transpose() - p.value * distance.hessian();
         let Some((mu, slip)) = &self.slip else { return [by_place, Mat3::zeros()] };
-        let turned = n.dot(&self.relative) * h + n * (h * self.relative).transpose();
-        by_place += *mu * (p.slope * slip.share * n.transpose() - p.value * slip.slope * turned);
-        [by_place, *mu * p.value * slip.slope * (Mat3::identity() - n * n.transpose())]
+        let turn = distance.normal_change();
+        let turned = n.dot(&self.relative) * turn + n * (turn.transpose() * self.relative).transpose();
+        by_place += *mu * (slip.share * push.change.transpose() - push.value * slip.slope * turned);
+        [by_place, *mu * push.value * slip.slope * (Mat3::identity() - n * n.transpose())]
     }
 }
 
@@ -147,8 +149,7 @@ pub(super) fn floor(law: ContactLaw, d: f64, depth: f64) -> f64 {
     REST_OF_GAP * (d + sunk) - sunk
 }
 
-/// The longest share of a move by no more than `reach` that keeps a distance above its floor, by conservative advancement, as distances
-/// change no faster than places.
+/// The longest share of a move, over which a distance changes by no more than `reach`, that keeps it above its floor, by conservative advancement.
 pub(super) fn advance((d, floor): (f64, f64), reach: f64, distance: impl Fn(f64) -> f64) -> f64 {
     let mut share = 0.0;
     for _ in 0..ADVANCES {
@@ -212,15 +213,16 @@ impl ContributionPoint for TouchPoint<'_> {
         let gaps = self.gaps(at)?;
         let shares = gaps.all.iter().enumerate().map(|(sample, here)| {
             let dx = self.of.samples.of(sample, self.of.dim, |dof| du[dof]);
-            let (x, d) = *here;
-            if dx.norm() <= (1.0 - REST_OF_GAP) * d {
+            let (x, d) = (here.0, self.of.guarded_from(&gaps.pose, sample, here));
+            let reach = self.of.obstacle.steepest() * dx.norm();
+            if reach <= (1.0 - REST_OF_GAP) * d {
                 return 1.0;
             }
             if self.of.law == ContactLaw::Cubic && self.of.depth.is_infinite() {
                 return 1.0;
             }
             let floor = floor(self.of.law, d, self.of.depth);
-            advance((d, floor), dx.norm(), |share| self.of.distance(&gaps.pose, (sample, &(x + share * dx))))
+            advance((d, floor), reach, |share| self.of.guarded(&gaps.pose, (sample, &(x + share * dx))))
         });
         Ok(shares.fold(1.0, f64::min))
     }
@@ -239,7 +241,7 @@ impl ContributionPoint for TouchPoint<'_> {
             let arm = gaps.pose.arm(&touch.place);
             by_stiffness += weighted.dot(&traction.t) / at.control(STIFFNESS);
             if let Some((_, slip)) = &traction.slip {
-                by_friction += traction.pressure.value * weighted.dot(&slip.share);
+                by_friction += traction.push.value * weighted.dot(&slip.share);
                 of.spread(touch.sample, &by_velocity, &mut into.velocity);
             }
             // omega x t - A (omega x y) - B (omega x w), omega taken out

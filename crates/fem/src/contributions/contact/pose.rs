@@ -81,6 +81,11 @@ impl Pose {
         obstacle.distance(&self.within(x))
     }
 
+    /// [`Obstacle::guarded`]
+    pub fn guarded(&self, obstacle: &Obstacle, x: &Vec3) -> f64 {
+        obstacle.guarded(&self.within(x))
+    }
+
     pub fn signed_distance(&self, obstacle: &Obstacle, x: &Vec3) -> SignedDistance {
         let found = obstacle.at(&self.within(x));
         if self.theta == Vec3::zeros() { found } else { found.turned(&self.r) }

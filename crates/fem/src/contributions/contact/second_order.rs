@@ -1,6 +1,6 @@
 //! Second derivatives of a contact without friction.
 //!
-//! With `Psi(x) = psi(d(x))`, `G = psi' n`, `Q = psi'' n n^T + psi' H` and its change `Q'[v]`, at a sample with the arm y, for a direction a
+//! With `Psi(x) = psi(d(x))`, `n = grad d`, `G = psi' n`, `Q = psi'' n n^T + psi' H` and its change `Q'[v]`, at a sample with the arm y, for a direction a
 //! (lambda there) and a turn omega of the obstacle: `lambda . r` changes by the place as `Q a`, by the translation as `-Q a` and by omega as
 //! `m = -a x G - y x Q a`. Along a change of the place dx, a translation and a turn,
 //!
@@ -32,7 +32,7 @@ impl<'t> Potential<'t> {
         let p = point.of.law.at(touch.distance.value, point.of.thickness);
         let k = at.control(STIFFNESS);
         let psi = [-k * p.value, -k * p.slope, -k * p.second];
-        let (n, h) = (Vec3::from(touch.distance.normal), touch.distance.hessian());
+        let (n, h) = (Vec3::from(touch.distance.gradient), touch.distance.hessian());
         Potential { touch, psi, n, h, q: psi[1] * n * n.transpose() + psi[0] * h }
     }
 

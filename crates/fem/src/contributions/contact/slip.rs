@@ -7,12 +7,12 @@ use crate::contributions::{Instant, Sensitivities};
 use crate::error::Inadmissible;
 use nastic_tensor::Vec3;
 
-/// `sum_s w_s p_s (|v_t| / e)^2q`, with `v_t = w - n (n . w)`, `w = v_s - v_o`. With `b = 2 q w_s p (|v_t|/e)^(2q-2) v_t / e^2`, its derivative by `v_t`,
+/// `sum_s w_s P_s (|v_t| / e)^2q`, with `v_t = w - n (n . w)`, `w = v_s - v_o`. With `W = dn/dx`, `b = 2 q w_s P (|v_t|/e)^(2q-2) v_t / e^2`, its derivative by `v_t`,
 /// `v_t . n = 0` and the arm y:
 ///
 /// ```text
 /// by v_s            b
-/// by x_s            a + Omega x b,     a = w_s p' (|v_t|/e)^2q n - (n . w) H b
+/// by x_s            a + Omega x b,     a = w_s (|v_t|/e)^2q dP/dx - (n . w) W^T b
 /// by a turn         -y x a - (n . w) n x b
 /// ```
 pub(super) fn add(
@@ -26,18 +26,18 @@ pub(super) fn add(
     let spin = gaps.pose.spin_matrix();
     let (mut sum, mut by) = (0.0, ByPose::default());
     for touch in &gaps.touches {
-        let (weight, n) = (of.samples.weights[touch.sample], Vec3::from(touch.distance.normal));
-        let pressure = of.traction(touch, &gaps.pose, at).pressure;
+        let (weight, n) = (of.samples.weights[touch.sample], Vec3::from(touch.distance.normal()));
+        let push = of.traction(touch, &gaps.pose, at).push;
         let own = of.samples.of(touch.sample, of.dim, |dof| at.velocity(dof));
         let relative = own - gaps.pose.velocity(&touch.place);
         let along = n.dot(&relative);
         let slides = relative - n * along;
         let square = slides.norm_squared() / (e * e);
         let power = square.powi(q);
-        sum += weight * pressure.value * power;
+        sum += weight * push.value * power;
         let by_square = f64::from(q) * square.powi((q - 1).max(0));
-        let b = 2.0 * weight * pressure.value * by_square / (e * e) * slides;
-        let a = weight * pressure.slope * power * n - along * (touch.distance.hessian() * b);
+        let b = 2.0 * weight * push.value * by_square / (e * e) * slides;
+        let a = weight * power * push.change - along * (touch.distance.normal_change().transpose() * b);
         let (by_place, arm) = (a + spin * b, gaps.pose.arm(&touch.place));
         of.spread(touch.sample, &b, &mut into.velocity);
         of.spread(touch.sample, &by_place, by_u);

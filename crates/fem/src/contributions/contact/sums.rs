@@ -29,7 +29,7 @@ impl Touches for BoundContact {
         for touch in &gaps.touches {
             let traction = self.traction(touch, &gaps.pose, at);
             let weight = self.samples.weights[touch.sample];
-            let p = traction.pressure.value;
+            let p = traction.push.value;
             force -= weight * traction.t;
             moment -= weight * (touch.place - gaps.pose.pivot()).cross(&traction.t);
             area += weight;
@@ -52,7 +52,7 @@ impl Touches for BoundContact {
                 let (push, slides) = (friction.force(&rubbed), rubbed.slides.norm());
                 force -= push;
                 moment -= (gaps.all[rubbed.sample].0 - gaps.pose.pivot()).cross(&push);
-                let carried = self.samples.weights[rubbed.sample] * rubbed.pressure.value;
+                let carried = self.samples.weights[rubbed.sample] * rubbed.push.value;
                 borne += carried;
                 speed = speed.max(slides);
                 sticking += if slides < e { carried } else { 0.0 };
@@ -90,10 +90,10 @@ impl Touches for BoundContact {
         let (mut sum, mut by_pose, mut by_stiffness) = (0.0, ByPose::default(), 0.0);
         for touch in &gaps.touches {
             let traction = self.traction(touch, &gaps.pose, at);
-            let (weight, p) = (self.samples.weights[touch.sample], traction.pressure);
+            let (weight, p) = (self.samples.weights[touch.sample], traction.push);
             let [value, slope] = by(p.value);
             sum += weight * value;
-            let by_place = weight * slope * p.slope * traction.n;
+            let by_place = weight * slope * p.change;
             self.spread(touch.sample, &by_place, by_u);
             by_pose.translation -= by_place;
             by_pose.turn -= gaps.pose.arm(&touch.place).cross(&by_place);
@@ -110,7 +110,7 @@ impl Touches for BoundContact {
         for (sample, (place, d)) in gaps.all.iter().enumerate() {
             let mut slides = Vec::new();
             if let (Some(e), Some(_), true) = (self.slip_speed, at.step, *d < self.thickness) {
-                let n = Vec3::from(self.signed_distance(&gaps.pose, (sample, place)).normal);
+                let n = Vec3::from(self.signed_distance(&gaps.pose, (sample, place)).normal());
                 let own = self.samples.of(sample, self.dim, |dof| at.velocity(dof));
                 let relative = own - gaps.pose.velocity(place);
                 slides.push((relative - n * n.dot(&relative)).norm() / e);
@@ -158,7 +158,7 @@ impl Touches for BoundContact {
 
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)> {
         let of_touch = |gaps: Gaps| -> Vec<(usize, f64)> {
-            let pressure = |touch: &_| self.traction(touch, &gaps.pose, at).pressure.value;
+            let pressure = |touch: &_| self.traction(touch, &gaps.pose, at).push.value;
             gaps.touches.iter().map(|touch| (touch.sample, pressure(touch))).collect()
         };
         Samples::nodal_means(&[(&self.samples, Gaps::at(self, at).map(of_touch).unwrap_or_default())])

@@ -24,7 +24,7 @@ impl Obstacle {
                 block(size, [CELLS; 3], dim)?.mapped(at).ok()
             }
             Obstacle::HalfSpace { point, normal } => plate(*point, *normal, body),
-            Obstacle::Solid { .. } => None,
+            Obstacle::Solid { .. } | Obstacle::Grid(_) => None,
         }
     }
 }

@@ -1,16 +1,19 @@
 //! [`Obstacle`]: shapes that bodies keep clear of, or touch, by their signed distance.
 
 mod distance;
+mod distance_grid;
 mod drawn;
+mod grid_spline;
 
 use super::polyhedron::{Feature, Polyhedron, SurfacePoint};
 use super::{SpatialError, V};
 use crate::Mesh;
 pub use distance::SignedDistance;
+pub use distance_grid::{DistanceGrid, LostWall};
 use std::sync::Arc;
 
-/// A shape in space with its signed distance d(x): positive outside, negative inside, `|grad d| = 1`. In plane strain its section
-/// with the plane z = 0 counts.
+/// A shape in space with its signed distance d(x): positive outside, negative inside; `|grad d| = 1`, but for one on a grid. In
+/// plane strain its section with the plane z = 0 counts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Obstacle {
     /// `d(x) = |x - center| - radius`
@@ -52,6 +55,8 @@ pub enum Obstacle {
         /// By how much, at least zero.
         rounding: f64,
     },
+    /// A meshed solid whose distance is interpolated on a grid: two times continuously differentiable, also at concave edges.
+    Grid(Arc<DistanceGrid>),
 }
 
 impl Obstacle {
@@ -87,6 +92,15 @@ impl Obstacle {
         Ok(Obstacle::Solid { of: Arc::new(Polyhedron::of(mesh, None)?), rounding: 0.0 })
     }
 
+    /// The same with its distance on a grid of a spacing, interpolated up to a margin around the solid that is at least so wide.
+    ///
+    /// # Errors
+    /// As [`Polyhedron::of`] and [`DistanceGrid::of`].
+    pub fn on_grid(mesh: &Mesh, spacing: f64, margin: f64) -> Result<Self, SpatialError> {
+        let solid = Arc::new(Polyhedron::of(mesh, None)?);
+        Ok(Obstacle::Grid(Arc::new(DistanceGrid::of(solid, spacing, margin)?)))
+    }
+
     /// With rounded edges: of a box, whose faces stay where they are, or of a meshed solid, which grows by the radius. Other shapes have
     /// no edges and stay.
     #[must_use]
@@ -107,7 +121,27 @@ impl Obstacle {
 
     /// Its signed distance at x: positive outside.
     pub fn distance(&self, x: &[f64; 3]) -> f64 {
-        self.at(x).value
+        match self {
+            Obstacle::Grid(grid) => grid.distance(x),
+            _ => self.at(x).value,
+        }
+    }
+
+    /// What d is replaced by to tell how far a point may go: it differs from d on a grid alone, and there only where d is at least the grid's margin, and
+    /// changes by no more than [`Obstacle::steepest`] times the way.
+    pub fn guarded(&self, x: &[f64; 3]) -> f64 {
+        match self {
+            Obstacle::Grid(grid) => grid.guarded(x),
+            _ => self.distance(x),
+        }
+    }
+
+    /// How fast at most [`Obstacle::guarded`] changes over a length: 1, but for a distance on a grid.
+    pub fn steepest(&self) -> f64 {
+        match self {
+            Obstacle::Grid(grid) => grid.steepest(),
+            _ => 1.0,
+        }
     }
 
     /// Its signed distance at x with the derivatives.
@@ -116,7 +150,7 @@ impl Obstacle {
             Obstacle::Sphere { center, radius } => around(center, x, *radius, [0.0; 3]),
             Obstacle::HalfSpace { point, normal } => {
                 let value = (0..3).map(|i| normal[i] * (x[i] - point[i])).sum();
-                SignedDistance { value, normal: *normal, curvature: 0.0, straight: [0.0; 3] }
+                SignedDistance::round(value, *normal, 0.0, [0.0; 3])
             }
             Obstacle::Capsule { ends: [from, to], radius } => {
                 let along: [f64; 3] = std::array::from_fn(|i| to[i] - from[i]);
@@ -128,9 +162,10 @@ impl Obstacle {
                 around(&nearest, x, *radius, straight)
             }
             Obstacle::Box { low, high, rounding } => {
-                from_box(&low.map(|x| x + rounding), &high.map(|x| x - rounding), x).grown(*rounding)
+                from_box(&low.map(|x| x + rounding), &high.map(|x| x - rounding), x).plus(-rounding)
             }
-            Obstacle::Solid { of, rounding } => from_surface(&of.nearest(*x)).grown(*rounding),
+            Obstacle::Solid { of, rounding } => from_surface(&of.nearest(*x)).plus(-rounding),
+            Obstacle::Grid(grid) => grid.at(x),
         }
     }
 
@@ -145,7 +180,7 @@ impl Obstacle {
             Obstacle::HalfSpace { point, normal } => ([*point, *normal].concat(), 1.0),
             Obstacle::Capsule { ends, radius } => (ends.concat(), *radius),
             Obstacle::Box { low, high, .. } => ([*low, *high].concat(), 1.0),
-            Obstacle::Solid { .. } => (Vec::new(), 1.0),
+            Obstacle::Solid { .. } | Obstacle::Grid(_) => (Vec::new(), 1.0),
         };
         if numbers.iter().any(|x| !x.is_finite()) {
             let what = match self {
@@ -160,10 +195,14 @@ impl Obstacle {
         if !(rounding >= 0.0 && rounding.is_finite()) {
             return complain(format!("an obstacle has the rounding radius {rounding}; it is a length, zero or more"));
         }
-        if let Obstacle::Solid { of, .. } = self
-            && of.dim() != dim
+        let meshed = match self {
+            Obstacle::Solid { of, .. } => Some(of.as_ref()),
+            Obstacle::Grid(grid) => Some(grid.solid()),
+            _ => None,
+        };
+        if let Some(found) = meshed.map(Polyhedron::dim)
+            && found != dim
         {
-            let found = of.dim();
             return complain(format!(
                 "the mesh of an obstacle has {found} dimensions and the body {dim}: take the same"
             ));
@@ -204,12 +243,12 @@ fn from_box(low: &[f64; 3], high: &[f64; 3], x: &[f64; 3]) -> SignedDistance {
         let faces = (0..3).flat_map(|i| [(i, -1.0, low[i] - x[i]), (i, 1.0, x[i] - high[i])]);
         let (axis, sense, value) = faces.max_by(|a, b| a.2.total_cmp(&b.2)).unwrap_or((0, 1.0, 0.0));
         let normal = std::array::from_fn(|i| if i == axis { sense } else { 0.0 });
-        return SignedDistance { value, normal, curvature: 0.0, straight: [0.0; 3] };
+        return SignedDistance::round(value, normal, 0.0, [0.0; 3]);
     }
     let edge = (0..3).find(|i| !beyond.contains(i)).filter(|_| beyond.len() == 2);
     let straight = std::array::from_fn(|i| if edge == Some(i) { 1.0 } else { 0.0 });
     let found = around(&nearest, x, 0.0, straight);
-    if beyond.len() == 1 { SignedDistance { curvature: 0.0, ..found } } else { found }
+    if beyond.len() == 1 { SignedDistance::round(found.value, found.gradient, 0.0, straight) } else { found }
 }
 
 fn norm(v: &[f64; 3]) -> f64 {
@@ -225,12 +264,12 @@ fn from_surface(near: &SurfacePoint) -> SignedDistance {
         Feature::Corner => (1.0, [0.0; 3]),
     };
     let curvature = if value == 0.0 { 0.0 } else { curvature / value };
-    SignedDistance { value, normal, curvature, straight }
+    SignedDistance::round(value, normal, curvature, straight)
 }
 
 fn around(center: &[f64; 3], x: &[f64; 3], radius: f64, straight: [f64; 3]) -> SignedDistance {
     let offset: [f64; 3] = std::array::from_fn(|i| x[i] - center[i]);
     let away = norm(&offset);
     let (normal, curvature) = if away > 0.0 { (offset.map(|o| o / away), 1.0 / away) } else { ([0.0; 3], 0.0) };
-    SignedDistance { value: away - radius, normal, curvature, straight }
+    SignedDistance::round(away - radius, normal, curvature, straight)
 }
