@@ -440,6 +440,7 @@ impl Model {
     pub fn check(&self) -> Result<(), FemError> {
         // A body without materials has no use for advice on supports.
         self.body.check_complete()?;
+        self.check_solver(None)?;
         let springs = self.others.iter().flat_map(|contribution| contribution.resists());
         self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>())?;
         self.check_in_motion()

@@ -90,7 +90,7 @@ pub enum FactorError {
     },
     /// More memory than there is.
     #[error(
-        "{what} takes {} where {} are available: try multigrid (\"linear_solver\": \"multigrid\"), a coarser mesh, \
+        "{what} takes {} where {} are available: try a coarser mesh, multigrid where the matrix is symmetric (\"linear_solver\": \"multigrid\"), \
          fewer threads (each scenario on a thread of its own holds a factor), or raise the limit {}, if it is set",
         size(*.needed), size(*.available), crate::memory::LIMIT
     )]

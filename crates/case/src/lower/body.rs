@@ -57,6 +57,11 @@ fn check_complete(case: &Case, solid: &Solid, context: &mut Context<'_>) {
             (FemError::RigidMotion { .. }, Some(_)) => {
                 format!("{error}; or let it move from rest: \"start\": \"rest\" in \"time\", by a scheme with inertia")
             }
+            (FemError::Unsupported { what, with, .. }, _) if case.linear_solver.is_some() => {
+                format!(
+                    "{what} does not go with {with}; leave \"linear_solver\" out, and the solver that does is taken"
+                )
+            }
             _ => error.to_string(),
         };
         context.complain(&At::root().key(block), message);

@@ -18,9 +18,8 @@ const SLIP: f64 = 0.01;
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for contact in &case.contact {
         let mesh = solid.mesh().clone();
-        if named_groups::facets(&mesh, &contact.surface, &contact.at.key("surface"), context).is_none() {
-            continue;
-        }
+        let facets = named_groups::facets(&mesh, &contact.surface, &contact.at.key("surface"), context);
+        let Some(facets) = facets else { continue };
         if let Some(with) = &contact.with {
             if named_groups::facets(&mesh, with, &contact.at.key("with"), context).is_some() {
                 let built = between(case, (contact, with), &mesh);
@@ -34,7 +33,8 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         if given && touched.grid.is_none() {
             continue;
         }
-        let outline = (touched.outline(), contact.thickness.unwrap_or(0.0));
+        let thickness = contact.thickness.unwrap_or_else(|| nastic_fem::Contact::usual_thickness(&mesh, &facets));
+        let outline = (touched.outline(), thickness);
         let Some(shape) = obstacle::build(outline, context) else { continue };
         let built = build(case, (contact, touched), shape.clone(), &mesh);
         attempt(solid, &contact.at, context, |solid| solid.contact(built));

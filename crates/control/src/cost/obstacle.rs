@@ -17,6 +17,16 @@ pub(crate) fn check(obstacle: &Obstacle, clearance: f64, dim: usize) -> Result<(
         let what = format!("an obstacle has the clearance {clearance}; clearances are finite lengths");
         return Err(ControlError::Cost { what });
     }
+    if let Obstacle::Grid(grid) = obstacle
+        && grid.margin() < clearance
+    {
+        let what = format!(
+            "the clearance {clearance} from an obstacle is more than the margin of its grid, {:.3e}, beyond which the distance jumps: give the grid a wider \
+             margin",
+            grid.margin()
+        );
+        return Err(ControlError::Cost { what });
+    }
     obstacle.check(dim).map_err(|error| ControlError::Cost { what: error.to_string() })
 }
 

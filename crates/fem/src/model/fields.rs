@@ -229,8 +229,8 @@ impl Model {
                 Err(refused("multigrid", owner, &why))
             }
             _ if self.symmetry() == Symmetry::General && wanted.takes() == Symmetry::Symmetric => {
-                let why = format!("the tangent is not symmetric: take {instead}");
-                Err(refused(wanted.name(), "friction or follower loads", &why))
+                let why = format!("friction and some follower loads make it so: take {instead}");
+                Err(refused(wanted.name(), "a tangent that is not symmetric", &why))
             }
             _ => Ok(()),
         }

@@ -337,7 +337,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<State, StateError> {
         let mut here = from.clone();
-        let (mut steps, mut failed) = (LoadSteps::default(), false);
+        let (mut steps, mut follow, mut failed) = (LoadSteps::default(), None::<Vec<f64>>, false);
         let mut way = Way::new(self, time_step.is_some());
         let unbounded = self.body.excess_tension(to).is_some();
         // in time, steps are short
@@ -348,11 +348,12 @@ impl Model {
         while steps.done < 1.0 {
             let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
             let bears = self.admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
-            // where obstacles move, what they touch goes with them, unless that has just led nowhere
-            let rate = match (bears < 1.0 || obstacles_move) && !failed {
-                true => self.rate_along((&here, from, to), (how, time_step), (steps.done, bears), workspace, report),
+            // where obstacles move, what they touch goes with them, unless that has just led nowhere; else the body may go on as it did
+            let tangent = match obstacles_move && !failed {
+                true => self.rate_along((&here, from, to), how, (steps.done, bears), workspace, report),
                 false => None,
             };
+            let rate = tangent.or_else(|| follow.take().filter(|_| bears < 1.0));
             let ahead = |length| rate.as_ref().map(|rate| moved(&here.u, rate, length));
             let borne = |u: Vec<f64>| self.admissible_change(&instant, &Instant { u: &u, ..instant.under(to) }).ok();
             let followed = ahead(1.0 - steps.done).and_then(borne).filter(|share| *share > bears || *share == 1.0);
@@ -375,6 +376,10 @@ impl Model {
             match attempted {
                 Ok(()) => {
                     report.load_steps += 1;
+                    if bears < 1.0 {
+                        let length = path - steps.done;
+                        follow = Some(u.iter().zip(here.u.iter()).map(|(to, from)| (to - from) / length).collect());
+                    }
                     steps.succeeded(path, self.unknowns().norm(&sub(self.nodal(&u), self.nodal(&here.u))));
                     here = State::equilibrium(u, controls, load, *report);
                 }

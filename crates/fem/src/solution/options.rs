@@ -15,9 +15,10 @@ pub struct SolveOptions<'a> {
     /// is as if none had been given. Another length than that of the body's displacements is an error.
     pub guess: Option<&'a [f64]>,
     /// By what tangent systems are solved: a row of [`Solver::CATALOGUE`](crate::Solver::CATALOGUE), or a factory of your own. Default:
-    /// what [`Solver::cheaper`](crate::Solver::cheaper) expects to be cheaper.
+    /// that of the body ([`Solid::solver`](crate::Solid::solver)), or what [`Solver::cheaper`](crate::Solver::cheaper) expects to be cheaper.
     pub solver: Option<&'a dyn SolverFactory>,
-    /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads.
+    /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads. Equilibria on the way there meet 1e-7
+    /// where obstacles move, also those that an error gives as the last ones found.
     pub accuracy: f64,
     /// Newton iterations allowed downhill per load step; where that many lead nowhere, up to 40 with strains of their own at the
     /// quadrature points follow, and as many as downhill from where these arrive. Nearly incompressible bodies turn to these after twelve,

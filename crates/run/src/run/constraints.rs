@@ -192,7 +192,10 @@ fn group(one: &ConstraintReport, known: &Known) -> ConstraintGroupRecord {
         touching.map(entry).collect()
     };
     ConstraintGroupRecord {
-        sense: known.bound.map_or("at_most", Bound::key).to_owned(),
+        sense: known
+            .bound
+            .map_or(if one.group.sense == Sense::Equal { "equal" } else { "at_most" }, Bound::key)
+            .to_owned(),
         bound: known.bound.map(|bound| bound.value().into()),
         functional: known.bound.zip(known.worst.as_ref()).map(|(bound, worst)| bound.functional(worst.value).into()),
         count: one.values.len(),

@@ -20,17 +20,18 @@ use crate::error::FemError;
 pub(crate) use bound::BoundContact;
 pub use law::ContactLaw;
 use layer::{Layer, layer_methods};
-use nastic_mesh::GroupNames;
 use nastic_mesh::spatial::Obstacle;
+use nastic_mesh::{Facet, GroupNames, Mesh};
 pub use surfaces::SurfaceContact;
 
 /// A surface that an obstacle pushes back, with friction or without.
 ///
 /// **Potential**, without friction: `sum_s w_s psi(d(x_s))` over the samples s of the surface, of reference area w_s, d the signed distance
-/// from the obstacle, psi a [`ContactLaw`] of thickness delta and stiffness k (Pa), fixed for good. With `p = -psi'` and `n = grad d`,
+/// from the obstacle, psi a [`ContactLaw`] of thickness delta and stiffness k (Pa), fixed for good. With `p = -psi'`, `n` the unit vector of `grad d` and
+/// the pressure `P = p |grad d|`, which is p for exact distances,
 ///
 /// ```text
-/// r = sum_s w_s N(x_s)^T t_s,    t_s = -p n + mu p f(v_t),    v_t = (1 - n n^T) (v_s - v_o)
+/// r = sum_s w_s N(x_s)^T t_s,    t_s = -P n + mu P f(v_t),    v_t = (1 - n n^T) (v_s - v_o)
 /// ```
 ///
 /// The residual is continuously differentiable in u wherever d has a continuous second derivative, also where contact opens and closes: its
@@ -56,6 +57,11 @@ pub struct Contact {
 }
 
 impl Contact {
+    /// The thickness of its layer on facets, unless another is given: 1/500 of the diagonal of their bounding box.
+    pub fn usual_thickness(mesh: &Mesh, facets: &[Facet]) -> f64 {
+        defaults::thickness(mesh, facets)
+    }
+
     /// Of a named surface, or of several together, with an obstacle; `name` is that of its controls.
     pub fn of(name: &str, surface: impl Into<GroupNames>, obstacle: Obstacle) -> Self {
         Contact {

@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 /// Numbers that a grid keeps at most, of 8 bytes each.
 const MOST_NUMBERS: f64 = 8e6;
+/// From one spacing that is tried to the next.
+const COARSER: f64 = 1.05;
 /// Least margin around the solid in spacings, and as a share of the diagonal of its bounding box.
 const MARGIN: [f64; 2] = [4.0, 0.05];
 /// Spacings of the grid beyond the margin.
@@ -56,15 +58,21 @@ impl DistanceGrid {
         }
         let (dim, (low, high)) = (solid.dim(), solid.bounds());
         let size: [f64; 3] = std::array::from_fn(|i| if i < dim { high[i] - low[i] } else { 0.0 });
-        let margin = margin.max(MARGIN[0] * spacing).max(MARGIN[1] * V::from(size).norm());
-        // next to its border d is less than on it
-        let cells = |i: usize| ((size[i] + 2.0 * margin) / spacing + 2.0 * BORDER).ceil();
-        let nodes: [f64; 3] = std::array::from_fn(|i| if i < dim { cells(i) + 1.0 } else { 1.0 });
-        let numbers = GridSpline::numbers(nodes);
+        let nodes_at = |spacing: f64| {
+            let margin = widened(margin, (spacing, size));
+            // next to its border d is less than on it
+            let cells = |i: usize| ((size[i] + 2.0 * margin) / spacing + 2.0 * BORDER).ceil();
+            let nodes: [f64; 3] = std::array::from_fn(|i| if i < dim { cells(i) + 1.0 } else { 1.0 });
+            (nodes, GridSpline::numbers(nodes))
+        };
+        let (nodes, numbers) = nodes_at(spacing);
         if numbers > MOST_NUMBERS {
-            let coarser = spacing * (numbers / MOST_NUMBERS).powf(1.0 / dim as f64);
-            return Err(SpatialError::LargeGrid { spacing, numbers, most: MOST_NUMBERS, coarser: rounded_up(coarser) });
+            let enough = |spacing: &f64| nodes_at(*spacing).1 <= MOST_NUMBERS;
+            let coarser = std::iter::successors(Some(spacing), |h| Some(COARSER * h)).map(rounded_up).find(enough);
+            let coarser = coarser.unwrap_or(f64::INFINITY);
+            return Err(SpatialError::LargeGrid { spacing, numbers, most: MOST_NUMBERS, coarser });
         }
+        let margin = widened(margin, (spacing, size));
         // the rest of the last cell goes to both sides alike
         let nodes = nodes.map(|n| n as usize);
         let first = |i: usize| 0.5 * (low[i] + high[i] - spacing * (nodes[i] - 1) as f64);
@@ -208,6 +216,11 @@ fn signed_distance(d: &Partials) -> SignedDistance {
         d[a][b][c]
     };
     SignedDistance::interpolated(of)
+}
+
+/// The margin of a grid of a spacing around a solid of a size.
+fn widened(margin: f64, (spacing, size): (f64, [f64; 3])) -> f64 {
+    margin.max(MARGIN[0] * spacing).max(MARGIN[1] * V::from(size).norm())
 }
 
 /// To two digits.

@@ -102,7 +102,7 @@ impl Obstacle {
     }
 
     /// With rounded edges: of a box, whose faces stay where they are, or of a meshed solid, which grows by the radius. Other shapes have
-    /// no edges and stay.
+    /// no edges and stay, and so does a solid on a grid, which rounds them.
     #[must_use]
     pub fn rounded(mut self, radius: f64) -> Self {
         if let Obstacle::Box { rounding, .. } | Obstacle::Solid { rounding, .. } = &mut self {
