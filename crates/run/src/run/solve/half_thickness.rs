@@ -73,17 +73,10 @@ fn say(
     ));
     let (before, after) = (touches(whole), touches(half));
     for ((name, after), (_, before)) in after.iter().zip(&before) {
-        let force = if before.pressing > 0.0 {
-            let percent = 100.0 * (after.pressing / before.pressing - 1.0);
-            format!(
-                "normal forces sum to {} {}, changed by {} %",
-                short(after.pressing),
-                units.force().symbol,
-                short(round(percent))
-            )
-        } else {
-            format!("normal forces sum to {} {}", short(after.pressing), units.force().symbol)
-        };
+        let percent = 100.0 * (after.pressing / before.pressing - 1.0);
+        let changed =
+            if before.pressing > 0.0 { format!(", changed by {} %", short(round(percent))) } else { String::new() };
+        let force = format!("normal forces sum to {} {}{changed}", short(after.pressing), units.force().symbol);
         session.console.say(format!(
             "            {name}: {force}, smallest gap {} instead of {}",
             length(after.smallest_gap),
