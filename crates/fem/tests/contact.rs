@@ -157,8 +157,8 @@ fn a_body_finds_the_floor_that_holds_it() -> Outcome {
     Ok(())
 }
 
-/// A ball that goes a tenth of its height into a block carries what it touches along: 36 Newton iterations and 20 factorisations, 111 and 315 where load
-/// steps began at the state before them.
+/// A ball that goes a tenth of its height into a block carries what it touches along: a third of the iterations and less than a tenth of the factorisations of
+/// load steps that begin at the state before them (111 and 315).
 #[test]
 fn what_an_obstacle_touches_goes_with_it() -> Outcome {
     let ball = Obstacle::sphere([1.0, 1.0, 3.0], 2.0);
