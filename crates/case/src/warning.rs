@@ -335,7 +335,7 @@ pub const INSIDE_OBSTACLE: WarningKind = WarningKind {
 pub const COARSE_GRID: WarningKind = WarningKind {
     code: "coarse_grid",
     about: "the grid on which the distance from a meshed obstacle is interpolated is coarse: it loses a thin wall, or moves the surface by more than the layer of a contact",
-    advice: "give a smaller \"grid\", or a \"rounding\" instead, with which the distance is exact",
+    advice: "give a smaller \"grid\", or a \"rounding\" instead, by which the solid grows and with which the distance is exact",
 };
 
 /// Nodes keep their distance, the surface between them does not.

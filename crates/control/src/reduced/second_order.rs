@@ -124,10 +124,10 @@ impl Reduced {
             for (of, cost) in self.costs().iter().zip(costs.iter()) {
                 cost.add_second_partials(along, change).map_err(|error| error.of(of.name()))?;
             }
-            for ((constraint, y), (_, w)) in
-                Self::with_weights(&constraints, of.y).zip(Self::with_weights(&constraints, w))
-            {
-                constraint.add_second_partials(y, along, change)?;
+            let weighted = Self::with_weights(&constraints, of.y).zip(Self::with_weights(&constraints, w));
+            for (term, ((constraint, y), (_, w))) in self.constraint_terms().iter().zip(weighted) {
+                let of_term = |error: ControlError| error.of(&term.group().name);
+                constraint.add_second_partials(y, along, change).map_err(of_term)?;
                 let slopes = constraint.change(along)?;
                 let bent: Vec<f64> = w.iter().zip(&slopes).map(|(w, slope)| w * slope).collect();
                 constraint.add_partials(&bent, change)?;
