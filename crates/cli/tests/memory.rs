@@ -60,6 +60,8 @@ fn a_state_whose_pivots_cannot_be_counted() {
         let all = found["warnings"].as_array().unwrap().iter();
         all.map(|warning| warning["code"].as_str().unwrap().to_owned()).collect::<Vec<_>>()
     };
+    let check = place.program(&["check", "case.json"]).env("NASTIC_MEMORY", "40M").output().unwrap();
+    assert!(text(&check.stdout).contains("            too little\n"), "{}", text(&check.stdout));
     let (much, little) = (solved("24G"), solved("130M"));
     assert_eq!((codes(&much), much["inertia"].as_u64()), (vec!["unstable".to_owned()], Some(2)));
     assert_eq!((codes(&little), little["inertia"].as_u64()), (vec!["inertia_not_counted".to_owned()], None));

@@ -87,7 +87,10 @@ fn derivatives_of_the_augmented_lagrangian() -> Done {
     let bent = box_mesh([1.1, 0.8, 2.9], [3, 1, 3], CellKind::Tet4)?
         .mapped(|x| [x[0] + 0.9, x[1] - 0.9 - 0.3 * x[0] * x[0], x[2] - 0.9])?;
     let on_grid = Obstacle::on_grid(&bent, 0.2, 1.0)?;
-    taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", on_grid).clearance(0.5))?, "grid")?;
+    taylor(bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", on_grid.clone()).clearance(0.5))?, "grid")?;
+    let beyond = bar(3e5, 0.2)?.constrain(ObstacleDistance::nodes("x+", on_grid).clearance(1.5));
+    let message = beyond.err().ok_or("further than the grid")?.to_string();
+    assert!(message.contains("the clearance 1.5 from an obstacle is more than the margin of its grid"), "{message}");
     let refused = ObstacleDistance::nodes("x+", Obstacle::solid(&rectangle([1.0; 2], [1, 1], CellKind::Quad4)?)?);
     let message = bar(3e5, 0.2)?.constrain(refused).err().ok_or("in the plane")?.to_string();
     assert!(message.contains("2 dimensions and the body 3"), "{message}");

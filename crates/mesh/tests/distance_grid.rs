@@ -187,7 +187,8 @@ fn spacings_that_do_not_go_are_refused() -> Outcome {
         (f64::NAN, 0.0, "the spacing of the grid of a distance is NaN"),
         (0.1, -1.0, "the margin of the grid of a distance is -1"),
         (1e-3, 0.0, "8e6 are the most (64 MB): take a spacing of 0.00"),
-        (1e-300, 0.0, "8e6 are the most"),
+        (1e-300, 0.0, "8e6 are the most (64 MB): take a spacing of 0.00"),
+        (1e-320, 0.0, "8e6 are the most"),
     ] {
         let refused = Obstacle::on_grid(&cube, spacing, margin).err().ok_or(words)?.to_string();
         assert!(refused.contains(words), "{refused}");

@@ -4,8 +4,10 @@
 
 use crate::common;
 
-use common::{CaseDirectory, problems, with};
+use common::{CaseDirectory, Heard, problems, with};
+use nastic_language::number::short;
 use nastic_language::schema::Command;
+use nastic_run::console::Console;
 use nastic_run::result::find;
 use serde_json::Value;
 
@@ -95,9 +97,17 @@ fn a_force_is_bounded_from_below() {
       "controls": [ { "of": "ball.translation", "name": "depth", "direction": [0, 0, -1], "space": "uniform", "lower": 0, "upper": 3, "start": 1.5 } ],
       "costs": [ { "kind": "position", "point": [10, 10, 10], "target": { "z": 10 } } ],
       "constraints": [ { "name": "press", "cost": { "kind": "contact_force", "contact": "dent" }, "at_least": 0.5 } ] }"#;
-    let best = CaseDirectory::new().run(Command::Optimize, case, &["optimizer/max_iterations=60"]).unwrap().result;
+    let (place, heard) = (CaseDirectory::new(), Heard::default());
+    let options = place.options(&["optimizer/max_iterations=60"]);
+    let best = place.run_with(Command::Optimize, case, &Console::new(heard.clone()), &options).unwrap().result;
     let force = number(&best, "contributions/dent/pressing");
     assert!((force - 0.5).abs() < 0.01, "{force} {}", best["constraints"]);
+    // the value stands beside its bound
+    let told = &best["constraints"]["groups"]["press"];
+    assert_eq!((&told["sense"], &told["bound"]), (&"at_least".into(), &0.5.into()));
+    assert_eq!(told["functional"].as_f64().unwrap(), force);
+    let line = format!("constraints press: {}, at least 0.5: largest violation ", short(force));
+    assert!(heard.text().contains(&line), "{line} {}", heard.text());
     let heard = CaseDirectory::new().text(Command::Check, case, &[]);
     assert!(heard.contains("press: at least 0.5"), "{heard}");
     let both = with(case, r#""at_least": 0.5"#, r#""at_least": 0.5, "at_most": 1"#);

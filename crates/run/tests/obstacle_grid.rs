@@ -135,6 +135,9 @@ fn mistakes_get_answers() {
         let message = problems(&case);
         assert!(message.contains(words), "{message}");
     }
+    // the usual layer of a wide surface, 6 mm, is wider than the margin that a small solid has by itself
+    let wide = with(&plate(5.0, r#", "grid": 0.5"#), "[20, 20, 10]", "[2000, 2000, 1000]");
+    assert_eq!(problems(&wide), "");
     let unread = problems(&plate(5.0, r#", "grid": 0"#));
     assert!(!unread.contains("rounding"), "{unread}");
     let message = warnings(&plate(5.0, r#", "grid": 3"#));

@@ -9,6 +9,8 @@ use std::sync::Arc;
 const MOST_NUMBERS: f64 = 8e6;
 /// From one spacing that is tried to the next.
 const COARSER: f64 = 1.05;
+/// Share of the solid's size at which the search begins: no grid of it is that fine.
+const LEAST: f64 = 1e-7;
 /// Least margin around the solid in spacings, and as a share of the diagonal of its bounding box.
 const MARGIN: [f64; 2] = [4.0, 0.05];
 /// Spacings of the grid beyond the margin.
@@ -68,7 +70,8 @@ impl DistanceGrid {
         let (nodes, numbers) = nodes_at(spacing);
         if numbers > MOST_NUMBERS {
             let enough = |spacing: &f64| nodes_at(*spacing).1 <= MOST_NUMBERS;
-            let coarser = std::iter::successors(Some(spacing), |h| Some(COARSER * h)).map(rounded_up).find(enough);
+            let least = spacing.max(LEAST * V::from(size).max());
+            let coarser = std::iter::successors(Some(least), |h| Some(COARSER * h)).map(rounded_up).find(enough);
             let coarser = coarser.unwrap_or(f64::INFINITY);
             return Err(SpatialError::LargeGrid { spacing, numbers, most: MOST_NUMBERS, coarser });
         }

@@ -31,11 +31,14 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     }
     if let Ok(Some(available)) = available_memory() {
         out.push(line("memory", format!("{} are available", megabytes(available))));
-        let model = problem.solid().model();
-        if model.solver() == Solver::DIRECT && structure.factorisation_bytes() > available {
-            let text = format!("too little for a factor; \"linear_solver\": \"multigrid\" takes about {levels}{each}");
-            out.push(line("memory", text));
-        }
+        let text = match problem.solid().model().solver() {
+            own if own == Solver::DIRECT && structure.factorisation_bytes() > available => {
+                format!("too little for a factor; \"linear_solver\": \"multigrid\" takes about {levels}{each}")
+            }
+            own if own == Solver::MULTIGRID && structure.multigrid_bytes() > available => "too little".to_owned(),
+            _ => return out,
+        };
+        out.push(line("memory", text));
     }
     out
 }
