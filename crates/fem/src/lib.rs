@@ -25,8 +25,9 @@ pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BeforeStep, BodyPoint, Cavity, Constrains, Contact, ContactLaw, Contribution, ContributionPoint, ControlPoint,
     Controls, Demand, ExactContact, Foundation, History, Increment, Inertia, Instant, Lumen, MovingSupport, Need,
-    Onsets, Prescribes, Remembers, RigidPose, SampleState, SecondSensitivities, Sensitivities, Sliding, Spring, Sums,
-    SurfaceContact, Tendon, TimeStep, Touch, TouchParameters, Touches, VaryingLoad, check_contribution,
+    Onsets, Prescribes, Remembers, RigidBody, RigidPose, SampleState, SecondSensitivities, Sensitivities, Sliding,
+    Spring, Sums, SurfaceContact, Tendon, Tied, TimeStep, Touch, TouchParameters, Touches, VaryingLoad,
+    check_contribution,
 };
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;

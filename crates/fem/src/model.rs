@@ -97,7 +97,13 @@ impl Model {
             return Err(FemError::Meaningless { what });
         }
         let space = self.space_with(contribution.as_ref())?;
+        let mut supports = self.supports.clone();
+        if let Some(tied) = contribution.tied() {
+            Arc::make_mut(&mut supports).tie(name, &tied.nodes, tied.follows.clone())?;
+        }
         let structure = self.tangent_structure().with_couplings(&contribution.couplings())?;
+        let structure = structure.with_ties(supports.ties())?;
+        self.supports = supports;
         if let Some(moved) = contribution.prescribes() {
             Arc::make_mut(&mut self.supports).drive(name, &moved.unknowns())?;
         }
@@ -452,6 +458,11 @@ impl Model {
         let others = self.others.iter().filter(|contribution| contribution.touches().is_none());
         let springs = others.flat_map(|contribution| contribution.resists());
         self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>()).is_ok()
+    }
+
+    /// Whether there are rigid bodies which contacts alone may hold: tangents are singular where they touch nothing yet.
+    pub(crate) fn has_loose_bodies(&self) -> bool {
+        !self.supports.ties().is_empty() && self.has_potential() && self.touches_something()
     }
 
     /// Checks that the problem is complete for motion, in which a body may be free.

@@ -7,7 +7,9 @@ use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::controls::Controls;
 use crate::contributions::inertia::BodyInertia;
 use crate::contributions::rayleigh_damping::RayleighDamping;
-use crate::contributions::{Cavity, Contact, Foundation, Inertia, MovingSupport, Spring, SurfaceContact, Tendon};
+use crate::contributions::{
+    Cavity, Contact, Foundation, Inertia, MovingSupport, RigidBody, Spring, SurfaceContact, Tendon,
+};
 use crate::discretization::Discretization;
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::discretization::supports::Supports;
@@ -355,6 +357,15 @@ impl Solid {
     pub fn motion(self, motion: MovingSupport) -> Result<Self, FemError> {
         let nodes = self.nodes_of(motion.surface())?;
         let contribution = motion.on(self.mesh(), nodes)?;
+        self.contribution(contribution)
+    }
+
+    /// Makes a region a rigid body.
+    ///
+    /// # Errors
+    /// An unknown region, one that is flat; nodes that something else holds, or that belong to another rigid body; a name that is taken.
+    pub fn rigid(self, body: &RigidBody) -> Result<Self, FemError> {
+        let contribution = body.on(self.mesh())?;
         self.contribution(contribution)
     }
 

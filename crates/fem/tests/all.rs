@@ -63,6 +63,7 @@ mod quasi_static;
 mod ramp;
 mod reference;
 mod regions;
+mod rigid_body;
 mod second_order;
 mod siere;
 mod slender;

@@ -64,6 +64,7 @@ mod space;
 mod structure;
 mod sums;
 mod symbolic;
+mod ties;
 
 pub use eigenpairs::{Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs};
 pub use element_block::ElementBlock;
@@ -85,3 +86,4 @@ pub use solver::{LinearError, LinearSolver, LinearWork, Solver, SolverFactory};
 pub use space::{Field, On, Role, Space};
 pub use structure::Structure;
 pub use symbolic::Symbolic;
+pub use ties::Ties;

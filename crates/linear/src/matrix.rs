@@ -92,6 +92,16 @@ impl SparseMatrix {
         &self.beyond
     }
 
+    /// Puts other blocks beyond the pattern in the place of its own.
+    pub(crate) fn set_beyond(&mut self, beyond: Vec<ElementBlock>) {
+        self.beyond = beyond;
+    }
+
+    /// The stored blocks of the skew part, where there is one.
+    pub(crate) fn skew_mut(&mut self) -> Option<&mut Vec<f64>> {
+        self.skew.as_mut()
+    }
+
     /// Takes the values of the pattern of another matrix, block by block, at the blocks with these codes.
     pub(crate) fn copy_blocks(&mut self, from: &SparseMatrix, codes: &[u32]) {
         let dim = self.pattern.dim();

@@ -54,7 +54,7 @@ impl Model {
     ) -> Result<Adjoint, StateError> {
         let clear = |b: &&[f64]| {
             let mut b = b.to_vec();
-            self.supports.clear(&mut b);
+            self.supports.restrict(&mut b);
             b
         };
         let expected = self.unknowns().len();
@@ -91,7 +91,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
         let quadratic = self.discretization().points().parts.iter().all(|part| part.kind == CellKind::Hex27);
-        if !quadratic || self.symmetry() != Symmetry::Symmetric {
+        if !quadratic || self.symmetry() != Symmetry::Symmetric || !self.supports.ties().is_empty() {
             return None;
         }
         let at = self.instant(state, None, how.parallel);
@@ -178,7 +178,7 @@ impl Model {
         let (BorderedTangent { matrix, columns, .. }, acting) = found.map_err(|at| inverted(at, state))?;
         let own = columns.into_iter().zip(acting).filter(|(_, acting)| *acting);
         let clear = |(mut column, _): (Vec<f64>, bool)| {
-            self.supports.clear(&mut column);
+            self.supports.restrict(&mut column);
             column
         };
         Ok((matrix, own.map(clear).collect()))

@@ -145,7 +145,7 @@ impl<'a> SecondOrder<'a> {
     }
 
     fn solve(&mut self, mut rhs: Vec<f64>, transposition: Transposition) -> Result<Vec<f64>, StateError> {
-        self.model.supports.clear(&mut rhs);
+        self.model.supports.restrict(&mut rhs);
         if rhs.iter().all(|&b| b == 0.0) {
             return Ok(rhs);
         }

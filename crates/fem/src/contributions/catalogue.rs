@@ -7,6 +7,7 @@ use crate::contributions::foundation::Foundation;
 use crate::contributions::inertia::{BodyInertia, Inertia};
 use crate::contributions::moving_support::{self, MovingSupport};
 use crate::contributions::rayleigh_damping::RayleighDamping;
+use crate::contributions::rigid_body::RigidBody;
 use crate::contributions::spring::Spring;
 use crate::contributions::tendon::{Tendon, form as tendon};
 use crate::contributions::varying_load::VaryingLoad;
@@ -288,6 +289,7 @@ pub const CATALOGUE: &[Entry] = &[
             bodies()?.surface_contact(contact.thickness(0.2).stiffness(2e3).law(ContactLaw::Log))
         },
     },
+    Entry { name: "rigid body", form: None, example: || loose()?.rigid(&RigidBody::new("rigid body", "body")) },
     Entry { name: BodyInertia::NAME, form: None, example: || block()?.inertia(Inertia::new("body", 1e3)) },
     Entry {
         name: RayleighDamping::NAME,
@@ -344,10 +346,16 @@ const TENDON: [[f64; 3]; 3] = [[0.2, 0.4, 0.3], [1.6, 0.7, 0.5], [2.9, 0.3, 1.9]
 
 /// A cup that is held at one side and pulled along its fibres.
 fn block() -> Result<Solid, FemError> {
-    Solid::new(pocket()?)?
-        .material("body", NeoHooke::new(1e5, 2e5)?)?
-        .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
-        .clamp("x-")
+    loose()?.clamp("x-")
+}
+
+/// The same without supports.
+fn loose() -> Result<Solid, FemError> {
+    Solid::new(pocket()?)?.material("body", NeoHooke::new(1e5, 2e5)?)?.actuate(
+        "body",
+        "fibre",
+        FiberTension::along(Vec3::x())?,
+    )
 }
 
 /// A box of 3 x 3 x 2 hexahedra, each 1 x 1 x 1.2, whose upper middle one is missing: a cup with the surfaces "x-", "x+" and "inside".

@@ -18,11 +18,13 @@ mod moving_support;
 pub(crate) mod point;
 pub(crate) mod prescribes;
 pub(crate) mod rayleigh_damping;
+mod rigid_body;
 mod rigid_motion;
 mod rotation;
 pub(crate) mod sensitivities;
 mod spring;
 mod tendon;
+mod tied;
 mod touches;
 mod varying_load;
 
@@ -45,10 +47,12 @@ use nastic_mesh::Polyline;
 use nastic_numeric::vector::sub;
 pub use point::{ContributionPoint, Need};
 pub use prescribes::Prescribes;
+pub use rigid_body::RigidBody;
 pub use sensitivities::{Increment, SecondSensitivities, Sensitivities};
 pub use spring::Spring;
 use std::fmt::Debug;
 pub use tendon::Tendon;
+pub use tied::Tied;
 pub use touches::{ExactContact, Onsets, RigidPose, SampleState, Sliding, Touch, TouchParameters, Touches};
 pub use varying_load::VaryingLoad;
 
@@ -195,6 +199,11 @@ pub trait Contribution: Debug + Send + Sync {
 
     /// Unknowns that it moves by its controls, if there are some.
     fn prescribes(&self) -> Option<&dyn Prescribes> {
+        None
+    }
+
+    /// Nodes that it lets follow others, if there are some.
+    fn tied(&self) -> Option<&Tied> {
         None
     }
 

@@ -2,6 +2,7 @@
 
 use crate::error::FemError;
 use nalgebra::DMatrix;
+use nastic_linear::Ties;
 use nastic_mesh::Mesh;
 use nastic_numeric::DisjointSets;
 use std::collections::{BTreeMap, BTreeSet};
@@ -9,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// The names of displacement components.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// Prescribed unknowns on nodes (Dirichlet): displacement components, and those of further fields.
+/// Prescribed unknowns on nodes (Dirichlet): displacement components, and those of further fields; and nodes that follow others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Supports {
     dim: usize,
@@ -21,6 +22,10 @@ pub struct Supports {
     driven: BTreeMap<u32, String>,
     /// Supported unknowns by the name of the surface or node set, for reactions.
     groups: Vec<(String, Vec<u32>)>,
+    /// Nodes that follow others.
+    ties: Ties,
+    /// All nodes of what is tied, by its name: nothing else may hold them.
+    tied: BTreeMap<u32, String>,
 }
 
 impl Supports {
@@ -33,6 +38,8 @@ impl Supports {
             value: vec![0.0; dofs],
             driven: BTreeMap::new(),
             groups: vec![],
+            ties: Ties::default(),
+            tied: BTreeMap::new(),
         }
     }
 
@@ -69,6 +76,9 @@ impl Supports {
         let mut new = Vec::new();
         for &node in nodes {
             let dof = node as usize * self.block + place;
+            if let Some(body) = self.tied.get(&node).filter(|_| place < self.dim) {
+                return Err(held_and_tied(name, body, node));
+            }
             if let Some(driver) = self.driven.get(&(dof as u32)) {
                 return Err(held_twice(driver, name, node as usize));
             }
@@ -128,7 +138,8 @@ impl Supports {
         let driven = self.driven.iter().filter_map(|(dof, name)| Some((moved(dof)?, name.clone()))).collect();
         let group = |(name, dofs): &(String, Vec<u32>)| (name.clone(), dofs.iter().filter_map(moved).collect());
         let groups = self.groups.iter().map(group).collect();
-        Supports { dim: self.dim, block, fixed, value, driven, groups }
+        let (ties, tied) = (self.ties.clone(), self.tied.clone());
+        Supports { dim: self.dim, block, fixed, value, driven, groups, ties, tied }
     }
 
     /// Holds unknowns at values that are functions of controls.
@@ -141,6 +152,9 @@ impl Supports {
         }
         for &dof in dofs {
             let node = dof as usize / self.block;
+            if let Some(body) = self.tied.get(&(node as u32)) {
+                return Err(held_and_tied(name, body, node as u32));
+            }
             if self.fixed[dof as usize] {
                 let holds = |(_, group): &&(String, Vec<u32>)| group.contains(&dof);
                 let other = self.groups.iter().find(holds).map_or("", |(other, _)| other);
@@ -153,6 +167,47 @@ impl Supports {
         }
         self.groups.push((name.to_owned(), dofs.to_vec()));
         Ok(())
+    }
+
+    /// Lets nodes follow others; `nodes` are all that this holds together, masters too.
+    pub(crate) fn tie(&mut self, name: &str, nodes: &[u32], tied: Vec<(u32, Vec<(u32, f64)>)>) -> Result<(), FemError> {
+        for &node in nodes {
+            if let Some(other) = self.tied.get(&node) {
+                let what = format!(
+                    "node {node} belongs to \"{name}\" and to \"{other}\": let them share no node, or make one of both"
+                );
+                return Err(FemError::Meaningless { what });
+            }
+            if let Some(c) = (0..self.dim).find(|c| self.fixed[node as usize * self.block + c]) {
+                let dof = node * self.block as u32 + c as u32;
+                let holds = |(_, group): &&(String, Vec<u32>)| group.contains(&dof);
+                let support = self.groups.iter().find(holds).map_or("", |(support, _)| support);
+                return Err(held_and_tied(support, name, node));
+            }
+        }
+        let count = self.fixed.len() / self.block;
+        self.ties = self.ties.clone().with(count, tied).ok_or_else(|| {
+            let what = format!("\"{name}\" lets a node follow one that follows another, or that does not exist");
+            FemError::Meaningless { what }
+        })?;
+        self.tied.extend(nodes.iter().map(|&node| (node, name.to_owned())));
+        Ok(())
+    }
+
+    /// The nodes that follow others.
+    pub fn ties(&self) -> &Ties {
+        &self.ties
+    }
+
+    /// Forces by all unknowns as those by the free ones: those on nodes that follow others act on these, those on supports are zero.
+    pub fn restrict(&self, forces: &mut [f64]) {
+        self.ties.restrict(self.block, forces);
+        self.clear(forces);
+    }
+
+    /// Puts nodes that follow others where these lead them.
+    pub fn extend(&self, u: &mut [f64]) {
+        self.ties.extend(self.block, u);
     }
 
     /// Whether each unknown is prescribed.
@@ -292,6 +347,13 @@ fn motion_name(dim: usize, motion: usize) -> &'static str {
 
 fn held_twice(motion: &str, other: &str, node: usize) -> FemError {
     let what = format!("motion \"{motion}\" moves node {node}, which \"{other}\" holds too; let one of them go");
+    FemError::Meaningless { what }
+}
+
+fn held_and_tied(support: &str, body: &str, node: u32) -> FemError {
+    let what = format!(
+        "\"{support}\" holds node {node} of the rigid body \"{body}\"; let one of them go: a rigid body is led by what it touches or is joined to"
+    );
     FemError::Meaningless { what }
 }
 

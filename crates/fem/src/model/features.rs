@@ -57,6 +57,12 @@ impl Model {
         {
             return refuse(what, other.name(), why);
         }
+        if matches!(feature, Feature::Modes | Feature::Deflation | Feature::Descent) {
+            self.refuse_rigid_bodies(
+                what,
+                "their modes are not built: the number of Newton iterations and ramps still tell where states change",
+            )?;
+        }
         match feature {
             Feature::Equilibrium | Feature::Ramp | Feature::Path => Ok(()),
             Feature::Modes => self.refuse_unsymmetric(
@@ -74,6 +80,13 @@ impl Model {
             },
             Feature::Motion(scheme) => self.supports_motion(scheme),
             Feature::MotionAdjoint(scheme) => self.supports_motion_adjoint(scheme),
+        }
+    }
+
+    fn refuse_rigid_bodies(&self, what: &str, why: &str) -> Result<(), FemError> {
+        match self.others.iter().find(|c| c.tied().is_some()) {
+            None => Ok(()),
+            Some(rigid) => refuse(what, rigid.name(), why),
         }
     }
 
@@ -102,6 +115,10 @@ impl Model {
 
     fn supports_motion(&self, scheme: &Scheme) -> Result<(), FemError> {
         if scheme.exact_modes() > 0 {
+            self.refuse_rigid_bodies(
+                scheme.name(),
+                "it takes modes, which those of rigid bodies are not: take tr_bdf2",
+            )?;
             let instead = "it takes modes of a symmetric stiffness: take tr_bdf2";
             if self.has_history() {
                 return refuse(

@@ -95,6 +95,13 @@ impl Model {
                 "it moves unknowns of the body alone",
             ));
         }
+        let all = std::iter::once(contribution).chain(self.others.iter().map(Arc::as_ref));
+        if let Some(field) = further(&space)
+            && let Some(rigid) = all.into_iter().find(|c| c.tied().is_some())
+        {
+            let why = "nodes follow others with the displacement alone";
+            return Err(refused(&format!("field \"{}\"", field.name), rigid.name(), why));
+        }
         Ok(space)
     }
 
@@ -224,6 +231,10 @@ impl Model {
         };
         let instead = self.suitable_solver().name();
         match self.further() {
+            None if wanted.name() == Solver::MULTIGRID.name() && !self.supports.ties().is_empty() => {
+                let why = format!("its levels would couple all cells around a rigid body: take {instead}");
+                Err(refused("multigrid", "rigid bodies", &why))
+            }
             Some((field, owner)) if wanted.name() == Solver::MULTIGRID.name() => {
                 let why = format!("it has no modes for its field \"{field}\": take {instead}");
                 Err(refused("multigrid", owner, &why))
@@ -243,6 +254,8 @@ impl Model {
 
     fn suitable_solver(&self) -> &'static dyn SolverFactory {
         match (self.symmetry(), self.space.has_one_nodal_field()) {
+            // in whose hierarchy all cells around a rigid body would be coupled with each other
+            (Symmetry::Symmetric, true) if !self.supports.ties().is_empty() => Solver::DIRECT,
             (Symmetry::Symmetric, true) => self.tangent_structure().solver(),
             (Symmetry::Symmetric, false) => Solver::DIRECT,
             (Symmetry::General, true) => Solver::GENERAL,

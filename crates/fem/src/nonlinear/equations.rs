@@ -216,7 +216,7 @@ impl<'a> Equations<'a> {
     /// to its own scale.
     pub fn residual(&self, now: &Sums) -> (Vec<f64>, f64) {
         let mut residual = now.force.clone();
-        self.model.supports.clear(&mut residual);
+        self.model.supports.restrict(&mut residual);
         let space = self.model.unknowns();
         let share = |r: &[f64], scale: &[f64]| {
             let size = space.norm(r);

@@ -143,6 +143,7 @@ impl<'a> Iteration<'a> {
     ) -> Result<Curvature, Stop> {
         let (equations, limits) = (self.equations, self.limits);
         equations.place(x);
+        equations.model.supports.extend(x);
         let mut now = equations.evaluate(x)?;
         let (mut before, mut least) = (f64::INFINITY, f64::INFINITY);
         let (mut last, mut tiny, mut forces) = (Curvature::Positive, None, 0.0_f64);

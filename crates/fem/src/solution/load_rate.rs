@@ -39,7 +39,7 @@ impl Model {
             .map(|(controls, load, share)| self.equations(controls, load, None, share, how));
         let [before, after] = [&now, &nudged].map(|newton| newton.evaluate(&here.u).map(|found| found.sums.force));
         let mut rhs: Vec<f64> = before.ok()?.iter().zip(&after.ok()?).map(|(a, b)| (a - b) / length).collect();
-        self.supports.clear(&mut rhs);
+        self.supports.restrict(&mut rhs);
         let mut matrix = self.matrix();
         now.at(&here.u, |at| self.add_tangent(at, &mut matrix)).ok()?;
         eliminate(self, &mut matrix);

@@ -141,6 +141,7 @@ impl GradientFit {
             }
             rhs.iter_mut().skip(c).step_by(dim).zip(component).for_each(|(r, x)| *r = x);
         }
+        model.supports.extend(&mut rhs);
         rhs
     }
 }

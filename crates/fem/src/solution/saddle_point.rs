@@ -122,7 +122,7 @@ impl SaddlePoint {
     /// With all constraints.
     pub fn new(model: &Model, tangent: BorderedTangent) -> Self {
         let BorderedTangent { mut matrix, mut columns, space } = tangent;
-        columns.iter_mut().for_each(|column| model.supports.clear(column));
+        columns.iter_mut().for_each(|column| model.supports.restrict(column));
         eliminate(model, &mut matrix);
         let diagonal = matrix.diagonal();
         let size = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len().max(1) as f64;

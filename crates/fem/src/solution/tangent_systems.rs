@@ -92,7 +92,13 @@ impl<'a> TangentSystems<'a> {
             Err(other) => Err(other),
         };
         report.add_linear(self.solver, &work);
-        step
+        step.map(|(x, curvature)| (self.extended(x), curvature))
+    }
+
+    /// With nodes that follow others where these lead them.
+    fn extended(&self, mut x: Vec<f64>) -> Vec<f64> {
+        self.model.supports.extend(&mut x);
+        x
     }
 
     /// A downhill step where the tangent is not positive definite.
@@ -107,7 +113,7 @@ impl<'a> TangentSystems<'a> {
         let mut work = LinearWork::default();
         let step = self.shift.step(self.solver, &configuration.system(matrix), rhs, &mut work);
         report.add_linear(self.solver, &work);
-        step
+        step.map(|x| self.extended(x))
     }
 
     /// `K x = b` with a tangent at u whose supports are eliminated; it may be indefinite.
@@ -151,7 +157,7 @@ impl<'a> TangentSystems<'a> {
             Transposition::Yes => self.solver.solve_transposed(&system, b, accuracy, &mut work),
         };
         report.add_linear(self.solver, &work);
-        solution
+        solution.map(|x| self.extended(x))
     }
 
     /// `K x = b` with a tangent at u whose supports are eliminated, which is to be positive definite, to a relative residual of 1e-12;
@@ -179,7 +185,7 @@ impl<'a> TangentSystems<'a> {
             let correction = self.solve_to(SYMMETRIC, matrix, u, &rest, Transposition::No, report)?;
             x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
         }
-        Ok(x)
+        Ok(self.extended(x))
     }
 
     /// Factorises a tangent at u whose supports are eliminated, for several solutions with it.
@@ -206,7 +212,7 @@ impl<'a> TangentSystems<'a> {
         let mut work = LinearWork::default();
         let found = solve_bordered(self.solver, &system, border, rhs, false, FULL_STEP, &mut work);
         report.add_linear(self.solver, &work);
-        found
+        found.map(|(x, y)| (self.extended(x), y))
     }
 
     /// The same, or with `K^T`, for several right-hand sides and a K that is [prepared](Self::prepare), and the number of negative eigenvalues of the
@@ -229,12 +235,13 @@ impl<'a> TangentSystems<'a> {
             let elimination = BlockElimination::new(self.solver, &system, border, transposed, accuracy, &mut work)?;
             let of_border = elimination.negative();
             let mut solve = |(f, g): &(Vec<f64>, Vec<f64>)| elimination.solve(self.solver, &system, (f, g), &mut work);
-            let solved = rhs.iter().map(&mut solve).collect::<Result<Vec<_>, _>>();
+            let solved = rhs.iter().map(&mut solve).collect::<Result<Vec<(Vec<f64>, Vec<f64>)>, _>>();
             let solved = solved.map_err(|error| match (error.is_singular(), of_border) {
                 (true, None) => LinearError::Border { scalars: border.columns.len() },
                 _ => error,
             })?;
             let of_matrix = self.solver.negative();
+            let solved = solved.into_iter().map(|(x, y)| (self.extended(x), y)).collect();
             Ok((solved, of_border.zip(of_matrix).map(|(of_border, of_matrix)| of_border + of_matrix)))
         };
         let solved = solve();
@@ -302,10 +309,11 @@ fn negative(solver: &mut dyn LinearSolver, system: &System) -> Result<usize, Lin
     }
 }
 
-/// Rows and columns of supported unknowns become those of a multiple of the identity.
+/// Rows and columns of supported unknowns and of nodes that follow others become those of a multiple of the identity.
 pub(crate) fn eliminate(model: &Model, matrix: &mut SparseMatrix) {
     let diagonal = matrix.diagonal().iter().fold(0.0, |m: f64, d| m.max(d.abs()));
     let diagonal = if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 1.0 };
+    matrix.tie(model.supports.ties(), diagonal);
     matrix.eliminate(model.supports.fixed(), diagonal);
 }
 

@@ -9,7 +9,7 @@ pub(crate) use kept::KeptStructures;
 pub use kept::StructureCounts;
 use nastic_linear::{
     Graph, Multigrid, NotCoupled, Pattern, Precision, Solver, SolverFactory, SparseMatrix, Structure, StructureError,
-    Symbolic,
+    Symbolic, Ties,
 };
 use nastic_mesh::Mesh;
 use std::collections::BTreeMap;
@@ -69,6 +69,11 @@ impl TangentStructure {
         let couplings: Vec<Vec<u32>> = self.couplings.iter().chain(more).cloned().collect();
         let make = || Self::new(self.mesh.clone(), self.points.clone(), couplings.clone(), self.kept.clone());
         self.kept.find_or_add(|known| known.couplings == couplings, make)
+    }
+
+    /// That in which the nodes are coupled too that are so where some follow others.
+    pub(crate) fn with_ties(self: &Arc<Self>, ties: &Ties) -> Result<Arc<Self>, FemError> {
+        self.with_couplings(&ties.couplings(&self.graph))
     }
 
     fn laid_out(&self) -> &LaidOut {

@@ -52,7 +52,8 @@ impl Model {
 
     /// `M^-1 b` on the free unknowns; multipliers, whose forces b holds as they are, have none.
     pub(super) fn divide_by_mass(&self, mut b: Vec<f64>, parallel: bool) -> Result<Vec<f64>, StateError> {
-        let mass = self.mass()?;
+        let mut mass = self.mass()?;
+        mass.tie(self.supports.ties(), 1.0);
         let unknowns = b.len();
         b.truncate(self.discretization().dofs());
         let mut diagonal = mass.diagonal();
@@ -65,7 +66,7 @@ impl Model {
             );
             return Err(FemError::Meaningless { what }.into());
         }
-        self.supports.clear(&mut b);
+        self.supports.restrict(&mut b);
         let product = |v: &[f64], out: &mut [f64]| {
             mass.multiply_on(v, out, parallel);
             self.supports.clear(out);
@@ -74,6 +75,7 @@ impl Model {
         let report = conjugate_gradient(&product, &Diagonal(diagonal), &b, &mut x, RESIDUAL, ITERATIONS);
         match report.end {
             CgEnd::Converged | CgEnd::Stagnated => {
+                self.supports.extend(&mut x);
                 x.resize(unknowns, 0.0);
                 Ok(x)
             }

@@ -393,7 +393,7 @@ impl<'a> ReverseSweep<'a> {
     /// `K^T lambda = -by_u` with the tangent of a stage.
     fn solve(&mut self, at: &Instant, by_u: &[f64], end: &State) -> Result<Vec<f64>, StateError> {
         let mut rhs: Vec<f64> = by_u.iter().map(|d| -d).collect();
-        self.model.supports.clear(&mut rhs);
+        self.model.supports.restrict(&mut rhs);
         if rhs.iter().all(|&b| b == 0.0) {
             return Ok(vec![0.0; self.model.unknowns().len()]);
         }

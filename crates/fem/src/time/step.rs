@@ -180,7 +180,7 @@ impl Model {
         let at = Instant { parallel, ..Instant::new(&than.u, controls, 1.0) }.in_step(step);
         let merit = |u: &[f64]| {
             let mut sums = self.evaluate(&Instant { u, ..at }, Demand { energy, force: !energy }).ok()?;
-            self.supports.clear(&mut sums.force);
+            self.supports.restrict(&mut sums.force);
             Some(if energy { sums.energy } else { self.unknowns().norm(&sums.force) })
         };
         let begin = at.under(&than.controls);

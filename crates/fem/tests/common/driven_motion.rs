@@ -64,11 +64,16 @@ impl DrivenMotion<'_> {
         Ok(trajectory)
     }
 
+    /// The displacement, without multipliers.
+    fn nodal<'u>(&self, u: &'u [f64]) -> &'u [f64] {
+        &u[..self.solid.discretization().dofs()]
+    }
+
     pub fn functional(&self, trajectory: &Trajectory) -> f64 {
         let mut sum = 0.0;
         for (n, state) in trajectory.states().iter().enumerate().skip(1) {
             let v = state.velocity.as_ref();
-            for (i, u) in state.u.iter().enumerate() {
+            for (i, u) in self.nodal(&state.u).iter().enumerate() {
                 let by_v = self.of_velocity * noise(7 + 10 * n + i) * v.map_or(0.0, |v| v[i]);
                 sum += H * (noise(77 + 100 * n + i) * u + 0.5 * u * u + by_v);
             }
@@ -77,15 +82,21 @@ impl DrivenMotion<'_> {
     }
 
     pub fn partials(&self, n: usize, state: &State) -> StatePartials {
+        let padded = |values: Vec<f64>| {
+            let mut values = values;
+            values.resize(state.u.len(), 0.0);
+            values
+        };
         if n == 0 {
-            return StatePartials::by_displacement(vec![0.0; state.u.len()]);
+            return StatePartials::by_displacement(padded(Vec::new()));
         }
-        let u = state.u.iter().enumerate().map(|(i, u)| H * (noise(77 + 100 * n + i) + u)).collect();
+        let nodal = self.nodal(&state.u);
+        let u = nodal.iter().enumerate().map(|(i, u)| H * (noise(77 + 100 * n + i) + u)).collect();
         let velocity = match state.velocity {
-            Some(_) => (0..state.u.len()).map(|i| self.of_velocity * H * noise(7 + 10 * n + i)).collect(),
+            Some(_) => padded((0..nodal.len()).map(|i| self.of_velocity * H * noise(7 + 10 * n + i)).collect()),
             None => Vec::new(),
         };
-        StatePartials { u, velocity, ..StatePartials::default() }
+        StatePartials { u: padded(u), velocity, ..StatePartials::default() }
     }
 
     fn gradient(&self, trajectory: &Trajectory) -> Outcome<Vec<Controls>> {

@@ -90,12 +90,13 @@ impl ArcStep<'_> {
         let mut column = equations.residual_by_s(point, u, s)?;
         let pulled = tangent.multiply(&support, parallel);
         column.iter_mut().zip(&pulled).for_each(|(c, p)| *c += p);
-        model.supports.clear(&mut column);
+        model.supports.restrict(&mut column);
         // The equation in the units of the residual, so that both count alike in the residual of the whole system.
         let dofs = equations.dofs();
         let scale = Some(equations.model.unknowns().norm(&column[..dofs])).filter(|size| *size > 0.0).unwrap_or(1.0);
         let mut row: Vec<f64> = self.metric.weighted(self.plane.normal).iter().map(|r| scale * r).collect();
         row.truncate(dofs);
+        model.supports.restrict(&mut row);
         let extension = Extension { column, row, corner: scale * self.plane.normal[u.len()] };
         let mut system = SaddlePoint::new(model, tangent);
         let acting = equations.acting(point, x)?;

@@ -56,6 +56,8 @@ pub(crate) struct Bordered<'a> {
     linearised: Option<Linearised>,
     /// The last shift that was enough.
     shift: f64,
+    /// A step downhill that was found where Newton's is not determined.
+    downhill: Option<Vec<f64>>,
 }
 
 impl<'a> Bordered<'a> {
@@ -64,7 +66,15 @@ impl<'a> Bordered<'a> {
         let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
         let inequalities = equations.model.inequalities();
         equations.start_positive(x);
-        Bordered { equations, systems, inequalities, jump: equations.jump(x), linearised: None, shift: 0.0 }
+        Bordered {
+            equations,
+            systems,
+            inequalities,
+            jump: equations.jump(x),
+            linearised: None,
+            shift: 0.0,
+            downhill: None,
+        }
     }
 
     /// Newton's step, and the negative eigenvalues of the tangent on the null space of the constraints that act; `None` where rounding
@@ -83,7 +93,7 @@ impl<'a> Bordered<'a> {
             let mut all = jump.clone();
             all.resize(here.x.len(), 0.0);
             axpy(-1.0, &tangent.multiply(&all, equations.options.parallel), &mut rhs);
-            equations.model.supports.clear(&mut rhs);
+            equations.model.supports.restrict(&mut rhs);
         }
         let scale = equations.energy_scale(&tangent.matrix, here.x, here.now);
         let system = SaddlePoint::new(equations.model, tangent);
@@ -154,7 +164,17 @@ impl Direction for Bordered<'_> {
     }
 
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
-        let (mut dx, negative, scale) = self.newton(here, report)?;
+        let (mut dx, negative, scale) = match self.newton(here, report) {
+            // a rigid body that nothing touches yet: its weight leads it to its contact
+            Err(Stop::Linear(LinearError::Border { .. }))
+                if self.jump.is_none() && self.equations.model.has_loose_bodies() =>
+            {
+                let dx = self.downhill(here, report)?;
+                self.downhill = Some(dx.clone());
+                (dx, None, 0.0)
+            }
+            found => found?,
+        };
         let definite = negative == Some(0) || !self.equations.model.has_potential();
         let curvature = if definite { Curvature::Positive } else { Curvature::Negative };
         let dofs = self.equations.dofs();
@@ -173,6 +193,9 @@ impl Direction for Bordered<'_> {
 
     /// With K shifted until it is positive definite on the null space of the derivatives of the constraints that act.
     fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
+        if let Some(found) = self.downhill.take() {
+            return Ok(found);
+        }
         let Some(mut problem) = self.linearised.take() else { return Err(Stop::Slow { residual: here.relative }) };
         report.shifted += 1;
         let (least, growth, most) = SHIFTS;

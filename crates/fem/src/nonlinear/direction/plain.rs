@@ -67,7 +67,7 @@ impl Equations<'_> {
             let mut pulled = vec![0.0; jump.len()];
             matrix.multiply(jump, &mut pulled);
             rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
-            self.model.supports.clear(&mut rhs);
+            self.model.supports.restrict(&mut rhs);
         }
         rhs
     }

@@ -63,7 +63,7 @@ impl<'a> WithPointStrains<'a> {
             let pulled = self.tangent.multiply(&all, options.parallel);
             rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
         }
-        model.supports.clear(&mut rhs);
+        model.supports.restrict(&mut rhs);
         rhs
     }
 
@@ -105,7 +105,10 @@ impl Direction for WithPointStrains<'_> {
         self.equations.at(here.x, |at| model.add_with_point_strains(at, strains, &mut sums, tangent))?;
         let rhs = self.right_hand_side(&sums.force);
         let solved = self.solve(here, &rhs, report);
-        let (mut dx, curvature) = solved.map_err(|error| failed(error, here))?;
+        let (mut dx, curvature) = solved.map_err(|error| match error {
+            LinearError::Border { .. } if model.has_loose_bodies() => Stop::Slow { residual: here.relative },
+            error => failed(error, here),
+        })?;
         let jump = self.jump.take();
         if let Some(jump) = &jump {
             self.equations.prescribe(&mut dx, jump);

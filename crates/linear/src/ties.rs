@@ -1,0 +1,293 @@
+//! [`Ties`]: nodes whose unknowns follow those of others.
+
+use super::element_block::ElementBlock;
+use super::graph::Graph;
+use super::matrix::SparseMatrix;
+use super::pattern::Pattern;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// Linear constraints `u_s = sum_m w_sm u_m`, component by component: nodes s that follow nodes m (their masters), which follow none. With `u = C v`,
+/// v the unknowns of the nodes that follow none, a system `K u = f` becomes `C^T K C v = C^T f`.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Ties {
+    /// By node what it follows; nothing of one that is free. Empty without ties.
+    follows: Vec<Vec<(u32, f64)>>,
+    nodes: Vec<u32>,
+}
+
+impl Ties {
+    /// Lets nodes of a mesh of so many follow others, each with its masters and their weights. `None` where a node follows itself, one that is tied,
+    /// or is tied twice, and where there is no such node.
+    #[must_use]
+    pub fn with(mut self, count: usize, tied: Vec<(u32, Vec<(u32, f64)>)>) -> Option<Self> {
+        self.follows.resize(count.max(self.follows.len()), Vec::new());
+        for (node, masters) in tied {
+            let own = self.follows.get_mut(node as usize)?;
+            if masters.is_empty() || !own.is_empty() {
+                return None;
+            }
+            *own = masters;
+            self.nodes.push(node);
+        }
+        self.nodes.sort_unstable();
+        let is_free = |(master, _): &(u32, f64)| self.follows.get(*master as usize).is_some_and(Vec::is_empty);
+        let sound = self.nodes.iter().all(|&node| self.follows[node as usize].iter().all(is_free));
+        sound.then_some(self)
+    }
+
+    /// Whether no node follows another.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// The nodes that follow others, ascending.
+    #[must_use]
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// What a node follows, with weights; nothing of one that is free.
+    #[must_use]
+    pub fn masters(&self, node: u32) -> &[(u32, f64)] {
+        self.follows.get(node as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// `C^T f`, forces at nodes: those on nodes that follow act on their masters, and become zero. Nothing of an empty vector.
+    pub fn restrict(&self, dim: usize, forces: &mut [f64]) {
+        if forces.is_empty() {
+            return;
+        }
+        for &node in &self.nodes {
+            for c in 0..dim {
+                let force = std::mem::take(&mut forces[dim * node as usize + c]);
+                self.masters(node).iter().for_each(|(m, w)| forces[dim * *m as usize + c] += w * force);
+            }
+        }
+    }
+
+    /// `C v`: nodes that follow are where their masters lead them. Nothing of an empty vector.
+    pub fn extend(&self, dim: usize, u: &mut [f64]) {
+        if u.is_empty() {
+            return;
+        }
+        for &node in &self.nodes {
+            for c in 0..dim {
+                u[dim * node as usize + c] = self.masters(node).iter().map(|(m, w)| w * u[dim * *m as usize + c]).sum();
+            }
+        }
+    }
+
+    /// Sets of nodes that `C^T K C` couples beyond a graph, that of K.
+    #[must_use]
+    pub fn couplings(&self, graph: &Graph) -> Vec<Vec<u32>> {
+        let mut sets = BTreeSet::new();
+        let led = |node: u32| {
+            let masters = self.masters(node);
+            let own = masters.is_empty().then_some(node);
+            own.into_iter().chain(masters.iter().map(|(m, _)| *m))
+        };
+        for &node in &self.nodes {
+            for &other in graph.neighbours(node as usize) {
+                let set: BTreeSet<u32> = led(node).chain(led(other)).collect();
+                sets.insert(set.into_iter().collect::<Vec<u32>>());
+            }
+        }
+        sets.into_iter().filter(|set| graph.check_coupled(set).is_err()).collect()
+    }
+
+    /// A node by itself and its weight 1, or what it follows.
+    fn expansion(&self, node: u32) -> Vec<(u32, f64)> {
+        match self.masters(node) {
+            [] => vec![(node, 1.0)],
+            masters => masters.to_vec(),
+        }
+    }
+
+    fn is_tied(&self, node: u32) -> bool {
+        !self.masters(node).is_empty()
+    }
+}
+
+/// A block of a matrix that is moved.
+struct Moved {
+    row: u32,
+    column: u32,
+    /// The symmetric and the skew part, rows one after the other.
+    parts: [Option<Vec<f64>>; 2],
+}
+
+impl SparseMatrix {
+    /// `C^T A C`, with a multiple of the identity at nodes that follow others. Pairs of nodes that the pattern lacks become blocks
+    /// [beyond](Self::add_beyond) it.
+    pub fn tie(&mut self, ties: &Ties, diagonal: f64) {
+        if ties.is_empty() {
+            return;
+        }
+        let pattern = self.pattern().clone();
+        let dim = pattern.dim();
+        let moved = self.take_tied(ties, diagonal);
+        let beyond = self.beyond().iter().map(|block| tied(block, ties, dim)).collect();
+        self.set_beyond(beyond);
+        for Moved { row, column, parts } in moved {
+            for (k, part) in parts.into_iter().enumerate() {
+                let Some(part) = part else { continue };
+                let sign = [1.0, -1.0][k];
+                for &(a, weight) in &ties.expansion(row) {
+                    for &(b, other) in &ties.expansion(column) {
+                        let factor = weight * other;
+                        let block: Vec<f64> = part.iter().map(|entry| factor * entry).collect();
+                        // of a pair that meets in one node its mirror image too
+                        let both = row != column && a == b;
+                        let twice = |at: usize| block[at] + sign * block[dim * (at % dim) + at / dim];
+                        let block = if both { (0..dim * dim).map(twice).collect() } else { block };
+                        // of a diagonal block (a, b) and (b, a) come each by itself, and one of both is stored
+                        if row != column || a >= b {
+                            self.add_part(&pattern, (a, b), k, &block);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// Takes the blocks with a tied node out.
+    fn take_tied(&mut self, ties: &Ties, diagonal: f64) -> Vec<Moved> {
+        let pattern = self.pattern().clone();
+        let (dim, old) = (pattern.dim(), pattern.ordering().new_to_old());
+        let mut moved = Vec::new();
+        for (j, &column) in old.iter().enumerate() {
+            let (first, rows) = pattern.column(j);
+            for (k, &i) in rows.iter().enumerate() {
+                let row = old[i as usize];
+                if !ties.is_tied(row) && !ties.is_tied(column) {
+                    continue;
+                }
+                let stored = dim * dim * (first + k)..dim * dim * (first + k + 1);
+                let taken = |values: &mut [f64]| {
+                    let block = &mut values[stored.clone()];
+                    let rows = (0..dim * dim).map(|at| block[dim * (at % dim) + at / dim]).collect();
+                    block.fill(0.0);
+                    rows
+                };
+                let symmetric: Vec<f64> = taken(&mut self.values);
+                let skew: Option<Vec<f64>> = self.skew_mut().map(|values| taken(values));
+                if row == column {
+                    (0..dim).for_each(|c| self.values[stored.start + (dim + 1) * c] = diagonal);
+                }
+                moved.push(Moved { row, column, parts: [Some(symmetric), skew] });
+            }
+        }
+        moved
+    }
+
+    /// Adds a block `A_ab`, given by rows, to the symmetric or the skew part.
+    fn add_part(&mut self, pattern: &Arc<Pattern>, (a, b): (u32, u32), part: usize, block: &[f64]) {
+        let (dim, sign) = (pattern.dim(), [1.0, -1.0][part]);
+        let Ok(code) = pattern.block_code(a, b) else {
+            return self.add_beyond(&[a, b], beyond_block(dim, block, sign));
+        };
+        let values = match part {
+            0 => Some(&mut self.values),
+            _ => self.skew_mut(),
+        };
+        let Some(values) = values else { return };
+        let into = &mut values[dim * dim * (code >> 1) as usize..][..dim * dim];
+        for (at, entry) in block.iter().enumerate() {
+            let (r, c) = (at / dim, at % dim);
+            match code & 1 {
+                0 => into[dim * c + r] += entry,
+                _ => into[dim * r + c] += sign * entry,
+            }
+        }
+    }
+}
+
+/// A block `A_ab` and its mirror image in a matrix over both nodes.
+fn beyond_block(dim: usize, block: &[f64], sign: f64) -> Vec<f64> {
+    let n = 2 * dim;
+    let mut entries = vec![0.0; n * n];
+    for (at, entry) in block.iter().enumerate() {
+        let (r, c) = (at / dim, at % dim);
+        entries[n * r + dim + c] += entry;
+        entries[n * (dim + c) + r] += sign * entry;
+    }
+    entries
+}
+
+/// A block over the masters of its tied nodes.
+fn tied(block: &ElementBlock, ties: &Ties, dim: usize) -> ElementBlock {
+    if !block.nodes.iter().any(|&node| ties.is_tied(node)) {
+        return block.clone();
+    }
+    let expansions: Vec<Vec<(u32, f64)>> = block.nodes.iter().map(|&node| ties.expansion(node)).collect();
+    let nodes: BTreeSet<u32> = expansions.iter().flatten().map(|(node, _)| *node).collect();
+    let nodes: Vec<u32> = nodes.into_iter().collect();
+    let (own, n) = (dim * block.nodes.len(), dim * nodes.len());
+    let place = |node: u32| dim * nodes.binary_search(&node).unwrap_or_default();
+    let mut entries = vec![0.0; n * n];
+    for (at, entry) in block.entries.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
+        let (row, column) = (at / own, at % own);
+        for (a, weight) in &expansions[row / dim] {
+            for (b, other) in &expansions[column / dim] {
+                entries[n * (place(*a) + row % dim) + place(*b) + column % dim] += weight * other * entry;
+            }
+        }
+    }
+    ElementBlock { nodes, entries }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::matrix::Symmetry;
+
+    /// `C^T A C` of a chain of five nodes, of which the third follows the first and the fifth, the fourth the fifth alone, by dense products.
+    #[test]
+    fn tied_matrices_are_the_products() {
+        let cells = [[0_u32, 1], [1, 2], [2, 3], [3, 4]];
+        let ties = Ties::default().with(5, vec![(2, vec![(0, 0.25), (4, 0.75)]), (3, vec![(4, -1.5)])]).unwrap();
+        let graph = Graph::from_cliques(5, cells.iter().map(|c| &c[..])).unwrap();
+        let more = ties.couplings(&graph);
+        let all = cells.iter().map(|c| &c[..]).chain(more.iter().map(Vec::as_slice));
+        let full = Graph::from_cliques(5, all).unwrap();
+        for (graph, symmetry) in [(&full, Symmetry::General), (&full, Symmetry::Symmetric), (&graph, Symmetry::General)]
+        {
+            let dim = 2;
+            let pattern = Arc::new(Pattern::of_graph(graph, &[], dim));
+            let mut matrix = SparseMatrix::with_symmetry(pattern, symmetry);
+            let entry = |at: usize, k: usize| ((31 * at + 17 * k) % 23) as f64 - 11.0;
+            let element = |k: usize| -> Vec<f64> {
+                let mirrored = |at: usize| 4 * (at % 4) + at / 4;
+                let of = |at: usize| match symmetry {
+                    Symmetry::General => entry(at, k),
+                    Symmetry::Symmetric => entry(at, k) + entry(mirrored(at), k),
+                };
+                (0..16).map(of).collect()
+            };
+            cells.iter().enumerate().for_each(|(k, cell)| matrix.add_pairs(cell, &element(k)).unwrap());
+            matrix.add_beyond(&[0, 3], element(7));
+            let dense = |matrix: &SparseMatrix| nalgebra::DMatrix::from_fn(10, 10, |i, j| matrix.get(i, j));
+            let before = dense(&matrix);
+            let c = nalgebra::DMatrix::from_fn(10, 10, |i, j| {
+                let (node, other) = ((i / dim) as u32, (j / dim) as u32);
+                let weight = ties.expansion(node).iter().find(|(m, _)| *m == other).map_or(0.0, |(_, w)| *w);
+                if i % dim == j % dim { weight } else { 0.0 }
+            });
+            matrix.tie(&ties, 3.0);
+            let mut expected = c.transpose() * before * &c;
+            (4..8).for_each(|i| expected[(i, i)] += 3.0);
+            assert!((dense(&matrix) - expected).abs().max() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn chains_of_ties_are_refused() {
+        assert!(Ties::default().with(3, vec![(0, vec![(1, 1.0)]), (1, vec![(2, 1.0)])]).is_none());
+        assert!(Ties::default().with(3, vec![(0, vec![(0, 1.0)])]).is_none());
+        assert!(Ties::default().with(3, vec![(0, vec![(7, 1.0)])]).is_none());
+        let tied = Ties::default().with(3, vec![(0, vec![(1, 1.0)])]).unwrap();
+        assert!(tied.with(3, vec![(0, vec![(2, 1.0)])]).is_none());
+    }
+}
