@@ -88,6 +88,7 @@ pub fn materials(problem: &CaseProblem) -> Vec<Line> {
         let values = parameters(&material.parameters, &catalogue_of(material.law.forms), units);
         let formulation = material.formulation.map(|chosen| format!("; formulation {chosen}")).unwrap_or_default();
         let formulation = formulation + &patches(problem, material);
+        let formulation = formulation + if material.rigid { "; rigid" } else { "" };
         let (region, law) = (&material.region, material.law);
         let inertia = time::inertia(material, units);
         line("materials", format!("{region}: {} ({}); {values}{formulation}{inertia}", law.name, law.about))

@@ -17,6 +17,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     actuation::add(case, &mut solid, context);
     support::add(case, &mut solid, context);
     spring::add(case, &mut solid, context);
+    material::add_rigid(case, &mut solid, context);
     load::add(case, &mut solid, context);
     contact::add(case, &mut solid, context);
     inertia::add(case, &mut solid, context);

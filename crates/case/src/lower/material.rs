@@ -7,7 +7,7 @@ use super::named_groups;
 use crate::warning::INPUT;
 use nastic_energy::EnergyError;
 use nastic_energy::catalogue::Inputs;
-use nastic_fem::{Discretization, Solid};
+use nastic_fem::{Discretization, RigidBody, Solid};
 use nastic_language::schema::{Case, Input};
 use nastic_language::syntax::At;
 use std::collections::BTreeMap;
@@ -57,6 +57,14 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             );
             context.complain(&material.at.key("law"), message);
         }
+    }
+}
+
+/// Regions that are rigid bodies, each under the name of its region.
+pub(super) fn add_rigid(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
+    for material in case.materials.iter().filter(|material| material.rigid) {
+        let body = RigidBody::new(&material.region.to_string(), material.region.clone());
+        attempt(solid, &material.at.key("rigid"), context, |solid| solid.rigid(&body));
     }
 }
 

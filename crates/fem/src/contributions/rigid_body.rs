@@ -10,6 +10,7 @@ use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nalgebra::DMatrix;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{GroupNames, Mesh};
+use nastic_numeric::DisjointSets;
 use nastic_tensor::{Mat3, Vec3, polar_rotation};
 
 /// The components of the constraints.
@@ -53,6 +54,7 @@ impl RigidBody {
         let mut nodes: Vec<u32> = cells.iter().flat_map(|&cell| mesh.cell(cell as usize).nodes.to_vec()).collect();
         nodes.sort_unstable();
         nodes.dedup();
+        self.check_connected(mesh, &cells, &nodes)?;
         let place = |node: u32| Vec3::from(mesh.points()[node as usize]);
         let masters = simplex(&nodes, mesh.dim(), place);
         let corners: Vec<Vec3> = masters.iter().map(|&node| place(node)).collect();
@@ -76,6 +78,31 @@ impl RigidBody {
             volume,
             tied: Tied { nodes, follows },
         })
+    }
+}
+
+impl RigidBody {
+    /// Refuses parts that share no node: they are bodies of their own.
+    fn check_connected(&self, mesh: &Mesh, cells: &[u32], nodes: &[u32]) -> Result<(), FemError> {
+        let mut sets = DisjointSets::new(mesh.points().len());
+        for &cell in cells {
+            let own = mesh.cell(cell as usize).nodes;
+            own.iter().for_each(|&node| sets.union(own[0], node));
+        }
+        let mut parts: Vec<u32> = nodes.iter().map(|&node| sets.find(node)).collect();
+        parts.sort_unstable();
+        parts.dedup();
+        if parts.len() <= 1 {
+            return Ok(());
+        }
+        let what = format!(
+            "the region of the rigid body \"{}\" has {} parts that share no node, as those with the nodes {} and {}: name each, it is a body of its own",
+            self.name,
+            parts.len(),
+            parts[0],
+            parts[1]
+        );
+        Err(FemError::Meaningless { what })
     }
 }
 

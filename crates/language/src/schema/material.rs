@@ -23,6 +23,8 @@ pub struct Material {
     pub law: &'static MaterialRow,
     /// How the cells represent changes of volume; where none is named, that of another law on them, or the standard one.
     pub formulation: Option<Formulation>,
+    /// Whether the region moves as a rigid body.
+    pub rigid: bool,
     /// Mass per reference volume, which motions and weight need.
     pub density: Option<f64>,
     /// Maxwell branches beside the law, in motion.
@@ -35,19 +37,20 @@ pub struct Material {
 
 impl PartialEq for Material {
     fn eq(&self, other: &Self) -> bool {
-        (&self.at, &self.region, self.law.name, self.formulation, &self.parameters)
-            == (&other.at, &other.region, other.law.name, other.formulation, &other.parameters)
+        (&self.at, &self.region, self.law.name, self.formulation, self.rigid, &self.parameters)
+            == (&other.at, &other.region, other.law.name, other.formulation, other.rigid, &other.parameters)
             && (self.density, &self.maxwell, &self.kelvin_voigt) == (other.density, &other.maxwell, &other.kelvin_voigt)
     }
 }
 
 const REGION: &str = "Region of the mesh.";
 const FORMULATION: &str = "How the cells represent changes of volume.";
+const RIGID: &str = "Whether the region moves as a rigid body: then its law gives contacts their stiffness alone.";
 const DENSITY: &str = "Mass per reference volume, which motions and weight need.";
 const MAXWELL: &str = "Maxwell branches beside the law, which relax in motion: a Prony series of the shear modulus.";
 const KELVIN_VOIGT: &str = "A dashpot beside the law, which damps motion.";
 /// The keys that every law has.
-const COMMON: [&str; 6] = ["region", "law", "formulation", "density", "maxwell", "kelvin_voigt"];
+const COMMON: [&str; 7] = ["region", "law", "formulation", "rigid", "density", "maxwell", "kelvin_voigt"];
 
 impl Read for Material {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
@@ -64,6 +67,7 @@ impl Read for Material {
             Some(member) => Some(read_formulation(&member.node, &at.key("formulation"), reader)?),
             None => None,
         };
+        let rigid: Option<bool> = reader.key(node, at, "rigid", RIGID, Want::ANY, Some(false));
         let density: Option<Option<f64>> = reader.key(node, at, "density", DENSITY, Want::DENSITY, Some(None));
         let maxwell: Option<Vec<Maxwell>> = reader.key(node, at, "maxwell", MAXWELL, Want::ANY, Some(vec![]));
         let kelvin_voigt: Option<Option<KelvinVoigt>> =
@@ -73,6 +77,7 @@ impl Read for Material {
             region: region?,
             law,
             formulation,
+            rigid: rigid?,
             density: density?,
             maxwell: maxwell?,
             kelvin_voigt: kelvin_voigt?,
@@ -90,6 +95,8 @@ impl Read for Material {
                         .insert("region".into(), annotated(GroupNames::schema(Want::ANY, definitions), REGION, None));
                     properties.insert("law".into(), json!({ "const": law.name }));
                     properties.insert("formulation".into(), definitions.part("Formulation", |_| formulation_schema()));
+                    let rigid = bool::schema(Want::ANY, definitions);
+                    properties.insert("rigid".into(), annotated(rigid, RIGID, Some(false.into())));
                     let density = f64::schema(Want::DENSITY, definitions);
                     properties.insert("density".into(), annotated(density, DENSITY, None));
                     let maxwell = Vec::<Maxwell>::schema(Want::ANY, definitions);

@@ -98,6 +98,8 @@ records! {
         keys: ByName<ConstantRecord>,
         /// Formulation of a material.
         formulation: Option<String>,
+        /// Of a material: true where its region moves as a rigid body.
+        rigid: Option<bool>,
         /// Of a chamber: its volume at rest.
         reference_volume: Number,
         /// Of a tendon: its length at rest.
