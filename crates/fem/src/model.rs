@@ -99,7 +99,7 @@ impl Model {
         let space = self.space_with(contribution.as_ref())?;
         let mut supports = self.supports.clone();
         if let Some(tied) = contribution.tied() {
-            Arc::make_mut(&mut supports).tie(name, &tied.nodes, tied.follows.clone())?;
+            Arc::make_mut(&mut supports).tie(name, tied)?;
         }
         let structure = self.tangent_structure().with_couplings(&contribution.couplings())?;
         let structure = structure.with_ties(supports.ties())?;

@@ -98,6 +98,11 @@ impl SparseMatrix {
     }
 
     /// The stored blocks of the skew part, where there is one.
+    pub(crate) fn skew(&self) -> Option<&Vec<f64>> {
+        self.skew.as_ref()
+    }
+
+    /// The same to change.
     pub(crate) fn skew_mut(&mut self) -> Option<&mut Vec<f64>> {
         self.skew.as_mut()
     }

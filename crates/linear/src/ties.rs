@@ -3,9 +3,7 @@
 use super::element_block::ElementBlock;
 use super::graph::Graph;
 use super::matrix::SparseMatrix;
-use super::pattern::Pattern;
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
 /// Linear constraints `u_s = sum_m w_sm u_m`, component by component: nodes s that follow nodes m (their masters), which follow none. With `u = C v`,
 /// v the unknowns of the nodes that follow none, a system `K u = f` becomes `C^T K C v = C^T f`.
@@ -14,9 +12,18 @@ pub struct Ties {
     /// By node what it follows; nothing of one that is free. Empty without ties.
     follows: Vec<Vec<(u32, f64)>>,
     nodes: Vec<u32>,
+    /// Nodes whose unknowns are mixed.
+    mixed: Vec<Vec<u32>>,
 }
 
 impl Ties {
+    /// Mixes the unknowns of some nodes with each other ([`SparseMatrix::mix`]).
+    #[must_use]
+    pub fn mixing(mut self, nodes: Vec<u32>) -> Self {
+        self.mixed.push(nodes);
+        self
+    }
+
     /// Lets nodes of a mesh of so many follow others, each with its masters and their weights. `None` where a node follows itself, one that is tied,
     /// or is tied twice, and where there is no such node.
     #[must_use]
@@ -36,10 +43,10 @@ impl Ties {
         sound.then_some(self)
     }
 
-    /// Whether no node follows another.
+    /// Whether no node follows another, and none are mixed.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
+        self.nodes.is_empty() && self.mixed.is_empty()
     }
 
     /// The nodes that follow others, ascending.
@@ -79,7 +86,7 @@ impl Ties {
         }
     }
 
-    /// Sets of nodes that `C^T K C` couples beyond a graph, that of K.
+    /// Sets of nodes that `C^T K C`, mixed, couples beyond a graph, that of K.
     #[must_use]
     pub fn couplings(&self, graph: &Graph) -> Vec<Vec<u32>> {
         let mut sets = BTreeSet::new();
@@ -92,6 +99,12 @@ impl Ties {
             for &other in graph.neighbours(node as usize) {
                 let set: BTreeSet<u32> = led(node).chain(led(other)).collect();
                 sets.insert(set.into_iter().collect::<Vec<u32>>());
+            }
+        }
+        for group in &self.mixed {
+            for &other in group.iter().flat_map(|&node| graph.neighbours(node as usize)) {
+                let set: BTreeSet<u32> = group.iter().copied().chain(led(other)).collect();
+                sets.insert(set.into_iter().collect());
             }
         }
         sets.into_iter().filter(|set| graph.check_coupled(set).is_err()).collect()
@@ -115,7 +128,7 @@ struct Moved {
     row: u32,
     column: u32,
     /// The symmetric and the skew part, rows one after the other.
-    parts: [Option<Vec<f64>>; 2],
+    parts: Vec<Vec<f64>>,
 }
 
 impl SparseMatrix {
@@ -125,14 +138,12 @@ impl SparseMatrix {
         if ties.is_empty() {
             return;
         }
-        let pattern = self.pattern().clone();
-        let dim = pattern.dim();
+        let dim = self.pattern().dim();
         let moved = self.take_tied(ties, diagonal);
         let beyond = self.beyond().iter().map(|block| tied(block, ties, dim)).collect();
         self.set_beyond(beyond);
         for Moved { row, column, parts } in moved {
             for (k, part) in parts.into_iter().enumerate() {
-                let Some(part) = part else { continue };
                 let sign = [1.0, -1.0][k];
                 for &(a, weight) in &ties.expansion(row) {
                     for &(b, other) in &ties.expansion(column) {
@@ -144,7 +155,7 @@ impl SparseMatrix {
                         let block = if both { (0..dim * dim).map(twice).collect() } else { block };
                         // of a diagonal block (a, b) and (b, a) come each by itself, and one of both is stored
                         if row != column || a >= b {
-                            self.add_part(&pattern, (a, b), k, &block);
+                            self.add_part((a, b), k, &block);
                         }
                     }
                 }
@@ -164,34 +175,41 @@ impl SparseMatrix {
                 if !ties.is_tied(row) && !ties.is_tied(column) {
                     continue;
                 }
-                let stored = dim * dim * (first + k)..dim * dim * (first + k + 1);
-                let taken = |values: &mut [f64]| {
-                    let block = &mut values[stored.clone()];
-                    let rows = (0..dim * dim).map(|at| block[dim * (at % dim) + at / dim]).collect();
-                    block.fill(0.0);
-                    rows
-                };
-                let symmetric: Vec<f64> = taken(&mut self.values);
-                let skew: Option<Vec<f64>> = self.skew_mut().map(|values| taken(values));
+                let parts = (0..if self.is_symmetric() { 1 } else { 2 }).map(|part| self.take_block(first + k, part));
+                let parts = parts.collect();
                 if row == column {
-                    (0..dim).for_each(|c| self.values[stored.start + (dim + 1) * c] = diagonal);
+                    (0..dim).for_each(|c| self.values[dim * dim * (first + k) + (dim + 1) * c] = diagonal);
                 }
-                moved.push(Moved { row, column, parts: [Some(symmetric), skew] });
+                moved.push(Moved { row, column, parts });
             }
         }
         moved
     }
 
-    /// Adds a block `A_ab`, given by rows, to the symmetric or the skew part.
-    fn add_part(&mut self, pattern: &Arc<Pattern>, (a, b): (u32, u32), part: usize, block: &[f64]) {
+    /// Takes a stored block, by rows, out of the symmetric (0) or the skew (1) part.
+    pub(crate) fn take_block(&mut self, block: usize, part: usize) -> Vec<f64> {
+        let (taken, size) = (self.block(block, part), self.pattern().dim().pow(2));
+        let values = if part == 0 { Some(&mut self.values) } else { self.skew_mut() };
+        values.into_iter().for_each(|values| values[size * block..][..size].fill(0.0));
+        taken
+    }
+
+    /// A stored block, by rows, of the symmetric (0) or the skew (1) part.
+    pub(crate) fn block(&self, block: usize, part: usize) -> Vec<f64> {
+        let dim = self.pattern().dim();
+        let values = if part == 0 { Some(&self.values) } else { self.skew() };
+        let entry = |values: &Vec<f64>, at: usize| values[dim * dim * block + dim * (at % dim) + at / dim];
+        (0..dim * dim).map(|at| values.map_or(0.0, |values| entry(values, at))).collect()
+    }
+
+    /// Adds a block `A_ab`, given by rows, to the symmetric (0) or the skew (1) part, and so its mirror image.
+    pub(crate) fn add_part(&mut self, (a, b): (u32, u32), part: usize, block: &[f64]) {
+        let pattern = self.pattern().clone();
         let (dim, sign) = (pattern.dim(), [1.0, -1.0][part]);
         let Ok(code) = pattern.block_code(a, b) else {
             return self.add_beyond(&[a, b], beyond_block(dim, block, sign));
         };
-        let values = match part {
-            0 => Some(&mut self.values),
-            _ => self.skew_mut(),
-        };
+        let values = if part == 0 { Some(&mut self.values) } else { self.skew_mut() };
         let Some(values) = values else { return };
         let into = &mut values[dim * dim * (code >> 1) as usize..][..dim * dim];
         for (at, entry) in block.iter().enumerate() {
@@ -242,6 +260,8 @@ fn tied(block: &ElementBlock, ties: &Ties, dim: usize) -> ElementBlock {
 mod tests {
     use super::*;
     use crate::matrix::Symmetry;
+    use crate::pattern::Pattern;
+    use std::sync::Arc;
 
     /// `C^T A C` of a chain of five nodes, of which the third follows the first and the fifth, the fourth the fifth alone, by dense products.
     #[test]
@@ -279,6 +299,47 @@ mod tests {
             let mut expected = c.transpose() * before * &c;
             (4..8).for_each(|i| expected[(i, i)] += 3.0);
             assert!((dense(&matrix) - expected).abs().max() < 1e-12);
+        }
+    }
+
+    /// `Q^T A Q` and its rows and columns, of a chain of five nodes with a block beyond it.
+    #[test]
+    fn mixed_matrices_are_the_products() {
+        let cells = [[0_u32, 1], [1, 2], [2, 3], [3, 4]];
+        let group = [3_u32, 1];
+        let graph = Graph::from_cliques(5, cells.iter().map(|c| &c[..])).unwrap();
+        let more = Ties::default().mixing(group.to_vec()).couplings(&graph);
+        let all = cells.iter().map(|c| &c[..]).chain(more.iter().map(Vec::as_slice));
+        let full = Graph::from_cliques(5, all).unwrap();
+        for (graph, symmetry) in [(&full, Symmetry::Symmetric), (&full, Symmetry::General), (&graph, Symmetry::General)]
+        {
+            let mut matrix = SparseMatrix::with_symmetry(Arc::new(Pattern::of_graph(graph, &[], 2)), symmetry);
+            let entry = |at: usize, k: usize| ((31 * at + 17 * k) % 23) as f64 - 11.0;
+            let element = |k: usize| -> Vec<f64> {
+                let mirrored = |at: usize| 4 * (at % 4) + at / 4;
+                let of = |at: usize| match symmetry {
+                    Symmetry::General => entry(at, k),
+                    Symmetry::Symmetric => entry(at, k) + entry(mirrored(at), k),
+                };
+                (0..16).map(of).collect()
+            };
+            cells.iter().enumerate().for_each(|(k, cell)| matrix.add_pairs(cell, &element(k)).unwrap());
+            matrix.add_beyond(&[0, 3], element(7));
+            let dense = |matrix: &SparseMatrix| nalgebra::DMatrix::from_fn(10, 10, |i, j| matrix.get(i, j));
+            let before = dense(&matrix);
+            let q = nalgebra::DMatrix::from_fn(4, 4, |i, j| entry(4 * i + j, 3)).qr().q();
+            let dofs = [6, 7, 2, 3];
+            let mut turn = nalgebra::DMatrix::<f64>::identity(10, 10);
+            (0..16).for_each(|at| turn[(dofs[at / 4], dofs[at % 4])] = q[(at / 4, at % 4)]);
+            let expected = turn.transpose() * before * turn;
+            matrix.mix(&group, &q);
+            assert!((dense(&matrix) - &expected).abs().max() < 1e-12);
+            let found = matrix.rows_of(&group);
+            let other = |j: usize| 2 * found.nodes[j / 2] as usize + j % 2;
+            assert_eq!(found.rows.ncols(), 10);
+            let rows = nalgebra::DMatrix::from_fn(4, 10, |i, j| expected[(dofs[i], other(j))]);
+            let columns = nalgebra::DMatrix::from_fn(4, 10, |i, j| expected[(other(j), dofs[i])]);
+            assert!((found.rows - rows).abs().max() < 1e-12 && (found.columns - columns).abs().max() < 1e-12);
         }
     }
 

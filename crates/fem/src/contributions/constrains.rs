@@ -2,6 +2,7 @@
 
 use crate::contributions::instant::Instant;
 use crate::error::FemError;
+use nalgebra::DMatrix;
 
 /// Constraints `g_k(u; m) = 0`, each with a multiplier `p_k`, whose potential `-sum_k p_k g_k` and residuals `-p_k dg_k/du` and `-g_k` the
 /// contribution gives with its others; see [`Contribution`](crate::Contribution).
@@ -12,6 +13,13 @@ pub trait Constrains {
     /// Whether they are inequalities `g_k >= 0`, with `p_k >= 0` and `p_k g_k = 0`.
     fn are_inequalities(&self) -> bool {
         false
+    }
+
+    /// Where they are functions of the displacement of a few nodes alone, at which their derivatives are linearly independent: these nodes, and a basis of
+    /// the changes of their unknowns that keep the constraints to first order, by columns. They are eliminated there. The contribution
+    /// [ties](crate::Contribution::tied) these nodes together.
+    fn local(&self, _at: &Instant) -> Option<(Vec<u32>, DMatrix<f64>)> {
+        None
     }
 
     /// Whether they can be fulfilled under these controls.

@@ -74,9 +74,10 @@ impl RigidBody {
             dim: mesh.dim(),
             centre: shapes.at(&centre),
             gradients: shapes.gradients,
+            corners,
+            tied: Tied { nodes, masters: masters.clone(), follows },
             masters,
             volume,
-            tied: Tied { nodes, follows },
         })
     }
 }
@@ -169,8 +170,9 @@ impl Affine {
 pub(crate) struct Rigid {
     name: String,
     dim: usize,
-    /// The nodes of the simplex.
+    /// The nodes of the simplex, and where they are at rest.
     masters: Vec<u32>,
+    corners: Vec<Vec3>,
     /// grad N_m
     gradients: Vec<Vec3>,
     /// N_m at the centre of the volume.
@@ -229,6 +231,19 @@ impl Rigid {
 impl Constrains for Rigid {
     fn count(&self) -> usize {
         self.components().len()
+    }
+
+    /// Translations, and rotations about the middle of the simplex.
+    fn local(&self, at: &Instant) -> Option<(Vec<u32>, DMatrix<f64>)> {
+        let places: Vec<Vec3> = (0..self.masters.len()).map(|m| self.corners[m] + self.of_node(at.u, m)).collect();
+        let middle = places.iter().sum::<Vec3>() / places.len() as f64;
+        let (dim, size) = (self.dim, places.iter().map(|x| (x - middle).norm()).fold(0.0, f64::max));
+        let axes = if dim == 2 { vec![Vec3::z()] } else { vec![Vec3::x(), Vec3::y(), Vec3::z()] };
+        let motion = |i: usize, j: usize| match j.checked_sub(dim) {
+            None => f64::from(u8::from(i % dim == j)),
+            Some(axis) => axes[axis].cross(&(places[i / dim] - middle))[i % dim] / size,
+        };
+        Some((self.masters.clone(), DMatrix::from_fn(dim * places.len(), dim + axes.len(), motion)))
     }
 }
 

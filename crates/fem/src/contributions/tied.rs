@@ -5,6 +5,8 @@
 pub struct Tied {
     /// All nodes that belong together, ascending: those that follow, and those that are followed. Nothing else may hold them.
     pub nodes: Vec<u32>,
+    /// Those that are followed, whose unknowns may be mixed with each other where [constraints](crate::Constrains::local) on them are eliminated.
+    pub masters: Vec<u32>,
     /// Nodes that follow, each with those that it follows, which follow none, and their weights.
     pub follows: Vec<(u32, Vec<(u32, f64)>)>,
 }

@@ -1,5 +1,6 @@
 //! [`Supports`]: prescribed unknowns, and whether they hold the body still.
 
+use crate::contributions::Tied;
 use crate::error::FemError;
 use nalgebra::DMatrix;
 use nastic_linear::Ties;
@@ -169,8 +170,9 @@ impl Supports {
         Ok(())
     }
 
-    /// Lets nodes follow others; `nodes` are all that this holds together, masters too.
-    pub(crate) fn tie(&mut self, name: &str, nodes: &[u32], tied: Vec<(u32, Vec<(u32, f64)>)>) -> Result<(), FemError> {
+    /// Lets nodes follow others.
+    pub(crate) fn tie(&mut self, name: &str, tied: &Tied) -> Result<(), FemError> {
+        let Tied { nodes, masters, follows } = tied;
         for &node in nodes {
             if let Some(other) = self.tied.get(&node) {
                 let what = format!(
@@ -186,7 +188,8 @@ impl Supports {
             }
         }
         let count = self.fixed.len() / self.block;
-        self.ties = self.ties.clone().with(count, tied).ok_or_else(|| {
+        let ties = self.ties.clone().mixing(masters.clone());
+        self.ties = ties.with(count, follows.clone()).ok_or_else(|| {
             let what = format!("\"{name}\" lets a node follow one that follows another, or that does not exist");
             FemError::Meaningless { what }
         })?;

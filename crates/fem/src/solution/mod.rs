@@ -10,6 +10,7 @@ pub(crate) mod exact_contact;
 mod limit_point;
 mod load_rate;
 mod load_steps;
+mod local_constraints;
 pub(crate) mod modes;
 pub(crate) mod nodal_rotations;
 pub(crate) mod options;

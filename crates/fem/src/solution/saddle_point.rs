@@ -2,14 +2,17 @@
 
 use crate::contributions::instant::Instant;
 use crate::contributions::{Contribution, ContributionPoint};
+use crate::discretization::supports::Supports;
 use crate::error::Inadmissible;
 use crate::model::Model;
+use crate::solution::local_constraints::{Elimination, Known, LocalConstraints};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use nalgebra::DMatrix;
 use nastic_linear::solver::{Accuracy, Border};
 use nastic_linear::{LinearError, Space, SparseMatrix};
 use nastic_numeric::vector::axpy;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// The second derivatives `[K B; B^T 0]` of a potential under constraints: K by the displacement, `B = -dg/du`.
@@ -18,6 +21,8 @@ pub(crate) struct BorderedTangent {
     pub matrix: SparseMatrix,
     /// Columns of B.
     pub columns: Vec<Vec<f64>>,
+    /// Constraints that are eliminated where they are.
+    local: Vec<LocalConstraints>,
     space: Arc<Space>,
 }
 
@@ -25,13 +30,14 @@ impl BorderedTangent {
     pub fn zero(model: &Model) -> Self {
         let dofs = model.unknowns().nodal();
         let columns = vec![vec![0.0; dofs]; model.unknowns().multipliers()];
-        BorderedTangent { matrix: model.matrix(), columns, space: model.unknowns().clone() }
+        BorderedTangent { matrix: model.matrix(), columns, local: Vec::new(), space: model.unknowns().clone() }
     }
 
     /// Makes it zero.
     pub fn clear(&mut self) {
         self.matrix.clear();
         self.columns.iter_mut().for_each(|column| column.fill(0.0));
+        self.local.clear();
     }
 
     /// Adds that of a contribution.
@@ -45,7 +51,11 @@ impl BorderedTangent {
         let Some(constraints) = contribution.constrains() else { return Ok(()) };
         let dofs = self.columns.first().map_or(0, Vec::len);
         let first = at.place(0).saturating_sub(dofs);
-        let own = first..first + constraints.count();
+        let count = constraints.count();
+        if let Some((nodes, free)) = constraints.local(at) {
+            self.local.push(LocalConstraints { first, count, nodes, free });
+        }
+        let own = first..first + count;
         point.add_border(at, self.columns.get_mut(own).unwrap_or_default())
     }
 
@@ -75,7 +85,7 @@ impl BorderedTangent {
     }
 }
 
-/// The system `[K B; B^T 0] [x; p] = [f; g]` with the supports eliminated, ready for block elimination; a constraint that does not act
+/// The system `[K B; B^T 0] [x; p] = [f; g]` with the supports and [local](LocalConstraints) constraints eliminated, ready for block elimination; a constraint that does not act
 /// has no part in it, its multiplier is 0.
 ///
 /// K is singular where the multiplier has an extremum along a path of equilibria (the pressure of a balloon), though the
@@ -91,9 +101,14 @@ impl BorderedTangent {
 #[derive(Debug)]
 pub(crate) struct SaddlePoint {
     space: Arc<Space>,
+    supports: Arc<Supports>,
+    /// K, with mixed unknowns where constraints are eliminated.
     matrix: SparseMatrix,
+    local: Vec<Elimination>,
     /// Columns of B, scaled.
     columns: Vec<Vec<f64>>,
+    /// The same by the mixed unknowns.
+    mixed: Vec<Vec<f64>>,
     /// Of every spring the component j and the stiffness k.
     springs: Vec<(usize, f64)>,
     /// Factor of every column.
@@ -118,30 +133,76 @@ pub(crate) struct Extension {
 /// The compliance c of constraints that yield, of scaled columns over the mean diagonal of K.
 const COMPLIANCE: f64 = 1e-6;
 
+/// A right-hand side where local constraints are eliminated.
+struct Reduced {
+    /// By the mixed unknowns, less what is known of the solution, and as it was given.
+    f: Vec<f64>,
+    given: Vec<f64>,
+    /// Of the constraints of the border.
+    g: Vec<f64>,
+    known: Known,
+}
+
+/// Eliminates local constraints from a matrix whose supports are eliminated.
+fn eliminate_locally(given: &[LocalConstraints], columns: &[Vec<f64>], matrix: &mut SparseMatrix) -> Vec<Elimination> {
+    let mut all: Vec<Elimination> = given.iter().map(|own| Elimination::mixing(own, matrix, columns)).collect();
+    all.iter_mut().zip(given).for_each(|(own, given)| own.keep_rows(&given.nodes, matrix));
+    if all.is_empty() {
+        return all;
+    }
+    let diagonal = matrix.diagonal();
+    let mut known = vec![false; diagonal.len()];
+    all.iter().flat_map(Elimination::known).for_each(|&dof| known[dof] = true);
+    matrix.eliminate(&known, diagonal.iter().fold(0.0, |most: f64, d| most.max(d.abs())));
+    all
+}
+
 impl SaddlePoint {
     /// With all constraints.
     pub fn new(model: &Model, tangent: BorderedTangent) -> Self {
-        let BorderedTangent { mut matrix, mut columns, space } = tangent;
+        let BorderedTangent { mut matrix, mut columns, local: given, space } = tangent;
         columns.iter_mut().for_each(|column| model.supports.restrict(column));
         eliminate(model, &mut matrix);
+        let local = eliminate_locally(&given, &columns, &mut matrix);
         let diagonal = matrix.diagonal();
         let size = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len().max(1) as f64;
-        let scale =
-            |column: &Vec<f64>| Some(size / space.norm(column)).filter(|scale| scale.is_finite()).unwrap_or(1.0);
-        let scales: Vec<f64> = columns.iter().map(scale).collect();
-        let mut added = vec![0.0; diagonal.len()];
-        let mut springs = Vec::with_capacity(scales.len());
+        let is_local = |k: usize| local.iter().any(|own| own.has(k));
+        let scale = |(k, column): (usize, &Vec<f64>)| {
+            let scale = if is_local(k) { 1.0 } else { size / space.norm(column) };
+            if scale.is_finite() { scale } else { 1.0 }
+        };
+        let scales: Vec<f64> = columns.iter().enumerate().map(scale).collect();
         for (column, scale) in columns.iter_mut().zip(&scales) {
             column.iter_mut().for_each(|b| *b *= scale);
+        }
+        let mut mixed = columns.clone();
+        mixed.iter_mut().for_each(|column| local.iter().for_each(|own| own.mix(column)));
+        let known: BTreeSet<usize> = local.iter().flat_map(Elimination::known).copied().collect();
+        let (mut added, mut springs) = (vec![0.0; diagonal.len()], Vec::new());
+        for column in (0..columns.len()).filter(|&k| !is_local(k)).map(|k| &mixed[k]) {
+            let free = (0..column.len()).filter(|j| !known.contains(j));
             let larger = |at: usize, j: usize| if column[j].abs() > column[at].abs() { j } else { at };
-            let at = (0..column.len()).fold(0, larger);
+            let at = free.reduce(larger).unwrap_or(0);
             let stiffness = diagonal[at].abs();
             added[at] += stiffness;
             springs.push((at, stiffness));
         }
         matrix.add_diagonal(&added);
         let acting = vec![true; scales.len()];
-        SaddlePoint { space, matrix, columns, springs, scales, acting, softened: false, transposed: false }
+        let supports = model.supports.clone();
+        SaddlePoint {
+            space,
+            supports,
+            matrix,
+            local,
+            columns,
+            mixed,
+            springs,
+            scales,
+            acting,
+            softened: false,
+            transposed: false,
+        }
     }
 
     /// Sets which constraints act, by constraint, and whether they yield a little: then those that depend on each other have multipliers,
@@ -166,13 +227,19 @@ impl SaddlePoint {
         axpy(factor / self.scales[constraint], &self.columns[constraint], out);
     }
 
-    /// Indices of the constraints that act.
+    /// Indices of the constraints that act and are not local.
     fn members(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.acting.len()).filter(|&k| self.acting[k])
+        (0..self.acting.len()).filter(|&k| self.acting[k] && !self.local.iter().any(|own| own.has(k)))
+    }
+
+    /// A vector by the mixed unknowns, without those that are known.
+    fn unknown(&self, mut mixed: Vec<f64>) -> Vec<f64> {
+        self.local.iter().flat_map(Elimination::known).for_each(|&dof| mixed[dof] = 0.0);
+        mixed
     }
 
     fn border(&self) -> Border {
-        let mut columns: Vec<Vec<f64>> = self.members().map(|k| self.columns[k].clone()).collect();
+        let mut columns: Vec<Vec<f64>> = self.members().map(|k| self.unknown(self.mixed[k].clone())).collect();
         let (acting, unknowns) = (columns.len(), self.matrix.diagonal().len());
         let mut corner = DMatrix::zeros(acting + self.springs.len(), acting + self.springs.len());
         if self.softened {
@@ -216,22 +283,59 @@ impl SaddlePoint {
         accuracy: Accuracy,
         report: &mut SolveReport,
     ) -> Result<(Vec<Vec<f64>>, Option<usize>), LinearError> {
-        let split = |b: &&[f64]| {
-            let (f, g) = b.split_at(b.len() - self.scales.len());
-            let g = self.members().map(|k| g[k] * self.scales[k]).chain(vec![0.0; self.springs.len()]).collect();
-            (f.to_vec(), g)
-        };
-        let rhs: Vec<(Vec<f64>, Vec<f64>)> = rhs.iter().map(split).collect();
+        let reduced: Vec<Reduced> = rhs.iter().map(|b| self.reduced(b)).collect::<Result<_, _>>()?;
+        let springs = || vec![0.0; self.springs.len()];
+        let of = |r: &Reduced| (self.unknown(r.f.clone()), r.g.iter().copied().chain(springs()).collect());
+        let rhs: Vec<(Vec<f64>, Vec<f64>)> = reduced.iter().map(of).collect();
         let (solved, negative) =
             systems.eliminate_border((&self.matrix, self.transposed), u, &self.border(), &rhs, accuracy, report)?;
-        let whole = |(mut x, y): (Vec<f64>, Vec<f64>)| {
+        let whole = |((x, y), reduced): ((Vec<f64>, Vec<f64>), Reduced)| {
             let mut p = vec![0.0; self.scales.len()];
             self.members().zip(&y).for_each(|(k, y)| p[k] = y * self.scales[k]);
+            let mut x = self.whole(x, &y, reduced, &mut p)?;
             x.extend(p);
-            x
+            Ok(x)
         };
         let beyond = |negative: usize| negative.saturating_sub(self.members().count());
-        Ok((solved.into_iter().map(whole).collect(), negative.map(beyond)))
+        let solved = solved.into_iter().zip(reduced).map(whole).collect::<Result<_, LinearError>>()?;
+        Ok((solved, negative.map(beyond)))
+    }
+
+    /// A right-hand side over all unknowns by the mixed ones, and what of them is known.
+    fn reduced(&self, b: &[f64]) -> Result<Reduced, LinearError> {
+        let (f, g) = b.split_at(b.len() - self.scales.len());
+        let dependent = || LinearError::Border { scalars: self.scales.len() };
+        let known: Known = self.local.iter().map(|own| own.solve(g).ok_or_else(dependent)).collect::<Result<_, _>>()?;
+        let (mut f, locals) = (f.to_vec(), || self.local.iter().zip(&known));
+        self.local.iter().for_each(|own| own.mix(&mut f));
+        let given = f.clone();
+        locals().for_each(|(own, a)| own.move_known(a, self.transposed, &mut f));
+        let left = |k: usize| {
+            let along: f64 = locals().map(|(own, a)| own.along(a, &self.mixed[k])).sum();
+            g[k] * self.scales[k] - along
+        };
+        let g = self.members().map(left).collect();
+        Ok(Reduced { f, g, given, known })
+    }
+
+    /// The whole solution by the mixed unknowns and the multipliers y of the border, and the multipliers of local constraints.
+    fn whole(&self, mut x: Vec<f64>, y: &[f64], of: Reduced, p: &mut [f64]) -> Result<Vec<f64>, LinearError> {
+        if self.local.is_empty() {
+            return Ok(x);
+        }
+        let mut left = of.given;
+        self.members().zip(y).for_each(|(k, y)| axpy(-y, &self.mixed[k], &mut left));
+        for (own, a) in self.local.iter().zip(&of.known) {
+            own.known().iter().zip(a.iter()).for_each(|(&dof, a)| x[dof] = *a);
+        }
+        for own in &self.local {
+            let found = own.multipliers(&x, self.transposed, &left);
+            let found = found.ok_or(LinearError::Border { scalars: self.scales.len() })?;
+            p[own.first()..][..found.len()].copy_from_slice(found.as_slice());
+        }
+        self.local.iter().for_each(|own| own.unmix(&mut x));
+        self.supports.extend(&mut x);
+        Ok(x)
     }
 
     /// The solution `(x, p)` and t with an [`Extension`], for f and g in one vector, multipliers, and h; those of constraints that do not act
@@ -255,9 +359,14 @@ impl SaddlePoint {
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, f64), LinearError> {
         let scalars = self.scales.len();
-        let (f, g) = fg.split_at(fg.len() - scalars);
-        let mut f = f.to_vec();
-        (0..scalars).filter(|&k| !self.acting[k]).for_each(|k| self.add_column(k, multipliers[k], &mut f));
+        let (mut fg, dofs) = (fg.to_vec(), fg.len() - scalars);
+        (0..scalars).filter(|&k| !self.acting[k]).for_each(|k| self.add_column(k, multipliers[k], &mut fg[..dofs]));
+        let mut reduced = self.reduced(&fg)?;
+        let (mut column, mut row) = (column, row);
+        self.local.iter().for_each(|own| [&mut column[..], &mut row[..]].into_iter().for_each(|v| own.mix(v)));
+        let h = h - self.local.iter().zip(&reduced.known).map(|(own, a)| own.along(a, &row)).sum::<f64>();
+        let row = self.unknown(row);
+        let f = self.unknown(reduced.f.clone());
         let largest = |at: usize, k: usize| if row[k].abs() > row[at].abs() { k } else { at };
         let at = (0..row.len()).fold(0, largest);
         let stiffness = if row[at] == 0.0 { 0.0 } else { self.matrix.diagonal()[at].abs() };
@@ -272,17 +381,19 @@ impl SaddlePoint {
         let (column, of_multipliers) = column.split_at(f.len());
         let mut border = self.border();
         let own = border.corner.nrows();
-        border.columns.extend([column.to_vec(), unit(-1.0)]);
+        border.columns.extend([self.unknown(column.to_vec()), unit(-1.0)]);
         border.rows.extend([row.clone(), unit(stiffness)]);
         border.corner = border.corner.resize(own + 2, own + 2, 0.0);
         (border.corner[(own, own)], border.corner[(own + 1, own + 1)]) = (corner, -1.0);
         self.members().enumerate().for_each(|(i, k)| border.corner[(i, own)] = of_multipliers[k] * self.scales[k]);
-        let mut rhs: Vec<f64> = self.members().map(|k| g[k] * self.scales[k]).collect();
+        let mut rhs = reduced.g.clone();
         rhs.resize(own, 0.0);
         rhs.extend([h, 0.0]);
-        let (mut x, y) = systems.solve_bordered(&self.matrix, u, &border, (&f, &rhs), report)?;
+        let (x, y) = systems.solve_bordered(&self.matrix, u, &border, (&f, &rhs), report)?;
         let mut p: Vec<f64> = multipliers.iter().map(|p| -p).collect();
         self.members().zip(&y).for_each(|(k, y)| p[k] = y * self.scales[k]);
+        axpy(-y[own], column, &mut reduced.given);
+        let mut x = self.whole(x, &y, reduced, &mut p)?;
         x.extend(p);
         Ok((x, y[own]))
     }

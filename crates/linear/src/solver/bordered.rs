@@ -82,6 +82,9 @@ impl<'b> BlockElimination<'b> {
     /// inertia additivity); `None` where rounding decides the sign of one.
     pub fn negative(&self) -> Option<usize> {
         let n = self.schur.nrows();
+        if n == 0 {
+            return Some(0);
+        }
         // Congruence with a diagonal matrix keeps the signs, and takes the units of the scalar unknowns away.
         let size = |i: usize| self.schur.row(i).iter().fold(0.0, |most: f64, s| most.max(s.abs())).sqrt();
         let scaled = DMatrix::from_fn(n, n, |i, j| {
@@ -121,7 +124,9 @@ impl<'b> BlockElimination<'b> {
         for _ in 0..=CORRECTIONS {
             let inner = inverse(solver, system, &residual_f, (transposed, accuracy), work)?;
             let rhs = DVector::from_fn(scalars, |i, _| residual_g[i] - space.dot(&rows[i], &inner));
-            let dy = self.factor.solve(&rhs).filter(|dy| dy.iter().all(|y| y.is_finite()));
+            // LU of nothing panics
+            let dy = if scalars == 0 { Some(rhs) } else { self.factor.solve(&rhs) };
+            let dy = dy.filter(|dy| dy.iter().all(|y| y.is_finite()));
             let dy = dy.ok_or(LinearError::Border { scalars })?;
             let mut dx = inner;
             for (k, z) in self.z.iter().enumerate() {
