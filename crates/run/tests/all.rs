@@ -40,6 +40,7 @@ mod output_directory;
 mod readable_units;
 mod result_files;
 mod resume;
+mod rigid;
 mod shape_costs;
 mod spectrum;
 mod springs;

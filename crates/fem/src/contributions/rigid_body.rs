@@ -32,7 +32,7 @@ const FLAT: f64 = 1e8;
 /// the constraints hold at the end of each, so that nothing drifts.
 ///
 /// Source: Lan et al., Affine Body Dynamics, ACM Trans. Graph. 41 (2022), section 3, for the affine unknowns, with constraints in the place of a stiff
-/// potential; docs/model/rigid-bodies.md.
+/// potential; docs/model.md section 4.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidBody {
     name: String,
