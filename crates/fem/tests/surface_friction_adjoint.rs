@@ -80,9 +80,19 @@ fn the_gradient_with_lagged_friction_is_exact() -> Outcome {
     check(&bodies(SurfaceContact::lagged)?)
 }
 
+/// Of samples between nodes, whose own nodes are among the corners around them.
+#[test]
+fn the_gradient_of_samples_between_nodes_is_exact() -> Outcome {
+    check_by(&["quasi_static"], &bodies(|contact| contact.refine(2))?)
+}
+
 fn check(solid: &Solid) -> Outcome {
+    check_by(&["quasi_static", "backward_euler", "tr_bdf2"], solid)
+}
+
+fn check_by(schemes: &[&str], solid: &Solid) -> Outcome {
     let motion = DrivenMotion { solid, controls, of_velocity: 0.0, first: 1 };
-    for name in ["quasi_static", "backward_euler", "tr_bdf2"] {
+    for name in schemes.iter().copied() {
         let scheme = (SCHEMES.iter().find(|row| row.name == name).unwrap().build)()?;
         let base = motion.run(&scheme, 0.0, None).map_err(|error| format!("{name}: {error}"))?;
         assert!(changes(solid, &base), "{name}: nothing touches and parts, sticks and slips");

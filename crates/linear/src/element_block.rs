@@ -3,13 +3,36 @@
 /// A dense matrix over the unknowns of some nodes, which need not be coupled in a pattern.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementBlock {
-    /// The nodes.
+    /// The nodes, each once.
     pub nodes: Vec<u32>,
     /// Its `n = dim * nodes` rows one after the other; unknown `dim * local node + component`.
     pub entries: Vec<f64>,
 }
 
 impl ElementBlock {
+    /// Of nodes each of which may be there more than once: what belongs to one node is added up.
+    pub(crate) fn merged(nodes: &[u32], entries: Vec<f64>) -> Self {
+        let mut unique: Vec<u32> = Vec::with_capacity(nodes.len());
+        let place = |node: &u32| {
+            unique.iter().position(|known| known == node).unwrap_or_else(|| {
+                unique.push(*node);
+                unique.len() - 1
+            })
+        };
+        let places: Vec<usize> = nodes.iter().map(place).collect();
+        if unique.len() == nodes.len() {
+            return ElementBlock { nodes: unique, entries };
+        }
+        let own = entries.len().isqrt();
+        let dim = own / nodes.len();
+        let (n, at) = (dim * unique.len(), |i: usize| dim * places[i / dim] + i % dim);
+        let mut sums = vec![0.0; n * n];
+        for (k, entry) in entries.iter().enumerate() {
+            sums[n * at(k / own) + at(k % own)] += entry;
+        }
+        ElementBlock { nodes: unique, entries: sums }
+    }
+
     /// With a function of every entry.
     pub(crate) fn map(&self, of: impl Fn(f64) -> f64) -> Self {
         ElementBlock { nodes: self.nodes.clone(), entries: self.entries.iter().map(|entry| of(*entry)).collect() }
@@ -31,7 +54,7 @@ impl ElementBlock {
         }
     }
 
-    /// The sum of its entries at a row and column: a node may be in it twice.
+    /// Its entry at a row and column; zero where it has none.
     pub(crate) fn entry(&self, dim: usize, row: usize, column: usize) -> f64 {
         let mut sum = 0.0;
         self.each(dim, |i, j, value| {

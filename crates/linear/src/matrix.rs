@@ -81,10 +81,10 @@ impl SparseMatrix {
 
     /// The same, with the same layout of rows, for nodes whose pairs the pattern may lack, because they change with the state: a block of its
     /// own, which products have in them and a factor only of a matrix that it was [joined](crate::JoinedStructure) to. Pairs that the pattern
-    /// has, of nodes that share a cell or are the same, may be among them: the entries add up.
+    /// has, of nodes that share a cell or are the same, may be among them, and a node may be named more than once: the entries add up.
     pub fn add_beyond(&mut self, nodes: &[u32], element: Vec<f64>) {
         debug_assert_eq!(element.len(), (self.pattern.dim() * nodes.len()).pow(2));
-        self.beyond.push(ElementBlock { nodes: nodes.to_vec(), entries: element });
+        self.beyond.push(ElementBlock::merged(nodes, element));
     }
 
     /// The blocks beyond the pattern.

@@ -70,6 +70,39 @@ fn blocks_beyond_the_pattern_are_solved_with() {
     }
 }
 
+/// A node that is named twice has both parts, in products and in the matrix that is factorised.
+#[test]
+fn a_node_may_be_named_twice() {
+    let mut case = Case::new([5, 4, 4]);
+    let (n, last) = (case.pattern.dofs(), case.grid.points.len() as u32 - 1);
+    case.fixed[..3].fill(true);
+    let mut random = Random::new(3);
+    let mut b = random.vector(n);
+    b[..3].fill(0.0);
+    let nodes = [7, last, 7, 3];
+    let noise = DMatrix::from_fn(12, 12, |_, _| 0.2 * random.next());
+    for factory in Solver::CATALOGUE {
+        let element = if factory.takes() == Symmetry::Symmetric { &noise + noise.transpose() } else { noise.clone() };
+        let mut matrix = case.grid.laplacian(&case.pattern, 0.4);
+        if factory.takes() == Symmetry::General {
+            let mut general = SparseMatrix::with_symmetry(case.pattern.clone(), Symmetry::General);
+            general.add_scaled(1.0, &matrix).unwrap();
+            matrix = general;
+        }
+        let mut expected = dense_of(&matrix);
+        matrix.add_beyond(&nodes, element.transpose().as_slice().to_vec());
+        let dof = |i: usize| 3 * nodes[i / 3] as usize + i % 3;
+        (0..144).for_each(|at| expected[(dof(at / 12), dof(at % 12))] += element[(at / 12, at % 12)]);
+        assert!((dense_of(&matrix) - &expected).amax() < 1e-13);
+        matrix.eliminate(&case.fixed, 2.0);
+        let (dense, structure) = (dense_of(&matrix), Structure::new(case.pattern.clone()));
+        let mut own = Joining::new(&structure, factory.make(&structure));
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut LinearWork::default());
+        let x = x.unwrap_or_else(|error| panic!("{factory}: {error}"));
+        assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-8, "{factory}");
+    }
+}
+
 /// Blocks beyond the pattern are in all that a matrix says of itself.
 #[test]
 fn blocks_beyond_the_pattern_belong_to_the_matrix() {

@@ -23,7 +23,7 @@ pub(crate) struct LocalConstraints {
 ///
 /// Left are the unknowns b in the place of the first ones of D; a stands in the place of the last, whose rows and columns are those of the identity. As
 /// the basis turns with the body, a factor that was kept serves on.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(super) struct Elimination {
     first: usize,
     count: usize,

@@ -96,9 +96,10 @@ impl BorderedTangent {
 /// (K + k e_j e_j^T) x + B p - k e_j q = f,    B^T x = g,    -k x_j + k q = 0
 /// ```
 ///
-/// whose first block is regular there, whichever of them act. The spring adds one positive eigenvalue to the inertia. Columns are scaled to
+/// whose first block is regular there, whichever of them act. The spring adds one positive eigenvalue to the inertia. Of a system that is not symmetric (with friction)
+/// K is solved by iteration, and what is stiff beside the rest of a soft body would cost most of its digits: there the springs come where it does not go without. Columns are scaled to
 /// the size of those of K, so that constraints count like forces in the residual of the whole.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct SaddlePoint {
     space: Arc<Space>,
     supports: Arc<Supports>,
@@ -111,6 +112,8 @@ pub(crate) struct SaddlePoint {
     mixed: Vec<Vec<f64>>,
     /// Of every spring the component j and the stiffness k.
     springs: Vec<(usize, f64)>,
+    /// Whether they are there.
+    held: bool,
     /// Factor of every column.
     scales: Vec<f64>,
     acting: Vec<bool>,
@@ -178,19 +181,17 @@ impl SaddlePoint {
         let mut mixed = columns.clone();
         mixed.iter_mut().for_each(|column| local.iter().for_each(|own| own.mix(column)));
         let known: BTreeSet<usize> = local.iter().flat_map(Elimination::known).copied().collect();
-        let (mut added, mut springs) = (vec![0.0; diagonal.len()], Vec::new());
+        let mut springs = Vec::new();
         for column in (0..columns.len()).filter(|&k| !is_local(k)).map(|k| &mixed[k]) {
             let free = (0..column.len()).filter(|j| !known.contains(j));
             let larger = |at: usize, j: usize| if column[j].abs() > column[at].abs() { j } else { at };
             let at = free.reduce(larger).unwrap_or(0);
-            let stiffness = diagonal[at].abs();
-            added[at] += stiffness;
-            springs.push((at, stiffness));
+            springs.push((at, diagonal[at].abs()));
         }
-        matrix.add_diagonal(&added);
         let acting = vec![true; scales.len()];
         let supports = model.supports.clone();
-        SaddlePoint {
+        let general = !matrix.is_symmetric();
+        let mut system = SaddlePoint {
             space,
             supports,
             matrix,
@@ -198,11 +199,32 @@ impl SaddlePoint {
             columns,
             mixed,
             springs,
+            held: false,
             scales,
             acting,
             softened: false,
             transposed: false,
+        };
+        if !general {
+            system.hold();
         }
+        system
+    }
+
+    /// Puts the springs there.
+    fn hold(&mut self) {
+        if self.held {
+            return;
+        }
+        let mut added = vec![0.0; self.supports.fixed().len()];
+        self.springs.iter().for_each(|(at, stiffness)| added[*at] += stiffness);
+        self.matrix.add_diagonal(&added);
+        self.held = true;
+    }
+
+    /// The springs that are there.
+    fn springs(&self) -> &[(usize, f64)] {
+        if self.held { &self.springs } else { &[] }
     }
 
     /// Sets which constraints act, by constraint, and whether they yield a little: then those that depend on each other have multipliers,
@@ -241,12 +263,13 @@ impl SaddlePoint {
     fn border(&self) -> Border {
         let mut columns: Vec<Vec<f64>> = self.members().map(|k| self.unknown(self.mixed[k].clone())).collect();
         let (acting, unknowns) = (columns.len(), self.matrix.diagonal().len());
-        let mut corner = DMatrix::zeros(acting + self.springs.len(), acting + self.springs.len());
+        let scalars = acting + self.springs().len();
+        let mut corner = DMatrix::zeros(scalars, scalars);
         if self.softened {
             // a column is as long as the mean diagonal of K is large
             columns.iter().enumerate().for_each(|(k, column)| corner[(k, k)] = -COMPLIANCE * self.space.norm(column));
         }
-        for (k, &(at, stiffness)) in self.springs.iter().enumerate() {
+        for (k, &(at, stiffness)) in self.springs().iter().enumerate() {
             let mut row = vec![0.0; unknowns];
             row[at] = -stiffness;
             columns.push(row);
@@ -283,8 +306,27 @@ impl SaddlePoint {
         accuracy: Accuracy,
         report: &mut SolveReport,
     ) -> Result<(Vec<Vec<f64>>, Option<usize>), LinearError> {
+        match self.solve_as_it_is(systems, u, rhs, accuracy, report) {
+            Err(error) if !self.held && !self.springs.is_empty() && !error.is_lack_of_memory() => {
+                let mut held = self.clone();
+                held.hold();
+                held.prepare(systems, u, report)?;
+                held.solve_as_it_is(systems, u, rhs, accuracy, report)
+            }
+            solved => solved,
+        }
+    }
+
+    fn solve_as_it_is(
+        &self,
+        systems: &mut TangentSystems,
+        u: &[f64],
+        rhs: &[&[f64]],
+        accuracy: Accuracy,
+        report: &mut SolveReport,
+    ) -> Result<(Vec<Vec<f64>>, Option<usize>), LinearError> {
         let reduced: Vec<Reduced> = rhs.iter().map(|b| self.reduced(b)).collect::<Result<_, _>>()?;
-        let springs = || vec![0.0; self.springs.len()];
+        let springs = || vec![0.0; self.springs().len()];
         let of = |r: &Reduced| (self.unknown(r.f.clone()), r.g.iter().copied().chain(springs()).collect());
         let rhs: Vec<(Vec<f64>, Vec<f64>)> = reduced.iter().map(of).collect();
         let (solved, negative) =
@@ -358,6 +400,7 @@ impl SaddlePoint {
         (fg, multipliers, h): (&[f64], &[f64], f64),
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, f64), LinearError> {
+        self.hold();
         let scalars = self.scales.len();
         let (mut fg, dofs) = (fg.to_vec(), fg.len() - scalars);
         (0..scalars).filter(|&k| !self.acting[k]).for_each(|k| self.add_column(k, multipliers[k], &mut fg[..dofs]));
