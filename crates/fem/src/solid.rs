@@ -337,8 +337,7 @@ impl Solid {
     /// # Errors
     /// An unknown surface, a stiffness that is not positive; a second foundation on it.
     pub fn foundation(self, foundation: Foundation) -> Result<Self, FemError> {
-        let contribution = foundation.of(self.mesh())?;
-        self.contribution(contribution)
+        self.contribution(foundation.of(self.mesh())?)
     }
 
     /// Adds a spring between two points of the body, or from one to a fixed point of space.
@@ -346,8 +345,7 @@ impl Solid {
     /// # Errors
     /// As [`Spring`] says; a name that is taken.
     pub fn spring(self, spring: Spring) -> Result<Self, FemError> {
-        let contribution = spring.on(self.mesh())?;
-        self.contribution(contribution)
+        self.contribution(spring.on(self.mesh())?)
     }
 
     /// Holds a surface that moves as a rigid body.
@@ -363,10 +361,9 @@ impl Solid {
     /// Makes a region a rigid body.
     ///
     /// # Errors
-    /// An unknown region, one that is flat; nodes that something else holds, or that belong to another rigid body; a name that is taken.
+    /// A region that is unknown, flat or in several parts; nodes that something else holds, or of another rigid body; a name that is taken.
     pub fn rigid(self, body: &RigidBody) -> Result<Self, FemError> {
-        let contribution = body.on(self.mesh())?;
-        self.contribution(contribution)
+        self.contribution(body.on(self.mesh())?)
     }
 
     /// Lets a surface touch an obstacle; the materials come before it.

@@ -26,13 +26,10 @@ use std::collections::BTreeMap;
 /// What `nastic check` puts into a result.
 pub(super) fn describe(problem: &CaseProblem, record: &mut RunRecord) {
     let material = |m: &nastic_language::schema::Material| {
-        let formulation = m.formulation.or((!m.law.reinforcing).then(Formulation::default));
-        let formulation = formulation.map(|chosen| chosen.name().to_owned());
-        LawRecord {
-            formulation,
-            rigid: m.rigid.then_some(true),
-            ..law(problem, &m.region, m.law.name, &m.parameters, m.law.forms)
-        }
+        let formulation =
+            m.formulation.or((!m.law.reinforcing).then(Formulation::default)).map(|f| f.name().to_owned());
+        let rigid = m.rigid.then_some(true);
+        LawRecord { formulation, rigid, ..law(problem, &m.region, m.law.name, &m.parameters, m.law.forms) }
     };
     let held = problem.solid().supports().fixed().iter().filter(|fixed| **fixed).count();
     let case = &problem.case;
