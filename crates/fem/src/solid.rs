@@ -1,18 +1,15 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
 use crate::adjoint::Adjoint;
-use crate::contributions::Contribution;
 use crate::contributions::body_energy::formulation::Formulation;
 use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
-use crate::contributions::controls::Controls;
 use crate::contributions::inertia::BodyInertia;
 use crate::contributions::rayleigh_damping::RayleighDamping;
 use crate::contributions::{
-    Cavity, Contact, Foundation, Inertia, MovingSupport, RigidBody, Spring, SurfaceContact, Tendon,
+    Cavity, Contact, Contribution, Controls, Foundation, Inertia, MovingSupport, RigidBody, Spring, SurfaceContact,
+    Tendon,
 };
-use crate::discretization::Discretization;
-use crate::discretization::quadrature_points::QuadraturePoints;
-use crate::discretization::supports::Supports;
+use crate::discretization::{Discretization, quadrature_points::QuadraturePoints, supports::Supports};
 use crate::error::{FemError, StateError};
 use crate::model::Model;
 use crate::solution::modes::Modes;
@@ -337,7 +334,8 @@ impl Solid {
     /// # Errors
     /// An unknown surface, a stiffness that is not positive; a second foundation on it.
     pub fn foundation(self, foundation: Foundation) -> Result<Self, FemError> {
-        self.contribution(foundation.of(self.mesh())?)
+        let contribution = foundation.of(self.mesh())?;
+        self.contribution(contribution)
     }
 
     /// Adds a spring between two points of the body, or from one to a fixed point of space.
@@ -345,7 +343,8 @@ impl Solid {
     /// # Errors
     /// As [`Spring`] says; a name that is taken.
     pub fn spring(self, spring: Spring) -> Result<Self, FemError> {
-        self.contribution(spring.on(self.mesh())?)
+        let contribution = spring.on(self.mesh())?;
+        self.contribution(contribution)
     }
 
     /// Holds a surface that moves as a rigid body.
@@ -361,9 +360,10 @@ impl Solid {
     /// Makes a region a rigid body.
     ///
     /// # Errors
-    /// A region that is unknown, flat or in several parts; nodes that something else holds, or of another rigid body; a name that is taken.
+    /// A region that is unknown, flat or in parts; nodes that something else holds, or of another rigid body; a name that is taken.
     pub fn rigid(self, body: &RigidBody) -> Result<Self, FemError> {
-        self.contribution(body.on(self.mesh())?)
+        let contribution = body.on(self.mesh())?;
+        self.contribution(contribution)
     }
 
     /// Lets a surface touch an obstacle; the materials come before it.
