@@ -18,7 +18,7 @@ rm -rf "$out"/case_*
 mkdir -p "$out"
 
 # Longer than 15 s; the others are run by --quick too. What crawler and flick show in small is in grasp, shaken and the tests of motions and contact.
-slow_cases=(petal walk lift lift_block carry crawler flick)
+slow_cases=(petal walk lift lift_block carry gripper_lift crawler flick)
 # These end at their limit of iterations, exit code 4.
 limited_cases=(walk lift crawler carry)
 slow_examples=(robust_turgor t_magnet petal)
