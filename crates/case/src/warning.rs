@@ -98,7 +98,7 @@ pub const CREEPS: WarningKind = WarningKind {
 pub const VIOLATED: WarningKind = WarningKind {
     code: "violated",
     about: "the optimisation ended where constraints are not met, or the state at the start controls does not meet them or is inside of an obstacle that costs or constraints name",
-    advice: "name the obstacle in \"contact\" if the body is to be held by it; of an optimum, begin where the body touches if the bound is on a contact, allow more iterations (optimizer/max_iterations), or begin elsewhere (optimizer/starts); see whether bounds and supports allow what is asked",
+    advice: "name the obstacle in \"contact\" if the body is to be held by it, press harder where it slips; of an optimum, begin where the body touches if the bound is on a contact, allow more iterations (optimizer/max_iterations), or begin elsewhere (optimizer/starts); see whether bounds and supports allow what is asked",
 };
 
 /// Time steps that do not resolve what happens.
