@@ -460,6 +460,17 @@ impl Model {
         self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>()).is_ok()
     }
 
+    /// Cells all of whose nodes one rigid body holds together.
+    pub(crate) fn rigid_cells(&self) -> Vec<u32> {
+        let mesh = self.discretization().mesh();
+        let in_one = |cell: &u32| {
+            let nodes = mesh.cell(*cell as usize).nodes;
+            let first = self.supports.body_of(nodes[0]);
+            first.is_some() && nodes.iter().all(|&node| self.supports.body_of(node) == first)
+        };
+        if self.supports.ties().is_empty() { Vec::new() } else { (0..mesh.cells() as u32).filter(in_one).collect() }
+    }
+
     /// Whether there are rigid bodies which contacts alone may hold: tangents are singular where they touch nothing yet.
     pub(crate) fn has_loose_bodies(&self) -> bool {
         !self.supports.ties().is_empty() && self.has_potential() && self.touches_something()

@@ -362,7 +362,7 @@ impl Solid {
     /// # Errors
     /// A region that is unknown, flat or in parts; nodes that something else holds, or of another rigid body; a name that is taken.
     pub fn rigid(self, body: &RigidBody) -> Result<Self, FemError> {
-        let contribution = body.on(self.mesh())?;
+        let contribution = self.before_damping("rigid body").and_then(|()| body.on(self.mesh()))?;
         self.contribution(contribution)
     }
 

@@ -11,7 +11,7 @@ use common::{Outcome, regular};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::time::catalogue::SCHEMES;
 use nastic_fem::{
-    Contact, Controls, Feature, Inertia, Instant, RigidBody, Scheme, Solid, Solver, State, SurfaceContact,
+    Cavity, Contact, Controls, Feature, Inertia, Instant, RigidBody, Scheme, Solid, Solver, State, SurfaceContact,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, RawMesh};
@@ -67,7 +67,9 @@ fn thrown(kind: CellKind, size: [f64; 3], gravity: Vec3, v: Vec3, omega: Vec3) -
         .material("body", NeoHooke::new(3.0, 5.0)?)?
         .body_force("body", gravity)?
         .inertia(Inertia::new("body", 1.0))?
-        .rigid(&RigidBody::new("brick", "body"))?;
+        .rigid(&RigidBody::new("brick", "body"))?
+        // of the soft cells alone: there are none
+        .rayleigh_damping(0.0, 0.1)?;
     let (dim, middle) = (solid.mesh().dim(), 0.5 * Vec3::from(size));
     let mut begin = solid.rest();
     let of = |x: &[f64; 3]| v + omega.cross(&(Vec3::from(*x) - middle));
@@ -215,13 +217,19 @@ fn a_rigid_block_slides_or_creeps() -> Outcome {
 /// What lies on a floor, held by contact and its weight alone, is found as an equilibrium.
 #[test]
 fn a_rigid_block_rests() -> Outcome {
+    rests(0.0)?;
+    // beyond the layer of the floor: its weight leads it there
+    rests(-0.02)
+}
+
+fn rests(floor: f64) -> Outcome {
     let wall = |name: &str, side: &str, at: [f64; 3], normal: Vec3| {
         Contact::of(name, side, Obstacle::half_space(at, normal.into())).thickness(0.01).stiffness(4e3).settled()
     };
     let solid = Solid::new(regular(CellKind::Hex8, [1.0, 1.0, 0.5], [2, 2, 1])?)?
         .material("body", NeoHooke::new(4e3, 4e3)?)?
         .body_force("body", Vec3::new(0.0, 0.0, -40.0))?
-        .contact(wall("floor", "z-", [0.0; 3], Vec3::z()))?
+        .contact(wall("floor", "z-", [0.0, 0.0, floor], Vec3::z()))?
         .contact(wall("left", "x-", [-0.005, 0.0, 0.0], Vec3::x()))?
         .contact(wall("right", "x+", [1.005, 0.0, 0.0], -Vec3::x()))?
         .contact(wall("front", "y-", [0.0, -0.005, 0.0], Vec3::y()))?
@@ -246,10 +254,10 @@ fn stroked() -> Outcome<Solid> {
         .body_force(["soft", "hard"], Vec3::new(0.0, -0.02, 0.0))?
         .displace("x-", [Some(0.0), None, None])?
         .inertia(Inertia::new(["soft", "hard"], 1.0))?
-        .rayleigh_damping(0.0, 0.05)?
         .contact(Contact::of("floor", "y-", floor).thickness(0.08).stiffness(3.0).friction(0.3, 0.01))?
         .contact(Contact::of("finger", "y+", finger).thickness(0.08).stiffness(3.0).friction(0.6, 0.01))?
-        .rigid(&RigidBody::new("end", "hard"))?)
+        .rigid(&RigidBody::new("end", "hard"))?
+        .rayleigh_damping(0.0, 0.05)?)
 }
 
 fn controls(solid: &Solid, t: f64) -> Controls {
@@ -304,12 +312,12 @@ fn a_rigid_block_falls_on_a_soft_one() -> Outcome {
         .material("hard", NeoHooke::new(400.0, 800.0)?)?
         .body_force("hard", Vec3::new(0.0, -100.0, 0.0))?
         .inertia(Inertia::new("soft", 1.0).and("hard", 10.0))?
-        .rayleigh_damping(0.0, 0.05)?
         .contact(Contact::of("floor", "skin", floor).thickness(layer).stiffness(k).settled().friction(0.5, 1e-2))?
         .surface_contact(
             SurfaceContact::between("between", "skin", "skin").thickness(layer).stiffness(k).friction(0.5, 1e-2),
         )?
-        .rigid(&RigidBody::new("block", "hard"))?;
+        .rigid(&RigidBody::new("block", "hard"))?
+        .rayleigh_damping(0.0, 0.05)?;
     let mut begin = solid.rest();
     begin.velocity = Some(vec![0.0; begin.u.len()].into());
     let run = motion(&solid, &scheme("backward_euler"), begin, 150, 0.01)?;
@@ -321,6 +329,69 @@ fn a_rigid_block_falls_on_a_soft_one() -> Outcome {
     let touches = solid.model().touches(&Instant::of(end));
     let up = touches.iter().find(|(name, _)| name == "floor").unwrap().1.force[1];
     assert!((up / 60.0 - 1.0).abs() < 2e-3, "{up}");
+    Ok(())
+}
+
+/// A plane frame around a chamber that is filled, of which one side is rigid: beside a border.
+fn frame(hard: Option<f64>) -> Outcome<Solid> {
+    let full = regular(CellKind::Quad4, [3.0, 3.0, 0.0], [3, 3, 1])?;
+    let hole = (0..full.cells()).find(|&c| (Vec3::from(full.cell_centre(c)) - Vec3::new(1.5, 1.5, 0.0)).norm() < 0.1);
+    let mut raw = RawMesh::new("frame");
+    raw.points = full.points().to_vec();
+    for cell in (0..full.cells()).filter(|&cell| Some(cell) != hole) {
+        let tag = if full.cell_centre(cell)[0] > 2.0 { 2 } else { 1 };
+        raw.push(CellKind::Quad4, full.cell(cell).nodes, &[tag]);
+    }
+    for (kind, local) in CellKind::Quad4.faces() {
+        let nodes: Vec<u32> = local.iter().map(|&a| full.cell(hole.unwrap()).nodes[a]).collect();
+        raw.push(*kind, &nodes, &[3]);
+    }
+    for &facet in full.surface("x-")? {
+        let (kind, nodes) = full.facet_nodes(facet);
+        raw.push(kind, &nodes, &[4]);
+    }
+    for (dim, tag, name) in [(2, 1, "soft"), (2, 2, "hard"), (1, 3, "inside"), (1, 4, "x-")] {
+        raw.name_group(dim, tag, name);
+    }
+    let stiff = hard.unwrap_or(1.0);
+    let body = Solid::new(Mesh::build(raw)?)?
+        .material("soft", NeoHooke::new(1.0, 2.0)?)?
+        .material("hard", NeoHooke::new(stiff, 2.0 * stiff)?)?
+        .actuate("soft", "fibre", FiberTension::along(Vec3::new(0.6, 0.8, 0.0))?)?
+        .clamp("x-")?
+        .cavity(Cavity::new("air", "inside").by_volume())?;
+    Ok(if hard.is_none() { body.rigid(&RigidBody::new("side", "hard"))? } else { body })
+}
+
+/// The pressure is that of the limit of a stiff side, and first and second derivatives by the volume and a fibre are exact.
+#[test]
+fn a_rigid_side_of_a_filled_chamber() -> Outcome {
+    let filled = |solid: &Solid, t: f64| -> Outcome<State> {
+        let mut controls = solid.controls();
+        controls.values_mut(block(solid, "fibre")).fill(0.1 + 0.05 * t);
+        controls.values_mut(block(solid, "air"))[0] = 0.4 + 0.1 * t;
+        Ok(solid.solve(&controls, &STRICT)?)
+    };
+    let pressure = |solid: &Solid, state: &State| {
+        let all = solid.model().quantities(&Instant::of(state)).unwrap();
+        all.into_iter().find(|(own, name, _)| own == "air" && *name == "pressure").unwrap().2
+    };
+    let (rigid, stiff) = (frame(None)?, frame(Some(1e5))?);
+    let (state, near) = (filled(&rigid, 0.0)?, filled(&stiff, 0.0)?);
+    let (found, expected) = (pressure(&rigid, &state), pressure(&stiff, &near));
+    assert!((found / expected - 1.0).abs() < 1e-4 && found > 0.05, "{found}, {expected}");
+    let dofs = rigid.discretization().dofs();
+    let cost = |state: &State| (0..dofs).map(|i| common::noise(i) * state.u[i] + 0.5 * state.u[i].powi(2)).sum::<f64>();
+    let mut by_u: Vec<f64> = (0..dofs).map(|i| common::noise(i) + state.u[i]).collect();
+    by_u.resize(state.u.len(), 0.0);
+    let rhs: Vec<f64> = by_u.iter().map(|d| -d).collect();
+    let lambda = rigid.model().adjoint(&state, &[&rhs], &STRICT)?.lambda.remove(0);
+    let by = rigid.model().sensitivities(&Instant::of(&state), &by_u, &lambda)?.controls;
+    let slope = 0.1 * by.values(block(&rigid, "air"))[0] + 0.05 * by.values(block(&rigid, "fibre")).iter().sum::<f64>();
+    let at = |t: f64| filled(&rigid, t).map(|state| cost(&state));
+    let h = 0.02;
+    let difference = (8.0 * (at(h)? - at(-h)?) - (at(2.0 * h)? - at(-2.0 * h)?)) / (12.0 * h);
+    assert!((slope / difference - 1.0).abs() < 1e-7, "{slope}, {difference}");
     Ok(())
 }
 
@@ -338,7 +409,13 @@ fn what_does_not_go_with_rigid_bodies_is_refused() -> Outcome {
     let held = beam(CellKind::Hex8, 1.0)?.rigid(&insert)?.displace("y-", [None, Some(0.0), None]);
     says(&held.unwrap_err(), "of the rigid body \"insert\"");
     let body = beam(CellKind::Hex8, 1.0)?.rigid(&insert)?;
-    says(&body.model().supports(Feature::Modes).unwrap_err(), "insert");
+    for feature in [Feature::Modes, Feature::Deflation, Feature::Descent, Feature::Motion(&scheme("siere"))] {
+        says(&body.model().supports(feature).unwrap_err(), "insert");
+    }
+    let nothing: [&str; 0] = [];
+    says(&beam(CellKind::Hex8, 1.0)?.rigid(&RigidBody::new("insert", nothing)).unwrap_err(), "no cells");
+    let damped = beam(CellKind::Hex8, 1.0)?.inertia(Inertia::new(["soft", "hard"], 1.0))?.rayleigh_damping(0.0, 0.1)?;
+    says(&damped.rigid(&insert).unwrap_err(), "add the damping last");
     let by_multigrid = body.solver(Solver::MULTIGRID);
     says(&by_multigrid.solve(&by_multigrid.controls(), &STRICT).unwrap_err(), "multigrid");
     Ok(())

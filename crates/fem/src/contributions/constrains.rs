@@ -16,7 +16,7 @@ pub trait Constrains {
     }
 
     /// Where they are functions of the displacement of a few nodes alone, at which their derivatives are linearly independent: these nodes, and a basis of
-    /// the changes of their unknowns that keep the constraints to first order, by columns. They are eliminated there. The contribution
+    /// the changes of their unknowns that keep the constraints to first order, by columns. They are eliminated there, unless they are inequalities or the contribution has controls. The contribution
     /// [ties](crate::Contribution::tied) these nodes together.
     fn local(&self, _at: &Instant) -> Option<(Vec<u32>, DMatrix<f64>)> {
         None

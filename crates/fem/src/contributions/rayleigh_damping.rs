@@ -10,7 +10,7 @@ use nastic_linear::{SparseMatrix, StructureError};
 use nastic_numeric::vector::axpy;
 
 /// **Residual.** `r = C v`, `C = a0 M + a1 K(0)`, M the mass of all contributions (a0 in 1/s) and K(0) the tangent of
-/// the body at rest without controls (a1 in s).
+/// the body at rest without controls (a1 in s), the cells of rigid bodies left out.
 ///
 /// K of the present state may be indefinite and would then feed energy to the motion. The price: a rigid rotation is
 /// damped by a1, any rigid motion by a0. The damping is not objective. A mode of small vibrations with frequency w
@@ -44,7 +44,11 @@ impl RayleighDamping {
         let rest = model.rest();
         let mut stiffness = model.tangent_structure().matrix();
         let inverted = |at: Inadmissible| FemError::Meaningless { what: format!("no stiffness at rest: {at}") };
-        model.body.add_tangent(&rest.u, &rest.controls, &mut stiffness, true).map_err(inverted)?;
+        model
+            .body
+            .without(&model.rigid_cells())
+            .add_tangent(&rest.u, &rest.controls, &mut stiffness, true)
+            .map_err(inverted)?;
         let mut matrix = model.tangent_structure().matrix();
         matrix.add_scaled(a0, &mass).map_err(StructureError::from)?;
         matrix.add_scaled(a1, &stiffness).map_err(StructureError::from)?;

@@ -54,6 +54,10 @@ impl RigidBody {
         let mut nodes: Vec<u32> = cells.iter().flat_map(|&cell| mesh.cell(cell as usize).nodes.to_vec()).collect();
         nodes.sort_unstable();
         nodes.dedup();
+        if nodes.is_empty() {
+            let what = format!("the rigid body \"{}\" has no cells: name its region", self.name);
+            return Err(FemError::Meaningless { what });
+        }
         self.check_connected(mesh, &cells, &nodes)?;
         let place = |node: u32| Vec3::from(mesh.points()[node as usize]);
         let masters = simplex(&nodes, mesh.dim(), place);

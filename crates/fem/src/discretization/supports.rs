@@ -8,6 +8,9 @@ use nastic_mesh::Mesh;
 use nastic_numeric::DisjointSets;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// How far nodes that follow others may be off, as a share of the largest entry: rounding.
+const ON_TIES: f64 = 1e-9;
+
 /// The names of displacement components.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -197,6 +200,39 @@ impl Supports {
         Ok(())
     }
 
+    /// What a node is tied to others by, if it is.
+    pub(crate) fn body_of(&self, node: u32) -> Option<&str> {
+        self.tied.get(&node).map(String::as_str)
+    }
+
+    /// Whether something with these slopes by unknowns of the displacement can change: not where supports hold them all, nor in one rigid body.
+    pub(crate) fn lets_change(&self, slopes: impl Iterator<Item = (usize, f64)>) -> bool {
+        let acting: Vec<usize> = slopes.filter(|(_, slope)| *slope != 0.0).map(|(dof, _)| dof).collect();
+        let bodies: BTreeSet<Option<&str>> = acting.iter().map(|dof| self.body_of((dof / self.block) as u32)).collect();
+        let in_one = bodies.len() == 1 && bodies.first().is_some_and(Option::is_some);
+        !in_one && acting.iter().any(|&dof| !self.fixed[dof])
+    }
+
+    /// Refuses a vector in which nodes are not where those that they follow lead them; `what` it is.
+    pub(crate) fn check_tied(&self, what: &str, u: &[f64]) -> Result<(), FemError> {
+        let mut led = u.to_vec();
+        self.extend(&mut led);
+        let size = u.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+        let far = |dof: &usize| (led[*dof] - u[*dof]).abs() > ON_TIES * size;
+        match (0..u.len()).find(far) {
+            None => Ok(()),
+            Some(dof) => {
+                let node = (dof / self.block) as u32;
+                let what = format!(
+                    "{what} of node {node} is {:.3e} off what \"{}\" leads it to: begin at rest, or with a state of this body",
+                    (led[dof] - u[dof]).abs(),
+                    self.body_of(node).unwrap_or_default()
+                );
+                Err(FemError::Meaningless { what })
+            }
+        }
+    }
+
     /// The nodes that follow others.
     pub fn ties(&self) -> &Ties {
         &self.ties
@@ -355,7 +391,7 @@ fn held_twice(motion: &str, other: &str, node: usize) -> FemError {
 
 fn held_and_tied(support: &str, body: &str, node: u32) -> FemError {
     let what = format!(
-        "\"{support}\" holds node {node} of the rigid body \"{body}\"; let one of them go: a rigid body is led by what it touches or is joined to"
+        "\"{support}\" holds node {node} of the rigid body \"{body}\"; let one of them go: hold its surface with a law in the place of \"rigid\", or by a foundation or springs"
     );
     FemError::Meaningless { what }
 }

@@ -60,7 +60,7 @@ impl Model {
         if matches!(feature, Feature::Modes | Feature::Deflation | Feature::Descent) {
             self.refuse_rigid_bodies(
                 what,
-                "their modes are not built: the number of Newton iterations and ramps still tell where states change",
+                "it is a rigid body, for which they are not built: take a stiff law in its place",
             )?;
         }
         match feature {
@@ -117,7 +117,7 @@ impl Model {
         if scheme.exact_modes() > 0 {
             self.refuse_rigid_bodies(
                 scheme.name(),
-                "it takes modes, which those of rigid bodies are not: take tr_bdf2",
+                "it is a rigid body, and the scheme takes modes: take backward_euler",
             )?;
             let instead = "it takes modes of a symmetric stiffness: take tr_bdf2";
             if self.has_history() {

@@ -21,8 +21,7 @@ pub(crate) struct LocalConstraints {
 /// (Y^T G)^T a = g,    K' = Q^T K Q with a known,    (Y^T G) p = Y^T (f - K x)_D
 /// ```
 ///
-/// Left are the unknowns b in the place of the first ones of D; a stands in the place of the last, whose rows and columns are those of the identity. As
-/// the basis turns with the body, a factor that was kept serves on.
+/// Left are the unknowns b in the place of the first ones of D; a stands in the place of the last, whose rows and columns are those of the identity.
 #[derive(Debug, Clone)]
 pub(super) struct Elimination {
     first: usize,

@@ -52,7 +52,12 @@ impl BorderedTangent {
         let dofs = self.columns.first().map_or(0, Vec::len);
         let first = at.place(0).saturating_sub(dofs);
         let count = constraints.count();
-        if let Some((nodes, free)) = constraints.local(at) {
+        let fits = |(nodes, free): &(Vec<u32>, DMatrix<f64>)| {
+            let unknowns = self.matrix.pattern().dim() * nodes.len();
+            free.nrows() == unknowns && free.ncols() + count == unknowns
+        };
+        let alone = !constraints.are_inequalities() && contribution.slots().is_empty();
+        if let Some((nodes, free)) = constraints.local(at).filter(|local| alone && fits(local)) {
             self.local.push(LocalConstraints { first, count, nodes, free });
         }
         let own = first..first + count;
@@ -114,6 +119,8 @@ pub(crate) struct SaddlePoint {
     springs: Vec<(usize, f64)>,
     /// Whether they are there.
     held: bool,
+    /// What was added to the diagonal of K.
+    shifted: f64,
     /// Factor of every column.
     scales: Vec<f64>,
     acting: Vec<bool>,
@@ -200,6 +207,7 @@ impl SaddlePoint {
             mixed,
             springs,
             held: false,
+            shifted: 0.0,
             scales,
             acting,
             softened: false,
@@ -283,6 +291,7 @@ impl SaddlePoint {
         let diagonal = self.matrix.diagonal();
         let mean = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len().max(1) as f64;
         self.matrix.add_to_diagonal(shift * mean);
+        self.shifted += shift * mean;
     }
 
     /// Factorises K for solutions with several sets of acting constraints.
@@ -368,7 +377,10 @@ impl SaddlePoint {
         let mut left = of.given;
         self.members().zip(y).for_each(|(k, y)| axpy(-y, &self.mixed[k], &mut left));
         for (own, a) in self.local.iter().zip(&of.known) {
-            own.known().iter().zip(a.iter()).for_each(|(&dof, a)| x[dof] = *a);
+            own.known().iter().zip(a.iter()).for_each(|(&dof, a)| {
+                x[dof] = *a;
+                left[dof] -= self.shifted * a;
+            });
         }
         for own in &self.local {
             let found = own.multipliers(&x, self.transposed, &left);

@@ -79,7 +79,10 @@ impl Model {
     pub(super) fn check_motion(&self, trajectory: &Trajectory, scheme: &Scheme) -> Result<(), StateError> {
         self.check_in_motion()?;
         self.supports(Feature::Motion(scheme))?;
-        self.check_state(trajectory.end())?;
+        let end = trajectory.end();
+        self.check_state(end)?;
+        self.supports.check_tied("the displacement", &end.u)?;
+        end.velocity.iter().try_for_each(|v| self.supports.check_tied("the velocity", v))?;
         Ok(self.check_prescribed(trajectory.end())?)
     }
 

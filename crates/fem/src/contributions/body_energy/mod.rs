@@ -175,6 +175,18 @@ impl BodyEnergy {
         Ok(())
     }
 
+    /// The same without energies in some cells.
+    pub(crate) fn without(&self, cells: &[u32]) -> Self {
+        let mut left = self.clone();
+        if !cells.is_empty() {
+            left.extend(cells, |composition| {
+                composition.terms.clear();
+                composition.actuations.clear();
+            });
+        }
+        left
+    }
+
     fn extend(&mut self, cells: &[u32], change: impl Fn(&mut Composition)) {
         let (mut all, mut own) = (vec![0; self.compositions.len()], vec![0; self.compositions.len()]);
         self.of_cell.iter().for_each(|&old| all[old as usize] += 1);

@@ -72,15 +72,14 @@ impl Contribution for CavityVolume {
     }
 
     fn check(&self, supports: &Supports) -> Result<(), FemError> {
-        let fixed = supports.fixed();
         self.0.check(supports)?;
-        let mut moves = false;
-        self.0.enclosed.each(None, false, |patch| patch.each_component(|dof, g| moves |= !fixed[dof] && g != 0.0));
-        if moves {
+        let mut slopes = Vec::new();
+        self.0.enclosed.each(None, false, |patch| patch.each_component(|dof, g| slopes.push((dof, g))));
+        if supports.lets_change(slopes.into_iter()) {
             return Ok(());
         }
         let what = format!(
-            "the supports hold the whole surface of cavity \"{}\", so that its volume cannot change; control its pressure, or \
+            "the supports hold the whole surface of cavity \"{}\", or one rigid body has it, so that its volume cannot change; control its pressure, or \
              hold less of it",
             self.0.name
         );

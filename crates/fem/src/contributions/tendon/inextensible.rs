@@ -70,12 +70,12 @@ impl Contribution for InextensibleTendon {
     }
 
     fn check(&self, supports: &Supports) -> Result<(), FemError> {
-        let (fixed, rest) = (supports.fixed(), vec![0.0; supports.fixed().len()]);
-        if self.guides.at(&rest).gradient().iter().zip(fixed).any(|(slope, fixed)| !fixed && *slope != 0.0) {
+        let rest = vec![0.0; supports.fixed().len()];
+        if supports.lets_change(self.guides.at(&rest).gradient().into_iter().enumerate()) {
             return Ok(());
         }
         let what = format!(
-            "the supports hold all that could change the length of tendon \"{}\", which cannot stretch; lead it through points \
+            "the supports hold all that could change the length of tendon \"{}\", or one rigid body has it all, and it cannot stretch; lead it through points \
              that move, or control its tension",
             self.name
         );
