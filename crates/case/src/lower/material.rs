@@ -10,7 +10,7 @@ use nastic_energy::catalogue::Inputs;
 use nastic_fem::{Discretization, RigidBody, Solid};
 use nastic_language::schema::{Case, Input};
 use nastic_language::syntax::At;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     let mut covered: Vec<Option<usize>> = vec![None; solid.mesh().cells()];
@@ -65,6 +65,13 @@ pub(super) fn add_rigid(case: &Case, solid: &mut Solid, context: &mut Context<'_
     for material in case.materials.iter().filter(|material| material.rigid) {
         let body = RigidBody::new(&material.region.to_string(), material.region.clone());
         attempt(solid, &material.at.key("rigid"), context, |solid| solid.rigid(&body));
+        let cells: BTreeSet<u32> = solid.mesh().cells_of(&material.region).unwrap_or_default().into_iter().collect();
+        let within = |own: &[u32]| !own.is_empty() && own.iter().all(|cell| cells.contains(cell));
+        for own in solid.model().controllable().iter().filter(|own| own.cells.is_some_and(within)) {
+            let message =
+                format!("\"{}\" acts in this region alone, which does not strain: actuate another one", own.name);
+            context.complain(&material.at.key("rigid"), message);
+        }
     }
 }
 
