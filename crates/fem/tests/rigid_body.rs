@@ -12,6 +12,7 @@ use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::time::catalogue::SCHEMES;
 use nastic_fem::{
     Cavity, Contact, Controls, Feature, Inertia, Instant, RigidBody, Scheme, Solid, Solver, State, SurfaceContact,
+    Tendon,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, RawMesh};
@@ -412,6 +413,14 @@ fn what_does_not_go_with_rigid_bodies_is_refused() -> Outcome {
     for feature in [Feature::Modes, Feature::Deflation, Feature::Descent, Feature::Motion(&scheme("siere"))] {
         says(&body.model().supports(feature).unwrap_err(), "insert");
     }
+    let inside = [[1.2, 0.5, 0.5], [2.2, 0.5, 0.5]];
+    let cable = beam(CellKind::Hex8, 1.0)?.tendon(Tendon::through("cable", inside).inextensible())?.rigid(&insert)?;
+    says(&cable.check().unwrap_err(), "one rigid body has it all");
+    let (thrown, mut begin) = thrown(CellKind::Hex8, [1.0, 2.0, 3.0], Vec3::zeros(), Vec3::x(), Vec3::zeros())?;
+    let mut velocity = begin.velocity.unwrap().to_vec();
+    velocity[3 * thrown.supports().ties().nodes()[0] as usize] += 1e-3;
+    begin.velocity = Some(velocity.into());
+    says(motion(&thrown, &scheme("bdf2"), begin, 1, 0.1).unwrap_err().as_ref(), "the velocity of node");
     let nothing: [&str; 0] = [];
     says(&beam(CellKind::Hex8, 1.0)?.rigid(&RigidBody::new("insert", nothing)).unwrap_err(), "no cells");
     let damped = beam(CellKind::Hex8, 1.0)?.inertia(Inertia::new(["soft", "hard"], 1.0))?.rayleigh_damping(0.0, 0.1)?;

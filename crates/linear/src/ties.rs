@@ -261,36 +261,55 @@ mod tests {
     use super::*;
     use crate::matrix::Symmetry;
     use crate::pattern::Pattern;
+    use nalgebra::DMatrix;
     use std::sync::Arc;
+
+    const CELLS: [[u32; 2]; 4] = [[0, 1], [1, 2], [2, 3], [3, 4]];
+
+    fn entry(at: usize, k: usize) -> f64 {
+        ((31 * at + 17 * k) % 23) as f64 - 11.0
+    }
+
+    /// The graph of a chain of five nodes, and that with what ties couple.
+    fn graphs(ties: &Ties) -> (Graph, Graph) {
+        let cells = || CELLS.iter().map(|cell| &cell[..]);
+        let graph = Graph::from_cliques(5, cells()).unwrap();
+        let more = ties.couplings(&graph);
+        let full = Graph::from_cliques(5, cells().chain(more.iter().map(Vec::as_slice))).unwrap();
+        (graph, full)
+    }
+
+    /// A matrix on the chain, with a block beyond it.
+    fn chain(graph: &Graph, symmetry: Symmetry) -> SparseMatrix {
+        let mut matrix = SparseMatrix::with_symmetry(Arc::new(Pattern::of_graph(graph, &[], 2)), symmetry);
+        let element = |k: usize| -> Vec<f64> {
+            let mirrored = |at: usize| 4 * (at % 4) + at / 4;
+            let of = |at: usize| match symmetry {
+                Symmetry::General => entry(at, k),
+                Symmetry::Symmetric => entry(at, k) + entry(mirrored(at), k),
+            };
+            (0..16).map(of).collect()
+        };
+        CELLS.iter().enumerate().for_each(|(k, cell)| matrix.add_pairs(cell, &element(k)).unwrap());
+        matrix.add_beyond(&[0, 3], element(7));
+        matrix
+    }
+
+    fn dense(matrix: &SparseMatrix) -> DMatrix<f64> {
+        DMatrix::from_fn(10, 10, |i, j| matrix.get(i, j))
+    }
 
     /// `C^T A C` of a chain of five nodes, of which the third follows the first and the fifth, the fourth the fifth alone, by dense products.
     #[test]
     fn tied_matrices_are_the_products() {
-        let cells = [[0_u32, 1], [1, 2], [2, 3], [3, 4]];
         let ties = Ties::default().with(5, vec![(2, vec![(0, 0.25), (4, 0.75)]), (3, vec![(4, -1.5)])]).unwrap();
-        let graph = Graph::from_cliques(5, cells.iter().map(|c| &c[..])).unwrap();
-        let more = ties.couplings(&graph);
-        let all = cells.iter().map(|c| &c[..]).chain(more.iter().map(Vec::as_slice));
-        let full = Graph::from_cliques(5, all).unwrap();
+        let (graph, full) = graphs(&ties);
         for (graph, symmetry) in [(&full, Symmetry::General), (&full, Symmetry::Symmetric), (&graph, Symmetry::General)]
         {
             let dim = 2;
-            let pattern = Arc::new(Pattern::of_graph(graph, &[], dim));
-            let mut matrix = SparseMatrix::with_symmetry(pattern, symmetry);
-            let entry = |at: usize, k: usize| ((31 * at + 17 * k) % 23) as f64 - 11.0;
-            let element = |k: usize| -> Vec<f64> {
-                let mirrored = |at: usize| 4 * (at % 4) + at / 4;
-                let of = |at: usize| match symmetry {
-                    Symmetry::General => entry(at, k),
-                    Symmetry::Symmetric => entry(at, k) + entry(mirrored(at), k),
-                };
-                (0..16).map(of).collect()
-            };
-            cells.iter().enumerate().for_each(|(k, cell)| matrix.add_pairs(cell, &element(k)).unwrap());
-            matrix.add_beyond(&[0, 3], element(7));
-            let dense = |matrix: &SparseMatrix| nalgebra::DMatrix::from_fn(10, 10, |i, j| matrix.get(i, j));
+            let mut matrix = chain(graph, symmetry);
             let before = dense(&matrix);
-            let c = nalgebra::DMatrix::from_fn(10, 10, |i, j| {
+            let c = DMatrix::from_fn(10, 10, |i, j| {
                 let (node, other) = ((i / dim) as u32, (j / dim) as u32);
                 let weight = ties.expansion(node).iter().find(|(m, _)| *m == other).map_or(0.0, |(_, w)| *w);
                 if i % dim == j % dim { weight } else { 0.0 }
@@ -305,31 +324,15 @@ mod tests {
     /// `Q^T A Q` and its rows and columns, of a chain of five nodes with a block beyond it.
     #[test]
     fn mixed_matrices_are_the_products() {
-        let cells = [[0_u32, 1], [1, 2], [2, 3], [3, 4]];
         let group = [3_u32, 1];
-        let graph = Graph::from_cliques(5, cells.iter().map(|c| &c[..])).unwrap();
-        let more = Ties::default().mixing(group.to_vec()).couplings(&graph);
-        let all = cells.iter().map(|c| &c[..]).chain(more.iter().map(Vec::as_slice));
-        let full = Graph::from_cliques(5, all).unwrap();
+        let (graph, full) = graphs(&Ties::default().mixing(group.to_vec()));
         for (graph, symmetry) in [(&full, Symmetry::Symmetric), (&full, Symmetry::General), (&graph, Symmetry::General)]
         {
-            let mut matrix = SparseMatrix::with_symmetry(Arc::new(Pattern::of_graph(graph, &[], 2)), symmetry);
-            let entry = |at: usize, k: usize| ((31 * at + 17 * k) % 23) as f64 - 11.0;
-            let element = |k: usize| -> Vec<f64> {
-                let mirrored = |at: usize| 4 * (at % 4) + at / 4;
-                let of = |at: usize| match symmetry {
-                    Symmetry::General => entry(at, k),
-                    Symmetry::Symmetric => entry(at, k) + entry(mirrored(at), k),
-                };
-                (0..16).map(of).collect()
-            };
-            cells.iter().enumerate().for_each(|(k, cell)| matrix.add_pairs(cell, &element(k)).unwrap());
-            matrix.add_beyond(&[0, 3], element(7));
-            let dense = |matrix: &SparseMatrix| nalgebra::DMatrix::from_fn(10, 10, |i, j| matrix.get(i, j));
+            let mut matrix = chain(graph, symmetry);
             let before = dense(&matrix);
-            let q = nalgebra::DMatrix::from_fn(4, 4, |i, j| entry(4 * i + j, 3)).qr().q();
+            let q = DMatrix::from_fn(4, 4, |i, j| entry(4 * i + j, 3)).qr().q();
             let dofs = [6, 7, 2, 3];
-            let mut turn = nalgebra::DMatrix::<f64>::identity(10, 10);
+            let mut turn = DMatrix::<f64>::identity(10, 10);
             (0..16).for_each(|at| turn[(dofs[at / 4], dofs[at % 4])] = q[(at / 4, at % 4)]);
             let expected = turn.transpose() * before * turn;
             matrix.mix(&group, &q);
@@ -337,8 +340,8 @@ mod tests {
             let found = matrix.rows_of(&group);
             let other = |j: usize| 2 * found.nodes[j / 2] as usize + j % 2;
             assert_eq!(found.rows.ncols(), 10);
-            let rows = nalgebra::DMatrix::from_fn(4, 10, |i, j| expected[(dofs[i], other(j))]);
-            let columns = nalgebra::DMatrix::from_fn(4, 10, |i, j| expected[(other(j), dofs[i])]);
+            let rows = DMatrix::from_fn(4, 10, |i, j| expected[(dofs[i], other(j))]);
+            let columns = DMatrix::from_fn(4, 10, |i, j| expected[(other(j), dofs[i])]);
             assert!((found.rows - rows).abs().max() < 1e-12 && (found.columns - columns).abs().max() < 1e-12);
         }
     }

@@ -79,7 +79,7 @@ impl RigidBody {
             centre: shapes.at(&centre),
             gradients: shapes.gradients,
             corners,
-            tied: Tied { nodes, masters: masters.clone(), follows },
+            tied: Tied { masters: masters.clone(), follows },
             masters,
             volume,
         })

@@ -1,10 +1,9 @@
 //! [`Tied`]: nodes that a contribution lets follow others.
 
-/// Nodes that follow others, `u_s = sum_m w_m u_m`: their unknowns are eliminated, what acts on them acts on those that they follow.
+/// Nodes that follow others, `u_s = sum_m w_m u_m`: their unknowns are eliminated, what acts on them acts on those that they follow. Nothing else may hold
+/// either of them.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tied {
-    /// All nodes that belong together, ascending: those that follow, and those that are followed. Nothing else may hold them.
-    pub nodes: Vec<u32>,
     /// Those that are followed, whose unknowns may be mixed with each other where [constraints](crate::Constrains::local) on them are eliminated.
     pub masters: Vec<u32>,
     /// Nodes that follow, each with those that it follows, which follow none, and their weights.

@@ -175,8 +175,9 @@ impl Supports {
 
     /// Lets nodes follow others.
     pub(crate) fn tie(&mut self, name: &str, tied: &Tied) -> Result<(), FemError> {
-        let Tied { nodes, masters, follows } = tied;
-        for &node in nodes {
+        let Tied { masters, follows } = tied;
+        let nodes: Vec<u32> = masters.iter().copied().chain(follows.iter().map(|(node, _)| *node)).collect();
+        for &node in &nodes {
             if let Some(other) = self.tied.get(&node) {
                 let what = format!(
                     "node {node} belongs to \"{name}\" and to \"{other}\": let them share no node, or make one of both"
@@ -215,6 +216,8 @@ impl Supports {
 
     /// Refuses a vector in which nodes are not where those that they follow lead them; `what` it is.
     pub(crate) fn check_tied(&self, what: &str, u: &[f64]) -> Result<(), FemError> {
+        // without multipliers, which are of another size
+        let u = &u[..u.len().min(self.fixed.len())];
         let mut led = u.to_vec();
         self.extend(&mut led);
         let size = u.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
