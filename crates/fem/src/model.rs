@@ -471,11 +471,6 @@ impl Model {
         if self.supports.ties().is_empty() { Vec::new() } else { (0..mesh.cells() as u32).filter(in_one).collect() }
     }
 
-    /// Whether there are rigid bodies which contacts alone may hold: tangents are singular where they touch nothing yet.
-    pub(crate) fn has_loose_bodies(&self) -> bool {
-        !self.supports.ties().is_empty() && self.has_potential() && self.touches_something()
-    }
-
     /// Checks that the problem is complete for motion, in which a body may be free.
     pub(crate) fn check_in_motion(&self) -> Result<(), FemError> {
         self.body.check_complete()?;

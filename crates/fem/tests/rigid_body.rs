@@ -381,7 +381,16 @@ fn a_rigid_side_of_a_filled_chamber() -> Outcome {
     let (state, near) = (filled(&rigid, 0.0)?, filled(&stiff, 0.0)?);
     let (found, expected) = (pressure(&rigid, &state), pressure(&stiff, &near));
     assert!((found / expected - 1.0).abs() < 1e-4 && found > 0.05, "{found}, {expected}");
+    // the whole system, constraints too, by its own product
     let dofs = rigid.discretization().dofs();
+    let mut all: Vec<f64> = (0..state.u.len()).map(|i| common::noise(300 + i)).collect();
+    rigid.supports().restrict(&mut all[..dofs]);
+    let solved = rigid.model().adjoint(&state, &[&all], &STRICT)?.lambda.remove(0);
+    let mut left = vec![0.0; all.len()];
+    assert!(rigid.model().tangent_product(&Instant::of(&state), &solved, &mut left)?);
+    rigid.supports().restrict(&mut left[..dofs]);
+    let largest = left.iter().zip(&all).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(largest < 1e-8, "{largest:e}");
     let cost = |state: &State| (0..dofs).map(|i| common::noise(i) * state.u[i] + 0.5 * state.u[i].powi(2)).sum::<f64>();
     let mut by_u: Vec<f64> = (0..dofs).map(|i| common::noise(i) + state.u[i]).collect();
     by_u.resize(state.u.len(), 0.0);

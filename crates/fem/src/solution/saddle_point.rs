@@ -119,8 +119,6 @@ pub(crate) struct SaddlePoint {
     springs: Vec<(usize, f64)>,
     /// Whether they are there.
     held: bool,
-    /// What was added to the diagonal of K.
-    shifted: f64,
     /// Factor of every column.
     scales: Vec<f64>,
     acting: Vec<bool>,
@@ -207,7 +205,6 @@ impl SaddlePoint {
             mixed,
             springs,
             held: false,
-            shifted: 0.0,
             scales,
             acting,
             softened: false,
@@ -286,12 +283,11 @@ impl SaddlePoint {
         Border { rows: columns.clone(), columns, corner }
     }
 
-    /// Adds `shift` times the mean diagonal of K to its diagonal.
+    /// Adds `shift` times the mean diagonal of K to its diagonal, of what local constraints determine not.
     pub fn shift(&mut self, shift: f64) {
         let diagonal = self.matrix.diagonal();
         let mean = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len().max(1) as f64;
         self.matrix.add_to_diagonal(shift * mean);
-        self.shifted += shift * mean;
     }
 
     /// Factorises K for solutions with several sets of acting constraints.
@@ -377,10 +373,7 @@ impl SaddlePoint {
         let mut left = of.given;
         self.members().zip(y).for_each(|(k, y)| axpy(-y, &self.mixed[k], &mut left));
         for (own, a) in self.local.iter().zip(&of.known) {
-            own.known().iter().zip(a.iter()).for_each(|(&dof, a)| {
-                x[dof] = *a;
-                left[dof] -= self.shifted * a;
-            });
+            own.known().iter().zip(a.iter()).for_each(|(&dof, a)| x[dof] = *a);
         }
         for own in &self.local {
             let found = own.multipliers(&x, self.transposed, &left);

@@ -56,8 +56,6 @@ pub(crate) struct Bordered<'a> {
     linearised: Option<Linearised>,
     /// The last shift that was enough.
     shift: f64,
-    /// A step downhill that was found where Newton's is not determined.
-    downhill: Option<Vec<f64>>,
 }
 
 impl<'a> Bordered<'a> {
@@ -66,15 +64,7 @@ impl<'a> Bordered<'a> {
         let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
         let inequalities = equations.model.inequalities();
         equations.start_positive(x);
-        Bordered {
-            equations,
-            systems,
-            inequalities,
-            jump: equations.jump(x),
-            linearised: None,
-            shift: 0.0,
-            downhill: None,
-        }
+        Bordered { equations, systems, inequalities, jump: equations.jump(x), linearised: None, shift: 0.0 }
     }
 
     /// Newton's step, and the negative eigenvalues of the tangent on the null space of the constraints that act; `None` where rounding
@@ -164,17 +154,7 @@ impl Direction for Bordered<'_> {
     }
 
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
-        let (mut dx, negative, scale) = match self.newton(here, report) {
-            // a rigid body that nothing touches yet: its weight leads it to its contact
-            Err(Stop::Linear(LinearError::Border { .. }))
-                if self.jump.is_none() && self.equations.model.has_loose_bodies() =>
-            {
-                let dx = self.downhill(here, report)?;
-                self.downhill = Some(dx.clone());
-                (dx, None, 0.0)
-            }
-            found => found?,
-        };
+        let (mut dx, negative, scale) = self.newton(here, report)?;
         let definite = negative == Some(0) || !self.equations.model.has_potential();
         let curvature = if definite { Curvature::Positive } else { Curvature::Negative };
         let dofs = self.equations.dofs();
@@ -193,9 +173,6 @@ impl Direction for Bordered<'_> {
 
     /// With K shifted until it is positive definite on the null space of the derivatives of the constraints that act.
     fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
-        if let Some(found) = self.downhill.take() {
-            return Ok(found);
-        }
         let Some(mut problem) = self.linearised.take() else { return Err(Stop::Slow { residual: here.relative }) };
         report.shifted += 1;
         let (least, growth, most) = SHIFTS;

@@ -105,10 +105,7 @@ impl Direction for WithPointStrains<'_> {
         self.equations.at(here.x, |at| model.add_with_point_strains(at, strains, &mut sums, tangent))?;
         let rhs = self.right_hand_side(&sums.force);
         let solved = self.solve(here, &rhs, report);
-        let (mut dx, curvature) = solved.map_err(|error| match error {
-            LinearError::Border { .. } if model.has_loose_bodies() => Stop::Slow { residual: here.relative },
-            error => failed(error, here),
-        })?;
+        let (mut dx, curvature) = solved.map_err(|error| failed(error, here))?;
         let jump = self.jump.take();
         if let Some(jump) = &jump {
             self.equations.prescribe(&mut dx, jump);
