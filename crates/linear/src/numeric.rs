@@ -28,7 +28,7 @@ pub(super) fn factorize<P: Panel>(
     panels: Vec<P>,
     parallel: bool,
 ) -> Result<(), Breakdown> {
-    let tasks = symbolic.tasks();
+    let (tasks, parallel) = (symbolic.tasks(), parallel && symbolic.suits_threads());
     let run = Run {
         symbolic,
         matrix,

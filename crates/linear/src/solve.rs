@@ -25,6 +25,7 @@ struct Sweep<'a, T> {
 /// Overwrites the columns of `rhs` (dofs by mesh node) with solutions.
 pub(super) fn solve<T: Real>(factor: &Factor, values: &[T], rhs: &mut [f64], columns: usize, parallel: bool) {
     let symbolic = factor.symbolic();
+    let parallel = parallel && symbolic.suits_threads_to_solve(columns);
     let mut x: Vec<T> = gather(factor, rhs, columns);
     let mut rest = &mut x[..];
     let mut blocks = Vec::with_capacity(symbolic.fronts().len());

@@ -187,6 +187,16 @@ impl Symbolic {
         self.size.flops
     }
 
+    /// Whether a factorisation takes longer than it takes to wake other threads.
+    pub(super) fn suits_threads(&self) -> bool {
+        self.size.flops > 1e7
+    }
+
+    /// The same of a solve for some columns.
+    pub(super) fn suits_threads_to_solve(&self, columns: usize) -> bool {
+        self.size.nonzeros * columns as u64 > 300_000
+    }
+
     /// Bytes held by one factor in double precision.
     pub fn factor_bytes(&self) -> usize {
         self.size.bytes()

@@ -34,7 +34,7 @@ pub(crate) fn sweep<W: CellWork>(
     parallel: bool,
     mut take: impl FnMut(Patch, &W::Answer) + Send,
 ) -> Result<(), W::Error> {
-    if parallel && rayon::current_num_threads() > 1 {
+    if work.cells().on_threads(parallel) && rayon::current_num_threads() > 1 {
         return in_waves(work, patches, take);
     }
     let mut scratch = Scratch::new(work.cells());

@@ -8,7 +8,11 @@ use crate::kernels::{CellKernel, kernel};
 use crate::structure::TangentStructure;
 use nastic_energy::PointBatch;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
+use rayon::prelude::*;
 use std::ops::Range;
+
+/// Quadrature points of a group below which one thread goes over it.
+const POINTS: usize = 1024;
 
 /// The cells of one kind with their arithmetic, a [`Patch`] at a time.
 #[derive(Clone, Copy)]
@@ -39,6 +43,25 @@ impl<'a> Cells<'a> {
     /// All groups of a discretisation.
     pub fn all(disc: &'a Discretization) -> impl Iterator<Item = Self> {
         (0..disc.points().parts.len()).filter_map(|p| Self::of(disc, p))
+    }
+
+    /// Whether to go over the cells on all threads: where that takes longer than to wake them.
+    pub fn on_threads(&self, parallel: bool) -> bool {
+        parallel && self.part.cells.len() * self.part.table.points >= POINTS
+    }
+
+    /// What is found of chunks of items, in their order; `items` are cells or patches of the group.
+    pub fn map<T: Sync, R: Send>(
+        &self,
+        items: &[T],
+        chunk: usize,
+        parallel: bool,
+        of: impl Fn(&[T]) -> R + Sync + Send,
+    ) -> Vec<R> {
+        match self.on_threads(parallel) {
+            true => items.par_chunks(chunk).map(of).collect(),
+            false => items.chunks(chunk).map(of).collect(),
+        }
     }
 
     /// The first cell of a patch, by its number in the mesh.

@@ -18,14 +18,12 @@ pub(crate) fn nodal_rotations(disc: &Discretization, u: &[f64], parallel: bool) 
     let mut sums = vec![Mat3::zeros(); disc.mesh().points().len()];
     for group in Cells::all(disc) {
         let cells: Vec<u32> = (0..group.part.cells.len() as u32).collect();
-        let means: Vec<Vec<Mat3>> = match parallel {
-            true => cells.par_chunks(CHUNK).map(|cells| means(group, cells, u)).collect(),
-            false => cells.chunks(CHUNK).map(|cells| means(group, cells, u)).collect(),
-        };
+        let means = group.map(&cells, CHUNK, parallel, |cells| means(group, cells, u));
         for (c, mean) in means.iter().flatten().enumerate() {
             group.part.nodes_of(c).iter().for_each(|&node| sums[node as usize] += mean);
         }
     }
+    let parallel = parallel && sums.len() > 8 * CHUNK;
     Rotations(if parallel { sums.par_iter().map(rotation).collect() } else { sums.iter().map(rotation).collect() })
 }
 

@@ -172,10 +172,7 @@ impl StepLimits {
         let mut worst = Extremes::default();
         for group in Cells::all(disc) {
             let cells: Vec<u32> = (0..group.part.cells.len() as u32).collect();
-            let found: Vec<Extremes> = match parallel {
-                true => cells.par_chunks(CHUNK).map(|cells| of(group, cells)).collect(),
-                false => cells.chunks(CHUNK).map(|cells| of(group, cells)).collect(),
-            };
+            let found = group.map(&cells, CHUNK, parallel, |cells| of(group, cells));
             found.iter().for_each(|found| worst.add(found));
         }
         Self { straight: worst.straight, curved: (worst.angle > STRAIGHT).then_some(worst.curved) }
@@ -229,10 +226,7 @@ fn misfit(
             rows
         };
         let cells: Vec<u32> = (0..group.part.cells.len() as u32).collect();
-        let rows: Vec<Vec<f64>> = match parallel {
-            true => cells.par_chunks(CHUNK).map(rows_of).collect(),
-            false => cells.chunks(CHUNK).map(rows_of).collect(),
-        };
+        let rows = group.map(&cells, CHUNK, parallel, rows_of);
         for (c, rows) in cells.iter().zip(rows.iter().flat_map(|rows| rows.chunks_exact(length))) {
             group.scatter(Patch::single(c), rows, &mut out);
         }

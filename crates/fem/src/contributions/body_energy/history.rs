@@ -48,7 +48,7 @@ impl BodyEnergy {
                 own
             };
             let places: Vec<MaterialPoint> = self.places(k).collect();
-            let found: Vec<Vec<f64>> = match at.parallel {
+            let found: Vec<Vec<f64>> = match at.parallel && places.len() > 1024 {
                 true => places.par_iter().with_min_len(64).map(advance).collect(),
                 false => places.iter().map(advance).collect(),
             };

@@ -6,7 +6,6 @@ use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
 use nastic_tensor::{Kinematics, Mat3};
-use rayon::prelude::*;
 
 /// Patches of one task.
 const CHUNK: usize = 128;
@@ -34,11 +33,7 @@ pub(crate) fn max_step(body: &BodyEnergy, from: Displaced, du: &[f64], parallel:
             Ok(least)
         };
         let patches: Vec<Patch> = patches.iter().collect();
-        let steps: Vec<Result<f64, Inadmissible>> = match parallel {
-            true => patches.par_chunks(CHUNK).map(chunk).collect(),
-            false => patches.chunks(CHUNK).map(chunk).collect(),
-        };
-        for step in steps {
+        for step in cells.map(&patches, CHUNK, parallel, chunk) {
             least = least.min(step?);
         }
     }

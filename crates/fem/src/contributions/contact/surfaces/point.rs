@@ -108,7 +108,7 @@ impl ContributionPoint for SurfacePoint<'_> {
         }
         let (at, samples) = (&without_lagged(at, self.of.lagged), self.samples());
         let block = |sample: &Sample| self.block(sample, at);
-        let blocks: Vec<Vec<f64>> = match at.parallel {
+        let blocks: Vec<Vec<f64>> = match at.parallel && samples.len() > 256 {
             true => samples.par_iter().map(block).collect(),
             false => samples.iter().map(block).collect(),
         };
