@@ -123,6 +123,11 @@ impl Obstacle {
     pub fn distance(&self, x: &[f64; 3]) -> f64 {
         match self {
             Obstacle::Grid(grid) => grid.distance(x),
+            Obstacle::Box { low, high, rounding } => {
+                let (low, high) = (low.map(|x| x + rounding), high.map(|x| x - rounding));
+                let (beyond, inside) = beyond_box(&low, &high, x);
+                (if beyond == [0.0; 3] { inside } else { norm(&beyond) }) - rounding
+            }
             _ => self.at(x).value,
         }
     }
@@ -237,18 +242,27 @@ impl Obstacle {
 /// Outside: the distance from the nearest point, beside an edge without curvature along it, before a face without any. Inside: minus that
 /// from the nearest face.
 fn from_box(low: &[f64; 3], high: &[f64; 3], x: &[f64; 3]) -> SignedDistance {
-    let nearest: [f64; 3] = std::array::from_fn(|i| x[i].max(low[i]).min(high[i]));
-    let beyond: Vec<usize> = (0..3).filter(|&i| nearest[i] != x[i]).collect();
-    if beyond.is_empty() {
-        let faces = (0..3).flat_map(|i| [(i, -1.0, low[i] - x[i]), (i, 1.0, x[i] - high[i])]);
-        let (axis, sense, value) = faces.max_by(|a, b| a.2.total_cmp(&b.2)).unwrap_or((0, 1.0, 0.0));
-        let normal = std::array::from_fn(|i| if i == axis { sense } else { 0.0 });
-        return SignedDistance::round(value, normal, 0.0, [0.0; 3]);
+    let (beyond, inside) = beyond_box(low, high, x);
+    let sides = beyond.iter().filter(|b| **b != 0.0).count();
+    if sides == 0 {
+        let face =
+            |i: usize| if low[i] - x[i] > x[i] - high[i] { (low[i] - x[i], -1.0) } else { (x[i] - high[i], 1.0) };
+        let normal = |axis: usize| std::array::from_fn(|i| if i == axis { face(i).1 } else { 0.0 });
+        // of equal ones the last
+        let axis = (0..3).rev().find(|&i| face(i).0 == inside).unwrap_or(0);
+        return SignedDistance::round(inside, normal(axis), 0.0, [0.0; 3]);
     }
-    let edge = (0..3).find(|i| !beyond.contains(i)).filter(|_| beyond.len() == 2);
-    let straight = std::array::from_fn(|i| if edge == Some(i) { 1.0 } else { 0.0 });
+    let straight = beyond.map(|b| if sides == 2 && b == 0.0 { 1.0 } else { 0.0 });
+    let nearest = std::array::from_fn(|i| x[i] - beyond[i]);
     let found = around(&nearest, x, 0.0, straight);
-    if beyond.len() == 1 { SignedDistance::round(found.value, found.gradient, 0.0, straight) } else { found }
+    if sides == 1 { SignedDistance::round(found.value, found.gradient, 0.0, straight) } else { found }
+}
+
+/// The way from the nearest point of a box, zero inside; and minus the distance from the nearest face there.
+fn beyond_box(low: &[f64; 3], high: &[f64; 3], x: &[f64; 3]) -> ([f64; 3], f64) {
+    let beyond = std::array::from_fn(|i| x[i] - x[i].max(low[i]).min(high[i]));
+    let inside = (0..3).map(|i| (low[i] - x[i]).max(x[i] - high[i])).fold(f64::NEG_INFINITY, f64::max);
+    (beyond, inside)
 }
 
 fn norm(v: &[f64; 3]) -> f64 {
