@@ -3,7 +3,8 @@
 //! `cargo bench --bench torus -- mesh=torus.vtk what=reference|drop|grip threads=1`: the mesh is Drake's, legacy VTK, scaled by 0.65;
 //! `reference` is the gripped torus of 24 steps with its gradient, against another program's numbers (docs/development/verification.md).
 //! `drop`: modulus=5000 height=0.28 step=1e-2 mu=1.15 until=0.6, out=FILE for the positions at the end. `grip`: modulus=5000 closed=0.4
-//! finger=capsule|box step=1e-2 until=5.5. Both: thickness in m (0 for the default) and slip=1e-3 m/s.
+//! finger=capsule|box step=1e-2 until=5.5. Both: thickness in m, refine (0 for the defaults),
+//! accuracy=1e-11 and slip=1e-3 m/s.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
@@ -40,6 +41,8 @@ fn main() -> Result<(), Failure> {
         "slip",
         "mu",
         "out",
+        "refine",
+        "accuracy",
     ];
     let arguments = Arguments::read(&known)?;
     arguments.use_threads()?;
@@ -107,11 +110,10 @@ struct Run {
     gap: f64,
 }
 
-fn run(solid: &Solid, steps: &[StepTo], begin: Controls) -> Result<Run, Failure> {
+fn run(solid: &Solid, steps: &[StepTo], begin: Controls, how: &SolveOptions) -> Result<Run, Failure> {
     let mut trajectory = Trajectory::from_given(at_rest(solid, begin));
     let (mut workspace, clock) = (Workspace::default(), Clock::now());
-    let how = SolveOptions::default();
-    let done = solid.model().advance(&mut trajectory, &Scheme::backward_euler(), steps, &how, &mut workspace);
+    let done = solid.model().advance(&mut trajectory, &Scheme::backward_euler(), steps, how, &mut workspace);
     let seconds = clock.elapsed().as_secs_f64();
     if let Err(error) = done {
         println!("{{\"failed_at\": {:.4}, \"why\": {:?}}}", trajectory.end().time, error.to_string());
@@ -161,7 +163,7 @@ fn drop(mesh: &Mesh, arguments: &Arguments) -> Result<(), Failure> {
     let solid = torus(lifted(mesh, height - tube)?, modulus)?.contact(contact)?;
     let until: f64 = real(arguments, "until", 0.6)?;
     let steps = vec![StepTo { dt: h, controls: solid.controls() }; (until / h).round() as usize];
-    let found = run(&solid, &steps, solid.controls())?;
+    let found = run(&solid, &steps, solid.controls(), &accuracy(arguments)?)?;
     let out = arguments.text("out", "");
     if !out.is_empty() {
         let u = &found.trajectory.end().u;
@@ -174,8 +176,14 @@ fn drop(mesh: &Mesh, arguments: &Arguments) -> Result<(), Failure> {
 }
 
 fn layer(contact: Contact, arguments: &Arguments) -> Result<Contact, Failure> {
-    let thickness: f64 = real(arguments, "thickness", 0.0)?;
-    Ok(if thickness > 0.0 { contact.thickness(thickness) } else { contact })
+    let (thickness, refine) = (real(arguments, "thickness", 0.0)?, arguments.number("refine", 0)?);
+    let contact = if thickness > 0.0 { contact.thickness(thickness) } else { contact };
+    Ok(if refine > 0 { contact.refine(refine) } else { contact })
+}
+
+fn accuracy(arguments: &Arguments) -> Result<SolveOptions<'static>, Failure> {
+    let default = SolveOptions::default();
+    Ok(SolveOptions { accuracy: real(arguments, "accuracy", default.accuracy)?, ..default })
 }
 
 /// The schedule of the fingers: distance of the pads and lift.
@@ -223,7 +231,7 @@ fn grip(mesh: &Mesh, arguments: &Arguments) -> Result<(), Failure> {
     };
     let steps: Vec<StepTo> =
         (1..=(until / h).round() as usize).map(|n| StepTo { dt: h, controls: at(n as f64 * h) }).collect();
-    let found = run(&solid, &steps, at(0.0))?;
+    let found = run(&solid, &steps, at(0.0), &accuracy(arguments)?)?;
     // friction depends on the velocities of the last step
     let states = found.trajectory.states();
     let step = TimeStep::between(&states[states.len().saturating_sub(2)], found.trajectory.end());
@@ -269,7 +277,7 @@ fn reference(mesh: &Mesh) -> Result<(), Failure> {
         controls
     };
     let steps: Vec<StepTo> = (1..=STEPS).map(|n| StepTo { dt: 1e-2, controls: at(n) }).collect();
-    let found = run(&solid, &steps, at(0))?;
+    let found = run(&solid, &steps, at(0), &SolveOptions::default())?;
     let mut q = centre(&solid)?;
     (0..q.len()).step_by(3).for_each(|dof| q[dof + 1] = 0.3 * q[dof + 2]);
     let j: f64 = found.trajectory.end().u.iter().zip(&q).map(|(u, q)| u * q).sum();

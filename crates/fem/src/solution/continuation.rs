@@ -257,7 +257,9 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
-        let brief = SolveOptions { max_newton: how.max_newton.min(GUESS), ..how.clone() };
+        // with friction an impact takes many short steps, and what does not go at once rounds, each of which is a solve
+        let most = if self.depends_on_path() { usize::MAX } else { GUESS };
+        let brief = SolveOptions { max_newton: how.max_newton.min(most), ..how.clone() };
         let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
         let is_borne = match how.near {
             Some(near) => self.bears(near, (controls, guess), (how, time_step)),

@@ -10,7 +10,7 @@ use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
 use std::sync::Arc;
 
-/// Newton iterations for a step at once.
+/// Newton iterations for a step at once behind a round.
 const ITERATIONS: usize = 20;
 /// Rounds of lagged friction.
 const ROUNDS: usize = 30;
@@ -67,12 +67,10 @@ impl Model {
             }
             workspace.forget();
         }
-        let once = SolveOptions { max_newton: how.max_newton.min(ITERATIONS), ..how.clone() };
-        let at_once = self.equations(controls, 1.0, Some(step), 1.0, &once);
-        let limits = Limits { creeps: HASTE.at_once, ..Limits::new(once.max_newton, how.accuracy) };
+        let at_once = self.equations(controls, 1.0, Some(step), 1.0, how);
         if how.guess.is_none() {
             let mut u = start.clone();
-            match at_once.solve_within(limits, &mut u, self.linear_solver(how, workspace), report) {
+            match at_once.solve(&mut u, self.linear_solver(how, workspace), report) {
                 Ok(_) => return found(u, 0, report),
                 Err(stop) => go_on(stop)?,
             }

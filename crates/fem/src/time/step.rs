@@ -138,8 +138,7 @@ impl Model {
                     let guesses = match self.depends_on_path() {
                         false if self.has_potential() => vec![predicted],
                         _ => {
-                            let predicted = predicted.or_else(|| points.coast(&time_step));
-                            vec![predicted, self.carried(&here, &controls, how.parallel)]
+                            vec![predicted, points.coast(&time_step), self.carried(&here, &controls, how.parallel)]
                         }
                     };
                     let guess = self.nearest(guesses, &here, (&controls, &time_step), how.parallel);
