@@ -416,6 +416,15 @@ impl StateError {
         }
     }
 
+    /// Newton iterations that were spent, as far as that is known.
+    pub(crate) fn newton(&self) -> usize {
+        match self {
+            StateError::NoConvergence { newton, .. } => *newton,
+            StateError::InStep { source, .. } => source.newton(),
+            _ => 0,
+        }
+    }
+
     /// Whether the machine has too little memory: nothing is said of the state.
     pub fn is_lack_of_memory(&self) -> bool {
         matches!(self, StateError::Linear(error) if error.is_lack_of_memory())

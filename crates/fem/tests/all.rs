@@ -22,6 +22,7 @@ mod contact_guards;
 mod contact_motion;
 mod contact_refusals;
 mod contributions;
+mod cut_steps;
 mod damping;
 mod deflation;
 mod derivatives;

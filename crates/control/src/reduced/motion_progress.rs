@@ -9,7 +9,7 @@ use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use std::sync::Arc;
 
-const MAGIC: &str = "nastic-motion-2";
+const MAGIC: &str = "nastic-motion-3";
 
 /// What is known of a motion up to some state, beside its states.
 pub(super) struct Progress {
@@ -56,9 +56,10 @@ impl Progress {
         // a part without the step before it takes none
         let step = part.last_step(scheme);
         out.count(usize::from(step.is_some()));
-        if let Some(StepRecord { dt, starts, stages, started }) = step {
+        if let Some(StepRecord { dt, starts, parts, stages, started }) = step {
             out.float(dt);
             out.count(usize::from(starts));
+            out.count(parts);
             out.count(stages.len());
             stages.iter().for_each(|stage| out.floats(stage));
             out.count(usize::from(started.is_some()));
@@ -100,10 +101,10 @@ impl Progress {
         let states = (0..count).map(|_| read_whole_state(&mut input, &like)).collect::<Result<Vec<_>, _>>()?;
         let step = match input.flag()? {
             true => {
-                let (dt, starts) = (input.float()?, input.flag()?);
+                let (dt, starts, parts) = (input.float()?, input.flag()?, input.number()?);
                 let stages = (0..input.count(8)?).map(|_| input.floats().map(Arc::new)).collect::<Result<_, _>>()?;
                 let started = if input.flag()? { Some(Arc::new(input.floats()?)) } else { None };
-                Some(StepRecord { dt, starts, stages, started })
+                Some(StepRecord { dt, starts, parts, stages, started })
             }
             false => None,
         };

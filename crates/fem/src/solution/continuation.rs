@@ -87,7 +87,7 @@ impl Model {
     ) -> Result<State, StateError> {
         self.check()?;
         self.supports(Feature::Equilibrium)?;
-        self.find(controls, how, None, workspace)
+        self.find(controls, how, (None, false), workspace)
     }
 
     /// The equilibrium, of a time step if there is one.
@@ -95,10 +95,10 @@ impl Model {
         &self,
         controls: &Controls,
         how: &SolveOptions,
-        time_step: Option<&TimeStep>,
+        (time_step, shorter): (Option<&TimeStep>, bool),
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
-        let found = self.search(controls, how, time_step, workspace);
+        let found = self.search(controls, how, (time_step, shorter), workspace);
         found.inspect_err(|_| workspace.forget())
     }
 
@@ -106,7 +106,7 @@ impl Model {
         &self,
         controls: &Controls,
         how: &SolveOptions,
-        time_step: Option<&TimeStep>,
+        (time_step, shorter): (Option<&TimeStep>, bool),
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.check_solver(how.solver)?;
@@ -136,7 +136,7 @@ impl Model {
         {
             return Ok(found);
         }
-        let most = if time_step.is_none() { WARM * how.max_newton } else { MOST };
+        let most = if time_step.is_none() || shorter { WARM * how.max_newton } else { MOST };
         let Some(near) = how.near else {
             return self.walk(&rest, controls, (how, time_step), MOST, workspace, &mut spent);
         };

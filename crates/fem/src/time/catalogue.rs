@@ -132,6 +132,7 @@ impl Scheme {
             error,
             linearised: false,
             exact_modes: 0,
+            parts: 1,
         }
     }
 
@@ -267,7 +268,16 @@ impl Scheme {
     }
 
     fn one_stage(name: &'static str, stage: Stage, end: End) -> Self {
-        Scheme { name, stages: vec![stage], end, start: None, error: Vec::new(), linearised: false, exact_modes: 0 }
+        Scheme {
+            name,
+            stages: vec![stage],
+            end,
+            start: None,
+            error: Vec::new(),
+            linearised: false,
+            exact_modes: 0,
+            parts: 1,
+        }
     }
 }
 

@@ -24,6 +24,8 @@ pub struct Scheme {
     pub(super) linearised: bool,
     /// How many of the lowest modes of a linearised step are those of the exact solution instead.
     pub(super) exact_modes: usize,
+    /// How many steps of the scheme of this name a step is.
+    pub(super) parts: usize,
 }
 
 /// A solve for an unknown displacement.
@@ -83,7 +85,7 @@ pub(super) fn a(factor: f64, at: TermInstant) -> Term {
 }
 
 impl Quantity {
-    fn power(self) -> i32 {
+    pub(super) fn power(self) -> i32 {
         match self {
             Quantity::Displacement => 0,
             Quantity::Velocity => 1,

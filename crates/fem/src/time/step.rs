@@ -27,6 +27,9 @@ pub(super) struct SolvedStep {
     pub error: Option<Vec<f64>>,
 }
 
+/// Steps that one without a solution is made as at most.
+pub(super) const MOST_PARTS: usize = 16;
+
 impl Model {
     /// Goes on from the end of a trajectory by steps of a scheme, at full dead loads. Each stage is an equilibrium of
     /// inertia and forces that minimises an incremental potential, found like a static one from the stage before, or
@@ -69,7 +72,7 @@ impl Model {
             self.check_controls(&to.controls)?;
             let equal = trajectory.steps().last().is_some_and(|last| (last.dt - to.dt).abs() <= EQUAL * to.dt);
             let used = start.as_ref().filter(|_| !equal).unwrap_or(&scheme).clone();
-            let found = self.step(trajectory, used, to, how, workspace)?;
+            let found = self.step_or_parts(trajectory, used, to, how, workspace)?;
             trajectory.push(found.step, found.state);
         }
         Ok(())
@@ -102,10 +105,42 @@ impl Model {
         Ok(())
     }
 
-    pub(super) fn step(
+    /// A step; one of a body in contact that has no solution is made as 2, 4, .. steps, which the report counts as cuts.
+    fn step_or_parts(
         &self,
         trajectory: &Trajectory,
         scheme: Arc<Scheme>,
+        to: &StepTo,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<SolvedStep, StateError> {
+        let cuts = if self.touches_something() { MOST_PARTS.ilog2() } else { 0 };
+        let (mut failed, mut spent) = (None, 0);
+        for cut in 0..=cuts {
+            let whole = scheme.start().unwrap_or(&scheme);
+            let used = if cut == 0 { Some(scheme.clone()) } else { whole.in_parts(1 << cut).map(Arc::new) };
+            let Some(used) = used else { break };
+            match self.step(trajectory, (used, cut < cuts), to, how, workspace) {
+                Ok(mut found) => {
+                    found.state.report.newton += spent;
+                    found.state.report.cuts += cut as usize;
+                    return Ok(found);
+                }
+                Err(error @ StateError::InStep { .. }) => {
+                    spent += error.newton();
+                    failed = failed.or(Some(error));
+                }
+                Err(error) => return Err(error),
+            }
+        }
+        Err(failed.unwrap_or(StateError::Cancelled))
+    }
+
+    /// `shorter`: what fails goes on as shorter steps.
+    pub(super) fn step(
+        &self,
+        trajectory: &Trajectory,
+        (scheme, shorter): (Arc<Scheme>, bool),
         to: &StepTo,
         how: &SolveOptions,
         workspace: &mut Workspace,
@@ -143,7 +178,7 @@ impl Model {
                     };
                     let guess = self.nearest(guesses, &here, (&controls, &time_step), how.parallel);
                     let options = SolveOptions { guess: guess.as_deref(), ..options };
-                    self.find(&controls, &options, Some(&time_step), workspace)
+                    self.find(&controls, &options, (Some(&time_step), shorter), workspace)
                 }
             };
             let mut found = found.map_err(|error| in_step(error, begin.time, h))?;

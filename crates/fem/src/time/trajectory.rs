@@ -4,6 +4,7 @@ use crate::contributions::controls::Controls;
 use crate::error::FemError;
 use crate::solution::state::State;
 use crate::time::scheme::Scheme;
+use crate::time::step::MOST_PARTS;
 use std::sync::Arc;
 
 /// States one after the other, at least one, and what led from each to the next.
@@ -52,6 +53,8 @@ pub struct StepRecord {
     pub dt: f64,
     /// Whether it was made by the scheme of first steps, of a scheme that has one.
     pub starts: bool,
+    /// How many steps of the scheme it was made as: more than one where it had no solution at once.
+    pub parts: usize,
     /// The displacements of its stages.
     pub stages: Vec<Arc<Vec<f64>>>,
     /// The acceleration at its beginning, where the state there did not carry the one that was needed.
@@ -107,8 +110,9 @@ impl Trajectory {
     /// The last step, of a motion by this scheme; none where no step was made.
     pub fn last_step(&self, scheme: &Scheme) -> Option<StepRecord> {
         let step = self.steps.last()?;
-        let starts = scheme.start().is_some_and(|start| *start == *step.scheme);
-        Some(StepRecord { dt: step.dt, starts, stages: step.stages.clone(), started: step.started.clone() })
+        let (Step { dt, stages, started, .. }, parts) = (step.clone(), step.scheme.parts);
+        let starts = scheme.start().is_some_and(|start| start.name == step.scheme.name);
+        Some(StepRecord { dt, starts, parts, stages, started })
     }
 
     /// The [end](Self::tail) of a motion by a scheme that was written down, from which it goes on as if it had never stopped: its last states,
@@ -122,9 +126,17 @@ impl Trajectory {
         step: Option<StepRecord>,
         scheme: &Scheme,
     ) -> Result<Self, FemError> {
-        let made_by = match &step {
+        let whole = match &step {
             Some(StepRecord { starts: true, .. }) => scheme.start().unwrap_or(scheme),
             _ => scheme,
+        };
+        let made_by = match &step {
+            Some(StepRecord { parts, .. }) if *parts != 1 => whole.in_parts((*parts).clamp(1, MOST_PARTS)),
+            _ => Some(whole.clone()),
+        };
+        let Some(made_by) = made_by else {
+            let what = format!("a step of {} in several parts", whole.name());
+            return Err(FemError::Meaningless { what });
         };
         let len = states.first().map_or(0, |state| state.u.len());
         let rates = |state: &State| state.velocity.iter().chain(&state.acceleration).all(|rate| rate.len() == len);
@@ -137,7 +149,7 @@ impl Trajectory {
             let what = "the end of a motion whose states and last step do not fit each other".to_owned();
             return Err(FemError::Meaningless { what });
         }
-        let scheme = Arc::new(made_by.clone());
+        let scheme = Arc::new(made_by);
         let made = |StepRecord { dt, stages, started, .. }| Step { dt, scheme, stages, started };
         Ok(Trajectory { begin, first, states, steps: step.map(made).into_iter().collect() })
     }

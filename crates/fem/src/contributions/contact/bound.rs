@@ -1,6 +1,6 @@
 //! [`BoundContact`]: a contact on a body.
 
-use super::point::{Gaps, TouchPoint, advance, floor};
+use super::point::{Gaps, Placed, TouchPoint, advance, floor};
 use super::pose::Pose;
 use super::samples::Samples;
 use super::{Contact, ContactLaw, defaults, friction};
@@ -64,6 +64,17 @@ impl BoundContact {
     /// The same with its derivatives.
     pub(super) fn signed_distance(&self, pose: &Pose, (sample, x): (usize, &Vec3)) -> SignedDistance {
         pose.signed_distance(&self.obstacle, x).plus(self.offset(sample))
+    }
+
+    /// Place of a sample, and what the pressure there depends on.
+    pub(super) fn placed(&self, pose: &Pose, sample: usize, u: &[f64]) -> (Vec3, f64) {
+        let place = self.reference[sample] + self.samples.of(sample, self.dim, |dof| u[dof]);
+        (place, self.distance(pose, (sample, &place)))
+    }
+
+    /// Whether the distances of samples differ by no more than the samples are apart.
+    pub(super) fn is_lipschitz(&self) -> bool {
+        self.offsets.is_empty() && !matches!(self.obstacle, Obstacle::Grid(_))
     }
 
     /// The distance by which it is told how far a sample may go: of a grid one that changes no faster than the obstacle is steep.
@@ -221,9 +232,9 @@ impl Contribution for BoundContact {
 
     /// Within the layer, or no deeper than it is thick.
     fn check_start(&self, at: &Instant) -> Result<(), Inadmissible> {
-        let gaps = Gaps::at(self, at)?;
-        let gap = |(sample, (x, d)): (usize, &(Vec3, f64))| (*x, d - self.offset(sample) + self.inset);
-        match gaps.all.iter().enumerate().map(gap).min_by(|a, b| a.1.total_cmp(&b.1)) {
+        let gaps = Gaps::of_all(self, at)?;
+        let gap = |(sample, (x, d)): &Placed| (*x, d - self.offset(*sample) + self.inset);
+        match gaps.all.iter().map(gap).min_by(|a, b| a.1.total_cmp(&b.1)) {
             // multipliers begin at an equilibrium, however deep its layer let it in
             Some((place, d)) if d < -self.thickness && self.offsets.is_empty() => {
                 Err(Inadmissible::Penetrates { name: self.name.clone(), place: place.into(), depth: -d })
@@ -240,11 +251,15 @@ impl Contribution for BoundContact {
         if pose.is_at(&end) && at.u == to.u {
             return Ok(1.0);
         }
-        for (sample, here) in gaps.all.iter().enumerate() {
-            let (x, d) = (here.0, self.guarded_from(&pose, sample, here));
-            let dx = self.samples.of(sample, self.dim, |dof| to.u[dof] - at.u[dof]);
-            let reach = self.obstacle.steepest() * pose.reach(&end, &x, &dx);
-            let floor = floor(self.law, d, DEPTH * self.thickness);
+        let (steepest, depth) = (self.obstacle.steepest(), DEPTH * self.thickness);
+        let move_of = |sample| self.samples.of(sample, self.dim, |dof| to.u[dof] - at.u[dof]);
+        let safe = |least: f64, [x, dx]: [&Vec3; 2], differ: [f64; 2]| {
+            least - steepest * pose.reach(&end, (x, dx), differ) >= floor(self.law, least, depth)
+        };
+        for ((sample, here), dx) in gaps.moving(self, at.u, move_of, safe) {
+            let (x, d) = (here.0, self.guarded_from(&pose, sample, &here));
+            let reach = steepest * pose.reach(&end, (&x, &dx), [0.0; 2]);
+            let floor = floor(self.law, d, depth);
             if d - reach < floor {
                 let distance = |s: f64| {
                     let pose = Pose::at(&at.under(&from.blend(end_of, s)), self.centre);

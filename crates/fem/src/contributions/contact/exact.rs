@@ -25,18 +25,18 @@ pub(super) fn step(of: &BoundContact, at: &Instant) -> Option<ExactContact> {
     if of.law != ContactLaw::Cubic || of.slip_speed.is_some() {
         return None;
     }
-    let gaps = Gaps::at(of, at).ok()?;
+    let gaps = Gaps::of_all(of, at).ok()?;
     let pressures: Vec<f64> =
-        gaps.all.iter().map(|(_, d)| of.law.at(d.min(of.thickness), of.thickness).value).collect();
+        gaps.all.iter().map(|(_, (_, d))| of.law.at(d.min(of.thickness), of.thickness).value).collect();
     let weak = WEAK * pressures.iter().copied().fold(0.0, f64::max);
     let (mut violation, mut weakly_active) = (0.0_f64, 0);
-    for (sample, (&(_, d), &p)) in gaps.all.iter().zip(&pressures).enumerate() {
+    for (&(sample, (_, d)), &p) in gaps.all.iter().zip(&pressures) {
         let gap = d - of.offset(sample);
         // what is pressed has no gap, what is not pressed is not inside
         violation = violation.max(if p > 0.0 { gap.abs() } else { -gap });
         weakly_active += usize::from(p <= weak && gap.abs() <= WEAK * of.thickness);
     }
-    let offsets = gaps.all.iter().map(|(_, d)| d.min(of.thickness) - of.inset).collect();
+    let offsets = gaps.all.iter().map(|(_, (_, d))| d.min(of.thickness) - of.inset).collect();
     let mut contribution = of.clone();
     contribution.offsets = offsets;
     Some(ExactContact { contribution: Arc::new(contribution), violation: violation / of.thickness, weakly_active })

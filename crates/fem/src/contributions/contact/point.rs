@@ -15,6 +15,7 @@ use nastic_linear::SparseMatrix;
 use nastic_mesh::spatial::SignedDistance;
 use nastic_tensor::{Mat3, Vec3};
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// Below this share of its gap (of the cubic law its gap and a depth) no move brings a sample.
 const REST_OF_GAP: f64 = 0.1;
@@ -26,11 +27,16 @@ const NEAR: f64 = 1e-3;
 #[derive(Debug, Clone)]
 pub(super) struct Gaps {
     pub pose: Pose,
-    /// Of every sample its place and distance.
-    pub all: Vec<(Vec3, f64)>,
+    /// Of samples their place and distance: of all but those of facets that are `far`.
+    pub all: Vec<Placed>,
+    /// Facets (by their place among `between`) whose samples between nodes are all beyond the layer, and how far away they are at least.
+    pub far: Vec<(usize, f64)>,
     /// Those within the layer.
     pub touches: Vec<Touch>,
 }
+
+/// A sample, its place and its distance.
+pub(super) type Placed = (usize, (Vec3, f64));
 
 /// A sample within the layer.
 #[derive(Debug, Clone, Copy)]
@@ -53,22 +59,68 @@ pub(super) struct Traction {
 }
 
 impl Gaps {
+    /// Samples of facets that are far away are left out.
     pub fn at(of: &BoundContact, at: &Instant) -> Result<Self, Inadmissible> {
-        let pose = Pose::at(at, of.centre);
-        let mut found = Gaps { pose, all: Vec::with_capacity(of.samples.len()), touches: Vec::new() };
-        for (sample, reference) in of.reference.iter().enumerate() {
-            let place = reference + of.samples.of(sample, of.dim, |dof| at.u[dof]);
-            let d = of.distance(&pose, (sample, &place));
-            found.all.push((place, d));
+        let mut found = Self::none(of, at);
+        found.add(of, at, 0..of.samples.at_nodes())?;
+        for (k, between) in of.samples.between.iter().enumerate() {
+            let (first, _, reach) = between.about(|node| found.all[node].1.0);
+            let least = found.all[first].1.1 - reach;
+            match of.is_lipschitz() && least >= of.thickness {
+                true => found.far.push((k, least)),
+                false => found.add(of, at, between.samples.clone())?,
+            }
+        }
+        Ok(found)
+    }
+
+    /// Those of every sample, by their numbers.
+    pub fn of_all(of: &BoundContact, at: &Instant) -> Result<Self, Inadmissible> {
+        let mut found = Self::none(of, at);
+        found.add(of, at, 0..of.samples.len())?;
+        Ok(found)
+    }
+
+    fn none(of: &BoundContact, at: &Instant) -> Self {
+        let all = Vec::with_capacity(of.samples.len());
+        Gaps { pose: Pose::at(at, of.centre), all, far: Vec::new(), touches: Vec::new() }
+    }
+
+    fn add(&mut self, of: &BoundContact, at: &Instant, samples: Range<usize>) -> Result<(), Inadmissible> {
+        for sample in samples {
+            let (place, d) = of.placed(&self.pose, sample, at.u);
+            self.all.push((sample, (place, d)));
             if of.law == ContactLaw::Log && d <= 0.0 {
                 return Err(Inadmissible::Penetrates { name: of.name.clone(), place: place.into(), depth: -d });
             }
             if d < of.thickness {
-                let distance = of.signed_distance(&pose, (sample, &place));
-                found.touches.push(Touch { sample, place, distance });
+                let distance = of.signed_distance(&self.pose, (sample, &place));
+                self.touches.push(Touch { sample, place, distance });
             }
         }
-        Ok(found)
+        Ok(())
+    }
+
+    /// The samples with what they move by, in a move of the nodes by `dx`; without those far facets of which it is `safe`: their least distance, place
+    /// and move of one of their nodes, and how much those of their samples differ from these at most.
+    pub fn moving(
+        &self,
+        of: &BoundContact,
+        u: &[f64],
+        dx: impl Fn(usize) -> Vec3,
+        safe: impl Fn(f64, [&Vec3; 2], [f64; 2]) -> bool,
+    ) -> Vec<(Placed, Vec3)> {
+        let mut all: Vec<(Placed, Vec3)> = self.all.iter().map(|here| (*here, dx(here.0))).collect();
+        for &(k, least) in &self.far {
+            let between = &of.samples.between[k];
+            let (_, x, apart) = between.about(|node| self.all[node].1.0);
+            let (_, way, differs) = between.about(&dx);
+            if !safe(least, [&x, &way], [apart, differs]) {
+                let placed = |sample| ((sample, of.placed(&self.pose, sample, u)), dx(sample));
+                all.extend(between.samples.clone().map(placed));
+            }
+        }
+        all
     }
 }
 
@@ -210,15 +262,20 @@ impl ContributionPoint for TouchPoint<'_> {
     }
 
     fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
+        if self.of.law == ContactLaw::Cubic && self.of.depth.is_infinite() {
+            return Ok(1.0);
+        }
         let gaps = self.gaps(at)?;
-        let shares = gaps.all.iter().enumerate().map(|(sample, here)| {
-            let dx = self.of.samples.of(sample, self.of.dim, |dof| du[dof]);
-            let (x, d) = (here.0, self.of.guarded_from(&gaps.pose, sample, here));
-            let reach = self.of.obstacle.steepest() * dx.norm();
+        let steepest = self.of.obstacle.steepest();
+        let move_of = |sample| self.of.samples.of(sample, self.of.dim, |dof| du[dof]);
+        let safe = |least: f64, [_, dx]: [&Vec3; 2], [_, differs]: [f64; 2]| {
+            steepest * (dx.norm() + differs) <= (1.0 - REST_OF_GAP) * least
+        };
+        let moving = gaps.moving(self.of, at.u, move_of, safe);
+        let shares = moving.iter().map(|((sample, here), dx)| {
+            let (sample, x, d) = (*sample, here.0, self.of.guarded_from(&gaps.pose, *sample, here));
+            let reach = steepest * dx.norm();
             if reach <= (1.0 - REST_OF_GAP) * d {
-                return 1.0;
-            }
-            if self.of.law == ContactLaw::Cubic && self.of.depth.is_infinite() {
                 return 1.0;
             }
             let floor = floor(self.of.law, d, self.of.depth);

@@ -71,10 +71,12 @@ impl Pose {
         self.translation == other.translation && self.theta == other.theta
     }
 
-    /// How far at most an obstacle that goes to another pose moves near x, against a point there that goes by dx meanwhile.
-    pub fn reach(&self, to: &Pose, x: &Vec3, dx: &Vec3) -> f64 {
+    /// How far at most an obstacle that goes to another pose moves near x, against a point there that goes by dx meanwhile, or one whose place and
+    /// move differ from these by so much.
+    pub fn reach(&self, to: &Pose, (x, dx): (&Vec3, &Vec3), [apart, differs]: [f64; 2]) -> f64 {
         let (way, turn) = (to.translation - self.translation, (to.theta - self.theta).norm());
-        (way - dx).norm() + turn * (self.arm(x).norm() + way.norm() + dx.norm())
+        let arm = self.arm(x).norm() + way.norm() + dx.norm() + apart + differs;
+        (way - dx).norm() + differs + turn * arm
     }
 
     pub fn distance(&self, obstacle: &Obstacle, x: &Vec3) -> f64 {

@@ -4,6 +4,7 @@ use crate::error::FemError;
 use nastic_mesh::{CellKind, Facet, GroupNames, Mesh};
 use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Points of a surface, `x_s = sum_a N_a(x_s) x_a`, with weights by reference area: closed rules that contain the nodes, with
 /// `sum_s w_s N_a(x_s) = int N_a dA` on every facet, so that a uniform pressure gives the consistent nodal forces (contact patch test).
@@ -18,13 +19,40 @@ pub(super) struct Samples {
     first: Vec<usize>,
     /// m^2; per unit of thickness in plane strain.
     pub weights: Vec<f64>,
+    /// Those between nodes, by facet; the others come before them.
+    pub between: Vec<Between>,
+}
+
+/// Nodes of a sample with the values of their shape functions, and its weight.
+type Sample = (Vec<(u32, f64)>, f64);
+
+/// The samples of a facet that are not at its nodes.
+#[derive(Debug, Clone)]
+pub(super) struct Between {
+    pub samples: Range<usize>,
+    /// The samples at the nodes of the facet.
+    nodes: Vec<usize>,
+    /// The largest `sum_a |N_a|` of them.
+    spread: f64,
+}
+
+impl Between {
+    /// The value v of a field at one node of the facet, and how much at most any of its samples differs from that: `|v_s - v| <= max_s sum_a |N_a|
+    /// max_a |v_a - v|`.
+    pub fn about(&self, at_node: impl Fn(usize) -> Vec3) -> (usize, Vec3, f64) {
+        let (first, others) = self.nodes.split_first().map_or((0, &[][..]), |(first, others)| (*first, others));
+        let value = at_node(first);
+        let farthest = others.iter().map(|&node| (at_node(node) - value).norm()).fold(0.0, f64::max);
+        (first, value, self.spread * farthest)
+    }
 }
 
 impl Samples {
     /// Of a surface, each facet in `refine^2` pieces (`refine` in the plane), which facets may differ in.
     pub fn new(mesh: &Mesh, surface: &GroupNames, refine: impl Fn(&Facet) -> usize) -> Result<Self, FemError> {
         let mut at_nodes: BTreeMap<u32, f64> = BTreeMap::new();
-        let mut between: Vec<(Vec<(u32, f64)>, f64)> = Vec::new();
+        let mut between: Vec<Vec<Sample>> = Vec::new();
+        let mut nodes_of: Vec<Vec<u32>> = Vec::new();
         for facet in mesh.facets_of(surface)? {
             let (kind, nodes) = mesh.facet_nodes(facet);
             let positions = mesh.gather(mesh.points(), &nodes);
@@ -38,20 +66,36 @@ impl Samples {
                     of_facet.entry(key).or_insert((shapes, 0.0)).1 += weight;
                 }
             }
+            let mut own = Vec::new();
             for (shapes, weight) in of_facet.into_values() {
                 match shapes.iter().position(|shape| (shape - 1.0).abs() < 1e-9) {
                     Some(node) => *at_nodes.entry(nodes[node]).or_default() += weight,
                     None => {
                         let parts = nodes.iter().copied().zip(shapes).filter(|(_, shape)| shape.abs() > 1e-12);
-                        between.push((parts.collect(), weight));
+                        own.push((parts.collect(), weight));
                     }
                 }
             }
+            between.push(own);
+            nodes_of.push(nodes);
         }
-        let mut samples = Samples { parts: Vec::new(), first: vec![0], weights: Vec::new() };
-        let nodes = at_nodes.into_iter().map(|(node, weight)| (vec![(node, 1.0)], weight));
-        nodes.chain(between).for_each(|(parts, weight)| samples.push(parts, weight));
+        let mut samples = Samples { parts: Vec::new(), first: vec![0], weights: Vec::new(), between: Vec::new() };
+        let numbers: BTreeMap<u32, usize> = at_nodes.keys().copied().zip(0..).collect();
+        at_nodes.into_iter().for_each(|(node, weight)| samples.push(vec![(node, 1.0)], weight));
+        for (own, nodes) in between.into_iter().zip(nodes_of).filter(|(own, _)| !own.is_empty()) {
+            let begin = samples.len();
+            let sum = |(parts, _): &Sample| parts.iter().map(|(_, shape)| shape.abs()).sum::<f64>();
+            let spread = own.iter().map(sum).fold(0.0, f64::max);
+            own.into_iter().for_each(|(parts, weight)| samples.push(parts, weight));
+            let nodes = nodes.iter().filter_map(|node| numbers.get(node).copied()).collect();
+            samples.between.push(Between { samples: begin..samples.len(), nodes, spread });
+        }
         Ok(samples)
+    }
+
+    /// How many are at nodes: the first ones.
+    pub fn at_nodes(&self) -> usize {
+        self.between.first().map_or(self.len(), |between| between.samples.start)
     }
 
     fn push(&mut self, parts: Vec<(u32, f64)>, weight: f64) {

@@ -4,7 +4,7 @@ use super::bound::{BoundContact, FRICTION, STIFFNESS};
 use super::exact;
 use super::friction::without_lagged;
 use super::lagged::LaggedFriction;
-use super::point::Gaps;
+use super::point::{Gaps, Placed};
 use super::pose::ByPose;
 use super::samples::Samples;
 use super::slip;
@@ -22,7 +22,7 @@ impl Touches for BoundContact {
     }
 
     fn touch(&self, at: &Instant) -> Option<Touch> {
-        let (gaps, lagged) = (Gaps::at(self, at).ok()?, LaggedFriction::at(self, at).ok()?);
+        let (gaps, lagged) = (Gaps::of_all(self, at).ok()?, LaggedFriction::at(self, at).ok()?);
         let (at_step, at) = (at, &without_lagged(at, self.lagged));
         let (mut force, mut moment, mut area, mut largest) = (Vec3::zeros(), Vec3::zeros(), 0.0, 0.0_f64);
         let (mut normal, mut remaining, mut sticking, mut speed) = (0.0, 0.0, 0.0, 0.0_f64);
@@ -51,7 +51,7 @@ impl Touches for BoundContact {
             for rubbed in friction.each(at_step) {
                 let (push, slides) = (friction.force(&rubbed), rubbed.slides.norm());
                 force -= push;
-                moment -= (gaps.all[rubbed.sample].0 - gaps.pose.pivot()).cross(&push);
+                moment -= (gaps.all[rubbed.sample].1.0 - gaps.pose.pivot()).cross(&push);
                 let carried = self.samples.weights[rubbed.sample] * rubbed.push.value;
                 borne += carried;
                 speed = speed.max(slides);
@@ -59,9 +59,9 @@ impl Touches for BoundContact {
             }
         }
         let of_all = |share: f64, normal: f64, none: f64| if normal > 0.0 { share / normal } else { none };
-        let gap = |(sample, &(x, d)): (usize, &(Vec3, f64))| (x, d - self.offset(sample));
-        let (deepest, smallest_gap) = gaps.all.iter().enumerate().map(gap).min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let sunk = gaps.all.iter().map(|(_, d)| -d).fold(f64::NEG_INFINITY, f64::max);
+        let gap = |&(sample, (x, d)): &Placed| (x, d - self.offset(sample));
+        let (deepest, smallest_gap) = gaps.all.iter().map(gap).min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let sunk = gaps.all.iter().map(|(_, (_, d))| -d).fold(f64::NEG_INFINITY, f64::max);
         let sliding = |slip_speed| Sliding { sticking: of_all(sticking, borne, 1.0), speed, slip_speed };
         Some(Touch {
             force: force.into(),
@@ -105,13 +105,13 @@ impl Touches for BoundContact {
     }
 
     fn onsets(&self, at: &Instant) -> Option<Onsets> {
-        let gaps = Gaps::at(self, at).ok()?;
+        let gaps = Gaps::of_all(self, at).ok()?;
         let mut found = Onsets::default();
-        for (sample, (place, d)) in gaps.all.iter().enumerate() {
+        for (sample, (place, d)) in &gaps.all {
             let mut slides = Vec::new();
             if let (Some(e), Some(_), true) = (self.slip_speed, at.step, *d < self.thickness) {
-                let n = Vec3::from(self.signed_distance(&gaps.pose, (sample, place)).normal());
-                let own = self.samples.of(sample, self.dim, |dof| at.velocity(dof));
+                let n = Vec3::from(self.signed_distance(&gaps.pose, (*sample, place)).normal());
+                let own = self.samples.of(*sample, self.dim, |dof| at.velocity(dof));
                 let relative = own - gaps.pose.velocity(place);
                 slides.push((relative - n * n.dot(&relative)).norm() / e);
             }

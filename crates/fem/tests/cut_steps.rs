@@ -1,0 +1,112 @@
+//! Steps of a body in contact that have no solution at once and are made as several shorter ones.
+
+#![allow(clippy::unwrap_used)] // helpers of tests
+
+use crate::common;
+
+use common::block::STRICT;
+use common::{Outcome, noise, regular};
+use nastic_energy::NeoHooke;
+use nastic_fem::{
+    Contact, Controls, Inertia, Scheme, Solid, SolveOptions, State, StatePartials, StepTo, Trajectory, Workspace,
+};
+use nastic_mesh::CellKind;
+use nastic_mesh::spatial::Obstacle;
+
+const STEPS: usize = 2;
+/// So few iterations that the impact is not found at once.
+const HASTE: SolveOptions<'static> = SolveOptions { max_newton: 12, ..STRICT };
+
+/// A soft block that falls on a rough floor.
+fn block() -> Outcome<Solid> {
+    Ok(Solid::new(regular(CellKind::Tet4, [0.17, 0.17, 0.057], [4, 4, 2])?)?
+        .material("body", NeoHooke::new(357.0, 1429.0)?)?
+        .inertia(Inertia::new("body", 800.0))?
+        .rayleigh_damping(0.0, 0.01)?
+        .contact(
+            Contact::of("floor", "skin", Obstacle::half_space([0.0, 0.0, -0.003], [0.02, 0.01, 1.0]))
+                .friction(1.15, 1e-3),
+        )?)
+}
+
+fn fall(solid: &Solid, scheme: &Scheme, controls: impl Fn(usize) -> Controls) -> Outcome<Trajectory> {
+    let mut begin = State { controls: controls(0).into(), ..solid.rest() };
+    begin.velocity = Some((0..begin.u.len()).map(|dof| [0.3, 0.0, -2.1][dof % 3]).collect::<Vec<f64>>().into());
+    let mut trajectory = Trajectory::from_given(begin);
+    let steps: Vec<StepTo> = (1..=STEPS).map(|n| StepTo { dt: 0.01, controls: controls(n) }).collect();
+    solid.model().advance(&mut trajectory, scheme, &steps, &HASTE, &mut Workspace::default())?;
+    Ok(trajectory)
+}
+
+fn cuts(trajectory: &Trajectory) -> Vec<usize> {
+    trajectory.states().iter().skip(1).map(|state| state.report.cuts).collect()
+}
+
+fn value(trajectory: &Trajectory) -> f64 {
+    let of = |(n, state): (usize, &State)| -> f64 {
+        state.u.iter().enumerate().map(|(i, u)| noise(77 + 100 * n + i) * u).sum()
+    };
+    trajectory.states().iter().enumerate().skip(1).map(of).sum()
+}
+
+#[test]
+fn a_cut_step_has_its_own_exact_adjoint() -> Outcome {
+    let solid = block()?;
+    for (scheme, slots) in [(Scheme::backward_euler(), &[2, 6, 7][..]), (Scheme::bdf2(), &[2])] {
+        let rest = fall(&solid, &scheme, |_| solid.controls())?;
+        assert!(cuts(&rest)[0] > 0, "{}: {:?}", scheme.name(), cuts(&rest));
+        let partials: Vec<StatePartials> = (0..=STEPS)
+            .map(|n| {
+                let by_u = (0..rest.end().u.len()).map(|i| if n == 0 { 0.0 } else { noise(77 + 100 * n + i) });
+                StatePartials::by_displacement(by_u.collect())
+            })
+            .collect();
+        let by = solid.model().reverse_sweep(&rest, &partials, &HASTE, &mut Workspace::default())?.controls;
+        // translations of the floor, its stiffness and friction
+        for &slot in slots {
+            let size = [1e-7, 1e-7, 1e-8, 0.0, 0.0, 0.0, 1.0, 1e-4][slot];
+            let steepest = by.iter().map(|by| by.values(0)[slot].abs()).fold(0.0, f64::max);
+            let along: Vec<f64> = by.iter().map(|by| by.values(0)[slot] / steepest).collect();
+            let slope: f64 = by.iter().zip(&along).map(|(by, along)| by.values(0)[slot] * along).sum();
+            let at = |s: f64| -> Outcome<f64> {
+                let moved = fall(&solid, &scheme, |n| {
+                    let mut controls = solid.controls();
+                    controls.values_mut(0)[slot] += s * along[n];
+                    controls
+                })?;
+                assert_eq!(cuts(&moved), cuts(&rest));
+                Ok(value(&moved))
+            };
+            let found = (8.0 * (at(size)? - at(-size)?) - (at(2.0 * size)? - at(-2.0 * size)?)) / (12.0 * size);
+            let error = (found - slope).abs() / slope.abs();
+            assert!(error < 1e-7, "{}, control {slot}: {slope:e} by the adjoint, {found:e}", scheme.name());
+        }
+    }
+    Ok(())
+}
+
+/// The last step of a motion that was written down, in parts.
+#[test]
+fn a_cut_step_is_written_down() -> Outcome {
+    let solid = block()?;
+    let scheme = Scheme::bdf2();
+    let mut trajectory = fall(&solid, &scheme, |_| solid.controls())?.beginning();
+    let step = StepTo { dt: 0.01, controls: solid.controls() };
+    let go_on = |trajectory: &mut Trajectory| {
+        solid.model().advance(trajectory, &scheme, std::slice::from_ref(&step), &HASTE, &mut Workspace::default())
+    };
+    go_on(&mut trajectory)?;
+    let record = trajectory.last_step(&scheme).unwrap();
+    assert!(record.starts && record.parts > 1 && record.stages.len() == 2 * record.parts, "{} parts", record.parts);
+    let mut other =
+        Trajectory::from_end(trajectory.begin(), (0, trajectory.states().to_vec()), Some(record.clone()), &scheme)?;
+    go_on(&mut trajectory)?;
+    go_on(&mut other)?;
+    assert_eq!(trajectory.end().u, other.end().u);
+    let unknown = nastic_fem::StepRecord { parts: 3, ..record };
+    assert!(
+        Trajectory::from_end(trajectory.begin(), (0, trajectory.states()[..2].to_vec()), Some(unknown), &scheme)
+            .is_err()
+    );
+    Ok(())
+}
