@@ -43,6 +43,7 @@ impl JoinedStructure {
         let mut joined = SparseMatrix::with_symmetry(pattern.clone(), symmetry);
         joined.copy_blocks(matrix, &self.codes);
         maps.iter().zip(blocks).for_each(|(map, block)| joined.add_element(map, &block.entries));
+        joined.aside_mut().clone_from(matrix.aside());
         Some(joined)
     }
 }

@@ -35,18 +35,20 @@ pub struct SparseMatrix {
     /// Those of the skew part, where there is one: block `(i, j)`, `i >= j`; `W_ji = -W_ij^T`.
     skew: Option<Vec<f64>>,
     beyond: Vec<ElementBlock>,
+    /// What makes a preconditioner of the symmetric part.
+    aside: Vec<ElementBlock>,
 }
 
 impl SparseMatrix {
     /// The zero matrix.
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
         let values = vec![0.0; pattern.values()];
-        Self { pattern, values, skew: None, beyond: Vec::new() }
+        Self { pattern, values, skew: None, beyond: Vec::new(), aside: Vec::new() }
     }
 
     /// A matrix that stores nothing, where products stand for it.
     pub fn without_values(pattern: Arc<Pattern>) -> Self {
-        Self { pattern, values: Vec::new(), skew: None, beyond: Vec::new() }
+        Self { pattern, values: Vec::new(), skew: None, beyond: Vec::new(), aside: Vec::new() }
     }
 
     /// The zero matrix of a symmetry: a general one has room for a skew part.
@@ -64,7 +66,42 @@ impl SparseMatrix {
     #[must_use]
     pub fn symmetric_part(&self) -> SparseMatrix {
         let beyond = self.beyond.iter().map(ElementBlock::symmetric_part).collect();
-        SparseMatrix { pattern: self.pattern.clone(), values: self.values.clone(), skew: None, beyond }
+        SparseMatrix {
+            pattern: self.pattern.clone(),
+            values: self.values.clone(),
+            skew: None,
+            beyond,
+            aside: Vec::new(),
+        }
+    }
+
+    /// Sets an element matrix aside that belongs to no product, but to the [stand-in](Self::stand_in): its symmetric part, at pairs of nodes that the
+    /// pattern has.
+    pub fn add_aside(&mut self, nodes: &[u32], element: Vec<f64>) {
+        debug_assert_eq!(element.len(), (self.pattern.dim() * nodes.len()).pow(2));
+        self.aside.push(ElementBlock::merged(nodes, element).symmetric_part());
+    }
+
+    /// What stands in for the matrix as a preconditioner: its symmetric part with the element matrices that were [set aside](Self::add_aside).
+    #[must_use]
+    pub fn stand_in(&self) -> SparseMatrix {
+        let mut out = self.symmetric_part();
+        for block in &self.aside {
+            if let Ok(map) = out.pattern.scatter_map(&block.nodes) {
+                out.add_element(&map, &block.entries);
+            }
+        }
+        out
+    }
+
+    /// The element matrices set aside.
+    pub(crate) fn aside(&self) -> &Vec<ElementBlock> {
+        &self.aside
+    }
+
+    /// The same, to be changed as the matrix is.
+    pub(crate) fn aside_mut(&mut self) -> &mut Vec<ElementBlock> {
+        &mut self.aside
     }
 
     /// `A_ab += E_ab` for every pair of some nodes: `element` has the `n = dim * nodes` rows of a dense matrix one after the
@@ -140,7 +177,7 @@ impl SparseMatrix {
     pub fn magnitudes(&self) -> SparseMatrix {
         let values = self.values.iter().map(|value| value.abs()).collect();
         let beyond = self.beyond.iter().map(|block| block.symmetric_part().map(f64::abs)).collect();
-        SparseMatrix { pattern: self.pattern.clone(), values, skew: None, beyond }
+        SparseMatrix { pattern: self.pattern.clone(), values, skew: None, beyond, aside: Vec::new() }
     }
 
     /// Its pattern.
@@ -152,6 +189,7 @@ impl SparseMatrix {
     pub fn clear(&mut self) {
         self.values.fill(0.0);
         self.beyond.clear();
+        self.aside.clear();
         if let Some(skew) = &mut self.skew {
             skew.fill(0.0);
         }
@@ -311,7 +349,7 @@ impl SparseMatrix {
     /// Whoever prescribes values other than zero moves `A x` to the right-hand side first.
     pub fn eliminate(&mut self, fixed: &[bool], diagonal: f64) {
         let dim = self.pattern.dim();
-        self.beyond.iter_mut().for_each(|block| block.eliminate(dim, fixed));
+        self.beyond.iter_mut().chain(&mut self.aside).for_each(|block| block.eliminate(dim, fixed));
         let pattern = Arc::clone(&self.pattern);
         let old = pattern.ordering().new_to_old();
         let is_fixed: Vec<&[bool]> = old.iter().map(|&node| &fixed[dim * node as usize..][..dim]).collect();
@@ -362,6 +400,7 @@ impl SparseMatrix {
     /// [`NotCoupled`] where this pattern lacks a coupling at which B is not zero; A is then of no use.
     pub fn add_scaled(&mut self, factor: f64, other: &SparseMatrix) -> Result<(), NotCoupled> {
         self.beyond.extend(other.beyond.iter().map(|block| block.map(|entry| factor * entry)));
+        self.aside.extend(other.aside.iter().map(|block| block.map(|entry| factor * entry)));
         if Arc::ptr_eq(&self.pattern, &other.pattern) {
             self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
             return Ok(());
@@ -391,6 +430,7 @@ impl SparseMatrix {
             add(into, from);
         }
         self.beyond.extend(other.beyond.iter().map(|block| block.widened(dim, components)));
+        self.aside.extend(other.aside.iter().map(|block| block.widened(dim, components)));
     }
 
     /// Adds `shift` times the identity.

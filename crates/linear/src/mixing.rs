@@ -23,6 +23,8 @@ impl SparseMatrix {
         let (dim, n) = (self.pattern().dim(), q.nrows());
         // before pairs that the pattern lacks come to them
         self.mix_beyond(nodes, q);
+        // a preconditioner may lack it
+        self.aside_mut().retain(|block| !block.nodes.iter().any(|node| nodes.contains(node)));
         for part in 0..if self.is_symmetric() { 1 } else { 2 } {
             let mut taken = BTreeMap::new();
             let mut blocks = Vec::new();

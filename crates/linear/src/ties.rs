@@ -142,6 +142,7 @@ impl SparseMatrix {
         let moved = self.take_tied(ties, diagonal);
         let beyond = self.beyond().iter().map(|block| tied(block, ties, dim)).collect();
         self.set_beyond(beyond);
+        self.aside_mut().iter_mut().for_each(|block| *block = tied(block, ties, dim));
         for Moved { row, column, parts } in moved {
             for (k, part) in parts.into_iter().enumerate() {
                 let sign = [1.0, -1.0][k];

@@ -60,6 +60,43 @@ fn general_systems_and_their_transposes_are_solved() {
     assert!(before > 10, "the skew part is too small for the test to tell: {before}");
 }
 
+/// What sliding samples add, `v n^T`: the symmetric part is indefinite, without it it is that of the Laplacian.
+#[test]
+fn what_is_set_aside_preconditions_and_belongs_to_no_product() {
+    let case = Case::new([4, 3, 3]);
+    let b = Random::new(8).vector(case.pattern.dofs());
+    let (plain, mut dense) = case.general(0.0);
+    let (mut with, mut without) = (plain.clone(), plain);
+    for node in 0..25 {
+        let [v, n] = [[1.0, 0.6, 0.0], [0.0, 0.3, 1.0]];
+        let element: Vec<f64> = (0..9).map(|at| 400.0 * v[at / 3] * n[at % 3]).collect();
+        [&mut with, &mut without].into_iter().for_each(|to| to.add_pairs(&[node], &element).unwrap());
+        let aside = element.iter().map(|e| -e).collect();
+        with.add_aside(&[node], aside);
+        (0..9).for_each(|at| dense[(3 * node as usize + at / 3, 3 * node as usize + at % 3)] += element[at]);
+    }
+    let twin = |of: &SparseMatrix| DMatrix::from_fn(b.len(), b.len(), |i, j| of.get(i, j));
+    assert!((twin(&with) - &dense).amax() < 1e-12 && (twin(&without) - &dense).amax() < 1e-12);
+    assert_eq!(support::negative_eigenvalues(&twin(&with.stand_in())), 0);
+    assert!(support::negative_eigenvalues(&twin(&with.symmetric_part())) >= 20);
+    let work = |matrix: &SparseMatrix| {
+        let (mut own, mut work) = (Solver::GENERAL.make(&case.structure), LinearWork::default());
+        let x = own.solve(&case.system(matrix), &b, STRICT, &mut work).unwrap();
+        assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-8);
+        let x = own.solve_transposed(&case.system(matrix), &b, STRICT, &mut work).unwrap();
+        assert!(relative_difference(&x, &solution(&dense.transpose(), &b)) < 1e-8);
+        assert_eq!(own.name(), "general");
+        work.back_substitutions
+    };
+    let (found, other) = (work(&with), work(&without));
+    assert!(found < other, "{found} iterations, without what is set aside {other}");
+    let mut eliminated = with.clone();
+    let mut fixed = case.fixed.clone();
+    fixed[3] = true;
+    eliminated.eliminate(&fixed, 2.0);
+    assert_eq!((eliminated.stand_in().get(3, 3), eliminated.stand_in().get(3, 5)), (2.0, 0.0));
+}
+
 /// The symmetric part may be indefinite.
 #[test]
 fn an_indefinite_general_system_is_solved() {

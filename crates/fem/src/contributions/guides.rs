@@ -217,12 +217,15 @@ pub(crate) fn add_element(
     tangent: &mut SparseMatrix,
     entry: impl Fn(usize, usize, usize, usize) -> f64,
 ) -> Result<(), NotCoupled> {
+    tangent.add_pairs(nodes, &element(nodes, dim, entry))
+}
+
+/// The element matrix of a function of local node, component, local node and component.
+pub(crate) fn element(nodes: &[u32], dim: usize, entry: impl Fn(usize, usize, usize, usize) -> f64) -> Vec<f64> {
     let n = dim * nodes.len();
-    let element: Vec<f64> = (0..n * n)
-        .map(|at| {
-            let (row, column) = (at / n, at % n);
-            entry(row / dim, row % dim, column / dim, column % dim)
-        })
-        .collect();
-    tangent.add_pairs(nodes, &element)
+    let of = |at: usize| {
+        let (row, column) = (at / n, at % n);
+        entry(row / dim, row % dim, column / dim, column % dim)
+    };
+    (0..n * n).map(of).collect()
 }

@@ -4,6 +4,7 @@ use super::{Accuracy, Curvature, Form, Inertia, LinearError, LinearSolver, Linea
 use crate::error::FactorError;
 use crate::factor::{Factor, Pivots};
 use crate::gmres::gmres;
+use crate::matrix::SparseMatrix;
 use crate::rotations::CorotatedPreconditioner;
 use crate::structure::Structure;
 use std::sync::Arc;
@@ -13,9 +14,9 @@ const WORN: usize = 30;
 /// Iterations allowed with a factor of the matrix's own symmetric part.
 const MOST: usize = 300;
 
-/// `A = S + W` by GMRES with a factor of the symmetric part S as preconditioner: in double precision, of any signs, kept while
-/// it serves. Where that does not converge, or S has no factor, an LU factorisation of A takes its place from then on: whatever
-/// made S fail stays true nearby. LU comes second because it takes several times the memory and time (docs/development/performance.md).
+/// `A = S + W` by GMRES with a factor of the [stand-in](SparseMatrix::stand_in) as preconditioner, the symmetric part S with what was set aside: in
+/// double precision, of any signs, kept while it serves. Where that does not converge, or the stand-in has no factor, an LU factorisation of A takes its place from then on: whatever
+/// made it fail stays true nearby. LU comes second because it takes several times the memory and time (docs/development/performance.md).
 #[derive(Clone, Debug)]
 pub struct General {
     structure: Arc<Structure>,
@@ -49,7 +50,7 @@ impl General {
                 return Ok(x);
             }
         }
-        let why = match self.factorise(system, work) {
+        let why = match self.factorise(system, system.matrix.stand_in(), work) {
             Ok(factor) => {
                 let (x, report) = iterate(system, factor, b, tolerance, form, MOST);
                 work.back_substitutions += report.iterations;
@@ -74,9 +75,13 @@ impl General {
         }
     }
 
-    /// A factor of the symmetric part in the memory of the kept one.
-    fn factorise(&mut self, system: &System, work: &mut LinearWork) -> Result<&Factor, FactorError> {
-        let symmetric = system.matrix.symmetric_part();
+    /// A factor of a symmetric matrix in the place of the system's, in the memory of the kept one.
+    fn factorise(
+        &mut self,
+        system: &System,
+        symmetric: SparseMatrix,
+        work: &mut LinearWork,
+    ) -> Result<&Factor, FactorError> {
         work.factorisations += 1;
         let mut fresh = self.factor.take().unwrap_or_else(|| Factor::empty(self.structure.symbolic()));
         match fresh.refactorize(&symmetric, Pivots::Positive, system.parallel) {
@@ -110,7 +115,7 @@ impl LinearSolver for General {
         if let Some(lu) = &mut self.lu {
             return lu.prepare(system, work);
         }
-        match self.factorise(system, work) {
+        match self.factorise(system, system.matrix.stand_in(), work) {
             Ok(_) => Ok(()),
             Err(FactorError::Singular { .. }) => {
                 self.factor = None;
@@ -120,7 +125,7 @@ impl LinearSolver for General {
         }
     }
 
-    /// The curvature reported is that of the symmetric part where a factor of it was made, else taken for positive.
+    /// The curvature reported is that of the stand-in where a factor of it was made, else taken for positive.
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
         let x = self.run(system, b, tolerance, Form::Plain, work)?;
         let negative = self.factor.as_ref().is_some_and(|f| f.negative_pivots() > 0);
@@ -154,7 +159,7 @@ impl LinearSolver for General {
         b: &[f64],
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
-        let definite = match self.factorise(system, work) {
+        let definite = match self.factorise(system, system.matrix.symmetric_part(), work) {
             Ok(factor) => factor.negative_pivots() == 0,
             Err(FactorError::Singular { .. }) => false,
             Err(other) => return Err(other.into()),

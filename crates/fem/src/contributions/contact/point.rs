@@ -6,7 +6,7 @@ use super::lagged::LaggedFriction;
 use super::law::{ContactLaw, Pressure, Push};
 use super::pose::{ByPose, Pose};
 use super::second_order;
-use crate::contributions::guides::add_element;
+use crate::contributions::guides::{add_element, element};
 use crate::contributions::{
     ContributionPoint, Controls, Demand, Increment, Instant, SecondSensitivities, Sensitivities, Sums,
 };
@@ -146,6 +146,12 @@ impl BoundContact {
 }
 
 impl Traction {
+    /// Minus the part of A by which friction grows with the pressure: without it the symmetric part of the tangent is definite where the body's is,
+    /// also where samples slide.
+    fn less_by_pressure(&self) -> Mat3 {
+        self.slip.as_ref().map_or(Mat3::zeros(), |(mu, slip)| -*mu * slip.share * self.push.change.transpose())
+    }
+
     /// `A = dt/dx` at fixed relative velocity and `B = dt/d(v_s - v_o)`.
     pub fn tangents(&self, distance: &SignedDistance) -> [Mat3; 2] {
         let (n, p, push, g) = (self.n, self.pressure, self.push, Vec3::from(distance.gradient));
@@ -177,11 +183,11 @@ impl<'a> TouchPoint<'a> {
         }
     }
 
-    /// Calls with every touching sample: its traction, and the tangent by its place in the scheme.
+    /// Calls with every touching sample: the tangent by its place in the scheme, and what is added for its stand-in.
     fn each_tangent(
         &self,
         at: &Instant,
-        mut call: impl FnMut(&Touch, Mat3) -> Result<(), Inadmissible>,
+        mut call: impl FnMut(&Touch, [Mat3; 2]) -> Result<(), Inadmissible>,
     ) -> Result<(), Inadmissible> {
         let gaps = self.gaps(at)?;
         let at = &without_lagged(at, self.of.lagged);
@@ -189,7 +195,8 @@ impl<'a> TouchPoint<'a> {
         for touch in &gaps.touches {
             let traction = self.of.traction(touch, &gaps.pose, at);
             let [a, b] = traction.tangents(&touch.distance);
-            call(touch, self.of.samples.weights[touch.sample] * (a + b * c))?;
+            let weight = self.of.samples.weights[touch.sample];
+            call(touch, [weight * (a + b * c), weight * traction.less_by_pressure()])?;
         }
         Ok(())
     }
@@ -241,10 +248,16 @@ impl ContributionPoint for TouchPoint<'_> {
         if let Some(friction) = LaggedFriction::at(self.of, at)? {
             friction.add_tangent(at, tangent)?;
         }
-        self.each_tangent(at, |touch, block| {
+        let rubs = self.of.slip_speed.is_some() && !tangent.is_symmetric();
+        self.each_tangent(at, |touch, [block, aside]| {
             let parts = self.of.samples.parts(touch.sample);
             let nodes: Vec<u32> = parts.iter().map(|(node, _)| *node).collect();
-            add_element(&nodes, self.of.dim, tangent, |a, i, b, j| parts[a].1 * parts[b].1 * block[(i, j)])?;
+            let of = |block: &Mat3, [a, i, b, j]: [usize; 4]| parts[a].1 * parts[b].1 * block[(i, j)];
+            add_element(&nodes, self.of.dim, tangent, |a, i, b, j| of(&block, [a, i, b, j]))?;
+            if rubs && aside != Mat3::zeros() {
+                let element = element(&nodes, self.of.dim, |a, i, b, j| of(&aside, [a, i, b, j]));
+                tangent.add_aside(&nodes, element);
+            }
             Ok(())
         })
     }
@@ -253,7 +266,7 @@ impl ContributionPoint for TouchPoint<'_> {
         if let Some(friction) = LaggedFriction::at(self.of, at)? {
             friction.add_tangent_product(at, v, out);
         }
-        self.each_tangent(at, |touch, block| {
+        self.each_tangent(at, |touch, [block, _]| {
             let product = block * self.of.samples.of(touch.sample, self.of.dim, |dof| v[dof]);
             self.of.spread(touch.sample, &product, out);
             Ok(())
