@@ -263,3 +263,52 @@ fn what_does_not_go_with_a_volume_is_refused() -> Outcome {
     assert!(error.contains("control its pressure"), "{error}");
     Ok(())
 }
+
+/// A drop on a floor: every step is the projection of where it was, and fell to, on the shapes of its volume that do not enter the floor, `min 1/2 |x - x_n -
+/// h^2 g|_M^2`; its law is all but nothing.
+#[test]
+fn a_drop_keeps_its_volume_and_spreads() -> Outcome {
+    let (density, gravity, h) = (1000.0, 9.81, 0.01);
+    for kind in [CellKind::Quad9, CellKind::Hex8] {
+        let dim = kind.dim();
+        let size = if dim == 2 { [0.02, 0.02, 0.0] } else { [0.02; 3] };
+        let mut up = [0.0; 3];
+        up[dim - 1] = 1.0;
+        let floor = nastic_mesh::spatial::Obstacle::half_space(up.map(|n| -5e-4 * n), up);
+        let solid = Solid::new(regular(kind, size, [4, 4, 4])?)?
+            .material("body", nastic_energy::NeoHooke::new(5.0, 0.0)?)?
+            .body_force("body", nastic_tensor::Vec3::from(up) * (-gravity * density))?
+            .inertia(nastic_fem::Inertia::new("body", density))?
+            .contact(nastic_fem::Contact::of("floor", "skin", floor).thickness(2e-4).stiffness(5e3))?
+            .cavity(Cavity::new("own", "skin").filled().by_volume())?;
+        let mut trajectory = nastic_fem::Trajectory::from_given(solid.rest());
+        let steps = vec![nastic_fem::StepTo { dt: h, controls: solid.controls() }; 12];
+        let scheme = nastic_fem::Scheme::quasi_dynamic();
+        solid.model().advance(&mut trajectory, &scheme, &steps, &STRICT, &mut nastic_fem::Workspace::default())?;
+        for state in trajectory.states() {
+            let [_, volume, reference] = room(&solid, state, "own")?;
+            assert!((volume / reference - 1.0).abs() < 1e-10, "{kind}: {volume} of {reference}");
+        }
+        let heights = |n: usize| -> Vec<f64> {
+            let u = &trajectory.states()[n].u[..solid.discretization().dofs()];
+            solid.mesh().points().iter().zip(u.chunks_exact(dim)).map(|(x, u)| x[dim - 1] + u[dim - 1]).collect()
+        };
+        let lowest = heights(12).into_iter().fold(f64::INFINITY, f64::min);
+        let highest = heights(1).into_iter().fold(0.0, f64::max);
+        assert!(lowest > -5.5e-4 && highest < size[0] - 0.5 * gravity * h * h, "{kind}: {lowest} {highest}");
+        let [p, ..] = room(&solid, trajectory.end(), "own")?;
+        assert!(p > 0.0, "{kind}: {p}");
+        let wide = |state: &State| {
+            let u = &state.u[..solid.discretization().dofs()];
+            let x = solid.mesh().points().iter().zip(u.chunks_exact(dim)).map(|(x, u)| x[0] + u[0]);
+            x.clone().fold(0.0, f64::max) - x.fold(1.0, f64::min)
+        };
+        assert!(wide(trajectory.end()) > 0.022, "{kind}: {}", wide(trajectory.end()));
+    }
+    assert!(
+        Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
+            .cavity(Cavity::new("own", "skin").filled().lid())
+            .is_err()
+    );
+    Ok(())
+}

@@ -52,6 +52,13 @@ impl Enclosed {
             );
             return Err(FemError::Meaningless { what });
         }
+        if cavity.filled && (cavity.lid || cavity.open) {
+            let what = format!(
+                "cavity \"{}\" is the body itself (\"filled\") and has a lid or is open: name a closed surface",
+                cavity.name
+            );
+            return Err(FemError::Meaningless { what });
+        }
         let open = open_edges(mesh, &surface, &planes);
         if !open.is_empty() && !cavity.lid && !cavity.open {
             let what = format!(
@@ -71,7 +78,8 @@ impl Enclosed {
                 None => facets.push((kind, vec![nodes])),
             }
         }
-        let facets = facets.into_iter().map(|(kind, nodes)| (facet_terms(kind), nodes)).collect();
+        let sign = if cavity.filled { 1.0 } else { -1.0 };
+        let facets = facets.into_iter().map(|(kind, nodes)| (facet_terms(kind, sign), nodes)).collect();
         let plane_strain = mesh.dim() == 2;
         let lids = rims(open, plane_strain).into_iter().map(|rim| Lid::new(mesh, rim, &planes)).collect();
         let mut origin = Vec3::zeros();
@@ -231,7 +239,8 @@ impl Patch<'_> {
 }
 
 /// `-(1/3) (x - o) . (x_xi x x_eta)` at the points of a facet, `-(1/2) det(x - o, x_xi, e_z)` of an edge.
-fn facet_terms(kind: CellKind) -> Vec<Term> {
+/// Those of a room, or, with the sign 1 in place of -1, of the body behind the surface.
+fn facet_terms(kind: CellKind, sign: f64) -> Vec<Term> {
     let (n, dim) = (kind.nodes(), kind.dim());
     // a triple product of shapes of order k has degree 3 k on triangles, and no more along each axis of a quadrilateral
     let rule = kind.rule_of_degree(3 * kind.order());
@@ -242,8 +251,8 @@ fn facet_terms(kind: CellKind) -> Vec<Term> {
         let along = |k: usize| gradients.iter().map(|g| g[k]).collect::<Vec<f64>>();
         let (p, q) = (shapes.clone(), along(0));
         match dim {
-            1 => Term { weight: -0.5 * weight, p, q, r: vec![0.0; n], normal: Vec3::z() },
-            _ => Term { weight: -weight / 3.0, p, q, r: along(1), normal: Vec3::zeros() },
+            1 => Term { weight: sign * 0.5 * weight, p, q, r: vec![0.0; n], normal: Vec3::z() },
+            _ => Term { weight: sign * weight / 3.0, p, q, r: along(1), normal: Vec3::zeros() },
         }
     };
     rule.points.iter().zip(&rule.weights).map(term).collect()

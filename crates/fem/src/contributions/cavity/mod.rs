@@ -47,6 +47,7 @@ pub struct Cavity {
     open: bool,
     symmetry: Vec<String>,
     by_volume: bool,
+    filled: bool,
 }
 
 impl Cavity {
@@ -59,6 +60,7 @@ impl Cavity {
             open: false,
             symmetry: Vec::new(),
             by_volume: false,
+            filled: false,
         }
     }
 
@@ -94,6 +96,14 @@ impl Cavity {
         self
     }
 
+    /// The surface is the outside of a body, whose own volume it is: `V = (1/3) int (x - o) . cof(F) N dA`. By volume, a body that keeps it, like a
+    /// drop or a bag of liquid, with its pressure as the multiplier.
+    #[must_use]
+    pub fn filled(mut self) -> Self {
+        self.filled = true;
+        self
+    }
+
     /// The contribution on a mesh.
     ///
     /// # Errors
@@ -106,9 +116,14 @@ impl Cavity {
         }
         if volume <= 0.0 {
             let what = format!(
-                "surface \"{}\" encloses no cavity \"{}\" (volume {volume:.3e}): name the inner surface, whose normal \
-                 points out of the solid into the cavity",
-                self.surface, self.name
+                "surface \"{}\" encloses no cavity \"{}\" (volume {volume:.3e}): name {}",
+                self.surface,
+                self.name,
+                match self.filled {
+                    false =>
+                        "the inner surface, whose normal points out of the solid into the cavity; the volume of the body itself is meant by \"filled\"",
+                    true => "the outer surface, as \"skin\", or leave out \"filled\"",
+                }
             );
             return Err(FemError::Meaningless { what });
         }
@@ -159,6 +174,11 @@ pub(super) const FORM: Form = Form {
             kind: KeyKind::Flag,
         },
         Key {
+            name: "filled",
+            about: "Whether the surface is the outside of the body, whose own volume it is, like that of a drop.",
+            kind: KeyKind::Flag,
+        },
+        Key {
             name: "symmetry",
             about: "Surfaces in the planes of symmetry on which the surface ends.",
             kind: KeyKind::Surfaces,
@@ -171,6 +191,7 @@ pub(super) const FORM: Form = Form {
         let mut cavity = Cavity::new(name, values.names.get("surface").cloned().unwrap_or_default());
         cavity.lid = values.flags.contains("lid");
         cavity.open = values.flags.contains("open");
+        cavity.filled = values.flags.contains("filled");
         cavity.by_volume = values.slot == Some(VOLUME.group);
         cavity.symmetry = values.names.get("symmetry").cloned().unwrap_or_default();
         solid.cavity(cavity)
