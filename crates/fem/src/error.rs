@@ -394,8 +394,11 @@ impl StateError {
 
     /// Whether no other way to the state is to be tried: the caller asked to stop, the iterations allowed are used up, or memory is lacking.
     pub fn is_final(&self) -> bool {
-        matches!(self, StateError::Cancelled | StateError::NoConvergence { budget: Some(_), .. })
-            || self.is_lack_of_memory()
+        match self {
+            StateError::Cancelled | StateError::NoConvergence { budget: Some(_), .. } => true,
+            StateError::InStep { source, .. } => source.is_final(),
+            _ => self.is_lack_of_memory(),
+        }
     }
 
     /// Of a second way that failed: the error of the first, which began nearer, unless the second one says nothing of the state. A budget that ended

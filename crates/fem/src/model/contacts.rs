@@ -120,6 +120,14 @@ impl Model {
         self.others.iter().any(|other| other.touches().is_some())
     }
 
+    /// Whether a step may be made as shorter ones: not where something is known at the beginning of the whole step alone, as internal variables, the
+    /// normal forces of lagged friction, the accelerations of supports that move.
+    pub(crate) fn goes_in_parts(&self) -> bool {
+        let lagged = self.touch_parameters().iter().any(|(_, touch)| touch.lagged);
+        let prescribed = self.others.iter().any(|other| other.prescribes().is_some());
+        self.touches_something() && !self.has_history() && !lagged && !prescribed
+    }
+
     pub(crate) fn each_touching(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Touches, &Instant)) {
         let Ok(()) = self.each_other(at, |contribution, at| {
             if let Some(touches) = contribution.touches() {

@@ -136,7 +136,11 @@ impl Model {
         {
             return Ok(found);
         }
-        let most = if time_step.is_none() || shorter { WARM * how.max_newton } else { MOST };
+        let most = match time_step {
+            Some(_) if !shorter => MOST,
+            Some(_) => spent.newton + WARM * how.max_newton,
+            None => WARM * how.max_newton,
+        };
         let Some(near) = how.near else {
             return self.walk(&rest, controls, (how, time_step), MOST, workspace, &mut spent);
         };

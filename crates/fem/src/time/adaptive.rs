@@ -135,7 +135,7 @@ impl Model {
                 let dt = fitting(h, goal - begin);
                 let to = StepTo { dt, controls: controls(begin + dt)? };
                 self.check_controls(&to.controls)?;
-                let mut found = match self.step(trajectory, (scheme.clone(), true), &to, how, workspace) {
+                let mut found = match self.step(trajectory, (scheme.clone(), false), &to, how, workspace) {
                     Ok(found) => found,
                     Err(error) => {
                         let may_help = matches!(error, StateError::InStep { .. } | StateError::EndOfStep { .. });

@@ -24,8 +24,9 @@ impl Scheme {
         }
         let of_end = |of: Quantity, terms: &[Term]| self.placed(terms, of, (n - 1, n));
         let [displacement, velocity, acceleration] = self.end.combinations().map(|(of, terms)| of_end(of, terms));
+        let error = (0..n).flat_map(|part| self.placed(&self.error, Quantity::Displacement, (part, n))).collect();
         let end = End { displacement, velocity, acceleration };
-        Some(Scheme { stages, end, start: None, error: Vec::new(), parts: n * self.parts, ..self.clone() })
+        Some(Scheme { stages, end, start: None, error, parts: n * self.parts, ..self.clone() })
     }
 
     /// A combination of a part as one of the whole step, of n parts.

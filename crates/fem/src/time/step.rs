@@ -34,7 +34,9 @@ impl Model {
     /// Goes on from the end of a trajectory by steps of a scheme, at full dead loads. Each stage is an equilibrium of
     /// inertia and forces that minimises an incremental potential, found like a static one from the stage before, or
     /// from where the last acceleration (without inertia the last velocity) leads, where that potential is lower (without a potential, where the
-    /// residual is smaller): `near` and `guess` of the options are not used. A body may be free. A state that does not carry the
+    /// residual is smaller): `near` and `guess` of the options are not used. With friction the velocity at the beginning and the motion of the obstacles are guesses too.
+    /// A step of a body in contact that has no solution is made as 2, 4, 8 or 16 steps of the scheme in one ([`Trajectory::scheme`] has the stages of
+    /// all), not with internal variables, lagged friction or supports that move. A body may be free. A state that does not carry the
     /// acceleration that a scheme begins with gets it from `M a = -r(u, v, 0)`.
     ///
     /// Surfaces that controls move ([`MovingSupport`](crate::MovingSupport)) are where the controls of an instant hold them, at the end of every step:
@@ -105,7 +107,7 @@ impl Model {
         Ok(())
     }
 
-    /// A step; one of a body in contact that has no solution is made as 2, 4, .. steps, which the report counts as cuts.
+    /// A step; one of a body in contact that has no solution is made as 2, 4, .. steps, and the report counts a cut.
     fn step_or_parts(
         &self,
         trajectory: &Trajectory,
@@ -114,26 +116,34 @@ impl Model {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<SolvedStep, StateError> {
-        let cuts = if self.touches_something() { MOST_PARTS.ilog2() } else { 0 };
-        let (mut failed, mut spent) = (None, 0);
-        for cut in 0..=cuts {
-            let whole = scheme.start().unwrap_or(&scheme);
-            let used = if cut == 0 { Some(scheme.clone()) } else { whole.in_parts(1 << cut).map(Arc::new) };
-            let Some(used) = used else { break };
-            match self.step(trajectory, (used, cut < cuts), to, how, workspace) {
+        let whole = scheme.start().unwrap_or(&scheme);
+        let parted = |cut: u32| match self.goes_in_parts() && cut <= MOST_PARTS.ilog2() {
+            true => whole.in_parts(1 << cut).map(Arc::new),
+            false => None,
+        };
+        let mut next = parted(1);
+        let mut failed = match self.step(trajectory, (scheme.clone(), next.is_some()), to, how, workspace) {
+            Err(error @ StateError::InStep { .. }) => error,
+            done => return done,
+        };
+        let mut spent = failed.newton();
+        for cut in 2.. {
+            let Some(parts) = next.filter(|_| !failed.is_final()) else { break };
+            next = parted(cut);
+            match self.step(trajectory, (parts, next.is_some()), to, how, workspace) {
                 Ok(mut found) => {
                     found.state.report.newton += spent;
-                    found.state.report.cuts += cut as usize;
+                    found.state.report.cuts += 1;
                     return Ok(found);
                 }
                 Err(error @ StateError::InStep { .. }) => {
                     spent += error.newton();
-                    failed = failed.or(Some(error));
+                    failed = if error.is_final() { error } else { failed };
                 }
                 Err(error) => return Err(error),
             }
         }
-        Err(failed.unwrap_or(StateError::Cancelled))
+        Err(failed)
     }
 
     /// `shorter`: what fails goes on as shorter steps.

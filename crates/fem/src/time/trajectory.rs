@@ -131,7 +131,9 @@ impl Trajectory {
             _ => scheme,
         };
         let made_by = match &step {
-            Some(StepRecord { parts, .. }) if *parts != 1 => whole.in_parts((*parts).clamp(1, MOST_PARTS)),
+            Some(StepRecord { parts, .. }) if *parts != 1 => {
+                Some(*parts).filter(|n| n.is_power_of_two() && *n <= MOST_PARTS).and_then(|n| whole.in_parts(n))
+            }
             _ => Some(whole.clone()),
         };
         let Some(made_by) = made_by else {

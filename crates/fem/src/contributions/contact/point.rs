@@ -147,7 +147,7 @@ impl BoundContact {
 
 impl Traction {
     /// Minus the part of A by which friction grows with the pressure: without it the symmetric part of the tangent is definite where the body's is,
-    /// also where samples slide.
+    /// also where samples slide, but for the curvature and the spin of the obstacle.
     fn less_by_pressure(&self) -> Mat3 {
         self.slip.as_ref().map_or(Mat3::zeros(), |(mu, slip)| -*mu * slip.share * self.push.change.transpose())
     }
