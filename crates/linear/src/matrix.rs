@@ -400,7 +400,6 @@ impl SparseMatrix {
     /// [`NotCoupled`] where this pattern lacks a coupling at which B is not zero; A is then of no use.
     pub fn add_scaled(&mut self, factor: f64, other: &SparseMatrix) -> Result<(), NotCoupled> {
         self.beyond.extend(other.beyond.iter().map(|block| block.map(|entry| factor * entry)));
-        self.aside.extend(other.aside.iter().map(|block| block.map(|entry| factor * entry)));
         if Arc::ptr_eq(&self.pattern, &other.pattern) {
             self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
             return Ok(());

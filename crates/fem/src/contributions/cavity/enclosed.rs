@@ -238,8 +238,7 @@ impl Patch<'_> {
     }
 }
 
-/// `-(1/3) (x - o) . (x_xi x x_eta)` at the points of a facet, `-(1/2) det(x - o, x_xi, e_z)` of an edge.
-/// Those of a room, or, with the sign 1 in place of -1, of the body behind the surface.
+/// `s (1/3) (x - o) . (x_xi x x_eta)` at the points of a facet, `s (1/2) det(x - o, x_xi, e_z)` of an edge: s = -1 of a room, 1 of the body itself.
 fn facet_terms(kind: CellKind, sign: f64) -> Vec<Term> {
     let (n, dim) = (kind.nodes(), kind.dim());
     // a triple product of shapes of order k has degree 3 k on triangles, and no more along each axis of a quadrilateral

@@ -253,8 +253,8 @@ fn from_box(low: &[f64; 3], high: &[f64; 3], x: &[f64; 3]) -> SignedDistance {
         return SignedDistance::round(inside, normal(axis), 0.0, [0.0; 3]);
     }
     let straight = beyond.map(|b| if sides == 2 && b == 0.0 { 1.0 } else { 0.0 });
-    let nearest = std::array::from_fn(|i| x[i] - beyond[i]);
-    let found = around(&nearest, x, 0.0, straight);
+    // about the nearest point, so that the value is that of `distance` to the bit
+    let found = around(&[0.0; 3], &beyond, 0.0, straight);
     if sides == 1 { SignedDistance::round(found.value, found.gradient, 0.0, straight) } else { found }
 }
 
