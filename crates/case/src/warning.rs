@@ -341,8 +341,8 @@ pub const COARSE_GRID: WarningKind = WarningKind {
 /// Nodes keep their distance, the surface between them does not.
 pub const BETWEEN_NODES: WarningKind = WarningKind {
     code: "between_nodes",
-    about: "every node keeps its distance from an obstacle, but the body between nodes is inside of it",
-    advice: "raise the clearance by twice the depth told, or refine the mesh there; to smaller cells than the obstacle where it slips between nodes",
+    about: "every node keeps its distance from an obstacle, or what its contact allows, but the body between nodes is inside of it",
+    advice: "of a constraint raise the clearance by twice the depth told, of a contact its \"refine\" (2 to 4) or the obstacle's \"rounding\"; or refine the mesh there, to smaller cells than the obstacle where it slips between nodes",
 };
 
 /// Something that deserves attention.

@@ -17,6 +17,7 @@ mod connection;
 mod constrained;
 mod contact;
 mod contact_adjoint;
+mod contact_between;
 mod contact_grid;
 mod contact_guards;
 mod contact_motion;

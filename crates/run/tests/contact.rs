@@ -262,6 +262,35 @@ fn contacts_warn_of_what_is_doubtful_in_them() {
     assert_eq!(codes(&creeps), ["creeps"], "{}", creeps["warnings"]);
 }
 
+/// A punch whose edges lie between nodes, in an equilibrium and in a motion; more samples see them.
+#[test]
+fn edges_between_samples_are_told() {
+    let punch = with(
+        INDENTED,
+        r#""sphere": { "center": [10, 10, 25], "radius": 15 }"#,
+        r#""box": { "low": [4, 4, 10], "high": [16, 16, 20] }"#,
+    );
+    let punch = with(&punch, r#""thickness": 0.5"#, r#""thickness": 0.05, "refine": 1"#);
+    let (_, found) = solve(&punch);
+    let told = found["warnings"].as_array().unwrap().iter().find(|warning| warning["code"] == "between_nodes");
+    let message = told.unwrap_or_else(|| panic!("{}", found["warnings"]))["message"].as_str().unwrap();
+    assert!(message.contains("between its samples the body is") && message.contains("% of the 1.5 mm"), "{message}");
+    let depth = -number(&found, "contributions/dent/gap_between");
+    let gap = number(&found, "contributions/dent/smallest_gap");
+    assert!(depth > 0.15 && gap > -0.01 * depth, "{depth}, {gap}");
+    let (_, seen) = solve(&with(&punch, r#""refine": 1"#, r#""refine": 4"#));
+    assert!(!codes(&seen).contains(&"between_nodes"), "{}", seen["warnings"]);
+    assert!(number(&seen, "contributions/dent/gap_between") > -0.5 * depth);
+
+    let moved = with(&punch, r#""translation": [0.5, 0, 0]"#, r#""translation": [0.5, 0, "-1.5 mm * t / 1 s"]"#);
+    let begin = moved.find(r#""controls""#).unwrap();
+    let moved = format!(r#"{}"time": {{ "end": 1, "step": 0.25, "scheme": "quasi_static" }} }}"#, &moved[..begin]);
+    let (_, moved) = solve(&moved);
+    let told = moved["warnings"].as_array().unwrap().iter().find(|warning| warning["code"] == "between_nodes");
+    let message = told.unwrap_or_else(|| panic!("{}", moved["warnings"]))["message"].as_str().unwrap();
+    assert!(message.contains("at t = 1 s"), "{message}");
+}
+
 #[test]
 fn a_console_says_how_the_contact_slides() {
     let (place, heard) = (CaseDirectory::new(), Heard::default());

@@ -1,13 +1,15 @@
 //! What the contacts of an equilibrium carry, and what deserves attention in them.
 
 use crate::lower::CaseMember;
-use crate::warning::{PENETRATED, THICK_LAYER, Warning};
-use nastic_fem::{Instant, State, Touch};
+use crate::warning::{BETWEEN_NODES, PENETRATED, THICK_LAYER, Warning};
+use nastic_fem::{Instant, State, Touch, TouchParameters};
 use nastic_language::number::{quantity, short, vector};
 use nastic_language::quantity::Dimension;
 
 /// Above this share of the approach the mean gap that remains makes a layer thick.
 const THICK: f64 = 0.05;
+/// Above this share of the approach, or of the body's diagonal where there is none, what is inside of an obstacle between samples is said.
+const BETWEEN: [f64; 2] = [0.1, 0.01];
 
 /// What the contacts of an equilibrium carry.
 pub fn of_state(member: CaseMember<'_>, state: &State) -> Vec<(String, Touch)> {
@@ -20,6 +22,34 @@ pub fn inside(member: CaseMember<'_>, name: &str, depth: &str) -> String {
         true => format!("the surfaces are {depth} nearer to each other than twice the thickness"),
         false => format!("the body is {depth} inside the obstacle"),
     }
+}
+
+/// What the model gives of a contact, by its name.
+pub fn parameters(member: CaseMember<'_>, name: &str) -> Option<TouchParameters> {
+    let all = member.solid().model().touch_parameters();
+    all.into_iter().find(|(known, _)| known == name).map(|(_, parameters)| parameters)
+}
+
+/// Whether a body is deep inside of an obstacle between its samples: deeper than the layer is thick, and than a share of the approach.
+pub fn is_between(member: CaseMember<'_>, thickness: f64, [depth, approach]: [f64; 2]) -> bool {
+    let [of_approach, of_diagonal] = BETWEEN;
+    let least = if approach > 0.0 { of_approach * approach } else { of_diagonal * member.mesh().diagonal() };
+    depth > thickness.max(least)
+}
+
+/// What is said of that.
+pub fn between(member: CaseMember<'_>, name: &str, (depth, approach): (f64, f64), place: &str) -> Warning {
+    let of = |value: f64| quantity(value, Dimension::LENGTH, member.problem().units());
+    let mut message =
+        format!("contact \"{name}\": between its samples the body is {} inside the obstacle {place}", of(depth));
+    if approach > 0.0 {
+        let share = short((100.0 * depth / approach).round());
+        message += &format!(
+            ", {share} % of the {} by which it would overlap the undeformed body: forces are wrong by up to that share",
+            of(approach)
+        );
+    }
+    Warning::new(&BETWEEN_NODES, message)
 }
 
 /// What deserves attention in the contacts of an equilibrium.
@@ -40,6 +70,12 @@ pub fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
                  overlap the undeformed body"
             );
             out.push(Warning::new(&THICK_LAYER, message));
+        }
+        if let (Some((gap, place)), Some(of)) = (touch.between, parameters(member, &name)) {
+            let depth = -gap - of.inset;
+            if is_between(member, of.thickness, [depth, touch.approach]) {
+                out.push(between(member, &name, (depth, touch.approach), &format!("at {}", vector(&place))));
+            }
         }
     }
     out

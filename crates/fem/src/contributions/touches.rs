@@ -141,6 +141,8 @@ pub struct Touch {
     pub smallest_gap: f64,
     /// Where that sample is.
     pub deepest: [f64; 3],
+    /// The same between samples, at places four times as dense, where it is smaller; of obstacles.
+    pub between: Option<(f64, [f64; 3])>,
     /// Largest pressure, Pa.
     pub largest_pressure: f64,
     /// Mean gap that remains, weighted by the pressure; zero where nothing touches.
@@ -175,6 +177,7 @@ impl Touch {
             area: 0.0,
             smallest_gap,
             deepest,
+            between: None,
             largest_pressure: 0.0,
             mean_gap: 0.0,
             approach: 0.0,
@@ -200,6 +203,7 @@ impl Touch {
             ("approach", self.approach),
             ("largest_pressure", self.largest_pressure),
         ]);
+        found.extend(self.between.map(|(gap, _)| ("gap_between", gap)));
         let sliding = self.sliding.map(|sliding| [("sticking", sliding.sticking), ("sliding_speed", sliding.speed)]);
         found.extend(sliding.into_iter().flatten());
         found

@@ -6,7 +6,7 @@ use nastic_case::inspect::touches;
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::{CREEPS, NO_CONTACT, PENETRATED, STEPS_PER_CONTACT, Warning};
 use nastic_control::EnsemblePoint;
-use nastic_fem::{Sliding, Touch};
+use nastic_fem::{Sliding, Touch, TouchParameters};
 use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_report::record::Numbers;
@@ -44,12 +44,10 @@ impl Session<'_> {
                 self.entries_of(record.member).contributions.insert(name.clone(), quantities(touch, dim));
                 let (member, Some(table)) = (self.problem.member(record.member), &record.table) else { continue };
                 self.console.say(line(name, touch, member));
-                let inset = member.solid().model().touch_parameters().into_iter().find(|(known, _)| known == name);
-                let inset = inset.map_or(0.0, |(_, parameters)| parameters.inset);
+                let Some(parameters) = touches::parameters(member, name) else { continue };
                 let history = History::of(table, name, touch.sliding);
-                found.extend(
-                    history.warnings((name, inset), member).into_iter().map(|warning| warning.of(member.name())),
-                );
+                let warnings = history.warnings((name, &parameters), member);
+                found.extend(warnings.into_iter().map(|warning| warning.of(member.name())));
             }
         }
         found.into_iter().for_each(|warning| self.warn(warning));
@@ -93,13 +91,17 @@ struct History {
     creep: f64,
     /// The smallest gap, and when.
     gap: (f64, f64),
+    /// The smallest between samples with the approach, and when.
+    between: ([f64; 2], f64),
 }
 
 impl History {
     fn of(table: &Table, name: &str, sliding: Option<Sliding>) -> Self {
         let column = |what: &str| table.column(&format!("{name}.{what}"));
-        let mut history = History { gap: (f64::INFINITY, 0.0), ..Self::default() };
+        let none = f64::INFINITY;
+        let mut history = History { gap: (none, 0.0), between: ([none, 0.0], 0.0), ..Self::default() };
         let (Some(area), Some(gap)) = (column("area"), column("smallest_gap")) else { return history };
+        let between = column("gap_between").zip(column("approach"));
         let slides = sliding.and_then(|_| Some((column("sticking")?, column("sliding_speed")?)));
         let (mut begun, mut before) = (None, None::<f64>);
         for (n, row) in table.rows.iter().enumerate() {
@@ -107,6 +109,11 @@ impl History {
             history.acted |= touches;
             if row[gap] < history.gap.0 {
                 history.gap = (row[gap], t);
+            }
+            if let Some((gap, approach)) = between
+                && row[gap] < history.between.0[0]
+            {
+                history.between = ([row[gap], row[approach]], t);
             }
             match (touches, begun) {
                 (true, None) if n > 0 => begun = Some(n),
@@ -129,7 +136,7 @@ impl History {
         history
     }
 
-    fn warnings(&self, (name, inset): (&str, f64), member: CaseMember<'_>) -> Vec<Warning> {
+    fn warnings(&self, (name, of): (&str, &TouchParameters), member: CaseMember<'_>) -> Vec<Warning> {
         let units = member.problem().units();
         let length = |value: f64| quantity(value, Dimension::LENGTH, units);
         let time = |value: f64| quantity(value, Dimension::TIME, units);
@@ -138,8 +145,13 @@ impl History {
             let message = format!("contact \"{name}\" never acts: its smallest gap is {}", length(self.gap.0));
             out.push(Warning::new(&NO_CONTACT, message));
         }
-        if self.gap.0 < -inset {
-            let (depth, t) = (length(-inset - self.gap.0), time(self.gap.1));
+        let ([gap, approach], t) = self.between;
+        let depth = -gap - of.inset;
+        if touches::is_between(member, of.thickness, [depth, approach]) {
+            out.push(touches::between(member, name, (depth, approach), &format!("at t = {}", time(t))));
+        }
+        if self.gap.0 < -of.inset {
+            let (depth, t) = (length(-of.inset - self.gap.0), time(self.gap.1));
             let message = format!("contact \"{name}\": {} at t = {t}", touches::inside(member, name, &depth));
             out.push(Warning::new(&PENETRATED, message));
         }

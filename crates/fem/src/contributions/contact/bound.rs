@@ -2,6 +2,7 @@
 
 use super::point::{Gaps, Placed, TouchPoint, advance, floor};
 use super::pose::Pose;
+use super::probes::Probes;
 use super::samples::Samples;
 use super::{Contact, ContactLaw, defaults, friction};
 use crate::contributions::body_energy::BodyEnergy;
@@ -41,6 +42,7 @@ pub(crate) struct BoundContact {
     /// Friction takes its normal forces where the step begins.
     pub(super) lagged: bool,
     pub(super) samples: Samples,
+    pub(super) probes: Probes,
     /// Positions of the samples in the reference body.
     pub(super) reference: Vec<Vec3>,
     pub(super) slots: Vec<Slot>,
@@ -123,6 +125,7 @@ impl BoundContact {
         }
         let refine = |facet: &Facet| of.layer.refine.unwrap_or_else(|| defaults::refine(&of.obstacle, mesh, facet));
         let samples = Samples::new(mesh, &of.surface, refine)?;
+        let probes = Probes::new(mesh, &of.surface, refine)?;
         let place =
             |s| samples.parts(s).iter().map(|&(node, shape)| shape * Vec3::from(mesh.points()[node as usize])).sum();
         let reference: Vec<Vec3> = (0..samples.len()).map(place).collect();
@@ -145,6 +148,7 @@ impl BoundContact {
             slip_speed,
             lagged: of.layer.lagged,
             samples,
+            probes,
             reference,
             slots,
             pose: of.pose.clone(),

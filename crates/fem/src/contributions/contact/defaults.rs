@@ -11,7 +11,9 @@ use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 /// Thickness as a share of the surface's diagonal.
 const THICKNESS: f64 = 1.0 / 500.0;
 /// Pieces of a facet's edge, unless more are asked for.
-const MOST_PIECES: usize = 8;
+const MOST_PIECES: usize = 4;
+/// Pieces of a facet's edge at least, before an obstacle whose edges are sharper than half of it.
+const AT_EDGES: usize = 2;
 /// Least rounding radius, in thicknesses, at which a box touches where its distance has a continuous gradient.
 pub(super) const ROUNDING: f64 = 2.0;
 
@@ -91,7 +93,8 @@ pub(super) fn half_thickness(obstacle: &Obstacle, dim: usize) -> f64 {
     }
 }
 
-/// Pieces of the longest edge of a facet that are no longer than half of the obstacle's least width.
+/// Pieces of the longest edge of a facet that are no longer than half of the obstacle's least width; two at least before edges that are rounded by less
+/// than half of it, which nodes alone would pass by.
 pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facet: &Facet) -> usize {
     let width = half_width(obstacle, mesh.dim());
     let (kind, nodes) = mesh.facet_nodes(*facet);
@@ -99,7 +102,11 @@ pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facet: &Facet) -> usize {
         nodes[..kind.corners()].iter().map(|&node| Vec3::from(mesh.points()[node as usize])).collect();
     let next = corners.iter().skip(1).chain(corners.first());
     let longest = corners.iter().zip(next).map(|(a, b)| (b - a).norm()).fold(0.0, f64::max);
-    ((longest / width).ceil() as usize).clamp(1, MOST_PIECES)
+    let sharp = match obstacle {
+        Obstacle::Box { rounding, .. } | Obstacle::Solid { rounding, .. } => *rounding < 0.5 * longest,
+        _ => false,
+    };
+    ((longest / width).ceil() as usize).clamp(if sharp { AT_EDGES } else { 1 }, MOST_PIECES)
 }
 
 /// The point about which an obstacle turns.

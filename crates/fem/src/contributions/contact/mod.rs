@@ -9,6 +9,7 @@ mod law;
 mod layer;
 mod point;
 mod pose;
+mod probes;
 mod samples;
 mod second_order;
 mod slip;

@@ -140,7 +140,7 @@ impl Samples {
 }
 
 /// Corners of the pieces of a facet, in its own coordinates: as many as its corner kind has.
-fn pieces(kind: CellKind, n: usize) -> Vec<Vec<[f64; 3]>> {
+pub(super) fn pieces(kind: CellKind, n: usize) -> Vec<Vec<[f64; 3]>> {
     let corners = &kind.reference_nodes()[..kind.corners()];
     let mix = |s: f64, t: f64| -> [f64; 3] {
         std::array::from_fn(|i| match corners.len() {
