@@ -77,6 +77,7 @@ mod structure;
 mod sums_of_unknowns;
 mod supports;
 mod surface_contact;
+mod surface_edges;
 mod surface_friction;
 mod surface_friction_adjoint;
 mod swing;

@@ -16,12 +16,14 @@ pub fn of_state(member: CaseMember<'_>, state: &State) -> Vec<(String, Touch)> {
     member.solid().model().touches(&Instant::of(state))
 }
 
-/// What is said of a contact that is pressed harder than its stiffness bears.
-pub fn inside(member: CaseMember<'_>, name: &str, depth: &str) -> String {
-    match member.case().contact.iter().any(|contact| contact.with.is_some() && contact.name() == name) {
+/// What is said of a contact that is pressed harder than its stiffness bears, at a place or an instant.
+pub fn penetrated(member: CaseMember<'_>, name: &str, depth: f64, at: &str) -> Warning {
+    let depth = quantity(depth, Dimension::LENGTH, member.problem().units());
+    let inside = match member.case().contact.iter().any(|contact| contact.with.is_some() && contact.name() == name) {
         true => format!("the surfaces are {depth} nearer to each other than twice the thickness"),
         false => format!("the body is {depth} inside the obstacle"),
-    }
+    };
+    Warning::new(&PENETRATED, format!("contact \"{name}\": {inside} {at}"))
 }
 
 /// What the model gives of a contact, by its name.
@@ -58,9 +60,7 @@ pub fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
     let mut out = Vec::new();
     for (name, touch) in of_state(member, state) {
         if touch.sunk > 0.0 {
-            let (depth, place) = (of(touch.sunk), vector(&touch.deepest));
-            let message = format!("contact \"{name}\": {} at {place}", inside(member, &name, &depth));
-            out.push(Warning::new(&PENETRATED, message));
+            out.push(penetrated(member, &name, touch.sunk, &format!("at {}", vector(&touch.deepest))));
         }
         if touch.mean_gap.abs() > THICK * touch.approach && touch.approach > 0.0 {
             let (gap, approach) = (of(touch.mean_gap), of(touch.approach));

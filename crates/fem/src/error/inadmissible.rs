@@ -29,6 +29,17 @@ pub enum Inadmissible {
         /// How deep.
         depth: f64,
     },
+    /// Edges of surfaces that touch, as near to each other as no sample may come: they would go through each other between samples.
+    #[error("edges of the surfaces of \"{name}\" come within {distance:.3e} of each other at ({:.4e}, {:.4e}, {:.4e}), between samples, which alone push: let the surfaces \
+             reach beyond each other, give them more samples by \"refine\", or take a finer mesh there", .place[0], .place[1], .place[2])]
+    EdgesMeet {
+        /// Name of the contact.
+        name: String,
+        /// Where in space.
+        place: [f64; 3],
+        /// How far they are apart.
+        distance: f64,
+    },
     /// Not of the displacement, and no reason to shorten a step: a contribution adds entries to a tangent for nodes that it does not
     /// couple. Solves and adjoints end with [`FemError::NotCoupled`].
     #[error("contribution \"{contribution}\": {lacking}")]
@@ -73,7 +84,7 @@ impl Inadmissible {
     pub fn cell(&self) -> Option<&InvertedAt> {
         match self {
             Inadmissible::Inverted(at) | Inadmissible::OutsideDomain { at, .. } => Some(at),
-            Inadmissible::Penetrates { .. } | Inadmissible::NotCoupled { .. } => None,
+            Inadmissible::Penetrates { .. } | Inadmissible::EdgesMeet { .. } | Inadmissible::NotCoupled { .. } => None,
         }
     }
 
@@ -86,13 +97,14 @@ impl Inadmissible {
         }
     }
 
-    /// A stable name: `inverted`, `outside_domain`, `penetrates`, `not_coupled`.
+    /// A stable name: `inverted`, `outside_domain`, `penetrates`, `edges_meet`, `not_coupled`.
     #[must_use]
     pub fn code(&self) -> &'static str {
         match self {
             Inadmissible::Inverted(_) => "inverted",
             Inadmissible::OutsideDomain { .. } => "outside_domain",
             Inadmissible::Penetrates { .. } => "penetrates",
+            Inadmissible::EdgesMeet { .. } => "edges_meet",
             Inadmissible::NotCoupled { .. } => "not_coupled",
         }
     }

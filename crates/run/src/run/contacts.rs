@@ -4,7 +4,7 @@ use crate::run::motion::{Record, Table};
 use crate::run::session::Session;
 use nastic_case::inspect::touches;
 use nastic_case::lower::CaseMember;
-use nastic_case::warning::{CREEPS, NO_CONTACT, PENETRATED, STEPS_PER_CONTACT, Warning};
+use nastic_case::warning::{CREEPS, NO_CONTACT, STEPS_PER_CONTACT, Warning};
 use nastic_control::EnsemblePoint;
 use nastic_fem::{Sliding, Touch, TouchParameters};
 use nastic_language::number::{count, quantity, short, vector};
@@ -139,7 +139,7 @@ impl History {
     fn warnings(&self, (name, of): (&str, &TouchParameters), member: CaseMember<'_>) -> Vec<Warning> {
         let units = member.problem().units();
         let length = |value: f64| quantity(value, Dimension::LENGTH, units);
-        let time = |value: f64| quantity(value, Dimension::TIME, units);
+        let at = |time: f64| format!("at t = {}", quantity(time, Dimension::TIME, units));
         let mut out = Vec::new();
         if !self.acted {
             let message = format!("contact \"{name}\" never acts: its smallest gap is {}", length(self.gap.0));
@@ -148,23 +148,19 @@ impl History {
         let ([gap, approach], t) = self.between;
         let depth = -gap - of.inset;
         if touches::is_between(member, of.thickness, [depth, approach]) {
-            out.push(touches::between(member, name, (depth, approach), &format!("at t = {}", time(t))));
+            out.push(touches::between(member, name, (depth, approach), &at(t)));
         }
         if self.gap.0 < -of.inset {
-            let (depth, t) = (length(-of.inset - self.gap.0), time(self.gap.1));
-            let message = format!("contact \"{name}\": {} at t = {t}", touches::inside(member, name, &depth));
-            out.push(Warning::new(&PENETRATED, message));
+            out.push(touches::penetrated(member, name, -of.inset - self.gap.0, &at(self.gap.1)));
         }
         if let Some((steps, t)) = self.shortest.filter(|(steps, _)| *steps < FEW_STEPS) {
-            let message =
-                format!("contact \"{name}\": a touch that ends at t = {} lasts {}", time(t), count(steps, "step"));
+            let steps = count(steps, "step");
+            let message = format!("contact \"{name}\": a touch that ends {} lasts {steps}", at(t));
             out.push(Warning::new(&STEPS_PER_CONTACT, message));
         }
         if self.creep > CREEP * member.mesh().diagonal() {
-            let message = format!(
-                "contact \"{name}\" creeps by {} while it sticks, at most below its slip speed",
-                length(self.creep)
-            );
+            let creep = length(self.creep);
+            let message = format!("contact \"{name}\" creeps by {creep} while it sticks, at most below its slip speed");
             out.push(Warning::new(&CREEPS, message));
         }
         out

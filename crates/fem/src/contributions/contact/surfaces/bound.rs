@@ -1,6 +1,7 @@
 //! [`BoundSurfaces`]: the contribution of a [`SurfaceContact`].
 
 use super::SurfaceContact;
+use super::edges::Edges;
 use super::gap::Gap;
 use super::point::SurfacePoint;
 use super::side::Side;
@@ -39,6 +40,7 @@ pub(crate) struct BoundSurfaces {
     /// delta
     pub(super) thickness: f64,
     pub(super) sides: Vec<Side>,
+    pub(super) edges: Edges,
     /// e, with friction.
     pub(super) slip_speed: Option<f64>,
     /// Friction takes its normal forces where the step begins.
@@ -65,6 +67,7 @@ impl BoundSurfaces {
         if own != other {
             sides.push(Side::new(disc, (&of.surfaces[1], refine), &own)?);
         }
+        let edges = Edges::new(mesh, &sides[sides.len() - 1].pieces, &sides[0].pieces, sides.len() == 1);
         let stiff = |facets: &[_]| defaults::stiffness(of.layer.law, body, facets);
         let softer = || Some(stiff(&own)?.min(stiff(&other)?));
         let behind = || format!("{} or {}", of.surfaces[0], of.surfaces[1]);
@@ -100,7 +103,7 @@ impl BoundSurfaces {
         let slip_speed = of.layer.friction.map(|friction| friction.slip_speed);
         let normals = sides.iter().flat_map(|side| normals(side, &rest, mesh.dim())).collect();
         let (name, dim, law, lagged) = (of.name.clone(), mesh.dim(), of.layer.law, of.layer.lagged);
-        Ok(BoundSurfaces { name, dim, law, thickness, sides, slip_speed, lagged, slots, normals })
+        Ok(BoundSurfaces { name, dim, law, thickness, sides, edges, slip_speed, lagged, slots, normals })
     }
 
     /// Distance at which a gap is zero.
@@ -111,7 +114,8 @@ impl BoundSurfaces {
     /// The gaps of either side that are near the layer.
     ///
     /// # Errors
-    /// [`Inadmissible::Penetrates`] where a sample is on the other surface or, of the log law, inside.
+    /// [`Inadmissible::Penetrates`] where a sample is on the other surface or, of the log law, inside; [`Inadmissible::EdgesMeet`] where edges are as near
+    /// as no sample may come.
     pub(super) fn gaps(&self, u: &[f64]) -> Result<Vec<Vec<Gap>>, Inadmissible> {
         let reach = self.apart() + (1.0 + NEAR) * self.thickness;
         let all: Vec<Vec<Gap>> = self.sides.iter().map(|side| side.gaps(u, reach, SMOOTH * self.thickness)).collect();
@@ -121,7 +125,12 @@ impl BoundSurfaces {
                 return Err(self.penetrates(side.place(u, gap.sample), gap.least));
             }
         }
-        Ok(all)
+        match self.edges.nearer(u, LEAST * self.apart()) {
+            Some((place, distance)) => {
+                Err(Inadmissible::EdgesMeet { name: self.name.clone(), place: place.into(), distance })
+            }
+            None => Ok(all),
+        }
     }
 
     fn penetrates(&self, place: Vec3, distance: f64) -> Inadmissible {

@@ -1,6 +1,7 @@
 //! [`SurfaceContact`]: surfaces of bodies that touch each other, or themselves.
 
 mod bound;
+mod edges;
 mod gap;
 mod lagged;
 mod moves;

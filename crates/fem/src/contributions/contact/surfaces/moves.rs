@@ -1,4 +1,4 @@
-//! Moves on which no sample goes through the other surface.
+//! Moves on which no sample goes through the other surface, and no edge through another one.
 
 use super::bound::BoundSurfaces;
 use super::side::Side;
@@ -14,7 +14,8 @@ const ADVANCES: usize = 64;
 const NEAR: f64 = 1e-3;
 
 impl BoundSurfaces {
-    /// The longest share of a straight move that leaves every sample on its side: a tenth of its distance is left from every piece.
+    /// The longest share of a straight move that leaves every sample on its side: a tenth of its distance is left from every piece, and of the distances of
+    /// edges from each other.
     pub(super) fn longest_move(&self, u: &[f64], du: &[f64]) -> f64 {
         if du.iter().all(|du| *du == 0.0) {
             return 1.0;
@@ -23,7 +24,8 @@ impl BoundSurfaces {
         let own = |(dof, (u, du)): (usize, (&f64, &f64))| u + du - common[dof % self.dim];
         // what both sides do together brings them no nearer
         let end: Vec<f64> = u.iter().zip(du).enumerate().map(own).collect();
-        self.sides.iter().map(|side| side.longest_move([u, &end])).fold(1.0, f64::min)
+        let share = self.sides.iter().map(|side| side.longest_move([u, &end])).fold(1.0, f64::min);
+        self.edges.longest_move([u, &end], share)
     }
 
     /// The mean of a change over the nodes of the surfaces.
@@ -53,8 +55,7 @@ impl Side {
     }
 }
 
-/// Additive advancement: a distance changes no faster than its ends move against each other. Li, Kaufman, Jiang, "Codimensional incremental
-/// potential contact", ACM Trans. Graph. 40 (2021), appendix B.
+/// Additive advancement of a sample and a piece.
 fn advance((x, dx): (Vec3, Vec3), (corners, moves): (&[Vec3], &[Vec3]), most: f64) -> f64 {
     let mean = (moves.iter().sum::<Vec3>() + dx) / (moves.len() + 1) as f64;
     let speed = (dx - mean).norm() + moves.iter().map(|by| (by - mean).norm()).fold(0.0, f64::max);
@@ -62,9 +63,15 @@ fn advance((x, dx): (Vec3, Vec3), (corners, moves): (&[Vec3], &[Vec3]), most: f6
         let corners: Vec<Vec3> = corners.iter().zip(moves).map(|(corner, by)| corner + s * by).collect();
         distance(&(x + s * dx), &corners)
     };
-    let (start, mut share) = (at(0.0), 0.0);
+    advance_within(at, speed, most)
+}
+
+/// How far a distance that changes by no more than `speed` over the whole way may go, `most` at most: a distance changes no faster than its ends move
+/// against each other. Li, Kaufman, Jiang, "Codimensional incremental potential contact", ACM Trans. Graph. 40 (2021), appendix B.
+pub(super) fn advance_within(distance: impl Fn(f64) -> f64, speed: f64, most: f64) -> f64 {
+    let (start, mut share) = (distance(0.0), 0.0);
     for _ in 0..ADVANCES {
-        let room = at(share) - REST * start;
+        let room = distance(share) - REST * start;
         if room >= (most - share) * speed {
             return most;
         }

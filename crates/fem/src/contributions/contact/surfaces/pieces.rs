@@ -4,6 +4,7 @@ use crate::discretization::Discretization;
 use nastic_mesh::spatial::{Aabb, Tree};
 use nastic_mesh::{CellKind, Facet};
 use nastic_tensor::Vec3;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Segments or triangles between the nodes of facets.
 #[derive(Debug)]
@@ -30,6 +31,34 @@ impl Pieces {
             pieces.facets.push(nodes);
         }
         pieces
+    }
+
+    /// The edges of pieces, each once, with the numbers of the facets that they are of; ascending.
+    pub fn edges(&self) -> Vec<([u32; 2], Vec<u32>)> {
+        let mut all: BTreeMap<[u32; 2], BTreeSet<u32>> = BTreeMap::new();
+        for (nodes, facet) in &self.all {
+            for (k, &a) in nodes.iter().enumerate() {
+                let b = nodes[(k + 1) % nodes.len()];
+                all.entry([a.min(b), a.max(b)]).or_default().insert(*facet);
+            }
+        }
+        all.into_iter().map(|(nodes, facets)| (nodes, facets.into_iter().collect())).collect()
+    }
+
+    /// Of some sets of nodes the facets around them and the neighbours of those, ascending.
+    pub fn around(&self, sets: impl Iterator<Item = BTreeSet<u32>>) -> Vec<Vec<u32>> {
+        let mut of_node: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+        for (number, nodes) in self.facets.iter().enumerate() {
+            nodes.iter().for_each(|&node| of_node.entry(node).or_default().push(number as u32));
+        }
+        let around = |nodes: &BTreeSet<u32>| -> BTreeSet<u32> {
+            nodes.iter().filter_map(|node| of_node.get(node)).flatten().copied().collect()
+        };
+        let ring = |own: BTreeSet<u32>| -> Vec<u32> {
+            let nodes = around(&own).iter().flat_map(|&facet| self.facets[facet as usize].iter().copied()).collect();
+            around(&nodes).into_iter().collect()
+        };
+        sets.map(ring).collect()
     }
 
     /// A tree over the boxes that pieces have at two moments.

@@ -32,29 +32,15 @@ impl Side {
     ) -> Result<Self, FemError> {
         let (mesh, pieces) = (disc.mesh().clone(), Pieces::new(disc, facets));
         let samples = Samples::new(&mesh, surface, |_| refine)?;
-        let mut of_node: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-        for (number, nodes) in pieces.facets.iter().enumerate() {
-            nodes.iter().for_each(|&node| of_node.entry(node).or_default().push(number as u32));
-        }
-        let around = |nodes: &BTreeSet<u32>| -> BTreeSet<u32> {
-            nodes.iter().filter_map(|node| of_node.get(node)).flatten().copied().collect()
-        };
-        let ring = |sample: usize| {
-            let own: BTreeSet<u32> = samples.parts(sample).iter().map(|(node, _)| *node).collect();
-            let first = around(&own);
-            let nodes = first.iter().flat_map(|&facet| pieces.facets[facet as usize].iter().copied()).collect();
-            around(&nodes).into_iter().collect()
-        };
-        let neighbours = (0..samples.len()).map(ring).collect();
+        let nodes = |sample| samples.parts(sample).iter().map(|(node, _)| *node).collect();
+        let neighbours = pieces.around((0..samples.len()).map(nodes));
         let rings = rings(&mesh, &mesh.facets_of(surface)?, &samples);
         Ok(Side { mesh, samples, pieces, neighbours, rings })
     }
 
     /// Where a node is.
     pub fn node(&self, u: &[f64], node: u32) -> Vec3 {
-        let (mut x, dim) = (Vec3::from(self.mesh.points()[node as usize]), self.mesh.dim());
-        (0..dim).for_each(|i| x[i] += u[dim * node as usize + i]);
-        x
+        place(&self.mesh, u, node)
     }
 
     /// Where a sample is.
@@ -98,6 +84,13 @@ impl Side {
         };
         (0..self.samples.len()).filter_map(of_sample).collect()
     }
+}
+
+/// Where a node is.
+pub(super) fn place(mesh: &Mesh, u: &[f64], node: u32) -> Vec3 {
+    let (mut x, dim) = (Vec3::from(mesh.points()[node as usize]), mesh.dim());
+    (0..dim).for_each(|i| x[i] += u[dim * node as usize + i]);
+    x
 }
 
 /// Of every sample the corners of the facets that it is on, itself excepted; ascending.
