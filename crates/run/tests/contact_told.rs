@@ -23,10 +23,16 @@ fn a_given_place_and_what_contact_costs_are_told_by_check() {
     let comes = "ball: a sphere, its translation given: it comes there from its shape's place while loads grow";
     assert!(still.contains(comes), "{still}");
     assert!(still.contains("not estimated with contact") && !still.contains("a trial"), "{still}");
+    let inside = of(&with(BLOCK, r#""center": [10, 10, 25]"#, r#""center": [10, 10, 20]"#));
+    let begins = "4 mm inside of \"ball\" at (10, 10, 10), from where that is moved to its pose while loads grow";
+    assert!(inside.contains("[inside_obstacle]") && inside.contains(begins), "{inside}");
+    assert!(!still.contains("[inside_obstacle]"), "{still}");
     let time =
         r#""time": { "end": "0.1 s", "step": "10 ms", "scheme": "backward_euler", "start": "rest" }, "obstacles":"#;
-    let moving = of(&with(BLOCK, r#""obstacles":"#, time));
+    let moving =
+        of(&with(&with(BLOCK, r#""center": [10, 10, 25]"#, r#""center": [10, 10, 20]"#), r#""obstacles":"#, time));
     assert!(moving.contains("ball: a sphere, its translation given\n"), "{moving}");
+    assert!(!moving.contains("[inside_obstacle]"), "{moving}");
 }
 
 #[test]
