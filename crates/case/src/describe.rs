@@ -1,6 +1,7 @@
 //! A problem in words: what `nastic check` prints of a case.
 
 mod body;
+mod contact;
 mod controls;
 mod conventions;
 mod costs;
@@ -10,6 +11,7 @@ mod shape_cost;
 mod time;
 
 pub use body::{groups, materials, mesh, supports, units};
+pub use contact::{contacts, rigid_bodies};
 pub use controls::{controls, optimizer};
 pub use conventions::conventions;
 pub use costs::{cost_line, costs};

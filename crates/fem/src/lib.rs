@@ -34,7 +34,7 @@ pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::supports::{AXES, Supports};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
-pub use model::{Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing, Slipping};
+pub use model::{ContactSum, Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing};
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };

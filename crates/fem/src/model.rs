@@ -30,7 +30,7 @@ use nastic_linear::{CellProducts, SolverFactory, Space, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
 use std::sync::Arc;
 
-pub use contacts::{Pressing, Slipping};
+pub use contacts::{ContactSum, Pressing};
 pub use features::Feature;
 pub use fields::DISPLACEMENT;
 pub use point::ModelPoint;

@@ -216,6 +216,8 @@ fn the_committed_meshes_are_what_their_scripts_say() {
         ("berry.msh", CellKind::Tri6, 2.0 * (600.0 - 7.0 * 4.0 * 5.5) + berry),
         ("carry.msh", CellKind::Tri6, 2.0 * (600.0 - 7.0 * 4.0 * 5.5) + PI * radius * radius),
         ("torus.msh", CellKind::Tet4, 2.0 * PI * PI * 59.4 * 28.4 * 28.4),
+        // Caps of spheres, the outer one less the inner one.
+        ("bowl.msh", CellKind::Tet4, PI / 3.0 * (40.0 * 40.0 * (138.0 - 40.0) - 34.0 * 34.0 * (120.0 - 34.0))),
         ("bilayer.msh", CellKind::Hex27, 32.0 * 8.0 * 0.6),
         ("manipulator.msh", CellKind::Tet10, PI * 1e-9 * (81.0 * 40.0 - 3.0 * 2.2 * 2.2 * 32.0)),
     ];
@@ -232,6 +234,7 @@ fn the_committed_meshes_are_what_their_scripts_say() {
             "manipulator.msh" => 0.015,
             // straight facets, a third of the tube's circumference long
             "torus.msh" => 0.07,
+            "bowl.msh" => 0.01,
             "berry.msh" | "carry.msh" => 1e-5,
             _ => 1e-6,
         };

@@ -66,7 +66,10 @@ class View {
     this.part("slider-row").hidden = last < 1;
     this.part("show-start").parentElement.hidden = last < 1;
     this.part("first-name").textContent = view.frames[0].label;
-    this.part("target-label").hidden = view.targets.length === 0 && !this.moved;
+    const isThere = (label) => (label === "obstacle" && this.moved) || view.targets.some((target) => target.label === label);
+    this.behind = ["target", "obstacle"].filter(isThere);
+    this.part("target-name").textContent = this.behind.join(", ");
+    this.part("target-label").hidden = this.behind.length === 0;
     this.offerFields();
     const box = new THREE.Box3();
     // A wall may be far larger than the body.
@@ -191,11 +194,8 @@ class View {
   showLegend(frame, targets) {
     const entries = [["body", frame.label]];
     if (this.start.group.visible) entries.push([START_COLOUR, this.view.frames[0].label]);
-    for (const label of ["target", "obstacle"]) {
-      const moves = label === "obstacle" && this.moved;
-      if (targets && (moves || this.view.targets.some((target) => target.label === label))) {
-        entries.push([colourOfTarget({ label }), label]);
-      }
+    for (const label of targets ? this.behind : []) {
+      entries.push([colourOfTarget({ label }), label === "obstacle" ? this.view.obstacles : label]);
     }
     this.part("legend").replaceChildren(...entries.map(([colour, label]) => {
       const entry = document.createElement("span");

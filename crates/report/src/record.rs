@@ -38,6 +38,7 @@ mod gradcheck_record;
 mod nullable;
 mod number;
 mod optimum_record;
+mod rigid_motion;
 mod run_record;
 mod schema;
 mod series_record;
@@ -72,6 +73,7 @@ pub use optimum_record::{
     BetweenNodesRecord, ConstraintGroupRecord, ConstraintValueRecord, ConstraintsRecord, DerivativeNorm,
     GradientCheckRecord, LastLimitRecord, LimitPointsRecord, OptimumRecord, ResumedRecord, StageRecord, StartRecord,
 };
+pub use rigid_motion::RigidMotion;
 pub use run_record::{
     ExpectRecord, MemberRecord, MissRecord, ReachedRecord, RunRecord, SmoothingRecord, UnitsRecord, VersionsRecord,
     WarningRecord,

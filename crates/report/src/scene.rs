@@ -6,6 +6,7 @@ use crate::folder::ResultFolder;
 use crate::frame::{self, Amount};
 use crate::iterates::Iterates;
 use crate::number::short;
+use crate::obstacles_label;
 use crate::record::{MemberRecord, Number, RunRecord, SeriesRecord, StateRecord};
 use crate::surface::BodySurface;
 use nastic_mesh::Snapshot;
@@ -121,7 +122,7 @@ impl Scene {
         let mut targets = self.targets(folder, ("target", &member.record.targets))?;
         targets.extend(self.targets(folder, ("obstacle", &member.record.obstacles))?);
         self.views
-            .push(json!({ "name": member.record.name, "surface": surface, "frames": frames, "targets": targets }));
+            .push(json!({ "name": member.record.name, "surface": surface, "frames": frames, "targets": targets, "obstacles": obstacles_label(&member.record.obstacle_names) }));
         Ok(())
     }
 

@@ -3,8 +3,8 @@
 use crate::html::{escape, folded, paragraph, section, table};
 use crate::number::{count, duration, number, short};
 use crate::record::{
-    ControlRecord, MemberRecord, Nullable, Number, Numbers, ProbesRecord, RangeRecord, RunRecord, StateRecord,
-    UnitsRecord, number_of,
+    ControlRecord, MemberRecord, Nullable, Number, Numbers, ProbesRecord, RangeRecord, RigidMotion, RunRecord,
+    StateRecord, UnitsRecord, number_of,
 };
 use crate::summary::stability;
 use nastic_mesh::Snapshot;
@@ -145,7 +145,7 @@ pub(crate) fn events(result: &RunRecord) -> String {
     section("events", "Critical points", &table(&["kind", "value", "negative pivots"], &rows))
 }
 
-/// Probes, reactions, contacts, cavities, tendons and springs of the result's state, or of every load case.
+/// Probes, reactions, contacts, rigid bodies, cavities, tendons and springs of the result's state, or of every load case.
 pub(crate) fn states(result: &RunRecord) -> String {
     let UnitsRecord { length, force, pressure, .. } = &result.units;
     let vector =
@@ -186,14 +186,18 @@ pub(crate) fn states(result: &RunRecord) -> String {
         format!("smallest gap [{length}]"),
     ];
     let of_contact: Vec<&str> = of_force("contact").into_iter().chain(more.iter().map(String::as_str)).collect();
+    let turned = ["turns by [degrees]", "turn x [rad]", "turn y [rad]", "turn z [rad]"];
+    let of_rigid: Vec<&str> =
+        ["rigid body"].into_iter().chain(heads[..3].iter().map(String::as_str)).chain(turned).collect();
     let content = table(&head, &probes)
         + &table(&of_force("reaction at"), &rows.reactions)
         + &table(&of_contact, &rows.contacts)
+        + &table(&of_rigid, &rows.rigid)
         + &table(&["cavity", "pressure", "volume", "volume at rest"], &rows.cavities)
         + &table(&["contribution", "", ""], &rows.others)
         + &table(&["tendon", "", "tension", "length", "length at rest"], &rows.tendons)
         + &table(&["spring", "force", "length", "rest length"], &rows.springs);
-    section("states", "Probes, reactions, contacts, cavities, tendons, springs", &content)
+    section("states", "Probes, reactions, contacts, rigid bodies, cavities, tendons, springs", &content)
 }
 
 /// What contributions report, by kind.
@@ -201,6 +205,7 @@ pub(crate) fn states(result: &RunRecord) -> String {
 struct Rows {
     reactions: Vec<Vec<String>>,
     contacts: Vec<Vec<String>>,
+    rigid: Vec<Vec<String>>,
     cavities: Vec<Vec<String>>,
     tendons: Vec<Vec<String>>,
     springs: Vec<Vec<String>>,
@@ -216,6 +221,10 @@ impl Rows {
         if has("pressing") {
             let more = ["pressing", "area", "largest_pressure", "smallest_gap"].map(|key| of(key, ""));
             self.contacts.push([name].into_iter().chain(forces).chain(more).collect());
+        } else if let Some(RigidMotion { translation, rotation }) = RigidMotion::of(entry) {
+            let degrees = short(RigidMotion::size(&rotation).to_degrees());
+            let row = translation.map(short).into_iter().chain([degrees]).chain(rotation.map(short));
+            self.rigid.push([name].into_iter().chain(row).collect());
         } else if has("force_x") && !has("pressure") {
             self.reactions.push([name].into_iter().chain(forces).collect());
         } else if has("tension") {

@@ -10,6 +10,7 @@ mod common;
 mod constraints;
 mod contact;
 mod contact_costs;
+mod contact_told;
 mod damaged_checkpoints;
 mod determination;
 mod documents;

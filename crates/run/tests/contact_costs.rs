@@ -70,6 +70,42 @@ fn slip_has_exact_derivatives() {
     assert!(found.exit.code() == 0 && verdict == "right", "{verdict} {}", found.result["derivative_norm"]);
 }
 
+/// Friction against the pull of gravity along x, beside the weight: both of the same contact, and exact derivatives by the pose at both ends of steps,
+/// the coefficient and the stiffness.
+#[test]
+fn a_force_along_a_direction_is_that_of_the_contact() {
+    let along = |x: f64, z: f64| {
+        format!(r#"costs=[{{ "kind": "contact_force", "contact": "feet", "direction": [{x}, 0, {z}] }}]"#)
+    };
+    let place = CaseDirectory::new();
+    let found =
+        place.run(Command::Solve, DRAGGED, &[&along(1.2, 1.6)]).unwrap_or_else(|error| panic!("{error}")).result;
+    let [x, z] = ["x", "z"].map(|axis| number(&found, &format!("contributions/feet/force_{axis}")));
+    let value = number(&found, "cost/total");
+    assert!((value - 0.6 * x - 0.8 * z).abs() < 1e-12 * value.abs(), "{value}, {x}, {z}");
+    assert!(x < -1e-3 && (z - 0.04).abs() < 0.01, "{x}, {z}");
+    assert_eq!(number(&found, "figures/contact_force/force_along"), value);
+    let when = along(0.6, 0.8).replace("] }]", r#"], "when": { "at": ["40 ms", "60 ms"] } }]"#);
+    let found = place.run(Command::Gradcheck, DRAGGED, &[&when]).unwrap_or_else(|error| panic!("{error}"));
+    let checked = found.result["gradcheck"].clone();
+    assert!(found.exit.code() == 0 && checked["lowest_order"].as_f64().unwrap() > 1.95, "{checked}");
+    for test in checked["tests"].as_array().unwrap() {
+        // the force hardly depends on the stiffness: rounding may leave too few steps to tell
+        let faint = test["verdict"] == "undecided" && test["control"] == "feet.stiffness";
+        assert!(test["verdict"] == "right" || faint, "{test}");
+    }
+    let lagged = DRAGGED.replace(r#""friction": 0.8"#, r#""friction": 0.8, "lagged": true"#);
+    let said = problems(&lagged.replace(r#""kind": "contact_slip""#, r#""kind": "contact_force", "direction": "z""#));
+    assert!(said.contains("costs/0/contact") && said.contains("lagged friction of \"feet\""), "{said}");
+    let faces = with(DRAGGED, r#""contact": ["#, r#""contact": [ { "name": "faces", "surface": "z+", "with": "z-" },"#);
+    let faces = with(
+        &faces,
+        r#""kind": "contact_slip", "contact": "feet""#,
+        r#""kind": "contact_force", "contact": "faces", "direction": "z""#,
+    );
+    assert!(problems(&faces).contains("\"faces\" is between surfaces"), "{}", problems(&faces));
+}
+
 /// The least change of a friction coefficient that leaves a tenth of its cone: `S = 1 - sqrt(0.1)`, `mu = 4 / (0.9 * 10)`.
 #[test]
 fn a_margin_to_slipping_is_a_constraint() {

@@ -4,8 +4,9 @@
 
 use crate::common;
 
-use common::{CaseDirectory, problems, with};
+use common::{CaseDirectory, Heard, problems, with};
 use nastic_language::schema::Command;
+use nastic_run::console::Console;
 use nastic_run::result::find;
 use serde_json::Value;
 
@@ -46,6 +47,30 @@ fn a_rigid_block_falls_and_stays_what_it_is() {
     assert!(heard.contains("; rigid; density"), "{heard}");
     let columns = std::fs::read_to_string(place.path("out").join("motion.csv")).unwrap();
     assert!(columns.lines().next().unwrap().contains("body.rotation_z"), "{columns}");
+}
+
+#[test]
+fn what_it_does_is_told() {
+    let (place, heard) = (CaseDirectory::new(), Heard::default());
+    let thrown = with(BLOCK, r#""start": "rest""#, r#""start": "rest", "velocity": [0, 0, "0.1 m/s"]"#);
+    let thrown = with(&thrown, r#""end": "200 ms""#, r#""end": "20 ms""#)
+        .replace(r#""output": "40 ms""#, r#""output": "20 ms""#);
+    let spun = with(&thrown, r#"[0, 0, "0.1 m/s"]"#, r#"["-2 * (Y - 10) / (1 s)", "2 * (X - 10) / (1 s)", "0.1 m/s"]"#);
+    let found =
+        place.run_with(Command::Solve, &spun, &Console::new(heard.clone()), &place.options(&[])).unwrap().result;
+    let angle = number(&found, "contributions/body/rotation_z");
+    let text = heard.text();
+    assert!((angle / 0.04 - 1.0).abs() < 1e-2 && text.contains("rigid body  body moves by (0."), "{angle} {text}");
+    assert!(text.contains("turns by 0.039994 rad = 2.2915 degrees about (0, 0, 1)\n"), "{text}");
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(page.contains("<th>rigid body</th>") && page.contains("turns by [degrees]"), "the table of rigid bodies");
+    assert!(page.contains("<td>2.2915</td>"), "its turn");
+    let checked = place.text(Command::Check, BLOCK, &[]);
+    assert!(checked.contains("rigid       1 rigid body of 6 unknowns, translation and rotation"), "{checked}");
+    assert!(checked.contains("            body: mass 0.004 kg"), "{checked}");
+    let stretched = with(&spun, r#""2 * (X - 10) / (1 s)""#, r#""1 * (X - 10) / (1 s)""#);
+    let said = problems(&stretched);
+    assert!(said.contains("time/velocity") && said.contains("changes the shape of \"body\""), "{said}");
 }
 
 #[test]

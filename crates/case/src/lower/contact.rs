@@ -90,7 +90,8 @@ fn build(
     friction.into_iter().fold(built, |built, (friction, speed)| built.friction(friction, speed))
 }
 
-/// Warns of a body at rest that reaches deeper into an obstacle which does not move than a contact bears, also where no surface touches it.
+/// Warns of a body at rest that reaches deeper into an obstacle than a contact bears, also where no surface touches it: not into one that moves in a
+/// motion, whose pose at t = 0 it begins with; an equilibrium begins where its shape is.
 fn check_outside(
     case: &Case,
     (contact, touched): (&Contact, &Obstacle),
@@ -98,7 +99,8 @@ fn check_outside(
     context: &mut Context<'_>,
 ) {
     let pose = ["translation", "rotation"].map(|part| format!("{}.{part}", touched.name));
-    if touched.pose().next().is_some() || case.controls.iter().any(|control| pose.contains(&control.of)) {
+    let moves = touched.pose().next().is_some() || case.controls.iter().any(|control| pose.contains(&control.of));
+    if moves && case.time.is_some() {
         return;
     }
     let (mesh, name) = (solid.mesh(), contact.name());
@@ -113,8 +115,9 @@ fn check_outside(
         } else {
             ""
         };
+        let from = if moves { ", from where that is moved to its pose while loads grow" } else { "" };
         let message = format!(
-            "the body at rest is {} {unit} inside of {} at ({}): move one of them{normal}",
+            "the body at rest is {} {unit} inside of {} at ({}){from}: move one of them{normal}",
             short(depth),
             quoted(&touched.name),
             place.join(", ")

@@ -29,6 +29,23 @@ pub fn all(member: CaseMember<'_>) -> Vec<Snapshot> {
     meshes.into_iter().map(Snapshot::new).collect()
 }
 
+/// The names of the obstacles of a member; of a shape that a constraint or a cost has of its own the name of that.
+pub fn names(member: CaseMember<'_>) -> Vec<String> {
+    let case = member.case();
+    let is_own = |shape: &ShapeOrName| matches!(shape, ShapeOrName::Shape(_));
+    let of_constraint = |block: &&Constraint| block.obstacle.as_ref().is_some_and(|keep_out| is_own(&keep_out.shape));
+    let of_cost = |cost: &&Cost| cost.shapes().any(|(shape, _)| is_own(shape));
+    let named = case.obstacles.iter().map(|obstacle| obstacle.name.as_str());
+    let named = named.chain(case.constraints.iter().filter(of_constraint).map(Constraint::name));
+    let mut names: Vec<String> = Vec::new();
+    for name in named.chain(case.costs.iter().filter(of_cost).map(Cost::name)) {
+        if !names.iter().any(|known| known == name) {
+            names.push(name.to_owned());
+        }
+    }
+    names
+}
+
 fn of_shape(shape: &Shape, member: CaseMember<'_>) -> Option<Arc<Mesh>> {
     match shape {
         Shape::Mesh(source) => mesh_again(source, member.problem()),

@@ -3,7 +3,7 @@
 use super::array::{self, Entity};
 use super::context::Context;
 use nastic_control::{Counts, Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
-use nastic_fem::{Checkpoints, Feature, Solid};
+use nastic_fem::{Checkpoints, Feature, Solid, State};
 use nastic_language::number::short;
 use nastic_language::schema;
 use nastic_language::schema::{Beginning, Case, InTime, KnotInterpolation, Time, VectorField, vector_at};
@@ -113,6 +113,10 @@ fn velocity(case: &Case, solid: &Solid, context: &mut Context<'_>) -> Option<Vec
     let mut flat: Vec<f64> = values.iter().flat_map(|v| v[..dim].to_vec()).collect();
     (0..flat.len()).filter(|dof| solid.supports().holds_still(*dof)).for_each(|dof| flat[dof] = 0.0);
     flat.resize(solid.model().unknowns().len(), 0.0);
+    if time.start == Beginning::Rest {
+        let begin = State { velocity: Some(flat.clone().into()), ..solid.rest() };
+        context.take(&at, solid.model().check_velocity(&begin))?;
+    }
     Some(flat)
 }
 

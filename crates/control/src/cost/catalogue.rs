@@ -1,10 +1,10 @@
 //! [`CATALOGUE`]: every cost, with examples of it on a given body.
 
 use super::{
-    ContactLoad, ContactSlip, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue, Curvature,
-    IntoCost, LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, PumpWork, Reaction, SmoothedHausdorff,
-    Target, Tracking, compliance, contact_load, contact_slip, curvature, mean_radius, obstacle, orientation, position,
-    pump_work, reaction, regularization, stretch, tracking, volume,
+    ContactLoad, ContactResultant, ContactSlip, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue,
+    Curvature, IntoCost, LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, PumpWork, Reaction,
+    SmoothedHausdorff, Target, Tracking, compliance, contact_load, contact_slip, curvature, mean_radius, obstacle,
+    orientation, position, pump_work, reaction, regularization, stretch, tracking, volume,
 };
 use crate::error::ControlError;
 use crate::time::When;
@@ -88,7 +88,7 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow::of(&stretch::FORM, largest_stretch),
     CostRow::of(&compliance::FORM, compliance).first_order(),
     CostRow::of(&reaction::FORM, reaction),
-    CostRow::of(&contact_load::FORCE, |on| contact_load(on, ContactLoad::force)).first_order(),
+    CostRow::of(&contact_load::FORCE, contact_force).first_order(),
     CostRow::of(&contact_load::PRESSURE, |on| contact_load(on, |contact| ContactLoad::pressure(contact, 2)))
         .first_order(),
     CostRow::of(&contact_slip::FORM, contact_slip).first_order(),
@@ -160,6 +160,16 @@ fn orientation(on: &CostExample) -> ExampleCosts {
 fn contact_load(on: &CostExample, of: impl Fn(&str) -> ContactLoad) -> ExampleCosts {
     let contacts = on.solid.model().touch_parameters();
     contacts.iter().map(|(name, _)| of(name).weight(on.weight).bind(on.solid)).collect()
+}
+
+/// Its pressures, and along a direction that is no normal, of an obstacle.
+fn contact_force(on: &CostExample) -> ExampleCosts {
+    let mut costs = contact_load(on, ContactLoad::force)?;
+    for (name, _) in on.solid.model().touch_parameters() {
+        let direction = if on.solid.mesh().dim() == 2 { [0.3, -0.8, 0.0] } else { [0.3, 0.5, -0.8] };
+        costs.extend(ContactResultant::along(&name, direction).weight(on.weight).bind(on.solid));
+    }
+    Ok(costs)
 }
 
 /// Of every contact with friction, which static bodies have none of.

@@ -1,7 +1,8 @@
 //! [`ContactLoad`]: how hard a contact presses.
 
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    ContactResultant, Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost,
+    Partials, check_weight,
 };
 use crate::error::ControlError;
 use crate::layout::Layout;
@@ -47,12 +48,29 @@ impl ContactLoad {
 /// How the force stands in case files.
 pub(super) const FORCE: CostForm = CostForm::new(
     "contact_force",
-    "weight times the force that a contact presses with: the sum of its pressures times areas.",
-    &[CostKey::CONTACT],
-    |on| ContactLoad { contact: on.get("contact")?, exponent: None, weight: on.weight }.bind(on.solid),
+    "weight times the force that a contact presses with: the sum of its pressures times areas; or along a direction.",
+    &[
+        CostKey::CONTACT,
+        CostKey::new(
+            "direction",
+            "Of an obstacle: its force on the body along it, with friction, in the place of the sum of pressures.",
+            CostTakes::Direction,
+        )
+        .optional(),
+    ],
+    |on| {
+        let contact: String = on.get("contact")?;
+        match on.given("direction") {
+            None => ContactLoad { contact, exponent: None, weight: on.weight }.bind(on.solid),
+            Some(direction) => ContactResultant::along(&contact, direction).weight(on.weight).bind(on.solid),
+        }
+    },
 )
 .reported_at("contact")
-.words(|words| format!("force that {} presses with", words.text("contact")));
+.words(|words| match words.text("direction") {
+    "" => format!("force that {} presses with", words.text("contact")),
+    along => format!("force of {} on the body along ({along})", words.text("contact")),
+});
 
 /// How the smoothed largest pressure stands in case files.
 pub(super) const PRESSURE: CostForm = CostForm::new(

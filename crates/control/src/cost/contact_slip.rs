@@ -6,7 +6,7 @@ use super::{
 };
 use crate::error::ControlError;
 use crate::layout::Layout;
-use nastic_fem::{Controls, Instant, Slipping, Solid, State, TimeStep};
+use nastic_fem::{ContactSum, Controls, Instant, Solid, State, TimeStep};
 use nastic_numeric::vector::axpy;
 use std::sync::Arc;
 
@@ -87,7 +87,7 @@ struct OnBody(ContactSlip);
 
 impl OnBody {
     /// `sum_s w_s p_s (|v_s|/e)^2q` and, with q = 0, what that is divided by.
-    fn sums(&self, at: &CostContext, state: &State, step: &TimeStep) -> Result<[Slipping; 2], ControlError> {
+    fn sums(&self, at: &CostContext, state: &State, step: &TimeStep) -> Result<[ContactSum; 2], ControlError> {
         let instant = Instant::of(state).in_step(step);
         let of = &self.0;
         let gone = || ControlError::Cost { what: format!("{NAME}: no contact \"{}\" with friction", of.contact) };
@@ -132,7 +132,7 @@ struct EvaluatedCost {
 
 #[derive(Debug)]
 struct Parts {
-    sums: [Slipping; 2],
+    sums: [ContactSum; 2],
     /// Derivatives of the value by them.
     factors: [f64; 2],
     layout: Layout,
@@ -141,7 +141,7 @@ struct Parts {
 }
 
 impl Parts {
-    fn by_controls(&self, m: &[f64], of: impl Fn(&Slipping) -> &Controls) -> Vec<f64> {
+    fn by_controls(&self, m: &[f64], of: impl Fn(&ContactSum) -> &Controls) -> Vec<f64> {
         let mut sum = vec![0.0; self.layout.len()];
         for (slipping, factor) in self.sums.iter().zip(self.factors) {
             axpy(factor, &self.layout.control_vjp(m, of(slipping)), &mut sum);

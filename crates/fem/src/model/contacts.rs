@@ -3,8 +3,11 @@
 use super::Model;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::Sensitivities;
-use crate::contributions::{Contribution, Controls, Onsets, RigidPose, Touch, TouchParameters, Touches};
+use crate::contributions::{
+    Contribution, Controls, Demand, Need, Onsets, RigidPose, Sums, Touch, TouchParameters, Touches,
+};
 use crate::error::Inadmissible;
+use nastic_numeric::vector::dot;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -20,9 +23,9 @@ pub struct Pressing {
     pub by_controls: Controls,
 }
 
-/// How much a contact slips, with its derivatives.
+/// A sum over a contact that depends on velocities, with its derivatives.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Slipping {
+pub struct ContactSum {
     /// The sum.
     pub value: f64,
     /// By the displacement at fixed velocities, flat.
@@ -85,16 +88,46 @@ impl Model {
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
-    pub fn slipping(&self, at: &Instant, name: &str, q: u32) -> Option<Result<Slipping, Inadmissible>> {
+    pub fn slipping(&self, at: &Instant, name: &str, q: u32) -> Option<Result<ContactSum, Inadmissible>> {
         let mut found = None;
         self.each_touching(at, |own, touches, at| {
             if own == name {
                 let (mut by_u, mut into) = (vec![0.0; at.u.len()], Sensitivities::zero(self.controls(), at));
                 let value = touches.add_slip(at, q, &mut by_u, &mut into).transpose();
-                found = value.map(|value| value.map(|value| Slipping { value, by_u, by_others: into }));
+                found = value.map(|value| value.map(|value| ContactSum { value, by_u, by_others: into }));
             }
         });
         found
+    }
+
+    /// The force of an obstacle on the body along a vector l, friction included: `-sum_a l . r_a` over the nodes a, r the residual of the contact, with its
+    /// derivatives, which are `-K^T l` and those of `-l . r` by all else. With friction in a step ([`Instant::in_step`]). `None` where no contact with
+    /// an obstacle has that name.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn resultant(&self, at: &Instant, name: &str, l: [f64; 3]) -> Option<Result<ContactSum, Inadmissible>> {
+        let own = self.others.iter().zip(self.instants(at)).find(|(contribution, at)| {
+            let pose = |touches: &dyn Touches| self.among_fields(contribution.as_ref(), at, |at| touches.pose(at));
+            contribution.name() == name && contribution.touches().and_then(pose).is_some()
+        });
+        own.map(|(contribution, at)| self.pushing(contribution.as_ref(), &at, l))
+    }
+
+    fn pushing(&self, contact: &dyn Contribution, at: &Instant, l: [f64; 3]) -> Result<ContactSum, Inadmissible> {
+        let (unknowns, dim) = (self.unknowns().len(), self.discretization().dim());
+        let block = self.space.nodal() / self.discretization().mesh().points().len();
+        let mut along = vec![0.0; unknowns];
+        let nodes = along[..self.space.nodal()].chunks_exact_mut(block);
+        nodes.for_each(|node| node.iter_mut().zip(&l[..dim]).for_each(|(entry, l)| *entry = -l));
+        let (point, mut sums) = (self.point_of(contact, at, Need::Derivatives)?, Sums::zero(unknowns));
+        point.add_residual(at, Demand { energy: false, force: true }, &mut sums)?;
+        let (mut tangent, mut by_u) = (self.matrix(), vec![0.0; unknowns]);
+        point.add_tangent(at, &mut tangent).map_err(|error| error.of(contact.name()))?;
+        tangent.multiply_transposed(&along[..self.space.nodal()], &mut by_u[..self.space.nodal()], at.parallel);
+        let mut by_others = Sensitivities::zero(self.controls(), at);
+        point.vjp(at, &along, &mut by_others)?;
+        Ok(ContactSum { value: dot(&along, &sums.force), by_u, by_others })
     }
 
     /// What the samples of all contacts do, one contact after the other; without those that cannot be where they are.

@@ -1,6 +1,7 @@
 //! Motion: time schemes as tables, their steps, and the discrete adjoint that follows from the same tables.
 
 pub(crate) mod adaptive;
+mod beginning;
 pub mod catalogue;
 pub(crate) mod checkpoints;
 pub(crate) mod initial_acceleration;

@@ -87,7 +87,7 @@ impl Model {
         let end = trajectory.end();
         self.check_state(end)?;
         self.supports.check_tied("the displacement", &end.u)?;
-        end.velocity.iter().try_for_each(|v| self.supports.check_tied("the velocity", v))?;
+        self.check_velocity(end)?;
         Ok(self.check_prescribed(trajectory.end())?)
     }
 

@@ -3,8 +3,10 @@
 use super::state::{self, State};
 use crate::error::ReportError;
 use crate::folder::ResultFolder;
+use crate::obstacles_label;
 use nastic_mesh::Snapshot;
 use nastic_picture::{Appearance, Body, Colour, Face};
+use std::mem::take;
 
 /// The states of these names, or the start and the targets; obstacles in any case.
 pub(super) fn bodies(
@@ -30,9 +32,13 @@ pub(super) fn bodies(
     }
     let moving = format!("{}_obstacles.vtu", shown.name);
     let obstacles = member.iter().flat_map(|member| &member.obstacles).cloned().chain([moving]);
-    for (k, file) in obstacles.filter(|file| folder.wrote(file)).enumerate() {
-        let label = if k == 0 { "obstacle" } else { "" };
-        out.push(Body::of(label, &folder.snapshot(&file)?).appearance(Appearance::Solid(Colour::GREY)).lines(false));
+    let mut label = member.map_or_else(String::new, |member| obstacles_label(&member.obstacle_names));
+    for file in obstacles.filter(|file| folder.wrote(file)) {
+        out.push(
+            Body::of(&take(&mut label), &folder.snapshot(&file)?)
+                .appearance(Appearance::Solid(Colour::GREY))
+                .lines(false),
+        );
     }
     Ok(out)
 }

@@ -158,6 +158,8 @@ records! {
         targets: Vec<String>,
         /// Its obstacles.
         obstacles: Vec<String>,
+        /// The names of all its obstacles in the case, of those that move too.
+        obstacle_names: Vec<String>,
     }
 
     /// How far a motion came.

@@ -8,7 +8,8 @@ use nastic_io::WriteError;
 use nastic_mesh::{NamedArray, Snapshot};
 use nastic_picture::{Appearance, Body, Colour, Face, Field, Picture, Sheet};
 use nastic_report::record::{StateRecord, number_of};
-use nastic_report::{FIELD, tension, uniform_field, with_marks};
+use nastic_report::{FIELD, obstacles_label, tension, uniform_field, with_marks};
+use std::mem::take;
 
 /// What is drawn.
 pub(crate) struct Drawing<'a> {
@@ -111,7 +112,8 @@ fn ground(
     for (label, ghost) in ghosts {
         picture = picture.body(Body::of(label, ghost).appearance(Appearance::Glass(Colour::GREY)));
     }
-    let grey = |shape: &Snapshot| Body::of("obstacle", shape).appearance(Appearance::Solid(Colour::GREY));
+    let mut label = obstacles_label(&obstacle_shape::names(member));
+    let grey = |shape: &Snapshot| Body::of(&take(&mut label), shape).appearance(Appearance::Solid(Colour::GREY));
     let moved = state.obstacles.clone().map(Snapshot::new);
     let picture = obstacle_shape::all(member).iter().chain(&moved).map(grey).fold(picture, Picture::body);
     member.targets().iter().filter_map(target).fold(picture, Picture::body)

@@ -10,7 +10,6 @@ mod parameters;
 mod spring;
 
 pub(super) use crate::run::describe::actuation::actuation;
-pub(super) use crate::run::describe::contact::contacts;
 pub(super) use crate::run::describe::duration::duration;
 pub(super) use crate::run::describe::existence::{conditions, existence};
 pub(super) use crate::run::describe::members::{load_cases, scenarios};

@@ -148,6 +148,7 @@ fn members(problem: &CaseProblem) -> Vec<MemberRecord> {
         case_stem: member.case_file(""),
         targets: targets[member.index()].clone(),
         obstacles: obstacles[member.index()].clone(),
+        obstacle_names: obstacle_shape::names(member),
     };
     problem.members().map(of).collect()
 }

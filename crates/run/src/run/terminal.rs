@@ -4,7 +4,9 @@ use crate::run::session::Session;
 use nastic_language::number::{quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_numeric::format::scientific;
-use nastic_report::record::{MeasureRecord, Number, ProbeRecord, ProbesRecord, RunRecord, StateRecord, number_of};
+use nastic_report::record::{
+    MeasureRecord, Number, ProbeRecord, ProbesRecord, RigidMotion, RunRecord, StateRecord, number_of,
+};
 
 /// Smallest J and inertia, of the worst member.
 pub(crate) fn say_stability(session: &Session<'_>, state: &StateRecord) {
@@ -108,13 +110,16 @@ fn say_spread(session: &Session<'_>, state: &StateRecord) {
     }
 }
 
-/// The probes' displacements and the volumes of cavities, of every member.
+/// The probes' displacements, the volumes of cavities and the motions of rigid bodies, of every member.
 pub(crate) fn say_probes(session: &Session<'_>, result: &StateRecord) {
     say_spread(session, result);
     let units = session.problem.units();
     let unit = units.length().symbol;
     for (member, state) in with_plain(result) {
         for (name, cavity) in &state.contributions {
+            if let Some(motion) = RigidMotion::of(cavity) {
+                session.console.say(format!("rigid body  {name} {}{}", motion.words(unit), inside(&member)));
+            }
             if let (Some(volume), Some(rest)) = (number_of(cavity, "volume"), number_of(cavity, "reference_volume")) {
                 let size = format!("{} {unit}^{}", short(volume), session.problem.mesh().dim());
                 let times = short(volume / rest);

@@ -70,7 +70,8 @@ pub(crate) fn show(
 fn subtitle(session: &Session<'_>, min_j: f64) -> String {
     let distance = picture::distance(&session.record.state, session.problem.units().length().symbol);
     let what = motion::state_name(&session.problem);
-    format!("{what} at the start control, min J {}{distance}{}", short(min_j), session.warned())
+    let at = if session.problem.start.is_empty() { "" } else { " at the start controls" };
+    format!("{what}{at}, min J {}{distance}{}", short(min_j), session.warned())
 }
 
 /// Puts what the equilibria are into the result and says it.
