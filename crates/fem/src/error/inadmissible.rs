@@ -29,6 +29,9 @@ pub enum Inadmissible {
         /// How deep.
         depth: f64,
     },
+    /// The part of the body that another rank has is not admissible.
+    #[error("the part of the body that another rank has is not admissible")]
+    Elsewhere,
     /// Not of the displacement, and no reason to shorten a step: a contribution adds entries to a tangent for nodes that it does not
     /// couple. Solves and adjoints end with [`FemError::NotCoupled`].
     #[error("contribution \"{contribution}\": {lacking}")]
@@ -73,7 +76,7 @@ impl Inadmissible {
     pub fn cell(&self) -> Option<&InvertedAt> {
         match self {
             Inadmissible::Inverted(at) | Inadmissible::OutsideDomain { at, .. } => Some(at),
-            Inadmissible::Penetrates { .. } | Inadmissible::NotCoupled { .. } => None,
+            Inadmissible::Penetrates { .. } | Inadmissible::Elsewhere | Inadmissible::NotCoupled { .. } => None,
         }
     }
 
@@ -86,13 +89,14 @@ impl Inadmissible {
         }
     }
 
-    /// A stable name: `inverted`, `outside_domain`, `penetrates`, `not_coupled`.
+    /// A stable name: `inverted`, `outside_domain`, `penetrates`, `elsewhere`, `not_coupled`.
     #[must_use]
     pub fn code(&self) -> &'static str {
         match self {
             Inadmissible::Inverted(_) => "inverted",
             Inadmissible::OutsideDomain { .. } => "outside_domain",
             Inadmissible::Penetrates { .. } => "penetrates",
+            Inadmissible::Elsewhere => "elsewhere",
             Inadmissible::NotCoupled { .. } => "not_coupled",
         }
     }

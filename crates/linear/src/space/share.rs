@@ -172,7 +172,7 @@ mod tests {
     /// Three ranks: node 9 is in all of them, node 7 in the first and the last.
     fn share(rank: threads::ThreadRank) -> Arc<Share> {
         let (own, rank) = (nastic_team::Team::rank(&rank), Arc::new(rank));
-        let nodes: [(usize, Vec<(usize, Vec<u32>)>); 3] = [
+        let nodes = [
             (3, vec![(1, vec![1]), (2, vec![0, 1])]),
             (1, vec![(0, vec![1]), (2, vec![1])]),
             (0, vec![(0, vec![0, 1]), (1, vec![1])]),
