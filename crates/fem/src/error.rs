@@ -8,6 +8,7 @@ use crate::solution::state::State;
 use nastic_energy::EnergyError;
 use nastic_linear::{LinearError, NotCoupled, StructureError};
 use nastic_mesh::{CellKind, MeshError};
+use nastic_team::TeamError;
 use std::fmt;
 
 pub use inadmissible::{Inadmissible, InvertedAt};
@@ -90,6 +91,9 @@ pub enum FemError {
         /// Value refused.
         new: f64,
     },
+    /// Ranks that have parts of a body cannot go on together.
+    #[error(transparent)]
+    Team(#[from] TeamError),
     /// A formulation that cells of a kind cannot have.
     #[error("{}", formulation_refused(*.cell, *.kind, *.formulation))]
     Formulation {

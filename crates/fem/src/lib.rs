@@ -11,6 +11,7 @@ mod error;
 mod kernels;
 mod model;
 mod nonlinear;
+mod parted;
 mod solid;
 mod solution;
 mod structure;
@@ -38,7 +39,7 @@ pub use model::{ContactSum, Controllable, DISPLACEMENT, Feature, Model, ModelPoi
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };
-pub use nastic_linear::{Field, On, Role, Solver, SolverFactory, Space};
+pub use nastic_linear::{Field, On, Role, Share, Solver, SolverFactory, Space};
 pub use solid::Solid;
 pub use solution::ahead::{Ahead, LimitAhead};
 pub use solution::connection::Connection;

@@ -80,7 +80,7 @@ impl Model {
     /// A body without materials, supports or loads.
     pub fn new(disc: Arc<Discretization>) -> Self {
         let (supports, dead_load) = (Arc::new(Supports::new(disc.mesh())), DeadLoad(Arc::new(vec![0.0; disc.dofs()])));
-        let space = Arc::new(fields::displacement_alone(disc.mesh()));
+        let space = Arc::new(fields::displacement_alone(&disc));
         Model { body: BodyEnergy::new(disc), supports, dead_load, others: Vec::new(), space, chosen_solver: None }
     }
 
@@ -90,6 +90,9 @@ impl Model {
     /// A name that is taken, couplings that do not fit the mesh.
     pub fn add(&mut self, contribution: Arc<dyn Contribution>) -> Result<(), FemError> {
         let name = contribution.name();
+        if !contribution.spans_ranks() {
+            self.refuse_ranks(&format!("\"{name}\""))?;
+        }
         let mut taken =
             self.body.actuations().iter().map(|a| a.name.as_str()).chain(self.others.iter().map(|c| c.name()));
         if taken.any(|known| known == name) || [self.body.name(), self.dead_load.name()].contains(&name) {
@@ -211,7 +214,7 @@ impl Model {
 
     /// The largest ratio of bulk to shear modulus of the cells at rest, of their passive laws: how nearly incompressible the body is.
     pub fn bulk_over_shear(&self) -> f64 {
-        self.body.bulk_over_shear()
+        -self.space.least(-self.body.bulk_over_shear())
     }
 
     /// Whether all contributions have a potential.
@@ -448,7 +451,7 @@ impl Model {
         self.body.check_complete()?;
         self.check_solver(None)?;
         let springs = self.others.iter().flat_map(|contribution| contribution.resists());
-        self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>())?;
+        self.supports.check(self.discretization(), &springs.collect::<Vec<_>>())?;
         self.check_in_motion()
     }
 
@@ -457,7 +460,7 @@ impl Model {
     pub fn is_held_without_contact(&self) -> bool {
         let others = self.others.iter().filter(|contribution| contribution.touches().is_none());
         let springs = others.flat_map(|contribution| contribution.resists());
-        self.supports.check(self.discretization().mesh(), &springs.collect::<Vec<_>>()).is_ok()
+        self.supports.check(self.discretization(), &springs.collect::<Vec<_>>()).is_ok()
     }
 
     /// Cells all of whose nodes one rigid body holds together.

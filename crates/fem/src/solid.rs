@@ -20,7 +20,6 @@ use nastic_energy::{Actuation, EnergyTerm};
 use nastic_linear::SolverFactory;
 use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// A body that can be solved: find u with `u = u_D` on the supports such that
@@ -249,23 +248,6 @@ impl Solid {
         Ok(self)
     }
 
-    /// The nodes of surfaces or, failing that, of node sets; ascending, each once.
-    ///
-    /// # Errors
-    /// A name is neither.
-    pub fn nodes_of(&self, names: impl Into<GroupNames>) -> Result<Vec<u32>, FemError> {
-        let mesh = self.mesh();
-        let mut nodes = BTreeSet::new();
-        for name in names.into().iter() {
-            if mesh.surfaces().contains_key(name) || !mesh.node_sets().contains_key(name) {
-                nodes.extend(mesh.nodes_of_facets(mesh.surface(name)?));
-            } else {
-                nodes.extend(mesh.node_set(name)?);
-            }
-        }
-        Ok(nodes.into_iter().collect())
-    }
-
     /// Checks that the problem is complete: every cell has a material, no rigid motion is left free.
     ///
     /// # Errors
@@ -314,7 +296,7 @@ impl Solid {
     /// # Errors
     /// As [`Cavity`] says; a name that is taken.
     pub fn cavity(mut self, cavity: Cavity) -> Result<Self, FemError> {
-        let contribution = cavity.on(self.mesh())?;
+        let contribution = cavity.on(self.whole_mesh("a cavity")?)?;
         self.model.add(contribution)?;
         Ok(self)
     }
@@ -324,7 +306,7 @@ impl Solid {
     /// # Errors
     /// A guide outside the body, guides that coincide, numbers that are not positive; a name that is taken.
     pub fn tendon(mut self, tendon: Tendon) -> Result<Self, FemError> {
-        let contribution = tendon.on(self.mesh())?;
+        let contribution = tendon.on(self.whole_mesh("a tendon")?)?;
         self.model.add(contribution)?;
         Ok(self)
     }
@@ -343,7 +325,7 @@ impl Solid {
     /// # Errors
     /// As [`Spring`] says; a name that is taken.
     pub fn spring(self, spring: Spring) -> Result<Self, FemError> {
-        let contribution = spring.on(self.mesh())?;
+        let contribution = spring.on(self.whole_mesh("a spring")?)?;
         self.contribution(contribution)
     }
 
@@ -353,7 +335,7 @@ impl Solid {
     /// An unknown surface, nodes that something else holds; a name that is taken.
     pub fn motion(self, motion: MovingSupport) -> Result<Self, FemError> {
         let nodes = self.nodes_of(motion.surface())?;
-        let contribution = motion.on(self.mesh(), nodes)?;
+        let contribution = motion.on(self.whole_mesh("a motion of a surface")?, nodes)?;
         self.contribution(contribution)
     }
 
@@ -362,7 +344,8 @@ impl Solid {
     /// # Errors
     /// A region that is unknown, flat or in parts; nodes that something else holds, or of another rigid body; a name that is taken.
     pub fn rigid(self, body: &RigidBody) -> Result<Self, FemError> {
-        let contribution = self.before_damping("rigid body").and_then(|()| body.on(self.mesh()))?;
+        let contribution =
+            self.before_damping("rigid body").and_then(|()| body.on(self.whole_mesh("a rigid body")?))?;
         self.contribution(contribution)
     }
 
@@ -371,7 +354,7 @@ impl Solid {
     /// # Errors
     /// As [`Contact`] says; a name that is taken.
     pub fn contact(self, contact: Contact) -> Result<Self, FemError> {
-        let contribution = contact.on(self.body())?;
+        let contribution = self.whole_mesh("a contact").and_then(|_| contact.on(self.body()))?;
         self.contribution(contribution)
     }
 
@@ -380,7 +363,7 @@ impl Solid {
     /// # Errors
     /// As [`SurfaceContact`] says; a name that is taken.
     pub fn surface_contact(self, contact: SurfaceContact) -> Result<Self, FemError> {
-        let contribution = contact.on(self.body())?;
+        let contribution = self.whole_mesh("a contact").and_then(|_| contact.on(self.body()))?;
         self.contribution(contribution)
     }
 
@@ -389,7 +372,7 @@ impl Solid {
     /// # Errors
     /// A region's name is unknown, a density is not positive, cells without density, a body that has an inertia already.
     pub fn inertia(mut self, inertia: Inertia) -> Result<Self, FemError> {
-        self.before_damping("mass")?;
+        self.whole_mesh("inertia").and_then(|_| self.before_damping("mass"))?;
         let contribution: BodyInertia = inertia.on(self.model())?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)
@@ -403,7 +386,8 @@ impl Solid {
     /// # Errors
     /// A coefficient that is negative or not finite; cells without material, or no mass for a0, yet.
     pub fn rayleigh_damping(mut self, a0: f64, a1: f64) -> Result<Self, FemError> {
-        let contribution = RayleighDamping::new(&self.model, a0, a1)?;
+        let contribution =
+            self.whole_mesh("Rayleigh damping").and_then(|_| RayleighDamping::new(&self.model, a0, a1))?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)
     }

@@ -54,6 +54,7 @@ mod moving_supports_adjoint;
 mod nearly_incompressible;
 mod nearly_incompressible_iterations;
 mod not_coupled;
+mod over_ranks;
 mod patch;
 mod patches;
 mod path;

@@ -85,7 +85,7 @@ pub use pattern::Pattern;
 pub use refinement::refine;
 pub use rotations::{CorotatedPreconditioner, Rotations};
 pub use solver::{LinearError, LinearSolver, LinearWork, Solver, SolverFactory};
-pub use space::{Field, On, Role, Space};
+pub use space::{Field, On, Role, Share, Space};
 pub use structure::Structure;
 pub use symbolic::Symbolic;
 pub use ties::Ties;

@@ -35,6 +35,16 @@ pub enum MeshError {
         /// What is wrong with the request, and what to try.
         why: String,
     },
+    /// A mesh cannot be divided so.
+    #[error("part {part} of {mesh}: {why}")]
+    Part {
+        /// Name of the mesh.
+        mesh: String,
+        /// Number of the part.
+        part: u32,
+        /// What is wrong, and what to try.
+        why: String,
+    },
     /// A point of space that no cell holds.
     #[error("{} is outside the body, which spans {} to {}{}", show(.point), show(.low), show(.high), near(.nearest))]
     OutsideBody {

@@ -13,6 +13,7 @@
 //! # Ok::<(), nastic_mesh::MeshError>(())
 //! ```
 
+mod bisect;
 mod build;
 mod coincident;
 mod columns;
@@ -26,6 +27,7 @@ mod measure;
 mod mesh;
 mod moved;
 mod names;
+mod part;
 mod pieces;
 mod polyline;
 pub mod quadrature;
@@ -43,6 +45,7 @@ pub use group_names::GroupNames;
 pub use locate::Located;
 pub use measure::Measures;
 pub use mesh::{Cell, CellBlock, Facet, Mesh};
+pub use part::Part;
 pub use polyline::Polyline;
 pub use quadrature::Rule;
 pub use quality::{CellQuality, Quality};

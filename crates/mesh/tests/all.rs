@@ -7,6 +7,7 @@ mod elements;
 mod generate;
 mod locate;
 mod obstacle;
+mod parts;
 mod polyhedron;
 mod quadrature;
 mod quality;

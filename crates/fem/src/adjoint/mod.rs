@@ -64,6 +64,7 @@ impl Model {
         }
         self.check_state(state)?;
         self.check_solver(how.solver)?;
+        self.check_spans_ranks(how.solver)?;
         let rhs: Vec<Vec<f64>> = rhs.iter().map(clear).collect();
         let columns: Vec<&[f64]> = rhs.iter().map(Vec::as_slice).collect();
         let mut report = SolveReport::default();
@@ -76,8 +77,8 @@ impl Model {
             return Ok(Adjoint { lambda: vec![lambda], report });
         }
         let at = self.instant(state, None, how.parallel);
-        let lambda = self.solve_transposed_at(&at, &columns, state, &mut systems, &mut report)?;
-        Ok(Adjoint { lambda, report })
+        let lambda = self.solve_transposed_at(&at, &columns, state, &mut systems, &mut report);
+        self.unless_parted(lambda).map(|lambda| Adjoint { lambda, report })
     }
 
     /// `K(u*) x = b` with the factor at hand and K(u*) as a product, where that is cheaper than K(u*) as a matrix; `None`
@@ -143,6 +144,7 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<usize, StateError> {
         self.check_solver(how.solver)?;
+        self.check_spans_ranks(how.solver)?;
         if self.unknowns().multipliers() > 0 {
             let system = self.saddle_point(state, how.parallel)?;
             let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));

@@ -53,6 +53,7 @@ impl<'a> SecondOrder<'a> {
         how: &'a SolveOptions<'a>,
         workspace: &'a mut Workspace,
     ) -> Result<Self, StateError> {
+        model.refuse_ranks("second derivatives")?;
         model.check_state(state)?;
         model.check_solver(how.solver)?;
         if !state.history.is_empty() {

@@ -119,6 +119,10 @@ impl Contribution for Springs {
         true
     }
 
+    fn spans_ranks(&self) -> bool {
+        true
+    }
+
     fn resists(&self) -> &[Vec<(u32, f64)>] {
         &self.holds
     }

@@ -121,6 +121,11 @@ pub trait Contribution: Debug + Send + Sync {
         true
     }
 
+    /// Whether it is the sum of what its parts on several ranks give, each by its own cells and facets, with no control of its own: [`Solid::of_part`](crate::Solid::of_part).
+    fn spans_ranks(&self) -> bool {
+        false
+    }
+
     /// Why an equilibrium with it depends on the way there, if it does: such a contribution acts in steps in time alone.
     fn path_dependence(&self) -> Option<&'static str> {
         None

@@ -13,6 +13,7 @@ use crate::discretization::hexahedra::Hexahedra;
 use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
 use crate::discretization::shared::Shared;
 use crate::error::FemError;
+use crate::parted::Parted;
 use crate::structure::{KeptStructures, StructureCounts, TangentStructure};
 use nastic_linear::{Corners, Space};
 use nastic_mesh::Mesh;
@@ -34,6 +35,7 @@ pub struct Discretization {
     of_cells: Arc<TangentStructure>,
     structures: Arc<KeptStructures>,
     shared: Shared,
+    parted: Option<Parted>,
 }
 
 impl Discretization {
@@ -43,12 +45,17 @@ impl Discretization {
     /// [`FemError::InvertedReference`] where the reference configuration is inverted, [`FemError::Structure`] for a mesh
     /// whose tangent has more blocks than 32 bits can name.
     pub fn new(mesh: Arc<Mesh>) -> Result<Arc<Self>, FemError> {
+        Self::of_part(mesh, None)
+    }
+
+    /// The same of a mesh that is part of another one.
+    pub(crate) fn of_part(mesh: Arc<Mesh>, parted: Option<Parted>) -> Result<Arc<Self>, FemError> {
         let points = Arc::new(QuadraturePoints::of_cells(&mesh, 0..mesh.cells() as u32, |kind| kind.rule().clone())?);
         let structures = Arc::<KeptStructures>::default();
         let of_cells = TangentStructure::new(mesh.clone(), points.clone(), Vec::new(), structures.clone())?;
         let (corners, hexahedra, patches) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
         let shared = Shared::default();
-        Ok(Arc::new(Discretization { mesh, points, corners, hexahedra, patches, of_cells, structures, shared }))
+        Ok(Arc::new(Discretization { mesh, points, corners, hexahedra, patches, of_cells, structures, shared, parted }))
     }
 
     /// The structure of tangents in which nodes are coupled by cells alone.
@@ -65,6 +72,16 @@ impl Discretization {
     /// few of their vectors.
     pub fn share<T: PartialEq + Send + Sync + 'static>(&self, value: Arc<T>) -> Arc<T> {
         self.shared.share(value)
+    }
+
+    /// The part that it is of, where several ranks have the body.
+    pub(crate) fn parted(&self) -> Option<&Parted> {
+        self.parted.as_ref()
+    }
+
+    /// Diagonal of the bounding box of the body, also where the mesh is part of it.
+    pub(crate) fn diagonal(&self) -> f64 {
+        self.parted.as_ref().map_or_else(|| self.mesh.diagonal(), |parted| parted.part.diagonal())
     }
 
     /// The mesh.

@@ -1,6 +1,7 @@
 //! [`Supports`]: prescribed unknowns, and whether they hold the body still.
 
 use crate::contributions::Tied;
+use crate::discretization::Discretization;
 use crate::error::FemError;
 use nalgebra::DMatrix;
 use nastic_linear::Ties;
@@ -298,8 +299,9 @@ impl Supports {
     /// Whether the supports exclude every rigid motion of every connected part of the body (small rotations about the
     /// part's centre; rank of the motions restricted to the prescribed components and to what springs resist to). Parts that springs or
     /// contacts hold to each other are looked at together: two that hold each other alone are free.
-    pub(crate) fn check(&self, mesh: &Mesh, springs: &[&Vec<(u32, f64)>]) -> Result<(), FemError> {
-        let parts = connected_parts(mesh);
+    pub(crate) fn check(&self, disc: &Discretization, springs: &[&Vec<(u32, f64)>]) -> Result<(), FemError> {
+        let mesh = disc.mesh();
+        let (parts, extents) = connected_parts(disc);
         let mut part_of = vec![0; mesh.points().len()];
         for (p, nodes) in parts.iter().enumerate() {
             nodes.iter().for_each(|&node| part_of[node as usize] = p);
@@ -315,11 +317,14 @@ impl Supports {
         for together in groups.values() {
             let own = springs.iter().zip(&between).filter(|(_, row)| row.first().is_some_and(|q| together.contains(q)));
             let own: Vec<&Vec<(u32, f64)>> = own.map(|(terms, _)| *terms).collect();
-            let nodes: Vec<&[u32]> = together.iter().map(|&q| parts[q].as_slice()).collect();
-            if let Some((count, example, which)) = self.free_motions(mesh, &nodes, &own) {
+            let nodes: Vec<(&[u32], Extent)> = together.iter().map(|&q| (parts[q].as_slice(), extents[q])).collect();
+            if let Some((count, example, which)) = self.free_motions(disc, &nodes, &own) {
                 let what = match parts.len() {
                     1 => "the body".to_owned(),
-                    n => format!("connected part {} of {n} (it has node {})", together[which] + 1, nodes[which][0]),
+                    n => match nodes[which].0.first() {
+                        Some(node) => format!("connected part {} of {n} (it has node {node})", together[which] + 1),
+                        None => format!("connected part {} of {n}", together[which] + 1),
+                    },
                 };
                 return Err(FemError::RigidMotion { free: count, what, example });
             }
@@ -330,18 +335,18 @@ impl Supports {
     /// How many rigid motions of parts, of which these are the nodes, stay free; one of them in words, and whose it is.
     fn free_motions(
         &self,
-        mesh: &Mesh,
-        parts: &[&[u32]],
+        disc: &Discretization,
+        parts: &[(&[u32], Extent)],
         springs: &[&Vec<(u32, f64)>],
     ) -> Option<(usize, String, usize)> {
-        let extents: Vec<([f64; 3], f64)> = parts.iter().map(|nodes| extent(mesh, nodes)).collect();
+        let mesh = disc.mesh();
         let each = if self.dim == 2 { 3 } else { 6 };
         let modes = each * parts.len();
         let mut gram = DMatrix::<f64>::zeros(modes, modes);
         let component = |dof: usize| {
             let (x, node) = (mesh.points()[dof / self.dim], (dof / self.dim) as u32);
-            let p = parts.iter().position(|nodes| nodes.binary_search(&node).is_ok())?;
-            let (centre, radius) = extents[p];
+            let p = parts.iter().position(|(nodes, _)| nodes.binary_search(&node).is_ok())?;
+            let (centre, radius) = parts[p].1;
             let r: Vec<f64> = (0..3).map(|k| (x[k] - centre[k]) / radius).collect();
             Some((each * p, motion_component(self.dim, dof % self.dim, &r)))
         };
@@ -359,11 +364,15 @@ impl Supports {
             }
             row.into_iter().enumerate().filter(|(_, value)| *value != 0.0).collect::<Vec<_>>()
         };
-        for &node in parts.iter().copied().flatten() {
+        for &node in parts.iter().flat_map(|(nodes, _)| *nodes) {
             let held = (0..self.dim).filter(|c| self.fixed[node as usize * self.block + c]);
             held.for_each(|c| add(&row_of(&[((node as usize * self.dim + c) as u32, 1.0)])));
         }
         springs.iter().for_each(|terms| add(&row_of(terms)));
+        if let Some(parted) = disc.parted() {
+            // what several ranks hold counts several times, which changes no rank
+            parted.share.sum(gram.as_mut_slice());
+        }
         let eigen = gram.symmetric_eigen();
         let largest = eigen.eigenvalues.max();
         let free: Vec<usize> = (0..modes).filter(|&k| eigen.eigenvalues[k] <= 1e-9 * largest.max(1e-300)).collect();
@@ -418,7 +427,16 @@ fn motion_component(dim: usize, c: usize, r: &[f64]) -> Vec<f64> {
     row
 }
 
-fn extent(mesh: &Mesh, nodes: &[u32]) -> ([f64; 3], f64) {
+/// Centre of a bounding box, and half of its diagonal.
+type Extent = ([f64; 3], f64);
+
+fn extent((low, high): ([f64; 3], [f64; 3])) -> Extent {
+    let centre = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
+    let radius = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt() / 2.0;
+    (centre, radius.max(f64::MIN_POSITIVE))
+}
+
+fn bounds(mesh: &Mesh, nodes: &[u32]) -> ([f64; 3], [f64; 3]) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for &node in nodes {
         for (k, x) in mesh.points()[node as usize].iter().enumerate() {
@@ -426,13 +444,20 @@ fn extent(mesh: &Mesh, nodes: &[u32]) -> ([f64; 3], f64) {
             high[k] = high[k].max(*x);
         }
     }
-    let centre = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
-    let radius = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt() / 2.0;
-    (centre, radius.max(f64::MIN_POSITIVE))
+    (low, high)
 }
 
-/// Node sets of the parts of the mesh that hang together.
-fn connected_parts(mesh: &Mesh) -> Vec<Vec<u32>> {
+/// Node sets of the parts of the body that hang together, and the extent of each; on one of several ranks the nodes that it has of each.
+fn connected_parts(disc: &Discretization) -> (Vec<Vec<u32>>, Vec<Extent>) {
+    let mesh = disc.mesh();
+    if let Some(parted) = disc.parted() {
+        let mut nodes = vec![BTreeSet::new(); parted.part.piece_bounds().len()];
+        for (cell, &piece) in parted.part.pieces().iter().enumerate() {
+            nodes[piece as usize].extend(mesh.cell(cell).nodes);
+        }
+        let nodes = nodes.into_iter().map(|nodes| nodes.into_iter().collect()).collect();
+        return (nodes, parted.part.piece_bounds().iter().map(|bounds| extent(*bounds)).collect());
+    }
     let n = mesh.points().len();
     let mut sets = DisjointSets::new(n);
     for block in mesh.blocks() {
@@ -440,9 +465,11 @@ fn connected_parts(mesh: &Mesh) -> Vec<Vec<u32>> {
             cell[1..].iter().for_each(|&node| sets.union(cell[0], node));
         }
     }
-    let mut parts: std::collections::BTreeMap<u32, Vec<u32>> = std::collections::BTreeMap::new();
+    let mut parts: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for node in 0..n as u32 {
         parts.entry(sets.find(node)).or_default().push(node);
     }
-    parts.into_values().collect()
+    let parts: Vec<Vec<u32>> = parts.into_values().collect();
+    let extents = parts.iter().map(|nodes| extent(bounds(mesh, nodes))).collect();
+    (parts, extents)
 }

@@ -40,6 +40,9 @@ pub enum Inadmissible {
         /// How far they are apart.
         distance: f64,
     },
+    /// The part of the body that another rank has is not admissible.
+    #[error("the part of the body that another rank has is not admissible")]
+    Elsewhere,
     /// Not of the displacement, and no reason to shorten a step: a contribution adds entries to a tangent for nodes that it does not
     /// couple. Solves and adjoints end with [`FemError::NotCoupled`].
     #[error("contribution \"{contribution}\": {lacking}")]
@@ -84,7 +87,10 @@ impl Inadmissible {
     pub fn cell(&self) -> Option<&InvertedAt> {
         match self {
             Inadmissible::Inverted(at) | Inadmissible::OutsideDomain { at, .. } => Some(at),
-            Inadmissible::Penetrates { .. } | Inadmissible::EdgesMeet { .. } | Inadmissible::NotCoupled { .. } => None,
+            Inadmissible::Penetrates { .. }
+            | Inadmissible::EdgesMeet { .. }
+            | Inadmissible::Elsewhere
+            | Inadmissible::NotCoupled { .. } => None,
         }
     }
 
@@ -97,7 +103,7 @@ impl Inadmissible {
         }
     }
 
-    /// A stable name: `inverted`, `outside_domain`, `penetrates`, `edges_meet`, `not_coupled`.
+    /// A stable name: `inverted`, `outside_domain`, `penetrates`, `edges_meet`, `elsewhere`, `not_coupled`.
     #[must_use]
     pub fn code(&self) -> &'static str {
         match self {
@@ -105,6 +111,7 @@ impl Inadmissible {
             Inadmissible::OutsideDomain { .. } => "outside_domain",
             Inadmissible::Penetrates { .. } => "penetrates",
             Inadmissible::EdgesMeet { .. } => "edges_meet",
+            Inadmissible::Elsewhere => "elsewhere",
             Inadmissible::NotCoupled { .. } => "not_coupled",
         }
     }

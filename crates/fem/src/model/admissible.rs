@@ -34,7 +34,7 @@ impl Model {
             });
             share = share.min(own?);
         }
-        Ok(share)
+        Ok(self.unknowns().least(share))
     }
 
     /// Refuses to begin at a state outside of the admissible set.
@@ -44,6 +44,6 @@ impl Model {
         let found =
             if rests { self.admissible_move_of_others(&at, &state.u) } else { self.admissible_move(&at, &state.u) };
         let begins = || self.each_other(&at, |contribution, at| contribution.check_start(at));
-        found.and_then(|_| begins()).map_err(|at| StateError::Start { at })
+        self.agreed(found.and_then(|_| begins())).map_err(|at| StateError::Start { at })
     }
 }

@@ -50,6 +50,7 @@ impl Model {
             Feature::Motion(scheme) | Feature::MotionAdjoint(scheme) => scheme.name(),
         };
         if feature != Feature::Equilibrium {
+            self.refuse_ranks(what)?;
             self.refuse_further_fields(what)?;
         }
         if !matches!(feature, Feature::Motion(_) | Feature::MotionAdjoint(_))

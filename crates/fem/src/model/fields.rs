@@ -3,10 +3,10 @@
 use super::Model;
 use super::restricted::{RestrictedPoint, Selection};
 use crate::contributions::{Contribution, ContributionPoint, Instant, Need};
+use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, Inadmissible};
 use nastic_linear::{Field, On, Role, Solver, SolverFactory, Space, SparseMatrix, Structure, Symmetry};
-use nastic_mesh::Mesh;
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -14,8 +14,9 @@ use std::sync::Arc;
 pub const DISPLACEMENT: &str = "displacement";
 
 /// That of the displacement alone.
-pub(super) fn displacement_alone(mesh: &Mesh) -> Space {
-    Space::new(mesh.points().len(), mesh.cells()).with(Field::nodal(DISPLACEMENT, mesh.dim()))
+pub(super) fn displacement_alone(disc: &Discretization) -> Space {
+    let (mesh, share) = (disc.mesh(), disc.parted().map(|parted| parted.share.clone()));
+    Space::new(mesh.points().len(), mesh.cells()).with(Field::nodal(DISPLACEMENT, mesh.dim())).shared(share)
 }
 
 impl Model {

@@ -49,7 +49,9 @@ impl ModelPoint<'_> {
     /// [`Inadmissible`] where u is.
     pub fn evaluate(&self, at: &Instant, demand: Demand) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(if demand.force { self.model.unknowns().len() } else { 0 });
-        self.each(at, |_, point, at| point.add_residual(at, demand, &mut sums))?;
+        let found = self.each(at, |_, point, at| point.add_residual(at, demand, &mut sums));
+        self.model.agreed(found)?;
+        self.model.sum_over_ranks(&mut sums);
         Ok(sums)
     }
 
@@ -83,7 +85,10 @@ impl ModelPoint<'_> {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        self.each(at, |contribution, point, at| point.add_tangent(at, tangent).map_err(|e| e.of(contribution.name())))
+        let add = |contribution: &dyn Contribution, point: &dyn ContributionPoint, at: &Instant| {
+            point.add_tangent(at, tangent).map_err(|e| e.of(contribution.name()))
+        };
+        self.model.agreed(self.each(at, add))
     }
 
     /// The tangent with the border of the constraints, supports not eliminated.
@@ -115,21 +120,23 @@ impl ModelPoint<'_> {
     /// [`Inadmissible`] where the move begins outside of the admissible set.
     pub fn admissible_move(&self, from: &Instant, to: &[f64]) -> Result<f64, Inadmissible> {
         let (du, mut least) = (sub(to, from.u), 1.0_f64);
-        self.each(from, |_, point, at| {
+        let found = self.each(from, |_, point, at| {
             least = least.min(point.max_step(at, &du)?);
             Ok::<(), Inadmissible>(())
-        })?;
-        Ok(least)
+        });
+        self.model.agreed(found)?;
+        Ok(self.model.unknowns().least(least))
     }
 
     /// The same of the contributions beside the body.
     pub(crate) fn admissible_move_of_others(&self, from: &Instant, to: &[f64]) -> Result<f64, Inadmissible> {
         let (du, mut least) = (sub(to, from.u), 1.0_f64);
-        self.each_other(from, |_, point, at| {
+        let found = self.each_other(from, |_, point, at| {
             least = least.min(point.max_step(at, &du)?);
             Ok::<(), Inadmissible>(())
-        })?;
-        Ok(least)
+        });
+        self.model.agreed(found)?;
+        Ok(self.model.unknowns().least(least))
     }
 
     /// `lambda . dr/dp` by controls, velocity and acceleration.
@@ -138,7 +145,8 @@ impl ModelPoint<'_> {
     /// [`Inadmissible`] where u is.
     pub fn vjp(&self, at: &Instant, lambda: &[f64]) -> Result<Sensitivities, Inadmissible> {
         let mut sums = Sensitivities::zero(self.model.controls(), at);
-        self.each(at, |_, point, at| point.vjp(at, lambda, &mut sums))?;
+        let found = self.each(at, |_, point, at| point.vjp(at, lambda, &mut sums));
+        self.model.agreed(found)?;
         Ok(sums)
     }
 

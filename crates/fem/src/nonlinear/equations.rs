@@ -198,7 +198,7 @@ impl<'a> Equations<'a> {
         let prescribed = self.prescribed((controls, load), time_step, share);
         let wanted = self.model.supports.fixed().iter().zip(&prescribed).zip(x);
         let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { v - u } else { 0.0 }).collect();
-        jump.iter().any(|&d| d != 0.0).then_some(jump)
+        self.model.unknowns().any(jump.iter().any(|&d| d != 0.0)).then_some(jump)
     }
 
     /// Where the prescribed components are wanted: those of an extrapolated end are on the way from the state before to that end.
@@ -244,12 +244,12 @@ impl<'a> Equations<'a> {
         let mut stretched = vec![0.0; x.len()];
         matrix.multiply_on(&x, &mut stretched, self.options.parallel);
         let terms: f64 = x.iter().zip(&stretched).map(|(x, f)| x * f).sum();
-        now.energy_scale + terms.abs()
+        now.energy_scale + self.model.unknowns().total(terms).abs()
     }
 
     /// The size of the body.
     pub fn diagonal(&self) -> f64 {
-        self.model.discretization().mesh().diagonal()
+        self.model.discretization().diagonal()
     }
 }
 

@@ -149,7 +149,7 @@ impl<'a> Iteration<'a> {
         let (mut last, mut tiny, mut forces) = (Curvature::Positive, None, 0.0_f64);
         let shifted = report.shifted;
         for iteration in 0..=limits.most {
-            if equations.options.cancelled() {
+            if equations.model.unknowns().any(equations.options.cancelled()) {
                 return Err(Stop::Cancelled);
             }
             let (residual, relative) = equations.residual(&now.sums);

@@ -139,7 +139,7 @@ impl<'a> LineSearch<'a> {
             let merit = Augmented::new(self.equations, here, dx, step.scale)?;
             return self.downhill(here, dx, &merit);
         }
-        let merit = Energy::new(here, dx, step.scale);
+        let merit = Energy::new(self.equations, here, dx, step.scale);
         self.downhill(here, dx, &merit)
     }
 
@@ -159,7 +159,7 @@ impl<'a> LineSearch<'a> {
         let (u, du, parallel) = (&*model.displacement(here.x), &*model.displacement(dx), options.parallel);
         let at = here.point.displaced(u);
         let straight = |s: f64| moved(here.x, dx, s);
-        let reach = StepLimits::of(model.discretization(), at, du, parallel);
+        let reach = StepLimits::of_model(model, at, du, parallel);
         let others = self.equations.chord(here.point, here.x, &straight(1.0))?;
         if let Some(longest) = reach.curved.filter(|_| model.unknowns().has_one_nodal_field()) {
             if self.fit.is_none() {

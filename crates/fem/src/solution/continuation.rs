@@ -44,7 +44,7 @@ impl Way {
     /// Steps in time are short: theirs do not creep, but for those under constraints without a potential, where the residual alone is searched.
     fn new(model: &Model, in_time: bool) -> Self {
         let constrained = !(in_time && model.has_potential()) && model.unknowns().multipliers() > 0;
-        Way { constrained, ratio: if in_time { 0.0 } else { model.body.bulk_over_shear() }, helped: false }
+        Way { constrained, ratio: if in_time { 0.0 } else { model.bulk_over_shear() }, helped: false }
     }
 
     /// Whether a step on displacements creeps: whatever turns or shears the body changes its volume, or leaves the constraints.
@@ -99,7 +99,7 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         let found = self.search(controls, how, (time_step, shorter), workspace);
-        found.inspect_err(|_| workspace.forget())
+        self.unless_parted(found).inspect_err(|_| workspace.forget())
     }
 
     fn search(
@@ -110,6 +110,7 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.check_solver(how.solver)?;
+        self.check_spans_ranks(how.solver)?;
         self.check_controls(controls)?;
         self.check_constraints(controls)?;
         let rest = self.rest_under(controls);
@@ -244,7 +245,10 @@ impl Model {
     /// Whether its equations can be solved with strains of their own at the quadrature points.
     pub(super) fn suits_point_strains(&self) -> bool {
         let searched = self.has_potential() || self.unknowns().multipliers() > 0;
-        searched && self.unknowns().has_one_nodal_field() && !self.inequalities().contains(&true)
+        searched
+            && !self.is_over_ranks()
+            && self.unknowns().has_one_nodal_field()
+            && !self.inequalities().contains(&true)
     }
 
     /// Whether its equations are searched on the residual and under constraints, and can be solved with strains of their own: that search creeps.
@@ -345,7 +349,7 @@ impl Model {
         let mut here = from.clone();
         let (mut steps, mut follow, mut failed) = (LoadSteps::default(), None::<Vec<f64>>, false);
         let mut way = Way::new(self, time_step.is_some());
-        let unbounded = self.body.excess_tension(to).is_some();
+        let unbounded = self.unknowns().any(self.body.excess_tension(to).is_some());
         // in time, steps are short
         let obstacles_move = time_step.is_none() && {
             let instant = self.instant(from, None, how.parallel);
@@ -400,7 +404,7 @@ impl Model {
                         let suspect = newton.at(&u, |at| self.suspect(at));
                         let error = self.give_up(stop, path, (&steps, suspect), (to, None), report, here);
                         // a trial from a state nearby is looked into by who makes it
-                        let alone = time_step.is_none() && how.near.is_none();
+                        let alone = time_step.is_none() && how.near.is_none() && !self.is_over_ranks();
                         return Err(if alone { self.explained(error, to, how) } else { error });
                     }
                     report.cuts += 1;

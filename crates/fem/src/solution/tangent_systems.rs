@@ -178,7 +178,7 @@ impl<'a> TangentSystems<'a> {
         report.add_linear(self.solver, &work);
         let mut x = solved?.ok_or(LinearError::Indefinite)?;
         let mut rest = vec![0.0; b.len()];
-        matrix.multiply_on(&x, &mut rest, self.parallel);
+        configuration.system(matrix).multiply(&x, &mut rest);
         rest.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
         // of multigrid, which shows at a coarser residual that a matrix is definite
         if self.model.unknowns().norm(&rest) > DEFINITE * self.model.unknowns().norm(b) {

@@ -11,6 +11,7 @@ pub mod indentation;
 pub mod motion;
 pub mod own_contributions;
 pub mod poisson;
+pub mod ranks;
 pub mod rubber;
 pub mod sheared;
 pub mod shells;

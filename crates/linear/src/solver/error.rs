@@ -125,6 +125,14 @@ pub enum LinearError {
         /// How many are wanted.
         wanted: usize,
     },
+    /// What a solver of another crate or program says.
+    #[error("the solver \"{solver}\" failed: {what}")]
+    External {
+        /// Its name.
+        solver: &'static str,
+        /// Why.
+        what: String,
+    },
     /// A factor is needed and would be too large.
     #[error("a factor of the tangent is needed and takes {gib:.0} GiB; try a coarser mesh")]
     FactorTooLarge {

@@ -19,6 +19,12 @@ pub trait SolverFactory: fmt::Debug + Send + Sync {
     /// The most general matrices that its solvers take.
     fn takes(&self) -> Symmetry;
 
+    /// Whether its solvers take systems of a body that several ranks have, whose matrix is the sum of theirs: right-hand sides and solutions are
+    /// [whole](crate::Share), every rank has its own cells' share of the matrix.
+    fn spans_ranks(&self) -> bool {
+        false
+    }
+
     /// A solver for matrices of a structure.
     fn make(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver>;
 }

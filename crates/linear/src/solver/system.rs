@@ -49,14 +49,16 @@ impl System<'_> {
         self.configuration.space()
     }
 
-    /// `out = A v`.
+    /// `out = A v`; of several ranks with the sum of their matrices.
     pub fn multiply(&self, v: &[f64], out: &mut [f64]) {
         self.matrix.multiply_on(v, out, self.parallel);
+        self.space().add_up(out);
     }
 
-    /// `out = A^T v`.
+    /// `out = A^T v`; of several ranks with the sum of their matrices.
     pub fn multiply_transposed(&self, v: &[f64], out: &mut [f64]) {
         self.matrix.multiply_transposed(v, out, self.parallel);
+        self.space().add_up(out);
     }
 
     /// Whether the solution of an iteration is as good as wanted, or as double precision has one where that is not far from it:

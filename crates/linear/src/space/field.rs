@@ -1,7 +1,5 @@
 //! [`Field`]: unknowns of one kind.
 
-use std::ops::Range;
-
 /// What a field has values on. In vectors, fields on nodes come first, interleaved node by node, then those on cells, then numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum On {
@@ -33,24 +31,24 @@ pub struct Field {
     pub on: On,
     /// Its part in an equilibrium.
     pub role: Role,
-    /// The places whose unknowns count in sums here; all of them where one process holds the whole vector. Set by the [`Space`](super::Space).
-    pub owned: Range<usize>,
+    /// How many places there are. Set by the [`Space`](super::Space).
+    pub places: usize,
 }
 
 impl Field {
     /// A primary field on nodes.
     pub fn nodal(name: &str, components: usize) -> Self {
-        Field { name: name.to_owned(), components, on: On::Nodes, role: Role::Primary, owned: 0..0 }
+        Field { name: name.to_owned(), components, on: On::Nodes, role: Role::Primary, places: 0 }
     }
 
     /// So many multipliers of the whole.
     pub fn multipliers(name: &str, count: usize) -> Self {
-        Field { name: name.to_owned(), components: count, on: On::Whole, role: Role::Multiplier, owned: 0..0 }
+        Field { name: name.to_owned(), components: count, on: On::Whole, role: Role::Multiplier, places: 0 }
     }
 
     /// Number of its unknowns.
     pub fn len(&self) -> usize {
-        self.components * self.owned.len()
+        self.components * self.places
     }
 
     /// Whether there are none.
@@ -58,7 +56,7 @@ impl Field {
         self.len() == 0
     }
 
-    /// Whether another one describes the same unknowns, the owned ones aside.
+    /// Whether another one describes the same unknowns, wherever their places are.
     pub fn agrees(&self, other: &Field) -> bool {
         (&self.name, self.components, self.on, self.role) == (&other.name, other.components, other.on, other.role)
     }

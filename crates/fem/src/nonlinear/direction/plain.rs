@@ -66,6 +66,7 @@ impl Equations<'_> {
         if let Some(jump) = jump {
             let mut pulled = vec![0.0; jump.len()];
             matrix.multiply(jump, &mut pulled);
+            self.model.unknowns().add_up(&mut pulled);
             rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
             self.model.supports.restrict(&mut rhs);
         }

@@ -19,14 +19,14 @@ pub(in crate::nonlinear) struct Energy {
 
 impl Energy {
     /// Along a step; `scale` is what the rounding of the potential is measured against.
-    pub fn new(here: &Iterate, dx: &[f64], scale: f64) -> Self {
-        let slope = here.residual.iter().zip(dx).map(|(r, s)| r * s).sum();
+    pub fn new(equations: &Equations, here: &Iterate, dx: &[f64], scale: f64) -> Self {
+        let slope = equations.model.unknowns().dot_in_order(here.residual, dx);
         Energy { line: Line { start: here.now.energy, slope, noise: ROUNDING * scale }, lagged: None }
     }
 
     /// With the work of the contributions that have no potential.
     pub fn lagged(equations: &Equations, here: &Iterate, step: &Step) -> Result<Self, Inadmissible> {
-        let mut energy = Energy::new(here, &step.dx, step.scale);
+        let mut energy = Energy::new(equations, here, &step.dx, step.scale);
         let others = equations.without_potential(here.point, here.x)?;
         let work = equations.model.unknowns().dot(&others.force, here.x);
         energy.line.start += work - others.energy;

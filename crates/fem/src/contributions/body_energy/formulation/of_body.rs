@@ -7,6 +7,7 @@ use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::{Patch, Patches};
+use crate::parted::not_over_ranks;
 use nastic_tensor::Kinematics;
 use std::collections::BTreeMap;
 
@@ -18,6 +19,10 @@ impl BodyEnergy {
             let kind = mesh.cell(cell as usize).kind;
             if !formulation.kinds().contains(&kind) {
                 return Err(FemError::Formulation { cell: cell as usize, kind, formulation });
+            }
+            if self.disc.parted().is_some() && formulation.takes_patches(kind) {
+                let why = "its patches would end where parts do: take a formulation by cell, or one rank";
+                return Err(not_over_ranks(&format!("the formulation {formulation} of {} cells", kind.name()), why));
             }
             let earlier = self.compositions[self.of_cell[cell as usize] as usize].formulation;
             if let Some(earlier) = earlier.filter(|earlier| *earlier != formulation) {

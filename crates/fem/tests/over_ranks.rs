@@ -1,0 +1,230 @@
+//! One body over ranks, which are threads here: the equilibria and gradients of one rank.
+
+use crate::common;
+
+use common::Outcome;
+use common::ranks::{Simple, total};
+use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
+use nastic_fem::{
+    Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, Solid, SolveOptions, Spring, State,
+    StateError,
+};
+use nastic_mesh::spatial::Obstacle;
+use nastic_mesh::{CellKind, Mesh, box_mesh};
+use nastic_team::Team;
+use nastic_team::threads::{self, Faults, ThreadRank};
+use nastic_tensor::Vec3;
+use std::sync::Arc;
+
+type Sent<T> = Result<T, String>;
+
+fn on<T: Send>(ranks: usize, faults: &Faults, work: impl Fn(Arc<ThreadRank>) -> Outcome<T> + Sync) -> Vec<Sent<T>> {
+    threads::run(ranks, faults, |rank| work(Arc::new(rank)).map_err(|error| error.to_string()))
+}
+
+fn part(mesh: &Mesh, rank: &Arc<ThreadRank>) -> Outcome<Solid> {
+    let part = mesh.part(&mesh.bisected(rank.size())?, rank.rank() as u32)?;
+    Ok(Solid::of_part(part, rank.clone())?)
+}
+
+fn how() -> SolveOptions<'static> {
+    SolveOptions { solver: Some(&Simple), parallel: false, ..SolveOptions::default() }
+}
+
+/// The fibre cantilever of reference.rs.
+fn cantilever(solid: Solid) -> Outcome<Solid> {
+    Ok(solid
+        .material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?
+        .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
+        .clamp("x-")?)
+}
+
+fn tension(solid: &Solid, factor: f64) -> Outcome<Controls> {
+    let mut controls = solid.controls();
+    let at = solid.discretization().points().positions(solid.mesh(), None);
+    let tension: Vec<f64> = at.iter().map(|x| -1.5e5 * factor * x[2] / 0.2).collect();
+    controls.set(0, 0, &tension)?;
+    Ok(controls)
+}
+
+/// The displacement of a node of the whole, where this rank owns it; else zero.
+fn displacement(solid: &Solid, state: &State, at: [f64; 3]) -> [f64; 3] {
+    let share = solid.model().unknowns().share();
+    let owned = share.map_or(usize::MAX, |share| share.owned());
+    let node = common::node_at(solid.mesh(), at).filter(|node| *node < owned);
+    let own = node.map_or([0.0; 3], |node| [0, 1, 2].map(|k| state.u[3 * node + k]));
+    own.map(|u| total(share, u))
+}
+
+const CORNER: [f64; 3] = [1.0, 0.2, 0.2];
+
+#[test]
+fn the_fibre_cantilever_has_the_digits_of_other_codes_on_any_number_of_ranks() -> Outcome {
+    let cases = [
+        (CellKind::Hex8, [-0.186179761, 0.008186681, 0.235506464], 1340.90738505),
+        (CellKind::Hex27, [-0.221675516, 0.007753715, 0.282876107], 1332.20755217),
+    ];
+    for (kind, tip, energy) in cases {
+        let mesh = box_mesh([1.0, 0.2, 0.2], [10, 2, 2], kind)?;
+        let mut newton = Vec::new();
+        for ranks in 1..=4 {
+            let found = on(ranks, &Faults::default(), |rank| {
+                let solid = cantilever(part(&mesh, &rank)?)?;
+                let state = solid.solve(&tension(&solid, 1.0)?, &how())?;
+                Ok((displacement(&solid, &state, CORNER), state.report.energy, state.report.min_j, state.report.newton))
+            });
+            let (corner, total, ..) = found[0].clone()?;
+            assert!(found.iter().all(|other| *other == found[0]), "all ranks know the same: {found:?}");
+            assert!((0..3).all(|k| (corner[k] - tip[k]).abs() < 1e-9), "{kind:?} on {ranks}: {corner:?}");
+            assert!((total - energy).abs() < 1e-7, "{total}");
+            newton.push(found[0].clone()?.3);
+        }
+        assert!(newton.iter().all(|count| *count == newton[0]), "{newton:?}");
+    }
+    Ok(())
+}
+
+/// `j = |u_corner - (0, 0, 0.2)|^2 / 2` and its derivative by the factor of the tension.
+fn tracking(solid: &Solid, factor: f64, how: &SolveOptions) -> Outcome<(f64, f64)> {
+    let state = solid.solve(&tension(solid, factor)?, how)?;
+    let mut off = displacement(solid, &state, CORNER);
+    off[2] -= 0.2;
+    let mut rhs = vec![0.0; state.u.len()];
+    if let Some(node) = common::node_at(solid.mesh(), CORNER) {
+        (0..3).for_each(|k| rhs[3 * node + k] = -off[k]);
+    }
+    let adjoint = solid.adjoint(&state, &[&rhs], how)?;
+    let at = nastic_fem::Instant::of(&state);
+    let found = solid.model().vjp(&at, &adjoint.lambda[0])?;
+    let along = tension(solid, 1.0)?;
+    let own: f64 = found.controls.values(0).iter().zip(along.values(0)).map(|(a, b)| a * b).sum();
+    Ok((0.5 * off.iter().map(|x| x * x).sum::<f64>(), total(solid.model().unknowns().share(), own)))
+}
+
+#[test]
+fn gradients_are_those_of_one_rank_and_of_differences() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Tet10] {
+        let mesh = box_mesh([1.0, 0.2, 0.2], [6, 2, 2], kind)?;
+        let serial = cantilever(Solid::new(mesh.clone())?)?;
+        let (j, slope) = tracking(&serial, 0.7, &SolveOptions::default())?;
+        for ranks in 1..=4 {
+            let found = on(ranks, &Faults::default(), |rank| {
+                let solid = cantilever(part(&mesh, &rank)?)?;
+                let step = 1e-4;
+                let values = [0.7, 0.7 + step, 0.7 - step].map(|factor| tracking(&solid, factor, &how()));
+                let [here, ahead, behind] = values;
+                Ok((here?, (ahead?.0 - behind?.0) / (2.0 * step)))
+            });
+            for found in found {
+                let ((own, own_slope), difference) = found?;
+                assert!((own - j).abs() < 1e-9 * j.abs(), "{own} {j}");
+                assert!((own_slope - slope).abs() < 1e-8 * slope.abs(), "{own_slope} {slope}");
+                assert!((own_slope - difference).abs() < 1e-6 * slope.abs(), "{own_slope} {difference}");
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Loads on a surface across parts, a foundation, prescribed displacements; two materials in a mixed formulation by cell.
+fn loaded(solid: Solid) -> Outcome<Solid> {
+    Ok(solid
+        .material("body", NeoHooke::new(1e5, 1e7)?)?
+        .formulation("body", Formulation::MeanDilatation)?
+        .traction("z+", Vec3::new(0.0, 0.0, -2e3))?
+        .body_force("body", Vec3::new(0.0, 1e3, 0.0))?
+        .foundation(Foundation::on("z-", 5e5))?
+        .displace("x-", [Some(0.0), None, None])?
+        .displace("x+", [Some(0.02), None, None])?)
+}
+
+#[test]
+fn loads_supports_and_foundations_act_once_where_parts_meet() -> Outcome {
+    let mesh = box_mesh([1.0, 0.6, 0.4], [5, 3, 2], CellKind::Hex8)?;
+    let serial = loaded(Solid::new(mesh.clone())?)?;
+    let expected = serial.solve(&serial.controls(), &SolveOptions::default())?;
+    for ranks in 2..=5 {
+        let found = on(ranks, &Faults::default(), |rank| {
+            let own = mesh.part(&mesh.bisected(rank.size())?, rank.rank() as u32)?;
+            let nodes = own.nodes().to_vec();
+            let solid = loaded(Solid::of_part(own, rank.clone())?)?;
+            let state = solid.solve(&solid.controls(), &how())?;
+            Ok((nodes, state.u.to_vec(), state.report.energy))
+        });
+        for found in found {
+            let (nodes, u, energy) = found?;
+            assert!((energy - expected.report.energy).abs() < 1e-9 * energy.abs(), "{energy}");
+            for (u, node) in u.chunks_exact(3).zip(nodes) {
+                let whole = &expected.u[3 * node as usize..][..3];
+                assert!((0..3).all(|k| (u[k] - whole[k]).abs() < 1e-10), "{u:?} {whole:?}");
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_body_that_supports_of_no_part_hold_is_refused_by_all_ranks() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 1, 1], CellKind::Hex8)?;
+    let found = on(3, &Faults::default(), |rank| {
+        let solid = part(&mesh, &rank)?.material("body", NeoHooke::new(1e5, 1e6)?)?;
+        let solid = solid.displace("x-", [Some(0.0), None, None])?;
+        let free = match solid.solve(&solid.controls(), &how()) {
+            Err(StateError::Problem(FemError::RigidMotion { free, .. })) => free,
+            other => return Err(format!("{other:?}").into()),
+        };
+        // held by different ranks together
+        let solid = solid.displace("x+", [None, Some(0.0), Some(0.0)])?.displace("x-", [None, Some(0.0), Some(0.0)])?;
+        Ok((free, solid.solve(&solid.controls(), &how()).is_ok()))
+    });
+    assert!(found.iter().all(|found| *found == Ok((3, true))), "{found:?}");
+    Ok(())
+}
+
+#[test]
+fn what_does_not_span_ranks_is_refused_by_name() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 1, 1], CellKind::Hex8)?;
+    let tets = box_mesh([1.0, 0.2, 0.2], [3, 1, 1], CellKind::Tet4)?;
+    let found = on(2, &Faults::default(), |rank| {
+        let solid = cantilever(part(&mesh, &rank)?)?;
+        let state = solid.solve(&solid.controls(), &how())?;
+        let names = |refused: Result<Solid, FemError>, what: &str| match refused {
+            Err(FemError::Unsupported { what: found, with, .. }) => found.contains(what) && with == "a body over ranks",
+            _ => false,
+        };
+        let refused = |error: StateError, named: &str| match error {
+            StateError::Problem(FemError::Unsupported { what, .. }) => what.contains(named),
+            _ => false,
+        };
+        let patches = part(&tets, &rank)?.material("body", NeoHooke::new(1e5, 1e6)?)?;
+        let floor = Obstacle::half_space([0.0, 0.0, -1.0], [0.0, 0.0, 1.0]);
+        let alone = SolveOptions { solver: None, ..how() };
+        let refusals = [
+            names(solid.clone().cavity(Cavity::new("air", "x+")), "cavity"),
+            names(solid.clone().spring(Spring::between("wire", [0.0; 3], CORNER, 1.0)), "spring"),
+            names(solid.clone().contact(Contact::of("floor", "z-", floor)), "contact"),
+            names(solid.clone().inertia(Inertia::new("body", 1e3)), "inertia"),
+            names(patches.formulation("body", Formulation::MeanDilatation), "tet4"),
+            solid.solve(&solid.controls(), &alone).is_err_and(|error| refused(error, "direct")),
+            solid.modes(&state, 2, &how()).is_err_and(|error| refused(error, "modes")),
+        ];
+        Ok(refusals)
+    });
+    assert!(found.iter().all(|found| *found == Ok([true; 7])), "{found:?}");
+    Ok(())
+}
+
+#[test]
+fn a_lost_rank_ends_the_solves_of_the_others() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 1, 1], CellKind::Hex8)?;
+    for message in [3, 60, 400] {
+        let faults = Faults { lost: Some((1, message)), ..Faults::default() };
+        let found = on(3, &faults, |rank| {
+            let solid = cantilever(part(&mesh, &rank)?)?;
+            let solved = solid.solve(&tension(&solid, 0.5)?, &how());
+            Ok(matches!(solved, Err(StateError::Problem(FemError::Team(_)))))
+        });
+        assert!(found.iter().all(|found| *found == Ok(true)), "{message}: {found:?}");
+    }
+    Ok(())
+}

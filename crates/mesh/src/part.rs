@@ -1,0 +1,207 @@
+//! [`Part`]: some cells of a mesh as a mesh of its own.
+
+use crate::{CellBlock, Facet, Mesh, MeshError, geometry};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// One of several parts into which the cells of a mesh are divided, `Omega = union_p Omega_p`: every cell is in one part, nodes between parts are in each
+/// of these, and belong to the lowest of them.
+///
+/// Its mesh has all names of the whole, some of them of nothing; its skin is the share of the whole's skin. Nodes that belong to it come first, both
+/// these and the others in the order of the whole; cells stay in theirs. What it cannot know by its cells alone, it keeps of the whole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    mesh: Arc<Mesh>,
+    nodes: Vec<u32>,
+    cells: Vec<u32>,
+    owned: usize,
+    sharers: Vec<(usize, Vec<u32>)>,
+    surface_nodes: BTreeMap<String, Vec<u32>>,
+    bounds: ([f64; 3], [f64; 3]),
+    pieces: Vec<u32>,
+    piece_bounds: Vec<([f64; 3], [f64; 3])>,
+}
+
+impl Part {
+    /// Its cells as a mesh.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+
+    /// The number of every node in the whole.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+
+    /// The number of every cell in the whole, ascending.
+    pub fn cells(&self) -> &[u32] {
+        &self.cells
+    }
+
+    /// How many nodes belong to it: the first ones.
+    pub fn owned(&self) -> usize {
+        self.owned
+    }
+
+    /// The parts that have nodes of it, ascending, each with these in the order of the whole: both sides of a pair see the same ones.
+    pub fn sharers(&self) -> &[(usize, Vec<u32>)] {
+        &self.sharers
+    }
+
+    /// Its nodes on a surface of the whole, ascending: also those whose facets are all in other parts.
+    ///
+    /// # Errors
+    /// [`MeshError::UnknownName`].
+    pub fn nodes_of_surface(&self, name: &str) -> Result<&[u32], MeshError> {
+        self.mesh.surface(name)?;
+        Ok(self.surface_nodes.get(name).map_or(&[], Vec::as_slice))
+    }
+
+    /// Diagonal of the bounding box of the whole.
+    pub fn diagonal(&self) -> f64 {
+        geometry::norm(&geometry::minus(&self.bounds.1, &self.bounds.0))
+    }
+
+    /// For every cell the number of the connected piece of the whole that it belongs to: [`Mesh::pieces`].
+    pub fn pieces(&self) -> &[u32] {
+        &self.pieces
+    }
+
+    /// Lowest and highest corner of the bounding box of every connected piece of the whole.
+    pub fn piece_bounds(&self) -> &[([f64; 3], [f64; 3])] {
+        &self.piece_bounds
+    }
+}
+
+/// Numbers of the whole as those of a part; `NONE` of what is elsewhere.
+struct Numbers(Vec<u32>);
+
+const NONE: u32 = u32::MAX;
+
+impl Numbers {
+    fn new(whole: usize, kept: &[u32]) -> Self {
+        let mut numbers = vec![NONE; whole];
+        kept.iter().zip(0..).for_each(|(&old, new)| numbers[old as usize] = new);
+        Numbers(numbers)
+    }
+
+    fn of(&self, old: u32) -> Option<u32> {
+        Some(self.0[old as usize]).filter(|new| *new != NONE)
+    }
+
+    /// Of those that it has, ascending.
+    fn of_all(&self, old: &[u32]) -> Vec<u32> {
+        let mut new: Vec<u32> = old.iter().filter_map(|&old| self.of(old)).collect();
+        new.sort_unstable();
+        new
+    }
+
+    fn of_facet(&self, facet: &Facet) -> Option<Facet> {
+        self.of(facet.cell).map(|cell| Facet { cell, ..*facet })
+    }
+}
+
+impl Mesh {
+    /// The cells that `owners`, the part of every cell, puts into one part.
+    ///
+    /// # Errors
+    /// [`MeshError::Part`]: not one owner per cell; no cell at all.
+    pub fn part(&self, owners: &[u32], number: u32) -> Result<Part, MeshError> {
+        let refuse = |why: String| Err(MeshError::Part { mesh: self.name.clone(), part: number, why });
+        if owners.len() != self.cells() {
+            return refuse(format!("{} cells have {} owners; give one to each", self.cells(), owners.len()));
+        }
+        let cells: Vec<u32> = (0..owners.len() as u32).filter(|&cell| owners[cell as usize] == number).collect();
+        if cells.is_empty() {
+            return refuse("it has no cells; take fewer parts".to_owned());
+        }
+        let (nodes, owned, shared) = self.divided(owners, (number, &cells));
+        let (node_numbers, cell_numbers) =
+            (Numbers::new(self.points.len(), &nodes), Numbers::new(owners.len(), &cells));
+        let mut sharers: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+        for (node, other) in shared {
+            sharers.entry(other as usize).or_default().extend(node_numbers.of(node));
+        }
+        let skin = ("skin".to_owned(), self.boundary.clone());
+        let surfaces = std::iter::once(skin).chain(self.surfaces.clone());
+        let on_surface =
+            |(name, facets): (String, Vec<Facet>)| (name, node_numbers.of_all(&self.nodes_of_facets(&facets)));
+        let all_pieces = self.pieces();
+        Ok(Part {
+            mesh: Arc::new(self.restricted(&nodes, &cells, (&node_numbers, &cell_numbers))),
+            owned,
+            sharers: sharers.into_iter().collect(),
+            surface_nodes: surfaces.map(on_surface).collect(),
+            bounds: self.bounds(),
+            pieces: cells.iter().map(|&cell| all_pieces[cell as usize]).collect(),
+            piece_bounds: self.piece_bounds(&all_pieces),
+            nodes,
+            cells,
+        })
+    }
+
+    /// The nodes of a part, those that belong to it first, how many these are, and every other part that has one, node by node.
+    fn divided(&self, owners: &[u32], (number, cells): (u32, &[u32])) -> (Vec<u32>, usize, Vec<(u32, u32)>) {
+        let nodes = self.nodes_of_cells(cells);
+        let own = Numbers::new(self.points.len(), &nodes);
+        let mut shared: Vec<(u32, u32)> = Vec::new();
+        let of_cells = self.blocks.iter().flat_map(CellBlock::iter);
+        for (nodes, &owner) in of_cells.zip(owners).filter(|(_, owner)| **owner != number) {
+            shared.extend(nodes.iter().filter(|&&node| own.of(node).is_some()).map(|&node| (node, owner)));
+        }
+        shared.sort_unstable();
+        shared.dedup();
+        let lower: Vec<u32> = shared.iter().filter(|(_, other)| *other < number).map(|(node, _)| *node).collect();
+        let (others, mut first): (Vec<u32>, Vec<u32>) =
+            nodes.into_iter().partition(|node| lower.binary_search(node).is_ok());
+        let owned = first.len();
+        first.extend(others);
+        (first, owned, shared)
+    }
+
+    /// Some of its nodes and cells, with all names.
+    fn restricted(&self, nodes: &[u32], cells: &[u32], (of_node, of_cell): (&Numbers, &Numbers)) -> Mesh {
+        let (mut blocks, mut first) = (Vec::new(), 0);
+        for block in &self.blocks {
+            let kept = block.iter().zip(block.first as u32..).filter(|(_, cell)| of_cell.of(*cell).is_some());
+            let nodes: Vec<u32> =
+                kept.flat_map(|(nodes, _)| nodes.iter().filter_map(|&node| of_node.of(node))).collect();
+            let block = CellBlock { kind: block.kind, first, nodes };
+            first += block.len();
+            blocks.extend(Some(block).filter(|block| !block.is_empty()));
+        }
+        let facets = |all: &[Facet]| all.iter().filter_map(|facet| of_cell.of_facet(facet)).collect::<Vec<_>>();
+        let sides = |(a, b): &(Facet, Facet)| of_cell.of_facet(a).zip(of_cell.of_facet(b));
+        let groups = |groups: &BTreeMap<String, Vec<u32>>, numbers: &Numbers| {
+            groups.iter().map(|(name, own)| (name.clone(), numbers.of_all(own))).collect()
+        };
+        Mesh {
+            name: self.name.clone(),
+            dim: self.dim,
+            points: nodes.iter().map(|&node| self.points[node as usize]).collect(),
+            blocks,
+            regions: groups(&self.regions, of_cell),
+            surfaces: self.surfaces.iter().map(|(name, own)| (name.clone(), facets(own))).collect(),
+            node_sets: groups(&self.node_sets, of_node),
+            boundary: facets(&self.boundary),
+            neighbours: self.neighbours.iter().filter_map(sides).collect(),
+            node_origin: nodes.iter().map(|&node| self.node_origin[node as usize]).collect(),
+            cell_origin: cells.iter().map(|&cell| self.cell_origin[cell as usize]).collect(),
+            notes: self.notes.clone(),
+        }
+    }
+
+    fn piece_bounds(&self, pieces: &[u32]) -> Vec<([f64; 3], [f64; 3])> {
+        let count = pieces.iter().max().map_or(0, |last| *last as usize + 1);
+        let mut bounds = vec![([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]); count];
+        for (nodes, &piece) in self.blocks.iter().flat_map(CellBlock::iter).zip(pieces) {
+            let (low, high) = &mut bounds[piece as usize];
+            for x in nodes.iter().map(|&node| &self.points[node as usize]) {
+                for k in 0..3 {
+                    (low[k], high[k]) = (low[k].min(x[k]), high[k].max(x[k]));
+                }
+            }
+        }
+        bounds
+    }
+}
