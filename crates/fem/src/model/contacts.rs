@@ -7,7 +7,6 @@ use crate::contributions::{
     Contribution, Controls, Demand, Need, Onsets, RigidPose, Sums, Touch, TouchParameters, Touches,
 };
 use crate::error::Inadmissible;
-use nastic_numeric::vector::dot;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -127,7 +126,7 @@ impl Model {
         tangent.multiply_transposed(&along[..self.space.nodal()], &mut by_u[..self.space.nodal()], at.parallel);
         let mut by_others = Sensitivities::zero(self.controls(), at);
         point.vjp(at, &along, &mut by_others)?;
-        Ok(ContactSum { value: dot(&along, &sums.force), by_u, by_others })
+        Ok(ContactSum { value: self.unknowns().dot(&along, &sums.force), by_u, by_others })
     }
 
     /// What the samples of all contacts do, one contact after the other; without those that cannot be where they are.
