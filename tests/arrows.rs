@@ -106,6 +106,19 @@ fn crates_depend_only_along_the_arrows() {
     }
 }
 
+/// The workspaces of their own that need other libraries: built by nobody who does not ask.
+#[test]
+fn what_needs_mpi_is_no_member_and_depends_along_the_arrows() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let members = std::fs::read_to_string(root.join("Cargo.toml")).unwrap();
+    assert!(members.contains("members = [\"crates/*\"]"));
+    for (name, allowed) in [("mpi", &["cli", "language", "team"][..]), ("petsc", &["fem", "linear", "mesh", "team"])] {
+        let manifest = std::fs::read_to_string(root.join(name).join("Cargo.toml")).unwrap();
+        assert!(manifest.contains("[workspace]\n"), "{name}");
+        assert_eq!(arrows_of(&manifest), allowed.iter().map(|a| (*a).to_string()).collect(), "{name}");
+    }
+}
+
 #[test]
 fn the_reader_of_manifests_sees_arrows() {
     let manifest = "[package]\nname = \"x\"\n[dependencies]\nnastic-fem.workspace = true\nfaer = \"1\"\n\

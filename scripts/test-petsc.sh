@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# One body over the ranks of MPI, solved by PETSc: the fibre cantilever on 1, 2, 3 and 4 ranks against the digits of other codes, the gradient against
+# that of one process and against differences.
+#
+#   scripts/test-petsc.sh
+#
+# Needs PETSc with real numbers and Open MPI (Debian: petsc-dev, libopenmpi-dev); without them nothing is tested, which is said.
+set -uo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+library="lib${PETSC_LIB:-petsc_real}.so"
+if ! command -v mpirun > /dev/null || ! ls "${PETSC_LIB_DIR:-/usr/lib/$(uname -m)-linux-gnu}/$library" > /dev/null 2>&1; then
+  echo "skipped: nastic-petsc (no mpirun, or no $library: install petsc-dev and libopenmpi-dev)"
+  exit 0
+fi
+export CARGO_TARGET_DIR="$PWD/target/petsc"
+cargo test --release --locked --quiet --manifest-path petsc/Cargo.toml --lib || exit 1
+cargo build --release --locked --quiet --manifest-path petsc/Cargo.toml --example cantilever || exit 1
+# MPI ranks share the processors: no threads of BLAS beside them.
+export OPENBLAS_NUM_THREADS=1
+root=()
+[ "$(id -u)" = 0 ] && root=(--allow-run-as-root)
+
+python3 - "$CARGO_TARGET_DIR/release/examples/cantilever" "${root[@]}" <<'PYTHON'
+import json, math, subprocess, sys
+
+program, *root = sys.argv[1:]
+failed = 0
+
+
+def run(ranks, *arguments):
+    command = ["mpirun", *root, "--oversubscribe", "--mca", "mpi_yield_when_idle", "1", "-n", str(ranks), program]
+    done = subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+    return json.loads(done.stdout) if done.returncode == 0 else {"error": done.stderr}
+
+
+def note(name, right, said=""):
+    global failed
+    failed += not right
+    print(f"{'ok     ' if right else 'FAILED '} {name} {said}", flush=True)
+
+
+# docs/development/verification.md: FEniCSx, NGSolve, JAX-FEM and others
+DIGITS = {
+    ("hex8", 2): (-0.186179761, 0.008186681, 0.235506464),
+    ("hex8", 6): (-0.216627256, 0.007904082, 0.276875271),
+    ("hex27", 2): (-0.221675516, 0.007753715, 0.282876107),
+    ("hex27", 3): (-0.222542559, 0.007727853, 0.284295574),
+}
+for (kind, n), tip in DIGITS.items():
+    serial = run(1, kind, n, 1.0, "serial")
+    for ranks in 1, 2, 3, 4:
+        found = run(ranks, kind, n)
+        if "error" in found:
+            note(f"{kind} {n} on {ranks}", False, found["error"])
+            continue
+        digits = max(abs(a - b) for a, b in zip(found["tip"], tip))
+        slope = abs(found["slope"] / serial["slope"] - 1)
+        said = f"{found['newton']} Newton, {found['iterations']} CG iterations, tip off by {digits:.0e}, gradient by {slope:.0e}"
+        note(f"{kind} {n} on {ranks}", digits < 1e-9 and slope < 1e-8, said)
+
+# remainders of the cost by the tension fall with the square of the step
+steps = 4e-2, 2e-2
+at = run(3, "hex8", 2, 0.7)
+remainder = [abs(run(3, "hex8", 2, 0.7 + h)["cost"] - at["cost"] - h * at["slope"]) for h in steps]
+order = math.log(remainder[0] / remainder[1]) / math.log(2)
+note("Taylor order on 3", order > 1.95, f"{order:.3f}")
+
+few, many = (run(ranks, "hex8", 6) for ranks in (1, 8))
+ratio = (many["iterations"] / many["systems"]) / (few["iterations"] / few["systems"])
+note("CG iterations on 8 ranks over those on 1", ratio < 1.3, f"{ratio:.2f}")
+for name, options in {
+    "hypre": ["-nastic_pc_type", "hypre"],
+    "MUMPS": ["-nastic_pc_type", "cholesky", "-nastic_pc_factor_mat_solver_type", "mumps"],
+}.items():
+    found = run(2, "hex8", 2, 1.0, *options)
+    right = "tip" in found and max(abs(a - b) for a, b in zip(found["tip"], DIGITS["hex8", 2])) < 1e-9
+    note(f"{name} on 2", right, found.get("error", ""))
+sys.exit(failed > 0)
+PYTHON
