@@ -359,6 +359,8 @@ impl Reduced {
         how: &Request<'_, Evaluated>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Evaluated, ControlError> {
+        // costs and derivatives would be those of one part
+        self.solid.model().refuse_ranks("optimal control")?;
         if let Some(motion) = &self.motion {
             return self.evaluate_motion(motion, (m, how), None, workspace);
         }

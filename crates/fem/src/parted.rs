@@ -83,8 +83,11 @@ impl Model {
         self.unknowns().share().is_some()
     }
 
-    /// Refuses what knows of bodies alone that one rank has.
-    pub(crate) fn refuse_ranks(&self, what: &str) -> Result<(), FemError> {
+    /// Refuses what knows of bodies alone that one rank has; of these nothing happens.
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`] of a body over ranks, with what it is.
+    pub fn refuse_ranks(&self, what: &str) -> Result<(), FemError> {
         match self.is_over_ranks() {
             false => Ok(()),
             true => Err(not_over_ranks(what, "it would have to know other parts of the body: solve it on one rank")),

@@ -6,8 +6,8 @@ use common::Outcome;
 use common::ranks::{Simple, total};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
 use nastic_fem::{
-    Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, Solid, SolveOptions, Spring, State,
-    StateError,
+    Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, QuadraturePoints, Solid, SolveOptions,
+    Spring, State, StateError,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, box_mesh};
@@ -25,6 +25,12 @@ fn on<T: Send>(ranks: usize, faults: &Faults, work: impl Fn(Arc<ThreadRank>) -> 
 fn part(mesh: &Mesh, rank: &Arc<ThreadRank>) -> Outcome<Solid> {
     let part = mesh.part(&mesh.bisected(rank.size())?, rank.rank() as u32)?;
     Ok(Solid::of_part(part, rank.clone())?)
+}
+
+/// Cells dealt out one by one: parts that touch surfaces and each other with single nodes and edges.
+fn scattered(mesh: &Mesh, rank: &Arc<ThreadRank>) -> Outcome<Solid> {
+    let owners: Vec<u32> = (0..mesh.cells()).map(|cell| (cell % rank.size()) as u32).collect();
+    Ok(Solid::of_part(mesh.part(&owners, rank.rank() as u32)?, rank.clone())?)
 }
 
 fn how() -> SolveOptions<'static> {
@@ -103,13 +109,14 @@ fn tracking(solid: &Solid, factor: f64, how: &SolveOptions) -> Outcome<(f64, f64
 
 #[test]
 fn gradients_are_those_of_one_rank_and_of_differences() -> Outcome {
-    for kind in [CellKind::Hex8, CellKind::Tet10] {
+    type Divide = fn(&Mesh, &Arc<ThreadRank>) -> Outcome<Solid>;
+    for (kind, divide) in [(CellKind::Hex8, part as Divide), (CellKind::Tet10, scattered)] {
         let mesh = box_mesh([1.0, 0.2, 0.2], [6, 2, 2], kind)?;
         let serial = cantilever(Solid::new(mesh.clone())?)?;
         let (j, slope) = tracking(&serial, 0.7, &SolveOptions::default())?;
         for ranks in 1..=4 {
             let found = on(ranks, &Faults::default(), |rank| {
-                let solid = cantilever(part(&mesh, &rank)?)?;
+                let solid = cantilever(divide(&mesh, &rank)?)?;
                 let step = 1e-4;
                 let values = [0.7, 0.7 + step, 0.7 - step].map(|factor| tracking(&solid, factor, &how()));
                 let [here, ahead, behind] = values;
@@ -122,6 +129,59 @@ fn gradients_are_those_of_one_rank_and_of_differences() -> Outcome {
                 assert!((own_slope - difference).abs() < 1e-6 * slope.abs(), "{own_slope} {difference}");
             }
         }
+    }
+    Ok(())
+}
+
+/// The finger with two muscles of a file of Gmsh: soft below, stiffer muscles with fibres above.
+fn finger(solid: Solid) -> Outcome<Solid> {
+    let along = FiberTension::along(Vec3::x())?;
+    Ok(solid
+        .material("silicone", NeoHooke::from_young_poisson(2e5, 0.4)?)?
+        .material(["inner", "outer"], MooneyRivlin::new(1e5, 2e4, 1e6)?)?
+        .actuate(["inner", "outer"], "muscle", along)?
+        .clamp("base")?)
+}
+
+/// `j = 1/2 int_skin |u - t|^2 dA`, `t = (0, 0, 5 mm) X / 80 mm`, and its derivative by the tension of the muscles.
+fn skin_tracking(solid: &Solid, tension: f64, how: &SolveOptions) -> Outcome<(f64, f64)> {
+    let space = solid.model().unknowns().clone();
+    let mut controls = solid.controls();
+    controls.values_mut(0).fill(tension);
+    let state = solid.solve(&controls, how)?;
+    let mesh = solid.mesh();
+    let skin = QuadraturePoints::of_facets(mesh, mesh.surface("skin")?, |kind| kind.rule().clone());
+    let (at, u) = (skin.positions(mesh, None), skin.interpolate(&state.u, 3));
+    let gap = |q: usize, k: usize| u[3 * q + k] - if k == 2 { 5e-3 * at[q][0] / 80e-3 } else { 0.0 };
+    let weighted = |q: usize, k: usize| skin.weights()[q] * gap(q, k);
+    let entries = || (0..skin.len()).flat_map(|q| (0..3).map(move |k| (q, k)));
+    let cost = 0.5 * entries().map(|(q, k)| weighted(q, k) * gap(q, k)).sum::<f64>();
+    let (forces, mut rhs) = (entries().map(|(q, k)| -weighted(q, k)).collect::<Vec<_>>(), vec![0.0; state.u.len()]);
+    skin.spread(&forces, 3, &mut rhs);
+    space.add_up(&mut rhs);
+    let adjoint = solid.adjoint(&state, &[&rhs], how)?;
+    let found = solid.model().vjp(&nastic_fem::Instant::of(&state), &adjoint.lambda[0])?;
+    Ok((space.total(cost), space.total(found.controls.values(0).iter().sum())))
+}
+
+#[test]
+fn a_body_of_two_materials_from_gmsh_has_its_surface_cost_across_five_parts() -> Outcome {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../meshes/jointed_finger.msh");
+    let mesh = nastic_io::read_mesh(file, 1e-3)?;
+    let serial = finger(Solid::new(mesh.clone())?)?;
+    let (j, slope) = skin_tracking(&serial, -2e4, &SolveOptions { parallel: false, ..SolveOptions::default() })?;
+    let found = on(5, &Faults::default(), |rank| {
+        let solid = finger(part(&mesh, &rank)?)?;
+        let at = |tension: f64| skin_tracking(&solid, tension, &how());
+        let [here, far, near] = [-2e4, -2e4 + 2e3, -2e4 + 1e3].map(at);
+        Ok((solid.mesh().surface("skin")?.len(), here?, [far?.0, near?.0]))
+    });
+    for found in found {
+        let (facets, (own, own_slope), [far, near]) = found?;
+        assert!(facets > 0, "the skin is in all parts");
+        assert!((own - j).abs() < 1e-9 * j && (own_slope - slope).abs() < 1e-8 * slope.abs(), "{own_slope} {slope}");
+        let order = ((far - own - 2e3 * own_slope) / (near - own - 1e3 * own_slope)).log2();
+        assert!(order > 1.95, "Taylor remainders: {order}");
     }
     Ok(())
 }
@@ -211,6 +271,25 @@ fn what_does_not_span_ranks_is_refused_by_name() -> Outcome {
         Ok(refusals)
     });
     assert!(found.iter().all(|found| *found == Ok([true; 7])), "{found:?}");
+    Ok(())
+}
+
+#[test]
+fn what_inverts_on_one_rank_is_inadmissible_on_all() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 1, 1], CellKind::Hex8)?;
+    let found = on(3, &Faults::default(), |rank| {
+        let solid = cantilever(part(&mesh, &rank)?)?;
+        let (mut u, controls) = (vec![0.0; solid.model().unknowns().len()], solid.controls());
+        if let Some(node) = common::node_at(solid.mesh(), CORNER) {
+            u[3 * node] = -2.0;
+        }
+        let at = nastic_fem::Instant::new(&u, &controls, 1.0);
+        let found = solid.model().evaluate(&at, nastic_fem::Demand { energy: true, force: true });
+        Ok(found.err().map(|error| error.code()))
+    });
+    let inverted = found.iter().filter(|found| **found == Ok(Some("inverted"))).count();
+    let elsewhere = found.iter().filter(|found| **found == Ok(Some("elsewhere"))).count();
+    assert_eq!((inverted, elsewhere), (1, 2), "{found:?}");
     Ok(())
 }
 

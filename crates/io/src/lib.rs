@@ -33,7 +33,7 @@ pub use pvd::write_pvd;
 pub use vtk::read_vtk;
 pub use vtu::{
     Entity, FileArray, base64, escape, parse_vtu, read_array, read_lines, read_snapshot, read_vtu, read_vtu_scaled,
-    write_lines, write_vtu,
+    write_lines, write_pvtu, write_vtu,
 };
 
 /// Reads a mesh from a `.msh` (Gmsh), `.vtu` or legacy `.vtk` (VTK) file, all lengths multiplied by `scale`.

@@ -3,6 +3,7 @@
 mod cloud;
 mod gmsh;
 mod hostile;
+mod parts;
 mod readback;
 mod vtk;
 mod vtu;

@@ -81,7 +81,7 @@ fn what_vtk_and_meshio_write_is_read() {
 }
 
 /// A Python with `vtk` and `meshio`.
-fn python() -> Option<PathBuf> {
+pub fn python() -> Option<PathBuf> {
     let can_import = |python: &Path| {
         let check = Command::new(python).args(["-c", "import vtk, meshio"]).output();
         check.is_ok_and(|output| output.status.success())

@@ -30,7 +30,10 @@ impl SolverFactory for Simple {
     }
 }
 
-/// The solution; `None` where the curvature is not positive, or sums are no numbers.
+/// Iterations, far beyond what any of these bodies takes.
+const MOST: usize = 20_000;
+
+/// The solution; `None` where the curvature is not positive, sums are no numbers, or nothing comes of it.
 fn solve(system: &System, b: &[f64], tolerance: f64) -> Option<Vec<f64>> {
     let space = system.space();
     let mut diagonal = system.matrix.diagonal();
@@ -40,7 +43,10 @@ fn solve(system: &System, b: &[f64], tolerance: f64) -> Option<Vec<f64>> {
     let mut p = scaled(&r);
     let (mut rz, aim) = (space.dot(&r, &p), tolerance * space.norm(b));
     let mut product = vec![0.0; b.len()];
-    while space.norm(&r) > aim {
+    for _ in 0..MOST {
+        if space.norm(&r) <= aim {
+            return Some(x);
+        }
         system.multiply(&p, &mut product);
         let curvature = space.dot(&p, &product);
         if curvature.is_nan() || curvature <= 0.0 {
@@ -53,7 +59,7 @@ fn solve(system: &System, b: &[f64], tolerance: f64) -> Option<Vec<f64>> {
         let before = std::mem::replace(&mut rz, space.dot(&r, &z));
         p = z.iter().zip(&p).map(|(z, p)| z + rz / before * p).collect();
     }
-    Some(x)
+    None
 }
 
 impl LinearSolver for Simple {

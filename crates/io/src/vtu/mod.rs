@@ -7,11 +7,13 @@ mod array;
 mod base64;
 mod groups;
 mod lines;
+mod parts;
 mod read;
 mod write;
 mod xml;
 
 pub use lines::{read_lines, write_lines};
+pub use parts::write_pvtu;
 pub use read::{Entity, FileArray, parse_vtu, read_array, read_snapshot, read_vtu, read_vtu_scaled};
 pub use write::write_vtu;
 pub use xml::escape;
