@@ -118,6 +118,7 @@ if [ "$quick" = 0 ]; then
   else
     echo "skipped: nastic-mpi (scripts/mpi.sh), there is no mpirun or no mpicc"
   fi
+  run "nastic-petsc on 1 to 8 ranks, where there is PETSc" scripts/test-petsc.sh
   NASTIC_SLOW=1 run "adjoints of long motions" cargo test --release --workspace --locked --quiet --test all motion_adjoint::
 fi
 [ "${#failed[@]}" = 0 ] && echo "all as expected" && exit 0
