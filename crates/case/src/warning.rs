@@ -342,7 +342,7 @@ pub const COARSE_GRID: WarningKind = WarningKind {
 pub const BETWEEN_NODES: WarningKind = WarningKind {
     code: "between_nodes",
     about: "every node keeps its distance from an obstacle, or what its contact allows, but the body between nodes is inside of it",
-    advice: "of a constraint raise the clearance by twice the depth told, of a contact its \"refine\" (2 to 4) or the obstacle's \"rounding\"; or refine the mesh there, to smaller cells than the obstacle where it slips between nodes",
+    advice: "refine the mesh there, to smaller cells than the obstacle where it slips between nodes, and see how far the result changes; of a constraint raise the clearance by twice the depth told; of a contact a larger \"refine\" finds small obstacles, but makes forces on coarse cells too large",
 };
 
 /// Something that deserves attention.

@@ -94,6 +94,10 @@ fn a_force_along_a_direction_is_that_of_the_contact() {
         let faint = test["verdict"] == "undecided" && test["control"] == "feet.stiffness";
         assert!(test["verdict"] == "right" || faint, "{test}");
     }
+    // a rigid body has unknowns beside those of its nodes
+    let rigid = with(DRAGGED, r#""density": "1000 kg/m^3" }"#, r#""density": "1000 kg/m^3", "rigid": true }"#);
+    let found = place.run(Command::Gradcheck, &rigid, &[&when]).unwrap_or_else(|error| panic!("{error}"));
+    assert!(found.exit.code() == 0, "{}", found.result["gradcheck"]);
     let lagged = DRAGGED.replace(r#""friction": 0.8"#, r#""friction": 0.8, "lagged": true"#);
     let said = problems(&lagged.replace(r#""kind": "contact_slip""#, r#""kind": "contact_force", "direction": "z""#));
     assert!(said.contains("costs/0/contact") && said.contains("lagged friction of \"feet\""), "{said}");

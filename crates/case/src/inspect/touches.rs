@@ -32,7 +32,8 @@ pub fn parameters(member: CaseMember<'_>, name: &str) -> Option<TouchParameters>
     all.into_iter().find(|(known, _)| known == name).map(|(_, parameters)| parameters)
 }
 
-/// Whether a body is deep inside of an obstacle between its samples: deeper than the layer is thick, and than a share of the approach.
+/// Whether a body is deep inside of an obstacle between its samples: deeper than the layer is thick, and than a share of the approach, or of the body's diagonal
+/// where there is none.
 pub fn is_between(member: CaseMember<'_>, thickness: f64, [depth, approach]: [f64; 2]) -> bool {
     let [of_approach, of_diagonal] = BETWEEN;
     let least = if approach > 0.0 { of_approach * approach } else { of_diagonal * member.mesh().diagonal() };
@@ -46,10 +47,7 @@ pub fn between(member: CaseMember<'_>, name: &str, (depth, approach): (f64, f64)
         format!("contact \"{name}\": between its samples the body is {} inside the obstacle {place}", of(depth));
     if approach > 0.0 {
         let share = short((100.0 * depth / approach).round());
-        message += &format!(
-            ", {share} % of the {} by which it would overlap the undeformed body: forces are wrong by up to that share",
-            of(approach)
-        );
+        message += &format!(", {share} % of the {} by which it would overlap the undeformed body", of(approach));
     }
     Warning::new(&BETWEEN_NODES, message)
 }

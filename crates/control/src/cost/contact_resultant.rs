@@ -84,15 +84,13 @@ impl Cost for OnBody {
     }
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
-        let controls = match at.state {
-            Some(state) => state.controls.as_ref().clone(),
-            None => at.layout.to_points(at.m)?,
-        };
+        let controls = at.layout.to_points(at.m)?;
         let step = at.state.zip(at.step).map(|(state, begin)| {
             let before = State { time: begin.time, controls: begin.controls.clone(), ..state.clone() };
             TimeStep::between(&before, state)
         });
-        let instant = Instant::new(at.u, &controls, 1.0);
+        // a state has the multipliers of rigid bodies behind its displacement, which velocities are as long as
+        let instant = at.state.map_or_else(|| Instant::new(at.u, &controls, 1.0), Instant::of);
         let instant = step.as_ref().map_or(instant, |step| instant.in_step(step));
         let found = at.solid.model().resultant(&instant, &self.of.contact, self.of.direction);
         let gone = || ControlError::Cost { what: format!("{NAME}: no contact \"{}\"", self.of.contact) };

@@ -15,6 +15,17 @@ pub trait Touches {
     /// cannot be (the log law inside the obstacle).
     fn touch(&self, at: &Instant) -> Option<Touch>;
 
+    /// How deep it is inside between samples ([`Touch::between`]); `None` where that is not looked for.
+    fn between(&self, _: &Instant, _: &Touch) -> Option<(f64, [f64; 3])> {
+        None
+    }
+
+    /// What it carries, with what is between samples: for reports.
+    fn told(&self, at: &Instant) -> Option<Touch> {
+        let touch = self.touch(at)?;
+        Some(Touch { between: self.between(at, &touch), ..touch })
+    }
+
     /// What it was given, or took where it was given nothing.
     fn parameters(&self) -> TouchParameters;
 
@@ -141,7 +152,7 @@ pub struct Touch {
     pub smallest_gap: f64,
     /// Where that sample is.
     pub deepest: [f64; 3],
-    /// The same between samples, at places four times as dense, where it is smaller; of obstacles.
+    /// The same with places between samples, four times as dense, and where it is smallest; of obstacles, for reports ([`Touches::told`]).
     pub between: Option<(f64, [f64; 3])>,
     /// Largest pressure, Pa.
     pub largest_pressure: f64,

@@ -30,8 +30,8 @@ pub enum Inadmissible {
         depth: f64,
     },
     /// Edges of surfaces that touch, as near to each other as no sample may come: they would go through each other between samples.
-    #[error("edges of the surfaces of \"{name}\" come within {distance:.3e} of each other at ({:.4e}, {:.4e}, {:.4e}), between samples, which alone push: let the surfaces \
-             reach beyond each other, give them more samples by \"refine\", or take a finer mesh there", .place[0], .place[1], .place[2])]
+    #[error("edges of the surfaces of \"{name}\" come within {distance:.3e} of each other at ({:.4e}, {:.4e}, {:.4e}), between samples, which alone push (\"refine\" \
+             gives more of them)", .place[0], .place[1], .place[2])]
     EdgesMeet {
         /// Name of the contact.
         name: String,

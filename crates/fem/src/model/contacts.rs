@@ -57,7 +57,7 @@ impl Model {
     /// What every contact carries, with its name; without those that cannot be where they are.
     pub fn touches(&self, at: &Instant) -> Vec<(String, Touch)> {
         let mut all = Vec::new();
-        self.each_touching(at, |name, touches, at| all.extend(touches.touch(at).map(|touch| (name.to_owned(), touch))));
+        self.each_touching(at, |name, touches, at| all.extend(touches.told(at).map(|touch| (name.to_owned(), touch))));
         all
     }
 

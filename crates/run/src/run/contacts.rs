@@ -91,17 +91,17 @@ struct History {
     creep: f64,
     /// The smallest gap, and when.
     gap: (f64, f64),
-    /// The smallest between samples with the approach, and when.
-    between: ([f64; 2], f64),
+    /// The smallest between samples, and when.
+    between: (f64, f64),
 }
 
 impl History {
     fn of(table: &Table, name: &str, sliding: Option<Sliding>) -> Self {
         let column = |what: &str| table.column(&format!("{name}.{what}"));
-        let none = f64::INFINITY;
-        let mut history = History { gap: (none, 0.0), between: ([none, 0.0], 0.0), ..Self::default() };
+        let none = (f64::INFINITY, 0.0);
+        let mut history = History { gap: none, between: none, ..Self::default() };
         let (Some(area), Some(gap)) = (column("area"), column("smallest_gap")) else { return history };
-        let between = column("gap_between").zip(column("approach"));
+        let between = column("gap_between");
         let slides = sliding.and_then(|_| Some((column("sticking")?, column("sliding_speed")?)));
         let (mut begun, mut before) = (None, None::<f64>);
         for (n, row) in table.rows.iter().enumerate() {
@@ -110,10 +110,8 @@ impl History {
             if row[gap] < history.gap.0 {
                 history.gap = (row[gap], t);
             }
-            if let Some((gap, approach)) = between
-                && row[gap] < history.between.0[0]
-            {
-                history.between = ([row[gap], row[approach]], t);
+            if let Some(between) = between.filter(|&between| row[between] < history.between.0) {
+                history.between = (row[between], t);
             }
             match (touches, begun) {
                 (true, None) if n > 0 => begun = Some(n),
@@ -145,10 +143,10 @@ impl History {
             let message = format!("contact \"{name}\" never acts: its smallest gap is {}", length(self.gap.0));
             out.push(Warning::new(&NO_CONTACT, message));
         }
-        let ([gap, approach], t) = self.between;
-        let depth = -gap - of.inset;
-        if touches::is_between(member, of.thickness, [depth, approach]) {
-            out.push(touches::between(member, name, (depth, approach), &at(t)));
+        // what overlaps the body where it was says little of one that has moved
+        let depth = -of.inset - self.between.0;
+        if touches::is_between(member, of.thickness, [depth, 0.0]) {
+            out.push(touches::between(member, name, (depth, 0.0), &at(self.between.1)));
         }
         if self.gap.0 < -of.inset {
             out.push(touches::penetrated(member, name, -of.inset - self.gap.0, &at(self.gap.1)));

@@ -280,7 +280,7 @@ impl Contribution for BoundContact {
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        self.touch(at).map(|touch| touch.quantities(self.dim)).unwrap_or_default()
+        self.told(at).map(|touch| touch.quantities(self.dim)).unwrap_or_default()
     }
 
     fn at<'a>(&'a self, at: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {

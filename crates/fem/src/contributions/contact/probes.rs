@@ -2,8 +2,9 @@
 
 use super::bound::BoundContact;
 use super::pose::Pose;
-use super::samples::pieces;
+use super::samples::{pieces, place};
 use crate::error::FemError;
+use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Facet, GroupNames, Mesh};
 use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
@@ -21,6 +22,8 @@ pub(super) struct Probes {
     mesh: Arc<Mesh>,
     /// Nodes of every facet, and where its shape functions are among `shapes`.
     facets: Vec<(Vec<u32>, usize)>,
+    /// No place is outside of what its nodes span.
+    within_nodes: bool,
     /// Of every kind of facet and number of pieces the shape functions at its places.
     shapes: Vec<Vec<Vec<f64>>>,
 }
@@ -29,9 +32,10 @@ impl Probes {
     /// Of a surface whose facets are in `refine^2` pieces each (`refine` in the plane).
     pub fn new(mesh: &Arc<Mesh>, surface: &GroupNames, refine: impl Fn(&Facet) -> usize) -> Result<Self, FemError> {
         let mut known: BTreeMap<(CellKind, usize), usize> = BTreeMap::new();
-        let (mut facets, mut shapes) = (Vec::new(), Vec::new());
+        let (mut facets, mut shapes, mut within_nodes) = (Vec::new(), Vec::new(), true);
         for facet in mesh.facets_of(surface)? {
             let (kind, nodes) = mesh.facet_nodes(facet);
+            within_nodes &= kind.order() == 1;
             let n = FINER * refine(&facet);
             let table = *known.entry((kind, n)).or_insert_with(|| {
                 shapes.push(places(kind, n));
@@ -39,15 +43,18 @@ impl Probes {
             });
             facets.push((nodes, table));
         }
-        Ok(Probes { mesh: mesh.clone(), facets, shapes })
+        Ok(Probes { mesh: mesh.clone(), facets, within_nodes, shapes })
     }
 
     /// The smallest signed distance between samples, where they have that of `nearest` at least, and where it is: theirs where none is smaller.
     pub fn least(&self, of: &BoundContact, pose: &Pose, u: &[f64], nearest: (f64, Vec3)) -> (f64, Vec3) {
+        if self.within_nodes && matches!(of.obstacle, Obstacle::HalfSpace { .. }) {
+            return nearest;
+        }
         let steepest = of.obstacle.steepest();
         let mut least = nearest;
         for (nodes, table) in &self.facets {
-            let nodes: Vec<Vec3> = nodes.iter().map(|&node| self.place(node, u)).collect();
+            let nodes: Vec<Vec3> = nodes.iter().map(|&node| place(&self.mesh, u, node)).collect();
             let middle = nodes.iter().sum::<Vec3>() / nodes.len() as f64;
             let reach = CURVED * nodes.iter().map(|x| (x - middle).norm()).fold(0.0, f64::max);
             if pose.guarded(&of.obstacle, &middle) - steepest * reach >= least.0 {
@@ -62,12 +69,6 @@ impl Probes {
             }
         }
         least
-    }
-
-    fn place(&self, node: u32, u: &[f64]) -> Vec3 {
-        let (mut x, dim) = (Vec3::from(self.mesh.points()[node as usize]), self.mesh.dim());
-        (0..dim).for_each(|i| x[i] += u[dim * node as usize + i]);
-        x
     }
 }
 

@@ -139,6 +139,13 @@ impl Samples {
     }
 }
 
+/// Where a node is.
+pub(super) fn place(mesh: &Mesh, u: &[f64], node: u32) -> Vec3 {
+    let (mut x, dim) = (Vec3::from(mesh.points()[node as usize]), mesh.dim());
+    (0..dim).for_each(|i| x[i] += u[dim * node as usize + i]);
+    x
+}
+
 /// Corners of the pieces of a facet, in its own coordinates: as many as its corner kind has.
 pub(super) fn pieces(kind: CellKind, n: usize) -> Vec<Vec<[f64; 3]>> {
     let corners = &kind.reference_nodes()[..kind.corners()];

@@ -5,7 +5,7 @@ use super::exact;
 use super::friction::without_lagged;
 use super::lagged::LaggedFriction;
 use super::point::{Gaps, Placed};
-use super::pose::ByPose;
+use super::pose::{ByPose, Pose};
 use super::samples::Samples;
 use super::slip;
 use crate::contributions::rigid_motion;
@@ -61,7 +61,6 @@ impl Touches for BoundContact {
         let of_all = |share: f64, normal: f64, none: f64| if normal > 0.0 { share / normal } else { none };
         let gap = |&(sample, (x, d)): &Placed| (x, d - self.offset(sample));
         let (deepest, smallest_gap) = gaps.all.iter().map(gap).min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let (between, place) = self.probes.least(self, &gaps.pose, at.u, (smallest_gap, deepest));
         let sunk = gaps.all.iter().map(|(_, (_, d))| -d).fold(f64::NEG_INFINITY, f64::max);
         let sliding = |slip_speed| Sliding { sticking: of_all(sticking, borne, 1.0), speed, slip_speed };
         Some(Touch {
@@ -71,13 +70,19 @@ impl Touches for BoundContact {
             area,
             smallest_gap,
             deepest: deepest.into(),
-            between: Some((between, place.into())),
+            between: None,
             largest_pressure: largest,
             mean_gap: of_all(remaining, normal, 0.0),
             approach: self.approach(&gaps),
             sunk,
             sliding: self.slip_speed.map(sliding),
         })
+    }
+
+    fn between(&self, at: &Instant, touch: &Touch) -> Option<(f64, [f64; 3])> {
+        let nearest = (touch.smallest_gap, Vec3::from(touch.deepest));
+        let (gap, place) = self.probes.least(self, &Pose::at(at, self.centre), at.u, nearest);
+        Some((gap, place.into()))
     }
 
     fn add_pressing(

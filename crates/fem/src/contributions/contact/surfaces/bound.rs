@@ -201,7 +201,7 @@ impl Contribution for BoundSurfaces {
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        self.touch(at).map(|touch| touch.quantities(self.dim)).unwrap_or_default()
+        self.told(at).map(|touch| touch.quantities(self.dim)).unwrap_or_default()
     }
 
     fn touches(&self) -> Option<&dyn Touches> {

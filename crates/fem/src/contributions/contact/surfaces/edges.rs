@@ -2,7 +2,7 @@
 
 use super::moves::advance_within;
 use super::pieces::Pieces;
-use super::side::place;
+use crate::contributions::contact::samples::place;
 use nastic_mesh::Mesh;
 use nastic_mesh::spatial::{Aabb, Tree};
 use nastic_tensor::Vec3;
@@ -62,11 +62,21 @@ impl Edges {
 
     /// Calls with the pairs of edges whose boxes overlap, but for neighbours.
     fn each_near(&self, around: impl Fn(&[u32; 2]) -> Aabb, mut call: impl FnMut([&[u32; 2]; 2])) {
-        let tree = Tree::build(&self.others.iter().map(|(nodes, _)| around(nodes)).collect::<Vec<_>>());
-        for (k, (nodes, neighbours)) in self.own.iter().enumerate() {
+        let boxes =
+            |edges: &[([u32; 2], Vec<u32>)]| -> Vec<Aabb> { edges.iter().map(|(nodes, _)| around(nodes)).collect() };
+        let [own, others] = [boxes(&self.own), boxes(&self.others)];
+        let all = |boxes: &[Aabb]| boxes.iter().copied().reduce(|all, one| all.union(&one));
+        let (Some(of_own), Some(of_others)) = (all(&own), all(&others)) else { return };
+        // of bodies that are far from each other none is looked at
+        let near_own: Vec<usize> = (0..others.len()).filter(|&other| others[other].overlaps(&of_own)).collect();
+        if near_own.is_empty() {
+            return;
+        }
+        let tree = Tree::build(&near_own.iter().map(|&other| others[other]).collect::<Vec<_>>());
+        for (k, (nodes, neighbours)) in self.own.iter().enumerate().filter(|(k, _)| own[*k].overlaps(&of_others)) {
             let mut near = Vec::new();
-            tree.overlapping(&around(nodes), |other| {
-                near.push(other);
+            tree.overlapping(&own[k], |other| {
+                near.push(near_own[other]);
                 false
             });
             near.sort_unstable();

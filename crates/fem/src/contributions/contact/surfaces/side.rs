@@ -3,7 +3,7 @@
 use super::gap::Gap;
 use super::pieces::Pieces;
 use super::simplex::{distance, feature};
-use crate::contributions::contact::samples::Samples;
+use crate::contributions::contact::samples::{Samples, place};
 use crate::discretization::Discretization;
 use crate::error::FemError;
 use nastic_mesh::spatial::Aabb;
@@ -84,13 +84,6 @@ impl Side {
         };
         (0..self.samples.len()).filter_map(of_sample).collect()
     }
-}
-
-/// Where a node is.
-pub(super) fn place(mesh: &Mesh, u: &[f64], node: u32) -> Vec3 {
-    let (mut x, dim) = (Vec3::from(mesh.points()[node as usize]), mesh.dim());
-    (0..dim).for_each(|i| x[i] += u[dim * node as usize + i]);
-    x
 }
 
 /// Of every sample the corners of the facets that it is on, itself excepted; ascending.
