@@ -15,22 +15,22 @@ if ! command -v mpirun > /dev/null || ! ls "${PETSC_LIB_DIR:-/usr/lib/$(uname -m
 fi
 export CARGO_TARGET_DIR="$PWD/target/petsc"
 cargo test --release --locked --quiet --manifest-path petsc/Cargo.toml --lib || exit 1
-cargo build --release --locked --quiet --manifest-path petsc/Cargo.toml --example cantilever || exit 1
+cargo build --release --locked --quiet --manifest-path petsc/Cargo.toml --examples || exit 1
 # MPI ranks share the processors: no threads of BLAS beside them.
 export OPENBLAS_NUM_THREADS=1
 root=()
 [ "$(id -u)" = 0 ] && root=(--allow-run-as-root)
 
-python3 - "$CARGO_TARGET_DIR/release/examples/cantilever" "${root[@]}" <<'PYTHON'
+python3 - "$CARGO_TARGET_DIR/release/examples" "${root[@]}" <<'PYTHON'
 import json, math, subprocess, sys
 
-program, *root = sys.argv[1:]
+programs, *root = sys.argv[1:]
 failed = 0
 
 
-def run(ranks, *arguments):
-    command = ["mpirun", *root, "--oversubscribe", "--mca", "mpi_yield_when_idle", "1", "-n", str(ranks), program]
-    done = subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=300)
+def run(ranks, *arguments, program="cantilever", most=300):
+    command = ["mpirun", *root, "--oversubscribe", "--mca", "mpi_yield_when_idle", "1", "-n", str(ranks), f"{programs}/{program}"]
+    done = subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=most)
     return json.loads(done.stdout) if done.returncode == 0 else {"error": done.stderr}
 
 
@@ -76,5 +76,24 @@ for name, options in {
     found = run(2, "hex8", 2, 1.0, *options)
     right = "tip" in found and max(abs(a - b) for a, b in zip(found["tip"], DIGITS["hex8", 2])) < 1e-9
     note(f"{name} on 2", right, found.get("error", ""))
+
+# a column shortened beyond buckling: its negative eigenvalues
+for ranks in 1, 2, 3:
+    found = run(ranks, program="column")
+    right = "negative" in found and 0 < found["negative"] == found["expected"]
+    note(f"negative eigenvalues on {ranks}", right, found.get("negative", found.get("error")))
+    for kind in [], ["jacobi"], ["hypre"], ["cholesky", "-nastic_pc_factor_mat_solver_type", "mumps"]:
+        options = ["-nastic_pc_type", *kind] if kind else []
+        ended = run(ranks, *options, program="column").get("ended", "")
+        note(f"indefinite with {' '.join(kind[:1]) or 'gamg'} on {ranks}", "positive definite" in ended, ended)
+for how in "fail", "panic":
+    try:
+        ended = run(3, how, program="column", most=60).get("error", "it went on")
+    except subprocess.TimeoutExpired:
+        ended = "the others wait"
+    note(f"a rank that does {how} ends the job", "as it was told" in ended, ended[:70])
+for option, value in {"-nastic_ksp_type": "gmres", "-nastic_pc_type": "lu"}.items():
+    ended = run(1, option, value, program="column").get("ended", "")
+    note(f"{value} is refused", option in ended, ended)
 sys.exit(failed > 0)
 PYTHON

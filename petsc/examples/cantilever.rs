@@ -89,6 +89,12 @@ fn solved(session: &Session, (kind, n, factor): (CellKind, usize, f64), serial: 
     ))
 }
 
+/// What a rank fails of.
+fn say(session: &Session, error: Box<dyn std::error::Error>) {
+    // nothing is left to do where this cannot be written either
+    let _ = writeln!(std::io::stderr().lock(), "rank {}: {error}", session.rank().rank());
+}
+
 fn main() -> Outcome {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let usage = "cantilever hex8|hex27 N [FACTOR [OPTIONS OF PETSC..]]";
@@ -101,14 +107,12 @@ fn main() -> Outcome {
     let factor = arguments.get(2).map_or(Ok(1.0), |factor| factor.parse())?;
     let options = arguments.get(3..).unwrap_or_default();
     let serial = options == ["serial"];
-    let session = Session::begin(&if serial { String::new() } else { options.join(" ") })?;
-    match solved(&session, (kind, n, factor), serial) {
-        Ok(line) if session.rank().leads() => writeln!(std::io::stdout().lock(), "{line}")?,
-        Ok(_) => {}
-        Err(error) => {
-            writeln!(std::io::stderr().lock(), "rank {}: {error}", session.rank().rank())?;
-            session.abort(1)
+    let work = |session: &Session| -> Outcome {
+        let line = solved(session, (kind, n, factor), serial)?;
+        if session.rank().leads() {
+            writeln!(std::io::stdout().lock(), "{line}")?;
         }
-    }
-    Ok(())
+        Ok(())
+    };
+    Ok(Session::run(&if serial { String::new() } else { options.join(" ") }, work, say)?)
 }

@@ -10,10 +10,21 @@ pub type Object = *mut c_void;
 pub type Comm = *mut c_void;
 pub type Code = c_int;
 
+/// The release whose functions and constants these are.
+pub const RELEASE: (c_int, c_int) = (3, 18);
+/// Of `PetscDataType`.
+pub const DOUBLE: c_int = 1;
+pub const INT: c_int = 16;
 pub const COPY_VALUES: c_int = 0;
 pub const INITIAL_MATRIX: c_int = 0;
 pub const FINAL_ASSEMBLY: c_int = 0;
+/// A tolerance that stays as it is.
+pub const KEEP: c_int = -2;
 pub const NORM_UNPRECONDITIONED: c_int = 2;
+/// Controls of MUMPS that are 1 where signs of pivots are counted: no ScaLAPACK at the root (13), which hides them; null pivots (24).
+pub const MUMPS_COUNTS: [c_int; 2] = [13, 24];
+pub const CONVERGED_RTOL: c_int = 2;
+pub const CONVERGED_ATOL: c_int = 3;
 pub const DIVERGED_ITS: c_int = -3;
 pub const DIVERGED_INDEFINITE_PC: c_int = -8;
 pub const DIVERGED_INDEFINITE_MAT: c_int = -10;
@@ -28,9 +39,10 @@ pub struct Status {
 }
 
 unsafe extern "C" {
-    pub static PETSC_COMM_WORLD: Comm;
-    pub static ompi_mpi_comm_self: c_void;
-    pub static ompi_mpi_byte: c_void;
+    // written by PetscInitialize and MPI_Init
+    pub static mut PETSC_COMM_WORLD: Comm;
+    pub static mut ompi_mpi_comm_self: c_void;
+    pub static mut ompi_mpi_byte: c_void;
 
     pub fn MPI_Comm_rank(comm: Comm, rank: *mut c_int) -> c_int;
     pub fn MPI_Comm_size(comm: Comm, size: *mut c_int) -> c_int;
@@ -54,6 +66,14 @@ unsafe extern "C" {
         file: *const c_char,
         help: *const c_char,
     ) -> Code;
+    pub fn PetscGetVersionNumber(
+        major: *mut c_int,
+        minor: *mut c_int,
+        subminor: *mut c_int,
+        release: *mut c_int,
+    ) -> Code;
+    pub fn PetscDataTypeGetSize(kind: c_int, size: *mut usize) -> Code;
+    pub fn PetscDataTypeFromString(name: *const c_char, kind: *mut c_int, found: *mut c_int) -> Code;
     pub fn PetscFinalize() -> Code;
     pub fn PetscOptionsInsertString(options: Object, text: *const c_char) -> Code;
 
@@ -93,6 +113,8 @@ unsafe extern "C" {
     pub fn MatConvert(mat: Object, kind: *const c_char, reuse: c_int, out: *mut Object) -> Code;
     pub fn MatSetNearNullSpace(mat: Object, space: Object) -> Code;
     pub fn MatGetInertia(factor: Object, negative: *mut c_int, zero: *mut c_int, positive: *mut c_int) -> Code;
+    pub fn MatFactorGetSolverType(factor: Object, kind: *mut *const c_char) -> Code;
+    pub fn MatMumpsSetIcntl(factor: Object, number: c_int, value: c_int) -> Code;
     pub fn MatDestroy(mat: *mut Object) -> Code;
     pub fn MatNullSpaceCreateRigidBody(coordinates: Object, space: *mut Object) -> Code;
     pub fn MatNullSpaceDestroy(space: *mut Object) -> Code;
@@ -120,6 +142,7 @@ unsafe extern "C" {
         most: c_int,
     ) -> Code;
     pub fn KSPSetFromOptions(ksp: Object) -> Code;
+    pub fn PetscObjectTypeCompare(object: Object, kind: *const c_char, same: *mut c_int) -> Code;
     pub fn KSPGetPC(ksp: Object, pc: *mut Object) -> Code;
     pub fn KSPSetUp(ksp: Object) -> Code;
     pub fn KSPSolve(ksp: Object, b: Object, x: Object) -> Code;
@@ -129,5 +152,6 @@ unsafe extern "C" {
     pub fn KSPDestroy(ksp: *mut Object) -> Code;
     pub fn PCSetType(pc: Object, kind: *const c_char) -> Code;
     pub fn PCFactorSetMatSolverType(pc: Object, kind: *const c_char) -> Code;
+    pub fn PCFactorSetUpMatSolverType(pc: Object) -> Code;
     pub fn PCFactorGetMatrix(pc: Object, factor: *mut Object) -> Code;
 }

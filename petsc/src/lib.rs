@@ -7,12 +7,17 @@
 //! use nastic_petsc::{PETSC, Session};
 //! use nastic_team::Team;
 //!
-//! let session = Session::begin("")?;
-//! let rank = session.rank().clone();
-//! let mesh = box_mesh([1.0, 0.2, 0.2], [30, 6, 6], CellKind::Hex8)?;
-//! let part = mesh.part(&mesh.bisected(rank.size())?, rank.rank() as u32)?;
-//! let solid = Solid::of_part(part, rank)?.solver(PETSC);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! fn work(session: &Session) -> Result<(), Box<dyn std::error::Error>> {
+//!     let rank = session.rank().clone();
+//!     let mesh = box_mesh([1.0, 0.2, 0.2], [30, 6, 6], CellKind::Hex8)?;
+//!     let part = mesh.part(&mesh.bisected(rank.size())?, rank.rank() as u32)?;
+//!     let solid = Solid::of_part(part, rank)?.solver(PETSC);
+//!     Ok(())
+//! }
+//!
+//! // an error on one rank ends all of them
+//! Session::run("", work, |session, error| eprintln!("rank {}: {error}", session.rank().rank()))?;
+//! # Ok::<(), nastic_petsc::PetscError>(())
 //! ```
 
 mod ffi;

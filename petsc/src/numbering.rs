@@ -29,11 +29,15 @@ impl Numbering {
         of.sum(&mut counts);
         let before: f64 = counts[..of.team().rank()].iter().sum();
         let nodes = counts.iter().sum::<f64>() as usize;
+        // the same on all ranks
         count("unknowns", nodes * space.block())?;
         let number = |node| if node < of.owned() { before + node as f64 } else { 0.0 };
         let mut global: Vec<f64> = (0..local).map(number).collect();
         // only the owner knows one
         of.add_up(1, &mut global);
+        if let Some(failure) = of.failure() {
+            return Err(failure.into());
+        }
         Ok(Numbering { owned: of.owned(), global: global.into_iter().map(|node| node as i32).collect(), nodes, share })
     }
 

@@ -2,7 +2,7 @@
 #![allow(unsafe_code)] // calls of C
 
 use crate::ffi;
-use crate::session::on_its_thread;
+use crate::session::{on_its_thread, world};
 use nastic_team::{Team, TeamError};
 use std::ffi::{c_int, c_void};
 use std::sync::{Mutex, PoisonError};
@@ -13,7 +13,8 @@ const FOR_EVER: Duration = Duration::from_secs(1 << 32);
 /// What tells these messages from PETSc's own.
 const TAG: c_int = 7203;
 
-/// A rank of MPI's world, whose messages go out from the thread of the [`Session`](crate::Session) alone. A send may wait for the other rank to receive.
+/// A rank of MPI's world, whose messages go out from the thread of the [`Session`](crate::Session) alone. A send may wait for the other rank to receive, and messages are
+/// waited for without limit unless [`wait_at_most`](Team::wait_at_most) sets one: calls of PETSc among them have none.
 #[derive(Debug)]
 pub struct MpiRank {
     rank: usize,
@@ -66,8 +67,7 @@ fn probe(from: c_int, limit: Duration) -> Result<c_int, TeamError> {
     loop {
         // SAFETY: MPI runs, in this thread; the pointers are to values of ours.
         unsafe {
-            let comm = ffi::PETSC_COMM_WORLD;
-            sent("MPI_Iprobe", ffi::MPI_Iprobe(from, TAG, comm, &raw mut flag, &raw mut status))?;
+            sent("MPI_Iprobe", ffi::MPI_Iprobe(from, TAG, world(), &raw mut flag, &raw mut status))?;
             if flag != 0 {
                 sent("MPI_Get_count", ffi::MPI_Get_count(&raw const status, bytes(), &raw mut length))?;
                 return Ok(length);
@@ -97,20 +97,20 @@ impl Team for MpiRank {
             let (to, length) = (number("ranks", to)?, number("bytes", message.len())?);
             let data = message.as_ptr().cast::<c_void>();
             // SAFETY: MPI runs, in this thread; the message has so many bytes, and outlives the call.
-            sent("MPI_Send", unsafe { ffi::MPI_Send(data, length, bytes(), to, TAG, ffi::PETSC_COMM_WORLD) })
+            sent("MPI_Send", unsafe { ffi::MPI_Send(data, length, bytes(), to, TAG, world()) })
         })
     }
 
     fn receive(&self, from: usize) -> Result<Vec<u8>, TeamError> {
         self.once(|limit| {
-            let from = number("ranks", from)?;
+            let (rank, from) = (from, number("ranks", from)?);
             let length = probe(from, limit)?;
-            let mut message = vec![0u8; length.unsigned_abs() as usize];
+            let wrong = |_| TeamError::Unexpected { rank, what: "a length that MPI cannot tell" };
+            let mut message = vec![0u8; usize::try_from(length).map_err(wrong)?];
             let data = message.as_mut_ptr().cast::<c_void>();
             let mut status = ffi::Status { source: 0, tag: 0, error: 0, cancelled: 0, bytes: 0 };
             // SAFETY: MPI runs, in this thread; the message has room for so many bytes.
-            let code =
-                unsafe { ffi::MPI_Recv(data, length, bytes(), from, TAG, ffi::PETSC_COMM_WORLD, &raw mut status) };
+            let code = unsafe { ffi::MPI_Recv(data, length, bytes(), from, TAG, world(), &raw mut status) };
             sent("MPI_Recv", code).map(|()| message)
         })
     }

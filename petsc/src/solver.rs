@@ -56,10 +56,17 @@ fn failed(error: PetscError) -> LinearError {
 impl PetscSolver {
     fn distributed(&mut self, system: &System) -> Result<(Distributed, usize), LinearError> {
         let space = system.space();
-        if !(system.matrix.is_symmetric() && system.matrix.beyond().is_empty()) {
-            return Err(LinearError::NotSymmetric);
+        let rows = match system.matrix.is_symmetric() && system.matrix.beyond().is_empty() {
+            true => Rows::of(system.matrix).map_err(failed),
+            false => Err(LinearError::NotSymmetric),
+        };
+        // calls of PETSC would wait for a rank that refuses its own
+        let refused = space.any(rows.is_err());
+        let rows = rows?;
+        if refused {
+            let what = "another rank refuses its share of the matrix, and says why".to_owned();
+            return Err(LinearError::External { solver: NAME, what });
         }
-        let rows = Rows::of(system.matrix).map_err(failed)?;
         let block = system.matrix.pattern().dim();
         let numbering = match self.numbering.take().filter(|known| known.fits(space)) {
             Some(known) => known,
@@ -100,7 +107,12 @@ impl PetscSolver {
                 return Err(LinearError::External { solver: NAME, what });
             }
         }
-        Ok(x)
+        // a solution along which the curvature is not positive, where the iteration has met none of it
+        let space = system.space();
+        match space.dot(&x, b) > 0.0 || space.norm(b) == 0.0 {
+            true => Ok(x),
+            false => Err(LinearError::Indefinite),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::ffi::{self, Object};
 use crate::numbering::Numbering;
 use crate::object::{KSP, MAP, MAT, NULL_SPACE, Owned, VEC};
 use crate::rows::Rows;
-use crate::session::{PetscError, alone, check, count, on_its_thread};
+use crate::session::{PetscError, alone, check, count, on_its_thread, world};
 use std::ffi::{CStr, c_int};
 
 /// Begins the names of options: `-nastic_pc_type`, `-nastic_ksp_monitor`.
@@ -52,8 +52,7 @@ impl Distributed {
         over_ranks: bool,
     ) -> Result<Self, PetscError> {
         on_its_thread()?;
-        // SAFETY: a constant of PETSc once it has begun, which on_its_thread has seen.
-        let comm = if over_ranks { unsafe { ffi::PETSC_COMM_WORLD } } else { alone() };
+        let comm = if over_ranks { world() } else { alone() };
         let n = count("unknowns", block * numbering.global.len())?;
         let (owned, all) = (count("unknowns", block * numbering.owned)?, count("unknowns", block * numbering.nodes)?);
         let (bs, nodes) = (count("unknowns", block)?, count("nodes", numbering.global.len())?);
@@ -123,25 +122,37 @@ impl Distributed {
         let (ksp, pc) = self.solver()?;
         let (b, x) = (self.vector(b.as_ptr())?, self.vector(x.as_mut_ptr())?);
         let (mut reason, mut iterations, mut residual) = (0, 0, 0.0);
+        let factor;
         // SAFETY: objects of PETSc that live; x, which it writes to, is borrowed for that.
         unsafe {
             let ksp = ksp.get();
             check("KSPSetType", ffi::KSPSetType(ksp, c"cg".as_ptr()))?;
-            check("KSPSetNormType", ffi::KSPSetNormType(ksp, ffi::NORM_UNPRECONDITIONED))?;
             check("KSPSetTolerances", ffi::KSPSetTolerances(ksp, tolerance, 1e-300, 1e10, MOST))?;
             check("PCSetType", ffi::PCSetType(pc, c"gamg".as_ptr()))?;
             check("KSPSetOptionsPrefix", ffi::KSPSetOptionsPrefix(ksp, PREFIX.as_ptr()))?;
             check("KSPSetFromOptions", ffi::KSPSetFromOptions(ksp))?;
+            if !is_a(ksp, c"cg")? {
+                return Err(PetscError::Method { option: "-nastic_ksp_type", only: "cg" });
+            }
+            // of what a solution is, options decide nothing
+            check("KSPSetNormType", ffi::KSPSetNormType(ksp, ffi::NORM_UNPRECONDITIONED))?;
+            check("KSPSetTolerances", ffi::KSPSetTolerances(ksp, tolerance, 1e-300, 1e10, ffi::KEEP))?;
+            factor = signed_factor(pc)?;
             check("KSPSolve", ffi::KSPSolve(ksp, b.get(), x.get()))?;
             check("KSPGetConvergedReason", ffi::KSPGetConvergedReason(ksp, &raw mut reason))?;
             check("KSPGetIterationNumber", ffi::KSPGetIterationNumber(ksp, &raw mut iterations))?;
             check("KSPGetResidualNorm", ffi::KSPGetResidualNorm(ksp, &raw mut residual))?;
         }
-        let end = match reason {
-            1.. => End::Converged,
-            ffi::DIVERGED_INDEFINITE_MAT | ffi::DIVERGED_INDEFINITE_PC => End::Indefinite,
-            ffi::DIVERGED_ITS => End::Spent,
-            other => End::Other(other),
+        let end = match (reason, factor) {
+            (ffi::CONVERGED_RTOL | ffi::CONVERGED_ATOL, None) => End::Converged,
+            // with a factor one iteration solves indefinite systems as well
+            (ffi::CONVERGED_RTOL | ffi::CONVERGED_ATOL, Some(factor)) => match inertia(factor)? {
+                (0, 0) => End::Converged,
+                _ => End::Indefinite,
+            },
+            (ffi::DIVERGED_INDEFINITE_MAT | ffi::DIVERGED_INDEFINITE_PC, _) => End::Indefinite,
+            (ffi::DIVERGED_ITS, _) => End::Spent,
+            (other, _) => End::Other(other),
         };
         Ok(Report { end, iterations: iterations.unsigned_abs() as usize, residual })
     }
@@ -149,15 +160,57 @@ impl Distributed {
     /// Negative and zero eigenvalues, of a factor by MUMPS.
     pub fn inertia(&self) -> Result<(usize, usize), PetscError> {
         let (ksp, pc) = self.solver()?;
-        let (mut factor, mut negative, mut zero, mut positive) = (std::ptr::null_mut(), 0, 0, 0);
-        // SAFETY: objects of PETSc that live; the factor belongs to the preconditioner.
+        // SAFETY: objects of PETSc that live.
         unsafe {
             check("PCSetType", ffi::PCSetType(pc, c"cholesky".as_ptr()))?;
             check("PCFactorSetMatSolverType", ffi::PCFactorSetMatSolverType(pc, c"mumps".as_ptr()))?;
-            check("KSPSetUp", ffi::KSPSetUp(ksp.get()))?;
-            check("PCFactorGetMatrix", ffi::PCFactorGetMatrix(pc, &raw mut factor))?;
-            check("MatGetInertia", ffi::MatGetInertia(factor, &raw mut negative, &raw mut zero, &raw mut positive))?;
         }
-        Ok((negative.unsigned_abs() as usize, zero.unsigned_abs() as usize))
+        let factor = signed_factor(pc)?;
+        // SAFETY: the same.
+        check("KSPSetUp", unsafe { ffi::KSPSetUp(ksp.get()) })?;
+        factor.map_or(Ok((0, 0)), inertia)
     }
+}
+
+/// Whether an object is of a type.
+fn is_a(object: Object, kind: &CStr) -> Result<bool, PetscError> {
+    let mut same = 0;
+    // SAFETY: an object of PETSc that lives.
+    check("PetscObjectTypeCompare", unsafe { ffi::PetscObjectTypeCompare(object, kind.as_ptr(), &raw mut same) })?;
+    Ok(same != 0)
+}
+
+/// The factor that a preconditioner is, not computed yet and such that signs of its pivots will be counted; `None` of one that is no factor.
+fn signed_factor(pc: Object) -> Result<Option<Object>, PetscError> {
+    if is_a(pc, c"lu")? {
+        return Err(PetscError::Method {
+            option: "-nastic_pc_type",
+            only: "a factor that shows signs of pivots: cholesky",
+        });
+    }
+    if !is_a(pc, c"cholesky")? {
+        return Ok(None);
+    }
+    let (mut factor, mut kind) = (std::ptr::null_mut(), std::ptr::null());
+    // SAFETY: objects of PETSc that live; the factor belongs to the preconditioner, the name to the factor.
+    unsafe {
+        check("PCFactorSetUpMatSolverType", ffi::PCFactorSetUpMatSolverType(pc))?;
+        check("PCFactorGetMatrix", ffi::PCFactorGetMatrix(pc, &raw mut factor))?;
+        check("MatFactorGetSolverType", ffi::MatFactorGetSolverType(factor, &raw mut kind))?;
+        if CStr::from_ptr(kind) == c"mumps" {
+            for number in ffi::MUMPS_COUNTS {
+                check("MatMumpsSetIcntl", ffi::MatMumpsSetIcntl(factor, number, 1))?;
+            }
+        }
+    }
+    Ok(Some(factor))
+}
+
+/// Negative and zero eigenvalues, of a factor.
+fn inertia(factor: Object) -> Result<(usize, usize), PetscError> {
+    let (mut negative, mut zero, mut positive) = (0, 0, 0);
+    // SAFETY: a factor of PETSc that lives.
+    let code = unsafe { ffi::MatGetInertia(factor, &raw mut negative, &raw mut zero, &raw mut positive) };
+    check("MatGetInertia", code)?;
+    Ok((negative.unsigned_abs() as usize, zero.unsigned_abs() as usize))
 }

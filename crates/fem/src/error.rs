@@ -94,6 +94,9 @@ pub enum FemError {
     /// Ranks that have parts of a body cannot go on together.
     #[error(transparent)]
     Team(#[from] TeamError),
+    /// What another rank refuses of its part of the body; that one knows why.
+    #[error("another rank refuses what is asked of its part of the body, and says why")]
+    Elsewhere,
     /// A formulation that cells of a kind cannot have.
     #[error("{}", formulation_refused(*.cell, *.kind, *.formulation))]
     Formulation {

@@ -447,12 +447,15 @@ impl Model {
     /// # Errors
     /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
     pub fn check(&self) -> Result<(), FemError> {
+        self.unless_parted(self.check_at_rest())
+    }
+
+    fn check_at_rest(&self) -> Result<(), FemError> {
         // A body without materials has no use for advice on supports.
-        self.body.check_complete()?;
-        self.check_solver(None)?;
+        self.all_accept(self.check_laws())?;
         let springs = self.others.iter().flat_map(|contribution| contribution.resists());
         self.supports.check(self.discretization(), &springs.collect::<Vec<_>>())?;
-        self.check_in_motion()
+        self.all_accept(self.check_others())
     }
 
     /// Whether supports and springs leave no rigid motion of any part free: where they do, contacts have to hold it, or it flies.
@@ -476,8 +479,16 @@ impl Model {
 
     /// Checks that the problem is complete for motion, in which a body may be free.
     pub(crate) fn check_in_motion(&self) -> Result<(), FemError> {
+        self.check_laws()?;
+        self.check_others()
+    }
+
+    fn check_laws(&self) -> Result<(), FemError> {
         self.body.check_complete()?;
-        self.check_solver(None)?;
+        self.check_solver(None)
+    }
+
+    fn check_others(&self) -> Result<(), FemError> {
         self.others.iter().try_for_each(|contribution| contribution.check(&self.supports_of(contribution.as_ref())))
     }
 }

@@ -9,7 +9,7 @@
 
 use crate::contributions::Sums;
 use crate::discretization::Discretization;
-use crate::error::{FemError, Inadmissible, StateError};
+use crate::error::{FemError, Inadmissible};
 use crate::model::Model;
 use crate::solid::Solid;
 use nastic_linear::{Share, SolverFactory};
@@ -106,8 +106,17 @@ impl Model {
 
     /// What was found, or that another rank has found its part inadmissible.
     pub(crate) fn agreed<T>(&self, found: Result<T, Inadmissible>) -> Result<T, Inadmissible> {
+        self.unless_elsewhere(found, || Inadmissible::Elsewhere)
+    }
+
+    /// What a rank has checked by itself, or that another one refuses its part: before messages that would wait for that one.
+    pub(crate) fn all_accept<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
+        self.unless_elsewhere(found, || FemError::Elsewhere.into())
+    }
+
+    fn unless_elsewhere<T, E>(&self, found: Result<T, E>, elsewhere: impl FnOnce() -> E) -> Result<T, E> {
         match (self.unknowns().any(found.is_err()), found) {
-            (true, Ok(_)) => Err(Inadmissible::Elsewhere),
+            (true, Ok(_)) => Err(elsewhere()),
             (_, found) => found,
         }
     }
@@ -126,7 +135,7 @@ impl Model {
     }
 
     /// The end of a solve, unless messages between the ranks have failed on the way.
-    pub(crate) fn unless_parted<T>(&self, found: Result<T, StateError>) -> Result<T, StateError> {
+    pub(crate) fn unless_parted<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
         match self.unknowns().share().and_then(|share| share.failure()) {
             None => found,
             Some(failure) => Err(FemError::from(failure).into()),

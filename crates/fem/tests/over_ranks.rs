@@ -6,15 +6,15 @@ use common::Outcome;
 use common::ranks::{Simple, total};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
 use nastic_fem::{
-    Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, QuadraturePoints, Solid, SolveOptions,
-    Spring, State, StateError,
+    Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, Progress, QuadraturePoints, Solid,
+    SolveOptions, SolveReport, Spring, State, StateError,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, box_mesh};
 use nastic_team::Team;
 use nastic_team::threads::{self, Faults, ThreadRank};
 use nastic_tensor::Vec3;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 type Sent<T> = Result<T, String>;
 
@@ -290,6 +290,96 @@ fn what_inverts_on_one_rank_is_inadmissible_on_all() -> Outcome {
     let inverted = found.iter().filter(|found| **found == Ok(Some("inverted"))).count();
     let elsewhere = found.iter().filter(|found| **found == Ok(Some("elsewhere"))).count();
     assert_eq!((inverted, elsewhere), (1, 2), "{found:?}");
+    Ok(())
+}
+
+#[test]
+fn a_watch_of_one_rank_alone_sees_every_step() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 1, 1], CellKind::Hex8)?;
+    let found = on(3, &Faults::default(), |rank| {
+        let solid = cantilever(part(&mesh, &rank)?)?;
+        let seen = Mutex::new(Vec::new());
+        let see = |at: &Progress| seen.lock().map_or((), |mut seen| seen.push(at.residual));
+        let watch = rank.leads().then_some(&see as &(dyn Fn(&Progress) + Sync));
+        let state = solid.solve(&tension(&solid, 0.5)?, &SolveOptions { watch, ..how() })?;
+        let seen = seen.lock().map_err(|error| error.to_string())?.clone();
+        Ok((seen, state.report.newton, state.report.residual))
+    });
+    for (rank, found) in found.into_iter().enumerate() {
+        let (seen, newton, residual) = found?;
+        assert_eq!(seen.len(), if rank == 0 { newton } else { 0 });
+        assert!(newton > 2 && seen.last().is_none_or(|last| *last == residual), "{seen:?} {residual}");
+    }
+    Ok(())
+}
+
+/// What was refused: here, or by another rank.
+fn refused<T>(found: Result<T, StateError>) -> &'static str {
+    match found {
+        Err(StateError::Problem(FemError::Elsewhere)) => "elsewhere",
+        Err(StateError::Problem(FemError::NoMaterial { .. })) => "no material",
+        Err(StateError::Problem(FemError::NotFinite { .. })) => "not finite",
+        Err(StateError::Problem(FemError::Length { .. })) => "length",
+        Err(_) => "another error",
+        Ok(_) => "nothing",
+    }
+}
+
+#[test]
+fn what_one_rank_refuses_ends_the_calls_of_all_and_they_go_on() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 1, 1], CellKind::Hex8)?;
+    let found = on(3, &Faults::default(), |rank| {
+        let (own, bare) = (rank.rank(), part(&mesh, &rank)?.clamp("x-")?);
+        let bare = if own == 1 { bare } else { bare.material("body", NeoHooke::new(1e5, 1e6)?)? };
+        let without = refused(bare.solve(&bare.controls(), &how()));
+        let solid = cantilever(part(&mesh, &rank)?)?;
+        let (good, mut bad) = (tension(&solid, 0.1)?, tension(&solid, 0.1)?);
+        if own == 2 {
+            bad.values_mut(0)[0] = f64::NAN;
+        }
+        let not_finite = refused(solid.solve(&bad, &how()));
+        let guess = vec![0.0; if own == 0 { 1 } else { solid.model().unknowns().len() }];
+        let guessed = refused(solid.solve(&good, &SolveOptions { guess: Some(&guess), ..how() }));
+        let state = solid.solve(&good, &how())?;
+        let rhs = vec![1.0; if own == 1 { 1 } else { state.u.len() }];
+        Ok([without, not_finite, guessed, refused(solid.adjoint(&state, &[&rhs], &how()))])
+    });
+    let (at, away) = (["no material", "not finite", "length", "length"], "elsewhere");
+    let expected: Vec<Sent<_>> =
+        vec![Ok([away, away, at[2], away]), Ok([at[0], away, away, at[3]]), Ok([away, at[1], away, away])];
+    assert_eq!(found, expected);
+    Ok(())
+}
+
+#[test]
+fn a_start_that_displaces_the_parts_of_some_ranks_alone_is_one() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 1, 1], CellKind::Hex8)?;
+    let found = on(3, &Faults::default(), |rank| {
+        let solid = cantilever(part(&mesh, &rank)?)?;
+        let controls = tension(&solid, 0.2)?;
+        let expected = solid.solve(&controls, &how())?.report.energy;
+        let u: Vec<f64> = solid.mesh().points().iter().flat_map(|x| [0.0, 0.0, 0.01 * (x[0] - 0.6).max(0.0)]).collect();
+        let rests = u.iter().all(|u| *u == 0.0);
+        let near = State::equilibrium(u, solid.controls(), 0.0, SolveReport::default());
+        let energy = solid.solve(&controls, &SolveOptions { near: Some(&near), ..how() })?.report.energy;
+        Ok((rests, (energy / expected - 1.0).abs() < 1e-8))
+    });
+    assert_eq!(found.iter().filter(|found| **found == Ok((true, true))).count(), 1, "{found:?}");
+    assert_eq!(found.iter().filter(|found| **found == Ok((false, true))).count(), 2, "{found:?}");
+    Ok(())
+}
+
+#[test]
+fn supports_are_not_said_to_hold_where_messages_fail() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 1, 1], CellKind::Hex8)?;
+    for message in [1, 6] {
+        let faults = Faults { lost: Some((1, message)), ..Faults::default() };
+        let found = on(3, &faults, |rank| {
+            let solid = cantilever(part(&mesh, &rank)?)?;
+            Ok(matches!(solid.check(), Err(FemError::Team(_))))
+        });
+        assert!(found.iter().all(|found| *found == Ok(true)), "{message}: {found:?}");
+    }
     Ok(())
 }
 

@@ -57,14 +57,7 @@ impl Model {
             self.supports.restrict(&mut b);
             b
         };
-        let expected = self.unknowns().len();
-        if let Some(b) = rhs.iter().find(|b| b.len() != expected) {
-            let what = "right-hand side of the adjoint".to_owned();
-            return Err(crate::FemError::Length { what, found: b.len(), expected }.into());
-        }
-        self.check_state(state)?;
-        self.check_solver(how.solver)?;
-        self.check_spans_ranks(how.solver)?;
+        self.all_accept(self.check_adjoint(state, rhs, how))?;
         let rhs: Vec<Vec<f64>> = rhs.iter().map(clear).collect();
         let columns: Vec<&[f64]> = rhs.iter().map(Vec::as_slice).collect();
         let mut report = SolveReport::default();
@@ -79,6 +72,17 @@ impl Model {
         let at = self.instant(state, None, how.parallel);
         let lambda = self.solve_transposed_at(&at, &columns, state, &mut systems, &mut report);
         self.unless_parted(lambda).map(|lambda| Adjoint { lambda, report })
+    }
+
+    fn check_adjoint(&self, state: &State, rhs: &[&[f64]], how: &SolveOptions) -> Result<(), StateError> {
+        let expected = self.unknowns().len();
+        if let Some(b) = rhs.iter().find(|b| b.len() != expected) {
+            let what = "right-hand side of the adjoint".to_owned();
+            return Err(crate::FemError::Length { what, found: b.len(), expected }.into());
+        }
+        self.check_state(state)?;
+        self.check_solver(how.solver)?;
+        Ok(self.check_spans_ranks(how.solver)?)
     }
 
     /// `K(u*) x = b` with the factor at hand and K(u*) as a product, where that is cheaper than K(u*) as a matrix; `None`

@@ -26,21 +26,21 @@ impl Model {
 
     /// The longest share of a straight change of controls and displacement, to those of another instant, that every contribution bears at once.
     pub(crate) fn admissible_change(&self, at: &Instant, to: &Instant) -> Result<f64, Inadmissible> {
-        let mut share = 1.0_f64;
+        let mut share = Ok(1.0_f64);
         for ((contribution, at), to) in self.others.iter().zip(self.instants(at)).zip(self.instants(to)) {
             let contribution = contribution.as_ref();
             let own = self.among_fields(contribution, &at, |at| {
                 self.among_fields(contribution, &to, |to| contribution.max_change(at, to))
             });
-            share = share.min(own?);
+            share = share.and_then(|least| own.map(|own| least.min(own)));
         }
-        Ok(self.unknowns().least(share))
+        Ok(self.unknowns().least(self.agreed(share)?))
     }
 
     /// Refuses to begin at a state outside of the admissible set.
     pub(crate) fn check_start(&self, state: &State, parallel: bool) -> Result<(), StateError> {
         let at = self.instant(state, None, parallel);
-        let rests = state.u.iter().all(|u| *u == 0.0);
+        let rests = !self.unknowns().any(state.u.iter().any(|u| *u != 0.0));
         let found =
             if rests { self.admissible_move_of_others(&at, &state.u) } else { self.admissible_move(&at, &state.u) };
         let begins = || self.each_other(&at, |contribution, at| contribution.check_start(at));

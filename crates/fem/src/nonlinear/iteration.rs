@@ -126,11 +126,13 @@ pub(crate) struct Iteration<'a> {
     search: LineSearch<'a>,
     /// Short steps in a row.
     short: usize,
+    /// How much of the last step was taken.
+    length: f64,
 }
 
 impl<'a> Iteration<'a> {
     pub fn new(equations: &'a Equations<'a>, limits: Limits) -> Self {
-        Iteration { equations, limits, search: LineSearch::new(equations), short: 0 }
+        Iteration { equations, limits, search: LineSearch::new(equations), short: 0, length: 0.0 }
     }
 
     /// From x to a solution, and what the last tangent was (positive where none was needed); where it stops short, x is the last
@@ -145,6 +147,7 @@ impl<'a> Iteration<'a> {
         equations.place(x);
         equations.model.supports.extend(x);
         let mut now = equations.evaluate(x)?;
+        let (mut residual, mut relative) = equations.residual(&now.sums);
         let (mut before, mut least) = (f64::INFINITY, f64::INFINITY);
         let (mut last, mut tiny, mut forces) = (Curvature::Positive, None, 0.0_f64);
         let shifted = report.shifted;
@@ -152,7 +155,6 @@ impl<'a> Iteration<'a> {
             if equations.model.unknowns().any(equations.options.cancelled()) {
                 return Err(Stop::Cancelled);
             }
-            let (residual, relative) = equations.residual(&now.sums);
             record(&now.sums, relative, report);
             let space = equations.model.unknowns();
             let scale = space.norm(&now.sums.force_scale[..equations.dofs()]);
@@ -180,12 +182,14 @@ impl<'a> Iteration<'a> {
                 return Err(Stop::Spent { residual: relative });
             }
             let here = Iterate { x, now: &now.sums, point: &now.point, residual: &residual, relative };
-            let is_pending = direction.is_pending();
+            let (is_pending, load) = (direction.is_pending(), equations.split(x).1);
             (*x, now, last, tiny) = match self.step(&here, direction, report) {
                 // no step lowers what is rounding alone
                 Err(Stop::Slow { .. }) if relative <= ROUNDING && !is_pending => return Ok(last),
                 taken => taken?,
             };
+            (residual, relative) = equations.residual(&now.sums);
+            self.watched(load, relative, &now.sums, report);
         }
         Err(Stop::Slow { residual: report.residual })
     }
@@ -201,7 +205,9 @@ impl<'a> Iteration<'a> {
         let (residual, relative) = self.equations.residual(&now.sums);
         let here = Iterate { x, now: &now.sums, point: &now.point, residual: &residual, relative };
         let (next, now, ..) = self.step(&here, direction, report)?;
-        record(&now.sums, self.equations.residual(&now.sums).1, report);
+        let relative = self.equations.residual(&now.sums).1;
+        self.watched(self.equations.split(x).1, relative, &now.sums, report);
+        record(&now.sums, relative, report);
         *x = next;
         Ok(())
     }
@@ -222,14 +228,14 @@ impl<'a> Iteration<'a> {
         // of the displacement alone it says nothing of further fields
         let alone = self.equations.model.unknowns().has_one_nodal_field();
         let tiny = alone && step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
-        self.report_iteration(here.x, taken.length, &taken.now.sums, report);
+        self.length = taken.length;
         Ok((taken.x, taken.now, step.curvature, tiny.then_some(step.scale)))
     }
 
-    fn report_iteration(&self, x: &[f64], step: f64, now: &Sums, report: &SolveReport) {
+    /// Tells a watch of the step just taken; without messages between ranks, of which some may have none.
+    fn watched(&self, load: f64, residual: f64, now: &Sums, report: &SolveReport) {
         if let Some(watch) = self.equations.options.watch {
-            let (residual, load) = (self.equations.residual(now).1, self.equations.split(x).1);
-            watch(&Progress { load, newton: report.newton, residual, step, energy: now.energy });
+            watch(&Progress { load, newton: report.newton, residual, step: self.length, energy: now.energy });
         }
     }
 }

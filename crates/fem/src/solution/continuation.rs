@@ -109,19 +109,9 @@ impl Model {
         (time_step, shorter): (Option<&TimeStep>, bool),
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
-        self.check_solver(how.solver)?;
-        self.check_spans_ranks(how.solver)?;
-        self.check_controls(controls)?;
-        self.check_constraints(controls)?;
+        self.all_accept(self.check_request(controls, how))?;
         let rest = self.rest_under(controls);
         let mut spent = SolveReport::default();
-        if let Some(guess) = how.guess.filter(|guess| guess.len() != rest.u.len()) {
-            let what = "guess of the displacement".to_owned();
-            return Err(FemError::Length { what, found: guess.len(), expected: rest.u.len() }.into());
-        }
-        if let Some(near) = how.near {
-            self.check_state(near)?;
-        }
         let start = how.near.unwrap_or(&rest);
         // those of a motion were checked where it began
         if time_step.is_none() {
@@ -160,6 +150,20 @@ impl Model {
             }
             solved => solved,
         }
+    }
+
+    /// Refuses what this model cannot be asked.
+    fn check_request(&self, controls: &Controls, how: &SolveOptions) -> Result<(), StateError> {
+        self.check_solver(how.solver)?;
+        self.check_spans_ranks(how.solver)?;
+        self.check_controls(controls)?;
+        self.check_constraints(controls)?;
+        let expected = self.unknowns().len();
+        if let Some(guess) = how.guess.filter(|guess| guess.len() != expected) {
+            let what = "guess of the displacement".to_owned();
+            return Err(FemError::Length { what, found: guess.len(), expected }.into());
+        }
+        how.near.map_or(Ok(()), |near| self.check_state(near))
     }
 
     /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature

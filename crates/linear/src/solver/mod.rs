@@ -89,6 +89,9 @@ pub struct LinearWork {
 ///
 /// Matrices change from call to call, their pattern does not ([`Joining`] takes those with blocks beyond it). Results depend on what was kept within the accuracy asked;
 /// the same calls in the same order give the same bits.
+///
+/// Rows of eliminated unknowns ([`System::fixed`]) have their diagonal alone, and are to be solved exactly, `x_i = b_i / A_ii`: what an iteration leaves there moves
+/// supports, within its tolerance and unseen by the residual.
 pub trait LinearSolver: Debug + Send + Sync {
     /// The name of what solves now: that of its [`SolverFactory`], or of what it fell back on.
     fn name(&self) -> &'static str;

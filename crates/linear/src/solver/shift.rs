@@ -36,11 +36,17 @@ impl Shift {
     ) -> Result<Vec<f64>, LinearError> {
         work.shifted += 1;
         let mut matrix = system.matrix.clone();
-        let diagonal = matrix.diagonal();
-        let scale = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len() as f64;
+        let space = system.space();
+        let mut diagonal = matrix.diagonal();
+        space.add_up(&mut diagonal);
+        let own = space.own(&diagonal);
+        let scale = space.total(own.iter().map(|d| d.abs()).sum()) / space.total(own.len() as f64);
+        let (own, mut entries) = (own.len(), vec![0.0; diagonal.len()]);
         let (mut shift, mut added) = ((self.last / 64.0).max(LEAST), 0.0);
         while shift <= MOST {
-            matrix.add_to_diagonal((shift - added) * scale);
+            // matrices of ranks add up: each unknown is shifted by its owner alone
+            entries[..own].fill((shift - added) * scale);
+            matrix.add_diagonal(&entries);
             added = shift;
             if let Some(step) = solver.solve_definite(&System { matrix: &matrix, ..*system }, b, work)? {
                 self.last = shift;
@@ -49,5 +55,99 @@ impl Shift {
             shift *= GROWTH;
         }
         Err(LinearError::Shift)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Shift;
+    use crate::multigrid::Corners;
+    use crate::solver::{Accuracy, Configuration, LinearError, LinearSolver, LinearWork, Step, System};
+    use crate::{Field, Pattern, Rotations, Share, Space, SparseMatrix, Structure};
+    use nastic_team::Team;
+    use nastic_team::threads::{self, Faults};
+    use std::sync::Arc;
+
+    /// Gives the diagonal of what it is to solve with.
+    #[derive(Debug)]
+    struct Diagonal;
+
+    impl LinearSolver for Diagonal {
+        fn name(&self) -> &'static str {
+            "diagonal"
+        }
+        fn restart(&mut self) {}
+        fn clear(&mut self) {}
+        fn prepare(&mut self, _: &System, _: &mut LinearWork) -> Result<(), LinearError> {
+            Ok(())
+        }
+        fn step(&mut self, _: &System, _: &[f64], _: f64, _: &mut LinearWork) -> Result<Step, LinearError> {
+            Err(LinearError::Indefinite)
+        }
+        fn solve(&mut self, _: &System, _: &[f64], _: Accuracy, _: &mut LinearWork) -> Result<Vec<f64>, LinearError> {
+            Err(LinearError::Indefinite)
+        }
+        fn solve_definite(
+            &mut self,
+            system: &System,
+            _: &[f64],
+            _: &mut LinearWork,
+        ) -> Result<Option<Vec<f64>>, LinearError> {
+            let mut diagonal = system.matrix.diagonal();
+            system.space().add_up(&mut diagonal);
+            Ok(Some(diagonal))
+        }
+        fn bytes(&self) -> usize {
+            0
+        }
+        fn anew(&self, _: &Arc<Structure>) -> Box<dyn LinearSolver> {
+            Box::new(Diagonal)
+        }
+        fn boxed_clone(&self) -> Box<dyn LinearSolver> {
+            Box::new(Diagonal)
+        }
+    }
+
+    struct At(Space, Arc<Rotations>);
+
+    impl Configuration for At {
+        fn positions(&self) -> &[[f64; 3]] {
+            &[]
+        }
+        fn rotations(&self) -> &Arc<Rotations> {
+            &self.1
+        }
+        fn corners(&self) -> Option<&Corners> {
+            None
+        }
+        fn space(&self) -> &Space {
+            &self.0
+        }
+    }
+
+    #[test]
+    fn every_unknown_of_several_ranks_is_shifted_once() -> Result<(), Box<dyn std::error::Error>> {
+        // two ranks with two nodes each, of which they share the second; 1 and 3 on their diagonals
+        let found = threads::run(2, &Faults::default(), |rank| {
+            let own = rank.rank();
+            let share = Share::new(Arc::new(rank), 2 - own, vec![(1 - own, vec![1])]);
+            let pattern = Pattern::of_elements(&[[0.0; 3], [1.0, 0.0, 0.0]], 2, [[0, 1].as_slice()])?;
+            let mut matrix = SparseMatrix::zeros(Arc::new(pattern));
+            matrix.add_to_diagonal([1.0, 3.0][own]);
+            let space = Space::new(2, 1).with(Field::nodal("displacement", 2)).shared(Some(share));
+            let at = At(space, Arc::new(Rotations(Vec::new())));
+            let system = System { matrix: &matrix, fixed: &[false; 4], configuration: &at, parallel: false };
+            let mut shift = Shift { last: 64.0 };
+            let solved = shift.step(&mut Diagonal, &system, &[0.0; 4], &mut LinearWork::default());
+            Ok::<_, Box<dyn std::error::Error + Send + Sync>>(solved?)
+        });
+        // the mean of 1, 4 and 3, once
+        let scale = 2.0 * (1.0 + 4.0 + 3.0) / 6.0;
+        for (found, own) in found.into_iter().zip([1.0, 3.0]) {
+            let expected = [own, own, 4.0, 4.0].map(|d| d + scale);
+            let found = found.map_err(|error| error.to_string())?;
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-14), "{found:?} {expected:?}");
+        }
+        Ok(())
     }
 }

@@ -182,6 +182,11 @@ impl Space {
         }
     }
 
+    /// The numbers of a vector on nodes that belong to this rank; all of one that has the whole.
+    pub(crate) fn own<'v>(&self, vector: &'v [f64]) -> &'v [f64] {
+        &vector[..self.owned(vector.len()).map_or(vector.len(), |(_, own)| own)]
+    }
+
     /// How many of the first numbers of a vector of this length belong to this rank, where it is one of several and the vector is on nodes.
     fn owned(&self, length: usize) -> Option<(&Share, usize)> {
         let share = self.share.as_deref()?;
