@@ -4,6 +4,7 @@ mod inadmissible;
 
 use crate::contributions::body_energy::excess_tension::ExcessTension;
 use crate::contributions::body_energy::formulation::Formulation;
+use crate::discretization::rigid_motions::FreeMotion;
 use crate::solution::state::State;
 use nastic_energy::EnergyError;
 use nastic_linear::{LinearError, NotCoupled, StructureError};
@@ -221,6 +222,8 @@ pub enum Cause {
     Convexity(ExcessTension),
     /// Guides of a tendon or spring that run together, where its direction is undetermined.
     GuidesMeet(MeetingGuides),
+    /// What contact alone holds moves on: nothing that touches it resists to a rigid motion.
+    FreeMotion(FreeMotion),
     /// Nothing is known.
     Unknown,
 }
@@ -239,12 +242,13 @@ pub struct MeetingGuides {
 }
 
 impl Cause {
-    /// A stable name: `limit_point`, `convexity_bound`, `guides_meet`, `unknown`.
+    /// A stable name: `limit_point`, `convexity_bound`, `guides_meet`, `free_motion`, `unknown`.
     pub fn code(&self) -> &'static str {
         match self {
             Cause::LimitPoint { .. } => "limit_point",
             Cause::Convexity(_) => "convexity_bound",
             Cause::GuidesMeet(_) => "guides_meet",
+            Cause::FreeMotion(_) => "free_motion",
             Cause::Unknown => "unknown",
         }
     }
@@ -285,6 +289,12 @@ impl fmt::Display for Cause {
                      left, the body collapses between them; pull less, lead the cable through fewer points, or refine the mesh there"
                 )
             }
+            Cause::FreeMotion(FreeMotion { count, what, example }) => write!(
+                f,
+                "{what} is held by contact alone, and where the solve ended nothing that touches it resists to {count} of its rigid motions \
+                 ({example}): give it something to rest on, begin nearer to it, hold it by a support or a weak foundation, or solve it as a \
+                 motion, with friction"
+            ),
             Cause::Unknown => f.write_str(
                 "the body may have no stable equilibrium there: try a smaller control or load, or a finer mesh",
             ),

@@ -67,6 +67,7 @@ mod ramp;
 mod reference;
 mod regions;
 mod rigid_body;
+mod rigid_equilibria;
 mod second_order;
 mod siere;
 mod slender;

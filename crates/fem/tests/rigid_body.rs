@@ -23,7 +23,7 @@ fn scheme(name: &str) -> Scheme {
 }
 
 /// The same mesh with the regions "soft" and "hard", by the centre of a cell.
-fn parts(full: &Mesh, is_hard: impl Fn(Vec3) -> bool) -> Outcome<Mesh> {
+pub(crate) fn parts(full: &Mesh, is_hard: impl Fn(Vec3) -> bool) -> Outcome<Mesh> {
     let mut raw = RawMesh::new("parts");
     raw.points = full.points().to_vec();
     for cell in 0..full.cells() {

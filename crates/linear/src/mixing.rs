@@ -22,9 +22,8 @@ impl SparseMatrix {
     pub fn mix(&mut self, nodes: &[u32], q: &DMatrix<f64>) {
         let (dim, n) = (self.pattern().dim(), q.nrows());
         // before pairs that the pattern lacks come to them
-        self.mix_beyond(nodes, q);
-        // a preconditioner may lack it
-        self.aside_mut().retain(|block| !block.nodes.iter().any(|node| nodes.contains(node)));
+        self.set_beyond(mixed(self.beyond().to_vec(), dim, nodes, q));
+        *self.aside_mut() = mixed(std::mem::take(self.aside_mut()), dim, nodes, q);
         for part in 0..if self.is_symmetric() { 1 } else { 2 } {
             let mut taken = BTreeMap::new();
             let mut blocks = Vec::new();
@@ -106,36 +105,35 @@ impl SparseMatrix {
             }
         }
     }
+}
 
-    /// Mixes the blocks beyond the pattern.
-    fn mix_beyond(&mut self, nodes: &[u32], q: &DMatrix<f64>) {
-        let (dim, n) = (self.pattern().dim(), q.nrows());
-        let mut all: Vec<ElementBlock> = self.beyond().to_vec();
-        for block in all.iter_mut().filter(|block| block.nodes.iter().any(|node| nodes.contains(node))) {
-            let others = block.nodes.iter().copied().filter(|node| !nodes.contains(node));
-            let together: Vec<u32> = nodes.iter().copied().chain(others).collect();
-            let size = dim * together.len();
-            let mut seen = 0;
-            let place_of = |node: &u32| {
-                nodes.iter().position(|known| known == node).unwrap_or_else(|| {
-                    seen += 1;
-                    nodes.len() + seen - 1
-                })
-            };
-            let places: Vec<usize> = block.nodes.iter().map(place_of).collect();
-            let (mut whole, own) = (DMatrix::zeros(size, size), dim * block.nodes.len());
-            for (at, entry) in block.entries.iter().enumerate() {
-                let place = |i: usize| dim * places[i / dim] + i % dim;
-                whole[(place(at / own), place(at % own))] += entry;
-            }
-            let mut turn = DMatrix::identity(size, size);
-            turn.view_mut((0, 0), (n, n)).copy_from(q);
-            let mixed = turn.transpose() * whole * turn;
-            let entries = (0..size * size).map(|at| mixed[(at / size, at % size)]).collect();
-            *block = ElementBlock { nodes: together, entries };
+/// Blocks over some nodes, those of which that have one of the mixed nodes over all of these.
+fn mixed(mut all: Vec<ElementBlock>, dim: usize, nodes: &[u32], q: &DMatrix<f64>) -> Vec<ElementBlock> {
+    let n = q.nrows();
+    for block in all.iter_mut().filter(|block| block.nodes.iter().any(|node| nodes.contains(node))) {
+        let others = block.nodes.iter().copied().filter(|node| !nodes.contains(node));
+        let together: Vec<u32> = nodes.iter().copied().chain(others).collect();
+        let size = dim * together.len();
+        let mut seen = 0;
+        let place_of = |node: &u32| {
+            nodes.iter().position(|known| known == node).unwrap_or_else(|| {
+                seen += 1;
+                nodes.len() + seen - 1
+            })
+        };
+        let places: Vec<usize> = block.nodes.iter().map(place_of).collect();
+        let (mut whole, own) = (DMatrix::zeros(size, size), dim * block.nodes.len());
+        for (at, entry) in block.entries.iter().enumerate() {
+            let place = |i: usize| dim * places[i / dim] + i % dim;
+            whole[(place(at / own), place(at % own))] += entry;
         }
-        self.set_beyond(all);
+        let mut turn = DMatrix::identity(size, size);
+        turn.view_mut((0, 0), (n, n)).copy_from(q);
+        let mixed = turn.transpose() * whole * turn;
+        let entries = (0..size * size).map(|at| mixed[(at / size, at % size)]).collect();
+        *block = ElementBlock { nodes: together, entries };
     }
+    all
 }
 
 /// A stored block, and the places of its nodes among some.

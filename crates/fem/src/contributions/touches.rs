@@ -56,6 +56,10 @@ pub trait Touches {
         into: &mut Sensitivities,
     ) -> Result<Option<f64>, Inadmissible>;
 
+    /// Displacements that what touches at an instant resists to, each a sum of weighted unknowns: `n . u` of every sample in the layer. `None` where
+    /// the body cannot be.
+    fn resists_at(&self, at: &Instant) -> Option<Vec<Vec<(u32, f64)>>>;
+
     /// Which of its samples touch and slip, and how many are about to change that. With friction in a step ([`Instant::in_step`]). `None` where the body cannot be.
     fn onsets(&self, at: &Instant) -> Option<Onsets>;
 

@@ -6,6 +6,7 @@ mod nodal_fields;
 mod nodal_volumes;
 mod patches;
 pub(crate) mod quadrature_points;
+pub(crate) mod rigid_motions;
 mod shared;
 pub(crate) mod supports;
 

@@ -1,12 +1,9 @@
-//! [`Supports`]: prescribed unknowns, and whether they hold the body still.
+//! [`Supports`]: prescribed unknowns.
 
 use crate::contributions::Tied;
-use crate::discretization::Discretization;
 use crate::error::FemError;
-use nalgebra::DMatrix;
 use nastic_linear::Ties;
 use nastic_mesh::Mesh;
-use nastic_numeric::DisjointSets;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// How far nodes that follow others may be off, as a share of the largest entry: rounding.
@@ -18,9 +15,9 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 /// Prescribed unknowns on nodes (Dirichlet): displacement components, and those of further fields; and nodes that follow others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Supports {
-    dim: usize,
+    pub(super) dim: usize,
     /// Unknowns per node, those of the displacement first.
-    block: usize,
+    pub(super) block: usize,
     fixed: Vec<bool>,
     value: Vec<f64>,
     /// Unknowns whose value is a function of controls, by the name of what drives them; `value` is 0 there.
@@ -295,105 +292,6 @@ impl Supports {
         };
         self.groups.iter().map(|(name, dofs)| (name.clone(), sum(dofs))).collect()
     }
-
-    /// Whether the supports exclude every rigid motion of every connected part of the body (small rotations about the
-    /// part's centre; rank of the motions restricted to the prescribed components and to what springs resist to). Parts that springs or
-    /// contacts hold to each other are looked at together: two that hold each other alone are free.
-    pub(crate) fn check(&self, disc: &Discretization, springs: &[&Vec<(u32, f64)>]) -> Result<(), FemError> {
-        let mesh = disc.mesh();
-        let (parts, extents) = connected_parts(disc);
-        let mut part_of = vec![0; mesh.points().len()];
-        for (p, nodes) in parts.iter().enumerate() {
-            nodes.iter().for_each(|&node| part_of[node as usize] = p);
-        }
-        let of = |terms: &Vec<(u32, f64)>| terms.iter().map(|(dof, _)| part_of[*dof as usize / self.dim]).collect();
-        let between: Vec<Vec<usize>> = springs.iter().map(|terms| of(terms)).collect();
-        let mut sets = DisjointSets::new(parts.len());
-        for row in &between {
-            row.iter().for_each(|&p| sets.union(row[0] as u32, p as u32));
-        }
-        let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
-        (0..parts.len()).for_each(|p| groups.entry(sets.find(p as u32)).or_default().push(p));
-        for together in groups.values() {
-            let own = springs.iter().zip(&between).filter(|(_, row)| row.first().is_some_and(|q| together.contains(q)));
-            let own: Vec<&Vec<(u32, f64)>> = own.map(|(terms, _)| *terms).collect();
-            let nodes: Vec<(&[u32], Extent)> = together.iter().map(|&q| (parts[q].as_slice(), extents[q])).collect();
-            if let Some((count, example, which)) = self.free_motions(disc, &nodes, &own) {
-                let what = match parts.len() {
-                    1 => "the body".to_owned(),
-                    n => match nodes[which].0.first() {
-                        Some(node) => format!("connected part {} of {n} (it has node {node})", together[which] + 1),
-                        None => format!("connected part {} of {n}", together[which] + 1),
-                    },
-                };
-                return Err(FemError::RigidMotion { free: count, what, example });
-            }
-        }
-        Ok(())
-    }
-
-    /// How many rigid motions of parts, of which these are the nodes, stay free; one of them in words, and whose it is.
-    fn free_motions(
-        &self,
-        disc: &Discretization,
-        parts: &[(&[u32], Extent)],
-        springs: &[&Vec<(u32, f64)>],
-    ) -> Option<(usize, String, usize)> {
-        let mesh = disc.mesh();
-        let each = if self.dim == 2 { 3 } else { 6 };
-        let modes = each * parts.len();
-        let mut gram = DMatrix::<f64>::zeros(modes, modes);
-        let component = |dof: usize| {
-            let (x, node) = (mesh.points()[dof / self.dim], (dof / self.dim) as u32);
-            let p = parts.iter().position(|(nodes, _)| nodes.binary_search(&node).is_ok())?;
-            let (centre, radius) = parts[p].1;
-            let r: Vec<f64> = (0..3).map(|k| (x[k] - centre[k]) / radius).collect();
-            Some((each * p, motion_component(self.dim, dof % self.dim, &r)))
-        };
-        let mut add = |row: &[(usize, f64)]| {
-            for (i, a) in row {
-                row.iter().for_each(|(j, b)| gram[(*i, *j)] += a * b);
-            }
-        };
-        let row_of = |terms: &[(u32, f64)]| {
-            let mut row = vec![0.0; modes];
-            for (dof, weight) in terms {
-                if let Some((first, motion)) = component(*dof as usize) {
-                    row[first..].iter_mut().zip(motion).for_each(|(row, value)| *row += weight * value);
-                }
-            }
-            row.into_iter().enumerate().filter(|(_, value)| *value != 0.0).collect::<Vec<_>>()
-        };
-        for &node in parts.iter().flat_map(|(nodes, _)| *nodes) {
-            let held = (0..self.dim).filter(|c| self.fixed[node as usize * self.block + c]);
-            held.for_each(|c| add(&row_of(&[((node as usize * self.dim + c) as u32, 1.0)])));
-        }
-        springs.iter().for_each(|terms| add(&row_of(terms)));
-        if let Some(parted) = disc.parted() {
-            // what several ranks hold counts several times, which changes no rank
-            parted.share.sum(gram.as_mut_slice());
-        }
-        let eigen = gram.symmetric_eigen();
-        let largest = eigen.eigenvalues.max();
-        let free: Vec<usize> = (0..modes).filter(|&k| eigen.eigenvalues[k] <= 1e-9 * largest.max(1e-300)).collect();
-        let at = eigen.eigenvectors.column(*free.first()?).icamax();
-        Some((free.len(), motion_name(self.dim, at % each).to_owned(), at / each))
-    }
-}
-
-/// A rigid motion in words.
-fn motion_name(dim: usize, motion: usize) -> &'static str {
-    match dim {
-        2 => ["shift along x", "shift along y", "rotation in the plane"][motion],
-        _ => [
-            "shift along x",
-            "shift along y",
-            "shift along z",
-            "rotation about x",
-            "rotation about y",
-            "rotation about z",
-        ][motion],
-    }
 }
 
 fn held_twice(motion: &str, other: &str, node: usize) -> FemError {
@@ -406,70 +304,4 @@ fn held_and_tied(support: &str, body: &str, node: u32) -> FemError {
         "\"{support}\" holds node {node} of the rigid body \"{body}\"; let one of them go: hold its surface with a law in the place of \"rigid\", or by a foundation or springs"
     );
     FemError::Meaningless { what }
-}
-
-/// The c-th component of every rigid motion at relative position r: shifts, then rotations.
-fn motion_component(dim: usize, c: usize, r: &[f64]) -> Vec<f64> {
-    let mut row = vec![0.0; if dim == 2 { 3 } else { 6 }];
-    row[c] = 1.0;
-    if dim == 2 {
-        row[2] = if c == 0 { -r[1] } else { r[0] };
-    } else {
-        // e_k x r, component c
-        for k in 0..3 {
-            row[3 + k] = match (3 + c - k) % 3 {
-                1 => -r[(k + 2) % 3],
-                2 => r[(k + 1) % 3],
-                _ => 0.0,
-            };
-        }
-    }
-    row
-}
-
-/// Centre of a bounding box, and half of its diagonal.
-type Extent = ([f64; 3], f64);
-
-fn extent((low, high): ([f64; 3], [f64; 3])) -> Extent {
-    let centre = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
-    let radius = (0..3).map(|k| (high[k] - low[k]).powi(2)).sum::<f64>().sqrt() / 2.0;
-    (centre, radius.max(f64::MIN_POSITIVE))
-}
-
-fn bounds(mesh: &Mesh, nodes: &[u32]) -> ([f64; 3], [f64; 3]) {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &node in nodes {
-        for (k, x) in mesh.points()[node as usize].iter().enumerate() {
-            low[k] = low[k].min(*x);
-            high[k] = high[k].max(*x);
-        }
-    }
-    (low, high)
-}
-
-/// Node sets of the parts of the body that hang together, and the extent of each; on one of several ranks the nodes that it has of each.
-fn connected_parts(disc: &Discretization) -> (Vec<Vec<u32>>, Vec<Extent>) {
-    let mesh = disc.mesh();
-    if let Some(parted) = disc.parted() {
-        let mut nodes = vec![BTreeSet::new(); parted.part.piece_bounds().len()];
-        for (cell, &piece) in parted.part.pieces().iter().enumerate() {
-            nodes[piece as usize].extend(mesh.cell(cell).nodes);
-        }
-        let nodes = nodes.into_iter().map(|nodes| nodes.into_iter().collect()).collect();
-        return (nodes, parted.part.piece_bounds().iter().map(|bounds| extent(*bounds)).collect());
-    }
-    let n = mesh.points().len();
-    let mut sets = DisjointSets::new(n);
-    for block in mesh.blocks() {
-        for cell in block.nodes.chunks_exact(block.kind.nodes()) {
-            cell[1..].iter().for_each(|&node| sets.union(cell[0], node));
-        }
-    }
-    let mut parts: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
-    for node in 0..n as u32 {
-        parts.entry(sets.find(node)).or_default().push(node);
-    }
-    let parts: Vec<Vec<u32>> = parts.into_values().collect();
-    let extents = parts.iter().map(|nodes| extent(bounds(mesh, nodes))).collect();
-    (parts, extents)
 }

@@ -6,7 +6,7 @@ use crate::contributions::sensitivities::Sensitivities;
 use crate::contributions::{
     Contribution, Controls, Demand, Need, Onsets, RigidPose, Sums, Touch, TouchParameters, Touches,
 };
-use crate::error::Inadmissible;
+use crate::error::{Cause, Inadmissible};
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -145,6 +145,24 @@ impl Model {
     pub fn touch_parameters(&self) -> Vec<(String, TouchParameters)> {
         let own = |c: &Arc<dyn Contribution>| Some((c.name().to_owned(), c.touches()?.parameters()));
         self.others.iter().filter_map(own).collect()
+    }
+
+    /// A rigid motion of what contact alone holds that nothing resists to at an instant.
+    pub(crate) fn free_motion(&self, at: &Instant) -> Option<Cause> {
+        if !self.touches_something() || self.is_over_ranks() || self.is_held_without_contact() {
+            return None;
+        }
+        let mut rows = Vec::new();
+        let each = self.each_other(at, |contribution, at| match contribution.touches() {
+            Some(touches) => touches.resists_at(at).map(|own| rows.extend(own)).ok_or(()),
+            None => {
+                rows.extend(contribution.resists().iter().cloned());
+                Ok(())
+            }
+        });
+        each.ok()?;
+        let free = self.supports.free(self.discretization(), Some(at.u), &rows.iter().collect::<Vec<_>>());
+        free.map(Cause::FreeMotion)
     }
 
     /// Whether something is there that the body may touch.

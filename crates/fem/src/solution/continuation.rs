@@ -405,7 +405,8 @@ impl Model {
                 }
                 Err(stop) => {
                     if steps.failed(path) || report.newton > most {
-                        let suspect = newton.at(&u, |at| self.suspect(at));
+                        let free = || newton.at(&u, |at| self.free_motion(at)).filter(|_| time_step.is_none());
+                        let suspect = newton.at(&u, |at| self.suspect(at)).or_else(free);
                         let error = self.give_up(stop, path, (&steps, suspect), (to, None), report, here);
                         // a trial from a state nearby is looked into by who makes it
                         let alone = time_step.is_none() && how.near.is_none() && !self.is_over_ranks();

@@ -23,7 +23,7 @@ records! {
         newton_iterations: Option<usize>,
         /// Relative residual at its end.
         residual: Number,
-        /// Why, as far as it is known: `limit_point`, `convexity_bound`, `guides_meet`, `unknown`.
+        /// Why, as far as it is known: `limit_point`, `convexity_bound`, `guides_meet`, `free_motion`, `unknown`.
         cause: Option<String>,
         /// Where the path of equilibria turns back, an estimated share of that way.
         limit_point: Number,
@@ -31,6 +31,8 @@ records! {
         convexity_bound: Option<ExcessTensionRecord>,
         /// Guides of a tendon or ends of a spring that meet.
         guides_meet: Option<MeetingGuidesRecord>,
+        /// What contact alone holds and nothing that touches it.
+        free_motion: Option<FreeMotionRecord>,
         /// The cell that inverted.
         cell: Option<usize>,
         /// Its quadrature point.
@@ -84,6 +86,16 @@ records! {
         places: Vec<Vec<Number>>,
         /// Their distance over that in the reference body.
         share: Number,
+    }
+
+    /// Rigid motions that nothing resists to.
+    FreeMotionRecord {
+        /// How many.
+        count: usize,
+        /// The connected part of the body, or the rigid body.
+        what: String,
+        /// One of them in words.
+        example: String,
     }
 
     /// A penetration.

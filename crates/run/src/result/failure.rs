@@ -3,10 +3,10 @@
 use nastic_case::lower::CaseMember;
 use nastic_control::{ControlError, StateFields};
 use nastic_energy::Outside;
-use nastic_fem::{Cause, ExcessTension, Inadmissible, InvertedAt, MeetingGuides, State, StateError};
+use nastic_fem::{Cause, ExcessTension, FreeMotion, Inadmissible, InvertedAt, MeetingGuides, State, StateError};
 use nastic_mesh::Snapshot;
 use nastic_report::record::{
-    CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, MeetingGuidesRecord, PenetrationRecord,
+    CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, FreeMotionRecord, MeetingGuidesRecord, PenetrationRecord,
     TensionRecord, numbers,
 };
 
@@ -73,6 +73,10 @@ fn add_cause(out: &mut FailureRecord, cause: &Cause) {
             out.limit_point = (*limit).into();
             let places = places.iter().map(|place| numbers(place)).collect();
             out.guides_meet = Some(MeetingGuidesRecord { name: name.clone(), places, share: (*share).into() });
+        }
+        Cause::FreeMotion(FreeMotion { count, what, example }) => {
+            let (what, example) = (what.clone(), example.clone());
+            out.free_motion = Some(FreeMotionRecord { count: *count, what, example });
         }
         Cause::Unknown => {}
     }

@@ -160,9 +160,7 @@ impl BoundContact {
 /// `n . u` at every sample.
 fn normals(samples: &Samples, reference: &[Vec3], obstacle: &Obstacle, dim: usize) -> Vec<Vec<(u32, f64)>> {
     let of_sample = |sample: usize| {
-        let n = obstacle.at(&reference[sample].into()).normal();
-        let of_node = |&(node, shape): &(u32, f64)| (0..dim).map(move |i| (dim as u32 * node + i as u32, shape * n[i]));
-        samples.parts(sample).iter().flat_map(of_node).collect()
+        samples.component(sample, &obstacle.at(&reference[sample].into()).normal(), dim)
     };
     (0..samples.len()).map(of_sample).collect()
 }

@@ -129,6 +129,12 @@ impl Samples {
         &self.parts[self.first[sample]..self.first[sample + 1]]
     }
 
+    /// `n . u` at a sample, a sum of weighted unknowns of a field of `dim` components.
+    pub fn component(&self, sample: usize, n: &[f64; 3], dim: usize) -> Vec<(u32, f64)> {
+        let of_node = |&(node, shape): &(u32, f64)| (0..dim).map(move |i| (dim as u32 * node + i as u32, shape * n[i]));
+        self.parts(sample).iter().flat_map(of_node).collect()
+    }
+
     /// The value at a sample of a flat nodal field of `dim` components.
     pub fn of(&self, sample: usize, dim: usize, field: impl Fn(usize) -> f64) -> Vec3 {
         let mut out = Vec3::zeros();

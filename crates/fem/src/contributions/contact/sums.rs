@@ -111,6 +111,12 @@ impl Touches for BoundContact {
         Ok(sum)
     }
 
+    fn resists_at(&self, at: &Instant) -> Option<Vec<Vec<(u32, f64)>>> {
+        let gaps = Gaps::of_all(self, at).ok()?;
+        let of = |touch: &super::point::Touch| self.samples.component(touch.sample, &touch.distance.normal(), self.dim);
+        Some(gaps.touches.iter().map(of).collect())
+    }
+
     fn onsets(&self, at: &Instant) -> Option<Onsets> {
         let gaps = Gaps::of_all(self, at).ok()?;
         let mut found = Onsets::default();

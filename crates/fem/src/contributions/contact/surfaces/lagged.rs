@@ -3,7 +3,6 @@
 use super::bound::{BoundSurfaces, FRICTION, STIFFNESS};
 use super::point::SurfacePoint;
 use super::rub::Rub;
-use super::sample::unit;
 use crate::contributions::contact::friction::{Elsewhere, dissipation};
 use crate::contributions::{Demand, Instant, Sensitivities, Sums};
 use crate::error::Inadmissible;
@@ -59,15 +58,10 @@ impl<'a> LaggedRubbing<'a> {
 
     pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) {
         self.each(|rub, strength| {
-            let (dim, velocities) = (self.point.of.dim, rub.sample.slots(|dof| at.velocity(dof)));
-            let slots = velocities.len();
-            let scale = self.velocity * strength;
-            let column = |component: usize| {
-                let found = rub.by_velocity(&velocities, self.slip_speed, &unit(dim, slots, component));
-                found.into_iter().map(|force| scale * force).collect()
-            };
-            let columns: Vec<Vec<Vec3>> = (0..dim * slots).map(column).collect();
-            tangent.add_beyond(&rub.sample.nodes(), rub.sample.block(&columns));
+            let velocities = rub.sample.slots(|dof| at.velocity(dof));
+            let columns = rub.columns_by_velocity(&velocities, self.slip_speed);
+            let block = rub.sample.block(&columns).into_iter().map(|entry| self.velocity * strength * entry);
+            tangent.add_beyond(&rub.sample.nodes(), block.collect());
         });
     }
 

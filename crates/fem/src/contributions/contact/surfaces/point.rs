@@ -46,8 +46,9 @@ impl<'a> SurfacePoint<'a> {
         }
     }
 
-    /// The tangent of a sample over the unknowns of its nodes.
-    fn block(&self, sample: &Sample, at: &Instant) -> Vec<f64> {
+    /// The tangent of a sample over the unknowns of its nodes, and what replaces that of friction by its derivative by velocities alone, symmetric
+    /// and of no negative work, in what [stands in](SparseMatrix::stand_in) for a general matrix.
+    fn block(&self, sample: &Sample, at: &Instant, general: bool) -> (Vec<f64>, Option<Vec<f64>>) {
         let k = at.control(STIFFNESS);
         let scaled = |columns: Vec<Vec<Vec3>>, by: f64| -> Vec<f64> {
             let mut block = sample.block(&columns);
@@ -55,12 +56,19 @@ impl<'a> SurfacePoint<'a> {
             block
         };
         let mut block = scaled(sample.columns(at.u), k);
-        if let Some(slip_speed) = self.of.slides_at(at).filter(|_| sample.touches()) {
-            let of_friction = Rub::at(*sample, at.u).columns(at, slip_speed);
-            let of_friction = scaled(of_friction, k * at.control(FRICTION) * sample.weight());
-            block.iter_mut().zip(of_friction).for_each(|(entry, more)| *entry += more);
-        }
-        block
+        let Some((slip_speed, step)) = self.of.slip_speed.zip(at.step).filter(|_| sample.touches()) else {
+            return (block, None);
+        };
+        let (rub, strength) = (Rub::at(*sample, at.u), k * at.control(FRICTION) * sample.weight());
+        let of_friction = scaled(rub.columns(at, slip_speed), strength);
+        block.iter_mut().zip(&of_friction).for_each(|(entry, more)| *entry += more);
+        let instead = general.then(|| {
+            let velocities = sample.slots(|dof| at.velocity(dof));
+            let mut instead = scaled(rub.columns_by_velocity(&velocities, slip_speed), step.velocity.0 * strength);
+            instead.iter_mut().zip(of_friction).for_each(|(entry, whole)| *entry -= whole);
+            instead
+        });
+        (block, instead)
     }
 }
 
@@ -107,12 +115,19 @@ impl ContributionPoint for SurfacePoint<'_> {
             friction.add_tangent(at, tangent);
         }
         let (at, samples) = (&without_lagged(at, self.of.lagged), self.samples());
-        let block = |sample: &Sample| self.block(sample, at);
-        let blocks: Vec<Vec<f64>> = match at.parallel && samples.len() > 256 {
+        let general = !tangent.is_symmetric();
+        let block = |sample: &Sample| self.block(sample, at, general);
+        let blocks: Vec<(Vec<f64>, Option<Vec<f64>>)> = match at.parallel && samples.len() > 256 {
             true => samples.par_iter().map(block).collect(),
             false => samples.iter().map(block).collect(),
         };
-        samples.iter().zip(blocks).for_each(|(sample, block)| tangent.add_beyond(&sample.nodes(), block));
+        for (sample, (block, instead)) in samples.iter().zip(blocks) {
+            let nodes = sample.nodes();
+            tangent.add_beyond(&nodes, block);
+            if let Some(instead) = instead {
+                tangent.add_aside(&nodes, instead);
+            }
+        }
         Ok(())
     }
 

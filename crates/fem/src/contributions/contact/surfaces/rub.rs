@@ -104,6 +104,13 @@ impl<'a> Rub<'a> {
         })
     }
 
+    /// The derivative of the forces by the velocities of the slots, in columns: symmetric, of no negative work.
+    pub fn columns_by_velocity(&self, velocities: &[Vec3], slip_speed: f64) -> Vec<Vec<Vec3>> {
+        let (dim, slots) = (self.sample.of.dim, velocities.len());
+        let column = |component: usize| self.by_velocity(velocities, slip_speed, &unit(dim, slots, component));
+        (0..dim * slots).map(column).collect()
+    }
+
     fn motion(&self, at: &Instant) -> Motion {
         let slots = self.sample.slots(|dof| at.velocity(dof));
         let rates = arms(&self.sample, &slots);

@@ -122,6 +122,16 @@ impl Touches for BoundSurfaces {
         Ok(sum)
     }
 
+    fn resists_at(&self, at: &Instant) -> Option<Vec<Vec<(u32, f64)>>> {
+        let point = SurfacePoint::new(self, self.gaps(at.u).ok()?);
+        let of = |sample: Sample| {
+            let (pressed, mut terms) = (sample.pressed(at.u), Vec::new());
+            sample.spread(&pressed.by, |dof, slope| terms.push((dof as u32, slope)));
+            (pressed.gap < self.thickness).then_some(terms)
+        };
+        Some(point.touching().filter_map(of).collect())
+    }
+
     fn onsets(&self, at: &Instant) -> Option<Onsets> {
         let point = SurfacePoint::new(self, self.gaps(at.u).ok()?);
         let mut found = Onsets::default();
