@@ -33,8 +33,8 @@ pub use contributions::{
 pub use discretization::Discretization;
 pub use discretization::cell_fields::CellFields;
 pub use discretization::quadrature_points::QuadraturePoints;
-pub use discretization::supports::{AXES, Supports};
 pub use discretization::rigid_motions::FreeMotion;
+pub use discretization::supports::{AXES, Supports};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
 pub use model::{ContactSum, Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing};
 pub use nastic_linear::memory::{

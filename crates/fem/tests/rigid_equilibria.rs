@@ -77,9 +77,11 @@ fn a_rigid_disc_lies_on_a_floor_and_between_pads() -> Outcome {
         let state = closed(&solid, by)?;
         let (up, grip) = (force(&solid, &state, "floor")?[1], force(&solid, &state, "grip")?);
         assert!(((up + grip[1]) / (WEIGHT * area) - 1.0).abs() < 1e-6, "{up} and {grip:?}");
-        let pressed = solid.model().touches(&Instant::of(&state)).into_iter().any(|(name, touch)| {
-            name == "grip" && touch.pressing > 1.0
-        });
+        let pressed = solid
+            .model()
+            .touches(&Instant::of(&state))
+            .into_iter()
+            .any(|(name, touch)| name == "grip" && touch.pressing > 1.0);
         assert_eq!(pressed, by > 0.0);
         assert!(state.report.newton <= most, "{:?}", state.report);
     }

@@ -5,7 +5,7 @@ use nastic_numeric::DisjointSets;
 
 impl Mesh {
     /// For every cell the number of the connected piece it belongs to. Cells are connected when they share a node;
-    /// pieces are numbered from 0 by their first cells. Each piece needs its own support.
+    /// pieces are numbered from 0 by their first cells. A support holds one of them alone.
     pub fn pieces(&self) -> Vec<u32> {
         let mut sets = DisjointSets::new(self.points.len());
         for nodes in self.blocks.iter().flat_map(|block| block.iter()) {

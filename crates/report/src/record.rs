@@ -58,7 +58,8 @@ pub use contact_record::{ContactRecord, ExactContactRecord, HalfThicknessRecord}
 pub use control_record::{ControlRecord, ControlValues, RangeRecord};
 pub use error_record::{ErrorRecord, ProblemRecord};
 pub use failure_record::{
-    CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, FreeMotionRecord, MeetingGuidesRecord, PenetrationRecord, TensionRecord,
+    CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, FreeMotionRecord, MeetingGuidesRecord,
+    PenetrationRecord, TensionRecord,
 };
 pub use fit_record::{
     BulkRecord, EstimateRecord, FailedLawRecord, FitRecord, FitStartsRecord, FittedLawRecord, StableRangeRecord,

@@ -70,7 +70,8 @@ impl Equations<'_> {
         let residual = report.residual;
         let last = self.solve(u, solver, report)?;
         // what contact alone holds may roll or slide on, where the sign of the tangent is that of rounding
-        let sound = curvature == Curvature::Positive && last == Curvature::Positive || !self.model.is_held_without_contact();
+        let sound =
+            curvature == Curvature::Positive && last == Curvature::Positive || !self.model.is_held_without_contact();
         let rounding = ROUNDING * (start.energy_scale + start.energy.abs());
         let lower = sound && (moves || report.energy <= start.energy + rounding);
         if lower { Ok(()) } else { Err(Stop::Slow { residual }) }

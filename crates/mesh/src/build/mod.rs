@@ -41,7 +41,7 @@ pub(crate) fn build(raw: &RawMesh) -> Result<Mesh, Fault> {
         notes,
     };
     if let Some(count @ 2..) = mesh.pieces().into_iter().max().map(|last| last + 1) {
-        mesh.notes.push(format!("the body consists of {count} separate pieces; each needs its own support"));
+        mesh.notes.push(format!("the body consists of {count} separate pieces: a support holds one of them alone"));
     }
     Ok(mesh)
 }

@@ -6,8 +6,8 @@ use nastic_energy::Outside;
 use nastic_fem::{Cause, ExcessTension, FreeMotion, Inadmissible, InvertedAt, MeetingGuides, State, StateError};
 use nastic_mesh::Snapshot;
 use nastic_report::record::{
-    CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, FreeMotionRecord, MeetingGuidesRecord, PenetrationRecord,
-    TensionRecord, numbers,
+    CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, FreeMotionRecord, MeetingGuidesRecord,
+    PenetrationRecord, TensionRecord, numbers,
 };
 
 /// Cells that are named.

@@ -159,9 +159,7 @@ impl BoundContact {
 
 /// `n . u` at every sample.
 fn normals(samples: &Samples, reference: &[Vec3], obstacle: &Obstacle, dim: usize) -> Vec<Vec<(u32, f64)>> {
-    let of_sample = |sample: usize| {
-        samples.component(sample, &obstacle.at(&reference[sample].into()).normal(), dim)
-    };
+    let of_sample = |sample: usize| samples.component(sample, &obstacle.at(&reference[sample].into()).normal(), dim);
     (0..samples.len()).map(of_sample).collect()
 }
 
