@@ -21,6 +21,7 @@ pub(crate) mod rotation_corrected_step;
 pub(crate) mod saddle_point;
 mod slide;
 pub(crate) mod state;
+pub(crate) mod tangent;
 pub(crate) mod tangent_systems;
 pub(crate) mod vibration_modes;
 pub(crate) mod workspace;
