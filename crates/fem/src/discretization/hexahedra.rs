@@ -86,6 +86,11 @@ impl Hexahedra {
         self.points[q]
     }
 
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.corners.len()
+    }
+
     /// Where the first components of a node stand among the rows of all batches; the others follow [`CELLS`] further on.
     pub fn places(&self, node: usize) -> &[u32] {
         &self.places[self.starts[node] as usize..self.starts[node + 1] as usize]

@@ -2,11 +2,13 @@
 
 pub(crate) mod ahead;
 mod arc_length;
+mod cell_laplacian;
 pub(crate) mod connection;
 mod continuation;
 pub(crate) mod deflation;
 pub(crate) mod descent;
 pub(crate) mod exact_contact;
+pub(crate) mod gradient_fit;
 mod limit_point;
 mod load_rate;
 mod load_steps;

@@ -6,10 +6,12 @@
 mod corners;
 mod diagonal;
 mod lanes;
+mod laplace;
 mod product;
 
 pub(crate) use corners::{CORNERS, CornerBatch, PAIRS};
 pub(crate) use diagonal::{DiagonalBatch, ENTRIES};
+pub(crate) use laplace::{LaplaceBatch, METRIC};
 pub(crate) use product::{Batch, ROWS};
 
 use lanes::Lanes;

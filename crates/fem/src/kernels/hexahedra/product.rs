@@ -99,7 +99,7 @@ fn stresses<L: Lanes>(lanes: L, moduli: &[f32], part: usize, g: &mut [Grid<L>; 9
 }
 
 /// The matrices of a [`Line`] and their transposes.
-struct Gradient<L: Lanes> {
+pub(super) struct Gradient<L: Lanes> {
     shapes: Square<L>,
     derivatives: Square<L>,
     shapes_back: Square<L>,
@@ -108,7 +108,7 @@ struct Gradient<L: Lanes> {
 
 impl<L: Lanes> Gradient<L> {
     #[inline(always)]
-    fn of(lanes: L, line: &Line) -> Self {
+    pub(super) fn of(lanes: L, line: &Line) -> Self {
         Gradient {
             shapes: splat(lanes, &line.shapes),
             derivatives: splat(lanes, &line.derivatives),
@@ -119,7 +119,7 @@ impl<L: Lanes> Gradient<L> {
 
     /// The derivatives at the points in the three directions of the reference cell.
     #[inline(always)]
-    fn gradient(&self, lanes: L, values: &Grid<L>, out: &mut [Grid<L>]) {
+    pub(super) fn gradient(&self, lanes: L, values: &Grid<L>, out: &mut [Grid<L>]) {
         let zero = [lanes.splat(0.0); NODES];
         let (mut along, mut across) = (zero, zero);
         contract::<L, 1>(lanes, &self.derivatives, values, &mut along);
@@ -137,7 +137,7 @@ impl<L: Lanes> Gradient<L> {
 
     /// The transpose of [`gradient`](Self::gradient).
     #[inline(always)]
-    fn force(&self, lanes: L, stress: &[Grid<L>]) -> Grid<L> {
+    pub(super) fn force(&self, lanes: L, stress: &[Grid<L>]) -> Grid<L> {
         let zero = [lanes.splat(0.0); NODES];
         let (mut along, mut across) = (zero, zero);
         let mut work = zero;
