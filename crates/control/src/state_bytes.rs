@@ -77,6 +77,7 @@ pub fn write_report(report: &SolveReport, out: &mut Writer) {
         back_substitutions,
         hierarchies,
         cycles,
+        unassembled,
         load_steps,
         cuts,
         residual,
@@ -87,11 +88,9 @@ pub fn write_report(report: &SolveReport, out: &mut Writer) {
     } = *report;
     let position = Solver::CATALOGUE.iter().position(|factory| factory.name() == solver);
     out.count(position.unwrap_or(Solver::CATALOGUE.len()));
-    for count in
-        [newton, factorisations, reused, back_substitutions, hierarchies, cycles, load_steps, cuts, restarts, shifted]
-    {
-        out.count(count);
-    }
+    let linear = [factorisations, reused, back_substitutions, hierarchies, cycles, unassembled];
+    let counts = [newton].into_iter().chain(linear).chain([load_steps, cuts, restarts, shifted]);
+    counts.for_each(|count| out.count(count));
     [residual, min_j, energy].into_iter().for_each(|x| out.float(x));
 }
 
@@ -112,6 +111,7 @@ pub fn read_report(input: &mut Reader<'_>) -> Result<SolveReport, SavedRunError>
         back_substitutions: input.number()?,
         hierarchies: input.number()?,
         cycles: input.number()?,
+        unassembled: input.number()?,
         load_steps: input.number()?,
         cuts: input.number()?,
         restarts: input.number()?,

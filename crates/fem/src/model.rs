@@ -8,6 +8,7 @@ mod history;
 mod inequalities;
 mod point;
 mod prescribed;
+mod products;
 mod restricted;
 
 use crate::contributions::body_energy::BodyEnergy;
@@ -21,12 +22,11 @@ use crate::contributions::{Constrains, Contribution, ContributionPoint, ControlP
 use crate::discretization::Discretization;
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
-use crate::kernels::displaced::Displaced;
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
 use crate::structure::TangentStructure;
 use nastic_energy::Slot;
-use nastic_linear::{CellProducts, SolverFactory, Space, SparseMatrix, Symmetry};
+use nastic_linear::{SolverFactory, Space, SparseMatrix, Symmetry};
 use nastic_mesh::{GroupNames, Polyline};
 use std::sync::Arc;
 
@@ -301,27 +301,6 @@ impl Model {
             point.add_residual(at, demand, sums)?;
             tangent.add(contribution, &*point, at).map_err(|e| e.of(contribution.name()))
         })
-    }
-
-    /// The tangent of an equilibrium by the products of its cells, in single precision and with the supports left out: of a body of 27-node hexahedra
-    /// of the standard formulation beside whose energy no contribution [is stiff](Contribution::is_stiff); `None` of others.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    pub fn cell_products(&self, at: &Instant) -> Result<Option<Arc<dyn CellProducts>>, Inadmissible> {
-        if self.others.iter().any(|own| own.is_stiff()) || at.step.is_some() {
-            return Ok(None);
-        }
-        let to = Displaced::by(self.nodal(at.u));
-        self.body.cell_products((to, Driving::of(at)), self.supports.fixed(), at.parallel)
-    }
-
-    /// `out = K v` without a matrix; false where a contribution needs one.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    pub fn tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
-        self.at(at, Need::Residual)?.tangent_product(at, v, out)
     }
 
     /// `lambda . dr/dp` by controls, velocity and acceleration.

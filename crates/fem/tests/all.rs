@@ -86,5 +86,6 @@ mod swing;
 mod tendon;
 mod thick_shells;
 mod time;
+mod unassembled;
 mod vibration_modes;
 mod viscosity;

@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let matrix = matrix(&pattern, &elements, skew.parse()?)?;
     let rotations = Arc::new(Rotations(vec![Mat3::identity(); points.len()]));
     let (at, fixed) = (AtRest(points, rotations), vec![false; n]);
-    let system = System { matrix: &matrix, fixed: &fixed, configuration: &at, parallel: true };
+    let system = System { matrix: &matrix, products: None, fixed: &fixed, configuration: &at, parallel: true };
     let mut random = Random::new(1);
     let b: Vec<f64> = (0..n).map(|_| random.symmetric()).collect();
     let megabytes = |bytes: Option<usize>| bytes.map_or(f64::NAN, |bytes| bytes as f64 * 1e-6);

@@ -41,6 +41,7 @@ impl Graph {
             graph.neighbours[first..].sort_unstable();
             graph.starts.push(graph.neighbours.len());
         }
+        graph.neighbours.shrink_to_fit();
         let blocks = nodes + graph.edges();
         if blocks > (u32::MAX / 2) as usize {
             return Err(StructureError::TooLarge { what: "matrix blocks", count: blocks as u64 });

@@ -78,7 +78,7 @@ pub use iterative::{CgEnd, CgReport, Preconditioner, StoppingTest, conjugate_gra
 pub use joined_structure::JoinedStructure;
 pub use matrix::{SparseMatrix, Symmetry};
 pub use mixing::RowsOfNodes;
-pub use multigrid::{CellProducts, Corners, Geometry, Multigrid};
+pub use multigrid::{CellProducts, CornerMatrix, Corners, Geometry, Multigrid};
 pub use operator::{OnThreads, Operator};
 pub use ordering::{Ordering, OrderingMethod};
 pub use pattern::Pattern;

@@ -4,6 +4,7 @@ use super::error::{NotCoupled, StructureError};
 use super::graph::Graph;
 use super::multigrid_work::multigrid_flops;
 use super::ordering::Ordering;
+use std::sync::Arc;
 
 /// A geometric order may take this many times the operations of the best one.
 const BEYOND: f64 = 2.0;
@@ -18,8 +19,9 @@ const BEYOND: f64 = 2.0;
 pub struct Pattern {
     dim: usize,
     ordering: Ordering,
-    starts: Vec<u32>,
-    rows: Vec<u32>,
+    // shared by the patterns of other numbers of dofs
+    starts: Arc<Vec<u32>>,
+    rows: Arc<Vec<u32>>,
 }
 
 impl Pattern {
@@ -79,7 +81,7 @@ impl Pattern {
             rows[first..].sort_unstable();
             starts.push(rows.len() as u32);
         }
-        Self { dim, ordering, starts, rows }
+        Self { dim, ordering, starts: Arc::new(starts), rows: Arc::new(rows) }
     }
 
     /// The same nodes in the same order, with another number of dofs each.

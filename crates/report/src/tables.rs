@@ -336,6 +336,7 @@ pub(crate) fn run(result: &RunRecord) -> String {
         (result.reused_factorisations, "reused factorisations"),
         (result.back_substitutions, "back substitutions"),
         (result.multigrid_cycles, "multigrid cycles"),
+        (result.unassembled_systems, "systems without an assembled tangent"),
     ];
     let shown = work.into_iter().filter_map(|(n, name)| Some((n.filter(|n| *n > 0)?, name)));
     let rows: Vec<Vec<String>> = shown.map(|(n, name)| vec![name.to_owned(), short(n as f64)]).collect();

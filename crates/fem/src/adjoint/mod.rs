@@ -8,10 +8,11 @@ use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::saddle_point::{BorderedTangent, SaddlePoint};
 use crate::solution::state::{SolveReport, State};
+use crate::solution::tangent::Tangent;
 use crate::solution::tangent_systems::{EXACT, TangentSystems};
 use crate::solution::workspace::Workspace;
 use nastic_linear::solver::Accuracy;
-use nastic_linear::{SparseMatrix, Symmetry};
+use nastic_linear::{LinearError, SparseMatrix, Symmetry};
 use nastic_mesh::CellKind;
 
 /// Adjoint displacements, and what they took.
@@ -100,13 +101,7 @@ impl Model {
             return None;
         }
         let at = self.instant(state, None, how.parallel);
-        let product = |v: &[f64], out: &mut [f64]| {
-            // NaN ends the iterations
-            if !self.tangent_product(&at, v, out).unwrap_or(false) {
-                out.fill(f64::NAN);
-            }
-            self.supports.clear(out);
-        };
+        let product = |v: &[f64], out: &mut [f64]| self.product_or_nan(&at, v, out);
         systems.solve_by_products(&product, &state.u, b, (accuracy, PRODUCTS), report)
     }
 
@@ -154,9 +149,16 @@ impl Model {
             let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
             return Ok(system.negative(&mut systems, self.nodal(&state.u), &mut SolveReport::default())?);
         }
-        let matrix = self.tangent(state, how.parallel)?;
+        let at = self.instant(state, None, how.parallel);
         let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
-        Ok(systems.negative_pivots(matrix, &state.u)?)
+        let tangent = self.eliminated(&at, systems.takes_products()).map_err(|at| inverted(at, state))?;
+        match systems.negative_pivots(&tangent, &state.u) {
+            Err(LinearError::NoEntries) => {
+                let tangent = self.eliminated(&at, false).map_err(|at| inverted(at, state))?;
+                Ok(systems.negative_pivots(&tangent, &state.u)?)
+            }
+            counted => Ok(counted?),
+        }
     }
 
     /// The bordered tangent at a state, with the constraints that act there.
@@ -200,6 +202,9 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, StateError> {
         if self.unknowns().multipliers() == 0 {
+            if let Some(solved) = self.solve_by_cells(at, rhs, state, systems, report)? {
+                return Ok(solved);
+            }
             return Ok(systems.solve_transposed(self.tangent_at(at, state)?, at.u, rhs, report)?);
         }
         let mut system = self.saddle_point_at(at).map_err(|at| inverted(at, state))?;
@@ -209,9 +214,61 @@ impl Model {
         Ok(system.solve(systems, u, rhs, EXACT, report)?.0)
     }
 
-    /// The tangent K(u, m) at a state, supports not eliminated.
-    fn tangent(&self, state: &State, parallel: bool) -> Result<SparseMatrix, StateError> {
-        self.tangent_at(&self.instant(state, None, parallel), state)
+    /// The same for a symmetric tangent by the products of its cells; nothing where the solver takes none or has to make a factor, or the model has none.
+    fn solve_by_cells(
+        &self,
+        at: &Instant,
+        rhs: &[&[f64]],
+        state: &State,
+        systems: &mut TangentSystems,
+        report: &mut SolveReport,
+    ) -> Result<Option<Vec<Vec<f64>>>, StateError> {
+        if !systems.takes_products() {
+            return Ok(None);
+        }
+        let tangent = self.eliminated(at, true).map_err(|at| inverted(at, state))?;
+        if !tangent.is_unassembled() {
+            return Ok(None);
+        }
+        let solve = |b: &&[f64]| self.solve_corrected(EXACT, &tangent, at, b, systems, report);
+        match rhs.iter().map(solve).collect() {
+            Err(LinearError::NoEntries | LinearError::Singular { .. }) => Ok(None),
+            solved => Ok(Some(solved?)),
+        }
+    }
+
+    /// `K x = b` at an instant with a tangent by products of cells.
+    pub(crate) fn solve_corrected(
+        &self,
+        accuracy: Accuracy,
+        tangent: &Tangent,
+        at: &Instant,
+        b: &[f64],
+        systems: &mut TangentSystems,
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, LinearError> {
+        let exact = |v: &[f64], out: &mut [f64]| self.product_or_nan(at, v, out);
+        systems.solve_corrected(accuracy, (tangent, &exact), at.u, b, report)
+    }
+
+    /// `out = K v` of a displacement that has been evaluated, zero on the supports; NaN, which ends iterations, where a contribution needs a matrix.
+    fn product_or_nan(&self, at: &Instant, v: &[f64], out: &mut [f64]) {
+        if !self.tangent_product(at, v, out).unwrap_or(false) {
+            out.fill(f64::NAN);
+        }
+        self.supports.clear(out);
+    }
+
+    /// The tangent at an instant, supports eliminated: by the products of its cells where these are wanted and there are some.
+    pub(crate) fn eliminated(&self, at: &Instant, products: bool) -> Result<Tangent, Inadmissible> {
+        if products && let Some(products) = self.cell_products(at)? {
+            return Ok(Tangent::of_products(self, products));
+        }
+        let mut matrix = self.matrix();
+        self.add_tangent(at, &mut matrix)?;
+        let mut tangent = Tangent::of_entries(matrix);
+        tangent.eliminate(self);
+        Ok(tangent)
     }
 
     /// The tangent at the instant of a state.

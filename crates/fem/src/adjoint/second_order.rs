@@ -1,5 +1,6 @@
 //! [`SecondOrder`]: the linearised state and the linearised adjoint of an equilibrium.
 
+use crate::adjoint::inverted;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
 use crate::contributions::sensitivities::{Increment, Sensitivities};
@@ -7,8 +8,10 @@ use crate::error::{SecondDerivativeError, StateError};
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
-use crate::solution::tangent_systems::{EXACT, SYMMETRIC, TangentSystems, Transposition, eliminate};
+use crate::solution::tangent::Tangent;
+use crate::solution::tangent_systems::{EXACT, SYMMETRIC, TangentSystems, Transposition};
 use crate::solution::workspace::Workspace;
+use nastic_linear::LinearError;
 use nastic_linear::solver::Accuracy;
 use nastic_numeric::vector::axpy;
 
@@ -170,19 +173,32 @@ impl<'a> SecondOrder<'a> {
         {
             return Ok(x);
         }
-        let (matrix, factorised) = match kept {
+        let at = model.instant(state, None, how.parallel);
+        let eliminated = |products: bool| model.eliminated(&at, products).map_err(|at| inverted(at, state));
+        let usable = |kept: &(Tangent, bool)| systems.takes_products() || !kept.0.is_unassembled();
+        let (mut tangent, mut factorised) = match kept.filter(usable) {
             Some(kept) => kept,
-            None => {
-                let mut matrix = model.tangent(state, how.parallel)?;
-                eliminate(model, &mut matrix);
-                (matrix, false)
-            }
+            None => (eliminated(systems.takes_products())?, false),
         };
-        if again && !factorised {
-            systems.prepare(&matrix, &state.u, &mut self.report)?;
+        if tangent.is_unassembled() {
+            let prepared =
+                if again && !factorised { systems.prepare(&tangent, &state.u, &mut self.report) } else { Ok(()) };
+            let solve = |()| model.solve_corrected(accuracy, &tangent, &at, &rhs, &mut systems, &mut self.report);
+            match prepared.and_then(solve) {
+                Err(LinearError::NoEntries | LinearError::Singular { .. }) => {
+                    (tangent, factorised) = (eliminated(false)?, false);
+                }
+                solved => {
+                    self.workspace.put_tangent(tangent, again);
+                    return Ok(solved?);
+                }
+            }
         }
-        let solved = systems.solve_to(accuracy, &matrix, &state.u, &rhs, transposition, &mut self.report);
-        self.workspace.put_tangent(matrix, again);
+        if again && !factorised {
+            systems.prepare(&tangent, &state.u, &mut self.report)?;
+        }
+        let solved = systems.solve_to(accuracy, &tangent, &state.u, &rhs, transposition, &mut self.report);
+        self.workspace.put_tangent(tangent, again);
         Ok(solved?)
     }
 

@@ -1,7 +1,7 @@
 //! [`Hexahedra`]: 27-node hexahedra in batches, for products by sum factorisation.
 
 use crate::discretization::quadrature_points::QuadraturePoints;
-use crate::kernels::hexahedra::{CELLS, Line, NODES, ROWS};
+use crate::kernels::hexahedra::{CELLS, CORNERS, Line, NODES, ROWS};
 use nastic_mesh::{CellKind, Rule};
 use std::array::from_fn;
 
@@ -15,6 +15,8 @@ pub(crate) struct Hexahedra {
     line: Line,
     /// `[batch][node][cell]`; cells that are not there have node 0.
     nodes: Vec<u32>,
+    /// By cell, the first direction running fastest.
+    corners: Vec<[u32; CORNERS]>,
     /// By node of the mesh where its places begin.
     starts: Vec<u32>,
     /// Where the rows of a node stand among those of the cells, in their order.
@@ -50,8 +52,13 @@ impl Hexahedra {
             end += own.len() as u32;
             end
         }));
+        let corner = |c: usize, a: usize| {
+            let place = 2 * (a & 1) + 6 * (a >> 1 & 1) + 18 * (a >> 2);
+            nodes[(c / CELLS * NODES + place) * CELLS + c % CELLS]
+        };
+        let corners = (0..part.cells.len()).map(|c| from_fn(|a| corner(c, a))).collect();
         let line = line(&of_points, &of_nodes);
-        Some(Hexahedra { line, nodes, starts, places: places.concat(), points: point_places })
+        Some(Hexahedra { line, nodes, corners, starts, places: places.concat(), points: point_places })
     }
 
     /// Shapes and derivatives in one direction.
@@ -69,9 +76,19 @@ impl Hexahedra {
         &self.nodes[batch * NODES * CELLS..][..NODES * CELLS]
     }
 
+    /// The nodes at the corners of every cell, the first direction running fastest.
+    pub fn corners(&self) -> &[[u32; CORNERS]] {
+        &self.corners
+    }
+
     /// Place on the grid of the q-th quadrature point.
     pub fn point(&self, q: usize) -> usize {
         self.points[q]
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.corners.len()
     }
 
     /// Where the first components of a node stand among the rows of all batches; the others follow [`CELLS`] further on.
@@ -95,14 +112,17 @@ fn grid(points: &[[f64; 3]]) -> Option<([f64; 3], [usize; NODES])> {
     Some((line, places.try_into().ok().filter(|_| complete)?))
 }
 
-/// Lagrange's polynomials through the nodes of a line at its points.
+/// Lagrange's polynomials through the nodes of a line, and through its two ends, at its points.
 fn line(points: &[f64; 3], nodes: &[f64; 3]) -> Line {
     let others = |n: usize| [nodes[(n + 1) % 3], nodes[(n + 2) % 3]];
     let scale = |n: usize| others(n).iter().map(|other| nodes[n] - other).product::<f64>();
     let shape = |x: f64, n: usize| others(n).iter().map(|other| x - other).product::<f64>() / scale(n);
     let derivative = |x: f64, n: usize| others(n).iter().map(|other| x - other).sum::<f64>() / scale(n);
+    let length = nodes[2] - nodes[0];
     Line {
-        shapes: from_fn(|q| from_fn(|n| shape(points[q], n) as f32)),
-        derivatives: from_fn(|q| from_fn(|n| derivative(points[q], n) as f32)),
+        shapes: from_fn(|q| from_fn(|n| shape(points[q], n))),
+        derivatives: from_fn(|q| from_fn(|n| derivative(points[q], n))),
+        ends: from_fn(|q| [(nodes[2] - points[q]) / length, (points[q] - nodes[0]) / length]),
+        end_derivatives: [-1.0 / length, 1.0 / length],
     }
 }

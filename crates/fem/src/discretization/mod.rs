@@ -156,7 +156,7 @@ impl Discretization {
 }
 
 /// The shapes of the first-order kind at the nodes of a kind, `[node][corner]`.
-fn corner_shapes(part: &CellGroup) -> Vec<f64> {
+pub(crate) fn corner_shapes(part: &CellGroup) -> Vec<f64> {
     let corners = part.kind.corners();
     let mut shapes = vec![0.0; part.kind.nodes() * corners];
     for (xi, row) in part.kind.reference_nodes().iter().zip(shapes.chunks_exact_mut(corners)) {

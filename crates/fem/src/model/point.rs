@@ -2,6 +2,7 @@
 
 use super::Model;
 use super::inequalities::has_inequalities;
+use crate::contributions::body_energy::driving::Driving;
 use crate::contributions::body_energy::evaluated::EvaluatedBody;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::Instant;
@@ -10,8 +11,9 @@ use crate::contributions::{Contribution, ContributionPoint, Demand, Need, Sums};
 use crate::error::{Inadmissible, SecondDerivativeError};
 use crate::kernels::displaced::Displaced;
 use crate::solution::saddle_point::BorderedTangent;
-use nastic_linear::SparseMatrix;
+use nastic_linear::{CellProducts, SparseMatrix};
 use nastic_numeric::vector::sub;
+use std::sync::Arc;
 
 /// All contributions of a [`Model`] at one displacement: `sum_c r_c` and its derivatives, for which kinematics are found once.
 ///
@@ -89,6 +91,20 @@ impl ModelPoint<'_> {
             point.add_tangent(at, tangent).map_err(|e| e.of(contribution.name()))
         };
         self.model.agreed(self.each(at, add))
+    }
+
+    /// The tangent by the products of its cells, see [`Model::cell_products`].
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn cell_products(&self, at: &Instant) -> Result<Option<Arc<dyn CellProducts>>, Inadmissible> {
+        let Model { body, supports, .. } = self.model;
+        if at.step.is_some() || !self.model.has_cell_products() {
+            return Ok(None);
+        }
+        let place = (self.displaced(self.model.nodal(at.u)), Driving::of(at));
+        let products = body.cell_products(place, supports.fixed(), at.parallel)?;
+        Ok(products.map(|products| products as Arc<dyn CellProducts>))
     }
 
     /// The tangent with the border of the constraints, supports not eliminated.

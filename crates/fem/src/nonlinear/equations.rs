@@ -9,6 +9,7 @@ use crate::nonlinear::iteration::Iterate;
 use crate::solution::options::SolveOptions;
 use crate::solution::saddle_point::BorderedTangent;
 use crate::solution::state::State;
+use crate::solution::tangent::{Tangent, TangentRef};
 use nastic_linear::SparseMatrix;
 
 /// `r(x) = 0`: the residual of a model by the unknowns `x = (u, p)`, p the multipliers of constraints, or `x = (u, p, s)` along a path.
@@ -136,6 +137,23 @@ impl<'a> Equations<'a> {
         Ok(matrix)
     }
 
+    /// The same by the products of its cells where these are wanted and the model has some.
+    pub fn tangent_or_products<'m>(
+        &self,
+        here: &Iterate,
+        products: bool,
+        memory: &'m mut Option<Tangent>,
+    ) -> Result<&'m mut Tangent, Inadmissible> {
+        // what was there is not held beside what comes
+        let mut entries = memory.take().and_then(Tangent::into_entries);
+        if products && let Some(products) = self.with(here.x, |at| here.point.cell_products(at))? {
+            return Ok(memory.insert(Tangent::of_products(self.model, products)));
+        }
+        self.tangent(here, &mut entries)?;
+        let entries = entries.unwrap_or_else(|| self.model.matrix());
+        Ok(memory.insert(Tangent::of_entries(entries)))
+    }
+
     /// The tangent with the border of the constraints.
     pub fn bordered_tangent(&self, point: &ModelPoint, x: &[f64]) -> Result<BorderedTangent, Inadmissible> {
         self.with(x, |at| point.bordered_tangent(at))
@@ -233,7 +251,7 @@ impl<'a> Equations<'a> {
 
     /// Energies are small differences of large terms, the smaller the nearer to rest: W vanishes there, while what it is
     /// the difference of is of the size of `F : dP/dF : F`, or `x . K x` with the current positions x.
-    pub fn energy_scale(&self, matrix: &SparseMatrix, u: &[f64], now: &Sums) -> f64 {
+    pub fn energy_scale<'m>(&self, tangent: impl Into<TangentRef<'m>>, u: &[f64], now: &Sums) -> f64 {
         let disc = self.model.discretization();
         let dim = disc.dim();
         let block = self.model.unknowns().block();
@@ -242,7 +260,7 @@ impl<'a> Equations<'a> {
             x.iter_mut().zip(&reference[..dim]).for_each(|(x, reference)| *x += reference);
         }
         let mut stretched = vec![0.0; x.len()];
-        matrix.multiply_on(&x, &mut stretched, self.options.parallel);
+        tangent.into().multiply(&x, &mut stretched, self.options.parallel);
         let terms: f64 = x.iter().zip(&stretched).map(|(x, f)| x * f).sum();
         now.energy_scale + self.model.unknowns().total(terms).abs()
     }

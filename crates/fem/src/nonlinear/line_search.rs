@@ -5,7 +5,8 @@ use crate::nonlinear::direction::{Direction, Step, Take};
 use crate::nonlinear::equations::{Equations, Evaluated, moved};
 use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::nonlinear::merit::{Merit, augmented::Augmented, energy::Energy, residual::Residual};
-use crate::solution::rotation_corrected_step::{GradientFit, StepLimits};
+use crate::solution::gradient_fit::GradientFit;
+use crate::solution::rotation_corrected_step::StepLimits;
 use crate::solution::state::SolveReport;
 use nastic_linear::solver::Curvature;
 

@@ -4,7 +4,7 @@ use crate::contributions::controls::Controls;
 use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
-use crate::solution::tangent_systems::{StepWanted, TangentSystems, eliminate};
+use crate::solution::tangent_systems::{StepWanted, TangentSystems};
 use crate::solution::workspace::Workspace;
 use nastic_linear::solver::Curvature;
 
@@ -40,11 +40,9 @@ impl Model {
         let [before, after] = [&now, &nudged].map(|newton| newton.evaluate(&here.u).map(|found| found.sums.force));
         let mut rhs: Vec<f64> = before.ok()?.iter().zip(&after.ok()?).map(|(a, b)| (a - b) / length).collect();
         self.supports.restrict(&mut rhs);
-        let mut matrix = self.matrix();
-        now.at(&here.u, |at| self.add_tangent(at, &mut matrix)).ok()?;
-        eliminate(self, &mut matrix);
         let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
-        let (rate, curvature) = systems.step(&matrix, &here.u, &rhs, (ROUGH, StepWanted::Newton), report).ok()?;
+        let tangent = now.at(&here.u, |at| self.eliminated(at, systems.takes_products())).ok()?;
+        let (rate, curvature) = systems.step(&tangent, &here.u, &rhs, (ROUGH, StepWanted::Newton), report).ok()?;
         (curvature != Curvature::Negative).then_some(rate)
     }
 }

@@ -19,132 +19,17 @@
 
 use crate::contributions::body_energy::max_step::volume_step;
 use crate::discretization::Discretization;
-use crate::discretization::quadrature_points::CellGroup;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
-use crate::kernels::{CellKernel, kernel};
 use crate::model::Model;
-use nastic_linear::{Factor, Geometry, Multigrid, SparseMatrix, Structure, conjugate_gradient};
-use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, polar_rotation};
-use rayon::prelude::*;
-use std::sync::Arc;
+use nastic_tensor::{Kinematics, Mat3, Vec3, polar_rotation};
 
 /// Steps that turn nothing further than this (radians) stay straight: there is nothing to gain.
 const STRAIGHT: f64 = 0.05;
-/// Cells of one task, and tasks whose element matrices are held at a time.
+/// Cells of one task.
 const CHUNK: usize = 64;
-const WAVE: usize = 64;
-
-/// Relative residual of a fit by multigrid, and cycles that it may take.
-const FIT: (f64, usize) = (1e-3, 60);
-/// Operations of a factorisation that take as long as the levels of the tangent, per value that it stores.
-const HIERARCHY: f64 = 2000.0;
-
-/// The Laplace operator of a body under its supports, with what solves it: fits displacements to gradients.
-pub(crate) struct GradientFit {
-    /// By displacement component; components with the same supports share one.
-    solvers: Vec<Arc<Laplacian>>,
-    /// The components that no support holds anywhere: there the first node is held, and the correction moves no centre.
-    free: Vec<bool>,
-    parallel: bool,
-}
-
-/// A Laplace operator and what solves it: a factor, or multigrid where a factor takes longer than the levels of the tangent.
-enum Laplacian {
-    Factor(Factor),
-    Multigrid(Box<(SparseMatrix, Multigrid)>),
-}
-
-impl Laplacian {
-    /// Nothing if that fails.
-    fn new(model: &Model, structure: &Structure, matrix: SparseMatrix, fixed: &[bool], parallel: bool) -> Option<Self> {
-        let tangent = model.tangent_structure().pattern().values();
-        if structure.factor_size().flops <= HIERARCHY * tangent as f64 {
-            return structure.symbolic().approximate(&matrix, parallel).ok().map(Laplacian::Factor);
-        }
-        let disc = model.discretization();
-        let geometry = Geometry { points: disc.mesh().points(), fixed, corners: disc.corners(), products: None };
-        let levels = Multigrid::new(&matrix, &geometry, parallel).ok()?;
-        Some(Laplacian::Multigrid(Box::new((matrix, levels))))
-    }
-
-    fn solve(&self, b: &mut Vec<f64>, parallel: bool) {
-        match self {
-            Laplacian::Factor(factor) => factor.solve(b, 1),
-            Laplacian::Multigrid(of) => {
-                let mut x = vec![0.0; b.len()];
-                let product = |v: &[f64], out: &mut [f64]| of.0.multiply_on(v, out, parallel);
-                // what is left of the residual changes the curve a little, and no state
-                conjugate_gradient(&product, &of.1, b, &mut x, FIT.0, FIT.1);
-                *b = x;
-            }
-        }
-    }
-}
-
-impl GradientFit {
-    /// Makes it ready; nothing if that fails, and steps stay straight.
-    pub fn new(model: &Model, parallel: bool) -> Option<Self> {
-        let disc = model.discretization();
-        let dim = disc.dim();
-        let structure = model.tangent_structure().with_components(1);
-        let laplacian = laplacian(model, SparseMatrix::zeros(structure.pattern().clone()), parallel);
-        let diagonal = laplacian.diagonal().into_iter().fold(0.0, f64::max);
-        let mut known: Vec<(Vec<bool>, Arc<Laplacian>)> = Vec::new();
-        let (mut solvers, mut free) = (Vec::with_capacity(dim), Vec::with_capacity(dim));
-        for c in 0..dim {
-            let mut fixed: Vec<bool> = model.supports.fixed().iter().skip(c).step_by(dim).copied().collect();
-            // a body in motion may be free: gradients determine the component up to a constant
-            free.push(!fixed.contains(&true));
-            fixed[0] |= free[c];
-            let solver = match known.iter().find(|(other, _)| *other == fixed) {
-                Some((_, solver)) => solver.clone(),
-                None => {
-                    let mut matrix = laplacian.clone();
-                    matrix.eliminate(&fixed, diagonal);
-                    let solver = Arc::new(Laplacian::new(model, &structure, matrix, &fixed, parallel)?);
-                    known.push((fixed, solver.clone()));
-                    solver
-                }
-            };
-            solvers.push(solver);
-        }
-        Some(Self { solvers, free, parallel })
-    }
-
-    /// `u(s) - u - s du`, zero where supported.
-    pub fn correction(&self, model: &Model, at: Displaced, du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
-        self.fit(model, misfit(model.discretization(), at, du, s, turned, parallel))
-    }
-
-    /// The same between two states u and u + du: the way from F to `R U F`, with the polar decomposition `1 + G = R U`, is
-    /// `F(s) = R^s (1 + s (U - 1)) F`, with `R^s` the rotation about the axis of R by s times its angle.
-    pub fn correction_between(&self, model: &Model, at: Displaced, du: &[f64], s: f64, parallel: bool) -> Vec<f64> {
-        self.fit(model, misfit(model.discretization(), at, du, s, turned_between, parallel))
-    }
-
-    fn fit(&self, model: &Model, mut rhs: Vec<f64>) -> Vec<f64> {
-        let dim = model.discretization().dim();
-        model.supports.clear(&mut rhs);
-        for (c, solver) in self.solvers.iter().enumerate() {
-            let mut component: Vec<f64> = rhs.iter().skip(c).step_by(dim).copied().collect();
-            if self.free[c] {
-                component[0] = 0.0;
-            }
-            solver.solve(&mut component, self.parallel);
-            if self.free[c] {
-                let volumes = model.discretization().nodal_volumes();
-                let mean = model.unknowns().dot(&volumes, &component) / volumes.iter().sum::<f64>();
-                component.iter_mut().for_each(|x| *x -= mean);
-            }
-            rhs.iter_mut().skip(c).step_by(dim).zip(component).for_each(|(r, x)| *r = x);
-        }
-        model.supports.extend(&mut rhs);
-        rhs
-    }
-}
 
 /// The longest admissible step, straight and rotation-corrected.
 pub(crate) struct StepLimits {
@@ -210,7 +95,7 @@ impl Extremes {
 }
 
 /// `int (F(s) - F - s grad du) : grad N_a dX`, flat, with `F(s) = turned(G, s) F`.
-fn misfit(
+pub(super) fn misfit(
     disc: &Discretization,
     at: Displaced,
     du: &[f64],
@@ -269,12 +154,12 @@ fn each_point(
 }
 
 /// `exp(s skew G) (1 + s sym G)`.
-fn turned(g: &Mat3, s: f64) -> Mat3 {
+pub(super) fn turned(g: &Mat3, s: f64) -> Mat3 {
     rotation(&(s * axial(g))) * (Mat3::identity() + s * symmetric(g))
 }
 
 /// `R^s (1 + s (U - 1))` with `R U = 1 + G`; the straight way where that has no polar decomposition.
-fn turned_between(g: &Mat3, s: f64) -> Mat3 {
+pub(super) fn turned_between(g: &Mat3, s: f64) -> Mat3 {
     let whole = Mat3::identity() + g;
     let Some(r) = polar_rotation(&whole) else { return Mat3::identity() + s * g };
     let stretch = r.transpose() * whole;
@@ -316,49 +201,6 @@ fn rotation(w: &Vec3) -> Mat3 {
         a => (a.sin() / a, 0.5 * ((0.5 * a).sin() / (0.5 * a)).powi(2)),
     };
     Mat3::identity() + first * skew + second * skew * skew
-}
-
-fn laplacian(model: &Model, mut matrix: SparseMatrix, parallel: bool) -> SparseMatrix {
-    let disc = model.discretization();
-    for (p, part) in disc.points().parts.iter().enumerate() {
-        let Some(kernel) = kernel(part.kind) else { continue };
-        let maps = model.tangent_structure().scatter(p);
-        let per_cell = maps.len() / part.cells.len();
-        let cells: Vec<usize> = (0..part.cells.len()).collect();
-        let of = |cells: &[usize]| elements(disc, part, kernel, cells);
-        for cells in cells.chunks(WAVE * CHUNK) {
-            let elements: Vec<Vec<f64>> = match parallel {
-                true => cells.par_chunks(CHUNK).map(of).collect(),
-                false => cells.chunks(CHUNK).map(of).collect(),
-            };
-            let maps = &maps[cells[0] * per_cell..];
-            for (value, &code) in elements.iter().flatten().zip(maps) {
-                matrix.values[(code >> 1) as usize] += value;
-            }
-        }
-    }
-    matrix
-}
-
-/// `int grad N_a . grad N_b dX`, `b <= a`, of some cells one after the other.
-fn elements(disc: &Discretization, part: &CellGroup, kernel: &dyn CellKernel, cells: &[usize]) -> Vec<f64> {
-    let (points, metric) = (part.table.points, Tangent::from_map(|b| *b));
-    let mut g = vec![0.0; part.table.gradients.len()];
-    let mut element = vec![0.0; kernel.matrix_len()];
-    let (mut weighted, mut work, mut out) = (vec![Tangent::zero(); points], Vec::new(), Vec::new());
-    for &c in cells {
-        kernel.gradients(&part.table.gradients, &part.inverse[c * points..(c + 1) * points], &mut g);
-        for (q, tangent) in weighted.iter_mut().enumerate() {
-            let weight = disc.points().weights()[part.first_point(c) + q];
-            *tangent = Tangent(metric.0.map(|m| m * weight));
-        }
-        kernel.tangent(&g, &weighted, &mut element, &mut work);
-        // the first component's block: the others are the same
-        for a in 0..part.table.nodes {
-            out.extend_from_slice(&element[a * part.table.width..][..=a]);
-        }
-    }
-    out
 }
 
 #[cfg(test)]

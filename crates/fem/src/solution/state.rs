@@ -51,6 +51,8 @@ pub struct SolveReport {
     pub hierarchies: usize,
     /// Multigrid cycles, one per conjugate-gradient iteration.
     pub cycles: usize,
+    /// Tangent systems solved without a matrix: products of cells stood for its entries.
+    pub unassembled: usize,
     /// Load steps that led to the answer.
     pub load_steps: usize,
     /// Load steps that were abandoned and shortened.
@@ -77,6 +79,7 @@ impl Default for SolveReport {
             back_substitutions: 0,
             hierarchies: 0,
             cycles: 0,
+            unassembled: 0,
             load_steps: 0,
             cuts: 0,
             residual: 0.0,
@@ -108,6 +111,7 @@ impl SolveReport {
         self.back_substitutions += other.back_substitutions;
         self.hierarchies += other.hierarchies;
         self.cycles += other.cycles;
+        self.unassembled += other.unassembled;
         self.cuts += other.cuts;
         self.restarts += other.restarts;
         self.shifted += other.shifted;

@@ -3,10 +3,12 @@
 use crate::model::Model;
 use crate::solution::nodal_rotations::nodal_rotations;
 use crate::solution::state::SolveReport;
+use crate::solution::tangent::{Tangent, TangentRef};
 use nastic_linear::solver::{
     Accuracy, BlockElimination, Border, Configuration, Curvature, Shift, System, solve_bordered,
 };
 use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, Space, SparseMatrix};
+use nastic_numeric::vector::axpy;
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
@@ -21,6 +23,10 @@ pub(crate) const SYMMETRIC: Accuracy = Accuracy { error: 1e-13, residual: 1e-11 
 
 /// Relative residual of a system that nothing corrects afterwards.
 const DEFINITE: f64 = 1e-12;
+
+/// Relative residual of a solution that is corrected by a product of its own, about the rounding of moduli, and corrections at most.
+const ROUNDED: f64 = 1e-7;
+const CORRECTIONS: usize = 5;
 
 /// Of full steps of Newton's method with an indefinite or bordered tangent.
 pub(crate) const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
@@ -71,16 +77,16 @@ impl<'a> TangentSystems<'a> {
 
     /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and what the
     /// tangent turned out to be.
-    pub fn step(
+    pub fn step<'m>(
         &mut self,
-        matrix: &SparseMatrix,
+        tangent: impl Into<TangentRef<'m>>,
         u: &[f64],
         rhs: &[f64],
         (tolerance, wanted): (f64, StepWanted),
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Curvature), LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(matrix);
+        let system = configuration.system(tangent.into());
         let mut work = LinearWork::default();
         let step = match self.solver.step(&system, rhs, tolerance, &mut work) {
             Ok(step) if wanted == StepWanted::Newton || step.curvature != Curvature::Negative => {
@@ -92,6 +98,7 @@ impl<'a> TangentSystems<'a> {
             Err(other) => Err(other),
         };
         report.add_linear(self.solver, &work);
+        report.unassembled += usize::from(step.is_ok() && system.products.is_some());
         step.map(|(x, curvature)| (self.extended(x), curvature))
     }
 
@@ -102,16 +109,16 @@ impl<'a> TangentSystems<'a> {
     }
 
     /// A downhill step where the tangent is not positive definite.
-    pub fn shifted_step(
+    pub fn shifted_step<'m>(
         &mut self,
-        matrix: &SparseMatrix,
+        tangent: impl Into<TangentRef<'m>>,
         u: &[f64],
         rhs: &[f64],
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let mut work = LinearWork::default();
-        let step = self.shift.step(self.solver, &configuration.system(matrix), rhs, &mut work);
+        let step = self.shift.step(self.solver, &configuration.system(tangent.into()), rhs, &mut work);
         report.add_linear(self.solver, &work);
         step.map(|x| self.extended(x))
     }
@@ -140,17 +147,17 @@ impl<'a> TangentSystems<'a> {
     }
 
     /// `K x = b` or `K^T x = b` with a tangent at u whose supports are eliminated, to an accuracy; it may be indefinite.
-    pub fn solve_to(
+    pub fn solve_to<'m>(
         &mut self,
         accuracy: Accuracy,
-        matrix: &SparseMatrix,
+        tangent: impl Into<TangentRef<'m>>,
         u: &[f64],
         b: &[f64],
         transposition: Transposition,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(matrix);
+        let system = configuration.system(tangent.into());
         let mut work = LinearWork::default();
         let solution = match transposition {
             Transposition::No => self.solver.solve(&system, b, accuracy, &mut work),
@@ -158,6 +165,43 @@ impl<'a> TangentSystems<'a> {
         };
         report.add_linear(self.solver, &work);
         solution.map(|x| self.extended(x))
+    }
+
+    /// `K x = b` with a symmetric tangent by products of cells, whose moduli are rounded: corrected by the residual of K as the product `exact`,
+    /// which is zero on the supports, until the last correction shows that the error is below `accuracy.error` in the energy norm.
+    ///
+    /// # Errors
+    /// [`LinearError::Singular`] where corrections do not shrink; [`LinearError::NoEntries`].
+    pub fn solve_corrected(
+        &mut self,
+        accuracy: Accuracy,
+        (tangent, exact): (&Tangent, &dyn Operator),
+        u: &[f64],
+        b: &[f64],
+        report: &mut SolveReport,
+    ) -> Result<Vec<f64>, LinearError> {
+        let space = self.model.unknowns();
+        let (mut x, mut rest, mut before) = (vec![0.0; b.len()], b.to_vec(), f64::INFINITY);
+        let rounded = Accuracy { residual: ROUNDED, ..accuracy };
+        for _ in 0..=CORRECTIONS {
+            let dx = self.solve_to(rounded, tangent, u, &rest, Transposition::No, report)?;
+            // |dx|_K, and the next one by the ratio to the one before
+            let size = space.dot(&dx, &rest).max(0.0).sqrt();
+            axpy(1.0, &dx, &mut x);
+            exact.apply(&x, &mut rest);
+            rest.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+            let left = if before.is_finite() { size * size / before } else { size };
+            let is_exact = left <= accuracy.error * space.dot(&x, b).max(0.0).sqrt();
+            if is_exact || space.norm(&rest) <= accuracy.residual * space.norm(b) {
+                report.unassembled += 1;
+                return Ok(x);
+            }
+            if size.is_nan() || size >= before {
+                break;
+            }
+            before = size;
+        }
+        Err(LinearError::Singular { residual: space.norm(&rest) / space.norm(b), wanted: accuracy.residual })
     }
 
     /// `K x = b` with a tangent at u whose supports are eliminated, which is to be positive definite, to a relative residual of 1e-12;
@@ -174,11 +218,11 @@ impl<'a> TangentSystems<'a> {
     ) -> Result<Vec<f64>, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let mut work = LinearWork::default();
-        let solved = self.solver.solve_definite(&configuration.system(matrix), b, &mut work);
+        let solved = self.solver.solve_definite(&configuration.system(matrix.into()), b, &mut work);
         report.add_linear(self.solver, &work);
         let mut x = solved?.ok_or(LinearError::Indefinite)?;
         let mut rest = vec![0.0; b.len()];
-        configuration.system(matrix).multiply(&x, &mut rest);
+        configuration.system(matrix.into()).multiply(&x, &mut rest);
         rest.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
         // of multigrid, which shows at a coarser residual that a matrix is definite
         if self.model.unknowns().norm(&rest) > DEFINITE * self.model.unknowns().norm(b) {
@@ -189,10 +233,15 @@ impl<'a> TangentSystems<'a> {
     }
 
     /// Factorises a tangent at u whose supports are eliminated, for several solutions with it.
-    pub fn prepare(&mut self, matrix: &SparseMatrix, u: &[f64], report: &mut SolveReport) -> Result<(), LinearError> {
+    pub fn prepare<'m>(
+        &mut self,
+        tangent: impl Into<TangentRef<'m>>,
+        u: &[f64],
+        report: &mut SolveReport,
+    ) -> Result<(), LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let mut work = LinearWork::default();
-        let prepared = self.solver.prepare(&configuration.system(matrix), &mut work);
+        let prepared = self.solver.prepare(&configuration.system(tangent.into()), &mut work);
         report.add_linear(self.solver, &work);
         prepared
     }
@@ -208,7 +257,7 @@ impl<'a> TangentSystems<'a> {
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(matrix);
+        let system = configuration.system(matrix.into());
         let mut work = LinearWork::default();
         let found = solve_bordered(self.solver, &system, border, rhs, false, FULL_STEP, &mut work);
         report.add_linear(self.solver, &work);
@@ -229,7 +278,7 @@ impl<'a> TangentSystems<'a> {
         report: &mut SolveReport,
     ) -> Result<(Vec<(Vec<f64>, Vec<f64>)>, Option<usize>), LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(matrix);
+        let system = configuration.system(matrix.into());
         let mut work = LinearWork::default();
         let mut solve = || {
             let elimination = BlockElimination::new(self.solver, &system, border, transposed, accuracy, &mut work)?;
@@ -266,7 +315,7 @@ impl<'a> TangentSystems<'a> {
         report: &mut SolveReport,
     ) -> Result<usize, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(matrix);
+        let system = configuration.system(matrix.into());
         let of_matrix = negative(self.solver, &system)?;
         let mut work = LinearWork::default();
         let elimination = BlockElimination::new(self.solver, &system, border, false, FULL_STEP, &mut work);
@@ -288,16 +337,27 @@ impl<'a> TangentSystems<'a> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let empty = self.model.matrix_without_values();
         let mut work = LinearWork::default();
-        let x = self.solver.solve_by_products(product, &configuration.system(&empty), b, accuracy, most, &mut work);
+        let x = self.solver.solve_by_products(
+            product,
+            &configuration.system((&empty).into()),
+            b,
+            accuracy,
+            most,
+            &mut work,
+        );
         report.add_linear(self.solver, &work);
         x
     }
 
-    /// Number of negative eigenvalues of a tangent.
-    pub fn negative_pivots(&mut self, mut matrix: SparseMatrix, u: &[f64]) -> Result<usize, LinearError> {
-        eliminate(self.model, &mut matrix);
+    /// Whether products of cells may stand for the entries of a tangent.
+    pub fn takes_products(&self) -> bool {
+        self.solver.takes_products()
+    }
+
+    /// Number of negative eigenvalues of a tangent whose supports are eliminated.
+    pub fn negative_pivots(&mut self, tangent: &Tangent, u: &[f64]) -> Result<usize, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        negative(self.solver, &configuration.system(&matrix))
+        negative(self.solver, &configuration.system(tangent.into()))
     }
 }
 
@@ -332,8 +392,9 @@ impl<'a> Deformed<'a> {
         Deformed { model, u: model.displacement(u), parallel, rotations: OnceLock::new(), positions: OnceLock::new() }
     }
 
-    fn system<'s>(&'s self, matrix: &'s SparseMatrix) -> System<'s> {
-        System { matrix, fixed: self.model.supports.fixed(), configuration: self, parallel: self.parallel }
+    fn system<'s>(&'s self, tangent: TangentRef<'s>) -> System<'s> {
+        let (TangentRef { matrix, products }, fixed) = (tangent, self.model.supports.fixed());
+        System { matrix, products, fixed, configuration: self, parallel: self.parallel }
     }
 }
 

@@ -3,8 +3,9 @@
 use crate::contributions::controls::Controls;
 use crate::model::Model;
 use crate::solution::state::State;
+use crate::solution::tangent::Tangent;
 use nastic_linear::solver::{Direct, Joining};
-use nastic_linear::{Factor, LinearSolver, Pattern, Solver, SolverFactory, SparseMatrix, Structure};
+use nastic_linear::{Factor, LinearSolver, Pattern, Solver, SolverFactory, Structure};
 use std::fmt;
 use std::sync::Arc;
 
@@ -25,8 +26,8 @@ struct KeptTangent {
     of: (Arc<Vec<f64>>, Arc<Controls>, f64),
     /// On which mesh.
     pattern: Arc<Pattern>,
-    matrix: Option<SparseMatrix>,
-    /// Whether the solver's factor is that of the matrix.
+    tangent: Option<Tangent>,
+    /// Whether what the solver keeps is of this tangent.
     factorised: bool,
 }
 
@@ -69,21 +70,21 @@ impl Workspace {
         });
         if !again {
             let of = (state.u.clone(), state.controls.clone(), state.load);
-            self.tangent = Some(KeptTangent { of, pattern: pattern.clone(), matrix: None, factorised: false });
+            self.tangent = Some(KeptTangent { of, pattern: pattern.clone(), tangent: None, factorised: false });
         }
         again
     }
 
     /// Takes out the tangent of the state that was noted last, if it was put there, and whether it was factorised.
-    pub(crate) fn take_tangent(&mut self) -> Option<(SparseMatrix, bool)> {
+    pub(crate) fn take_tangent(&mut self) -> Option<(Tangent, bool)> {
         let kept = self.tangent.as_mut()?;
-        Some((kept.matrix.take()?, kept.factorised))
+        Some((kept.tangent.take()?, kept.factorised))
     }
 
     /// Puts it there.
-    pub(crate) fn put_tangent(&mut self, matrix: SparseMatrix, factorised: bool) {
+    pub(crate) fn put_tangent(&mut self, tangent: Tangent, factorised: bool) {
         if let Some(kept) = &mut self.tangent {
-            (kept.matrix, kept.factorised) = (Some(matrix), factorised);
+            (kept.tangent, kept.factorised) = (Some(tangent), factorised);
         }
     }
 

@@ -38,8 +38,8 @@ struct LaidOut {
     equations: Arc<Structure>,
     /// Structures with other numbers of unknowns per node, made when first asked for.
     others: Mutex<BTreeMap<usize, Arc<Structure>>>,
-    /// Per kind of cell: the scatter map of every cell, one after the other.
-    scatter: Vec<Vec<u32>>,
+    /// Per kind of cell: the scatter map of every cell, one after the other. Made with the first matrix.
+    scatter: OnceLock<Vec<Vec<u32>>>,
 }
 
 impl TangentStructure {
@@ -79,11 +79,7 @@ impl TangentStructure {
     fn laid_out(&self) -> &LaidOut {
         self.laid_out.get_or_init(|| {
             let pattern = Arc::new(Pattern::of_graph(&self.graph, self.mesh.points(), self.mesh.dim()));
-            let maps = |part: &CellGroup| {
-                (0..part.cells.len()).flat_map(|c| map_of_coupled(&pattern, part.nodes_of(c))).collect()
-            };
-            let scatter = self.points.parts.iter().map(maps).collect();
-            LaidOut { equations: self.kept.counted(pattern), others: Mutex::default(), scatter }
+            LaidOut { equations: self.kept.counted(pattern), others: Mutex::default(), scatter: OnceLock::new() }
         })
     }
 
@@ -117,7 +113,13 @@ impl TangentStructure {
 
     /// Scatter maps of the cells of one kind.
     pub(crate) fn scatter(&self, part: usize) -> &[u32] {
-        &self.laid_out().scatter[part]
+        let LaidOut { equations, scatter, .. } = self.laid_out();
+        let maps = |part: &CellGroup| {
+            let mut maps = Vec::with_capacity(part.cells.len() * part.table.nodes * (part.table.nodes + 1) / 2);
+            (0..part.cells.len()).for_each(|c| maps.extend(map_of_coupled(equations.pattern(), part.nodes_of(c))));
+            maps
+        };
+        &scatter.get_or_init(|| self.points.parts.iter().map(maps).collect())[part]
     }
 
     /// The symbolic factorisation of the tangent, made when first asked for.

@@ -61,6 +61,12 @@ impl BlockMatrix {
         with_size!(couplings.size, self.fill_blocks(&of, parallel));
     }
 
+    /// Lets go of the products, without which it is of no use.
+    pub fn release_products(&mut self) {
+        self.products = None;
+        lock(&self.rooms).clear();
+    }
+
     fn fill_blocks<const N: usize>(&mut self, of: &Symmetric, parallel: bool) {
         let couplings = &*self.couplings;
         self.values.resize(N * N * couplings.codes.len(), 0.0);

@@ -56,27 +56,59 @@ impl Corners {
         &self.nodes
     }
 
-    /// Which of the corners' unknowns are fixed.
-    pub(super) fn fixed(&self, dim: usize, fixed: &[bool]) -> Vec<bool> {
-        self.nodes.iter().flat_map(|&node| fixed[dim * node as usize..][..dim].iter().copied()).collect()
+    /// Which of the corners' unknowns are fixed: those from which a `fixed` one would move. What is left of the first-order space is then a part of the
+    /// second-order one.
+    pub fn fixed(&self, dim: usize, fixed: &[bool]) -> Vec<bool> {
+        let mut of_corners = vec![false; dim * self.nodes.len()];
+        for (own, fixed) in self.starts.windows(2).zip(fixed.chunks_exact(dim)) {
+            for &corner in &self.parents[own[0]..own[1]] {
+                of_corners[dim * corner as usize..][..dim]
+                    .iter_mut()
+                    .zip(fixed)
+                    .for_each(|(of_corner, f)| *of_corner |= f);
+            }
+        }
+        of_corners
     }
 
-    /// The interpolation with `dim` components per node: nothing comes from or goes to `fixed` unknowns.
-    pub(super) fn transfer(&self, dim: usize, fixed: &[bool]) -> Transfer {
+    /// A field at the corners as it is at all nodes.
+    #[must_use]
+    pub fn interpolated(&self, at_corners: &[f64]) -> Vec<f64> {
+        let of_node = |own: &[usize]| {
+            let parents = self.parents[own[0]..own[1]].iter().zip(&self.weights[own[0]..own[1]]);
+            parents.map(|(&corner, weight)| weight * at_corners[corner as usize]).sum()
+        };
+        self.starts.windows(2).map(of_node).collect()
+    }
+
+    /// The transpose of [`interpolated`](Self::interpolated): forces at all nodes as they are at the corners.
+    #[must_use]
+    pub fn restricted(&self, at_nodes: &[f64]) -> Vec<f64> {
+        let mut at_corners = vec![0.0; self.nodes.len()];
+        for (own, force) in self.starts.windows(2).zip(at_nodes) {
+            for (&corner, weight) in self.parents[own[0]..own[1]].iter().zip(&self.weights[own[0]..own[1]]) {
+                at_corners[corner as usize] += weight * force;
+            }
+        }
+        at_corners
+    }
+
+    /// The interpolation with `dim` components per node: nothing comes from unknowns of corners that are [fixed](Self::fixed).
+    pub(super) fn transfer(&self, dim: usize, of_corners: &[bool]) -> Transfer {
         let mut rows = BlockRows { block_columns: self.nodes.len(), starts: vec![0], columns: Vec::new() };
         let mut values = Vec::new();
         for node in 0..self.starts.len() - 1 {
             for k in self.starts[node]..self.starts[node + 1] {
-                let corner = self.nodes[self.parents[k] as usize] as usize;
-                let free: Vec<bool> = (0..dim).map(|c| !fixed[dim * node + c] && !fixed[dim * corner + c]).collect();
+                let parent = self.parents[k] as usize;
+                let (corner, fixed) = (self.nodes[parent] as usize, &of_corners[dim * parent..][..dim]);
                 // a corner keeps its place though nothing of it is free: the next level must know that it is idle
-                if corner != node && free.iter().all(|&free| !free) {
+                if corner != node && !fixed.contains(&false) {
                     continue;
                 }
                 rows.columns.push(self.parents[k]);
                 for at in 0..dim * dim {
                     let (r, c) = (at / dim, at % dim);
-                    values.push(if r == c && free[r] { self.weights[k] as f32 } else { 0.0 });
+                    values.push(if r == c && !fixed[r] { self.weights[k] as f32 } else { 0.0 });
                 }
             }
             rows.starts.push(rows.columns.len());

@@ -130,6 +130,12 @@ impl Couplings {
         Arc::new(Couplings { size, rows: BlockRows { columns, ..rows }, codes, stored: Vec::new() })
     }
 
+    /// Of nodes of which nothing is known but their number: products stand for the entries.
+    pub fn unknown(size: usize, nodes: usize) -> Arc<Self> {
+        let rows = BlockRows { block_columns: nodes, starts: vec![0; nodes + 1], columns: Vec::new() };
+        Arc::new(Couplings { size, rows, codes: Vec::new(), stored: Vec::new() })
+    }
+
     /// Those of a level whose lower triangle is stored by rows, every block row by row.
     pub fn of_lower(size: usize, rows: BlockRows, parallel: bool) -> Arc<Self> {
         let below = |i: usize| rows.columns[rows.row(i)].partition_point(|&j| j as usize <= i);

@@ -1,5 +1,6 @@
 //! The V-cycle.
 
+use super::block_matrix::BlockMatrix;
 use super::chunks;
 use super::level::Level;
 use super::smoother::Working;
@@ -25,25 +26,31 @@ impl Vectors {
     }
 }
 
-/// `x = B r` on the first of the levels, which stand above the factorised one. The same polynomial before and after
-/// the correction makes B symmetric.
-pub(super) fn v_cycle(levels: &[Level], coarsest: &Factor, vectors: &mut [Vectors], parallel: bool) {
+/// `x = B r` on the first of the levels, which stand above the factorised one; with the matrix of that first one where it is not its own. The same
+/// polynomial before and after the correction makes B symmetric.
+pub(super) fn v_cycle(
+    (levels, first): (&[Level], Option<&BlockMatrix>),
+    coarsest: &Factor,
+    vectors: &mut [Vectors],
+    parallel: bool,
+) {
     let Some((here, below)) = vectors.split_first_mut() else { return };
     let Some((level, deeper)) = levels.split_first() else {
         here.x.copy_from_slice(&here.r);
         coarsest.solve(&mut here.x, 1);
         return;
     };
-    level.smoother.apply(&level.matrix, here.working(), true, parallel);
-    level.matrix.subtract(&here.d, &mut here.r, parallel);
+    let matrix = first.unwrap_or(&level.matrix);
+    level.smoother.apply(matrix, here.working(), true, parallel);
+    matrix.subtract(&here.d, &mut here.r, parallel);
     let Some(next) = below.first_mut() else { return };
     level.transfer.restrict(&here.r, &mut next.r, parallel);
-    v_cycle(deeper, coarsest, below, parallel);
+    v_cycle((deeper, None), coarsest, below, parallel);
     let Some(next) = below.first() else { return };
     level.transfer.prolong(&next.x, &mut here.z, parallel);
     add(&here.z, &mut here.x, parallel);
-    level.matrix.subtract(&here.z, &mut here.r, parallel);
-    level.smoother.apply(&level.matrix, here.working(), false, parallel);
+    matrix.subtract(&here.z, &mut here.r, parallel);
+    level.smoother.apply(matrix, here.working(), false, parallel);
 }
 
 /// `y += x`.

@@ -26,15 +26,8 @@ pub struct Geometry<'a> {
     pub fixed: &'a [bool],
     /// The corner nodes of second-order elements.
     pub corners: Option<&'a Corners>,
-    /// The matrix by the products of its cells: what is smoothed with on second-order elements, in the place of its entries.
+    /// The matrix by the products of its cells, second-order ones with three unknowns per node: its entries are not read then.
     pub products: Option<&'a Arc<dyn CellProducts>>,
-}
-
-impl Geometry<'_> {
-    /// Whether products of cells serve on the finest level: with so many unknowns per node.
-    fn has_products(&self, unknowns: usize) -> bool {
-        unknowns == 3 && self.corners.is_some()
-    }
 }
 
 /// A symmetric positive definite approximation of the inverse of a positive definite matrix.
@@ -49,6 +42,8 @@ pub struct Multigrid {
     levels: Vec<Level>,
     coarsest: Option<Coarsest>,
     layouts: usize,
+    /// Of the matrix, where products stand for its entries: a bound of its largest eigenvalue.
+    norm: f64,
     parallel: bool,
     /// Working memory of cycles that are over.
     vectors: Mutex<Vec<Vec<Vectors>>>,
@@ -91,6 +86,7 @@ impl Multigrid {
             levels: Vec::new(),
             coarsest: None,
             layouts: 0,
+            norm: 0.0,
             parallel: false,
             vectors: Mutex::default(),
         }
@@ -102,36 +98,80 @@ impl Multigrid {
     /// # Errors
     /// As [`new`](Self::new); of no use as a preconditioner then, until it is renewed.
     pub fn renew(&mut self, matrix: &SparseMatrix, geometry: &Geometry, parallel: bool) -> Result<(), FactorError> {
-        check_finite(matrix, parallel)?;
         let (dim, nodes) = (matrix.pattern().dim(), matrix.pattern().nodes());
         check("dofs per node (one to three)", dim.clamp(1, 3), dim)?;
         check("node positions", nodes, geometry.points.len())?;
         check("marks of eliminated unknowns", dim * nodes, geometry.fixed.len())?;
         self.parallel = parallel;
-        if !Arc::ptr_eq(&self.pattern, matrix.pattern()) || self.fixed != geometry.fixed {
-            self.pattern = matrix.pattern().clone();
-            self.fixed = geometry.fixed.to_vec();
-            self.finest = Couplings::finest(matrix.pattern(), geometry.fixed, parallel);
-            self.cut(0);
+        if let Some(products) = geometry.products {
+            return self.renew_by_products(matrix.pattern(), products, geometry);
         }
-        let mut modes = match geometry.corners {
+        check_finite(matrix, parallel)?;
+        if self.is_foreign(matrix.pattern(), geometry) || self.finest.codes.is_empty() {
+            self.lay_out_for(matrix.pattern(), geometry);
+            self.finest = Couplings::finest(matrix.pattern(), geometry.fixed, parallel);
+        }
+        let modes = match geometry.corners {
             None => modes::rigid_motions(geometry.points, dim, geometry.fixed, parallel),
-            Some(corners) => {
-                let points: Vec<_> = corners.nodes().iter().map(|&node| geometry.points[node as usize]).collect();
-                modes::rigid_motions(&points, dim, &corners.fixed(dim, geometry.fixed), parallel)
-            }
+            Some(corners) => modes_of_corners(corners, dim, geometry, parallel),
         };
+        self.renew_from(0, &matrix.values, modes, geometry.corners)
+    }
+
+    /// The same with products in the place of entries.
+    fn renew_by_products(
+        &mut self,
+        pattern: &Arc<Pattern>,
+        products: &Arc<dyn CellProducts>,
+        geometry: &Geometry,
+    ) -> Result<(), FactorError> {
+        check("dofs per node of cells with products", 3, pattern.dim())?;
+        let Some(corners) = geometry.corners else { return Ok(check("second-order cells", 1, 0)?) };
+        if self.is_foreign(pattern, geometry) || !self.finest.codes.is_empty() {
+            self.lay_out_for(pattern, geometry);
+            self.finest = Couplings::unknown(3, pattern.nodes());
+        }
+        if self.levels.is_empty() {
+            self.layouts += 1;
+            self.levels.push(Level::of_products(products.as_ref(), corners, geometry.fixed, self.parallel));
+        }
+        let filled = self.levels[0].fill_by_products(products, self.parallel);
+        let (below, norm) = filled.map_err(|at| self.not_positive(0, at.0))?;
+        self.norm = norm;
+        self.renew_from(1, &below.values, modes_of_corners(corners, 3, geometry, self.parallel), None)
+    }
+
+    /// Whether levels were laid out for another pattern or other supports.
+    fn is_foreign(&self, pattern: &Arc<Pattern>, geometry: &Geometry) -> bool {
+        !Arc::ptr_eq(&self.pattern, pattern) || self.fixed != geometry.fixed
+    }
+
+    /// Begins anew.
+    fn lay_out_for(&mut self, pattern: &Arc<Pattern>, geometry: &Geometry) {
+        (self.pattern, self.fixed) = (pattern.clone(), geometry.fixed.to_vec());
+        self.cut(0);
+    }
+
+    /// The levels from the l-th on, which has these values and modes; of second-order elements with their corners.
+    fn renew_from(
+        &mut self,
+        first: usize,
+        values: &[f64],
+        mut modes: Vec<f64>,
+        corners: Option<&Corners>,
+    ) -> Result<(), FactorError> {
+        let parallel = self.parallel;
         let mut inherited: Option<Vec<f64>> = None;
-        for l in 0.. {
-            let values = inherited.as_deref().unwrap_or(&matrix.values);
+        for l in first.. {
+            let values = inherited.as_deref().unwrap_or(values);
             if let Some(level) = self.levels.get_mut(l) {
-                level.matrix.fill(values, geometry.products.filter(|_| l == 0 && geometry.has_products(dim)), parallel);
+                level.matrix.fill(values, None, parallel);
                 if !level.serves(parallel) {
                     self.cut(l);
                 }
             }
             if l == self.levels.len() && self.coarsest.is_none() {
-                self.lay_out(values, geometry)?;
+                self.lay_out(values, corners)?;
             }
             let Some(level) = self.levels.get_mut(l) else { break };
             let below = level.fill(values, &modes, parallel).map_err(|at| self.not_positive(l, at.0))?;
@@ -139,7 +179,7 @@ impl Multigrid {
             modes = of_aggregates.unwrap_or(modes);
             inherited = Some(values);
         }
-        self.factorise(inherited.as_deref().unwrap_or(&matrix.values))
+        self.factorise(inherited.as_deref().unwrap_or(values))
     }
 
     /// Drops the levels from the l-th on.
@@ -150,37 +190,37 @@ impl Multigrid {
     }
 
     /// Lays out the next level for a matrix, or decides that it is the last.
-    fn lay_out(&mut self, values: &[f64], geometry: &Geometry) -> Result<(), StructureError> {
+    fn lay_out(&mut self, values: &[f64], corners: Option<&Corners>) -> Result<(), StructureError> {
         let parallel = self.parallel;
         let couplings = self.last_couplings().clone();
         self.layouts += 1;
-        let filled = |products| {
-            let mut matrix = BlockMatrix::new(couplings.clone());
-            matrix.fill(values, products, parallel);
-            matrix
-        };
-        if let (true, Some(corners)) = (self.levels.is_empty(), geometry.corners) {
-            self.levels.push(Level::of_corners(
-                filled(geometry.products.filter(|_| geometry.has_products(couplings.size))),
-                corners,
-                geometry.fixed,
-                parallel,
-            ));
+        let mut matrix = BlockMatrix::new(couplings.clone());
+        if let (true, Some(corners)) = (self.levels.is_empty(), corners) {
+            matrix.fill(values, None, parallel);
+            self.levels.push(Level::of_corners(matrix, corners, &self.fixed, parallel));
             return Ok(());
         }
         if !self.levels.is_empty() && couplings.unknowns() <= ANALYSED {
             let symbolic = coarsest::analyse(&couplings)?;
-            let entries = self.finest.codes.len() * self.finest.size.pow(2);
-            if symbolic.nonzeros() as f64 <= COARSEST_SHARE * entries as f64 {
+            if symbolic.nonzeros() as f64 <= COARSEST_SHARE * self.finest_numbers() as f64 {
                 self.coarsest = Some(Coarsest { symbolic, factor: None });
                 return Ok(());
             }
         }
-        match Level::of_aggregates(filled(None), (modes::count(self.finest.size), COARSENING), parallel) {
+        matrix.fill(values, None, parallel);
+        match Level::of_aggregates(matrix, (modes::count(self.finest.size), COARSENING), parallel) {
             Some(level) => self.levels.push(level),
             None => self.coarsest = Some(Coarsest { symbolic: coarsest::analyse(&couplings)?, factor: None }),
         }
         Ok(())
+    }
+
+    /// Numbers that a product on the finest level passes.
+    fn finest_numbers(&self) -> usize {
+        match self.levels.first().filter(|_| self.finest.codes.is_empty()) {
+            Some(level) => level.matrix.bytes_of_values() / size_of::<f32>(),
+            None => self.finest.codes.len() * self.finest.size.pow(2),
+        }
     }
 
     fn last_couplings(&self) -> &Arc<Couplings> {
@@ -220,26 +260,73 @@ impl Multigrid {
         levels + self.last_couplings().bytes() + coarsest.map_or(0, Factor::bytes) + vectors
     }
 
+    /// A bound of the largest eigenvalue of the matrix, where products stand for its entries.
+    pub(crate) fn norm(&self) -> f64 {
+        self.norm
+    }
+
     /// How often a level was laid out: its couplings and aggregates made.
     pub fn layouts(&self) -> usize {
         self.layouts
     }
 }
 
-impl Preconditioner for Multigrid {
-    fn apply(&self, vector: &mut [f64]) {
+impl Multigrid {
+    /// The levels below the finest with a finest one by other products of cells than those that they were made of: these need not be held for it.
+    pub(crate) fn below<'a>(&'a self, products: &Arc<dyn CellProducts>) -> BelowProducts<'a> {
+        let mut finest = BlockMatrix::new(self.finest.clone());
+        finest.fill(&[], Some(products), self.parallel);
+        BelowProducts { levels: self, finest }
+    }
+
+    /// Lets go of the products that the levels were made of: they serve [below](Self::below) others alone.
+    pub(crate) fn release_products(&mut self) {
+        if let Some(level) = self.levels.first_mut() {
+            level.matrix.release_products();
+        }
+    }
+
+    fn cycle(&self, finest: Option<&BlockMatrix>, vector: &mut [f64]) {
         let Some(factor) = self.coarsest.as_ref().and_then(|coarsest| coarsest.factor.as_ref()) else { return };
         let kept = lock(&self.vectors).pop();
         let mut vectors = kept.unwrap_or_else(|| self.sizes().into_iter().map(Vectors::new).collect());
         vectors[0].r.copy_from_slice(vector);
-        v_cycle(&self.levels, factor, &mut vectors, self.parallel);
+        v_cycle((&self.levels, finest), factor, &mut vectors, self.parallel);
         vector.copy_from_slice(&vectors[0].x);
         lock(&self.vectors).push(vectors);
+    }
+}
+
+impl Preconditioner for Multigrid {
+    fn apply(&self, vector: &mut [f64]) {
+        self.cycle(None, vector);
     }
 
     fn parallel(&self) -> bool {
         self.parallel
     }
+}
+
+/// Levels below a finest one by products of cells.
+pub(crate) struct BelowProducts<'a> {
+    levels: &'a Multigrid,
+    finest: BlockMatrix,
+}
+
+impl Preconditioner for BelowProducts<'_> {
+    fn apply(&self, vector: &mut [f64]) {
+        self.levels.cycle(Some(&self.finest), vector);
+    }
+
+    fn parallel(&self) -> bool {
+        self.levels.parallel
+    }
+}
+
+/// The rigid motions of the corners of second-order elements.
+fn modes_of_corners(corners: &Corners, dim: usize, geometry: &Geometry, parallel: bool) -> Vec<f64> {
+    let points: Vec<_> = corners.nodes().iter().map(|&node| geometry.points[node as usize]).collect();
+    modes::rigid_motions(&points, dim, &corners.fixed(dim, geometry.fixed), parallel)
 }
 
 /// Refuses NaN and infinities.

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use super::aggregation::{Aggregates, Strength};
 use super::block_matrix::BlockMatrix;
+use super::cell_products::CellProducts;
+use super::corner_matrix::CornerCells;
 use super::corners::Corners;
 use super::couplings::{Couplings, Symmetric};
 use super::smoother::{NotPositive, Smoother};
@@ -31,8 +33,13 @@ pub(super) struct Level {
 /// What the nodes of the next level are.
 #[derive(Debug)]
 enum Nodes {
-    /// Nodes of this one, and which of their unknowns are fixed.
-    Corners(Vec<u32>, Vec<bool>),
+    /// Nodes of this one, and which of their unknowns are fixed; where products stand for the entries of this level, the cells that make those of
+    /// the next.
+    Corners {
+        nodes: Vec<u32>,
+        fixed: Vec<bool>,
+        cells: Option<CornerCells>,
+    },
     Aggregates(Aggregates, Strength),
 }
 
@@ -46,9 +53,21 @@ pub(super) struct Inherited {
 impl Level {
     /// Of second-order elements.
     pub fn of_corners(matrix: BlockMatrix, corners: &Corners, fixed: &[bool], parallel: bool) -> Self {
-        let transfer = corners.transfer(matrix.couplings.size, fixed);
-        let nodes = Nodes::Corners(corners.nodes().to_vec(), corners.fixed(matrix.couplings.size, fixed));
+        let fixed = corners.fixed(matrix.couplings.size, fixed);
+        let transfer = corners.transfer(matrix.couplings.size, &fixed);
+        let nodes = Nodes::Corners { nodes: corners.nodes().to_vec(), fixed, cells: None };
         Self::new(matrix, SECOND_ORDER_DEGREE, transfer, nodes, parallel)
+    }
+
+    /// The same by products in the place of entries.
+    pub fn of_products(products: &dyn CellProducts, corners: &Corners, fixed: &[bool], parallel: bool) -> Self {
+        let matrix = BlockMatrix::new(Couplings::unknown(3, fixed.len() / 3));
+        let fixed = corners.fixed(3, fixed);
+        let transfer = corners.transfer(3, &fixed);
+        let cells = CornerCells::new(products.corners(), corners, parallel);
+        let (smoother, below) = (Smoother::new(SECOND_ORDER_DEGREE), cells.couplings.clone());
+        let nodes = Nodes::Corners { nodes: corners.nodes().to_vec(), fixed, cells: Some(cells) };
+        Level { matrix, smoother, transfer, below, nodes }
     }
 
     /// Of aggregates of its nodes with so many unknowns each; nothing where these have more than a share of the nodes.
@@ -71,7 +90,7 @@ impl Level {
     /// Whether its aggregates serve for the values of its matrix too.
     pub fn serves(&self, parallel: bool) -> bool {
         match &self.nodes {
-            Nodes::Corners(..) => true,
+            Nodes::Corners { .. } => true,
             Nodes::Aggregates(_, strength) => strength.changed(&self.matrix, parallel) <= CHANGED,
         }
     }
@@ -80,9 +99,9 @@ impl Level {
     pub fn fill(&mut self, values: &[f64], modes: &[f64], parallel: bool) -> Result<Inherited, NotPositive> {
         let couplings = self.matrix.couplings.clone();
         let matrix = Symmetric { couplings: &couplings, values };
-        self.smoother.fill(&matrix, &self.matrix, parallel)?;
+        self.smoother.fill(&self.matrix, |i| matrix.diagonal(i), parallel)?;
         match &self.nodes {
-            Nodes::Corners(_, fixed) => {
+            Nodes::Corners { fixed, .. } => {
                 let values = galerkin::product(&matrix, &self.transfer, &self.below, fixed, parallel);
                 Ok(Inherited { values, modes: None })
             }
@@ -101,10 +120,30 @@ impl Level {
         }
     }
 
+    /// The same for the matrix of products, on a level [of such](Self::of_products); with a bound of its largest eigenvalue.
+    pub fn fill_by_products(
+        &mut self,
+        products: &Arc<dyn CellProducts>,
+        parallel: bool,
+    ) -> Result<(Inherited, f64), NotPositive> {
+        self.matrix.fill(&[], Some(products), parallel);
+        let blocks = products.diagonal_blocks(parallel);
+        self.smoother.fill(&self.matrix, |i| blocks.get(i).map(|block| block.as_flattened()), parallel)?;
+        let rows = blocks.as_flattened().iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>());
+        let norm = self.smoother.bound * rows.fold(0.0, f64::max);
+        let values = match &self.nodes {
+            Nodes::Corners { fixed, cells: Some(cells), .. } => cells.values(products.as_ref(), fixed, parallel),
+            _ => Vec::new(),
+        };
+        Ok((Inherited { values, modes: None }, norm))
+    }
+
     /// Memory, in bytes.
     pub fn bytes(&self) -> usize {
         let nodes = match &self.nodes {
-            Nodes::Corners(nodes, fixed) => size_of_val(&nodes[..]) + fixed.len(),
+            Nodes::Corners { nodes, fixed, cells } => {
+                size_of_val(&nodes[..]) + fixed.len() + cells.as_ref().map_or(0, CornerCells::bytes)
+            }
             Nodes::Aggregates(aggregates, strength) => aggregates.bytes() + strength.bytes(),
         };
         self.matrix.bytes() + self.smoother.bytes() + self.transfer.bytes() + nodes
@@ -113,7 +152,7 @@ impl Level {
     /// The node of this level that a node of the next one stands for.
     pub fn node_above(&self, node: usize) -> usize {
         match &self.nodes {
-            Nodes::Corners(nodes, _) => nodes[node] as usize,
+            Nodes::Corners { nodes, .. } => nodes[node] as usize,
             Nodes::Aggregates(aggregates, _) => aggregates.members.columns[aggregates.members.starts[node]] as usize,
         }
     }

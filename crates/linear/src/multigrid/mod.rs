@@ -1,7 +1,7 @@
 //! Multigrid for elastic bodies: a preconditioner whose cost grows with the number of unknowns, for bodies whose factor
 //! does not.
 //!
-//! Second-order elements, smoothed on by [products](CellProducts) where there are some, first hand over to the first-order elements on their corners ([`Corners`]); below that come
+//! Second-order elements, known by [products](CellProducts) alone where there are some, first hand over to the first-order elements on their corners ([`Corners`]); below that come
 //! smoothed aggregates of nodes that carry the rigid motions of the *displaced* body; the last level is factorised. One
 //! application is a symmetric V-cycle with Chebyshev smoothing, so it serves conjugate gradients.
 //!
@@ -13,6 +13,7 @@ mod block_matrix;
 mod cell_products;
 mod chunks;
 mod coarsest;
+mod corner_matrix;
 mod corners;
 mod couplings;
 mod cycle;
@@ -26,6 +27,6 @@ mod smoother;
 mod tentative;
 mod transfer;
 
-pub use cell_products::CellProducts;
+pub use cell_products::{CellProducts, CornerMatrix};
 pub use corners::Corners;
 pub use hierarchy::{Geometry, Multigrid};

@@ -4,7 +4,6 @@ use nalgebra::DMatrix;
 
 use super::block_matrix::{BlockMatrix, with_size};
 use super::chunks::{self, CHUNK};
-use super::couplings::Symmetric;
 use crate::sums::{self, dot};
 
 /// Lanczos steps for the largest eigenvalue, and what the bound is raised by.
@@ -32,10 +31,15 @@ impl Smoother {
         Smoother { degree, ..Smoother::default() }
     }
 
-    /// Becomes that of a matrix, given in both precisions.
-    pub fn fill(&mut self, matrix: &Symmetric, rounded: &BlockMatrix, parallel: bool) -> Result<(), NotPositive> {
-        with_size!(matrix.couplings.size, self.invert(matrix, parallel))?;
-        let largest = with_size!(matrix.couplings.size, self.largest_eigenvalue(rounded, parallel));
+    /// Becomes that of a matrix with these symmetric blocks on its diagonal.
+    pub fn fill<'d>(
+        &mut self,
+        matrix: &BlockMatrix,
+        diagonal: impl Fn(usize) -> Option<&'d [f64]> + Sync + Send,
+        parallel: bool,
+    ) -> Result<(), NotPositive> {
+        with_size!(matrix.couplings.size, self.invert(matrix.couplings.rows.rows(), &diagonal, parallel))?;
+        let largest = with_size!(matrix.couplings.size, self.largest_eigenvalue(matrix, parallel));
         if !largest.is_finite() || largest <= 0.0 {
             return Err(NotPositive(0));
         }
@@ -43,10 +47,14 @@ impl Smoother {
         Ok(())
     }
 
-    fn invert<const N: usize>(&mut self, matrix: &Symmetric, parallel: bool) -> Result<(), NotPositive> {
-        let rows = matrix.couplings.rows.rows();
+    fn invert<'d, const N: usize>(
+        &mut self,
+        rows: usize,
+        diagonal: &(impl Fn(usize) -> Option<&'d [f64]> + Sync + Send),
+        parallel: bool,
+    ) -> Result<(), NotPositive> {
         let of_chunk = |range: std::ops::Range<usize>| {
-            let inverted = |i| matrix.diagonal(i).and_then(inverted::<N>).ok_or(NotPositive(i));
+            let inverted = |i| diagonal(i).and_then(inverted::<N>).ok_or(NotPositive(i));
             range.map(inverted).collect::<Result<Vec<_>, _>>()
         };
         self.inverse.clear();

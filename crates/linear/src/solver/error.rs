@@ -59,6 +59,9 @@ pub enum LinearError {
     /// The solver takes positive definite matrices alone.
     #[error("the tangent is not positive definite")]
     Indefinite,
+    /// Multigrid does not serve, and for a factor there are products of cells alone.
+    #[error("a factor is needed, and there are no entries to make it of")]
+    NoEntries,
     /// No shift of the diagonal makes the matrix positive definite.
     #[error("the tangent stays indefinite under any shift")]
     Shift,

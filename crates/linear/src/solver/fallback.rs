@@ -41,6 +41,10 @@ impl LinearSolver for MultigridOrDirect {
         self.multigrid.as_ref().map_or(self.direct.name(), |multigrid| multigrid.name())
     }
 
+    fn takes_products(&self) -> bool {
+        self.multigrid.is_some()
+    }
+
     fn restart(&mut self) {
         self.direct.restart();
     }
@@ -60,6 +64,7 @@ impl LinearSolver for MultigridOrDirect {
                 Err(why) => self.fall_back(why)?,
             }
         }
+        entries(system)?;
         self.direct.prepare(system, work)
     }
 
@@ -70,6 +75,7 @@ impl LinearSolver for MultigridOrDirect {
                 done => return done,
             }
         }
+        entries(system)?;
         self.direct.step(system, b, tolerance, work)
     }
 
@@ -86,6 +92,7 @@ impl LinearSolver for MultigridOrDirect {
                 done => return done,
             }
         }
+        entries(system)?;
         self.direct.solve(system, b, accuracy, work)
     }
 
@@ -101,6 +108,7 @@ impl LinearSolver for MultigridOrDirect {
                 done => return done,
             }
         }
+        entries(system)?;
         self.direct.solve_definite(system, b, work)
     }
 
@@ -108,7 +116,7 @@ impl LinearSolver for MultigridOrDirect {
         match self.multigrid.as_mut().map(|multigrid| multigrid.inertia(system)) {
             Some(Ok(inertia)) => Ok(inertia),
             Some(Err(why)) if !fits(self.structure.factor_size().bytes()) => Err(self.too_large(why)),
-            _ => self.direct.inertia(system),
+            _ => entries(system).and_then(|()| self.direct.inertia(system)),
         }
     }
 
@@ -128,4 +136,9 @@ impl LinearSolver for MultigridOrDirect {
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(self.clone())
     }
+}
+
+/// Refuses a system without entries, of which there is no factor: it has to come again with some.
+fn entries(system: &System) -> Result<(), LinearError> {
+    if system.products.is_none() { Ok(()) } else { Err(LinearError::NoEntries) }
 }

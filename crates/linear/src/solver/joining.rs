@@ -76,6 +76,10 @@ impl LinearSolver for Joining {
         self.solver.name()
     }
 
+    fn takes_products(&self) -> bool {
+        self.solver.takes_products()
+    }
+
     fn restart(&mut self) {
         self.solver.restart();
     }

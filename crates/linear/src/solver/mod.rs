@@ -96,6 +96,12 @@ pub trait LinearSolver: Debug + Send + Sync {
     /// The name of what solves now: that of its [`SolverFactory`], or of what it fell back on.
     fn name(&self) -> &'static str;
 
+    /// Whether it takes systems with [products](System::products) in the place of entries; it may turn out to need entries on the way
+    /// ([`LinearError::NoEntries`]).
+    fn takes_products(&self) -> bool {
+        false
+    }
+
     /// Begins another nonlinear solve: counts that decide about new factors start again, what is kept stays.
     fn restart(&mut self);
 

@@ -25,6 +25,8 @@ pub struct MultigridSolver {
     /// The levels of a recent matrix; of no use as a preconditioner, but in the memory of the next ones, while they do not serve.
     levels: Option<Arc<Multigrid>>,
     serves: bool,
+    /// Whether they are of products of cells, and serve below such alone.
+    by_products: bool,
     /// Cycles per decade of the residual that they took on their own matrix.
     rate: f64,
     /// Cycles that they took beyond that on others. They are due when these cost as much as a renewal.
@@ -51,7 +53,8 @@ impl MultigridSolver {
             return Err(LinearError::NotSymmetric);
         }
         let (mut x, mut reached) = (vec![0.0; b.len()], 1.0);
-        if let (Some(levels), true) = (&self.levels, self.serves) {
+        let serves = self.serves && self.by_products == system.products.is_some();
+        if let (Some(levels), true) = (&self.levels, serves) {
             let wanted = self.rate * decades(tolerance);
             let most = (wanted + RENEWAL - self.excess).ceil() as usize;
             let cg = iterate(system, levels, b, &mut x, (tolerance, most.min(MOST)), work);
@@ -62,7 +65,7 @@ impl MultigridSolver {
                     self.serves = false;
                     return Ok(Outcome::Indefinite(moved(x)));
                 }
-                _ if arrived(system, b, &x, &cg) => {
+                _ if arrived(system, levels, b, &x, &cg) => {
                     work.reused += 1;
                     return Ok(Outcome::Solved(x));
                 }
@@ -81,7 +84,7 @@ impl MultigridSolver {
             self.serves = false;
             return Ok(Outcome::Indefinite(moved(x)));
         }
-        if !arrived(system, b, &x, &cg) {
+        if !arrived(system, levels, b, &x, &cg) {
             self.serves = false;
             return Err(LinearError::Multigrid { residual: cg.residual, cycles: cg.iterations, wanted: tolerance });
         }
@@ -95,10 +98,11 @@ impl MultigridSolver {
         let kept = self.levels.take().and_then(Arc::into_inner);
         let mut levels = kept.unwrap_or_else(|| Multigrid::empty(system.matrix.pattern()));
         let (points, corners) = (system.configuration.positions(), system.configuration.corners());
-        let geometry = Geometry { points, fixed: system.fixed, corners, products: None };
+        let geometry = Geometry { points, fixed: system.fixed, corners, products: system.products };
         let renewed = levels.renew(system.matrix, &geometry, system.parallel);
+        levels.release_products();
         (self.levels, self.serves) = (Some(Arc::new(levels)), renewed.is_ok());
-        (self.rate, self.excess) = (MOST as f64, 0.0);
+        (self.rate, self.excess, self.by_products) = (MOST as f64, 0.0, system.products.is_some());
         renewed
     }
 }
@@ -106,6 +110,10 @@ impl MultigridSolver {
 impl LinearSolver for MultigridSolver {
     fn name(&self) -> &'static str {
         "multigrid"
+    }
+
+    fn takes_products(&self) -> bool {
+        true
     }
 
     fn restart(&mut self) {}
@@ -198,15 +206,19 @@ fn iterate(
     work: &mut LinearWork,
 ) -> CgReport {
     let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
-    let cg = conjugate_gradient(&apply, multigrid, b, x, tolerance, most);
+    let cg = match system.products {
+        Some(products) => conjugate_gradient(&apply, &multigrid.below(products), b, x, tolerance, most),
+        None => conjugate_gradient(&apply, multigrid, b, x, tolerance, most),
+    };
     work.cycles += cg.iterations;
     cg
 }
 
 /// Whether the tolerance is met, or double precision allows no more.
-fn arrived(system: &System, b: &[f64], x: &[f64], cg: &CgReport) -> bool {
+fn arrived(system: &System, levels: &Multigrid, b: &[f64], x: &[f64], cg: &CgReport) -> bool {
     let space = system.space();
-    let rounding = || ROUNDING * (1.0 + system.matrix.norm() * space.norm(x) / space.norm(b));
+    let norm = || if system.products.is_some() { levels.norm() } else { system.matrix.norm() };
+    let rounding = || ROUNDING * (1.0 + norm() * space.norm(x) / space.norm(b));
     cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= rounding())
 }
 

@@ -1,6 +1,8 @@
 //! [`Shift`]: downhill steps where the matrix is not positive definite.
 
 use super::{LinearError, LinearSolver, LinearWork, System};
+use crate::multigrid::CellProducts;
+use std::sync::Arc;
 
 /// Least shift tried, as a share of the mean diagonal: slender bodies bend with eigenvalues as small as this, and a larger
 /// shift than needed shortens every step.
@@ -35,6 +37,9 @@ impl Shift {
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
         work.shifted += 1;
+        if let Some(products) = system.products {
+            return self.step_by_products(solver, (system, products), b, work);
+        }
         let mut matrix = system.matrix.clone();
         let space = system.space();
         let mut diagonal = matrix.diagonal();
@@ -49,6 +54,28 @@ impl Shift {
             matrix.add_diagonal(&entries);
             added = shift;
             if let Some(step) = solver.solve_definite(&System { matrix: &matrix, ..*system }, b, work)? {
+                self.last = shift;
+                return Ok(step);
+            }
+            shift *= GROWTH;
+        }
+        Err(LinearError::Shift)
+    }
+
+    fn step_by_products(
+        &mut self,
+        solver: &mut dyn LinearSolver,
+        (system, products): (&System, &Arc<dyn CellProducts>),
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        let blocks = products.diagonal_blocks(system.parallel);
+        let scale = blocks.iter().map(|block| (0..3).map(|c| block[c][c].abs()).sum::<f64>()).sum::<f64>();
+        let scale = scale / (3 * blocks.len()) as f64;
+        let mut shift = (self.last / 64.0).max(LEAST);
+        while shift <= MOST {
+            let shifted = products.shifted(shift * scale);
+            if let Some(step) = solver.solve_definite(&System { products: Some(&shifted), ..*system }, b, work)? {
                 self.last = shift;
                 return Ok(step);
             }
@@ -136,7 +163,8 @@ mod tests {
             matrix.add_to_diagonal([1.0, 3.0][own]);
             let space = Space::new(2, 1).with(Field::nodal("displacement", 2)).shared(Some(share));
             let at = At(space, Arc::new(Rotations(Vec::new())));
-            let system = System { matrix: &matrix, fixed: &[false; 4], configuration: &at, parallel: false };
+            let system =
+                System { matrix: &matrix, products: None, fixed: &[false; 4], configuration: &at, parallel: false };
             let mut shift = Shift { last: 64.0 };
             let solved = shift.step(&mut Diagonal, &system, &[0.0; 4], &mut LinearWork::default());
             Ok::<_, Box<dyn std::error::Error + Send + Sync>>(solved?)

@@ -2,7 +2,7 @@
 
 use crate::gmres::GmresReport;
 use crate::matrix::SparseMatrix;
-use crate::multigrid::Corners;
+use crate::multigrid::{CellProducts, Corners};
 use crate::operator::Operator;
 use crate::rotations::Rotations;
 use crate::space::Space;
@@ -35,6 +35,8 @@ pub trait Configuration: Sync {
 pub struct System<'a> {
     /// The matrix.
     pub matrix: &'a SparseMatrix,
+    /// What stands for its entries, which there are none of then: for solvers that [take products](super::LinearSolver::takes_products) alone.
+    pub products: Option<&'a Arc<dyn CellProducts>>,
     /// By unknown: whether its row and column were eliminated.
     pub fixed: &'a [bool],
     /// Where the matrix was taken.
@@ -51,13 +53,19 @@ impl System<'_> {
 
     /// `out = A v`; of several ranks with the sum of their matrices.
     pub fn multiply(&self, v: &[f64], out: &mut [f64]) {
-        self.matrix.multiply_on(v, out, self.parallel);
+        match self.products {
+            Some(products) => products.multiply(v, out, self.parallel),
+            None => self.matrix.multiply_on(v, out, self.parallel),
+        }
         self.space().add_up(out);
     }
 
     /// `out = A^T v`; of several ranks with the sum of their matrices.
     pub fn multiply_transposed(&self, v: &[f64], out: &mut [f64]) {
-        self.matrix.multiply_transposed(v, out, self.parallel);
+        match self.products {
+            Some(products) => products.multiply(v, out, self.parallel),
+            None => self.matrix.multiply_transposed(v, out, self.parallel),
+        }
         self.space().add_up(out);
     }
 

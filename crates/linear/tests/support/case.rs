@@ -53,7 +53,7 @@ impl Case {
     }
 
     pub fn system<'a>(&'a self, matrix: &'a SparseMatrix) -> System<'a> {
-        System { matrix, fixed: &self.fixed, configuration: &self.at, parallel: false }
+        System { matrix, products: None, fixed: &self.fixed, configuration: &self.at, parallel: false }
     }
 
     /// A Laplacian with a skew part of a relative size, and its dense twin.

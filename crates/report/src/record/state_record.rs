@@ -66,6 +66,8 @@ records! {
         multigrid_hierarchies: Option<usize>,
         /// Cycles of multigrid.
         multigrid_cycles: Option<usize>,
+        /// Systems solved with products of cells in the place of an assembled tangent; 0 where a contribution, the cells or the solver need a matrix.
+        unassembled_systems: Option<usize>,
         /// Load or time steps that were cut.
         load_steps_cut: Option<usize>,
         /// The solver of linear systems.

@@ -166,6 +166,7 @@ pub(crate) fn add_work(state: &mut StateRecord, work: &SolveReport) {
     state.back_substitutions = Some(work.back_substitutions);
     state.multigrid_hierarchies = Some(work.hierarchies);
     state.multigrid_cycles = Some(work.cycles);
+    state.unassembled_systems = Some(work.unassembled);
     state.load_steps_cut = Some(work.cuts);
     state.linear_solver = Some(work.solver.to_owned());
 }

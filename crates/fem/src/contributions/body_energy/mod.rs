@@ -27,6 +27,7 @@ pub(crate) mod driving;
 pub(crate) mod evaluated;
 pub(crate) mod excess_tension;
 pub(crate) mod formulation;
+pub(crate) mod hexahedra_products;
 pub(crate) mod history;
 pub(crate) mod max_step;
 mod moduli;

@@ -1,37 +1,27 @@
-//! [`HexahedraProducts`]: the tangent of a body of 27-node hexahedra by its moduli.
+//! The moduli of a body of 27-node hexahedra, from which [`HexahedraProducts`] makes its tangent.
 
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::driving::Driving;
+use crate::contributions::body_energy::hexahedra_products::{BATCH, HexahedraProducts};
 use crate::discretization::hexahedra::Hexahedra;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
-use crate::kernels::hexahedra::{Batch, CELLS, MODULI, NODES, ROWS};
+use crate::kernels::hexahedra::{CELLS, MODULI, NODES};
 use crate::kernels::patch::Patch;
 use nastic_energy::{EnergyTerm, Response, Slots, Want};
-use nastic_linear::CellProducts;
 use nastic_tensor::Tangent;
-use rayon::prelude::*;
-use std::fmt;
 use std::sync::Arc;
 
-/// Moduli of a batch.
-const BATCH: usize = NODES * MODULI * CELLS;
-/// Batches handled by one task, and nodes copied by one.
-const TASK: usize = 8;
-const COPIED: usize = 4096;
-
-/// `K v` of a body whose cells are all 27-node hexahedra of the standard formulation, supports left out.
-pub(crate) struct HexahedraProducts {
-    hexahedra: Arc<Hexahedra>,
-    /// By batch, `[point][45][cell]`: moduli by coordinates of the reference cell, with quadrature weights.
-    moduli: Vec<f32>,
-    fixed: Vec<bool>,
-}
-
 impl BodyEnergy {
+    /// Whether all of its cells are 27-node hexahedra of the standard formulation.
+    pub(crate) fn has_cell_products(&self) -> bool {
+        let affine = |cells: Cells| cells.part.cells.iter().all(|&cell| self.arithmetic_of(cell as usize).is_affine());
+        self.disc.hexahedra().is_some() && self.groups().all(|(cells, _)| affine(cells))
+    }
+
     /// Its tangent by the products of its cells; `None` unless all of them are 27-node hexahedra of the standard formulation.
     ///
     /// # Errors
@@ -41,12 +31,8 @@ impl BodyEnergy {
         (to, driving): (Displaced, Driving),
         fixed: &[bool],
         parallel: bool,
-    ) -> Result<Option<Arc<dyn CellProducts>>, Inadmissible> {
-        let Some(hexahedra) = self.disc.hexahedra() else { return Ok(None) };
-        let affine = |cells: Cells| cells.part.cells.iter().all(|&cell| self.arithmetic_of(cell as usize).is_affine());
-        if !self.groups().all(|(cells, _)| affine(cells)) {
-            return Ok(None);
-        }
+    ) -> Result<Option<Arc<HexahedraProducts>>, Inadmissible> {
+        let Some(hexahedra) = self.disc.hexahedra().filter(|_| self.has_cell_products()) else { return Ok(None) };
         let mut moduli = vec![0.0; hexahedra.batches() * BATCH];
         for (cells, patches) in self.groups() {
             let work = Moduli { body: self, cells, to, driving, hexahedra };
@@ -62,7 +48,7 @@ impl BodyEnergy {
             })?;
             transpose(&of_cells, &mut moduli[batch * BATCH..][..BATCH]);
         }
-        Ok(Some(Arc::new(HexahedraProducts { hexahedra: hexahedra.clone(), moduli, fixed: fixed.to_vec() })))
+        Ok(Some(Arc::new(HexahedraProducts::new(hexahedra.clone(), moduli, fixed))))
     }
 }
 
@@ -137,61 +123,5 @@ fn put_moduli(tangent: &Tangent, inverse: &[f64; 9], weight: f64, moduli: &mut [
                 *modulus = (weight * sum) as f32;
             }
         }
-    }
-}
-
-impl CellProducts for HexahedraProducts {
-    fn of_cells(&self, v: &[f64], room: &mut Vec<f32>, parallel: bool) {
-        let hexahedra = &*self.hexahedra;
-        let nodes = v.len() / 3;
-        room.resize(4 * nodes + hexahedra.batches() * ROWS, 0.0);
-        let (own, rows) = room.split_at_mut(4 * nodes);
-        let own = own.as_chunks_mut::<4>().0;
-        let copy = |own: &mut [[f32; 4]], v: &[f64], fixed: &[bool]| {
-            let of_nodes = v.as_chunks::<3>().0.iter().zip(fixed.as_chunks::<3>().0);
-            for (own, (v, fixed)) in own.iter_mut().zip(of_nodes) {
-                (0..3).for_each(|i| own[i] = if fixed[i] { 0.0 } else { v[i] as f32 });
-            }
-        };
-        let multiply = |own: &[[f32; 4]], first: usize, rows: &mut [f32]| {
-            for (at, rows) in rows.chunks_exact_mut(ROWS).enumerate() {
-                let batch = first + at;
-                let moduli = &self.moduli[batch * BATCH..][..BATCH];
-                let (line, nodes) = (hexahedra.line(), hexahedra.nodes_of(batch));
-                Batch { line, moduli, nodes, v: own, rows }.multiply();
-            }
-        };
-        if !parallel {
-            copy(own, v, &self.fixed);
-            multiply(own, 0, rows);
-            return;
-        }
-        let vectors = v.par_chunks(3 * COPIED).zip(self.fixed.par_chunks(3 * COPIED));
-        own.par_chunks_mut(COPIED).zip(vectors).for_each(|(own, (v, fixed))| copy(own, v, fixed));
-        let own = &*own;
-        rows.par_chunks_mut(TASK * ROWS).enumerate().for_each(|(task, rows)| multiply(own, TASK * task, rows));
-    }
-
-    #[inline]
-    fn at_node(&self, node: usize, of_cells: &[f32]) -> [f64; 3] {
-        let nodes = self.fixed.len() / 3;
-        let (rows, fixed) = (&of_cells[4 * nodes..], &self.fixed[3 * node..3 * node + 3]);
-        let mut sum = [0.0; 3];
-        for &at in self.hexahedra.places(node) {
-            for (i, sum) in sum.iter_mut().enumerate() {
-                *sum += f64::from(rows[at as usize + CELLS * i]);
-            }
-        }
-        std::array::from_fn(|i| if fixed[i] { 0.0 } else { sum[i] })
-    }
-
-    fn bytes(&self) -> usize {
-        size_of_val(&self.moduli[..]) + self.fixed.len()
-    }
-}
-
-impl fmt::Debug for HexahedraProducts {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "HexahedraProducts({} batches of {CELLS} cells)", self.hexahedra.batches())
     }
 }

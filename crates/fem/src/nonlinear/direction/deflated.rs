@@ -91,7 +91,7 @@ impl Direction for Deflated<'_> {
                 let mut systems = TangentSystems::new(equations.model, equations.options.parallel, &mut **solver);
                 let mut memory = None;
                 let matrix = equations.tangent(here, &mut memory)?;
-                let scale = equations.energy_scale(matrix, here.x, here.now);
+                let scale = equations.energy_scale(&*matrix, here.x, here.now);
                 eliminate(equations.model, matrix);
                 let rhs: Vec<f64> = here.residual.iter().map(|r| -r).collect();
                 (systems.solve(matrix, here.x, &rhs, report)?, scale)

@@ -22,7 +22,7 @@ impl Direction for Linearised<'_> {
         let mut systems = TangentSystems::new(equations.model, equations.options.parallel, &mut *self.solver);
         let (jump, mut memory) = (equations.jump(here.x), None);
         let matrix = equations.tangent(here, &mut memory)?;
-        let rhs = equations.right_hand_side(matrix, here.residual, jump.as_deref());
+        let rhs = equations.right_hand_side(&*matrix, here.residual, jump.as_deref());
         eliminate(equations.model, matrix);
         let mut dx = systems.solve_definite(matrix, here.x, &rhs, report)?;
         if let Some(jump) = &jump {

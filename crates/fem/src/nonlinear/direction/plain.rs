@@ -4,8 +4,9 @@ use super::{Direction, Step, Take};
 use crate::nonlinear::equations::{Equations, Jump};
 use crate::nonlinear::iteration::{Iterate, ROUNDING, Stop};
 use crate::solution::state::SolveReport;
-use crate::solution::tangent_systems::{StepWanted, TangentSystems, eliminate};
-use nastic_linear::{LinearSolver, SparseMatrix};
+use crate::solution::tangent::{Tangent, TangentRef};
+use crate::solution::tangent_systems::{StepWanted, TangentSystems};
+use nastic_linear::{LinearError, LinearSolver};
 
 /// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
 /// measure it by. The largest; steps shorter than that share of the body are solved as exactly as they are short, since what they leave may
@@ -16,7 +17,7 @@ const JUMP: f64 = 1e-2;
 pub(crate) struct Plain<'a> {
     equations: &'a Equations<'a>,
     systems: TangentSystems<'a>,
-    matrix: Option<SparseMatrix>,
+    tangent: Option<Tangent>,
     rhs: Vec<f64>,
     jump: Jump,
 }
@@ -24,7 +25,7 @@ pub(crate) struct Plain<'a> {
 impl<'a> Plain<'a> {
     pub fn new(equations: &'a Equations<'a>, u: &[f64], solver: &'a mut dyn LinearSolver) -> Self {
         let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
-        Plain { equations, systems, matrix: None, rhs: Vec::new(), jump: equations.jump(u) }
+        Plain { equations, systems, tangent: None, rhs: Vec::new(), jump: equations.jump(u) }
     }
 }
 
@@ -34,38 +35,61 @@ impl Direction for Plain<'_> {
     }
 
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
+        let products = self.systems.takes_products();
+        match self.step(here, products, report) {
+            Err(Stop::Linear(LinearError::NoEntries)) => self.step(here, false, report),
+            found => found,
+        }
+    }
+
+    /// With a shifted tangent.
+    fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
+        let Some(tangent) = &self.tangent else { return Err(Stop::Slow { residual: here.relative }) };
+        match self.systems.shifted_step(tangent, here.x, &self.rhs, report) {
+            Err(LinearError::NoEntries) => {
+                let tangent = self.equations.tangent_or_products(here, false, &mut self.tangent)?;
+                tangent.eliminate(self.equations.model);
+                Ok(self.systems.shifted_step(&*tangent, here.x, &self.rhs, report)?)
+            }
+            found => Ok(found?),
+        }
+    }
+}
+
+impl Plain<'_> {
+    /// With products of cells in the place of entries where these are wanted and the model has some.
+    fn step(&mut self, here: &Iterate, products: bool, report: &mut SolveReport) -> Result<Step, Stop> {
         let equations = self.equations;
-        let matrix = equations.tangent(here, &mut self.matrix)?;
-        self.rhs = equations.right_hand_side(matrix, here.residual, self.jump.as_deref());
-        let scale = equations.energy_scale(matrix, here.x, here.now);
-        eliminate(equations.model, matrix);
+        let tangent = equations.tangent_or_products(here, products, &mut self.tangent)?;
+        self.rhs = equations.right_hand_side(&*tangent, here.residual, self.jump.as_deref());
+        let scale = equations.energy_scale(&*tangent, here.x, here.now);
+        tangent.eliminate(equations.model);
         let accuracy = match &self.jump {
             Some(jump) => (equations.model.unknowns().max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
             None => forcing(here.relative, equations.options.accuracy),
         };
         let (mut dx, curvature) =
-            self.systems.step(matrix, here.x, &self.rhs, (accuracy, StepWanted::Newton), report)?;
+            self.systems.step(&*tangent, here.x, &self.rhs, (accuracy, StepWanted::Newton), report)?;
         if let Some(jump) = self.jump.take() {
             equations.prescribe(&mut dx, &jump);
             return Ok(Step { scale, ..Step::whole(dx, curvature, equations.model.unknowns()) });
         }
         Ok(Step { size: equations.model.unknowns().max_abs(&dx), dx, curvature, scale, take: Take::Search })
     }
-
-    /// With a shifted tangent.
-    fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
-        let Some(matrix) = &self.matrix else { return Err(Stop::Slow { residual: here.relative }) };
-        Ok(self.systems.shifted_step(matrix, here.x, &self.rhs, report)?)
-    }
 }
 
 impl Equations<'_> {
     /// `-r - K d` on free unknowns, d the jump of the prescribed ones.
-    pub(super) fn right_hand_side(&self, matrix: &SparseMatrix, residual: &[f64], jump: Option<&[f64]>) -> Vec<f64> {
+    pub(super) fn right_hand_side<'m>(
+        &self,
+        tangent: impl Into<TangentRef<'m>>,
+        residual: &[f64],
+        jump: Option<&[f64]>,
+    ) -> Vec<f64> {
         let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
         if let Some(jump) = jump {
             let mut pulled = vec![0.0; jump.len()];
-            matrix.multiply(jump, &mut pulled);
+            tangent.into().multiply(jump, &mut pulled, self.options.parallel);
             self.model.unknowns().add_up(&mut pulled);
             rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
             self.model.supports.restrict(&mut rhs);

@@ -6,13 +6,14 @@ use nastic_fem::{Solver, available_memory};
 use nastic_report::record::MemoryRecord;
 
 pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
-    let structure = problem.solid().model().tangent_structure();
+    let model = problem.solid().model();
+    let structure = model.tangent_structure();
     let mut out = Vec::new();
     let megabytes = |bytes: usize| format!("{:.1} MB", bytes as f64 / 1e6);
-    let (factor, levels) = (megabytes(structure.factor_bytes()), megabytes(structure.multigrid_bytes()));
+    let (factor, levels) = (megabytes(structure.factor_bytes()), megabytes(model.multigrid_bytes()));
     let members = problem.members().count();
     let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
-    let text = match problem.solid().model().solver() == Solver::MULTIGRID {
+    let text = match model.solver() == Solver::MULTIGRID {
         true => {
             format!("multigrid; the tangent and its levels have about {levels}{each}; a factor would have {factor}")
         }
@@ -31,11 +32,11 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     }
     if let Ok(Some(available)) = available_memory() {
         out.push(line("memory", format!("{} are available", megabytes(available))));
-        let text = match problem.solid().model().solver() {
+        let text = match model.solver() {
             own if own == Solver::DIRECT && structure.factorisation_bytes() > available => {
                 format!("too little for a factor; \"linear_solver\": \"multigrid\" takes about {levels}{each}")
             }
-            own if own == Solver::MULTIGRID && structure.multigrid_bytes() > available => "too little".to_owned(),
+            own if own == Solver::MULTIGRID && model.multigrid_bytes() > available => "too little".to_owned(),
             _ => return out,
         };
         out.push(line("memory", text));

@@ -107,7 +107,12 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
         scientific(states().map(|state| state.report.residual).fold(0.0, f64::max), 1)
     ));
     if work.cycles > 0 {
-        console.say(format!("linear      multigrid: {} cycles on {} sets of levels", work.cycles, work.hierarchies));
+        let tangents = match work.unassembled {
+            0 => "tangents assembled".to_owned(),
+            systems => format!("{systems} systems by products of cells, without an assembled tangent"),
+        };
+        let (cycles, levels) = (work.cycles, work.hierarchies);
+        console.say(format!("linear      multigrid: {cycles} cycles on {levels} sets of levels, {tangents}"));
     }
     say_stability(session, result);
     say_cost(session, result);

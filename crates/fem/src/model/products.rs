@@ -1,0 +1,44 @@
+//! Tangents of a [`Model`] by products, without a matrix.
+
+use super::Model;
+use crate::contributions::Need;
+use crate::contributions::body_energy::hexahedra_products::HexahedraProducts;
+use crate::contributions::instant::Instant;
+use crate::error::Inadmissible;
+use nastic_linear::{CellProducts, Multigrid};
+use std::sync::Arc;
+
+impl Model {
+    /// Whether tangents of its equilibria are had by the products of their cells, see [`cell_products`](Self::cell_products).
+    pub fn has_cell_products(&self) -> bool {
+        let alone = !self.others.iter().any(|own| own.is_stiff()) && self.supports.ties().is_empty();
+        alone && !self.is_over_ranks() && self.body.has_cell_products()
+    }
+
+    /// Bytes of the tangent of an equilibrium and of its levels of multigrid, predicted from counts.
+    pub fn multigrid_bytes(&self) -> usize {
+        let structure = self.tangent_structure();
+        if self.has_cell_products() {
+            let (nodes, cells) = (self.discretization().mesh().points().len(), self.discretization().mesh().cells());
+            return HexahedraProducts::bytes_of(cells) + Multigrid::predicted_bytes_below_products(nodes, cells);
+        }
+        structure.multigrid_bytes()
+    }
+
+    /// The tangent of an equilibrium by the products of its cells, from moduli in single precision: of a body of 27-node hexahedra
+    /// of the standard formulation beside whose energy no contribution [is stiff](crate::Contribution::is_stiff); `None` of others, and in time steps.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn cell_products(&self, at: &Instant) -> Result<Option<Arc<dyn CellProducts>>, Inadmissible> {
+        self.at(at, Need::Residual)?.cell_products(at)
+    }
+
+    /// `out = K v` without a matrix; false where a contribution needs one.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
+        self.at(at, Need::Residual)?.tangent_product(at, v, out)
+    }
+}
