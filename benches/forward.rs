@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench forward -- element=hex27 n=6 repeat=3 threads=2`: the bar [0,1] x [0,0.2]^2 with 5n x n x n
 //! cells (hex8: n = 12 is 30,927 unknowns, 18 is 98,553, 30 is 435,333; hex27 has as many at half of n), Mooney-Rivlin
-//! (1e5, 2e4, 1e6) Pa, tension -1.5e5 Z/0.2 Pa at the points, all at once. Times are medians, in seconds.
+//! (1e5, 2e4, 1e6) Pa, tension -1.5e5 Z/0.2 Pa at the points, all at once; solver=direct|multigrid in the place of the cheaper one. Times are medians, in seconds.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
 
@@ -15,7 +15,7 @@ use nastic::prelude::*;
 use std::time::Instant;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments = Arguments::read(&["element", "n", "repeat", "threads"])?;
+    let arguments = Arguments::read(&["element", "n", "repeat", "threads", "solver"])?;
     let kind = arguments.element("element", CellKind::Hex8)?;
     let across = arguments.number("n", 12)?;
     let repeat = arguments.number("repeat", 3)?;
@@ -28,7 +28,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let disc = body.discretization().clone();
     let structure = body.model().tangent_structure();
-    let how = SolveOptions::default();
+    let solver = match arguments.text("solver", "cheaper").as_str() {
+        "cheaper" => None,
+        "direct" => Some(Solver::DIRECT),
+        "multigrid" => Some(Solver::MULTIGRID),
+        other => return Err(format!("solver is direct, multigrid or cheaper, not {other:?}").into()),
+    };
+    let how = SolveOptions { solver: solver.map(|own| own as _), ..SolveOptions::default() };
     let mut workspace = Workspace::default();
     let state = &body.solve_with(&controls, &how, &mut workspace)?;
     let solve_memory = peak_memory();
