@@ -28,13 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let disc = body.discretization().clone();
     let structure = body.model().tangent_structure();
-    let solver = match arguments.text("solver", "cheaper").as_str() {
-        "cheaper" => None,
-        "direct" => Some(Solver::DIRECT),
-        "multigrid" => Some(Solver::MULTIGRID),
-        other => return Err(format!("solver is direct, multigrid or cheaper, not {other:?}").into()),
-    };
-    let how = SolveOptions { solver: solver.map(|own| own as _), ..SolveOptions::default() };
+    let how = SolveOptions { solver: arguments.solver()?.map(|own| own as _), ..SolveOptions::default() };
     let mut workspace = Workspace::default();
     let state = &body.solve_with(&controls, &how, &mut workspace)?;
     let solve_memory = peak_memory();

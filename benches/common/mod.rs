@@ -4,7 +4,7 @@
 
 pub mod process;
 
-use nastic::fem::Controls;
+use nastic::fem::{Controls, Solver, SolverFactory};
 use nastic::numeric::Random;
 use nastic::prelude::*;
 use std::collections::BTreeMap;
@@ -39,6 +39,12 @@ impl Arguments {
     pub fn element(&self, key: &str, default: CellKind) -> Result<CellKind, Failure> {
         let Some(name) = self.0.get(key) else { return Ok(default) };
         CellKind::ALL.iter().copied().find(|k| k.name() == name).ok_or_else(|| format!("no element {name:?}").into())
+    }
+
+    /// `solver=NAME`, a linear solver by name; `None` where it is not given.
+    pub fn solver(&self) -> Result<Option<&'static dyn SolverFactory>, Failure> {
+        let Some(name) = self.0.get("solver") else { return Ok(None) };
+        Solver::named(name).map(Some).ok_or_else(|| format!("no linear solver {name:?}").into())
     }
 
     /// `threads=N` for the pool all work runs in.
