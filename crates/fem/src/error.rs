@@ -291,7 +291,7 @@ impl fmt::Display for Cause {
             }
             Cause::FreeMotion(FreeMotion { count, what, example }) => write!(
                 f,
-                "{what} is held by contact alone, and where the solve ended nothing that touches it resists to {count} of its rigid motions \
+                "{what} is held by contact alone, and where the solve ended nothing that touches it resists {count} of its rigid motions \
                  ({example}): give it something to rest on, begin nearer to it, hold it by a support or a weak foundation, or solve it as a \
                  motion, with friction"
             ),

@@ -11,7 +11,8 @@ use std::sync::Arc;
 impl Model {
     /// Whether tangents of its equilibria are had by the products of their cells, see [`cell_products`](Self::cell_products).
     pub fn has_cell_products(&self) -> bool {
-        let alone = !self.others.iter().any(|own| own.is_stiff()) && self.supports.ties().is_empty();
+        let plain = self.unknowns().has_one_nodal_field() && self.unknowns().multipliers() == 0;
+        let alone = plain && !self.others.iter().any(|own| own.is_stiff()) && self.supports.ties().is_empty();
         alone && !self.is_over_ranks() && self.body.has_cell_products()
     }
 

@@ -69,12 +69,15 @@ impl Equations<'_> {
         let curvature = Iteration::new(self, limits).run(u, &mut direction, report)?;
         let residual = report.residual;
         let last = self.solve(u, solver, report)?;
-        // what contact alone holds may roll or slide on, where the sign of the tangent is that of rounding
-        let sound =
-            curvature == Curvature::Positive && last == Curvature::Positive || !self.model.is_held_without_contact();
+        let sound = curvature == Curvature::Positive && last == Curvature::Positive;
         let rounding = ROUNDING * (start.energy_scale + start.energy.abs());
-        let lower = sound && (moves || report.energy <= start.energy + rounding);
+        let lower = (sound || self.rolls(u)) && (moves || report.energy <= start.energy + rounding);
         if lower { Ok(()) } else { Err(Stop::Slow { residual }) }
+    }
+
+    /// Whether there are rigid bodies, and one that contact alone holds may roll or slide on: the sign of the tangent along that is that of rounding.
+    fn rolls(&self, u: &[f64]) -> bool {
+        !self.model.supports.ties().is_empty() && self.at(u, |at| self.model.free_motion(at)).is_some()
     }
 }
 

@@ -405,7 +405,8 @@ impl Model {
                 }
                 Err(stop) => {
                     if steps.failed(path) || report.newton > most {
-                        let free = || newton.at(&u, |at| self.free_motion(at)).filter(|_| time_step.is_none());
+                        let known = steps.limit_point().is_some() || time_step.is_some();
+                        let free = || (!known).then(|| newton.at(&u, |at| self.free_motion(at))).flatten();
                         let suspect = newton.at(&u, |at| self.suspect(at)).or_else(free);
                         let error = self.give_up(stop, path, (&steps, suspect), (to, None), report, here);
                         // a trial from a state nearby is looked into by who makes it

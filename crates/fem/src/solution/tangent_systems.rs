@@ -196,7 +196,8 @@ impl<'a> TangentSystems<'a> {
                 report.unassembled += 1;
                 return Ok(x);
             }
-            if size.is_nan() || size >= before {
+            // also where a contribution has no product
+            if !space.norm(&rest).is_finite() || size.is_nan() || size >= before {
                 break;
             }
             before = size;

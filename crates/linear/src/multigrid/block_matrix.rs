@@ -130,6 +130,11 @@ impl BlockMatrix {
         Multiplied { matrix: self, x: x.as_chunks::<N>().0, of_cells }
     }
 
+    /// Numbers that a product passes.
+    pub fn numbers(&self) -> usize {
+        self.values.len() + self.products.as_ref().map_or(0, |products| products.numbers())
+    }
+
     /// Memory of the values or products, in bytes.
     pub fn bytes_of_values(&self) -> usize {
         let rooms = lock(&self.rooms).iter().map(|room| size_of_val(&room[..])).sum::<usize>();

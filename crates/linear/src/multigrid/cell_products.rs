@@ -35,6 +35,9 @@ pub trait CellProducts: fmt::Debug + Send + Sync {
     /// The matrix and a multiple of the identity.
     fn shifted(&self, by: f64) -> Arc<dyn CellProducts>;
 
+    /// Numbers that are kept, without working memory.
+    fn numbers(&self) -> usize;
+
     /// Memory, in bytes.
     fn bytes(&self) -> usize;
 }

@@ -135,7 +135,7 @@ impl Multigrid {
             self.layouts += 1;
             self.levels.push(Level::of_products(products.as_ref(), corners, geometry.fixed, self.parallel));
         }
-        let filled = self.levels[0].fill_by_products(products, self.parallel);
+        let filled = self.levels[0].fill_by_products(products, geometry.fixed, self.parallel);
         let (below, norm) = filled.map_err(|at| self.not_positive(0, at.0))?;
         self.norm = norm;
         self.renew_from(1, &below.values, modes_of_corners(corners, 3, geometry, self.parallel), None)
@@ -218,7 +218,7 @@ impl Multigrid {
     /// Numbers that a product on the finest level passes.
     fn finest_numbers(&self) -> usize {
         match self.levels.first().filter(|_| self.finest.codes.is_empty()) {
-            Some(level) => level.matrix.bytes_of_values() / size_of::<f32>(),
+            Some(level) => level.matrix.numbers(),
             None => self.finest.codes.len() * self.finest.size.pow(2),
         }
     }

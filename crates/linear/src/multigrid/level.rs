@@ -124,13 +124,16 @@ impl Level {
     pub fn fill_by_products(
         &mut self,
         products: &Arc<dyn CellProducts>,
+        fixed_unknowns: &[bool],
         parallel: bool,
     ) -> Result<(Inherited, f64), NotPositive> {
         self.matrix.fill(&[], Some(products), parallel);
         let blocks = products.diagonal_blocks(parallel);
         self.smoother.fill(&self.matrix, |i| blocks.get(i).map(|block| block.as_flattened()), parallel)?;
-        let rows = blocks.as_flattened().iter().map(|row| row.iter().map(|x| x.abs()).sum::<f64>());
-        let norm = self.smoother.bound * rows.fold(0.0, f64::max);
+        // supported unknowns have a row of the identity, whatever the units
+        let rows = blocks.as_flattened().iter().zip(fixed_unknowns).filter(|(_, fixed)| !**fixed);
+        let norm = rows.map(|(row, _)| row.iter().map(|x| x.abs()).sum::<f64>()).fold(0.0, f64::max);
+        let norm = self.smoother.bound * norm;
         let values = match &self.nodes {
             Nodes::Corners { fixed, cells: Some(cells), .. } => cells.values(products.as_ref(), fixed, parallel),
             _ => Vec::new(),

@@ -70,8 +70,12 @@ impl Shift {
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
         let blocks = products.diagonal_blocks(system.parallel);
-        let scale = blocks.iter().map(|block| (0..3).map(|c| block[c][c].abs()).sum::<f64>()).sum::<f64>();
-        let scale = scale / (3 * blocks.len()) as f64;
+        // supported unknowns have a row of the identity, whatever the units
+        let fixed = system.fixed;
+        let diagonal = blocks.as_flattened().iter().enumerate().map(|(at, row)| (at, row[at % 3].abs()));
+        let own = diagonal.filter(|(at, _)| !fixed[*at]);
+        let (scale, count) = own.fold((0.0, 0), |(sum, count), (_, entry)| (sum + entry, count + 1));
+        let scale = scale / count.max(1) as f64;
         let mut shift = (self.last / 64.0).max(LEAST);
         while shift <= MOST {
             let shifted = products.shifted(shift * scale);

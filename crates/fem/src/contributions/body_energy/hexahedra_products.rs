@@ -215,6 +215,10 @@ impl CellProducts for HexahedraProducts {
         })
     }
 
+    fn numbers(&self) -> usize {
+        self.moduli.len()
+    }
+
     fn bytes(&self) -> usize {
         let rooms = self.rooms.lock().unwrap_or_else(PoisonError::into_inner);
         let rooms = rooms.iter().map(|room| size_of_val(&room[..])).sum::<usize>();

@@ -10,7 +10,9 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let structure = model.tangent_structure();
     let mut out = Vec::new();
     let megabytes = |bytes: usize| format!("{:.1} MB", bytes as f64 / 1e6);
-    let (factor, levels) = (megabytes(structure.factor_bytes()), megabytes(model.multigrid_bytes()));
+    // steps in time assemble their tangents
+    let of_levels = if problem.case.time.is_some() { structure.multigrid_bytes() } else { model.multigrid_bytes() };
+    let (factor, levels) = (megabytes(structure.factor_bytes()), megabytes(of_levels));
     let members = problem.members().count();
     let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
     let text = match model.solver() == Solver::MULTIGRID {
@@ -36,7 +38,7 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
             own if own == Solver::DIRECT && structure.factorisation_bytes() > available => {
                 format!("too little for a factor; \"linear_solver\": \"multigrid\" takes about {levels}{each}")
             }
-            own if own == Solver::MULTIGRID && model.multigrid_bytes() > available => "too little".to_owned(),
+            own if own == Solver::MULTIGRID && of_levels > available => "too little".to_owned(),
             _ => return out,
         };
         out.push(line("memory", text));

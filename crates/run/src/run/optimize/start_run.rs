@@ -11,7 +11,7 @@ use nastic_opt::early_stopping::Standing;
 use nastic_opt::{AugmentedState, SavedRunError};
 use nastic_report::record::{GradientCheckRecord, StartRecord as StartEntry};
 
-const MAGIC: &str = "nastic-start-4";
+const MAGIC: &str = "nastic-start-5";
 
 /// One of several starts.
 pub(super) struct StartRun {
