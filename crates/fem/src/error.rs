@@ -65,7 +65,7 @@ pub enum FemError {
     /// The supports leave rigid motions free.
     #[error(
         "the supports leave {free} rigid motion(s) of {what} free ({example}), so no equilibrium is determined; \
-         fix more components or clamp a surface"
+         fix more components or clamp a surface; a rigid body takes a weak foundation or springs"
     )]
     RigidMotion {
         /// Number of free rigid motions.

@@ -12,16 +12,16 @@ const OFF: f64 = 1e-6;
 impl Model {
     /// Whether a motion may begin with the velocity of a state: nodes that follow others have that of these, and constraints on a few nodes are kept to
     /// first order, by which the velocity of a rigid body is a translation and a rotation. A state that a motion led to, t > 0, has the velocity that
-    /// its scheme gave it, which keeps constraints as far as the scheme is accurate: it is not held to the latter.
+    /// its scheme gave it, which keeps constraints as far as the scheme is accurate, and of a body at rest is rounding: it is not looked at.
     ///
     /// # Errors
     /// [`FemError::Meaningless`]: of which body, and how far off it is.
     pub fn check_velocity(&self, begin: &State) -> Result<(), FemError> {
         let Some(velocity) = &begin.velocity else { return Ok(()) };
-        self.supports.check_tied("the velocity", velocity)?;
         if begin.time > 0.0 {
             return Ok(());
         }
+        self.supports.check_tied("the velocity", velocity)?;
         let dim = self.discretization().dim();
         self.each_other(&Instant::of(begin), |contribution, at| {
             let local = contribution.constrains().and_then(|constraints| constraints.local(at));
