@@ -5,38 +5,20 @@
 use crate::common;
 
 use crate::rigid_body::parts;
+use crate::surface_friction::disc_and_pads;
+use common::Outcome;
 use common::block::STRICT;
-use common::{Outcome, cut, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{Cause, Contact, Instant, MovingSupport, RigidBody, Solid, State, StateError, SurfaceContact};
-use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 use nastic_tensor::Vec3;
 
 /// Weight per volume, N/m^3.
 const WEIGHT: f64 = 9810.0;
 
-/// A rigid disc of radius 0.1 m in plane strain above a floor, between two soft pads that are held at their outer sides.
+/// A rigid disc in plane strain above a floor, between two soft pads that are held at their outer sides.
 fn between_pads(floor: Option<f64>) -> Outcome<Solid> {
-    let full = regular(CellKind::Quad4, [3.0, 1.0, 0.0], [24, 8, 0])?;
-    // the square [1, 2] x [0, 1] becomes the disc
-    let disc = |x: Vec3| {
-        let (a, b) = (2.0 * x.x - 3.0, 2.0 * x.y - 1.0);
-        Vec3::new(0.1 * a * (1.0 - 0.5 * b * b).sqrt(), 0.1 + 0.1 * b * (1.0 - 0.5 * a * a).sqrt(), 0.0)
-    };
-    let pad = |x: Vec3| {
-        let side = if x.x < 1.0 { -1.0 } else { 1.0 };
-        Vec3::new(side * (0.103 + 0.2 * (side * (x.x - 1.5) - 1.0)), 0.02 + 0.17 * x.y, 0.0)
-    };
-    let names: [(&str, &dyn Fn(Vec3) -> bool); 4] = [
-        ("rim", &|x| x.x > 0.99 && x.x < 2.01),
-        ("inner", &|x| (x.x - 0.5).abs() < 1e-9 || (x.x - 2.5).abs() < 1e-9),
-        ("left", &|x| x.x < 1e-9),
-        ("right", &|x| x.x > 3.0 - 1e-9),
-    ];
-    let keep = |x: Vec3| x.x < 0.5 || x.x > 2.5 || x.x > 1.0 && x.x < 2.0;
-    let all = cut(&full, keep, |x| if x.x < 0.9 || x.x > 2.1 { pad(x) } else { disc(x) }, &names)?;
-    let solid = Solid::new(parts(&all, |x| x.x.abs() < 0.101)?)?
+    let solid = Solid::new(parts(&disc_and_pads()?, |x| x.x.abs() < 0.101)?)?
         .material("soft", NeoHooke::new(4e4, 6e4)?)?
         .material("hard", NeoHooke::new(4e5, 6e5)?)?
         .body_force("soft", Vec3::new(0.0, -WEIGHT, 0.0))?
@@ -44,11 +26,11 @@ fn between_pads(floor: Option<f64>) -> Outcome<Solid> {
         .motion(MovingSupport::of("left pad", "left"))?
         .motion(MovingSupport::of("right pad", "right"))?
         .rigid(&RigidBody::new("ball", "hard"))?;
-    let grip = |solid: Solid| solid.surface_contact(SurfaceContact::between("grip", "rim", "inner"));
+    let grip = |solid: Solid| solid.surface_contact(SurfaceContact::between("grip", "ball", "inner"));
     match floor {
         Some(height) => {
             let floor = Obstacle::half_space([0.0, height, 0.0], [0.0, 1.0, 0.0]);
-            Ok(grip(solid.contact(Contact::of("floor", "rim", floor))?)?)
+            Ok(grip(solid.contact(Contact::of("floor", "ball", floor))?)?)
         }
         None => Ok(grip(solid)?),
     }

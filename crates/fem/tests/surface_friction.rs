@@ -172,8 +172,8 @@ fn a_block_on_a_block_holds_below_its_cone_and_slides_above() -> Outcome {
     Ok(())
 }
 
-/// A disc between two pads above a floor, in plane strain, each pad held at its outer side.
-fn gripper(mu: f64) -> Outcome<Solid> {
+/// A disc of radius 0.1 m ("ball") between two pads with the outer sides "left" and "right" and the "inner" ones.
+pub(crate) fn disc_and_pads() -> Outcome<Mesh> {
     let full = regular(CellKind::Quad4, [3.0, 1.0, 0.0], [24, 8, 0])?;
     // the square [1, 2] x [0, 1] becomes a disc of radius 0.1 about (0, 0.1)
     let disc = |x: Vec3| {
@@ -192,8 +192,12 @@ fn gripper(mu: f64) -> Outcome<Solid> {
         ("pads", &|x| x.x < 0.51 || x.x > 2.49),
     ];
     let keep = |x: Vec3| x.x < 0.5 || x.x > 2.5 || x.x > 1.0 && x.x < 2.0;
-    let mesh = cut(&full, keep, |x| if x.x < 0.9 || x.x > 2.1 { pad(x) } else { disc(x) }, &names)?;
-    Ok(Solid::new(mesh)?
+    cut(&full, keep, |x| if x.x < 0.9 || x.x > 2.1 { pad(x) } else { disc(x) }, &names)
+}
+
+/// The disc and the pads above a floor, in plane strain, each pad held at its outer side.
+fn gripper(mu: f64) -> Outcome<Solid> {
+    Ok(Solid::new(disc_and_pads()?)?
         .material("body", NeoHooke::new(4e4, 6e4)?)?
         .body_force("body", Vec3::new(0.0, -9810.0, 0.0))?
         .inertia(Inertia::new("body", 1000.0))?

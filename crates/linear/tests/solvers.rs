@@ -97,6 +97,24 @@ fn what_is_set_aside_preconditions_and_belongs_to_no_product() {
     assert_eq!((eliminated.stand_in().get(3, 3), eliminated.stand_in().get(3, 5)), (2.0, 0.0));
 }
 
+/// `Q^T (S + E) Q` for the stand-in `S + E` of a matrix before its unknowns were mixed.
+#[test]
+fn what_is_set_aside_is_mixed_with_the_matrix() {
+    let case = Case::new([2, 2, 2]);
+    let (mut matrix, _) = case.general(0.1);
+    let (nodes, n) = ([3, 4], case.pattern.dofs());
+    let entries: Vec<f64> = (0..81).map(|at| f64::from(at % 7) - 3.0).collect();
+    matrix.add_aside(&[3, 4, 12], entries);
+    let dense = |of: &SparseMatrix| DMatrix::from_fn(n, n, |i, j| of.get(i, j));
+    let before = dense(&matrix.stand_in());
+    let q = DMatrix::from_fn(6, 6, |i, j| ((i * 5 + j * 3) % 7) as f64 - 2.5).qr().q();
+    let mut all = DMatrix::identity(n, n);
+    all.view_mut((9, 9), (6, 6)).copy_from(&q);
+    matrix.mix(&nodes, &q);
+    let error = (dense(&matrix.stand_in()) - all.transpose() * before * &all).amax();
+    assert!(error < 1e-12, "{error}");
+}
+
 /// The symmetric part may be indefinite.
 #[test]
 fn an_indefinite_general_system_is_solved() {

@@ -56,7 +56,7 @@ pub trait Touches {
         into: &mut Sensitivities,
     ) -> Result<Option<f64>, Inadmissible>;
 
-    /// Displacements that what touches at an instant resists to, each a sum of weighted unknowns: `n . u` of every sample in the layer. `None` where
+    /// Displacements that what touches at an instant resists, each a sum of weighted unknowns: `n . u` of every sample in the layer. `None` where
     /// the body cannot be.
     fn resists_at(&self, at: &Instant) -> Option<Vec<Vec<(u32, f64)>>>;
 
