@@ -223,14 +223,14 @@ fn a_rigid_block_rests() -> Outcome {
     rests(-0.02)
 }
 
-/// It begins where the layer carries it, and its velocities end as rounding.
+/// It settles in the layer that carries it, until its velocities are rounding.
 #[test]
 fn a_rigid_block_at_rest_goes_on_resting() -> Outcome {
     let (layer, stiffness, pressure): (f64, f64, f64) = (1e-4, 5e6, 98.1);
-    let gap = layer * (1.0 - (pressure / stiffness).sqrt());
+    let gap = layer * (1.0 - 0.9 * (pressure / stiffness).sqrt());
     let floor = Obstacle::half_space([0.0, 0.0, -gap], [0.0, 0.0, 1.0]);
     let floor = Contact::of("floor", "z-", floor).thickness(layer).stiffness(stiffness);
-    let mesh = regular(CellKind::Hex8, [0.02, 0.02, 0.01], [2, 2, 1])?;
+    let mesh = regular(CellKind::Hex8, [0.02, 0.02, 0.01], [4, 4, 2])?;
     let solid = Solid::new(mesh)?
         .material("body", NeoHooke::new(2e4, 8e4)?)?
         .body_force("body", Vec3::new(0.0, 0.0, -9810.0))?
@@ -239,12 +239,13 @@ fn a_rigid_block_at_rest_goes_on_resting() -> Outcome {
         .contact(floor.friction(0.5, 1e-3))?;
     let begin = State { velocity: Some(vec![0.0; solid.rest().u.len()].into()), ..solid.rest() };
     let steps = vec![StepTo { dt: 0.01, controls: solid.controls() }; 60];
-    for name in ["backward_euler", "tr_bdf2"] {
-        let mut run = Trajectory::from_given(begin.clone());
-        solid.model().advance(&mut run, &scheme(name), &steps, &STRICT, &mut Workspace::default())?;
-        let speed = run.end().velocity.iter().flat_map(|v| v.iter()).fold(0.0_f64, |most, v| most.max(v.abs()));
-        assert!(speed < 1e-6, "{name}: {speed}");
+    let mut run = Trajectory::from_given(begin);
+    // each goes on from the last, as a motion that is watched does
+    for step in steps.chunks(1) {
+        solid.model().advance(&mut run, &scheme("backward_euler"), step, &STRICT, &mut Workspace::default())?;
     }
+    let speed = run.end().velocity.iter().flat_map(|v| v.iter()).fold(0.0_f64, |most, v| most.max(v.abs()));
+    assert!(speed < 1e-12, "{speed}");
     Ok(())
 }
 
