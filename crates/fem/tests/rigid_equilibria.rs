@@ -9,8 +9,11 @@ use crate::surface_friction::disc_and_pads;
 use common::Outcome;
 use common::block::STRICT;
 use nastic_energy::NeoHooke;
-use nastic_fem::{Cause, Contact, Instant, MovingSupport, RigidBody, Solid, State, StateError, SurfaceContact};
+use nastic_fem::{
+    Cause, Contact, Foundation, Instant, MovingSupport, RigidBody, Solid, State, StateError, SurfaceContact,
+};
 use nastic_mesh::spatial::Obstacle;
+use nastic_mesh::{CellKind, box_mesh};
 use nastic_tensor::Vec3;
 
 /// Weight per volume, N/m^3.
@@ -57,6 +60,8 @@ fn a_rigid_disc_lies_on_a_floor_and_between_pads() -> Outcome {
     let area: f64 = solid.mesh().region("hard")?.iter().map(|&cell| volumes[cell as usize]).sum();
     for (by, most) in [(0.0, 60), (0.02, 700)] {
         let state = closed(&solid, by)?;
+        // it stands on a corner of its polygon, from which it may roll; that it may slide does not count
+        assert_eq!(solid.negative_pivots(&state)?, 1);
         let (up, grip) = (force(&solid, &state, "floor")?[1], force(&solid, &state, "grip")?);
         assert!(((up + grip[1]) / (WEIGHT * area) - 1.0).abs() < 1e-6, "{up} and {grip:?}");
         let pressed = solid
@@ -78,5 +83,86 @@ fn a_rigid_disc_that_nothing_carries_is_named() -> Outcome {
     let StateError::NoConvergence { cause: Cause::FreeMotion(free), .. } = &error else { panic!("{error}") };
     assert_eq!(free.what, "the rigid body \"ball\"");
     assert!(error.to_string().contains("held by contact alone"), "{error}");
+    Ok(())
+}
+
+/// A rigid block in space of 40 x 30 x 20 mm, turned about an axis and put above the planes (a point and a normal of each).
+fn block_above(
+    planes: &[[[f64; 3]; 2]],
+    (turn, axis): (f64, Vec3),
+    above: f64,
+    (bed, pull): (f64, Vec3),
+) -> Outcome<Solid> {
+    let rotation = nalgebra::Rotation3::new(axis.normalize() * turn);
+    let middle = Vec3::new(0.02, 0.015, 0.01);
+    let lowest = [0, 1, 2, 3, 4, 5, 6, 7].map(|k| {
+        let corner =
+            Vec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2)).component_mul(&(2.0 * middle));
+        (rotation * (corner - middle)).z
+    });
+    let up = Vec3::new(0.03, 0.03, above - lowest.into_iter().fold(f64::INFINITY, f64::min));
+    let place = |x: [f64; 3]| (up + rotation * (Vec3::from(x) - middle)).into();
+    let mesh = box_mesh([0.04, 0.03, 0.02], [4, 3, 2], CellKind::Hex8)?.mapped(place)?;
+    let mut solid = Solid::new(mesh)?
+        .material("body", NeoHooke::new(4e5, 6e5)?)?
+        .body_force("body", pull * WEIGHT)?
+        .rigid(&RigidBody::new("block", "body"))?;
+    if bed > 0.0 {
+        solid = solid.foundation(Foundation::on("skin", bed))?;
+    }
+    for (k, [point, normal]) in planes.iter().enumerate() {
+        solid = solid.contact(Contact::of(&format!("plane {k}"), "skin", Obstacle::half_space(*point, *normal)))?;
+    }
+    Ok(solid)
+}
+
+const FLOOR: [[f64; 3]; 2] = [[0.0; 3], [0.0, 0.0, 1.0]];
+
+/// How far a block reaches above its lowest points.
+fn height(solid: &Solid, state: &State) -> f64 {
+    let z = solid.mesh().points().iter().zip(state.u.chunks(3)).map(|(x, u)| x[2] + u[2]);
+    let (low, high) = z.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), z| (low.min(z), high.max(z)));
+    high - low
+}
+
+/// From far above, however it is turned, it comes to lie flat on one of its faces, on a bed so weak that it carries nothing.
+#[test]
+fn a_rigid_block_lies_down() -> Outcome {
+    let slanted = Vec3::new(1.0, 0.4, 0.1);
+    let cases = [
+        (0.0, slanted, [1e-3, 1e2], 0.02, 40),
+        (0.0, slanted, [0.1, 1e-2], 0.02, 40),
+        (0.4, slanted, [1e-3, 1e2], 0.02, 200),
+        (0.4, slanted, [0.1, 1e-2], 0.02, 200),
+        (1.2, Vec3::y(), [0.01, 1.0], 0.04, 250),
+        (2.0, Vec3::new(1.0, 2.0, 3.0), [0.1, 10.0], 0.03, 1000),
+    ];
+    for (turn, axis, [above, bed], high, most) in cases {
+        let solid = block_above(&[FLOOR], (turn, axis), above, (bed, -Vec3::z()))?;
+        let state = solid.solve(&solid.controls(), &STRICT)?;
+        let carried = force(&solid, &state, "plane 0")?[2] / (WEIGHT * 0.04 * 0.03 * 0.02);
+        assert!(carried < 1.0 && carried > 0.96, "{turn}, {above}, {bed}: {carried}");
+        assert!((height(&solid, &state) - high).abs() < 1e-6, "{turn}, {above}, {bed}: {}", height(&solid, &state));
+        assert!(state.report.newton <= most && state.report.cuts == 0, "{turn}, {above}, {bed}: {:?}", state.report);
+        assert_eq!(solid.negative_pivots(&state)?, 0);
+    }
+    Ok(())
+}
+
+/// Three walls and a pull into their corner: it lies on all three, which carry the pull.
+#[test]
+fn a_rigid_block_slides_into_a_corner() -> Outcome {
+    let corner = [FLOOR, [[0.0; 3], [1.0, 0.0, 0.0]], [[0.0; 3], [0.0, 1.0, 0.0]]];
+    let pull = Vec3::new(-0.5, -0.3, -1.0);
+    for (turn, above) in [(0.0, 1e-4), (0.0, 0.1), (0.4, 0.01), (0.8, 0.1), (2.0, 1e-4)] {
+        let solid = block_above(&corner, (turn, Vec3::new(1.0, 0.4, 0.1)), above, (0.0, pull))?;
+        let state = solid.solve(&solid.controls(), &STRICT)?;
+        let forces = ["plane 0", "plane 1", "plane 2"].map(|name| force(&solid, &state, name));
+        let carried = forces.into_iter().try_fold(Vec3::zeros(), |sum, force| Outcome::Ok(sum + Vec3::from(force?)))?;
+        let off = (carried / (WEIGHT * 0.04 * 0.03 * 0.02) + pull).norm();
+        assert!(off < 1e-8, "{turn}, {above}: {off}");
+        assert!([0.02, 0.03, 0.04].into_iter().any(|high| (height(&solid, &state) - high).abs() < 1e-6));
+        assert_eq!(solid.negative_pivots(&state)?, 0);
+    }
     Ok(())
 }

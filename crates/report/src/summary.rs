@@ -2,7 +2,7 @@
 
 use crate::html::{escape, paragraph, section, tiles};
 use crate::number::{count, duration, millimetres, number, short};
-use crate::record::{HausdorffRecord, RunRecord, StateRecord, WarningRecord, number_of};
+use crate::record::{FreeMotionRecord, HausdorffRecord, RunRecord, StateRecord, WarningRecord, number_of};
 use crate::tables::measure;
 
 /// What went wrong, then warnings, each with what to try; nothing where all is well.
@@ -168,6 +168,9 @@ fn members(result: &RunRecord) -> Vec<(String, &StateRecord, Option<&StateRecord
 pub(crate) fn stability(state: &StateRecord) -> (&'static str, String) {
     let singular = state.inertia_missing.as_ref().is_some_and(|missing| missing.singular);
     match *state.inertia {
+        Some(0) if state.free_motion.is_some() => {
+            ("neutral", state.free_motion.as_ref().map_or_else(String::new, FreeMotionRecord::words))
+        }
         Some(0) => ("stable", "no negative pivot of the tangent".to_owned()),
         Some(n) => ("UNSTABLE", format!("{} of the tangent", count(n, "negative pivot"))),
         None if singular => ("undecided", "the tangent is singular".to_owned()),

@@ -5,6 +5,7 @@ pub(crate) mod second_order;
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::{Inadmissible, StateError};
 use crate::model::Model;
+use crate::nonlinear::anchor::Anchor;
 use crate::solution::options::SolveOptions;
 use crate::solution::saddle_point::{BorderedTangent, SaddlePoint};
 use crate::solution::state::{SolveReport, State};
@@ -118,6 +119,8 @@ impl Model {
     /// multipliers (pressures, tensions) as given loads. Inequalities that do not act (slack tendons) are left out; those at their onset count as
     /// acting.
     ///
+    /// What contact alone holds and nothing resists to ([`free_motion`](Self::free_motion)) has eigenvalues that are zero: they do not count.
+    ///
     /// On a body that is solved by multigrid, 0 means that conjugate gradients with a right-hand side of fixed random
     /// numbers converged to 1e-8 and met no negative curvature; only where they did meet it is a factor made to count.
     ///
@@ -144,14 +147,14 @@ impl Model {
     ) -> Result<usize, StateError> {
         self.check_solver(how.solver)?;
         self.check_spans_ranks(how.solver)?;
+        let at = self.instant(state, None, how.parallel);
         if self.unknowns().multipliers() > 0 {
-            let system = self.saddle_point(state, how.parallel)?;
+            let system = self.anchored_saddle_point(&at).map_err(|at| inverted(at, state))?;
             let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
             return Ok(system.negative(&mut systems, self.nodal(&state.u), &mut SolveReport::default())?);
         }
-        let at = self.instant(state, None, how.parallel);
         let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
-        let tangent = self.eliminated(&at, systems.takes_products()).map_err(|at| inverted(at, state))?;
+        let tangent = self.anchored_tangent(&at, systems.takes_products()).map_err(|at| inverted(at, state))?;
         match systems.negative_pivots(&tangent, &state.u) {
             Err(LinearError::NoEntries) => {
                 let tangent = self.eliminated(&at, false).map_err(|at| inverted(at, state))?;
@@ -173,6 +176,34 @@ impl Model {
         let mut system = SaddlePoint::new(self, tangent);
         system.set_acting(&acting, false);
         Ok(system)
+    }
+
+    /// The bordered tangent with the weakest anchor of what contact alone may hold.
+    fn anchored_saddle_point(&self, at: &Instant) -> Result<SaddlePoint, Inadmissible> {
+        let mut tangent = self.bordered_tangent(at)?;
+        self.anchor(&mut tangent.matrix);
+        let mut system = SaddlePoint::new(self, tangent);
+        system.set_acting(&self.acting(at)?, false);
+        Ok(system)
+    }
+
+    /// The tangent with that anchor, supports eliminated.
+    fn anchored_tangent(&self, at: &Instant, products: bool) -> Result<Tangent, Inadmissible> {
+        if !self.settles() {
+            return self.eliminated(at, products);
+        }
+        let mut matrix = self.matrix();
+        self.add_tangent(at, &mut matrix)?;
+        self.anchor(&mut matrix);
+        let mut tangent = Tangent::of_entries(matrix);
+        tangent.eliminate(self);
+        Ok(tangent)
+    }
+
+    fn anchor(&self, matrix: &mut SparseMatrix) {
+        if self.settles() {
+            matrix.add_diagonal(Anchor::weakest(self, matrix).diagonal());
+        }
     }
 
     /// The tangent at a state, supports not eliminated, and the derivatives of the constraints that act there.

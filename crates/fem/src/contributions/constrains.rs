@@ -22,6 +22,11 @@ pub trait Constrains {
         None
     }
 
+    /// Where the displacement of those nodes can be put onto them at once: what their unknowns, one after the other, become near a displacement.
+    fn restored(&self, _u: &[f64]) -> Option<Vec<(usize, f64)>> {
+        None
+    }
+
     /// Whether they can be fulfilled under these controls.
     ///
     /// # Errors

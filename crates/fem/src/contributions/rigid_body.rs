@@ -237,6 +237,20 @@ impl Constrains for Rigid {
         self.components().len()
     }
 
+    /// The rigid motion nearest to the affine one: its centre stays, F becomes its rotation.
+    fn restored(&self, u: &[f64]) -> Option<Vec<(usize, f64)>> {
+        let turn = polar_rotation(&self.f(u))?;
+        let weighted =
+            |of: &dyn Fn(usize) -> Vec3| (0..self.masters.len()).map(|m| of(m) * self.centre[m]).sum::<Vec3>();
+        let (rest, moved) = (weighted(&|m| self.corners[m]), weighted(&|m| self.of_node(u, m)));
+        let nodes = self.masters.iter().zip(&self.corners);
+        let place = |(node, corner): (&u32, &Vec3)| {
+            let to = rest + moved + turn * (corner - rest) - corner;
+            (0..self.dim).map(|i| (self.dim * *node as usize + i, to[i])).collect::<Vec<_>>()
+        };
+        Some(nodes.flat_map(place).collect())
+    }
+
     /// Translations, and rotations about the middle of the simplex.
     fn local(&self, at: &Instant) -> Option<(Vec<u32>, DMatrix<f64>)> {
         let places: Vec<Vec3> = (0..self.masters.len()).map(|m| self.corners[m] + self.of_node(at.u, m)).collect();

@@ -57,15 +57,14 @@ impl Supports {
             let own: Vec<&Vec<(u32, f64)>> = own.map(|(terms, _)| *terms).collect();
             let nodes: Vec<(&[u32], Extent)> = together.iter().map(|&q| (parts[q].as_slice(), extents[q])).collect();
             if let Some((count, example, which)) = self.free_motions((disc, &places), &nodes, &own) {
-                let what = match parts.len() {
-                    1 => "the body".to_owned(),
-                    n => match nodes[which].0.first() {
-                        Some(&node) => match self.body_of(node) {
-                            Some(body) => format!("the rigid body \"{body}\""),
-                            None => format!("connected part {} of {n} (it has node {node})", together[which] + 1),
-                        },
-                        None => format!("connected part {} of {n}", together[which] + 1),
-                    },
+                let first = nodes[which].0.first().copied();
+                let what = match (first.and_then(|node| self.body_of(node)), first, parts.len()) {
+                    (Some(body), ..) => format!("the rigid body \"{body}\""),
+                    (None, _, 1) => "the body".to_owned(),
+                    (None, Some(node), n) => {
+                        format!("connected part {} of {n} (it has node {node})", together[which] + 1)
+                    }
+                    (None, None, n) => format!("connected part {} of {n}", together[which] + 1),
                 };
                 return Some(FreeMotion { count, what, example });
             }

@@ -6,7 +6,8 @@ use crate::contributions::sensitivities::Sensitivities;
 use crate::contributions::{
     Contribution, Controls, Demand, Need, Onsets, RigidPose, Sums, Touch, TouchParameters, Touches,
 };
-use crate::error::{Cause, Inadmissible};
+use crate::discretization::rigid_motions::FreeMotion;
+use crate::error::Inadmissible;
 use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -147,8 +148,9 @@ impl Model {
         self.others.iter().filter_map(own).collect()
     }
 
-    /// A rigid motion of what contact alone holds that nothing resists to at an instant.
-    pub(crate) fn free_motion(&self, at: &Instant) -> Option<Cause> {
+    /// Rigid motions of what contact alone holds that nothing resists to at an instant: it may roll or slide on, and rests where it came to.
+    #[must_use]
+    pub fn free_motion(&self, at: &Instant) -> Option<FreeMotion> {
         if !self.touches_something() || self.is_over_ranks() || self.is_held_without_contact() {
             return None;
         }
@@ -161,8 +163,7 @@ impl Model {
             }
         });
         each.ok()?;
-        let free = self.supports.free(self.discretization(), Some(at.u), &rows.iter().collect::<Vec<_>>());
-        free.map(Cause::FreeMotion)
+        self.supports.free(self.discretization(), Some(at.u), &rows.iter().collect::<Vec<_>>())
     }
 
     /// Whether something is there that the body may touch.

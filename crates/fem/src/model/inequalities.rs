@@ -31,6 +31,19 @@ impl Model {
         Ok(inequalities.iter().enumerate().map(|(k, inequality)| !inequality || touches(dofs + k)).collect())
     }
 
+    /// Unknowns put onto the constraints of which that is known; `None` where there are none, or it cannot be.
+    pub(crate) fn restored(&self, x: &[f64]) -> Option<Vec<f64>> {
+        if self.supports.ties().is_empty() || !self.unknowns().has_one_nodal_field() {
+            return None;
+        }
+        let mut restored = x.to_vec();
+        for constraints in self.others.iter().filter_map(|contribution| contribution.constrains()) {
+            constraints.restored(x).into_iter().flatten().for_each(|(dof, to)| restored[dof] = to);
+        }
+        self.supports.extend(&mut restored[..self.unknowns().nodal()]);
+        Some(restored)
+    }
+
     /// Residuals of the contributions with inequalities alone.
     ///
     /// # Errors

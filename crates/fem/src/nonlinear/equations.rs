@@ -5,6 +5,7 @@ use crate::contributions::instant::{Instant, TimeStep};
 use crate::contributions::{Demand, Need, Sums};
 use crate::error::Inadmissible;
 use crate::model::{Model, ModelPoint};
+use crate::nonlinear::anchor::Anchor;
 use crate::nonlinear::iteration::Iterate;
 use crate::solution::options::SolveOptions;
 use crate::solution::saddle_point::BorderedTangent;
@@ -17,6 +18,8 @@ pub(crate) struct Equations<'a> {
     pub model: &'a Model,
     pub drive: Drive<'a>,
     pub options: &'a SolveOptions<'a>,
+    /// What pulls it back, beside the model.
+    pub anchor: Option<&'a Anchor>,
 }
 
 /// What drives the body.
@@ -71,6 +74,16 @@ impl<'a> Equations<'a> {
         }
     }
 
+    /// Whether it is an equilibrium at given controls, not a step in time.
+    pub fn is_static(&self) -> bool {
+        matches!(self.drive, Drive::Held { time_step: None, .. })
+    }
+
+    /// Whether trials put rigid bodies onto their constraints. Steps in time do not: they turn little, and took half again as many iterations so.
+    pub fn turns_rigid_bodies(&self) -> bool {
+        self.is_static() && !self.model.supports.ties().is_empty()
+    }
+
     /// Displacement with multipliers, and where on the way they are.
     pub fn split<'x>(&self, x: &'x [f64]) -> (&'x [f64], f64) {
         match self.drive {
@@ -110,6 +123,9 @@ impl<'a> Equations<'a> {
     pub fn sums(&self, point: &ModelPoint, x: &[f64]) -> Result<Sums, Inadmissible> {
         let mut sums = self.with(x, |at| point.evaluate(at, Demand { energy: true, force: true }))?;
         self.model.leave_out_slack(self.split(x).0, &mut sums);
+        if let Some(anchor) = self.anchor {
+            anchor.add(x, &mut sums);
+        }
         Ok(sums)
     }
 
@@ -134,6 +150,9 @@ impl<'a> Equations<'a> {
         let matrix = memory.get_or_insert_with(|| self.model.matrix());
         matrix.clear();
         self.with(here.x, |at| here.point.add_tangent(at, matrix))?;
+        if let Some(anchor) = self.anchor {
+            matrix.add_diagonal(anchor.diagonal());
+        }
         Ok(matrix)
     }
 
@@ -146,7 +165,10 @@ impl<'a> Equations<'a> {
     ) -> Result<&'m mut Tangent, Inadmissible> {
         // what was there is not held beside what comes
         let mut entries = memory.take().and_then(Tangent::into_entries);
-        if products && let Some(products) = self.with(here.x, |at| here.point.cell_products(at))? {
+        if products
+            && self.anchor.is_none()
+            && let Some(products) = self.with(here.x, |at| here.point.cell_products(at))?
+        {
             return Ok(memory.insert(Tangent::of_products(self.model, products)));
         }
         self.tangent(here, &mut entries)?;
@@ -156,7 +178,11 @@ impl<'a> Equations<'a> {
 
     /// The tangent with the border of the constraints.
     pub fn bordered_tangent(&self, point: &ModelPoint, x: &[f64]) -> Result<BorderedTangent, Inadmissible> {
-        self.with(x, |at| point.bordered_tangent(at))
+        let mut tangent = self.with(x, |at| point.bordered_tangent(at))?;
+        if let Some(anchor) = self.anchor {
+            tangent.matrix.add_diagonal(anchor.diagonal());
+        }
+        Ok(tangent)
     }
 
     /// Puts the residuals `-g` of all inequalities, of slack ones too, among the others, and gives what their rounding is measured against.

@@ -12,7 +12,7 @@ use nastic_linear::LinearError;
 use nastic_linear::solver::Curvature;
 
 /// Below this relative residual a step that does not halve it has met the limit of double precision.
-pub(super) const ROUNDING: f64 = 1e-10;
+pub(crate) const ROUNDING: f64 = 1e-10;
 /// A full step shorter than this share of the body's size is below what double precision resolves.
 const RESOLUTION: f64 = 1e-12;
 /// Largest relative residual that such a step may leave of an equilibrium, by the largest forces met on the way; where more is left, the

@@ -128,7 +128,9 @@ impl<'a> LineSearch<'a> {
         if step.curvature != Curvature::Negative {
             return self.descend(here, step, &step.dx);
         }
-        if let Some(taken) = self.residual_falls(here, &step.dx, TO_SADDLE)? {
+        if self.equations.anchor.is_none()
+            && let Some(taken) = self.residual_falls(here, &step.dx, TO_SADDLE)?
+        {
             return Ok(taken);
         }
         let dx = direction.downhill(here, report)?;
@@ -161,6 +163,14 @@ impl<'a> LineSearch<'a> {
         let at = here.point.displaced(u);
         let straight = |s: f64| moved(here.x, dx, s);
         let reach = StepLimits::of_model(model, at, du, parallel);
+        if self.equations.turns_rigid_bodies() {
+            // a rotation is no straight line: that leaves the constraints, which the merit holds against it
+            let rigid = |s: f64| model.restored(&straight(s)).unwrap_or_else(|| straight(s));
+            let taken = self.along(here, merit, (&rigid, Along::Curve), reach.straight, DESCENT)?;
+            if let Some(taken) = taken {
+                return Ok(taken);
+            }
+        }
         let others = self.equations.chord(here.point, here.x, &straight(1.0))?;
         if let Some(longest) = reach.curved.filter(|_| model.unknowns().has_one_nodal_field()) {
             if self.fit.is_none() {

@@ -1,5 +1,6 @@
 //! Newton's method: one [iteration], whatever finds its steps ([`direction`]) and whatever measures them ([`merit`]).
 
+pub(crate) mod anchor;
 pub(crate) mod direction;
 pub(crate) mod equations;
 pub(crate) mod iteration;

@@ -71,13 +71,8 @@ impl Equations<'_> {
         let last = self.solve(u, solver, report)?;
         let sound = curvature == Curvature::Positive && last == Curvature::Positive;
         let rounding = ROUNDING * (start.energy_scale + start.energy.abs());
-        let lower = (sound || self.rolls(u)) && (moves || report.energy <= start.energy + rounding);
+        let lower = sound && (moves || report.energy <= start.energy + rounding);
         if lower { Ok(()) } else { Err(Stop::Slow { residual }) }
-    }
-
-    /// Whether there are rigid bodies, and one that contact alone holds may roll or slide on: the sign of the tangent along that is that of rounding.
-    fn rolls(&self, u: &[f64]) -> bool {
-        !self.model.supports.ties().is_empty() && self.at(u, |at| self.model.free_motion(at)).is_some()
     }
 }
 
@@ -91,7 +86,7 @@ impl Model {
         share: f64,
         options: &'a SolveOptions<'a>,
     ) -> Equations<'a> {
-        Equations { model: self, drive: Drive::Held { controls, load, time_step, share }, options }
+        Equations { model: self, drive: Drive::Held { controls, load, time_step, share }, options, anchor: None }
     }
 
     /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part in modes that move otherwise. The report shows the residual that

@@ -64,7 +64,7 @@ impl<'a> PathEquations<'a> {
         weights.iter_mut().for_each(|w| *w /= volume);
         model.supports.clear(&mut weights);
         weights.resize(model.unknowns().len(), 0.0);
-        let equations = Equations { model, drive: Drive::Path { from, to }, options };
+        let equations = Equations { model, drive: Drive::Path { from, to }, options, anchor: None };
         PathEquations {
             equations,
             workspace,

@@ -177,6 +177,16 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<(), Stop> {
+        if newton.is_static() && self.settles() {
+            let mut end = u.clone();
+            match self.settle(newton, &mut end, workspace, report) {
+                Err(stop) if !stop.is_final() && self.is_held_without_contact() => workspace.forget(),
+                ended => {
+                    *u = end;
+                    return ended;
+                }
+            }
+        }
         let suited = !hopeless && self.suits_point_strains();
         let jumps = newton.jump(u).is_some();
         let creeps = way.creeps(jumps);
@@ -225,7 +235,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<bool, Stop> {
         let brief = SolveOptions { max_newton: newton.options.max_newton.min(BRIEF), ..newton.options.clone() };
-        let briefly = Equations { model: self, drive: newton.drive, options: &brief };
+        let briefly = Equations { options: &brief, ..*newton };
         let mut from = u.clone();
         match briefly.solve(u, self.linear_solver(newton.options, workspace), report) {
             Ok(_) => return Ok(true),
@@ -406,7 +416,9 @@ impl Model {
                 Err(stop) => {
                     if steps.failed(path) || report.newton > most {
                         let known = steps.limit_point().is_some() || time_step.is_some();
-                        let free = || (!known).then(|| newton.at(&u, |at| self.free_motion(at))).flatten();
+                        let free = || {
+                            (!known).then(|| newton.at(&u, |at| self.free_motion(at))).flatten().map(Cause::FreeMotion)
+                        };
                         let suspect = newton.at(&u, |at| self.suspect(at)).or_else(free);
                         let error = self.give_up(stop, path, (&steps, suspect), (to, None), report, here);
                         // a trial from a state nearby is looked into by who makes it

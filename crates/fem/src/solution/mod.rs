@@ -21,6 +21,7 @@ mod path_events;
 pub(crate) mod ramp;
 pub(crate) mod rotation_corrected_step;
 pub(crate) mod saddle_point;
+mod settling;
 mod slide;
 pub(crate) mod state;
 pub(crate) mod tangent;

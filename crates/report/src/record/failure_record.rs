@@ -129,3 +129,11 @@ records! {
         min_j: Number,
     }
 }
+
+impl FreeMotionRecord {
+    /// Of an equilibrium.
+    pub fn words(&self) -> String {
+        let FreeMotionRecord { count, what, example } = self;
+        format!("nothing resists {count} rigid motion(s) of {what} ({example}); it rests where it came to")
+    }
+}

@@ -1,8 +1,8 @@
 //! [`StateRecord`]: what a result says of a state, or of several together.
 
 use crate::record::{
-    ByName, EquilibriaRecord, ExactContactRecord, HalfThicknessRecord, MemberRecord, ModesRecord, Nullable, Number,
-    Numbers, SeriesRecord, TimeRecord,
+    ByName, EquilibriaRecord, ExactContactRecord, FreeMotionRecord, HalfThicknessRecord, MemberRecord, ModesRecord,
+    Nullable, Number, Numbers, SeriesRecord, TimeRecord,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -50,6 +50,8 @@ records! {
         inertia: Nullable<usize>,
         /// Why they were not counted.
         inertia_missing: Option<UncountedRecord>,
+        /// What contact alone holds and nothing that touches it: it may roll or slide on, and rests where it came to.
+        free_motion: Option<FreeMotionRecord>,
         /// Where the deformed body intersects itself.
         self_intersection: Option<IntersectionRecord>,
         /// Load steps of a solve.

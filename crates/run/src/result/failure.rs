@@ -74,12 +74,14 @@ fn add_cause(out: &mut FailureRecord, cause: &Cause) {
             let places = places.iter().map(|place| numbers(place)).collect();
             out.guides_meet = Some(MeetingGuidesRecord { name: name.clone(), places, share: (*share).into() });
         }
-        Cause::FreeMotion(FreeMotion { count, what, example }) => {
-            let (what, example) = (what.clone(), example.clone());
-            out.free_motion = Some(FreeMotionRecord { count: *count, what, example });
-        }
+        Cause::FreeMotion(free) => out.free_motion = Some(free_motion(free)),
         Cause::Unknown => {}
     }
+}
+
+/// As results have it.
+pub(super) fn free_motion(FreeMotion { count, what, example }: &FreeMotion) -> FreeMotionRecord {
+    FreeMotionRecord { count: *count, what: what.clone(), example: example.clone() }
 }
 
 fn add_place(out: &mut FailureRecord, at: &Inadmissible) {

@@ -6,7 +6,7 @@ use nastic_case::warning::{
     BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
 };
 use nastic_control::EnsemblePoint;
-use nastic_fem::{PointPeak, State, StateError};
+use nastic_fem::{FreeMotion, Instant, PointPeak, State, StateError};
 use nastic_language::number::{quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_mesh::Mesh;
@@ -26,6 +26,8 @@ const FAR: f64 = 3.0;
 pub(crate) struct Inspection {
     /// Negative pivots of the tangent, or why they were not counted.
     pub inertia: Result<usize, Uncounted>,
+    /// What may roll or slide on.
+    pub free: Option<FreeMotion>,
     /// Where the deformed body intersects itself.
     pub intersection: SelfIntersection,
     /// Deformed volume of the cells whose centres lie in other cells.
@@ -100,6 +102,11 @@ impl Inspection {
         let lowest = distorted.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
         Self {
             inertia,
+            free: member
+                .solid()
+                .model()
+                .free_motion(&Instant::of(state))
+                .filter(|_| member.reduced().timeline().is_none()),
             overlap: overlap(member, state, &intersection),
             intersection,
             distorted: (distorted.len(), lowest),

@@ -128,6 +128,7 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<StateRecord, MemberEr
         if let Some(found) = one.inspection {
             out.inertia = found.inertia.as_ref().ok().copied().into();
             out.inertia_missing = found.inertia.as_ref().err().map(Uncounted::record);
+            out.free_motion = found.free.as_ref().map(super::failure::free_motion);
             out.self_intersection = Some(found.intersection_record());
         }
         summary::add_work(&mut out, &one.work);
@@ -161,6 +162,7 @@ fn overall(own: &[StateRecord], reports: &[MemberReport<'_>]) -> StateRecord {
         min_j: reports.iter().map(|one| one.min_j).fold(f64::INFINITY, f64::min).into(),
         residual: reports.iter().map(|one| one.state.report.residual).fold(0.0, f64::max).into(),
         inertia: inertia.and_then(|all| all.into_iter().max()).into(),
+        free_motion: own.iter().find_map(|entry| entry.free_motion.clone()),
         inertia_missing: own.iter().find_map(|entry| entry.inertia_missing.clone()),
         ..StateRecord::default()
     };

@@ -5,7 +5,7 @@ use nastic_language::number::{quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_numeric::format::scientific;
 use nastic_report::record::{
-    MeasureRecord, Number, ProbeRecord, ProbesRecord, RigidMotion, RunRecord, StateRecord, number_of,
+    FreeMotionRecord, MeasureRecord, Number, ProbeRecord, ProbesRecord, RigidMotion, RunRecord, StateRecord, number_of,
 };
 
 /// Smallest J and inertia, of the worst member.
@@ -53,6 +53,9 @@ pub(crate) fn say_members(session: &Session<'_>, result: &StateRecord) {
 /// What the inertia means.
 pub(crate) fn inertia(state: &StateRecord) -> String {
     match (*state.inertia, &state.inertia_missing) {
+        (Some(0), _) if state.free_motion.is_some() => {
+            format!("neutral: {}", state.free_motion.as_ref().map_or_else(String::new, FreeMotionRecord::words))
+        }
         (Some(0), _) => "stable (no negative pivot of the tangent)".to_owned(),
         (Some(1), _) => "UNSTABLE: 1 negative pivot of the tangent".to_owned(),
         (Some(n), _) => format!("UNSTABLE: {n} negative pivots of the tangent"),

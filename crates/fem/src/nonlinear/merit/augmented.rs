@@ -6,6 +6,9 @@ use crate::error::Inadmissible;
 use crate::nonlinear::equations::{Equations, Evaluated, moved};
 use crate::nonlinear::iteration::Iterate;
 
+/// Relative violation below which the constraints of rigid bodies that are put onto them are fulfilled: the penalty does not grow for less.
+const FULFILLED: f64 = 1e-9;
+
 /// With the potential `P(u)`, constraints `g(u) = 0` and the multiplier `q = p + dp` behind the step, where the residual is `r + B dp` and
 /// the slope along the step `-du . K du - c |g|^2`:
 ///
@@ -35,8 +38,9 @@ impl Augmented {
         let slope = equations.model.unknowns().dot(&force, &dx[..dofs]);
         let relative: Vec<f64> = violations(&at_new, dofs).map(|(g, scale)| g / scale).collect();
         let size = equations.model.unknowns().norm(&relative).powi(2);
+        let fulfilled = if equations.turns_rigid_bodies() { FULFILLED } else { 0.0 };
         let bent = if slope < 0.0 { slope.abs() } else { 3.0 * slope.abs() };
-        let weight = Some(bent / size).filter(|weight| weight.is_finite()).unwrap_or(0.0);
+        let weight = Some(bent / size.max(fulfilled * fulfilled)).filter(|weight| weight.is_finite()).unwrap_or(0.0);
         merit.weights = violations(&at_new, dofs).map(|(_, scale)| weight / (scale * scale)).collect();
         merit.line.start = merit.of(&at_new, dofs);
         // of c/2 |g|^2 along a step on whose linear model g vanishes
