@@ -75,6 +75,21 @@ pub enum FemError {
         /// One of them in words.
         example: String,
     },
+    /// A cost that changes with motions that nothing resists to.
+    #[error(
+        "the derivative is not determined: {:.1} % of what it is of is along {count} rigid motion(s) of {what} that nothing resists to ({example}); \
+         hold that by a weak foundation or springs", 100.0 * share
+    )]
+    FreeDerivative {
+        /// Share of the cost's derivative by the displacement.
+        share: f64,
+        /// Number of free rigid motions.
+        count: usize,
+        /// The connected part of the body, or the rigid body.
+        what: String,
+        /// One of them in words.
+        example: String,
+    },
     /// Two supports prescribe different values for one displacement component.
     #[error(
         "support on \"{support}\" prescribes {new} for component {component} of node {node}, where an earlier support \

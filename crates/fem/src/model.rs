@@ -421,19 +421,24 @@ impl Model {
         })
     }
 
-    /// Checks that the problem is complete: every cell has a material, no rigid motion is left free.
+    /// Checks that the problem is complete: every cell has a material, no rigid motion is left free but what may end in contact.
     ///
     /// # Errors
     /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
     pub fn check(&self) -> Result<(), FemError> {
-        self.unless_parted(self.check_at_rest())
+        self.unless_parted(self.check_with(&self.may_resist()))
     }
 
-    fn check_at_rest(&self) -> Result<(), FemError> {
+    /// The same, where contacts resist to the motions along their normals at rest alone: for what needs a regular tangent there.
+    pub(crate) fn check_held(&self) -> Result<(), FemError> {
+        let own = self.others.iter().flat_map(|contribution| contribution.resists().iter().cloned());
+        self.unless_parted(self.check_with(&own.collect::<Vec<_>>()))
+    }
+
+    fn check_with(&self, springs: &[Vec<(u32, f64)>]) -> Result<(), FemError> {
         // A body without materials has no use for advice on supports.
         self.all_accept(self.check_laws())?;
-        let springs = self.others.iter().flat_map(|contribution| contribution.resists());
-        self.supports.check(self.discretization(), &springs.collect::<Vec<_>>())?;
+        self.supports.check(self.discretization(), &springs.iter().collect::<Vec<_>>())?;
         self.all_accept(self.check_others())
     }
 

@@ -10,7 +10,8 @@ use common::Outcome;
 use common::block::STRICT;
 use nastic_energy::NeoHooke;
 use nastic_fem::{
-    Cause, Contact, Foundation, Instant, MovingSupport, RigidBody, Solid, State, StateError, SurfaceContact,
+    Cause, Contact, FemError, Foundation, Instant, MovingSupport, RigidBody, Solid, SolveOptions, State, StateError,
+    SurfaceContact,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, box_mesh};
@@ -164,5 +165,40 @@ fn a_rigid_block_slides_into_a_corner() -> Outcome {
         assert!([0.02, 0.03, 0.04].into_iter().any(|high| (height(&solid, &state) - high).abs() < 1e-6));
         assert_eq!(solid.negative_pivots(&state)?, 0);
     }
+    Ok(())
+}
+
+/// On a floor alone it lies where it fell: it may slide and spin, which is told and does not count as unstable. What it presses has derivatives that differences confirm; where it lies has none.
+#[test]
+fn a_rigid_block_on_a_floor_is_neutral() -> Outcome {
+    let solid = block_above(&[FLOOR], (0.4, Vec3::new(1.0, 0.4, 0.1)), 0.01, (0.0, -Vec3::z()))?;
+    let state = solid.solve(&solid.controls(), &STRICT)?;
+    assert!((height(&solid, &state) - 0.02).abs() < 1e-6, "{}", height(&solid, &state));
+    assert_eq!(solid.negative_pivots(&state)?, 0);
+    let free = solid.model().free_motion(&Instant::of(&state)).ok_or("nothing is free")?;
+    assert_eq!((free.count, free.what.as_str()), (3, "the rigid body \"block\""));
+    let along = |axis: usize| -> Vec<f64> {
+        let mut rhs = vec![0.0; state.u.len()];
+        let nodes = solid.mesh().points().len();
+        rhs[..3 * nodes].iter_mut().skip(axis).step_by(3).for_each(|entry| *entry = 1.0 / nodes as f64);
+        rhs
+    };
+    let error = solid.adjoint(&state, &[&along(0)], &STRICT).err().ok_or("a derivative")?;
+    assert!(matches!(error, StateError::Problem(FemError::FreeDerivative { count: 3, .. })), "{error}");
+    // the mean height by the height of the floor and by the stiffness of its layer
+    let by_height: Vec<f64> = along(2).iter().map(|entry| -entry).collect();
+    let lambda = &solid.adjoint(&state, &[&by_height], &STRICT)?.lambda[0];
+    let slopes = solid.model().vjp(&Instant::of(&state), lambda)?.controls;
+    let mean = |state: &State| state.u.iter().zip(&along(2)).map(|(u, share)| u * share).sum::<f64>();
+    for (control, step, tolerance) in [(2, 1e-5, 1e-7), (6, 1e-3 * solid.controls().values(0)[6], 1e-5)] {
+        let [up, down] = [1.0, -1.0].map(|side| -> Outcome<f64> {
+            let mut controls = solid.controls();
+            controls.values_mut(0)[control] += side * step;
+            Ok(mean(&solid.solve(&controls, &SolveOptions { near: Some(&state), ..STRICT })?))
+        });
+        let (slope, difference) = (slopes.values(0)[control], (up? - down?) / (2.0 * step));
+        assert!((slope / difference - 1.0).abs() < tolerance, "{control}: {slope} and {difference}");
+    }
+    assert!((slopes.values(0)[2] - 1.0).abs() < 1e-8);
     Ok(())
 }

@@ -1,5 +1,6 @@
 //! The adjoint of the state equation, and the inertia of an equilibrium.
 
+mod neutral;
 pub(crate) mod second_order;
 
 use crate::contributions::instant::{Instant, TimeStep};
@@ -232,6 +233,12 @@ impl Model {
         systems: &mut TangentSystems,
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, StateError> {
+        if at.step.is_none()
+            && self.settles()
+            && let Some(free) = self.free_motion(at)
+        {
+            return self.solve_neutral((at, &free), rhs, state, systems, report);
+        }
         if self.unknowns().multipliers() == 0 {
             if let Some(solved) = self.solve_by_cells(at, rhs, state, systems, report)? {
                 return Ok(solved);

@@ -154,6 +154,14 @@ impl<'a> SecondOrder<'a> {
             return Ok(rhs);
         }
         let Self { model, state, how, again, accuracy, .. } = *self;
+        let at = self.instant();
+        if model.settles()
+            && let Some(free) = model.free_motion(&at)
+        {
+            let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
+            let found = model.solve_neutral((&at, &free), &[&rhs], state, &mut systems, &mut self.report);
+            return Ok(found?.pop().unwrap_or_default());
+        }
         if model.unknowns().multipliers() > 0 {
             let mut system = model.saddle_point(state, how.parallel)?;
             if transposition == Transposition::Yes {

@@ -8,7 +8,8 @@ use crate::contributions::{
 };
 use crate::discretization::rigid_motions::FreeMotion;
 use crate::error::Inadmissible;
-use std::collections::BTreeSet;
+use nastic_tensor::Vec3;
+use std::collections::{BTreeMap, BTreeSet};
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -166,6 +167,17 @@ impl Model {
         self.supports.free(self.discretization(), Some(at.u), &rows.iter().collect::<Vec<_>>())
     }
 
+    /// What supports aside may resist to motions in an equilibrium: a surface that may touch to all of its own, if that is the minimum of a potential. What then lies
+    /// there may still slide or roll on ([`free_motion`](Self::free_motion)).
+    pub(crate) fn may_resist(&self) -> Vec<Vec<(u32, f64)>> {
+        let (dim, settles) = (self.discretization().dim(), self.has_potential() && !self.is_over_ranks());
+        let of = |contribution: &Arc<dyn Contribution>| match contribution.touches().filter(|_| settles) {
+            Some(_) => contribution.resists().iter().flat_map(|row| along_axes(row, dim)).collect::<Vec<_>>(),
+            None => contribution.resists().to_vec(),
+        };
+        self.others.iter().flat_map(of).collect()
+    }
+
     /// Whether something is there that the body may touch.
     pub(crate) fn touches_something(&self) -> bool {
         self.others.iter().any(|other| other.touches().is_some())
@@ -187,4 +199,17 @@ impl Model {
             Ok::<(), Infallible>(())
         });
     }
+}
+
+/// Of a motion of nodes along one direction, `sum_a w_a n . u_a`, those along each axis, `sum_a w_a e_i . u_a`.
+fn along_axes(row: &[(u32, f64)], dim: usize) -> Vec<Vec<(u32, f64)>> {
+    let mut nodes = BTreeMap::<u32, Vec3>::new();
+    for (dof, weight) in row {
+        nodes.entry(*dof / dim as u32).or_default()[*dof as usize % dim] += weight;
+    }
+    let Some(first) = nodes.values().next().copied() else { return Vec::new() };
+    let weight = |of: &Vec3| of.dot(&first.normalize());
+    let along =
+        |axis: usize| nodes.iter().map(move |(node, of)| (dim as u32 * node + axis as u32, weight(of))).collect();
+    (0..dim).map(along).collect()
 }

@@ -75,7 +75,7 @@ impl Model {
         workspace: &mut Workspace,
         watch: &mut dyn FnMut(&Equilibrium),
     ) -> Result<Equilibria, StateError> {
-        self.check()?;
+        self.check_held()?;
         self.supports(Feature::Deflation)?;
         self.check_state(known)?;
         self.check_start(known, how.parallel)?;

@@ -41,7 +41,7 @@ impl Model {
     /// A state at another load than the full one, a model without a potential; [`StateError::NoConvergence`] with the
     /// last saddle where no lower equilibrium is found.
     pub fn descend(&self, state: &State, how: &SolveOptions, workspace: &mut Workspace) -> Result<Descent, StateError> {
-        self.check()?;
+        self.check_held()?;
         self.supports(Feature::Descent)?;
         self.check_state(state)?;
         self.check_start(state, how.parallel)?;

@@ -144,7 +144,7 @@ impl Model {
         workspace: &mut Workspace,
         watch: &mut dyn FnMut(&PathPoint),
     ) -> Result<EquilibriumPath, StateError> {
-        self.check()?;
+        self.check_held()?;
         self.supports(Feature::Path)?;
         self.check_state(from)?;
         self.check_controls(to.0)?;

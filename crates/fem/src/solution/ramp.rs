@@ -66,7 +66,7 @@ impl Model {
         workspace: &mut Workspace,
         watch: &mut dyn FnMut(&RampPoint),
     ) -> Result<Ramp, StateError> {
-        self.check()?;
+        self.check_held()?;
         self.supports(Feature::Ramp)?;
         self.check_controls(from)?;
         self.check_controls(to)?;

@@ -93,7 +93,7 @@ impl Model {
 
     /// What goes without inertia: a body that is held, and no velocity but that of an earlier step of the kind.
     fn check_quasi_static(&self, trajectory: &Trajectory, scheme: &Scheme) -> Result<(), StateError> {
-        self.check()?;
+        self.check_held()?;
         // what begins later is a part of a recording, of one scheme, which was checked where it began
         let own = trajectory.first() > 0 || trajectory.steps().last().is_some_and(|last| last.scheme.is_quasi_static());
         let mut velocity = trajectory.end().velocity.iter().flat_map(|v| v.iter());
