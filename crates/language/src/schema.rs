@@ -63,7 +63,7 @@ pub use group_names::group_names;
 pub use load::Load;
 pub use load_case::LoadCase;
 pub use material::Material;
-pub use mesh::{BoxMesh, MeshFile, MeshSource};
+pub use mesh::{BodyBox, BoxMesh, BoxesMesh, MeshFile, MeshSource};
 pub use named::{Element, Method, SchemeName};
 pub use obstacle::{AlignedBox, Capsule, HalfSpace, Obstacle, Outline, Shape, ShapeOrName, Sphere, VectorInTime};
 pub use optimizer::{Metric, Optimizer, Unstable};

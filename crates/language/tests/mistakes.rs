@@ -45,6 +45,22 @@ fn unknown_keys_name_the_nearest_and_the_list() {
     );
 }
 
+#[test]
+fn boxes_are_told_apart() {
+    let mesh = "\"../../meshes/cantilever.msh\",";
+    let pad = "{ \"name\": \"pad\", \"size\": [1, 1], \"cells\": [2, 2], \"element\": \"quad4\" }";
+    let with = |other: &str| problems_with(COMPLETE, mesh, &format!("{{ \"boxes\": [ {pad}, {other} ] }},"));
+    let found = with(pad);
+    assert!(found.contains("mesh/boxes/1/name: two boxes are named \"pad\""), "{found}");
+    let cube =
+        "{ \"name\": \"cube\", \"corner\": [0, 2], \"size\": [1, 1, 1], \"cells\": [1, 1, 1], \"element\": \"hex8\" }";
+    let found = with(cube);
+    assert!(found.contains("mesh/boxes/1/element: boxes and rectangles do not go together"), "{found}");
+    assert!(found.contains("mesh/boxes/1/corner: 3 entries wanted"), "{found}");
+    let none = problems_with(COMPLETE, mesh, "{ \"boxes\": [] },");
+    assert!(none.contains("mesh/boxes: no box: give one at least"), "{none}");
+}
+
 /// A suggestion that shares little with what was written would send the reader the wrong way.
 #[test]
 fn what_is_like_no_known_name_is_answered_with_the_list() {

@@ -35,6 +35,7 @@ mod quality;
 mod snapshot;
 pub mod spatial;
 mod tabulated;
+mod together;
 
 pub use build::{RawBlock, RawMesh};
 pub use columns::Column;

@@ -113,3 +113,22 @@ fn requests_that_make_no_sense_are_refused() {
     assert!(message(box_mesh([1.0; 3], [2, 0, 2], CellKind::Hex8)).contains("at least one along each axis"));
     assert!(message(box_mesh([1.0; 3], [1 << 40; 3], CellKind::Hex8)).contains("take fewer cells"));
 }
+
+/// Bodies of one mesh share no node and keep their names, behind their own.
+#[test]
+fn bodies_beside_each_other() {
+    let pad = rectangle([2.0, 1.0], [4, 2], CellKind::Quad8).unwrap();
+    let stone =
+        rectangle([1.0, 1.0], [1, 1], CellKind::Tri3).unwrap().mapped(|x| [x[0] + 0.5, x[1] + 1.5, 0.0]).unwrap();
+    let both = Mesh::together("both", &[("pad", pad.clone()), ("stone", stone.clone())]).unwrap();
+    assert_eq!(both.points().len(), pad.points().len() + stone.points().len());
+    assert_eq!(both.cells(), pad.cells() + stone.cells());
+    assert_eq!(both.region("pad").unwrap().len(), pad.cells());
+    assert_eq!(both.region("stone").unwrap().len(), stone.cells());
+    assert!((volume(&both) - 3.0).abs() < 1e-12);
+    for (name, length) in [("pad/x+", 1.0), ("pad/y+", 2.0), ("stone/x-", 1.0), ("stone/y-", 1.0)] {
+        assert!((area(&both, both.surface(name).unwrap()) - length).abs() < 1e-12, "{name}");
+    }
+    let cube = box_mesh([1.0; 3], [1; 3], CellKind::Hex8).unwrap();
+    assert!(Mesh::together("neither", &[("pad", pad), ("cube", cube)]).is_err());
+}

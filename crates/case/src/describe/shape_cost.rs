@@ -54,5 +54,6 @@ fn mesh(source: &MeshSource) -> String {
     match source {
         MeshSource::File(file) => file.file.clone(),
         MeshSource::Box(_) => "a box".to_owned(),
+        MeshSource::Boxes(_) => "boxes".to_owned(),
     }
 }

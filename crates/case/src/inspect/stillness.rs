@@ -9,7 +9,7 @@ use nastic_numeric::vector::norm;
 /// Share of the body's diagonal below which nobody sees a displacement.
 const SEEN: f64 = 1e-5;
 
-/// Warns of states in which something acts and no point moves visibly; a body at rest is no such one.
+/// Warns of states in which something acts and no point moves visibly; a body at rest is no such one, nor a rigid body that already lies where it comes to.
 pub fn stillness<'s>(member: CaseMember<'_>, states: impl IntoIterator<Item = &'s State>) -> Option<Warning> {
     let (mesh, model) = (member.mesh(), member.solid().model());
     let farthest = |state: &State| model.nodal(&state.u).chunks_exact(mesh.dim()).map(norm).fold(0.0, f64::max);
@@ -19,5 +19,6 @@ pub fn stillness<'s>(member: CaseMember<'_>, states: impl IntoIterator<Item = &'
     let when = if member.problem().is_motion() { "at any instant that is written" } else { "at the start controls" };
     let message =
         format!("{when} no point moves by more than {} {unit}, {} of the body's size", short(farthest), short(share));
-    (share > 0.0 && share < SEEN).then(|| Warning::new(&STILL, message).of(member.name()))
+    let all_rigid = member.problem().case.materials.iter().all(|material| material.rigid);
+    (share > 0.0 && share < SEEN && !all_rigid).then(|| Warning::new(&STILL, message).of(member.name()))
 }

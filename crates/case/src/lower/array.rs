@@ -75,7 +75,7 @@ pub(super) fn read(
 fn scale(case: &Case) -> f64 {
     match &case.mesh {
         MeshSource::File(file) => file.scale,
-        MeshSource::Box(_) => 1.0,
+        MeshSource::Box(_) | MeshSource::Boxes(_) => 1.0,
     }
 }
 

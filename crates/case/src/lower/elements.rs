@@ -52,7 +52,7 @@ impl Elastic {
 
 pub(super) fn check(case: &Case, solid: &Solid, context: &mut Context<'_>) {
     let (columns, all) = (solid.mesh().columns(), Cells::of(solid));
-    for material in &case.materials {
+    for material in case.materials.iter().filter(|material| !material.rigid) {
         let Ok(cells) = solid.mesh().cells_of(&material.region) else { continue };
         let (locking, others): (Vec<u32>, Vec<u32>) = cells.iter().partition(|&&cell| all.lock(cell));
         let found = [

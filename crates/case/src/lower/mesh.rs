@@ -3,7 +3,7 @@
 use super::context::Context;
 use crate::lower::problem::CaseProblem;
 use nastic_language::number::short;
-use nastic_language::schema::{BoxMesh, Case, MeshFile, MeshSource};
+use nastic_language::schema::{BodyBox, BoxMesh, BoxesMesh, Case, MeshFile, MeshSource, Vector};
 use nastic_language::syntax::At;
 use nastic_mesh::{Mesh, MeshError, box_mesh, rectangle};
 use std::sync::Arc;
@@ -23,6 +23,7 @@ pub(super) fn place(source: &MeshSource) -> At {
     match source {
         MeshSource::File(file) => file.at.clone(),
         MeshSource::Box(block) => block.at.clone(),
+        MeshSource::Boxes(boxes) => boxes.at.clone(),
     }
 }
 
@@ -36,6 +37,7 @@ pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> O
     let key = match source {
         MeshSource::File(file) => format!("{} {}", file.file, file.scale),
         MeshSource::Box(block) => format!("{:?} {:?} {}", block.size, block.cells, block.element.0.name()),
+        MeshSource::Boxes(boxes) => format!("{:?}", boxes.boxes),
     };
     context.mesh(key, |context| make(source, at, context))
 }
@@ -61,6 +63,11 @@ fn make(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Mesh>
         MeshSource::Box(block) => {
             check_size(block, &at.key("cells"), context)?;
             let mesh = generate(block);
+            context.take(at, mesh)?
+        }
+        MeshSource::Boxes(BoxesMesh { boxes, .. }) => {
+            boxes.iter().try_for_each(|body| check_size(&alone(body), &body.at.key("cells"), context))?;
+            let mesh = beside(boxes);
             context.take(at, mesh)?
         }
     };
@@ -97,6 +104,23 @@ fn check_size(block: &BoxMesh, at: &At, context: &mut Context<'_>) -> Option<()>
     );
     context.complain(at, message);
     None
+}
+
+/// A box by itself.
+fn alone(body: &BodyBox) -> BoxMesh {
+    let BodyBox { at, size, cells, element, .. } = body.clone();
+    BoxMesh { at, size, cells, element }
+}
+
+/// Boxes as bodies of one mesh.
+fn beside(boxes: &[BodyBox]) -> Result<Mesh, MeshError> {
+    let one = |body: &BodyBox| {
+        let corner = body.corner.as_ref().map_or([0.0; 3], Vector::xyz);
+        generate(&alone(body))?.mapped(|x| std::array::from_fn(|i| x[i] + corner[i]))
+    };
+    let bodies =
+        boxes.iter().map(|body| Ok((body.name.as_str(), one(body)?))).collect::<Result<Vec<_>, MeshError>>()?;
+    Mesh::together("boxes", &bodies)
 }
 
 fn generate(block: &BoxMesh) -> Result<Mesh, MeshError> {

@@ -15,6 +15,17 @@ pub enum MeshSource {
     File(MeshFile),
     /// A box or rectangle from the origin, with region "body" and surfaces "x-", "x+", "y-", ...
     Box(BoxMesh),
+    /// Several of them, bodies that share no node.
+    Boxes(BoxesMesh),
+}
+
+/// Boxes beside each other.
+#[derive(Clone, PartialEq, Debug)]
+pub struct BoxesMesh {
+    /// Path of the list in the case.
+    pub at: At,
+    /// The boxes.
+    pub boxes: Vec<BodyBox>,
 }
 
 /// A mesh file.
@@ -30,13 +41,15 @@ pub struct MeshFile {
 
 object! {
     /// A mesh from a file, or generated.
-    pub struct MeshBlock one of [file, box] checked by check_scale {
+    pub struct MeshBlock one of [file, box, boxes] checked by check_scale {
         /// Gmsh 2.2 or 4.1 (ascii or binary), or VTU; relative to the case.
         pub file: Option<String>,
         /// Factor from the file's coordinates to the case's unit of length.
         pub scale: Option<f64> as POSITIVE,
         /// A generated box or rectangle with one corner in the origin.
         pub r#box: Option<BoxMesh>,
+        /// Generated boxes or rectangles, bodies that share no node.
+        pub boxes: Option<Vec<BodyBox>>,
     }
 }
 
@@ -44,6 +57,22 @@ object! {
     /// A box (three entries) or rectangle in plane strain (two) with one corner in the origin: region "body", surfaces
     /// "x-", "x+", "y-", "y+", "z-", "z+".
     pub struct BoxMesh checked by check_box {
+        /// Edge lengths.
+        pub size: Vector as POSITIVE_LENGTH,
+        /// Number of cells along each edge.
+        pub cells: Vec<usize> as POSITIVE,
+        /// Type of cell. Simplices split each box into 6, each rectangle into 2.
+        pub element: Element,
+    }
+}
+
+object! {
+    /// One of several boxes (three entries) or rectangles in plane strain (two): a region of its name, surfaces "NAME/x-", "NAME/x+", ...
+    pub struct BodyBox checked by check_body {
+        /// Name of the region, and before the slash of the surfaces' names.
+        pub name: String,
+        /// Its corner with the least coordinates. Default: the origin.
+        pub corner: Option<Vector> as LENGTH,
         /// Edge lengths.
         pub size: Vector as POSITIVE_LENGTH,
         /// Number of cells along each edge.
@@ -64,9 +93,10 @@ impl Read for MeshSource {
             return None;
         }
         let block = MeshBlock::read(node, at, want, reader)?;
-        match (block.file, block.r#box) {
-            (Some(file), _) => Some(Self::File(MeshFile { at: at.clone(), file, scale: block.scale.unwrap_or(1.0) })),
-            (None, generated) => generated.map(Self::Box),
+        match (block.file, block.r#box, block.boxes) {
+            (Some(file), ..) => Some(Self::File(MeshFile { at: at.clone(), file, scale: block.scale.unwrap_or(1.0) })),
+            (None, Some(generated), _) => Some(Self::Box(generated)),
+            (None, None, boxes) => Some(Self::Boxes(BoxesMesh { at: at.key("boxes"), boxes: boxes? })),
         }
     }
 
@@ -76,13 +106,39 @@ impl Read for MeshSource {
 }
 
 fn check_scale(block: &MeshBlock, reader: &mut Reader<'_>) {
-    if block.r#box.is_some() && block.scale.is_some() {
+    if let Some(boxes) = &block.boxes {
+        check_names(boxes, &block.at.key("boxes"), reader);
+    }
+    if (block.r#box.is_some() || block.boxes.is_some()) && block.scale.is_some() {
         reader.complain_at(&block.at.key("scale"), "a generated mesh has no scale: give its size");
     }
 }
 
 /// Unknowns of a generated mesh, at most: beyond it no machine that the program was tried on has the memory.
 const MOST_UNKNOWNS: f64 = 4e6;
+
+fn check_names(boxes: &[BodyBox], at: &At, reader: &mut Reader<'_>) {
+    if boxes.is_empty() {
+        reader.complain_at(at, "no box: give one at least");
+    }
+    for (k, body) in boxes.iter().enumerate() {
+        if boxes[..k].iter().any(|other| other.name == body.name) {
+            reader.complain_at(&body.at.key("name"), format!("two boxes are named \"{}\"", body.name));
+        }
+        if body.element.0.dim() != boxes[0].element.0.dim() {
+            reader.complain_at(&body.at.key("element"), "boxes and rectangles do not go together");
+        }
+    }
+}
+
+fn check_body(block: &BodyBox, reader: &mut Reader<'_>) {
+    let BodyBox { at, corner, size, cells, element, .. } = block.clone();
+    let wanted = element.0.dim();
+    if corner.is_some_and(|corner| corner.entries().len() != wanted) {
+        reader.complain_at(&at.key("corner"), format!("{wanted} entries wanted"));
+    }
+    check_box(&BoxMesh { at, size, cells, element }, reader);
+}
 
 fn check_box(block: &BoxMesh, reader: &mut Reader<'_>) {
     let order = block.element.0.order() as f64;
