@@ -56,6 +56,7 @@ fn boxes_are_told_apart() {
         "{ \"name\": \"cube\", \"corner\": [0, 2], \"size\": [1, 1, 1], \"cells\": [1, 1, 1], \"element\": \"hex8\" }";
     let found = with(cube);
     assert!(found.contains("mesh/boxes/1/element: boxes and rectangles do not go together"), "{found}");
+    let found = with(&cube.replace("[0, 2, 0]", "[0, 2]"));
     assert!(found.contains("mesh/boxes/1/corner: 3 entries wanted"), "{found}");
     let none = problems_with(COMPLETE, mesh, "{ \"boxes\": [] },");
     assert!(none.contains("mesh/boxes: no box: give one at least"), "{none}");
