@@ -52,8 +52,7 @@ fn boxes_are_told_apart() {
     let with = |other: &str| problems_with(COMPLETE, mesh, &format!("{{ \"boxes\": [ {pad}, {other} ] }},"));
     let found = with(pad);
     assert!(found.contains("mesh/boxes/1/name: two boxes are named \"pad\""), "{found}");
-    let cube =
-        "{ \"name\": \"cube\", \"corner\": [0, 2], \"size\": [1, 1, 1], \"cells\": [1, 1, 1], \"element\": \"hex8\" }";
+    let cube = "{ \"name\": \"cube\", \"corner\": [0, 2, 0], \"size\": [1, 1, 1], \"cells\": [1, 1, 1], \"element\": \"hex8\" }";
     let found = with(cube);
     assert!(found.contains("mesh/boxes/1/element: boxes and rectangles do not go together"), "{found}");
     let found = with(&cube.replace("[0, 2, 0]", "[0, 2]"));
