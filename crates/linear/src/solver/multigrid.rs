@@ -57,9 +57,6 @@ impl MultigridSolver {
         tolerance: f64,
         work: &mut LinearWork,
     ) -> Result<Outcome, LinearError> {
-        if !system.matrix.is_symmetric() {
-            return Err(LinearError::NotSymmetric);
-        }
         if let Some(modes) = modes_of(system) {
             match self.run_by(system, Some(modes), b, tolerance, work) {
                 // what is positive definite by its volume modes alone
@@ -79,6 +76,9 @@ impl MultigridSolver {
         tolerance: f64,
         work: &mut LinearWork,
     ) -> Result<Outcome, LinearError> {
+        if !system.matrix.is_symmetric() {
+            return Err(LinearError::NotSymmetric);
+        }
         self.unsure = false;
         let (mut x, mut reached) = (vec![0.0; b.len()], 1.0);
         let mut p = vec![0.0; modes.map_or(0, VolumeModes::len)];
