@@ -167,7 +167,7 @@ impl SaddleGmres<'_> {
     /// One more direction; a negative curvature of K.
     fn extend(&self, cycle: &mut Cycle, roots: &[f64], state: &mut State) -> Option<f64> {
         let parallel = self.preconditioner.parallel();
-        let Some(newest) = cycle.basis.last() else { return None };
+        let newest = cycle.basis.last()?;
         let zp: Vec<f64> = newest.p.iter().zip(roots).map(|(p, root)| f64::from((-p / root) as f32)).collect();
         let mut zu = newest.u.clone();
         let negative: Vec<f64> = zp.iter().map(|p| -p).collect();
