@@ -44,6 +44,7 @@ mod joint_tensions;
 mod law_limit;
 mod linear_multigrid;
 mod linear_turned;
+mod linear_volume_modes;
 mod magnet;
 mod manufactured;
 mod modes;

@@ -29,3 +29,23 @@ pub(crate) fn zipped(y: &mut [f64], x: &[f64], parallel: bool, change: impl Fn(&
         chunk((y, x));
     }
 }
+
+/// `a . b` with a in single precision.
+pub(crate) fn dot_single(a: &[f32], b: &[f64], parallel: bool) -> f64 {
+    let part = |(a, b): (&[f32], &[f64])| a.iter().zip(b).map(|(&a, b)| f64::from(a) * b).sum::<f64>();
+    if parallel && a.len() > LENGTH {
+        let parts: Vec<f64> = a.par_chunks(LENGTH).zip(b.par_chunks(LENGTH)).map(part).collect();
+        return parts.iter().sum();
+    }
+    a.chunks(LENGTH).zip(b.chunks(LENGTH)).map(part).sum()
+}
+
+/// `y += factor x` with x in single precision.
+pub(crate) fn add_single(factor: f64, x: &[f32], y: &mut [f64], parallel: bool) {
+    let chunk = |(y, x): (&mut [f64], &[f32])| y.iter_mut().zip(x).for_each(|(y, &x)| *y += factor * f64::from(x));
+    if parallel && y.len() > LENGTH {
+        y.par_chunks_mut(LENGTH).zip(x.par_chunks(LENGTH)).for_each(chunk);
+    } else {
+        chunk((y, x));
+    }
+}

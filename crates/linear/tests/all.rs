@@ -8,3 +8,4 @@ mod single;
 mod solvers;
 mod structure;
 mod support;
+mod volume_modes;

@@ -161,6 +161,26 @@ impl<'a> Cells<'a> {
         }
     }
 
+    /// The distinct nodes of a patch, and every one of several rows added up at these.
+    pub fn summed_at_nodes(&self, patch: Patch, rows: &[Vec<f64>]) -> (Vec<u32>, Vec<Vec<f64>>) {
+        let of_cell = |&c: &u32| self.part.nodes_of(c as usize);
+        if patch.cells.len() > 1 {
+            let mut nodes = vec![0; patch.nodes];
+            let local = patch.cells.iter().flat_map(of_cell).zip(patch.local);
+            local.for_each(|(&node, &local)| nodes[local as usize] = node);
+            return (nodes, rows.iter().map(|rows| self.at_nodes(patch, rows)).collect());
+        }
+        let nodes: Vec<u32> = patch.cells.iter().flat_map(of_cell).copied().collect();
+        let local: Vec<u32> = (0..nodes.len() as u32).collect();
+        let summed = |rows: &Vec<f64>| {
+            let mut sums = vec![0.0; self.dim * nodes.len()];
+            scatter_rows(rows, &local, self.dim, self.kernel.width(), &mut sums);
+            sums
+        };
+        let summed = rows.iter().map(summed).collect();
+        (nodes, summed)
+    }
+
     /// Rows added up at the nodes of a patch of several cells.
     fn at_nodes(&self, patch: Patch, rows: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.dim * patch.nodes];

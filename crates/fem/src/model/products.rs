@@ -5,7 +5,8 @@ use crate::contributions::Need;
 use crate::contributions::body_energy::hexahedra_products::HexahedraProducts;
 use crate::contributions::instant::Instant;
 use crate::error::Inadmissible;
-use nastic_linear::{CellProducts, Multigrid};
+use crate::kernels::displaced::Displaced;
+use nastic_linear::{CellProducts, Multigrid, VolumeModes};
 use std::sync::Arc;
 
 impl Model {
@@ -33,6 +34,16 @@ impl Model {
     /// [`Inadmissible`] where u is.
     pub fn cell_products(&self, at: &Instant) -> Result<Option<Arc<dyn CellProducts>>, Inadmissible> {
         self.at(at, Need::Residual)?.cell_products(at)
+    }
+
+    /// The changes of volume that its body resists much at a displacement, as a part of the tangent; nothing where no cell's stand out, or where unknowns are not
+    /// displacements of nodes by themselves, all on one rank.
+    pub(crate) fn volume_modes(&self, u: &[f64], parallel: bool) -> Option<VolumeModes> {
+        let plain = self.unknowns().has_one_nodal_field() && self.unknowns().multipliers() == 0;
+        if !plain || !self.supports.ties().is_empty() || self.is_over_ranks() {
+            return None;
+        }
+        self.body.volume_modes(Displaced::by(u), self.supports.fixed(), parallel).ok().flatten()
     }
 
     /// `out = K v` without a matrix; false where a contribution needs one.

@@ -7,7 +7,9 @@ use crate::solution::tangent::{Tangent, TangentRef};
 use nastic_linear::solver::{
     Accuracy, BlockElimination, Border, Configuration, Curvature, Shift, System, solve_bordered,
 };
-use nastic_linear::{Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, Space, SparseMatrix};
+use nastic_linear::{
+    Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, Space, SparseMatrix, VolumeModes,
+};
 use nastic_numeric::vector::axpy;
 use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
@@ -386,11 +388,13 @@ struct Deformed<'a> {
     parallel: bool,
     rotations: OnceLock<Arc<Rotations>>,
     positions: OnceLock<Vec<[f64; 3]>>,
+    volume_modes: OnceLock<Option<VolumeModes>>,
 }
 
 impl<'a> Deformed<'a> {
     fn new(model: &'a Model, u: &'a [f64], parallel: bool) -> Self {
-        Deformed { model, u: model.displacement(u), parallel, rotations: OnceLock::new(), positions: OnceLock::new() }
+        let (rotations, positions, volume_modes) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
+        Deformed { model, u: model.displacement(u), parallel, rotations, positions, volume_modes }
     }
 
     fn system<'s>(&'s self, tangent: TangentRef<'s>) -> System<'s> {
@@ -422,5 +426,9 @@ impl Configuration for Deformed<'_> {
 
     fn space(&self) -> &Space {
         self.model.unknowns()
+    }
+
+    fn volume_modes(&self) -> Option<&VolumeModes> {
+        self.volume_modes.get_or_init(|| self.model.volume_modes(&self.u, self.parallel)).as_ref()
     }
 }

@@ -6,6 +6,7 @@ use crate::multigrid::{CellProducts, Corners};
 use crate::operator::Operator;
 use crate::rotations::Rotations;
 use crate::space::Space;
+use crate::volume_modes::VolumeModes;
 use std::sync::Arc;
 
 /// Rounding of a residual, as a share of the sum of absolute values that it is a difference of.
@@ -23,6 +24,11 @@ pub trait Configuration: Sync {
 
     /// The corner nodes of second-order elements.
     fn corners(&self) -> Option<&Corners>;
+
+    /// The changes of volume that a nearly incompressible matrix resists, as a part of that matrix; nothing where none stands out.
+    fn volume_modes(&self) -> Option<&VolumeModes> {
+        None
+    }
 
     /// The space of the unknowns: what sums over them.
     fn space(&self) -> &Space {

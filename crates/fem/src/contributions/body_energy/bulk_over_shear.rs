@@ -19,7 +19,8 @@ impl BodyEnergy {
         cells.map(|(cell, first)| self.ratio_of(cell, first)).fold(0.0, f64::max)
     }
 
-    fn ratio_of(&self, cell: usize, first: usize) -> f64 {
+    /// That of a cell.
+    pub(super) fn ratio_of(&self, cell: usize, first: usize) -> f64 {
         let at = PointBatch { kinematics: &[Kinematics::rest()], cell, first };
         let (mut stress, mut tangent) = ([Mat3::zeros()], [Tangent::zero()]);
         let mut response = Response { energy: &mut [], stress: &mut stress, tangent: &mut tangent };

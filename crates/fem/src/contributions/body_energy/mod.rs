@@ -36,6 +36,7 @@ pub(crate) mod point_strains;
 mod second_order;
 mod tangent_product;
 pub(crate) mod tensions;
+mod volume_modes;
 
 /// The energy of a body: passive materials and actuations, each over some of the cells.
 ///

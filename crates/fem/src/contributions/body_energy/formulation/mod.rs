@@ -57,6 +57,9 @@ pub(crate) trait CellFormulation: fmt::Debug + Send + Sync {
     /// `values` at the points as the determinant of what laws see has them; nothing where it has them as they are.
     fn projected(&self, scratch: &Scratch, values: &[f64]) -> Option<Vec<f64>>;
 
+    /// For every mode of the projection the nodal rows of its change along displacements, of `sum_q w phi_i J`; nothing where there is none.
+    fn changes_of_modes(&self, cells: Cells, patch: Patch, scratch: &Scratch) -> Vec<Vec<f64>>;
+
     /// The change of F along a nodal field v, and the gradient of v itself, into the scratch.
     fn change(&self, cells: Cells, patch: Patch, v: &[f64], scratch: &mut Scratch);
 

@@ -59,6 +59,12 @@ impl CellFormulation for ProjectedDilatation {
         Some(scratch.dilatation.project(values))
     }
 
+    fn changes_of_modes(&self, cells: Cells, patch: Patch, scratch: &Scratch) -> Vec<Vec<f64>> {
+        let dilatation = &scratch.dilatation;
+        let at = |q: usize| dilatation.own[q].h() * dilatation.weights()[q];
+        dilatation.modes().map(|mode| at_points(cells, patch, &scratch.g, mode, &at)).collect()
+    }
+
     fn change(&self, cells: Cells, patch: Patch, v: &[f64], scratch: &mut Scratch) {
         scratch.change_by(cells, patch, v);
         let dilatation = &mut scratch.dilatation;
@@ -90,7 +96,8 @@ impl CellFormulation for ProjectedDilatation {
         let factors = Factors::of(scratch);
         local_tangents(scratch, &factors);
         cells.tangent(patch, (&scratch.g, &scratch.tangent), matrix, &mut scratch.work);
-        for [changes, forces] in coupled(cells, patch, scratch, &factors) {
+        let changes = self.changes_of_modes(cells, patch, scratch);
+        for [changes, forces] in coupled(cells, patch, (scratch, changes), &factors) {
             cells.add_symmetric_product(patch, &changes, &forces, matrix);
         }
     }
@@ -166,25 +173,19 @@ fn local_tangents(scratch: &mut Scratch, factors: &Factors) {
     }
 }
 
-/// What couples the points: for every mode the nodal rows `B_i = sum_q w phi_i H : grad` of `(sum_q w phi_i J)'`, and `Y_i` such that
+/// What couples the points: for every mode the nodal rows `B_i = sum_q w phi_i H : grad` of `(sum_q w phi_i J)'`, `changes`, and `Y_i` such that
 /// the matrix has `B_i Y_i^T + Y_i B_i^T`.
-fn coupled(cells: Cells, patch: Patch, scratch: &Scratch, factors: &Factors) -> Vec<[Vec<f64>; 2]> {
+fn coupled(
+    cells: Cells,
+    patch: Patch,
+    (scratch, changes): (&Scratch, Vec<Vec<f64>>),
+    factors: &Factors,
+) -> Vec<[Vec<f64>; 2]> {
     let Scratch { dilatation, g, .. } = scratch;
     let modes: Vec<&[f64]> = dilatation.modes().collect();
-    let rows = |stress: Vec<Mat3>| {
-        let mut rows = Vec::new();
-        cells.clear_rows(patch, &mut rows);
-        cells.force(g, &stress, &mut rows);
-        rows
-    };
-    let at_points = |mode: &[f64], of: &dyn Fn(usize) -> Mat3| {
-        rows(mode.iter().enumerate().map(|(q, mode)| of(q) * *mode).collect::<Vec<Mat3>>())
-    };
     let weights = dilatation.weights();
-    let changes: Vec<Vec<f64>> =
-        modes.iter().map(|mode| at_points(mode, &|q| dilatation.own[q].h() * weights[q])).collect();
     let pair = |(i, mode): (usize, &&[f64])| {
-        let mut force = at_points(mode, &|q| factors.v[q] / factors.jbar[q]);
+        let mut force = at_points(cells, patch, g, mode, &|q| factors.v[q] / factors.jbar[q]);
         for (other, change) in modes.iter().zip(&changes) {
             let of_point = |q: usize| factors.k[q] * mode[q] * other[q] / (factors.jbar[q] * factors.jbar[q]);
             let k: f64 = (0..weights.len()).map(of_point).sum();
@@ -193,6 +194,15 @@ fn coupled(cells: Cells, patch: Patch, scratch: &Scratch, factors: &Factors) -> 
         [changes[i].clone(), force]
     };
     modes.iter().enumerate().map(pair).collect()
+}
+
+/// The nodal rows of a stress times a mode.
+fn at_points(cells: Cells, patch: Patch, g: &[f64], mode: &[f64], of: &dyn Fn(usize) -> Mat3) -> Vec<f64> {
+    let stress: Vec<Mat3> = mode.iter().enumerate().map(|(q, mode)| of(q) * *mode).collect();
+    let mut rows = Vec::new();
+    cells.clear_rows(patch, &mut rows);
+    cells.force(g, &stress, &mut rows);
+    rows
 }
 
 fn root(x: f64, dilatation: &Dilatation) -> f64 {

@@ -37,6 +37,10 @@ impl CellFormulation for Standard {
         None
     }
 
+    fn changes_of_modes(&self, _: Cells, _: Patch, _: &Scratch) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
     fn change(&self, cells: Cells, patch: Patch, v: &[f64], scratch: &mut Scratch) {
         scratch.change_by(cells, patch, v);
     }

@@ -1,0 +1,122 @@
+//! The changes of volume that a nearly incompressible body resists, for linear solvers.
+
+use crate::contributions::body_energy::BodyEnergy;
+use crate::error::Inadmissible;
+use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::{CellWork, sweep};
+use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
+use crate::kernels::patch::Patch;
+use nastic_energy::{EnergyTerm, Response, Slots, Want};
+use nastic_linear::VolumeModes;
+use nastic_tensor::{Kinematics, Mat3, Tangent};
+
+/// Ratio of bulk to shear modulus from which on a cell's changes of volume stand out, and the one that is left beside them.
+const STANDS_OUT: f64 = 30.0;
+const LEFT: f64 = 8.0;
+
+impl BodyEnergy {
+    /// Those of the cells whose formulation gives them few and whose passive laws resist them much, at a displacement: for a mode of the projection
+    /// of J the rows of its change, and with the passive energy W of `Fbar`
+    ///
+    /// ```text
+    /// c = min over the points of d^2 W / d(Jbar)^2 = (Fbar : A : Fbar / d^2 + P : Fbar (1 - d) / d^2) / Jbar^2,   A = dP/dF at Fbar
+    /// ```
+    ///
+    /// less the share that leaves the rest of the tangent a bulk modulus of eight times the shear modulus. `None` where there are none.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the displacement is.
+    pub(crate) fn volume_modes(
+        &self,
+        to: Displaced,
+        fixed: &[bool],
+        parallel: bool,
+    ) -> Result<Option<VolumeModes>, Inadmissible> {
+        let mut modes = VolumeModes::none(self.disc.dim());
+        for (cells, patches) in self.groups() {
+            let projects = |&cell: &u32| !self.arithmetic_of(cell as usize).is_affine();
+            if !cells.part.cells.iter().any(projects) {
+                continue;
+            }
+            sweep(&Modes { body: self, cells, to }, patches, parallel, |_, found| {
+                if !found.modes.is_empty() {
+                    modes.push(&found.nodes, &found.modes, found.stiffness);
+                }
+            })?;
+        }
+        Ok((!modes.is_empty()).then(|| modes.supported(fixed)))
+    }
+}
+
+/// The modes of every patch.
+struct Modes<'a> {
+    body: &'a BodyEnergy,
+    cells: Cells<'a>,
+    to: Displaced<'a>,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Found {
+    nodes: Vec<u32>,
+    modes: Vec<Vec<f64>>,
+    stiffness: [f64; 2],
+}
+
+impl CellWork for Modes<'_> {
+    type Answer = Found;
+    type Error = Inadmissible;
+
+    fn cells(&self) -> Cells<'_> {
+        self.cells
+    }
+
+    fn room(&self) -> (Found, usize) {
+        (Found::default(), self.cells.row_length())
+    }
+
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, found: &mut Found) -> Result<(), Inadmissible> {
+        found.modes.clear();
+        let (body, cells) = (self.body, self.cells);
+        let (first, number) = (cells.first(patch), cells.number(patch));
+        let formulation = body.arithmetic_of(first);
+        if formulation.is_affine() {
+            return Ok(());
+        }
+        let ratio = body.ratio_of(first, cells.part.first_point(number));
+        if ratio < STANDS_OUT {
+            return Ok(());
+        }
+        body.kinematics(cells, patch, self.to, scratch)?;
+        let stiffness = self.stiffness(patch, scratch);
+        if !stiffness.is_finite() || stiffness <= 0.0 {
+            return Ok(());
+        }
+        found.stiffness = [stiffness * (1.0 - LEFT / ratio), stiffness * LEFT / ratio];
+        (found.nodes, found.modes) = cells.summed_at_nodes(patch, &formulation.changes_of_modes(cells, patch, scratch));
+        Ok(())
+    }
+}
+
+impl Modes<'_> {
+    /// The least second derivative of the passive energy by the projected determinant.
+    fn stiffness(&self, patch: Patch, scratch: &mut Scratch) -> f64 {
+        let want = Want { energy: false, stress: true, tangent: true };
+        scratch.clear(want);
+        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+            let stress = &mut scratch.stress[range.clone()];
+            let mut out = Response { energy: &mut [], stress, tangent: &mut scratch.tangent[range] };
+            for &t in &self.body.composition_of(at.cell).terms {
+                self.body.terms[t].respond(&at, Slots::none(), want, &mut out);
+            }
+        }
+        let d = scratch.dilatation.dim();
+        let of_point = |((kinematics, tangent), stress): ((&Kinematics, &Tangent), &Mat3)| {
+            let f = Mat3::from_fn(|i, k| if i < d && k < d { kinematics.f()[(i, k)] } else { 0.0 });
+            let dim = d as f64;
+            (f.dot(&tangent.apply(&f)) + (1.0 - dim) * stress.dot(&f)) / (dim * kinematics.j()).powi(2)
+        };
+        let points = scratch.kinematics.iter().zip(&scratch.tangent).zip(&scratch.stress);
+        points.map(of_point).fold(f64::INFINITY, f64::min)
+    }
+}
