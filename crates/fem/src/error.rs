@@ -77,7 +77,7 @@ pub enum FemError {
     },
     /// A cost that changes with motions that nothing resists to.
     #[error(
-        "the derivative is not determined: {:.1} % of what it is of is along {count} rigid motion(s) of {what} that nothing resists to ({example}); \
+        "the derivative is not determined: {:.1} % of the cost's derivative by the displacement is along {count} rigid motion(s) of {what} that nothing resists to ({example}); \
          hold that by a weak foundation or springs", 100.0 * share
     )]
     FreeDerivative {

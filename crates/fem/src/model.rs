@@ -450,6 +450,11 @@ impl Model {
         self.supports.check(self.discretization(), &springs.collect::<Vec<_>>()).is_ok()
     }
 
+    /// The same of supports alone.
+    pub(crate) fn is_held_by_supports(&self) -> bool {
+        self.supports.check(self.discretization(), &[]).is_ok()
+    }
+
     /// Cells all of whose nodes one rigid body holds together.
     pub(crate) fn rigid_cells(&self) -> Vec<u32> {
         let mesh = self.discretization().mesh();

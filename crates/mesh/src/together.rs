@@ -7,7 +7,7 @@ const WHOLE: &str = "body";
 
 impl Mesh {
     /// Bodies beside each other in one mesh, which share no node, under names of their own: of a body with the region "body" that becomes the region NAME, its other regions
-    /// and its surfaces become "NAME/REGION" and "NAME/SURFACE".
+    /// and its surfaces become "NAME.REGION" and "NAME.SURFACE".
     ///
     /// # Errors
     /// [`MeshError`] for bodies of different dimensions, and what [`Mesh::build`] refuses.
@@ -21,7 +21,7 @@ impl Mesh {
             let mut tags = vec![Vec::new(); mesh.cells()];
             for (region, cells) in mesh.regions() {
                 tag += 1;
-                let region = if region == WHOLE { (*own).to_owned() } else { format!("{own}/{region}") };
+                let region = if region == WHOLE { (*own).to_owned() } else { format!("{own}.{region}") };
                 raw.name_group(mesh.dim(), tag, &region);
                 cells.iter().for_each(|&cell| tags[cell as usize].push(tag));
             }
@@ -30,7 +30,7 @@ impl Mesh {
             }
             for (surface, facets) in mesh.surfaces() {
                 tag += 1;
-                raw.name_group(mesh.dim() - 1, tag, &format!("{own}/{surface}"));
+                raw.name_group(mesh.dim() - 1, tag, &format!("{own}.{surface}"));
                 for &facet in facets {
                     let (kind, nodes) = mesh.facet_nodes(facet);
                     raw.push(kind, &moved(&nodes), &[tag]);

@@ -126,7 +126,7 @@ fn bodies_beside_each_other() {
     assert_eq!(both.region("pad").unwrap().len(), pad.cells());
     assert_eq!(both.region("stone").unwrap().len(), stone.cells());
     assert!((volume(&both) - 3.0).abs() < 1e-12);
-    for (name, length) in [("pad/x+", 1.0), ("pad/y+", 2.0), ("stone/x-", 1.0), ("stone/y-", 1.0)] {
+    for (name, length) in [("pad.x+", 1.0), ("pad.y+", 2.0), ("stone.x-", 1.0), ("stone.y-", 1.0)] {
         assert!((area(&both, both.surface(name).unwrap()) - length).abs() < 1e-12, "{name}");
     }
     let cube = box_mesh([1.0; 3], [1; 3], CellKind::Hex8).unwrap();

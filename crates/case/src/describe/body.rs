@@ -122,7 +122,11 @@ pub fn supports(problem: &CaseProblem) -> Vec<Line> {
             grouped(held.len()),
             grouped(total),
             grouped(moved),
-            if solid.check().is_ok() { "no rigid motion is free" } else { "rigid motions are free" }
+            match (solid.model().is_held_without_contact(), solid.check().is_ok()) {
+                (true, _) => "no rigid motion is free",
+                (false, true) => "contact alone holds what they leave free",
+                (false, false) => "rigid motions are free",
+            }
         ),
     )];
     if !problem.case.loads.is_empty() {

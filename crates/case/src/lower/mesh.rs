@@ -37,7 +37,13 @@ pub(super) fn load(source: &MeshSource, at: &At, context: &mut Context<'_>) -> O
     let key = match source {
         MeshSource::File(file) => format!("{} {}", file.file, file.scale),
         MeshSource::Box(block) => format!("{:?} {:?} {}", block.size, block.cells, block.element.0.name()),
-        MeshSource::Boxes(boxes) => format!("{:?}", boxes.boxes),
+        MeshSource::Boxes(boxes) => {
+            let of = |body: &BodyBox| {
+                let BodyBox { name, corner, size, cells, element, .. } = body;
+                format!("{name:?} {corner:?} {size:?} {cells:?} {}", element.0.name())
+            };
+            boxes.boxes.iter().map(of).collect::<Vec<_>>().join(", ")
+        }
     };
     context.mesh(key, |context| make(source, at, context))
 }

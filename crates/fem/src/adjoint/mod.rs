@@ -6,7 +6,6 @@ pub(crate) mod second_order;
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::{Inadmissible, StateError};
 use crate::model::Model;
-use crate::nonlinear::anchor::Anchor;
 use crate::solution::options::SolveOptions;
 use crate::solution::saddle_point::{BorderedTangent, SaddlePoint};
 use crate::solution::state::{SolveReport, State};
@@ -67,6 +66,7 @@ impl Model {
         let solver = self.linear_solver(how, workspace);
         let mut systems = TangentSystems::new(self, how.parallel, solver);
         if self.unknowns().multipliers() == 0
+            && !self.touches_something()
             && let [b] = columns[..]
             && let Some(lambda) = self.solve_by_products(state, b, how, (EXACT, &mut systems), &mut report)
         {
@@ -149,13 +149,16 @@ impl Model {
         self.check_solver(how.solver)?;
         self.check_spans_ranks(how.solver)?;
         let at = self.instant(state, None, how.parallel);
+        if self.loose(&at).is_some() {
+            return self.count_anchored((&at, 1.0), state, how, workspace);
+        }
         if self.unknowns().multipliers() > 0 {
-            let system = self.anchored_saddle_point(&at).map_err(|at| inverted(at, state))?;
+            let system = self.saddle_point_at(&at).map_err(|at| inverted(at, state))?;
             let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
             return Ok(system.negative(&mut systems, self.nodal(&state.u), &mut SolveReport::default())?);
         }
         let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
-        let tangent = self.anchored_tangent(&at, systems.takes_products()).map_err(|at| inverted(at, state))?;
+        let tangent = self.eliminated(&at, systems.takes_products()).map_err(|at| inverted(at, state))?;
         match systems.negative_pivots(&tangent, &state.u) {
             Err(LinearError::NoEntries) => {
                 let tangent = self.eliminated(&at, false).map_err(|at| inverted(at, state))?;
@@ -177,34 +180,6 @@ impl Model {
         let mut system = SaddlePoint::new(self, tangent);
         system.set_acting(&acting, false);
         Ok(system)
-    }
-
-    /// The bordered tangent with the weakest anchor of what contact alone may hold.
-    fn anchored_saddle_point(&self, at: &Instant) -> Result<SaddlePoint, Inadmissible> {
-        let mut tangent = self.bordered_tangent(at)?;
-        self.anchor(&mut tangent.matrix);
-        let mut system = SaddlePoint::new(self, tangent);
-        system.set_acting(&self.acting(at)?, false);
-        Ok(system)
-    }
-
-    /// The tangent with that anchor, supports eliminated.
-    fn anchored_tangent(&self, at: &Instant, products: bool) -> Result<Tangent, Inadmissible> {
-        if !self.settles() {
-            return self.eliminated(at, products);
-        }
-        let mut matrix = self.matrix();
-        self.add_tangent(at, &mut matrix)?;
-        self.anchor(&mut matrix);
-        let mut tangent = Tangent::of_entries(matrix);
-        tangent.eliminate(self);
-        Ok(tangent)
-    }
-
-    fn anchor(&self, matrix: &mut SparseMatrix) {
-        if self.settles() {
-            matrix.add_diagonal(Anchor::weakest(self, matrix).diagonal());
-        }
     }
 
     /// The tangent at a state, supports not eliminated, and the derivatives of the constraints that act there.
@@ -233,11 +208,8 @@ impl Model {
         systems: &mut TangentSystems,
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, StateError> {
-        if at.step.is_none()
-            && self.settles()
-            && let Some(free) = self.free_motion(at)
-        {
-            return self.solve_neutral((at, &free), rhs, state, systems, report);
+        if let Some(free) = self.loose(at) {
+            return self.solve_neutral((at, &free), rhs, (state, EXACT), systems, report);
         }
         if self.unknowns().multipliers() == 0 {
             if let Some(solved) = self.solve_by_cells(at, rhs, state, systems, report)? {

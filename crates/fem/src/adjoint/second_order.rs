@@ -155,11 +155,9 @@ impl<'a> SecondOrder<'a> {
         }
         let Self { model, state, how, again, accuracy, .. } = *self;
         let at = self.instant();
-        if model.settles()
-            && let Some(free) = model.free_motion(&at)
-        {
+        if let Some(free) = model.loose(&at) {
             let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
-            let found = model.solve_neutral((&at, &free), &[&rhs], state, &mut systems, &mut self.report);
+            let found = model.solve_neutral((&at, &free), &[&rhs], (state, accuracy), &mut systems, &mut self.report);
             return Ok(found?.pop().unwrap_or_default());
         }
         if model.unknowns().multipliers() > 0 {

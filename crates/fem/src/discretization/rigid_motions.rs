@@ -8,14 +8,18 @@ use nastic_mesh::Mesh;
 use nastic_numeric::DisjointSets;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// Least share of a motion that counts as free, and share of the largest one of those that are named.
+const SEEN: f64 = 1e-6;
+const ALMOST: f64 = 0.9;
+
 /// Rigid motions of a connected part of the body, or of several that hold each other, which nothing resists to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FreeMotion {
     /// How many.
     pub count: usize,
-    /// The connected part of the body.
+    /// The connected parts of the body that have some of these.
     pub what: String,
-    /// One of them in words.
+    /// Those of the first part, as far as they are along an axis, in words.
     pub example: String,
 }
 
@@ -57,28 +61,31 @@ impl Supports {
             let own: Vec<&Vec<(u32, f64)>> = own.map(|(terms, _)| *terms).collect();
             let nodes: Vec<(&[u32], Extent)> = together.iter().map(|&q| (parts[q].as_slice(), extents[q])).collect();
             if let Some((count, example, which)) = self.free_motions((disc, &places), &nodes, &own) {
-                let first = nodes[which].0.first().copied();
-                let what = match (first.and_then(|node| self.body_of(node)), first, parts.len()) {
-                    (Some(body), ..) => format!("the rigid body \"{body}\""),
-                    (None, _, 1) => "the body".to_owned(),
-                    (None, Some(node), n) => {
-                        format!("connected part {} of {n} (it has node {node})", together[which] + 1)
+                let named = |&which: &usize| {
+                    let first = nodes[which].0.first().copied();
+                    match (first.and_then(|node| self.body_of(node)), first, parts.len()) {
+                        (Some(body), ..) => format!("the rigid body \"{body}\""),
+                        (None, _, 1) => "the body".to_owned(),
+                        (None, Some(node), n) => {
+                            format!("connected part {} of {n} (it has node {node})", together[which] + 1)
+                        }
+                        (None, None, n) => format!("connected part {} of {n}", together[which] + 1),
                     }
-                    (None, None, n) => format!("connected part {} of {n}", together[which] + 1),
                 };
+                let what = which.iter().map(named).collect::<Vec<_>>().join(" and ");
                 return Some(FreeMotion { count, what, example });
             }
         }
         None
     }
 
-    /// How many rigid motions of parts, of which these are the nodes, stay free; one of them in words, and whose it is.
+    /// How many rigid motions of parts, of which these are the nodes, stay free; in words those of the first part that has some, and which parts have.
     fn free_motions(
         &self,
         (disc, places): (&Discretization, &Places),
         parts: &[(&[u32], Extent)],
         springs: &[&Vec<(u32, f64)>],
-    ) -> Option<(usize, String, usize)> {
+    ) -> Option<(usize, String, Vec<usize>)> {
         let each = if self.dim == 2 { 3 } else { 6 };
         let modes = each * parts.len();
         let mut gram = DMatrix::<f64>::zeros(modes, modes);
@@ -116,8 +123,15 @@ impl Supports {
         let eigen = gram.symmetric_eigen();
         let largest = eigen.eigenvalues.max();
         let free: Vec<usize> = (0..modes).filter(|&k| eigen.eigenvalues[k] <= 1e-9 * largest.max(1e-300)).collect();
-        let at = eigen.eigenvectors.column(*free.first()?).icamax();
-        Some((free.len(), motion_name(self.dim, at % each).to_owned(), at / each))
+        // which share of every motion is free, and of which parts there are some
+        let share = |at: usize| free.iter().map(|&k| eigen.eigenvectors[(at, k)].powi(2)).sum::<f64>();
+        let whose: Vec<usize> =
+            (0..parts.len()).filter(|&p| (0..each).any(|motion| share(each * p + motion) > SEEN)).collect();
+        let first = each * *whose.first()?;
+        let most = (first..first + each).map(share).fold(0.0, f64::max);
+        let wholly = (0..each).filter(|motion| share(first + motion) > ALMOST * most);
+        let names: Vec<&str> = wholly.map(|motion| motion_name(self.dim, motion)).collect();
+        Some((free.len(), names.join(", "), whose))
     }
 }
 

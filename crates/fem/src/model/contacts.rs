@@ -207,7 +207,7 @@ fn along_axes(row: &[(u32, f64)], dim: usize) -> Vec<Vec<(u32, f64)>> {
     for (dof, weight) in row {
         nodes.entry(*dof / dim as u32).or_default()[*dof as usize % dim] += weight;
     }
-    let Some(first) = nodes.values().next().copied() else { return Vec::new() };
+    let Some(first) = nodes.values().find(|of| of.norm() > 0.0).copied() else { return Vec::new() };
     let weight = |of: &Vec3| of.dot(&first.normalize());
     let along =
         |axis: usize| nodes.iter().map(move |(node, of)| (dim as u32 * node + axis as u32, weight(of))).collect();

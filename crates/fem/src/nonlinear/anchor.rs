@@ -5,7 +5,7 @@ use crate::model::Model;
 use nastic_linear::SparseMatrix;
 
 /// As a share of the mean stiffness of the body per volume: what rolls has a tangent that is singular without an anchor.
-const LEAST: f64 = 1e-9;
+const LEAST: f64 = 1e-10;
 
 /// Springs from every node to where it is, by its volume: the potential `(s/2) sum_a V_a |u_a - c_a|^2`, s a stiffness per volume (N/m^4).
 #[derive(Debug, Clone)]
@@ -25,12 +25,7 @@ impl Anchor {
         Anchor { at: at.to_vec(), stiffness }
     }
 
-    /// At rest, so weak that it holds only what nothing else does, by the tangent of the model.
-    pub fn weakest(model: &Model, tangent: &SparseMatrix) -> Self {
-        Anchor::new(model, &[], Self::least(model, tangent))
-    }
-
-    /// The stiffness of that.
+    /// The stiffness of one so weak that it is felt where nothing else resists alone, by the tangent of the model.
     pub fn least(model: &Model, tangent: &SparseMatrix) -> f64 {
         let disc = model.discretization();
         let diagonal: f64 = tangent.diagonal().iter().map(|entry| entry.abs()).sum();

@@ -81,7 +81,7 @@ impl<'a> Equations<'a> {
 
     /// Whether trials put rigid bodies onto their constraints. Steps in time do not: they turn little, and took half again as many iterations so.
     pub fn turns_rigid_bodies(&self) -> bool {
-        self.is_static() && !self.model.supports.ties().is_empty()
+        self.is_static() && !self.model.supports.ties().is_empty() && self.model.unknowns().has_one_nodal_field()
     }
 
     /// Displacement with multipliers, and where on the way they are.

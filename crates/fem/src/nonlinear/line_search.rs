@@ -112,7 +112,11 @@ impl<'a> LineSearch<'a> {
     ) -> Result<Taken<'a>, Stop> {
         let model = self.equations.model;
         let constrained = model.unknowns().multipliers() > 0;
-        if constrained && let Some(taken) = self.residual_falls(here, &step.dx, FALLS)? {
+        // a proximal step goes downhill
+        if constrained
+            && self.equations.anchor.is_none()
+            && let Some(taken) = self.residual_falls(here, &step.dx, FALLS)?
+        {
             return Ok(taken);
         }
         if !self.equations.has_potential() {

@@ -287,7 +287,9 @@ impl Model {
             Some(near) => self.bears(near, (controls, guess), (how, time_step)),
             None => newton.admissible_chord(guess, guess).is_ok(),
         };
-        if !is_borne {
+        // a step of Newton's method may carry what is free anywhere
+        let drifts = || newton.is_static() && self.settles() && newton.at(guess, |at| self.free_motion(at)).is_some();
+        if !is_borne || drifts() {
             return Ok(None);
         }
         let mut u = guess.to_vec();
@@ -414,7 +416,10 @@ impl Model {
                     return Err(self.give_up(stop, path, (&steps, None), (to, how.budget), report, here));
                 }
                 Err(stop) => {
-                    if steps.failed(path) || report.newton > most {
+                    // what fell or flew off does so under less load too
+                    let lost =
+                        || newton.is_static() && self.settles() && newton.at(&u, |at| self.free_motion(at)).is_some();
+                    if steps.failed(path) || report.newton > most || lost() {
                         let known = steps.limit_point().is_some() || time_step.is_some();
                         let free = || {
                             (!known).then(|| newton.at(&u, |at| self.free_motion(at))).flatten().map(Cause::FreeMotion)

@@ -1,4 +1,4 @@
-//! Equilibria of what contact alone holds: it is let down to them.
+//! Equilibria of what contact alone holds, by proximal steps.
 
 use crate::model::Model;
 use crate::nonlinear::anchor::Anchor;
@@ -16,33 +16,43 @@ const MOST: usize = 1000;
 const FIRST: f64 = 0.05;
 /// How far nodes may go before nothing is expected to stop them, in diagonals.
 const FAR: f64 = 20.0;
-/// What the anchor becomes after a step: as much smaller as the residual, by these shares at most and at least, the latter after more than so many iterations another
-/// one; and after a step that was not found.
-const WEAKER: (f64, f64, f64) = (0.03, 0.25, 0.7);
+/// What the anchor becomes after a step: as much smaller as the residual, within these shares, after one of more than so many iterations within the second ones.
+const WEAKER: (f64, f64) = (0.03, 0.25);
+const LITTLE_WEAKER: (f64, f64) = (0.03, 0.7);
 const EASY: usize = 6;
+/// Its growth after a step that was not found, and how many of these in a row are tried.
 const STRONGER: f64 = 8.0;
-/// Newton iterations of a step, and what they leave of the residual.
+const FAILURES: usize = 12;
+/// Newton iterations of a step; what they leave, as a share of the residual and at most.
 const EACH: usize = 40;
+const STEP: f64 = 1e-3;
 const ROUGH: f64 = 1e-6;
-const EXACT: f64 = 1e-3;
-/// Newton iterations to the equilibrium once something holds every part.
+/// Newton iterations to the equilibrium once something holds every part, and the share to which the residual has to fall before they are tried again.
 const AT_LAST: usize = 20;
+const AGAIN: f64 = 0.1;
+/// Rounding of the potential, as a share of the sum of its absolute terms.
+const ENERGY: f64 = 1e-12;
 
 impl Model {
-    /// Whether contact, or little more, holds a part of the body in an equilibrium that is the minimum of a potential.
+    /// Whether contact, or little more, holds a part of the body in an equilibrium that is the minimum of a potential: nothing else, or of rigid bodies springs and a
+    /// foundation.
     pub(crate) fn settles(&self) -> bool {
-        let is_loose = || !self.supports.ties().is_empty() || !self.is_held_without_contact();
-        self.touches_something() && self.has_potential() && !self.is_over_ranks() && is_loose()
+        let is_loose = || match self.supports.ties().is_empty() {
+            true => !self.is_held_without_contact(),
+            false => !self.is_held_by_supports(),
+        };
+        let suited = self.has_potential() && !self.is_over_ranks() && self.unknowns().has_one_nodal_field();
+        self.touches_something() && suited && is_loose()
     }
 
-    /// From u to an equilibrium of less potential P, by steps each of which minimises
+    /// From u to an equilibrium of less potential P, by proximal steps, each of which minimises
     ///
     /// ```text
     /// P(u) + (s/2) sum_a V_a |u_a - c_a|^2
     /// ```
     ///
     /// c the end of the step before: a body that nothing holds yet falls by its weight over s, lands, and tilts until it lies; what may roll or slide on rests where
-    /// it came to, though the tangent of P is singular there. As P falls with every step, what is found is no saddle. s becomes smaller as the residual does, so that the last
+    /// it came to, though the tangent of P is singular there. P falls with every step. s becomes smaller as the residual does, so that the last
     /// steps converge faster than linearly. Where it stops short, u is the last end.
     ///
     /// Source: Kelley and Keyes, Convergence Analysis of Pseudo-Transient Continuation, SIAM J. Numer. Anal. 35 (1998); Rockafellar, Monotone Operators and the Proximal
@@ -55,57 +65,68 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<(), Stop> {
         let (options, start, spent) = (newton.options, u.clone(), report.newton);
-        let (mut relative, mut stiffness, least) = self.first_anchor(newton, u)?;
-        let mut before = f64::INFINITY;
-        while report.newton - spent < MOST {
+        let (mut here, mut stiffness, least) = self.first_anchor(newton, u, report)?;
+        let (mut before, mut tried) = (f64::INFINITY, f64::INFINITY);
+        let (mut steps, mut failures) = (0, 0);
+        while report.newton - spent < MOST && steps < MOST {
+            steps += 1;
             // as far as double precision goes
-            let stagnates = relative <= ROUNDING && relative > 0.5 * before;
-            if newton.jump(u).is_none() && (relative <= options.accuracy || stagnates) {
+            let stagnates = here.relative <= ROUNDING && here.relative > 0.5 * before && stiffness <= least;
+            let moves = newton.jump(u).is_some();
+            if !moves && (here.relative <= options.accuracy || stagnates) {
                 return Ok(());
             }
-            if newton.at(u, |at| self.free_motion(at)).is_none() && self.arrives(newton, u, workspace, report)? {
-                return Ok(());
+            if here.relative < AGAIN * tried && newton.at(u, |at| self.free_motion(at)).is_none() {
+                if self.arrives(newton, u, workspace, report)? {
+                    return Ok(());
+                }
+                tried = here.relative;
             }
             let at_step = report.newton;
-            match self.anchored(newton, u, (stiffness, relative), workspace, report) {
+            match self.proximal_step(newton, u, (stiffness, &here, moves), workspace, report) {
                 Ok(left) => {
-                    let least_share = if report.newton - at_step <= EASY { WEAKER.1 } else { WEAKER.2 };
-                    let share = (left / relative.max(f64::MIN_POSITIVE)).clamp(WEAKER.0, least_share);
-                    stiffness = (share * stiffness).max(least);
-                    (before, relative) = (relative, left);
+                    let easy = report.newton - at_step <= EASY;
+                    let share = left.relative / here.relative.max(f64::MIN_POSITIVE);
+                    let shares = if easy { WEAKER } else { LITTLE_WEAKER };
+                    stiffness = (share.clamp(shares.0, shares.1) * stiffness).max(least);
+                    (before, here, failures) = (here.relative, left, 0);
                     let gone = self.unknowns().max_abs(&sub(self.nodal(u), self.nodal(&start)));
                     if gone > FAR * newton.diagonal() {
-                        return Err(Stop::Slow { residual: relative });
+                        break;
                     }
                 }
-                Err(stop) if stop.is_final() => return Err(stop),
+                Err(stop) if stop.is_final() || matches!(stop, Stop::Linear(_)) || failures == FAILURES => {
+                    return Err(stop);
+                }
                 Err(_) => {
                     workspace.forget();
-                    stiffness *= STRONGER;
+                    (stiffness, failures) = (STRONGER * stiffness, failures + 1);
                 }
             }
         }
-        Err(Stop::Slow { residual: relative })
+        Err(Stop::Slow { residual: here.relative })
     }
 
-    /// One step from u with an anchor there, and the residual that it leaves without; where it is not found, u stays.
-    fn anchored(
+    /// One step from u with an anchor there, and what it leaves without; where it is not found, or leads to no minimum, u stays.
+    fn proximal_step(
         &self,
         newton: &Equations,
         u: &mut Vec<f64>,
-        (stiffness, relative): (f64, f64),
+        (stiffness, here, moves): (f64, &Here, bool),
         workspace: &mut Workspace,
         report: &mut SolveReport,
-    ) -> Result<f64, Stop> {
-        let accuracy = (EXACT * relative).clamp(0.5 * newton.options.accuracy, ROUGH);
+    ) -> Result<Here, Stop> {
+        let accuracy = (STEP * here.relative).min(ROUGH).max(0.5 * newton.options.accuracy);
         let options = SolveOptions { accuracy, ..newton.options.clone() };
         let anchor = Anchor::new(self, u, stiffness);
         let step = Equations { anchor: Some(&anchor), options: &options, ..*newton };
         let (mut end, limits) = (u.clone(), Limits::new(EACH.min(options.max_newton), accuracy));
-        step.solve_within(limits, &mut end, self.linear_solver(newton.options, workspace), report)?;
-        let now = newton.evaluate(&end)?;
-        let left = newton.residual(&now.sums).1;
-        (report.residual, report.energy) = (left, now.sums.energy);
+        let curvature = step.solve_within(limits, &mut end, self.linear_solver(newton.options, workspace), report)?;
+        let left = Here::at(newton, &end, report)?;
+        let rises = !moves && left.energy > here.energy + left.rounding;
+        if curvature != Curvature::Positive || rises {
+            return Err(Stop::Slow { residual: left.relative });
+        }
         *u = end;
         Ok(left)
     }
@@ -132,11 +153,11 @@ impl Model {
         }
     }
 
-    /// The relative residual at u, and of anchors the stiffness of the first, as much as lets forces that nothing balances move the body by a share of its size, and the
-    /// least one.
-    fn first_anchor(&self, newton: &Equations, u: &[f64]) -> Result<(f64, f64, f64), Stop> {
+    /// What is at u, and of anchors the stiffness of the first, as much as lets forces that nothing balances move the body by a share of its size, and the least one.
+    fn first_anchor(&self, newton: &Equations, u: &[f64], report: &mut SolveReport) -> Result<(Here, f64, f64), Stop> {
+        let here = Here::at(newton, u, report)?;
         let now = newton.evaluate(u)?;
-        let (residual, relative) = newton.residual(&now.sums);
+        let (residual, _) = newton.residual(&now.sums);
         let volume: f64 = self.discretization().nodal_volumes().iter().sum();
         let (block, dim) = (self.unknowns().block(), self.discretization().dim());
         let total = |i: usize| residual[..newton.dofs()].iter().skip(i).step_by(block).map(|r| r.abs()).sum();
@@ -144,6 +165,24 @@ impl Model {
         let mut tangent = self.matrix();
         newton.at(u, |at| now.point.add_tangent(at, &mut tangent))?;
         let least = Anchor::least(self, &tangent);
-        Ok((relative, (density / (FIRST * newton.diagonal())).max(least), least))
+        Ok((here, (density / (FIRST * newton.diagonal())).max(least), least))
+    }
+}
+
+/// A place on the way.
+struct Here {
+    /// Residual, without an anchor.
+    relative: f64,
+    /// The potential, and its rounding.
+    energy: f64,
+    rounding: f64,
+}
+
+impl Here {
+    fn at(newton: &Equations, u: &[f64], report: &mut SolveReport) -> Result<Self, Stop> {
+        let now = newton.evaluate(u)?;
+        let relative = newton.residual(&now.sums).1;
+        (report.residual, report.energy, report.min_j) = (relative, now.sums.energy, now.sums.min_j);
+        Ok(Here { relative, energy: now.sums.energy, rounding: ENERGY * now.sums.energy_scale })
     }
 }

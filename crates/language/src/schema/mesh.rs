@@ -67,9 +67,9 @@ object! {
 }
 
 object! {
-    /// One of several boxes (three entries) or rectangles in plane strain (two): a region of its name, surfaces "NAME/x-", "NAME/x+", ...
+    /// One of several boxes (three entries) or rectangles in plane strain (two): a region of its name, surfaces "NAME.x-", "NAME.x+", ...
     pub struct BodyBox checked by check_body {
-        /// Name of the region, and before the slash of the surfaces' names.
+        /// Name of the region, and before the dot of the surfaces' names.
         pub name: String,
         /// Its corner with the least coordinates. Default: the origin.
         pub corner: Option<Vector> as LENGTH,
@@ -122,6 +122,9 @@ fn check_names(boxes: &[BodyBox], at: &At, reader: &mut Reader<'_>) {
         reader.complain_at(at, "no box: give one at least");
     }
     for (k, body) in boxes.iter().enumerate() {
+        if body.name.is_empty() || body.name.contains('/') {
+            reader.complain_at(&body.at.key("name"), "a name has a character at least, and no \"/\"");
+        }
         if boxes[..k].iter().any(|other| other.name == body.name) {
             reader.complain_at(&body.at.key("name"), format!("two boxes are named \"{}\"", body.name));
         }

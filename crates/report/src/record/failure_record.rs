@@ -92,9 +92,9 @@ records! {
     FreeMotionRecord {
         /// How many.
         count: usize,
-        /// The connected part of the body, or the rigid body.
+        /// The connected parts of the body, or the rigid bodies.
         what: String,
-        /// One of them in words.
+        /// Those of the first part, as far as they are along an axis, in words.
         example: String,
     }
 

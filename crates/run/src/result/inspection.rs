@@ -6,7 +6,7 @@ use nastic_case::warning::{
     BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
 };
 use nastic_control::EnsemblePoint;
-use nastic_fem::{FreeMotion, Instant, PointPeak, State, StateError};
+use nastic_fem::{FreeMotion, PointPeak, SolveOptions, State, StateError};
 use nastic_language::number::{quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_mesh::Mesh;
@@ -98,15 +98,14 @@ impl Inspection {
         let intersect =
             || Shape::new(mesh, &positions, None).map(|shape| shape.self_intersection()).unwrap_or_default();
         let distort = || distorted(mesh, &positions);
+        // that it cannot be told is told of the inertia
+        let neutral = || member.solid().model().neutral_motion(state, &SolveOptions::default()).ok().flatten();
+        let neutral = member.reduced().timeline().is_none().then(neutral).flatten();
         let (inertia, (intersection, distorted)) = rayon::join(count, || rayon::join(intersect, distort));
         let lowest = distorted.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));
         Self {
             inertia,
-            free: member
-                .solid()
-                .model()
-                .free_motion(&Instant::of(state))
-                .filter(|_| member.reduced().timeline().is_none()),
+            free: neutral,
             overlap: overlap(member, state, &intersection),
             intersection,
             distorted: (distorted.len(), lowest),
