@@ -14,7 +14,7 @@ use nastic_linear::solver::Curvature;
 /// Below this relative residual a step that does not halve it has met the limit of double precision.
 pub(crate) const ROUNDING: f64 = 1e-10;
 /// A full step shorter than this share of the body's size is below what double precision resolves.
-const RESOLUTION: f64 = 1e-12;
+pub(crate) const RESOLUTION: f64 = 1e-12;
 /// Largest relative residual that such a step may leave of an equilibrium, by the largest forces met on the way; where more is left, the
 /// tangent grows without bound as the step shrinks (that of a tendon whose guides meet), and nothing balances.
 const RESOLVED: f64 = 1e-6;
@@ -24,6 +24,10 @@ const RESOLVED: f64 = 1e-6;
 pub(crate) enum Stop {
     Inadmissible(Inadmissible),
     Slow {
+        residual: f64,
+    },
+    /// What contact alone holds fell or flew off, or comes to no rest.
+    Lost {
         residual: f64,
     },
     /// All iterations that the solve was allowed are used up.
@@ -41,7 +45,7 @@ impl Stop {
             Stop::Cancelled | Stop::Spent { .. } => true,
             Stop::Linear(error) => error.is_lack_of_memory(),
             Stop::Inadmissible(at) => at.problem().is_some(),
-            Stop::Slow { .. } => false,
+            Stop::Slow { .. } | Stop::Lost { .. } => false,
         }
     }
 
@@ -63,7 +67,7 @@ impl Stop {
         match self {
             Stop::Inadmissible(at) => StateError::inadmissible(at, load, 0, last),
             Stop::Linear(error) => error.into(),
-            Stop::Slow { residual } | Stop::Spent { residual } => {
+            Stop::Slow { residual } | Stop::Lost { residual } | Stop::Spent { residual } => {
                 let (reached, cause, budget) = (load, Cause::Unknown, None);
                 StateError::NoConvergence { load, cuts: 0, newton, residual, reached, cause, budget, last }
             }

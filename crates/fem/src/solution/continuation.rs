@@ -417,9 +417,8 @@ impl Model {
                 }
                 Err(stop) => {
                     // what fell or flew off does so under less load too
-                    let lost =
-                        || newton.is_static() && self.settles() && newton.at(&u, |at| self.free_motion(at)).is_some();
-                    if steps.failed(path) || report.newton > most || lost() {
+                    let lost = matches!(stop, Stop::Lost { .. });
+                    if steps.failed(path) || report.newton > most || lost {
                         let known = steps.limit_point().is_some() || time_step.is_some();
                         let free = || {
                             (!known).then(|| newton.at(&u, |at| self.free_motion(at))).flatten().map(Cause::FreeMotion)
@@ -451,7 +450,7 @@ impl Model {
         let (cuts, last) = (report.cuts, Box::new(here));
         match stop {
             Stop::Inadmissible(at) => StateError::inadmissible(at, load, cuts, last),
-            Stop::Slow { residual } | Stop::Spent { residual } => {
+            Stop::Slow { residual } | Stop::Lost { residual } | Stop::Spent { residual } => {
                 let excess = self.body.excess_tension(controls).map(Cause::Convexity);
                 let limit = || steps.limit_point().map(|load| Cause::LimitPoint { load });
                 let cause = excess.or(suspect).or_else(limit).unwrap_or(Cause::Unknown);

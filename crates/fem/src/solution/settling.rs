@@ -3,7 +3,7 @@
 use crate::model::Model;
 use crate::nonlinear::anchor::Anchor;
 use crate::nonlinear::equations::Equations;
-use crate::nonlinear::iteration::{Limits, ROUNDING, Stop};
+use crate::nonlinear::iteration::{Limits, RESOLUTION, ROUNDING, Stop};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::SolveReport;
 use crate::solution::workspace::Workspace;
@@ -12,6 +12,7 @@ use nastic_numeric::vector::sub;
 
 /// Newton iterations of all steps.
 const MOST: usize = 1000;
+const MOST_MOVED: usize = 200;
 /// How far a free body goes in the first one, as a share of the body's diagonal.
 const FIRST: f64 = 0.05;
 /// How far nodes may go before nothing is expected to stop them, in diagonals.
@@ -65,15 +66,17 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<(), Stop> {
         let (options, start, spent) = (newton.options, u.clone(), report.newton);
-        let (mut here, mut stiffness, least) = self.first_anchor(newton, u, report)?;
+        let (mut here, mut stiffness, least, unresolved) = self.first_anchor(newton, u, report)?;
         let (mut before, mut tried) = (f64::INFINITY, f64::INFINITY);
         let (mut steps, mut failures) = (0, 0);
-        while report.newton - spent < MOST && steps < MOST {
+        // shorter moves of supports may be found where this one is not
+        let most = if newton.jump(u).is_some() { MOST_MOVED } else { MOST };
+        while report.newton - spent < most && steps < most {
             steps += 1;
             // as far as double precision goes
             let stagnates = here.relative <= ROUNDING && here.relative > 0.5 * before && stiffness <= least;
             let moves = newton.jump(u).is_some();
-            if !moves && (here.relative <= options.accuracy || stagnates) {
+            if !moves && (here.relative <= options.accuracy || stagnates || here.force <= unresolved) {
                 return Ok(());
             }
             if here.relative < AGAIN * tried && newton.at(u, |at| self.free_motion(at)).is_none() {
@@ -92,7 +95,7 @@ impl Model {
                     (before, here, failures) = (here.relative, left, 0);
                     let gone = self.unknowns().max_abs(&sub(self.nodal(u), self.nodal(&start)));
                     if gone > FAR * newton.diagonal() {
-                        break;
+                        return Err(Stop::Lost { residual: here.relative });
                     }
                 }
                 Err(stop) if stop.is_final() || matches!(stop, Stop::Linear(_)) || failures == FAILURES => {
@@ -104,7 +107,8 @@ impl Model {
                 }
             }
         }
-        Err(Stop::Slow { residual: here.relative })
+        let residual = here.relative;
+        Err(if most == MOST { Stop::Lost { residual } } else { Stop::Slow { residual } })
     }
 
     /// One step from u with an anchor there, and what it leaves without; where it is not found, or leads to no minimum, u stays.
@@ -153,8 +157,14 @@ impl Model {
         }
     }
 
-    /// What is at u, and of anchors the stiffness of the first, as much as lets forces that nothing balances move the body by a share of its size, and the least one.
-    fn first_anchor(&self, newton: &Equations, u: &[f64], report: &mut SolveReport) -> Result<(Here, f64, f64), Stop> {
+    /// What is at u; of anchors the stiffness of the first, as much as lets forces that nothing balances move the body by a share of its size, and the least one; and the
+    /// forces of displacements that double precision does not resolve.
+    fn first_anchor(
+        &self,
+        newton: &Equations,
+        u: &[f64],
+        report: &mut SolveReport,
+    ) -> Result<(Here, f64, f64, f64), Stop> {
         let here = Here::at(newton, u, report)?;
         let now = newton.evaluate(u)?;
         let (residual, _) = newton.residual(&now.sums);
@@ -165,14 +175,16 @@ impl Model {
         let mut tangent = self.matrix();
         newton.at(u, |at| now.point.add_tangent(at, &mut tangent))?;
         let least = Anchor::least(self, &tangent);
-        Ok((here, (density / (FIRST * newton.diagonal())).max(least), least))
+        let unresolved = RESOLUTION * newton.diagonal() * self.unknowns().norm(&tangent.diagonal());
+        Ok((here, (density / (FIRST * newton.diagonal())).max(least), least, unresolved))
     }
 }
 
 /// A place on the way.
 struct Here {
-    /// Residual, without an anchor.
+    /// Residual, without an anchor, relative to forces, and that of the displacement itself.
     relative: f64,
+    force: f64,
     /// The potential, and its rounding.
     energy: f64,
     rounding: f64,
@@ -181,8 +193,9 @@ struct Here {
 impl Here {
     fn at(newton: &Equations, u: &[f64], report: &mut SolveReport) -> Result<Self, Stop> {
         let now = newton.evaluate(u)?;
-        let relative = newton.residual(&now.sums).1;
+        let (residual, relative) = newton.residual(&now.sums);
+        let force = newton.model.unknowns().norm(&residual[..newton.dofs()]);
         (report.residual, report.energy, report.min_j) = (relative, now.sums.energy, now.sums.min_j);
-        Ok(Here { relative, energy: now.sums.energy, rounding: ENERGY * now.sums.energy_scale })
+        Ok(Here { relative, force, energy: now.sums.energy, rounding: ENERGY * now.sums.energy_scale })
     }
 }
