@@ -22,7 +22,7 @@ impl Mesh {
             for (region, cells) in mesh.regions() {
                 tag += 1;
                 let region = if region == WHOLE { (*own).to_owned() } else { format!("{own}.{region}") };
-                raw.name_group(mesh.dim(), tag, &region);
+                raw.name_group(mesh.dim(), tag, region);
                 cells.iter().for_each(|&cell| tags[cell as usize].push(tag));
             }
             for (cell, tags) in tags.iter().enumerate() {
@@ -30,7 +30,7 @@ impl Mesh {
             }
             for (surface, facets) in mesh.surfaces() {
                 tag += 1;
-                raw.name_group(mesh.dim() - 1, tag, &format!("{own}.{surface}"));
+                raw.name_group(mesh.dim() - 1, tag, format!("{own}.{surface}"));
                 for &facet in facets {
                     let (kind, nodes) = mesh.facet_nodes(facet);
                     raw.push(kind, &moved(&nodes), &[tag]);

@@ -99,7 +99,7 @@ impl Model {
             let growth = sub(x, before);
             let along = space.norm(&self.held_by(&anchor, &growth)[..dofs]);
             let share = along / space.norm(&b[..dofs]).max(f64::MIN_POSITIVE);
-            if !(share <= ALONG) {
+            if share.is_nan() || share > ALONG {
                 let FreeMotion { count, what, example } = free.clone();
                 return Err(FemError::FreeDerivative { share, count, what, example }.into());
             }
