@@ -306,9 +306,10 @@ impl fmt::Display for Cause {
             }
             Cause::FreeMotion(FreeMotion { count, what, example }) => write!(
                 f,
-                "{what} is held by contact alone, and where the solve ended nothing that touches it resists {count} of its rigid motions \
+                "{what} {} held by contact alone, and where the solve ended nothing that touches it resists {count} of its rigid motions \
                  ({example}): give it something to rest on, begin nearer to it, hold it by a support or a weak foundation, or solve it as a \
-                 motion, with friction"
+                 motion, with friction",
+                if what.contains("\" and ") { "are" } else { "is" }
             ),
             Cause::Unknown => f.write_str(
                 "the body may have no stable equilibrium there: try a smaller control or load, or a finer mesh",

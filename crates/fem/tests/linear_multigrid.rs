@@ -5,9 +5,9 @@
 use crate::common;
 
 use common::block::STRICT;
-use common::{Outcome, distance, largest, noise, regular};
+use common::{Outcome, bending, distance, largest, noise, regular};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
-use nastic_fem::{Controls, Formulation, Foundation, Inertia, Instant, Solid, SolveOptions, Solver, State};
+use nastic_fem::{Formulation, Foundation, Inertia, Instant, Solid, SolveOptions, Solver, State};
 use nastic_linear::{
     CgEnd, CgReport, FactorError, Geometry, Multigrid, Pivots, Preconditioner, SparseMatrix, conjugate_gradient,
 };
@@ -22,15 +22,6 @@ fn cantilever(kind: CellKind, length: f64, cells: [usize; 3], mu3: f64) -> Outco
         .material("body", MooneyRivlin::new(1e5, 2e4, mu3)?)?
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
         .clamp("x-")?)
-}
-
-/// Tension that grows across the section and bends the body.
-fn bending(solid: &Solid) -> Controls {
-    let mut controls = solid.controls();
-    let last = solid.mesh().dim() - 1;
-    let at = solid.discretization().points().positions(solid.mesh(), None);
-    controls.values_mut(0).iter_mut().zip(&at).for_each(|(m, x)| *m = -1.5e5 * x[last] / 0.2);
-    controls
 }
 
 /// A tangent with its supports eliminated, and where it was taken.
@@ -58,7 +49,7 @@ impl System {
     }
 
     fn bent(solid: Solid) -> Outcome<Self> {
-        let state = solid.solve(&bending(&solid), &SolveOptions::default())?;
+        let state = solid.solve(&bending(-1.5e5, &solid), &SolveOptions::default())?;
         Self::new(solid, &state)
     }
 
@@ -303,7 +294,7 @@ fn whole_solves_and_adjoints_agree_with_those_of_the_factor() -> Outcome {
     for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tet10, CellKind::Quad8] {
         let solid = cantilever(kind, 1.0, meshes(kind)[1], 1e6)?;
         assert_eq!(solid.model().tangent_structure().solver(), Solver::DIRECT);
-        let controls = bending(&solid);
+        let controls = bending(-1.5e5, &solid);
         let direct = solid.solve(&controls, &STRICT)?;
         let multigrid = solid.solve(&controls, &MULTIGRID)?;
         let (work, size) = (multigrid.report, largest(&direct.u));
@@ -347,7 +338,7 @@ fn an_unstable_state_falls_back_to_the_factor() -> Outcome {
 #[test]
 fn products_of_cells_are_those_of_the_matrix() -> Outcome {
     let system = System::bent(cantilever(CellKind::Hex27, 1.0, [5, 2, 2], 1e6)?)?;
-    let state = system.solid.solve(&bending(&system.solid), &SolveOptions::default())?;
+    let state = system.solid.solve(&bending(-1.5e5, &system.solid), &SolveOptions::default())?;
     let instant = Instant::of(&state);
     let products = system.solid.model().cell_products(&instant)?.ok_or("27-node hexahedra have products")?;
     let v = system.vector(3);
@@ -369,7 +360,7 @@ fn products_of_cells_are_those_of_the_matrix() -> Outcome {
 fn multigrid_on_products_takes_the_same_cycles() -> Outcome {
     for bent in [false, true] {
         let solid = cantilever(CellKind::Hex27, 1.0, [10, 2, 2], 1e6)?;
-        let state = if bent { solid.solve(&bending(&solid), &SolveOptions::default())? } else { solid.rest() };
+        let state = if bent { solid.solve(&bending(-1.5e5, &solid), &SolveOptions::default())? } else { solid.rest() };
         let system = System::new(solid, &state)?;
         let products = system.solid.model().cell_products(&Instant::of(&state))?;
         let (corners, fixed) = (system.solid.discretization().corners(), system.solid.supports().fixed());

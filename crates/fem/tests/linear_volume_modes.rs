@@ -7,9 +7,9 @@
 use crate::common;
 
 use common::block::STRICT;
-use common::{Outcome, distance, largest, noise, regular};
+use common::{Outcome, bending, distance, largest, noise, regular};
 use nastic_energy::{FiberTension, NeoHooke};
-use nastic_fem::{Controls, Formulation, Solid, SolveOptions, Solver, State};
+use nastic_fem::{Formulation, Solid, SolveOptions, Solver, State};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 
@@ -29,15 +29,6 @@ fn cantilever(kind: CellKind, n: usize, poisson: f64) -> Outcome<Solid> {
         .formulation("body", Formulation::nearly_incompressible(kind).unwrap_or_default())?
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
         .clamp("x-")?)
-}
-
-/// Tension that grows across the section and bends the body.
-fn bending(solid: &Solid) -> Controls {
-    let mut controls = solid.controls();
-    let last = solid.mesh().dim() - 1;
-    let at = solid.discretization().points().positions(solid.mesh(), None);
-    controls.values_mut(0).iter_mut().zip(&at).for_each(|(m, x)| *m = -5e3 * x[last] / 0.2);
-    controls
 }
 
 /// A load across the body.
@@ -85,7 +76,7 @@ fn solutions_and_adjoints_are_those_of_the_factor() -> Outcome {
         [(CellKind::Hex8, 4), (CellKind::Tet4, 4), (CellKind::Hex27, 2), (CellKind::Tet10, 2), (CellKind::Quad9, 4)]
     {
         let solid = cantilever(kind, n, HARD)?;
-        let controls = bending(&solid);
+        let controls = bending(-5e3, &solid);
         // rounding of so stiff a body leaves no more
         let accuracy = 1e-11;
         let direct = solid.solve(&controls, &SolveOptions { accuracy, ..STRICT })?;

@@ -173,6 +173,7 @@ fn a_rigid_block_slides_into_a_corner() -> Outcome {
 fn a_rigid_block_on_a_floor_is_neutral() -> Outcome {
     let solid = block_above(&[FLOOR], (0.4, Vec3::new(1.0, 0.4, 0.1)), 0.01, (0.0, -Vec3::z()))?;
     let state = solid.solve(&solid.controls(), &STRICT)?;
+    assert!(state.report.residual <= 1e-10, "{:?}", state.report);
     assert!((height(&solid, &state) - 0.02).abs() < 1e-6, "{}", height(&solid, &state));
     assert_eq!(solid.negative_pivots(&state)?, 0);
     let free = solid.model().neutral_motion(&state, &STRICT)?.ok_or("nothing is free")?;

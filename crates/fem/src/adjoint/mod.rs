@@ -120,7 +120,7 @@ impl Model {
     /// multipliers (pressures, tensions) as given loads. Inequalities that do not act (slack tendons) are left out; those at their onset count as
     /// acting.
     ///
-    /// What contact alone holds and nothing resists to ([`free_motion`](Self::free_motion)) has eigenvalues that are zero: they do not count.
+    /// What contact alone holds and nothing resists to ([`neutral_motion`](Self::neutral_motion)) has eigenvalues that are zero: they do not count.
     ///
     /// On a body that is solved by multigrid, 0 means that conjugate gradients with a right-hand side of fixed random
     /// numbers converged to 1e-8 and met no negative curvature; only where they did meet it is a factor made to count.

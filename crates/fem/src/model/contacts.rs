@@ -150,8 +150,7 @@ impl Model {
     }
 
     /// Rigid motions of what contact alone holds that nothing resists to at an instant: it may roll or slide on, and rests where it came to.
-    #[must_use]
-    pub fn free_motion(&self, at: &Instant) -> Option<FreeMotion> {
+    pub(crate) fn free_motion(&self, at: &Instant) -> Option<FreeMotion> {
         if !self.touches_something() || self.is_over_ranks() || self.is_held_without_contact() {
             return None;
         }
@@ -168,7 +167,7 @@ impl Model {
     }
 
     /// What supports aside may resist to motions in an equilibrium: a surface that may touch to all of its own, if that is the minimum of a potential. What then lies
-    /// there may still slide or roll on ([`free_motion`](Self::free_motion)).
+    /// there may still slide or roll on ([`neutral_motion`](Self::neutral_motion)).
     pub(crate) fn may_resist(&self) -> Vec<Vec<(u32, f64)>> {
         let (dim, settles) = (self.discretization().dim(), self.has_potential() && !self.is_over_ranks());
         let of = |contribution: &Arc<dyn Contribution>| match contribution.touches().filter(|_| settles) {

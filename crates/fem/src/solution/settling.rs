@@ -1,5 +1,6 @@
 //! Equilibria of what contact alone holds, by proximal steps.
 
+use crate::contributions::Sums;
 use crate::model::Model;
 use crate::nonlinear::anchor::Anchor;
 use crate::nonlinear::equations::Equations;
@@ -68,15 +69,17 @@ impl Model {
         let (options, start, spent) = (newton.options, u.clone(), report.newton);
         let (mut here, mut stiffness, least, unresolved) = self.first_anchor(newton, u, report)?;
         let (mut before, mut tried) = (f64::INFINITY, f64::INFINITY);
-        let (mut steps, mut failures) = (0, 0);
+        let (mut steps, mut failures, mut went) = (0, 0, f64::INFINITY);
         // shorter moves of supports may be found where this one is not
         let most = if newton.jump(u).is_some() { MOST_MOVED } else { MOST };
         while report.newton - spent < most && steps < most {
             steps += 1;
             // as far as double precision goes
             let stagnates = here.relative <= ROUNDING && here.relative > 0.5 * before && stiffness <= least;
+            // forces of a body without stress are rounding, however large beside each other
+            let rests = here.force <= unresolved && went <= RESOLUTION * newton.diagonal();
             let moves = newton.jump(u).is_some();
-            if !moves && (here.relative <= options.accuracy || stagnates || here.force <= unresolved) {
+            if !moves && (here.relative <= options.accuracy || stagnates || rests) {
                 return Ok(());
             }
             if here.relative < AGAIN * tried && newton.at(u, |at| self.free_motion(at)).is_none() {
@@ -85,7 +88,7 @@ impl Model {
                 }
                 tried = here.relative;
             }
-            let at_step = report.newton;
+            let (at_step, from) = (report.newton, u.clone());
             match self.proximal_step(newton, u, (stiffness, &here, moves), workspace, report) {
                 Ok(left) => {
                     let easy = report.newton - at_step <= EASY;
@@ -93,6 +96,7 @@ impl Model {
                     let shares = if easy { WEAKER } else { LITTLE_WEAKER };
                     stiffness = (share.clamp(shares.0, shares.1) * stiffness).max(least);
                     (before, here, failures) = (here.relative, left, 0);
+                    went = self.unknowns().max_abs(&sub(self.nodal(u), self.nodal(&from)));
                     let gone = self.unknowns().max_abs(&sub(self.nodal(u), self.nodal(&start)));
                     if gone > FAR * newton.diagonal() {
                         return Err(Stop::Lost { residual: here.relative });
@@ -165,9 +169,8 @@ impl Model {
         u: &[f64],
         report: &mut SolveReport,
     ) -> Result<(Here, f64, f64, f64), Stop> {
-        let here = Here::at(newton, u, report)?;
         let now = newton.evaluate(u)?;
-        let (residual, _) = newton.residual(&now.sums);
+        let (here, residual) = Here::of(newton, &now.sums, report);
         let volume: f64 = self.discretization().nodal_volumes().iter().sum();
         let (block, dim) = (self.unknowns().block(), self.discretization().dim());
         let total = |i: usize| residual[..newton.dofs()].iter().skip(i).step_by(block).map(|r| r.abs()).sum();
@@ -192,10 +195,14 @@ struct Here {
 
 impl Here {
     fn at(newton: &Equations, u: &[f64], report: &mut SolveReport) -> Result<Self, Stop> {
-        let now = newton.evaluate(u)?;
-        let (residual, relative) = newton.residual(&now.sums);
+        Ok(Here::of(newton, &newton.evaluate(u)?.sums, report).0)
+    }
+
+    /// With the free residual.
+    fn of(newton: &Equations, now: &Sums, report: &mut SolveReport) -> (Self, Vec<f64>) {
+        let (residual, relative) = newton.residual(now);
         let force = newton.model.unknowns().norm(&residual[..newton.dofs()]);
-        (report.residual, report.energy, report.min_j) = (relative, now.sums.energy, now.sums.min_j);
-        Ok(Here { relative, force, energy: now.sums.energy, rounding: ENERGY * now.sums.energy_scale })
+        (report.residual, report.energy, report.min_j) = (relative, now.energy, now.min_j);
+        (Here { relative, force, energy: now.energy, rounding: ENERGY * now.energy_scale }, residual)
     }
 }

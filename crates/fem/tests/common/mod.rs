@@ -18,7 +18,7 @@ pub mod shells;
 
 use nastic_energy::EnergyTerm;
 use nastic_energy::catalogue;
-use nastic_fem::Solid;
+use nastic_fem::{Controls, Solid};
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh, rectangle};
 use nastic_tensor::Vec3;
 use std::sync::Arc;
@@ -205,4 +205,13 @@ pub fn cut(
         }
     }
     Ok(Mesh::build(raw)?)
+}
+
+/// Tension that grows to m at the upper side and bends a cantilever of a height of 0.2.
+pub fn bending(m: f64, solid: &Solid) -> Controls {
+    let mut controls = solid.controls();
+    let last = solid.mesh().dim() - 1;
+    let at = solid.discretization().points().positions(solid.mesh(), None);
+    controls.values_mut(0).iter_mut().zip(&at).for_each(|(own, x)| *own = m * x[last] / 0.2);
+    controls
 }
