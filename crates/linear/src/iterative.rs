@@ -65,6 +65,46 @@ pub enum StoppingTest {
     /// The k-th step takes `s_k = |x_{k+1} - x_k|_A` off the error exactly, so what it leaves is the sum of the steps to come
     /// (Hestenes, Stiefel; Strakos, Tichy, ETNA 13, 2002). Those are taken to shrink by the worse of the last two ratios.
     Error(f64),
+    /// The least residual, or the error where the residual is within a thousand of it: of preconditioners that may be poor, whose steps
+    /// say less of those to come.
+    Either {
+        /// As in [`Error`](Self::Error).
+        error: f64,
+        /// As in [`Residual`](Self::Residual).
+        residual: f64,
+    },
+}
+
+/// Multiple of the residual asked for within which an estimate of the error is believed.
+const NEAR: f64 = 1e3;
+
+impl StoppingTest {
+    /// By the recurrence.
+    fn is_met(&self, relative: f64, steps: &Steps, asked: f64) -> bool {
+        match *self {
+            StoppingTest::Residual(tolerance) => relative <= tolerance,
+            StoppingTest::Error(tolerance) => {
+                relative == 0.0 || steps.left() <= tolerance || corrected(steps, asked, tolerance)
+            }
+            StoppingTest::Either { error, residual } => {
+                relative <= residual
+                    || relative <= NEAR * residual && StoppingTest::Error(error).is_met(relative, steps, asked)
+            }
+        }
+    }
+
+    /// By the residual itself, where the recurrence had another one.
+    fn holds(&self, (relative, carried): (f64, f64), steps: &Steps, asked: f64) -> bool {
+        match *self {
+            StoppingTest::Residual(tolerance) => relative <= tolerance,
+            StoppingTest::Error(tolerance) => relative <= DRIFT * carried || corrected(steps, asked, tolerance),
+            StoppingTest::Either { error, residual } => {
+                relative <= residual
+                    || relative <= NEAR * residual
+                        && StoppingTest::Error(error).holds((relative, carried), steps, asked)
+            }
+        }
+    }
 }
 
 impl From<f64> for StoppingTest {
@@ -123,10 +163,22 @@ pub fn conjugate_gradient(
     aim: impl Into<StoppingTest>,
     max_iterations: usize,
 ) -> CgReport {
+    conjugate_gradient_while(apply, preconditioner, b, x, aim.into(), &|iterations, _| iterations < max_iterations)
+}
+
+/// The same while a number of iterations and the relative residual that they left, by the recurrence, allow another one.
+pub(crate) fn conjugate_gradient_while(
+    apply: &dyn Fn(&[f64], &mut [f64]),
+    preconditioner: &dyn Preconditioner,
+    b: &[f64],
+    x: &mut [f64],
+    aim: StoppingTest,
+    go_on: &dyn Fn(usize, f64) -> bool,
+) -> CgReport {
     let parallel = preconditioner.parallel();
     let dot = |a: &[f64], b: &[f64]| sums::dot(a, b, parallel);
     let norm = |a: &[f64]| sums::norm(a, parallel);
-    let (aim, n, scale) = (aim.into(), b.len(), norm(b));
+    let (n, scale) = (b.len(), norm(b));
     let mut r = b.to_vec();
     if x.iter().any(|&x| x != 0.0) {
         residual(apply, b, x, &mut r);
@@ -138,21 +190,12 @@ pub fn conjugate_gradient(
         if !size.is_finite() {
             break CgEnd::NotFinite;
         }
-        let arrived = match aim {
-            StoppingTest::Residual(tolerance) => size <= tolerance * scale,
-            StoppingTest::Error(tolerance) => {
-                size == 0.0 || steps.left() <= tolerance || corrected(&steps, asked, tolerance)
-            }
-        };
-        if arrived {
+        if aim.is_met(relative(size, scale), &steps, asked) {
             // The recurrence drifts from the truth: ask once more.
             let carried = size;
             residual(apply, b, x, &mut r);
             size = norm(&r);
-            let holds = match aim {
-                StoppingTest::Residual(tolerance) => size <= tolerance * scale,
-                StoppingTest::Error(tolerance) => size <= DRIFT * carried || corrected(&steps, asked, tolerance),
-            };
+            let holds = aim.holds((relative(size, scale), relative(carried, scale)), &steps, asked);
             if holds {
                 break CgEnd::Converged;
             }
@@ -161,7 +204,7 @@ pub fn conjugate_gradient(
             }
             (asked, rz_before, steps.last) = (size, 0.0, [None; 3]);
         }
-        if iterations == max_iterations {
+        if !go_on(iterations, relative(size, scale)) {
             break CgEnd::Exhausted;
         }
         z.copy_from_slice(&r);

@@ -117,6 +117,27 @@ fn an_error_aimed_at_is_that_of_the_energy_norm() {
     assert!(none.converged() && none.iterations == 0, "{none:?}");
 }
 
+/// Whichever is had first, the error only where the residual is within a thousand of what is asked.
+#[test]
+fn the_error_or_the_residual_may_be_aimed_at() {
+    let case = Case::new();
+    let matrix = case.matrix(0.5);
+    let (b, _) = case.system(&matrix);
+    let factor = case.factor(8.0, Pivots::Positive);
+    let run = |aim: StoppingTest| {
+        let mut x = vec![0.0; b.len()];
+        let report = conjugate_gradient(&apply(&matrix), &factor, &b, &mut x, aim, 200);
+        assert!(report.converged(), "{report:?}");
+        report
+    };
+    let (error, residual) = (run(StoppingTest::Error(1e-6)), run(StoppingTest::Residual(1e-12)));
+    assert!(error.iterations + 3 < residual.iterations, "{error:?} {residual:?}");
+    let either = run(StoppingTest::Either { error: 1e-6, residual: 1e-12 });
+    assert!(either.residual <= 1e-9 && either.iterations < residual.iterations, "{either:?} {residual:?}");
+    assert_eq!(run(StoppingTest::Either { error: 1e-6, residual: 1e-9 }), error);
+    assert_eq!(run(StoppingTest::Either { error: 1e-300, residual: 1e-12 }), residual);
+}
+
 #[test]
 fn conjugate_gradients_notice_what_they_cannot_solve() {
     let case = Case::new();

@@ -213,6 +213,28 @@ fn a_shift_makes_steps_go_downhill() {
     assert!(negative.is_some_and(|found| found.negative > 0));
 }
 
+/// Levels are made once for all the shifts that are tried, and no shift is tried that a quotient seen before shows to be too small.
+#[test]
+fn levels_serve_for_all_shifts() {
+    let case = Case::new([6, 6, 6]);
+    let (definite, mut matrix) = (case.grid.laplacian(&case.pattern, 0.4), case.grid.laplacian(&case.pattern, 0.4));
+    matrix.add_to_diagonal(-1.0);
+    let b = Random::new(2).vector(case.pattern.dofs());
+    let (mut own, mut work) = (Solver::MULTIGRID.make(&case.structure), LinearWork::default());
+    let system = case.system(&matrix);
+    own.step(&case.system(&definite), &b, 1e-2, &mut work).unwrap();
+    let step = own.step(&system, &b, 1e-2, &mut work);
+    assert!(step.is_err() || step.is_ok_and(|step| step.curvature == Curvature::Negative));
+    let quotient = own.negative_quotient().expect("the matrix is indefinite");
+    let dense = DMatrix::from_fn(b.len(), b.len(), |i, j| matrix.get(i, j));
+    let least = dense.symmetric_eigenvalues().min();
+    assert!(quotient <= 0.0 && quotient >= least, "{quotient} of {least}");
+    let x = Shift::default().step(own.as_mut(), &system, &b, &mut work).unwrap();
+    assert!(x.iter().zip(&b).map(|(x, b)| x * b).sum::<f64>() > 0.0);
+    assert!(work.hierarchies <= 1, "{work:?}");
+    assert_eq!(own.negative(), Some(0), "the shifted matrix is definite");
+}
+
 #[test]
 fn gmres_says_when_it_does_not_converge() {
     let case = Case::new([3, 3, 3]);

@@ -26,7 +26,7 @@ pub(crate) const SYMMETRIC: Accuracy = Accuracy { error: 1e-13, residual: 1e-11 
 /// Relative residual of a system that nothing corrects afterwards.
 const DEFINITE: f64 = 1e-12;
 
-/// Relative residual of a solution that is corrected by a product of its own, about the rounding of moduli, and corrections at most.
+/// Least relative residual of a solution that is corrected by a product of its own, about the rounding of moduli, and corrections at most.
 const ROUNDED: f64 = 1e-7;
 const CORRECTIONS: usize = 5;
 
@@ -184,7 +184,8 @@ impl<'a> TangentSystems<'a> {
     ) -> Result<Vec<f64>, LinearError> {
         let space = self.model.unknowns();
         let (mut x, mut rest, mut before) = (vec![0.0; b.len()], b.to_vec(), f64::INFINITY);
-        let rounded = Accuracy { residual: ROUNDED, ..accuracy };
+        // two solutions that leave the root of the error each
+        let rounded = Accuracy { residual: ROUNDED.max(0.3 * accuracy.error.sqrt()), ..accuracy };
         for _ in 0..=CORRECTIONS {
             let dx = self.solve_to(rounded, tangent, u, &rest, Transposition::No, report)?;
             // |dx|_K, and the next one by the ratio to the one before

@@ -112,6 +112,26 @@ impl LinearSolver for MultigridOrDirect {
         self.direct.solve_definite(system, b, work)
     }
 
+    fn negative_quotient(&self) -> Option<f64> {
+        self.multigrid.as_ref().and_then(MultigridSolver::negative_quotient)
+    }
+
+    fn solve_shifted(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        if let Some(multigrid) = &mut self.multigrid {
+            match multigrid.solve_shifted(system, b, work) {
+                Err(why @ LinearError::Multigrid { .. }) => self.fall_back(why)?,
+                done => return done,
+            }
+        }
+        entries(system)?;
+        self.direct.solve_shifted(system, b, work)
+    }
+
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         match self.multigrid.as_mut().map(|multigrid| multigrid.inertia(system)) {
             Some(Ok(inertia)) => Ok(inertia),

@@ -138,6 +138,19 @@ impl LinearSolver for Joining {
         self.with(system, |solver, system| solver.solve_definite(system, b, work))
     }
 
+    fn negative_quotient(&self) -> Option<f64> {
+        self.solver.negative_quotient()
+    }
+
+    fn solve_shifted(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        self.with(system, |solver, system| solver.solve_shifted(system, b, work))
+    }
+
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         self.with(system, |solver, system| solver.inertia(system))
     }

@@ -160,6 +160,25 @@ pub trait LinearSolver: Debug + Send + Sync {
         None
     }
 
+    /// A quotient `p . A p / p . p` of the last matrix that is not positive, where one was met.
+    fn negative_quotient(&self) -> Option<f64> {
+        None
+    }
+
+    /// [`solve_definite`](Self::solve_definite) of one of several matrices that differ by multiples of the identity, coarsely and with what serves of
+    /// another one.
+    ///
+    /// # Errors
+    /// As [`solve`](Self::solve).
+    fn solve_shifted(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        self.solve_definite(system, b, work)
+    }
+
     /// `A x = b` if A is positive definite, else `None`; for a matrix that does not come again, of which nothing is kept.
     ///
     /// # Errors

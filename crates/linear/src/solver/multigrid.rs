@@ -2,7 +2,7 @@
 
 use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
 use crate::error::{FactorError, StructureError};
-use crate::iterative::{CgEnd, CgReport, conjugate_gradient};
+use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient, conjugate_gradient_while};
 use crate::multigrid::{Geometry, Multigrid};
 use crate::saddle_gmres::SaddleGmres;
 use crate::structure::Structure;
@@ -20,6 +20,10 @@ const MOST: usize = 600;
 const MOST_OF_REST: usize = 300;
 /// What a new hierarchy costs, in cycles: its products, and the bound of the smoother.
 const RENEWAL: f64 = 8.0;
+/// Cycles per decade of the residual that new levels are expected to take, until they have solved a system.
+const PACE: f64 = 2.5;
+/// Cycles beyond those wanted after which the pace of levels that are kept is believed.
+const GRACE: f64 = 2.0;
 /// Backward error `|b - A x| / (|A| |x| + |b|)` that counts as rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -33,8 +37,10 @@ pub struct MultigridSolver {
     by_products: bool,
     /// Whether they are of what a matrix has beside its volume modes, and serve such alone.
     of_rest: bool,
-    /// Whether the matrix of the last solution might be indefinite though it met no negative curvature.
-    unsure: bool,
+    /// Whether the last matrix showed positive curvature, and that alone.
+    positive: bool,
+    /// A quotient of it that is not positive.
+    quotient: Option<f64>,
     /// Cycles per decade of the residual that they took on their own matrix.
     rate: f64,
     /// Cycles that they took beyond that on others. They are due when these cost as much as a renewal.
@@ -49,22 +55,16 @@ enum Outcome {
 }
 
 impl MultigridSolver {
-    /// To a relative residual, or to the limit of double precision.
-    fn run(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        tolerance: f64,
-        work: &mut LinearWork,
-    ) -> Result<Outcome, LinearError> {
+    /// To an aim, or to the limit of double precision.
+    fn run(&mut self, system: &System, b: &[f64], aim: Aim, work: &mut LinearWork) -> Result<Outcome, LinearError> {
         if let Some(modes) = modes_of(system) {
-            match self.run_by(system, Some(modes), b, tolerance, work) {
+            match self.run_by(system, Some(modes), b, aim, work) {
                 // what is positive definite by its volume modes alone
                 Err(LinearError::Multigrid { .. } | LinearError::Factor(FactorError::NotPositive { .. })) => {}
                 done => return done,
             }
         }
-        self.run_by(system, None, b, tolerance, work)
+        self.run_by(system, None, b, aim, work)
     }
 
     /// The same with levels of the matrix, or of what it has beside volume modes.
@@ -73,38 +73,21 @@ impl MultigridSolver {
         system: &System,
         modes: Option<&VolumeModes>,
         b: &[f64],
-        tolerance: f64,
+        aim: Aim,
         work: &mut LinearWork,
     ) -> Result<Outcome, LinearError> {
         if !system.matrix.is_symmetric() {
             return Err(LinearError::NotSymmetric);
         }
-        self.unsure = false;
-        let (mut x, mut reached) = (vec![0.0; b.len()], 1.0);
-        let mut p = vec![0.0; modes.map_or(0, VolumeModes::len)];
+        (self.positive, self.quotient) = (false, None);
+        let (mut x, mut p) = (vec![0.0; b.len()], vec![0.0; modes.map_or(0, VolumeModes::len)]);
         let same = (self.by_products, self.of_rest) == (system.products.is_some(), modes.is_some());
-        if let (Some(levels), true) = (&self.levels, self.serves && same) {
-            let wanted = self.rate * decades(tolerance);
-            let most = (wanted + RENEWAL - self.excess).ceil() as usize;
-            let (cg, positive) =
-                iterate((system, modes), levels, b, (&mut x, &mut p), (tolerance, most.min(MOST)), work);
-            self.unsure = !positive;
-            self.excess += (cg.iterations as f64 - wanted).max(0.0);
-            self.serves = self.excess < RENEWAL;
-            match cg.end {
-                CgEnd::NegativeCurvature { .. } => {
-                    self.serves = false;
-                    return Ok(Outcome::Indefinite(moved(system, x, b)));
-                }
-                _ if arrived(system, levels, b, &x, &cg) => {
-                    work.reused += 1;
-                    return Ok(Outcome::Solved(x));
-                }
-                // the next levels go on from there
-                CgEnd::Exhausted if cg.residual < 1.0 => reached = cg.residual,
-                // and from pressures too, though displacements alone leave more than nothing does
-                CgEnd::Exhausted if modes.is_some() => {}
-                _ => [&mut x, &mut p].into_iter().for_each(|start| start.fill(0.0)),
+        let mut reached = 1.0;
+        if self.serves && same {
+            match self.run_by_kept((system, modes), b, (&mut x, &mut p), aim, work) {
+                WithKept::Solved => return Ok(Outcome::Solved(x)),
+                WithKept::Indefinite => return Ok(Outcome::Indefinite(moved(system, x, b))),
+                WithKept::Left(left) => reached = left,
             }
         }
         match self.renew(system, modes, work) {
@@ -115,18 +98,67 @@ impl MultigridSolver {
         }
         let Some(levels) = &self.levels else { return Ok(Outcome::Indefinite(None)) };
         let most = if modes.is_some() { MOST_OF_REST } else { MOST };
-        let (cg, positive) = iterate((system, modes), levels, b, (&mut x, &mut p), (tolerance, most), work);
-        self.unsure = !positive;
-        if let CgEnd::NegativeCurvature { .. } = cg.end {
-            self.serves = false;
+        let (cg, positive) = iterate((system, modes), levels, b, (&mut x, &mut p), (aim, most), work);
+        if let CgEnd::NegativeCurvature { curvature } = cg.end {
+            self.quotient = Some(curvature);
             return Ok(Outcome::Indefinite(moved(system, x, b)));
         }
         if !arrived(system, levels, b, &x, &cg) {
             self.serves = false;
-            return Err(LinearError::Multigrid { residual: cg.residual, cycles: cg.iterations, wanted: tolerance });
+            return Err(LinearError::Multigrid { residual: cg.residual, cycles: cg.iterations, wanted: aim.residual });
         }
-        self.rate = cg.iterations.max(1) as f64 / decades(tolerance / reached);
+        self.positive = positive;
+        self.rate = cg.iterations.max(1) as f64 / decades(cg.residual.max(aim.residual) / reached);
         Ok(Outcome::Solved(x))
+    }
+
+    /// The same with the levels that are kept, as long as new ones are not expected to be cheaper.
+    fn run_by_kept(
+        &mut self,
+        (system, modes): (&System, Option<&VolumeModes>),
+        b: &[f64],
+        (x, p): (&mut [f64], &mut [f64]),
+        aim: Aim,
+        work: &mut LinearWork,
+    ) -> WithKept {
+        let Some(levels) = &self.levels else { return WithKept::Left(1.0) };
+        let wanted = self.rate * decades(aim.expected());
+        let (rate, excess) = (self.rate, self.excess);
+        let go_on = |cycles: usize, reached: f64| {
+            let (cycles, left) = (cycles as f64, decades(aim.expected() / reached));
+            // what is left at the pace so far, and by new levels
+            let (here, anew) = (cycles / decades(reached) * left, RENEWAL + rate * left);
+            cycles < MOST as f64 && (cycles + excess < wanted + GRACE || here <= anew)
+        };
+        let (cg, positive) = match modes {
+            None => (by_cg(system, levels, (b, x), (aim, &go_on), work), true),
+            Some(_) => {
+                let most = (wanted + RENEWAL - excess).ceil() as usize;
+                iterate((system, modes), levels, b, (x, p), (aim, most.min(MOST)), work)
+            }
+        };
+        self.positive = positive;
+        let iterations = cg.iterations;
+        self.excess += (iterations as f64 - wanted).max(0.0);
+        match cg.end {
+            // they may be as good for what is definite as they were
+            CgEnd::NegativeCurvature { curvature } => {
+                (self.positive, self.quotient) = (false, Some(curvature));
+                return WithKept::Indefinite;
+            }
+            _ if arrived(system, levels, b, x, &cg) => {
+                self.serves = self.excess < RENEWAL;
+                work.reused += 1;
+                return WithKept::Solved;
+            }
+            // the next levels go on from there
+            CgEnd::Exhausted if cg.residual < 1.0 => {}
+            // and from pressures too, though displacements alone leave more than nothing does
+            CgEnd::Exhausted if modes.is_some() => {}
+            _ => [x, p].into_iter().for_each(|start| start.fill(0.0)),
+        }
+        self.serves = false;
+        WithKept::Left(if cg.end == CgEnd::Exhausted { cg.residual.min(1.0) } else { 1.0 })
     }
 
     /// The levels of a matrix, or of what it has beside volume modes.
@@ -150,7 +182,7 @@ impl MultigridSolver {
         };
         levels.release_products();
         (self.levels, self.serves) = (Some(Arc::new(levels)), renewed.is_ok());
-        (self.rate, self.excess, self.by_products) = (MOST as f64, 0.0, system.products.is_some());
+        (self.rate, self.excess, self.by_products) = (PACE, 0.0, system.products.is_some());
         self.of_rest = modes.is_some();
         renewed
     }
@@ -160,7 +192,7 @@ impl MultigridSolver {
     /// Whether what the matrix has beside its volume modes, which are not negative, shows no negative curvature.
     fn rest_is_definite(&mut self, system: &System, b: &[f64]) -> Result<bool, LinearError> {
         let Some(modes) = modes_of(system).filter(|_| system.matrix.is_symmetric()) else { return Ok(false) };
-        self.unsure = false;
+        self.positive = false;
         match self.renew(system, Some(modes), &mut LinearWork::default()) {
             Err(FactorError::NotPositive { .. }) => return Ok(false),
             renewed => renewed?,
@@ -175,7 +207,7 @@ impl MultigridSolver {
         };
         let preconditioner: &Multigrid = levels;
         let cg = conjugate_gradient(&apply, preconditioner, b, &mut vec![0.0; b.len()], EVIDENCE, MOST);
-        self.serves = cg.converged();
+        (self.serves, self.positive) = (cg.converged(), cg.converged());
         Ok(cg.converged())
     }
 }
@@ -203,9 +235,9 @@ impl LinearSolver for MultigridSolver {
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        match self.run(system, b, tolerance.clamp(STEP_TOLERANCE, COARSEST_STEP), work)? {
+        match self.run(system, b, Aim::residual(tolerance.clamp(STEP_TOLERANCE, COARSEST_STEP)), work)? {
             // nothing showed that it leads downhill
-            Outcome::Solved(x) if self.unsure && system.space().dot(&x, b) <= 0.0 => Err(LinearError::Indefinite),
+            Outcome::Solved(x) if !self.positive && system.space().dot(&x, b) <= 0.0 => Err(LinearError::Indefinite),
             Outcome::Solved(x) => Ok(Step { x, curvature: Curvature::Positive }),
             Outcome::Indefinite(Some(x)) => Ok(Step { x, curvature: Curvature::Negative }),
             Outcome::Indefinite(None) => Err(LinearError::Indefinite),
@@ -219,7 +251,7 @@ impl LinearSolver for MultigridSolver {
         accuracy: Accuracy,
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
-        match self.run(system, b, accuracy.residual, work)? {
+        match self.run(system, b, Aim::exact(accuracy), work)? {
             Outcome::Solved(x) => Ok(x),
             Outcome::Indefinite(_) => Err(LinearError::Indefinite),
         }
@@ -232,10 +264,24 @@ impl LinearSolver for MultigridSolver {
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
         self.serves = false;
-        let outcome = self.run(system, b, STEP_TOLERANCE, work);
+        let solved = self.solve_shifted(system, b, work);
         self.serves = false;
-        Ok(match outcome? {
-            Outcome::Solved(x) if !self.unsure => Some(x),
+        solved
+    }
+
+    fn negative_quotient(&self) -> Option<f64> {
+        self.quotient
+    }
+
+    /// Levels of a matrix nearby show negative curvature as well as its own do.
+    fn solve_shifted(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        Ok(match self.run(system, b, Aim::residual(COARSEST_STEP), work)? {
+            Outcome::Solved(x) if self.positive => Some(x),
             _ => None,
         })
     }
@@ -249,7 +295,7 @@ impl LinearSolver for MultigridSolver {
         if self.rest_is_definite(system, &b)? {
             return Ok(Some(Inertia { negative: 0 }));
         }
-        match self.run_by(system, None, &b, EVIDENCE, &mut LinearWork::default())? {
+        match self.run_by(system, None, &b, Aim::residual(EVIDENCE), &mut LinearWork::default())? {
             Outcome::Solved(_) => Ok(Some(Inertia { negative: 0 })),
             Outcome::Indefinite(_) => Err(LinearError::Indefinite),
         }
@@ -257,7 +303,7 @@ impl LinearSolver for MultigridSolver {
 
     /// None: it solves positive definite matrices alone.
     fn negative(&self) -> Option<usize> {
-        (self.serves && !self.unsure).then_some(0)
+        self.positive.then_some(0)
     }
 
     fn bytes(&self) -> usize {
@@ -270,6 +316,40 @@ impl LinearSolver for MultigridSolver {
 
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(self.clone())
+    }
+}
+
+/// What became of a system with levels that were kept.
+enum WithKept {
+    Solved,
+    Indefinite,
+    /// Not solved, with the share of the residual that new levels begin from.
+    Left(f64),
+}
+
+/// When a solution is good enough.
+#[derive(Clone, Copy)]
+struct Aim {
+    test: StoppingTest,
+    /// Relative residual that is good enough in any case.
+    residual: f64,
+}
+
+impl Aim {
+    fn residual(residual: f64) -> Self {
+        Aim { test: residual.into(), residual }
+    }
+
+    fn exact(Accuracy { error, residual }: Accuracy) -> Self {
+        Aim { test: StoppingTest::Either { error, residual }, residual }
+    }
+
+    /// The relative residual that it is expected to be met at.
+    fn expected(&self) -> f64 {
+        match self.test {
+            StoppingTest::Either { error, residual } => error.max(residual),
+            _ => self.residual,
+        }
     }
 }
 
@@ -289,21 +369,34 @@ fn iterate(
     multigrid: &Multigrid,
     b: &[f64],
     (x, p): (&mut [f64], &mut [f64]),
-    (tolerance, most): (f64, usize),
+    (aim, most): (Aim, usize),
     work: &mut LinearWork,
 ) -> (CgReport, bool) {
+    let Some(modes) = modes else {
+        return (by_cg(system, multigrid, (b, x), (aim, &|cycles, _| cycles < most), work), true);
+    };
     let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
-    let (cg, positive) = match (system.products, modes) {
-        (Some(products), _) => (conjugate_gradient(&apply, &multigrid.below(products), b, x, tolerance, most), true),
-        (None, None) => (conjugate_gradient(&apply, multigrid, b, x, tolerance, most), true),
-        (None, Some(modes)) => {
-            let saddle = SaddleGmres { apply: &apply, modes, preconditioner: multigrid };
-            let found = saddle.solve(b, (x, p), (tolerance, most));
-            (found.cg, found.positive)
-        }
+    let saddle = SaddleGmres { apply: &apply, modes, preconditioner: multigrid };
+    let found = saddle.solve(b, (x, p), (aim.residual, most));
+    work.cycles += found.cg.iterations;
+    (found.cg, found.positive)
+}
+
+/// The same by conjugate gradients.
+fn by_cg(
+    system: &System,
+    multigrid: &Multigrid,
+    (b, x): (&[f64], &mut [f64]),
+    (aim, go_on): (Aim, &dyn Fn(usize, f64) -> bool),
+    work: &mut LinearWork,
+) -> CgReport {
+    let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
+    let cg = match system.products {
+        Some(products) => conjugate_gradient_while(&apply, &multigrid.below(products), b, x, aim.test, go_on),
+        None => conjugate_gradient_while(&apply, multigrid, b, x, aim.test, go_on),
     };
     work.cycles += cg.iterations;
-    (cg, positive)
+    cg
 }
 
 /// Whether the tolerance is met, or double precision allows no more.

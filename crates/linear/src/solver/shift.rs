@@ -11,6 +11,8 @@ const LEAST: f64 = 1e-8;
 const MOST: f64 = 1e3;
 /// From one shift to the next.
 const GROWTH: f64 = 8.0;
+/// Multiple of a negative quotient, which no smaller shift than itself makes positive.
+const BEYOND: f64 = 2.0;
 
 /// `(A + s I) x = b` with s raised until the matrix is positive definite; remembers the last s.
 #[derive(Clone, Debug)]
@@ -47,19 +49,24 @@ impl Shift {
         let own = space.own(&diagonal);
         let scale = space.total(own.iter().map(|d| d.abs()).sum()) / space.total(own.len() as f64);
         let (own, mut entries) = (own.len(), vec![0.0; diagonal.len()]);
-        let (mut shift, mut added) = ((self.last / 64.0).max(LEAST), 0.0);
+        let (mut shift, mut added) = (self.first(solver, scale), 0.0);
         while shift <= MOST {
             // matrices of ranks add up: each unknown is shifted by its owner alone
             entries[..own].fill((shift - added) * scale);
             matrix.add_diagonal(&entries);
             added = shift;
-            if let Some(step) = solver.solve_definite(&System { matrix: &matrix, ..*system }, b, work)? {
+            if let Some(step) = solver.solve_shifted(&System { matrix: &matrix, ..*system }, b, work)? {
                 self.last = shift;
                 return Ok(step);
             }
-            shift *= GROWTH;
+            shift = next(shift, solver, scale);
         }
         Err(LinearError::Shift)
+    }
+
+    /// The first one to be tried, as a share of the mean diagonal, of a matrix that the solver has just met.
+    fn first(&self, solver: &dyn LinearSolver, scale: f64) -> f64 {
+        (self.last / 64.0).max(LEAST).max(needed(solver, scale))
     }
 
     fn step_by_products(
@@ -76,17 +83,27 @@ impl Shift {
         let own = diagonal.filter(|(at, _)| !fixed[*at]);
         let (scale, count) = own.fold((0.0, 0), |(sum, count), (_, entry)| (sum + entry, count + 1));
         let scale = scale / count.max(1) as f64;
-        let mut shift = (self.last / 64.0).max(LEAST);
+        let mut shift = self.first(solver, scale);
         while shift <= MOST {
             let shifted = products.shifted(shift * scale);
-            if let Some(step) = solver.solve_definite(&System { products: Some(&shifted), ..*system }, b, work)? {
+            if let Some(step) = solver.solve_shifted(&System { products: Some(&shifted), ..*system }, b, work)? {
                 self.last = shift;
                 return Ok(step);
             }
-            shift *= GROWTH;
+            shift = next(shift, solver, scale);
         }
         Err(LinearError::Shift)
     }
+}
+
+/// The next one.
+fn next(shift: f64, solver: &dyn LinearSolver, scale: f64) -> f64 {
+    (GROWTH * shift).max(shift + needed(solver, scale))
+}
+
+fn needed(solver: &dyn LinearSolver, scale: f64) -> f64 {
+    let needed = solver.negative_quotient().map_or(0.0, |quotient| -BEYOND * quotient / scale);
+    if needed.is_finite() { needed } else { 0.0 }
 }
 
 #[cfg(test)]
