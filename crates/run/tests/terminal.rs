@@ -69,6 +69,9 @@ fn a_case_is_told_how_long_it_takes() {
     let said = place.text(Command::Check, BAR, &["optimizer/max_iterations=7"]);
     assert!(said.contains("duration    the tangent at rest, assembled and factorised: "), "{said}");
     assert!(said.contains(", 7 iterations "), "{said}");
+    let said = place.text(Command::Check, BAR, &["linear_solver=multigrid"]);
+    assert!(said.contains("duration    a Newton iteration by multigrid, from a box of 98553 unknowns: "), "{said}");
+    assert!(said.contains("estimated for some four Newton iterations a trial: "), "{said}");
     let target = r#"{ "kind": "smoothed_hausdorff", "target": { "box": { "size": [1.0, 0.25, 0.25], "cells": [2, 1, 1], "element": "hex8" } },
         "phi": { "exponential": { "length": "0.5 m" } }, "stages": [ { "alpha": 1, "beta": 4, "gamma": 4 } ], "quadrature": 2 }"#;
     let said = place.text(Command::Check, BAR, &[&format!("costs/0={target}")]);

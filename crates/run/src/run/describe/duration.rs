@@ -1,6 +1,6 @@
-//! How long a trial takes on this machine, from a factorisation and the costs at rest.
+//! How long a trial takes on this machine, from a factorisation, or a box that multigrid solves, and the costs at rest.
 
-use nastic_case::describe::{Line, line};
+use nastic_case::describe::{Line, MultigridPace, line};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{ControlError, Partials};
 use nastic_fem::{Solver, available_memory};
@@ -13,23 +13,26 @@ const LARGEST: usize = 1 << 30;
 /// A trial's Newton iterations, most of which reuse a factor, and its count of negative pivots, in assemblies and
 /// factorisations in double precision: the mean over the shipped cases.
 const FACTORISATIONS: f64 = 2.5;
+/// The same in Newton iterations by multigrid.
+const ITERATIONS: f64 = 4.0;
+/// Memory that a box for the pace of multigrid takes, with a margin.
+const BOX: usize = 1 << 30;
 /// Counts of the shipped cases and of impacts in docs/contact.md.
 const CONTACT: &str = "not estimated with contact: a stage of a step takes 3 to 5 Newton iterations while bodies are held or slide, 50 and more where they land or let go, an equilibrium 20 and more; nastic solve tells what they take";
 
 pub(in crate::run) fn duration(problem: &CaseProblem) -> Vec<Line> {
     let member = problem.member(0);
     let touches = !member.case().contact.is_empty();
-    let tangent = match tangent(member) {
-        Ok(seconds) => seconds,
+    let (told, mut trial) = match newton(member) {
+        Ok(found) => found,
         Err(_) if touches => return vec![line("duration", CONTACT)],
         Err(why) => return vec![line("duration", format!("not estimated: {why}"))],
     };
-    let mut out = vec![line("duration", format!("the tangent at rest, assembled and factorised: {}", text(tangent)))];
+    let mut out = vec![line("duration", told)];
     if touches {
         out.push(line("duration", CONTACT));
         return out;
     }
-    let mut trial = FACTORISATIONS * tangent;
     if !member.reduced().costs().is_empty() {
         let costs = match costs(problem, member) {
             Ok(seconds) => seconds,
@@ -71,13 +74,22 @@ fn stages(member: CaseMember<'_>) -> usize {
     member.reduced().timeline().map_or(1, |timeline| timeline.scheme().stages())
 }
 
-/// Seconds that the tangent at rest takes to be assembled and factorised, or why they are not known.
-fn tangent(member: CaseMember<'_>) -> Result<f64, String> {
+/// What solving takes, in words, and the seconds of the Newton iterations of a trial, or why they are not known.
+fn newton(member: CaseMember<'_>) -> Result<(String, f64), String> {
     let (solid, structure) = (member.solid(), member.solid().model().tangent_structure());
-    if solid.model().solver() == Solver::MULTIGRID {
-        return Err("the linear solver is multigrid".to_owned());
-    }
     let available = available_memory().map_err(|error| error.to_string())?.unwrap_or(usize::MAX);
+    if solid.model().solver() == Solver::MULTIGRID {
+        let Some(kind) = solid.mesh().blocks().first().map(|block| block.kind).filter(|_| available > BOX) else {
+            return Err("the memory does not suffice for a box to measure by".to_owned());
+        };
+        let pace = MultigridPace::measured(kind).map_err(|error| error.to_string())?;
+        let (each, unknowns) = (pace.seconds_per_unknown * solid.discretization().dofs() as f64, pace.unknowns);
+        let told = format!(
+            "a Newton iteration by multigrid, from a box of {unknowns} unknowns: {}, several times that where a material hardly changes its volume",
+            text(each)
+        );
+        return Ok((told, ITERATIONS * each));
+    }
     if structure.factorisation_bytes() > available {
         return Err("the memory does not suffice for a factor".to_owned());
     }
@@ -86,7 +98,8 @@ fn tangent(member: CaseMember<'_>) -> Result<f64, String> {
     }
     let began = Instant::now();
     solid.negative_pivots(&solid.rest()).map_err(|error| format!("the tangent at rest has no factor: {error}"))?;
-    Ok(began.elapsed().as_secs_f64())
+    let seconds = began.elapsed().as_secs_f64();
+    Ok((format!("the tangent at rest, assembled and factorised: {}", text(seconds)), FACTORISATIONS * seconds))
 }
 
 /// Seconds that all costs take for their values and derivatives.
