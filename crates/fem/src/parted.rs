@@ -79,7 +79,7 @@ impl Solid {
 
 impl Model {
     /// Whether it is the part of one rank among several.
-    pub(crate) fn is_over_ranks(&self) -> bool {
+    pub fn is_over_ranks(&self) -> bool {
         self.unknowns().share().is_some()
     }
 
@@ -110,7 +110,10 @@ impl Model {
     }
 
     /// What a rank has checked by itself, or that another one refuses its part: before messages that would wait for that one.
-    pub(crate) fn all_accept<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
+    ///
+    /// # Errors
+    /// What was found; [`FemError::Elsewhere`] where another rank found an error.
+    pub fn all_accept<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
         self.unless_elsewhere(found, || FemError::Elsewhere.into())
     }
 
@@ -135,7 +138,10 @@ impl Model {
     }
 
     /// The end of a solve, unless messages between the ranks have failed on the way.
-    pub(crate) fn unless_parted<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
+    ///
+    /// # Errors
+    /// What was found; [`FemError::Team`] where messages have failed.
+    pub fn unless_parted<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
         match self.unknowns().share().and_then(|share| share.failure()) {
             None => found,
             Some(failure) => Err(FemError::from(failure).into()),

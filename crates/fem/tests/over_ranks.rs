@@ -3,10 +3,10 @@
 use crate::common;
 
 use common::Outcome;
-use common::ranks::{Simple, total};
+use common::ranks::Simple;
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
 use nastic_fem::{
-    Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, Progress, QuadraturePoints, Solid,
+    Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, Progress, QuadraturePoints, Share, Solid,
     SolveOptions, SolveReport, Spring, State, StateError,
 };
 use nastic_mesh::spatial::Obstacle;
@@ -60,6 +60,15 @@ fn displacement(solid: &Solid, state: &State, at: [f64; 3]) -> [f64; 3] {
     let node = common::node_at(solid.mesh(), at).filter(|node| *node < owned);
     let own = node.map_or([0.0; 3], |node| [0, 1, 2].map(|k| state.u[3 * node + k]));
     own.map(|u| total(share, u))
+}
+
+/// The sum over all ranks.
+fn total(share: Option<&Arc<Share>>, here: f64) -> f64 {
+    let mut sum = [here];
+    if let Some(share) = share {
+        share.sum(&mut sum);
+    }
+    sum[0]
 }
 
 const CORNER: [f64; 3] = [1.0, 0.2, 0.2];
