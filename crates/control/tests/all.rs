@@ -23,6 +23,7 @@ mod motion_in_time;
 mod moving_supports;
 mod over_ranks;
 mod print;
+mod ranks;
 mod reactions_in_motion;
 mod refinement;
 mod resumed_motion;
