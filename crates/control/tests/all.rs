@@ -21,6 +21,7 @@ mod motion;
 mod motion_constraints;
 mod motion_in_time;
 mod moving_supports;
+mod optimised_over_ranks;
 mod over_ranks;
 mod print;
 mod ranks;

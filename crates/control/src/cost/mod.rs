@@ -2,6 +2,7 @@
 
 mod aim;
 mod automatic_stages;
+mod body_cloud;
 pub(crate) mod body_points;
 mod bound_hausdorff;
 mod catalogue;
