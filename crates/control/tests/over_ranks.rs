@@ -6,7 +6,7 @@ use nastic_control::{
     MeanPosition, Metric, PowerLaw, Reduced, ReducedWorkspace, Space, Target, Timeline, Tracking,
 };
 use nastic_energy::{FiberTension, Magnet, MooneyRivlin, NeoHooke, Turgor};
-use nastic_fem::{FemError, Scheme, Solid};
+use nastic_fem::{FemError, MovingSupport, Scheme, Solid, Spring};
 use nastic_mesh::{CellKind, Snapshot, box_mesh};
 use nastic_opt::{InnerProduct, Problem, Request};
 use nastic_team::Team;
@@ -177,6 +177,50 @@ fn derivatives_over_ranks_are_those_of_differences() -> Outcome {
     for order in found {
         let order = order?;
         assert!(order > 1.95, "Taylor remainders: {order}");
+    }
+    Ok(())
+}
+
+/// A grip whose place and turning are controls beside the tension.
+fn gripped(solid: Solid) -> Outcome<Reduced> {
+    let solid = body(solid)?
+        .motion(MovingSupport::of("grip", "x+").about([1.0, 0.1, 0.1]))?
+        .spring(Spring::to_ground("wire", [0.5, 0.1, 0.0], [0.5, 0.1, -0.3], 2e3))?;
+    let bent = Target::position(|x| [0.95 * x[0], x[1], x[2] + 0.2 * x[0] * x[0]]);
+    Ok(Reduced::new(solid)
+        .control("grip.translation", Space::Uniform)?
+        .control("grip.rotation", Space::Uniform)?
+        .control("tension", Space::Node)?
+        .cost(Tracking::surface(["skin"], bent))?
+        .cost(ControlNorm::of("grip.translation", 1e-3)?)?
+        .cost(ControlSmoothness::of("tension", 1e-15)?)?)
+}
+
+#[test]
+fn supports_that_controls_move_have_the_derivatives_of_one_process() -> Outcome {
+    let mesh = bar(CellKind::Hex8, 2)?;
+    let serial = gripped(Solid::new(mesh.clone())?)?;
+    let m = |h: f64| -> Vec<f64> {
+        let grip = [0.01, 0.0, 0.05, 0.02, -0.3, 0.05].into_iter().map(|x: f64| x + 0.1 * h * (30.0 * x).cos());
+        let tension = |k: usize| -1e4 * (1.0 + (k as f64 + h).sin());
+        grip.chain((6..serial.layout().len()).map(tension)).collect()
+    };
+    let (cost, derivative) = valued(&serial, &m(0.0))?;
+    let weights = serial.inner_product()?.apply(&vec![1.0; derivative.len()]);
+    for (ranks, scattered) in [(1, false), (2, false), (3, true), (5, false)] {
+        let found = on(ranks, |rank| {
+            let problem = gripped(part(&mesh, &rank, scattered)?)?;
+            let (own, own_derivative) = valued(&problem, &m(0.0))?;
+            let off = apart(&problem.inner_product()?.apply(&vec![1.0; own_derivative.len()]), &weights);
+            // grip and tension are of different sizes
+            let by_part =
+                [apart(&own_derivative[..6], &derivative[..6]), apart(&own_derivative[6..], &derivative[6..])];
+            Ok((own, own_derivative, by_part, off))
+        });
+        let (own, _, by_part, off) = found[0].clone()?;
+        assert!(found.iter().all(|other| *other == found[0]), "on {ranks}: not the same bits");
+        assert!((own - cost).abs() < 1e-9 * cost && off < 1e-12, "on {ranks}: {own:e} {cost:e}, {off:e}");
+        assert!(by_part.iter().all(|off| *off < 1e-8), "on {ranks}: the derivative is off by {by_part:?}");
     }
     Ok(())
 }
