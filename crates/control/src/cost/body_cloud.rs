@@ -4,7 +4,7 @@ use super::smoothed_hausdorff::MOST;
 use crate::error::ControlError;
 use crate::over_ranks::{agreed, gathered};
 use nastic_fem::{QuadraturePoints, Share};
-use nastic_hausdorff::{Cloud, HausdorffError};
+use nastic_hausdorff::{Cloud, HausdorffError, Together};
 use nastic_mesh::{GroupNames, Mesh};
 use std::ops::Range;
 use std::sync::Arc;
@@ -65,9 +65,28 @@ impl BodyCloud {
         Ok((Cloud::new(points, weights).map_err(failed)?, own))
     }
 
+    /// The ranks that form sums over pairs of its points together.
+    pub fn together(&self) -> Option<Arc<dyn Together>> {
+        self.share.clone().map(|share| Arc::new(Ranks(share)) as Arc<dyn Together>)
+    }
+
     /// What this process has found, or that another rank refuses its points.
     pub fn agreed<T>(&self, found: Result<T, ControlError>) -> Result<T, ControlError> {
         agreed(self.share.as_deref(), found)
+    }
+}
+
+/// The ranks of a body, as sums over pairs see them.
+#[derive(Debug)]
+struct Ranks(Arc<Share>);
+
+impl Together for Ranks {
+    fn place(&self) -> (usize, usize) {
+        (self.0.team().rank(), self.0.team().size())
+    }
+
+    fn add_up(&self, values: &mut [f64]) {
+        self.0.sum(values);
     }
 }
 

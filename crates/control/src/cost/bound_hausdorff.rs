@@ -110,7 +110,8 @@ impl Cost for BoundHausdorff {
         let weights: Vec<f64> = body.weights().iter().zip(&kinematics).map(|(w, k)| w * k.j()).collect();
         let (cloud, own) = setup.body.gathered(body.positions(at.solid.mesh(), Some(at.u)), weights)?;
         let smoothing = setup.stage(at.stage).smoothing;
-        let evaluation = Evaluation::new(&cloud, &setup.cloud, smoothing, Summation::default()).map_err(failed)?;
+        let how = (smoothing, Summation::default());
+        let evaluation = Evaluation::together(&cloud, &setup.cloud, how, setup.body.together()).map_err(failed)?;
         let discretization = at.solid.discretization().clone();
         Ok(Arc::new(HausdorffPoint { setup, discretization, u: at.u.to_vec(), stage: at.stage, evaluation, own }))
     }

@@ -27,7 +27,8 @@ use std::sync::Arc;
 /// The relative error of every sum A, B is below 1e-10 ([`Summation`](nastic_hausdorff::Summation)'s default, where what that means for the derivative is
 /// stated): far below the differences that line searches and gradient checks look at.
 ///
-/// Of a body over ranks every rank has the points of all, in the order of the ranks, and forms all sums; the derivative is by its own points.
+/// Of a body over ranks every rank has the points of all, in the order of the ranks; they form the sums together, each those of some of
+/// the points, whoever has these in its cells.
 ///
 /// Source: survey, eq. (7); docs/model.md section 5.
 #[derive(Debug, Clone)]

@@ -71,8 +71,7 @@ impl Reduced {
             let at = (point.m.as_slice(), point.stage);
             return self.derivative_of_motion(motion, (at, &mut point.solved.clone()), of, workspace);
         }
-        let partials = self.solid.model().all_accept(self.partials(point, term))?;
-        self.sensitivity_of(point, partials, workspace)
+        self.sensitivity_of_all(point, self.partials(point, term), workspace)
     }
 
     /// That of all terms, whose adjoint state is left in the point; a motion that keeps few states has only its beginning left then.
@@ -87,13 +86,22 @@ impl Reduced {
                 let at = (point.m.as_slice(), point.stage);
                 self.derivative_of_motion(motion, (at, &mut point.solved), Functional::Lagrangian(of), workspace)?
             }
-            None => {
-                let partials = self.solid.model().all_accept(self.lagrangian_partials(point, of))?;
-                self.sensitivity_of(point, partials, workspace)?
-            }
+            None => self.sensitivity_of_all(point, self.lagrangian_partials(point, of), workspace)?,
         };
         point.adjoint = adjoint.map(|adjoint| AdjointState { multipliers: of.multipliers(), ..adjoint });
         Ok(derivative)
+    }
+
+    /// The same, where any rank may have failed to find its partials.
+    fn sensitivity_of_all(
+        &self,
+        point: &Evaluated,
+        partials: Result<Partials, ControlError>,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
+        let model = self.solid.model();
+        let partials = model.all_accept(partials);
+        model.unless_parted(partials.and_then(|partials| self.sensitivity_of(point, partials, workspace)))
     }
 
     /// `d/dm` of what has these partials, and its adjoint state.
