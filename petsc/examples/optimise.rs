@@ -43,7 +43,7 @@ fn problem(session: &Session, (cost, n): (&str, usize), serial: bool) -> Outcome
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
         .clamp("x-")?;
     let problem = Reduced::new(body).sequential().control("tension", Space::Node)?;
-    let problem = problem.cost(ControlNorm::of("tension", 1e-16)?)?;
+    let problem = problem.cost(ControlNorm::of("tension", 1e-12)?)?;
     Ok(match cost {
         "tracking" => problem.cost(Tracking::surface("x+", Target::position(lifted)))?,
         "hausdorff" => {
