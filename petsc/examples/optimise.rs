@@ -67,7 +67,8 @@ fn optimised(session: &Session, (cost, n, iterations): (&str, usize, usize), to:
     let mut start = problem.at(&control.map(|x| -1e4 * (1.0 + 10.0 * x[2])).collect::<Vec<_>>())?;
     let slope = problem.derivative(&mut start, &mut ReducedWorkspace::default())?;
     let size = slope.iter().map(|d| d * d).sum::<f64>().sqrt();
-    let best = Lbfgs::default().within(Bounds::new(-2e5, 0.0)?).max_iterations(iterations).minimize(&problem, &start)?;
+    let best =
+        Lbfgs::default().within(Bounds::new(-2e5, 0.0)?).max_iterations(iterations).minimize(&problem, &start)?;
     let bits = hash(&[best.m.as_slice(), &best.derivative, &[best.cost]].concat());
     let all = exchange(&*rank, bits.to_le_bytes().to_vec())?;
     let same = all.iter().filter(|other| **other == bits.to_le_bytes()).count();

@@ -99,7 +99,7 @@ fn optimised(problem: &Reduced, method: impl Optimizer, iterations: usize) -> Ou
 
 fn assert_same_optimum(
     make: impl Fn(Solid) -> Outcome<Reduced> + Sync,
-    method: impl Optimizer + Clone + Sync,
+    method: impl Optimizer + Clone,
     iterations: usize,
 ) -> Outcome {
     let mesh = bar(CellKind::Hex8, 2)?;
