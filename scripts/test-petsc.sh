@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # One body over the ranks of MPI, solved by PETSc: the fibre cantilever on 1, 2, 3 and 4 ranks against the digits of other codes, the gradient against
-# that of one process and against differences.
+# that of one process and against differences, optimisations of its tension against those of one process.
 #
 #   scripts/test-petsc.sh
 #
@@ -22,7 +22,7 @@ root=()
 [ "$(id -u)" = 0 ] && root=(--allow-run-as-root)
 
 python3 - "$CARGO_TARGET_DIR/release/examples" "${root[@]}" <<'PYTHON'
-import json, math, subprocess, sys
+import json, math, os, subprocess, sys, tempfile
 
 programs, *root = sys.argv[1:]
 failed = 0
@@ -65,6 +65,23 @@ at = run(3, "hex8", 2, 0.7)
 remainder = [abs(run(3, "hex8", 2, 0.7 + h)["cost"] - at["cost"] - h * at["slope"]) for h in steps]
 order = math.log(remainder[0] / remainder[1]) / math.log(2)
 note("Taylor order on 3", order > 1.95, f"{order:.3f}")
+
+# ten iterations, which end at the cost of one process, with the same bits on all ranks
+for cost in "tracking", "hausdorff":
+    serial = run(1, cost, 2, 10, "serial", program="optimise")
+    for ranks in 1, 2, 3:
+        with tempfile.TemporaryDirectory() as directory:
+            found = run(ranks, cost, 2, 10, directory, program="optimise")
+            parts = [name for name in sorted(os.listdir(directory)) if name.endswith(".vtu")]
+            index = os.path.join(directory, "optimised.pvtu")
+            written = os.path.exists(index) and len(parts) == ranks and all(name in open(index).read() for name in parts)
+        if "error" in found or "error" in serial:
+            note(f"optimisation, {cost}, on {ranks}", False, found.get("error", serial.get("error")))
+            continue
+        start, size, end = (abs(found[key] / serial[key] - 1) for key in ("start", "size", "cost"))
+        right = start < 1e-9 and size < 1e-8 and end < 1e-6 and found["same"] == ranks and written
+        said = f"{found['iterations']} iterations, start off by {start:.0e}, gradient by {size:.0e}, end by {end:.0e}"
+        note(f"optimisation, {cost}, on {ranks}", right, said)
 
 few, many = (run(ranks, "hex8", 6) for ranks in (1, 8))
 ratio = (many["iterations"] / many["systems"]) / (few["iterations"] / few["systems"])

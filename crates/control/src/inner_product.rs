@@ -3,7 +3,8 @@
 use crate::error::ControlError;
 use crate::grid::Corner;
 use crate::layout::Layout;
-use crate::map::{Basis, Space};
+use crate::map::{Basis, Space, WholeBody};
+use crate::over_ranks::gathered;
 use nastic_fem::{Discretization, Solid};
 use nastic_linear::{Factor, Graph, Ordering, Pattern, Pivots, SparseMatrix, Symbolic};
 use nastic_numeric::vector::axpy;
@@ -46,7 +47,7 @@ pub const METRICS: &[MetricRow] = &[
 /// # Errors
 /// A control that acts on nothing, or a smoothing length that is not positive.
 pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<Arc<dyn InnerProduct>, ControlError> {
-    let weights = lumped_weights(solid.discretization(), layout);
+    let weights = lumped_weights(solid.discretization(), layout)?;
     if let Some(i) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
         return Err(ControlError::Cost {
             what: format!("unknown {i} of the controls acts on nothing (weight {})", weights[i]),
@@ -73,9 +74,9 @@ pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<A
 }
 
 /// `weight int phi_i dX` for every entry of the control vector; of fields in time times `(1/T) int phi_k dt`.
-fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
+fn lumped_weights(disc: &Discretization, layout: &Layout) -> Result<Vec<f64>, ControlError> {
     let mut out = vec![0.0; layout.len()];
-    for block in layout.blocks() {
+    for block in layout.blocks().iter().filter(|block| is_counted(disc, &block.basis)) {
         let mut at_instant = vec![0.0; block.size()];
         for (q, w) in block.basis.weights(disc).iter().enumerate() {
             for (i, shape) in block.basis.at_point(q) {
@@ -88,12 +89,21 @@ fn lumped_weights(disc: &Discretization, layout: &Layout) -> Vec<f64> {
         let own = out[block.first..].chunks_exact_mut(at_instant.len().max(1));
         own.zip(shares).for_each(|(out, share)| axpy(share, &at_instant, out));
     }
-    out
+    WholeBody::of(disc).add_up(&mut out)?;
+    Ok(out)
 }
 
-/// The consistent mass times m for one component: `int phi_i m dX`.
+/// Whether this rank counts a field in sums over ranks: fields over a body at the points of each, what is a contribution's own on the first alone, as all have it.
+fn is_counted(disc: &Discretization, basis: &Basis) -> bool {
+    !basis.is_of_contribution() || disc.over_ranks().is_none_or(|(_, share)| share.team().leads())
+}
+
+/// The consistent mass times m for one component: `int phi_i m dX`; over ranks the share of this one.
 pub(crate) fn mass_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; basis.len()];
+    if !is_counted(disc, basis) {
+        return out;
+    }
     for (q, w) in basis.weights(disc).iter().enumerate() {
         let value: f64 = basis.at_point(q).map(|(i, shape)| shape * m[i]).sum();
         basis.at_point(q).for_each(|(i, shape)| out[i] += w * shape * value);
@@ -101,9 +111,12 @@ pub(crate) fn mass_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> V
     out
 }
 
-/// The stiffness times m for one component: `int grad phi_i . grad m dX`, or its analogue over faces.
+/// The stiffness times m for one component: `int grad phi_i . grad m dX`, or its analogue over faces; over ranks the share of this one.
 pub(crate) fn stiffness_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; basis.len()];
+    if !is_counted(disc, basis) {
+        return out;
+    }
     for_each_stiffness(disc, basis, |unknowns, local| {
         let n = unknowns.len();
         for (a, &i) in unknowns.iter().enumerate() {
@@ -157,10 +170,50 @@ pub(crate) fn for_each_face(disc: &Discretization, basis: &Basis, mut each: impl
         if a == u32::MAX || b == u32::MAX {
             continue;
         }
-        let (x, y) = (basis.positions()[a as usize], basis.positions()[b as usize]);
-        let distance = (0..3).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>().sqrt();
-        each([a, b], mesh.area(&[here]), distance);
+        each([a, b], mesh.area(&[here]), distance(basis, [a, b]));
     }
+    // faces to cells that other ranks have; a field that is constant in regions does not know whose they are
+    let outer =
+        disc.over_ranks().filter(|_| basis.space() == Space::Cell).map_or(&[][..], |(part, _)| part.outer_faces());
+    for (here, there) in outer {
+        let (a, b) = (unknown_of[here.cell as usize], basis.entities().binary_search(there));
+        if let (false, Ok(b)) = (a == u32::MAX, b) {
+            each([a, b as u32], mesh.area(&[*here]), distance(basis, [a, b as u32]));
+        }
+    }
+}
+
+/// The distance of the places of two unknowns.
+fn distance(basis: &Basis, [a, b]: [u32; 2]) -> f64 {
+    let (x, y) = (basis.positions()[a as usize], basis.positions()[b as usize]);
+    (0..3).map(|k| (x[k] - y[k]).powi(2)).sum::<f64>().sqrt()
+}
+
+/// Unknowns and the dense stiffness of them.
+type Piece = (Vec<u32>, Vec<f64>);
+
+/// The pieces of [`for_each_stiffness`] of all ranks, in their order; `None` of a body that one process has.
+fn pieces_of_all(disc: &Discretization, basis: &Basis) -> Result<Option<Vec<Piece>>, ControlError> {
+    let Some((_, share)) = disc.over_ranks() else { return Ok(None) };
+    // each behind its number of unknowns
+    let mut told = Vec::new();
+    for_each_stiffness(disc, basis, |unknowns, local| {
+        told.push(unknowns.len() as f64);
+        told.extend(unknowns.iter().map(|unknown| f64::from(*unknown)));
+        told.extend(local);
+    });
+    let mut pieces = Vec::new();
+    for of_rank in gathered(share, &told)? {
+        let mut rest = &of_rank[..];
+        while let Some((count, behind)) = rest.split_first() {
+            let n = *count as usize;
+            let (unknowns, behind) = behind.split_at(n.min(behind.len()));
+            let (local, behind) = behind.split_at((n * n).min(behind.len()));
+            pieces.push((unknowns.iter().map(|unknown| *unknown as u32).collect(), local.to_vec()));
+            rest = behind;
+        }
+    }
+    Ok(Some(pieces))
 }
 
 /// `G = M + length^2 S`, M lumped, factorised once; one scalar matrix per control field, shared by its components.
@@ -184,8 +237,13 @@ impl H1 {
         let mut blocks = Vec::new();
         for block in layout.blocks() {
             let basis = &block.basis;
+            let gathered = pieces_of_all(disc, basis)?;
+            let for_each_piece = |each: &mut dyn FnMut(&[u32], &[f64])| match &gathered {
+                None => for_each_stiffness(disc, basis, each),
+                Some(pieces) => pieces.iter().for_each(|(unknowns, local)| each(unknowns, local)),
+            };
             let mut cliques: Vec<Vec<u32>> = (0..basis.len() as u32).map(|i| vec![i]).collect();
-            for_each_stiffness(disc, basis, |unknowns, _| cliques.push(unknowns.to_vec()));
+            for_each_piece(&mut |unknowns, _| cliques.push(unknowns.to_vec()));
             let graph =
                 Graph::from_cliques(basis.len(), cliques.iter().map(Vec::as_slice)).map_err(|e| fail(e.to_string()))?;
             let ordering = Ordering::best(&graph, basis.positions()).map_err(|e| fail(e.to_string()))?;
@@ -199,7 +257,7 @@ impl H1 {
             for i in 0..basis.len() {
                 add(i, i, weights[block.first + i * block.components]);
             }
-            for_each_stiffness(disc, basis, |unknowns, local| {
+            for_each_piece(&mut |unknowns, local| {
                 let n = unknowns.len();
                 for a in 0..n {
                     for b in 0..=a {

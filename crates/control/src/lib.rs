@@ -19,6 +19,7 @@ mod inner_product;
 mod known_limits;
 mod layout;
 mod map;
+mod over_ranks;
 mod reduced;
 mod snapshot;
 mod state_bytes;

@@ -7,6 +7,7 @@ mod motion;
 mod motion_derivative;
 mod motion_progress;
 mod objective;
+mod over_ranks;
 mod second_order;
 mod sensitivity;
 mod static_trial;
@@ -43,6 +44,10 @@ use std::sync::atomic::AtomicBool;
 /// `djhat/dm = dj/dm + int (dP/dm) : grad lambda dX`. Source: docs/model.md section 6; survey, section 4.
 ///
 /// Built by chaining. What is controlled is said by [`control`](Self::control); nothing is controlled unasked.
+///
+/// Of a body over ranks ([`Solid::of_part`]) all ranks build the same problem and call the same methods together. The control vector is that of the whole body, with the numbers
+/// and in the order of one process; vectors, costs and derivatives have the same bits on all ranks, so that an optimiser on each of them takes the same
+/// decisions. States are those of the part. See docs/clusters.md.
 ///
 /// ```
 /// use nastic_control::{ControlEntity, Reduced, ReducedWorkspace, Space, Target, Tracking};
@@ -219,7 +224,11 @@ impl Reduced {
         if self.motion.is_some() {
             return self.cost_when(When::End, cost);
         }
-        self.costs.push(cost.bind(&self.solid)?);
+        let model = self.solid.model();
+        if let Some(what) = cost.not_over_ranks() {
+            model.refuse_ranks(&what)?;
+        }
+        self.costs.push(model.all_accept(cost.bind(&self.solid))?);
         Ok(self)
     }
 
@@ -359,12 +368,11 @@ impl Reduced {
         how: &Request<'_, Evaluated>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Evaluated, ControlError> {
-        // costs and derivatives would be those of one part
-        self.solid.model().refuse_ranks("optimal control")?;
         if let Some(motion) = &self.motion {
             return self.evaluate_motion(motion, (m, how), None, workspace);
         }
-        self.evaluate_static(m, how, workspace)
+        self.check_same_control(m)?;
+        self.solid.model().unless_parted(self.evaluate_static(m, how, workspace))
     }
 
     fn solve_options(&self, accuracy: f64) -> SolveOptions<'_> {

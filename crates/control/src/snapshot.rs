@@ -7,8 +7,8 @@ use crate::map::Space;
 use crate::reduced::Reduced;
 use crate::time::Timeline;
 use nastic_energy::SlotGroup;
-use nastic_fem::{Instant, State};
-use nastic_mesh::{Mesh, MeshError, Snapshot};
+use nastic_fem::{Discretization, Instant, State};
+use nastic_mesh::{MeshError, Snapshot};
 use nastic_tensor::Mat3;
 
 /// A state, and what is known of it.
@@ -149,7 +149,7 @@ impl Reduced {
                 let actuations = self.solid().body().actuations();
                 let of = block.targets.iter().filter_map(|target| actuations.get(target.actuation));
                 let cells: Vec<u32> = of.flat_map(|attached| attached.cells.iter().copied()).collect();
-                shot.with_points(name, n, by_node(self.solid().mesh(), &cells, block, values))
+                shot.with_points(name, n, by_node(self.solid().discretization(), &cells, block, values))
             }
             Space::Grid(_) | Space::Point => shot.with_cells(name, n, self.cell_means(block, values)),
             _ => shot.with_cells(name, n, self.by_cell(block, values)),
@@ -269,10 +269,12 @@ fn principal_stretches(strain: &[f64]) -> [f64; 3] {
 
 /// A nodal field on all nodes of the mesh: on corners as it is, between them by the corner shape functions, zero where it
 /// does not act.
-fn by_node(mesh: &Mesh, cells: &[u32], block: &ControlBlock, values: &[f64]) -> Vec<f64> {
-    let n = block.components;
+fn by_node(disc: &Discretization, cells: &[u32], block: &ControlBlock, values: &[f64]) -> Vec<f64> {
+    let (mesh, n) = (disc.mesh(), block.components);
     let mut out = vec![0.0; mesh.points().len() * n];
-    let unknown = |node: u32| block.basis.entities().binary_search(&node).ok();
+    // unknowns are numbered by the nodes of the whole body
+    let in_whole = |node: u32| disc.over_ranks().map_or(node, |(part, _)| part.nodes()[node as usize]);
+    let unknown = |node: u32| block.basis.entities().binary_search(&in_whole(node)).ok();
     for &id in cells {
         let cell = mesh.cell(id as usize);
         let corners = cell.kind.corners();
@@ -286,8 +288,10 @@ fn by_node(mesh: &Mesh, cells: &[u32], block: &ControlBlock, values: &[f64]) -> 
             }
         }
     }
-    for (k, &node) in block.basis.entities().iter().enumerate() {
-        out[node as usize * n..][..n].copy_from_slice(&values[k * n..][..n]);
+    for node in 0..mesh.points().len() {
+        if let Some(k) = unknown(node as u32) {
+            out[node * n..][..n].copy_from_slice(&values[k * n..][..n]);
+        }
     }
     out
 }

@@ -10,7 +10,7 @@ impl ControlBlock {
     /// The total variation `int |Dm|` of this field with these values, its part of a control vector: `int |grad m| dX`
     /// (Frobenius norm) of a field between nodes or on a grid, of its vectors as
     /// [`Layout::fix_length`](crate::Layout::fix_length) leaves them; of a field that is constant in cells or regions the sum
-    /// over inner faces of `area |jump|`. Zero of one value; not a number by point, where there are no neighbours. Of a field in time the mean over the time. Unit: the values' times
+    /// over inner faces of `area |jump|`. Zero of one value; not a number by point, where there are no neighbours, nor of a body over ranks. Of a field in time the mean over the time. Unit: the values' times
     /// an area (of a plane body a length).
     ///
     /// Where it grows without bound as the control mesh is refined, the fields have no limit of bounded variation.
@@ -18,6 +18,7 @@ impl ControlBlock {
     /// Source: Ambrosio, Fusco, Pallara, Functions of Bounded Variation, 2000, section 3.1.
     pub fn total_variation(&self, disc: &Discretization, values: &[f64]) -> f64 {
         match &self.knots {
+            _ if disc.over_ranks().is_some() => f64::NAN,
             None => self.total_variation_at(disc, values),
             Some(knots) => {
                 let of_knots = values.chunks_exact(self.size().max(1)).zip(knots.shares());

@@ -39,7 +39,7 @@ impl Solid {
     /// The part of a body that a rank of a team has, without materials; every other rank has that of its number of the same division. All ranks build the
     /// same body, and call what solves together; groups of the mesh may have nothing on some of them.
     ///
-    /// Solves and adjoints are for equilibria of laws and actuations in formulations by cell, dead loads, supports that do not move, and
+    /// Solves and adjoints are for equilibria of laws and actuations in formulations by cell, dead loads, supports that are held or moved, and
     /// [contributions that say so](crate::Contribution::spans_ranks); all else is refused. It needs a [solver](Self::solver) that spans ranks. Vectors are in the numbers of
     /// the part: `u` is whole, [`nodal_force`](Self::nodal_force) and the derivatives by controls that a rank finds are its share of a sum.
     ///
@@ -79,7 +79,7 @@ impl Solid {
 
 impl Model {
     /// Whether it is the part of one rank among several.
-    pub(crate) fn is_over_ranks(&self) -> bool {
+    pub fn is_over_ranks(&self) -> bool {
         self.unknowns().share().is_some()
     }
 
@@ -110,7 +110,10 @@ impl Model {
     }
 
     /// What a rank has checked by itself, or that another one refuses its part: before messages that would wait for that one.
-    pub(crate) fn all_accept<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
+    ///
+    /// # Errors
+    /// What was found; [`FemError::Elsewhere`] where another rank found an error.
+    pub fn all_accept<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
         self.unless_elsewhere(found, || FemError::Elsewhere.into())
     }
 
@@ -135,7 +138,10 @@ impl Model {
     }
 
     /// The end of a solve, unless messages between the ranks have failed on the way.
-    pub(crate) fn unless_parted<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
+    ///
+    /// # Errors
+    /// What was found; [`FemError::Team`] where messages have failed.
+    pub fn unless_parted<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
         match self.unknowns().share().and_then(|share| share.failure()) {
             None => found,
             Some(failure) => Err(FemError::from(failure).into()),

@@ -324,9 +324,14 @@ impl Solid {
     ///
     /// # Errors
     /// As [`Spring`] says; a name that is taken.
-    pub fn spring(self, spring: Spring) -> Result<Self, FemError> {
-        let contribution = spring.on(self.whole_mesh("a spring")?)?;
-        self.contribution(contribution)
+    pub fn spring(mut self, spring: Spring) -> Result<Self, FemError> {
+        let Some(parted) = self.discretization().parted() else {
+            let contribution = spring.on(self.mesh())?;
+            return self.contribution(contribution);
+        };
+        let contribution = spring.on_rank(self.mesh(), parted)?;
+        self.model.add(contribution)?;
+        Ok(self)
     }
 
     /// Holds a surface that moves as a rigid body.
@@ -335,8 +340,8 @@ impl Solid {
     /// An unknown surface, nodes that something else holds; a name that is taken.
     pub fn motion(self, motion: MovingSupport) -> Result<Self, FemError> {
         let nodes = self.nodes_of(motion.surface())?;
-        let contribution = motion.on(self.whole_mesh("a motion of a surface")?, nodes)?;
-        self.contribution(contribution)
+        let contribution = motion.on(self.discretization(), nodes)?;
+        self.contribution_of_all(contribution)
     }
 
     /// Makes a region a rigid body.
@@ -408,6 +413,13 @@ impl Solid {
     pub fn contribution(mut self, contribution: impl Contribution + 'static) -> Result<Self, FemError> {
         self.model.add(Arc::new(contribution))?;
         Ok(self)
+    }
+
+    /// The same of one that a part of the body may refuse.
+    fn contribution_of_all(self, contribution: impl Contribution + 'static) -> Result<Self, FemError> {
+        let space = self.model.unknowns().clone();
+        let added = self.contribution(contribution);
+        if space.any(added.is_err()) { added.and(Err(FemError::Elsewhere)) } else { added }
     }
 
     /// [`Model::solve`].

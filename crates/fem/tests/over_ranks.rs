@@ -3,11 +3,11 @@
 use crate::common;
 
 use common::Outcome;
-use common::ranks::{Simple, total};
+use common::ranks::Simple;
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
 use nastic_fem::{
-    Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, Progress, QuadraturePoints, Solid,
-    SolveOptions, SolveReport, Spring, State, StateError,
+    Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, MovingSupport, Progress, QuadraturePoints,
+    Share, Solid, SolveOptions, SolveReport, Spring, State, StateError,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, box_mesh};
@@ -26,6 +26,8 @@ fn part(mesh: &Mesh, rank: &Arc<ThreadRank>) -> Outcome<Solid> {
     let part = mesh.part(&mesh.bisected(rank.size())?, rank.rank() as u32)?;
     Ok(Solid::of_part(part, rank.clone())?)
 }
+
+type Divide = fn(&Mesh, &Arc<ThreadRank>) -> Outcome<Solid>;
 
 /// Cells dealt out one by one: parts that touch surfaces and each other with single nodes and edges.
 fn scattered(mesh: &Mesh, rank: &Arc<ThreadRank>) -> Outcome<Solid> {
@@ -60,6 +62,15 @@ fn displacement(solid: &Solid, state: &State, at: [f64; 3]) -> [f64; 3] {
     let node = common::node_at(solid.mesh(), at).filter(|node| *node < owned);
     let own = node.map_or([0.0; 3], |node| [0, 1, 2].map(|k| state.u[3 * node + k]));
     own.map(|u| total(share, u))
+}
+
+/// The sum over all ranks.
+fn total(share: Option<&Arc<Share>>, here: f64) -> f64 {
+    let mut sum = [here];
+    if let Some(share) = share {
+        share.sum(&mut sum);
+    }
+    sum[0]
 }
 
 const CORNER: [f64; 3] = [1.0, 0.2, 0.2];
@@ -109,7 +120,6 @@ fn tracking(solid: &Solid, factor: f64, how: &SolveOptions) -> Outcome<(f64, f64
 
 #[test]
 fn gradients_are_those_of_one_rank_and_of_differences() -> Outcome {
-    type Divide = fn(&Mesh, &Arc<ThreadRank>) -> Outcome<Solid>;
     for (kind, divide) in [(CellKind::Hex8, part as Divide), (CellKind::Tet10, scattered)] {
         let mesh = box_mesh([1.0, 0.2, 0.2], [6, 2, 2], kind)?;
         let serial = cantilever(Solid::new(mesh.clone())?)?;
@@ -219,6 +229,83 @@ fn loads_supports_and_foundations_act_once_where_parts_meet() -> Outcome {
                 assert!((0..3).all(|k| (u[k] - whole[k]).abs() < 1e-10), "{u:?} {whole:?}");
             }
         }
+    }
+    Ok(())
+}
+
+/// A grip that shifts and turns, two springs to the ground, one of which alone holds a component, and one between two near places.
+fn gripped(solid: Solid) -> Outcome<(Solid, Controls)> {
+    let solid = solid
+        .material("body", NeoHooke::new(1e5, 1e6)?)?
+        .displace("x-", [Some(0.0), None, Some(0.0)])?
+        .motion(MovingSupport::of("grip", "x+").components(&[0, 2]))?
+        .spring(Spring::to_ground("wire", [0.52, 0.1, 0.1], [0.5, 0.1, -0.5], 5e3).rest_length(0.2))?
+        .spring(Spring::to_ground("side", [0.3, 0.2, 0.05], [0.3, 1.0, 0.05], 2e3))?
+        .spring(Spring::between("stitch", [0.05, 0.02, 0.0], [0.1, 0.08, 0.2], 4e3).rest_length(0.1))?;
+    let mut controls = solid.controls();
+    controls.values_mut(0).copy_from_slice(&[0.02, 0.0, -0.05, 0.0, 0.2, 0.0]);
+    Ok((solid, controls))
+}
+
+#[test]
+fn moving_supports_and_springs_act_as_on_one_rank() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 2, 2], CellKind::Hex8)?;
+    let (serial, controls) = gripped(Solid::new(mesh.clone())?)?;
+    let expected = serial.solve(&controls, &SolveOptions::default())?;
+    // a functional that depends on the place of the grip
+    let slopes = |solid: &Solid, state: &State, rhs: &[f64], how: &SolveOptions| -> Outcome<Vec<f64>> {
+        let adjoint = solid.adjoint(state, &[rhs], how)?;
+        let by_u: Vec<f64> = rhs.iter().map(|b| -b).collect();
+        let found = solid.model().sensitivities(&nastic_fem::Instant::of(state), &by_u, &adjoint.lambda[0])?;
+        let space = solid.model().unknowns();
+        Ok(found.controls.values(0).iter().map(|own| space.total(*own)).collect())
+    };
+    let rhs = |solid: &Solid, state: &State| -> Vec<f64> {
+        let twisted = |(k, u): (usize, &f64)| -u - 0.1 * solid.mesh().points()[k / 3][k % 3];
+        state.u.iter().enumerate().map(twisted).collect()
+    };
+    let by_grip = slopes(&serial, &expected, &rhs(&serial, &expected), &SolveOptions::default())?;
+    let size = by_grip.iter().fold(0.0_f64, |most, d| most.max(d.abs()));
+    // the grip on one rank; across ranks, and the wire at an edge between them
+    for (ranks, divide) in [(1, part as Divide), (3, part), (4, scattered)] {
+        let found = on(ranks, &Faults::default(), |rank| {
+            let (solid, controls) = gripped(divide(&mesh, &rank)?)?;
+            let nodes = solid.discretization().over_ranks().map(|(part, _)| part.nodes().to_vec()).unwrap_or_default();
+            let state = solid.solve(&controls, &how())?;
+            let slopes = slopes(&solid, &state, &rhs(&solid, &state), &how())?;
+            Ok((nodes, state.u.to_vec(), state.report.energy, slopes))
+        });
+        for found in found {
+            let (nodes, u, energy, slopes) = found?;
+            assert!((energy - expected.report.energy).abs() < 1e-8 * energy.abs(), "{energy}");
+            assert!(slopes.iter().zip(&by_grip).all(|(a, b)| (a - b).abs() < 1e-8 * size), "{slopes:?} {by_grip:?}");
+            for (u, node) in u.chunks_exact(3).zip(nodes) {
+                let whole = &expected.u[3 * node as usize..][..3];
+                assert!((0..3).all(|k| (u[k] - whole[k]).abs() < 1e-9), "{u:?} {whole:?}");
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn springs_that_no_rank_has_are_refused_by_all() -> Outcome {
+    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 2, 2], CellKind::Hex8)?;
+    let found = on(3, &Faults::default(), |rank| {
+        let solid = cantilever(part(&mesh, &rank)?)?;
+        let said = |spring: Spring| solid.clone().spring(spring).err().map(|error| error.to_string());
+        Ok([
+            said(Spring::between("far", [0.1, 0.1, 0.1], [0.9, 0.1, 0.1], 1.0)),
+            said(Spring::to_ground("outside", [0.1, 0.1, 3.0], [0.0; 3], 1.0)),
+            said(Spring::to_ground("set", "x+", [0.0; 3], 1.0)),
+            said(Spring::to_ground("soft", [0.1, 0.1, 0.1], [0.0; 3], -1.0)),
+        ])
+    });
+    for found in found {
+        let named = ["on different ranks", "outside", "node set", "stiffness"];
+        let found = found?;
+        let has = |(said, named): (&Option<String>, &str)| said.as_ref().is_some_and(|said| said.contains(named));
+        assert!(found.iter().zip(named).all(has), "{found:?}");
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! The smoothed Hausdorff distance and its exact partial derivatives.
 
 use std::f64::consts::SQRT_2;
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -9,6 +10,7 @@ use super::error::HausdorffError;
 use super::pairs::{LogSums, Pairs};
 use super::smoothing::Smoothing;
 use super::summation::Summation;
+use super::together::Together;
 
 /// rho and its two directions (metres).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +64,19 @@ impl Evaluation {
         smoothing: Smoothing,
         summation: Summation,
     ) -> Result<Self, HausdorffError> {
-        let pairs = Pairs::new(body, target, smoothing.phi(), smoothing.alpha(), summation)?;
+        Self::together(body, target, (smoothing, summation), None)
+    }
+
+    /// The same by several processes that have the same clouds and form the sums over pairs together; so they do those of [`partials`](Self::partials).
+    ///
+    /// Errors: a result out of the range of numbers.
+    pub fn together(
+        body: &Cloud,
+        target: &Cloud,
+        (smoothing, summation): (Smoothing, Summation),
+        together: Option<Arc<dyn Together>>,
+    ) -> Result<Self, HausdorffError> {
+        let pairs = Pairs::new(body, target, smoothing.phi(), smoothing.alpha(), summation)?.together(together);
         let sums = pairs.log_sums();
         let to_body = Directed::new("D1", &smoothing, &sums.target, target)?;
         let to_target = Directed::new("D2", &smoothing, &sums.body, body)?;

@@ -8,6 +8,7 @@ use super::lanes::{InstructionSet, WIDTH};
 use super::lower_bounds::BoundedSet;
 use super::point_set::padded;
 use super::sum_tiles::{SumTile, WideSumTile};
+use super::together::{Together, is_own};
 use super::truncation::columns_of;
 
 /// Leaves of rows that are worked on independently, in so many groups at most; fixed, so that sums do not depend on
@@ -32,6 +33,7 @@ pub(super) struct LeafPairs<'a> {
     pub log2_tolerance: f64,
     pub rows: &'a BoundedSet,
     pub columns: &'a BoundedSet,
+    pub together: Option<&'a dyn Together>,
 }
 
 /// A pair of leaves.
@@ -75,11 +77,20 @@ impl LeafPairs<'_> {
     }
 
     pub fn log2_sums(&self) -> Log2Sums {
-        let panels: Vec<[Vec<f64>; 2]> = self.panels().par_iter().map(|leaves| self.panel(leaves)).collect();
-        let rows: Vec<f64> = panels.iter().flat_map(|[rows, _]| rows).copied().collect();
+        let of_panel = |(k, leaves): (usize, &Vec<u32>)| match is_own(self.together, k) {
+            true => self.panel(leaves),
+            false => [vec![0.0; self.points_of(leaves)], vec![]],
+        };
+        let panels: Vec<[Vec<f64>; 2]> = self.panels().par_iter().enumerate().map(of_panel).collect();
+        let mut rows: Vec<f64> = panels.iter().flat_map(|[rows, _]| rows).copied().collect();
         let mut columns = vec![0.0; self.columns.points.weight.len()];
         for [_, part] in &panels {
             columns.iter_mut().zip(part).for_each(|(sum, part)| *sum += part);
+        }
+        if let Some(together) = self.together {
+            rows.append(&mut columns);
+            together.add_up(&mut rows);
+            columns = rows.split_off(rows.len() - self.columns.points.weight.len());
         }
         let logs = |set: &BoundedSet, mut sums: Vec<f64>| {
             let count = set.points.cloud.len();
@@ -88,6 +99,11 @@ impl LeafPairs<'_> {
             sums
         };
         Log2Sums { rows: logs(self.rows, rows), columns: logs(self.columns, columns) }
+    }
+
+    /// How many points some leaves of rows have.
+    pub fn points_of(&self, leaves: &[u32]) -> usize {
+        leaves.iter().map(|&row| self.rows.points.node(row).count as usize).sum()
     }
 
     /// The sums of some leaves of rows, and their part of the sums of all columns.

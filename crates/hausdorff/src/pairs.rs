@@ -1,6 +1,7 @@
 //! Two clouds and phi^alpha between all their points.
 
 use std::f64::consts::LN_2;
+use std::sync::Arc;
 
 use super::cloud::Cloud;
 use super::error::{HausdorffError, positive};
@@ -11,6 +12,7 @@ use super::lower_bounds::{BoundedSet, LowerBounds};
 use super::phi::Phi;
 use super::point_set::{PointSet, in_cloud_order, in_tree_order};
 use super::summation::Summation;
+use super::together::Together;
 use super::vjp::VjpSums;
 
 /// The sums over all pairs of a body and a target, value and derivative.
@@ -31,6 +33,7 @@ pub struct Pairs {
     log2_tolerance: f64,
     body: BoundedSet,
     target: BoundedSet,
+    together: Option<Arc<dyn Together>>,
 }
 
 /// Logarithms of the sums, see `Pairs`, in the numbering of the clouds.
@@ -75,6 +78,12 @@ impl Pairs {
         Self::on(InstructionSet::detect(), body, target, phi, alpha, summation)
     }
 
+    /// The same pairs, whose sums several processes form together; all but those of second derivatives.
+    #[must_use]
+    pub fn together(self, together: Option<Arc<dyn Together>>) -> Self {
+        Pairs { together, ..self }
+    }
+
     pub(super) fn on(
         instructions: InstructionSet,
         body: &Cloud,
@@ -93,7 +102,7 @@ impl Pairs {
         let of_target = LowerBounds::new(&target, &body, &kernel, instructions);
         let body = BoundedSet { points: body, bounds: of_body };
         let target = BoundedSet { points: target, bounds: of_target };
-        Ok(Self { kernel, instructions, log2_tolerance, body, target })
+        Ok(Self { kernel, instructions, log2_tolerance, body, target, together: None })
     }
 
     /// log A and log B.
@@ -166,6 +175,7 @@ impl Pairs {
             log2_tolerance: self.log2_tolerance,
             rows: &self.body,
             columns: &self.target,
+            together: self.together.as_deref(),
         }
     }
 }

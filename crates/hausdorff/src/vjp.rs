@@ -8,6 +8,7 @@ use super::lanes::WIDTH;
 use super::leaf_pairs::{LeafPair, LeafPairs, Log2Sums, Scale};
 use super::lower_bounds::BoundedSet;
 use super::point_set::padded;
+use super::together::is_own;
 use super::vjp_tiles::{VJP, VjpTile, WideVjpTile, collect};
 
 /// Per row: the force (units of `Kernel::gradient_factor`) and the mass, see `vjp_tiles`.
@@ -41,7 +42,10 @@ impl<'a> VjpSums<'a> {
 
     /// At every row, in tree order.
     pub fn run(&self) -> Vec<PointVjp> {
-        let panel = |leaves: &Vec<u32>| -> Vec<PointVjp> {
+        let panel = |(k, leaves): (usize, &Vec<u32>)| -> Vec<PointVjp> {
+            if !is_own(self.summed.together, k) {
+                return vec![[0.0; 4]; self.summed.points_of(leaves)];
+            }
             let (mut all, mut spread) = (Vec::new(), Aligned::default());
             for &row in leaves {
                 spread.reset(self.summed.rows.points.node(row).count as usize * VJP);
@@ -52,7 +56,11 @@ impl<'a> VjpSums<'a> {
             }
             all
         };
-        self.summed.panels().par_iter().map(panel).collect::<Vec<_>>().concat()
+        let mut all = self.summed.panels().par_iter().enumerate().map(panel).collect::<Vec<_>>().concat();
+        if let Some(together) = self.summed.together {
+            together.add_up(all.as_flattened_mut());
+        }
+        all
     }
 
     fn tile(&self, pair: LeafPair, out: &mut [f64]) {

@@ -20,6 +20,7 @@ pub struct Part {
     bounds: ([f64; 3], [f64; 3]),
     pieces: Vec<u32>,
     piece_bounds: Vec<([f64; 3], [f64; 3])>,
+    outer_faces: Vec<(Facet, u32)>,
 }
 
 impl Part {
@@ -60,6 +61,12 @@ impl Part {
     /// Diagonal of the bounding box of the whole.
     pub fn diagonal(&self) -> f64 {
         geometry::norm(&geometry::minus(&self.bounds.1, &self.bounds.0))
+    }
+
+    /// Faces of its cells to cells of higher parts, each with the number in the whole of the cell behind it: with the
+    /// [`neighbours`](Mesh::neighbours) of all parts every inner face of the whole once.
+    pub fn outer_faces(&self) -> &[(Facet, u32)] {
+        &self.outer_faces
     }
 
     /// For every cell the number of the connected piece of the whole that it belongs to: [`Mesh::pieces`].
@@ -126,6 +133,11 @@ impl Mesh {
         let surfaces = std::iter::once(skin).chain(self.surfaces.clone());
         let on_surface =
             |(name, facets): (String, Vec<Facet>)| (name, node_numbers.of_all(&self.nodes_of_facets(&facets)));
+        let outer = |(own, other): (&Facet, &Facet)| {
+            let behind = owners[other.cell as usize] > number;
+            cell_numbers.of_facet(own).filter(|_| behind).map(|own| (own, other.cell))
+        };
+        let outer_faces = self.neighbours.iter().filter_map(|(a, b)| outer((a, b)).or_else(|| outer((b, a)))).collect();
         let all_pieces = self.pieces();
         Ok(Part {
             mesh: Arc::new(self.restricted(&nodes, &cells, (&node_numbers, &cell_numbers))),
@@ -137,6 +149,7 @@ impl Mesh {
             piece_bounds: self.piece_bounds(&all_pieces),
             nodes,
             cells,
+            outer_faces,
         })
     }
 

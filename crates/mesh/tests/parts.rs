@@ -129,3 +129,26 @@ fn parts_that_are_none_are_refused() -> Outcome {
     assert!(matches!(mesh.part(&[0, 0], 1), Err(MeshError::Part { part: 1, .. })));
     Ok(())
 }
+
+#[test]
+fn every_inner_face_is_within_one_part_or_between_two_once() -> Outcome {
+    let mesh = box_mesh([4.0, 2.0, 2.0], [4, 2, 2], CellKind::Hex8)?;
+    let owners: Vec<u32> = (0..mesh.cells() as u32).map(|cell| cell % 3).collect();
+    let mut faces = Vec::new();
+    for number in 0..3 {
+        let part = mesh.part(&owners, number)?;
+        let whole = |cell: u32| part.cells()[cell as usize];
+        faces.extend(part.mesh().neighbours().iter().map(|(a, b)| [whole(a.cell), whole(b.cell)]));
+        for (own, behind) in part.outer_faces() {
+            assert!(owners[*behind as usize] > number && (part.mesh().area(&[*own]) - 1.0).abs() < 1e-12);
+            faces.push([whole(own.cell), *behind]);
+        }
+    }
+    let sorted = |mut faces: Vec<[u32; 2]>| {
+        faces.iter_mut().for_each(|pair| pair.sort_unstable());
+        faces.sort_unstable();
+        faces
+    };
+    assert_eq!(sorted(faces), sorted(mesh.neighbours().iter().map(|(a, b)| [a.cell, b.cell]).collect()));
+    Ok(())
+}

@@ -31,7 +31,10 @@ impl BodyPart {
             }
             BodyPart::Nodes(names) => {
                 let nodes = solid.nodes_of(names)?;
-                (BodyPoints::Nodes(nodes.clone()), nodes)
+                // nodes between ranks count where they belong
+                let owned = solid.discretization().over_ranks().map_or(usize::MAX, |(part, _)| part.owned());
+                let counted = nodes.iter().copied().filter(|node| (*node as usize) < owned).collect();
+                (BodyPoints::Nodes(counted), nodes)
             }
         })
     }

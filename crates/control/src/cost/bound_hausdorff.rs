@@ -1,11 +1,13 @@
 //! [`BoundHausdorff`]: [`SmoothedHausdorff`](super::SmoothedHausdorff) on a body, and its evaluated points.
 
+use super::body_cloud::{BodyCloud, failed};
 use super::{Cost, CostContext, CostPoint, CostTarget, Figure, FigureKind, Partials};
 use crate::error::ControlError;
-use nastic_fem::{Discretization, QuadraturePoints, Solid};
-use nastic_hausdorff::{Cloud, Evaluation, HausdorffError, Motion, SecondPartials, Smoothing, Summation};
+use nastic_fem::{Discretization, Solid};
+use nastic_hausdorff::{Cloud, Evaluation, Motion, SecondPartials, Smoothing, Summation};
 use nastic_mesh::{GroupNames, Hausdorff, Mesh, Shape, hausdorff};
 use nastic_tensor::{Mat3, cross};
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// [`SmoothedHausdorff`](super::SmoothedHausdorff) bound to a body.
@@ -15,7 +17,9 @@ pub struct BoundHausdorff(Arc<Setup>);
 /// All that does not depend on the displacement, shared with the evaluated points.
 #[derive(Debug)]
 pub(super) struct Setup {
-    pub body: QuadraturePoints,
+    pub body: BodyCloud,
+    /// How many points the body has.
+    pub points: usize,
     /// Region of the body; `None`: all of it.
     pub region: Option<GroupNames>,
     pub target: Arc<Mesh>,
@@ -67,10 +71,6 @@ impl Setup {
     }
 }
 
-fn failed(error: HausdorffError) -> ControlError {
-    ControlError::Cost { what: error.to_string() }
-}
-
 impl BoundHausdorff {
     pub(super) fn new(setup: Setup) -> Self {
         BoundHausdorff(Arc::new(setup))
@@ -79,8 +79,9 @@ impl BoundHausdorff {
     /// The true Hausdorff distance of the deformed body from the target.
     ///
     /// # Errors
-    /// A body turned inside out.
+    /// A body turned inside out; one over ranks.
     pub fn true_distance(&self, solid: &Solid, u: &[f64]) -> Result<Hausdorff, ControlError> {
+        solid.model().refuse_ranks("the true Hausdorff distance")?;
         self.0.true_distance(solid.mesh(), u)
     }
 
@@ -98,16 +99,21 @@ impl Cost for BoundHausdorff {
         "smoothed_hausdorff"
     }
 
+    fn spans_ranks(&self) -> bool {
+        true
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let setup = self.0.clone();
-        let kinematics = setup.body.kinematics(at.u)?;
-        let weights: Vec<f64> = setup.body.weights().iter().zip(&kinematics).map(|(w, k)| w * k.j()).collect();
-        let positions = setup.body.positions(at.solid.mesh(), Some(at.u));
-        let cloud = Cloud::new(positions, weights).map_err(failed)?;
+        let body = &setup.body.points;
+        let kinematics = setup.body.agreed(body.kinematics(at.u).map_err(ControlError::from))?;
+        let weights: Vec<f64> = body.weights().iter().zip(&kinematics).map(|(w, k)| w * k.j()).collect();
+        let (cloud, own) = setup.body.gathered(body.positions(at.solid.mesh(), Some(at.u)), weights)?;
         let smoothing = setup.stage(at.stage).smoothing;
-        let evaluation = Evaluation::new(&cloud, &setup.cloud, smoothing, Summation::default()).map_err(failed)?;
+        let how = (smoothing, Summation::default());
+        let evaluation = Evaluation::together(&cloud, &setup.cloud, how, setup.body.together()).map_err(failed)?;
         let discretization = at.solid.discretization().clone();
-        Ok(Arc::new(HausdorffPoint { setup, discretization, u: at.u.to_vec(), stage: at.stage, evaluation }))
+        Ok(Arc::new(HausdorffPoint { setup, discretization, u: at.u.to_vec(), stage: at.stage, evaluation, own }))
     }
 
     fn stages(&self) -> usize {
@@ -119,7 +125,7 @@ impl Cost for BoundHausdorff {
     }
 
     fn size(&self) -> Option<String> {
-        let (body, target) = (self.0.body.weights().len(), self.0.cloud.len());
+        let (body, target) = (self.0.points, self.0.cloud.len());
         let pairs = body as f64 * target as f64;
         Some(format!("{body} points of the body and {target} of the target, {:.3} million pairs", 1e-6 * pairs))
     }
@@ -156,6 +162,8 @@ struct HausdorffPoint {
     u: Vec<f64>,
     stage: usize,
     evaluation: Evaluation,
+    /// The points of this process among those of the body.
+    own: Range<usize>,
 }
 
 impl CostPoint for HausdorffPoint {
@@ -165,13 +173,13 @@ impl CostPoint for HausdorffPoint {
 
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError> {
         let partials = self.evaluation.partials().map_err(failed)?;
-        let (body, weight, dim) = (&self.setup.body, self.setup.weight, self.discretization.dim());
-        let forces: Vec<f64> =
-            partials.points.iter().flat_map(|p| p.iter().take(dim).map(move |p| weight * p)).collect();
+        let (body, weight, dim) = (&self.setup.body.points, self.setup.weight, self.discretization.dim());
+        let points = &partials.points[self.own.clone()];
+        let forces: Vec<f64> = points.iter().flat_map(|p| p.iter().take(dim).map(move |p| weight * p)).collect();
         body.spread(&forces, dim, &mut out.u);
         // dw_q = w_q^0 H : grad v. H is cheap beside the sums, and large: nine numbers per point.
         let kinematics = body.kinematics(&self.u)?;
-        let stresses = kinematics.iter().zip(body.weights()).zip(&partials.weights);
+        let stresses = kinematics.iter().zip(body.weights()).zip(&partials.weights[self.own.clone()]);
         let stresses: Vec<Mat3> = stresses.map(|((k, w), d)| k.h() * (weight * w * d)).collect();
         body.spread_stress(&stresses, &mut out.u);
         Ok(())
@@ -179,7 +187,7 @@ impl CostPoint for HausdorffPoint {
 
     /// `drho = sum_q G_q . v(x_q) + g_q dw_q`, `dw_q = w_q^0 H : grad v`: G and g change along du, and so does H, by `F x grad du`.
     fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
-        let (body, weight, dim) = (&self.setup.body, self.setup.weight, self.discretization.dim());
+        let (body, weight, dim) = (&self.setup.body.points, self.setup.weight, self.discretization.dim());
         let (kinematics, gradients) = (body.kinematics(&self.u)?, body.gradients(&along.u));
         let moved = body.interpolate(&along.u, dim);
         let points = moved.chunks_exact(dim).map(|v| std::array::from_fn(|d| v.get(d).copied().unwrap_or(0.0)));
@@ -199,11 +207,13 @@ impl CostPoint for HausdorffPoint {
     }
 
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {
-        let truth = self.setup.true_distance(self.discretization.mesh(), &self.u)?;
-        Ok(vec![
-            Figure::length(FigureKind::SmoothedDistance, self.evaluation.distance().rho),
-            Figure::length(FigureKind::TrueDistance, truth.distance),
-            Figure::length(FigureKind::SelfDistance, self.setup.self_distance(self.stage)?),
-        ])
+        let mut figures = vec![Figure::length(FigureKind::SmoothedDistance, self.evaluation.distance().rho)];
+        // that of a part says nothing of the whole
+        if self.discretization.over_ranks().is_none() {
+            let truth = self.setup.true_distance(self.discretization.mesh(), &self.u)?;
+            figures.push(Figure::length(FigureKind::TrueDistance, truth.distance));
+        }
+        figures.push(Figure::length(FigureKind::SelfDistance, self.setup.self_distance(self.stage)?));
+        Ok(figures)
     }
 }

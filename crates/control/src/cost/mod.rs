@@ -2,6 +2,7 @@
 
 mod aim;
 mod automatic_stages;
+mod body_cloud;
 pub(crate) mod body_points;
 mod bound_hausdorff;
 mod catalogue;
@@ -202,6 +203,13 @@ pub trait Cost: Debug + Send + Sync {
     /// Where the cost is not defined.
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError>;
 
+    /// Whether it is one of a body over ranks ([`Solid::of_part`](nastic_fem::Solid::of_part)), if its points are: values of the whole body, the same on all ranks, partial
+    /// derivatives whose sum over the ranks is that of the whole. All ranks call [`at`](Self::at) together; where that tells the others something it asks first whether
+    /// [all accept](nastic_fem::Model::all_accept) what they have to tell. So they do partial derivatives of points, but ask for figures each by itself.
+    fn spans_ranks(&self) -> bool {
+        false
+    }
+
     /// Number of continuation stages.
     fn stages(&self) -> usize {
         1
@@ -296,6 +304,11 @@ pub trait CostPoint: Debug + Send + Sync {
 
 /// What can become a cost once the body is known.
 pub trait IntoCost {
+    /// What is refused of a body over ranks, by name; `None` of a cost that [spans ranks](Cost::spans_ranks).
+    fn not_over_ranks(&self) -> Option<String> {
+        Some(format!("the cost {}", std::any::type_name::<Self>().rsplit("::").next().unwrap_or_default()))
+    }
+
     /// Looks up surfaces, samples the target, checks.
     ///
     /// # Errors
@@ -303,13 +316,26 @@ pub trait IntoCost {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError>;
 }
 
+/// What is refused of a body over ranks.
+fn not_spanning(cost: &dyn Cost) -> Option<String> {
+    (!cost.spans_ranks()).then(|| format!("the cost \"{}\"", cost.name()))
+}
+
 impl<C: Cost + 'static> IntoCost for C {
+    fn not_over_ranks(&self) -> Option<String> {
+        not_spanning(self)
+    }
+
     fn bind(self, _: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         Ok(Box::new(self))
     }
 }
 
 impl IntoCost for Box<dyn Cost> {
+    fn not_over_ranks(&self) -> Option<String> {
+        not_spanning(self.as_ref())
+    }
+
     fn bind(self, _: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         Ok(self)
     }

@@ -87,6 +87,10 @@ pub(super) const FORM: CostForm = CostForm::new(
 });
 
 impl IntoCost for MeanPosition {
+    fn not_over_ranks(&self) -> Option<String> {
+        None
+    }
+
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         let weight = check_weight("position", self.weight)?;
         let dim = solid.discretization().dim();
@@ -117,20 +121,38 @@ fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
             let (points, _) = place.points(solid)?;
             let count = points.positions(solid, None).len();
             let weights: Vec<f64> = (0..count).map(|q| points.weight(q)).collect();
-            let measure: f64 = weights.iter().sum();
+            let measure = solid.model().unknowns().total(weights.iter().sum());
             let means: Vec<f64> = weights.iter().map(|w| w / measure).collect();
             points.spread(&means, 1, &mut by_node);
         }
         Of::Point(point) => {
-            let located = mesh.locate_inside(*point)?;
-            located.weights.iter().for_each(|&(node, shape)| by_node[node as usize] += shape);
+            let located = mesh.locate_inside(*point);
+            if counts(solid, located.is_ok()) {
+                located?.weights.iter().for_each(|&(node, shape)| by_node[node as usize] += shape);
+            }
         }
     }
     let nodes = (0..).zip(by_node).filter(|(_, share)| *share != 0.0);
     let shares: Shares = nodes.collect();
     let mean = |i: usize| shares.iter().map(|&(node, share)| share * mesh.points()[node as usize][i]).sum();
-    let reference = std::array::from_fn(mean);
+    let mut reference: [f64; 3] = std::array::from_fn(mean);
+    over_ranks(solid, &mut reference);
     Ok((shares, reference))
+}
+
+/// Whether this rank counts what is in one place of the body: the lowest of those that have found it does, all where none has.
+fn counts(solid: &Solid, found: bool) -> bool {
+    let Some(share) = solid.model().unknowns().share() else { return true };
+    let own = share.team().rank() as f64;
+    let lowest = solid.model().unknowns().least(if found { own } else { f64::INFINITY });
+    lowest == own || lowest == f64::INFINITY
+}
+
+/// The sums of the shares of a mean that the ranks have.
+fn over_ranks(solid: &Solid, mean: &mut [f64; 3]) {
+    if let Some(share) = solid.model().unknowns().share() {
+        share.sum(mean);
+    }
 }
 
 /// [`MeanPosition`] bound to a body.
@@ -147,6 +169,10 @@ impl Cost for OnBody {
         "position"
     }
 
+    fn spans_ranks(&self) -> bool {
+        true
+    }
+
     fn numbers(&self) -> Option<usize> {
         Some(self.target.iter().flatten().count())
     }
@@ -157,13 +183,17 @@ impl Cost for OnBody {
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let dim = at.solid.discretization().dim();
-        let moved = mean(&self.shares, at.u, dim);
+        let mut moved = mean(&self.shares, at.u, dim);
+        over_ranks(at.solid, &mut moved);
         let gap = |i: usize| self.target[i].map_or(0.0, |y| self.reference[i] + moved[i] - y);
         let (shares, free) = (self.shares.clone(), self.target.map(|y| y.is_none()));
         Ok(Arc::new(EvaluatedCost { shares, free, weight: self.weight, dim, gap: std::array::from_fn(gap) }))
     }
 
     fn aim(&self, solid: &Solid, u: &[f64]) -> Option<Aim> {
+        if solid.model().is_over_ranks() {
+            return None;
+        }
         let moved = mean(&self.shares, u, solid.discretization().dim());
         Some(Aim { position: std::array::from_fn(|i| self.reference[i] + moved[i]), target: self.target })
     }

@@ -52,6 +52,10 @@ impl Cost for ControlNorm {
         "control_norm"
     }
 
+    fn spans_ranks(&self) -> bool {
+        true
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         Ok(Arc::new(Quadratic::new(at, &self.of, self.weight, mass_product)?))
     }
@@ -84,6 +88,10 @@ impl Cost for ControlSmoothness {
         "control_smoothness"
     }
 
+    fn spans_ranks(&self) -> bool {
+        true
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         Ok(Arc::new(Quadratic::new(at, &self.of, self.weight, stiffness_product)?))
     }
@@ -91,7 +99,8 @@ impl Cost for ControlSmoothness {
 
 type Product = fn(&Discretization, &Basis, &[f64]) -> Vec<f64>;
 
-/// `(weight/2) m . A m` summed over the components, evaluated: its derivative is `weight A m`, the second one `weight A`.
+/// `(weight/2) m . A m` summed over the components, evaluated: its derivative is `weight A m`, the second one `weight A`. Over ranks A is
+/// the sum of those of the ranks, `m . A m = sum_p m . A_p m`.
 #[derive(Debug)]
 struct Quadratic {
     value: f64,
@@ -151,7 +160,8 @@ impl Quadratic {
         };
         let m = block.of(at.m);
         let derivative = operator.apply(m);
-        let value = 0.5 * m.iter().zip(&derivative).map(|(m, d)| m * d).sum::<f64>();
+        let own = 0.5 * m.iter().zip(&derivative).map(|(m, d)| m * d).sum::<f64>();
+        let value = at.solid.model().unknowns().total(own);
         Ok(Quadratic { value, operator, derivative })
     }
 }

@@ -1,10 +1,11 @@
 //! [`SmoothedHausdorff`]: the smoothed Hausdorff distance of the deformed body from a target domain.
 
+use super::body_cloud::BodyCloud;
 use super::bound_hausdorff::{BoundHausdorff, Setup, Stage};
 use super::{Cost, IntoCost, automatic_stages, check_weight};
 use crate::error::ControlError;
-use nastic_fem::{QuadraturePoints, Solid};
-use nastic_hausdorff::{Cloud, Phi, Smoothing};
+use nastic_fem::Solid;
+use nastic_hausdorff::{Phi, Smoothing};
 use nastic_mesh::{GroupNames, Mesh, Shape};
 use std::sync::Arc;
 
@@ -25,6 +26,9 @@ use std::sync::Arc;
 ///
 /// The relative error of every sum A, B is below 1e-10 ([`Summation`](nastic_hausdorff::Summation)'s default, where what that means for the derivative is
 /// stated): far below the differences that line searches and gradient checks look at.
+///
+/// Of a body over ranks every rank has the points of all, in the order of the ranks; they form the sums together, each those of some of
+/// the points, whoever has these in its cells.
 ///
 /// Source: survey, eq. (7); docs/model.md section 5.
 #[derive(Debug, Clone)]
@@ -133,8 +137,11 @@ impl SmoothedHausdorff {
             Some(stages) => stages.iter().map(Smoothing::resolution).fold(f64::INFINITY, f64::min),
             None => automatic_stages::finest(self.target.diagonal_of(self.target_region.as_ref())?),
         };
-        let (body, body_cloud) = sample(solid.mesh(), self.region.as_ref(), (self.quadrature, length))?;
-        let (_, cloud) = sample(&self.target, self.target_region.as_ref(), (self.quadrature, length))?;
+        let points = |mesh, region: &Option<GroupNames>, share| {
+            BodyCloud::of(mesh, region.as_ref(), (self.quadrature, length), share)
+        };
+        let (body, body_cloud) = points(solid.mesh(), &self.region, solid.model().unknowns().share().cloned())?;
+        let (_, cloud) = points(&self.target, &self.target_region, None)?;
         let shape = Shape::of(&self.target, self.target.points(), self.target_region.as_ref());
         let shape = shape.map_err(|e| fail(e.to_string()))?;
         let spacing = body_cloud.spacing().max(cloud.spacing());
@@ -144,18 +151,34 @@ impl SmoothedHausdorff {
         };
         let stages = stages.into_iter().map(Stage::from).collect();
         let (region, target, target_region) = (self.region, self.target, self.target_region);
-        Ok(BoundHausdorff::new(Setup { body, region, target, target_region, cloud, shape, stages, weight, spacing }))
+        let points = body_cloud.len();
+        Ok(BoundHausdorff::new(Setup {
+            body,
+            points,
+            region,
+            target,
+            target_region,
+            cloud,
+            shape,
+            stages,
+            weight,
+            spacing,
+        }))
     }
 }
 
 impl IntoCost for SmoothedHausdorff {
+    fn not_over_ranks(&self) -> Option<String> {
+        None
+    }
+
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         Ok(Box::new(self.bind_to(solid)?))
     }
 }
 
 /// Most Gauss points per direction.
-const MOST: usize = 20;
+pub(super) const MOST: usize = 20;
 
 /// Diagonal of the bounding box of points.
 fn diagonal(points: &[[f64; 3]]) -> f64 {
@@ -164,30 +187,4 @@ fn diagonal(points: &[[f64; 3]]) -> f64 {
         ends.1 - ends.0
     };
     (0..3).map(|k| extent(k).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Points of a mesh and their places: so many per direction, or the fewest that resolve a length.
-fn sample(
-    mesh: &Mesh,
-    region: Option<&GroupNames>,
-    (points, length): (Option<usize>, f64),
-) -> Result<(QuadraturePoints, Cloud), ControlError> {
-    let cells = match region {
-        Some(names) => mesh.cells_of(names)?,
-        None => (0..mesh.cells() as u32).collect(),
-    };
-    if cells.is_empty() {
-        return Err(ControlError::Cost { what: format!("{} has no cells to measure a distance to", mesh.name()) });
-    }
-    let mut count = points.unwrap_or(1);
-    loop {
-        let sampled = QuadraturePoints::of_cells(mesh, cells.clone(), |kind| kind.rule_of_points(count))?;
-        let cloud = Cloud::new(sampled.positions(mesh, None), sampled.weights().to_vec());
-        let cloud = cloud.map_err(|error| ControlError::Cost { what: error.to_string() })?;
-        let resolved = cloud.len() > 1 && cloud.spacing() <= length;
-        if points.is_some() || resolved || count == MOST {
-            return Ok((sampled, cloud));
-        }
-        count += 1;
-    }
 }

@@ -14,7 +14,8 @@ use std::sync::Arc;
 /// `j = (weight/2) int_{Gamma_0} |x - x_target|^2 dA` over a named surface of the reference body (`dX` over a region, a
 /// plain sum over a node set), with `x = X + u(X)`.
 ///
-/// Derivatives: `dj/du [v] = weight int (x - x_target) . v dA`, `d2j/du2 [v, w] = weight int v . w dA`.
+/// Derivatives: `dj/du [v] = weight int (x - x_target) . v dA`, `d2j/du2 [v, w] = weight int v . w dA`. Over ranks the integral is the sum of those over the facets and cells
+/// of each, node sets count nodes where they belong; a target by node is one of the part.
 /// Units: length^4 times the weight's on a surface, length^5 over a region, length^2 over nodes.
 /// Source: survey, section 4.2.3; docs/model.md section 5.
 #[derive(Clone, Debug)]
@@ -64,6 +65,10 @@ pub(super) const FORM: CostForm = CostForm::new(
 .words(|words| format!("weight/2 int |x - x_target|^2 on {}", words.place()));
 
 impl IntoCost for Tracking {
+    fn not_over_ranks(&self) -> Option<String> {
+        None
+    }
+
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         Ok(Box::new(self.bind_to(solid)?))
     }
@@ -98,6 +103,10 @@ impl Cost for BoundTracking {
         "tracking"
     }
 
+    fn spans_ranks(&self) -> bool {
+        true
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let dim = at.solid.discretization().dim();
         let x = self.points.positions(at.solid, Some(at.u));
@@ -110,6 +119,12 @@ impl Cost for BoundTracking {
             squares += weight * square;
             (measure, largest) = (measure + weight, largest.max(square));
             forces.extend(gap[..dim].iter().map(|g| self.weight * weight * g));
+        }
+        if let Some(share) = at.solid.model().unknowns().share() {
+            let (mut sums, mut most) = ([squares, measure], [-largest]);
+            share.sum(&mut sums);
+            share.least(&mut most);
+            ([squares, measure], [largest]) = (sums, most.map(|most| -most));
         }
         let value = 0.5 * self.weight * squares;
         let distances = [(squares / measure).sqrt(), largest.sqrt()];
@@ -138,8 +153,11 @@ impl Cost for BoundTracking {
         Some(CostTarget { mesh: mesh.clone(), regions: None, displacement })
     }
 
-    /// The means over what is tracked.
+    /// The means over what is tracked; none of a body over ranks, of which each knows its own points.
     fn aim(&self, solid: &Solid, u: &[f64]) -> Option<Aim> {
+        if solid.model().is_over_ranks() {
+            return None;
+        }
         let mean = |at: &[[f64; 3]]| -> [f64; 3] {
             let measure: f64 = (0..at.len()).map(|q| self.points.weight(q)).sum();
             let sum = |i: usize| at.iter().enumerate().map(|(q, x)| self.points.weight(q) * x[i]).sum::<f64>();

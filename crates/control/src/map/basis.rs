@@ -3,6 +3,7 @@
 use super::Space;
 use super::interpolated::corners;
 use super::region_of_cells::region_of_cells;
+use super::whole_body::WholeBody;
 use crate::control_values::ControlEntity;
 use crate::error::ControlError;
 use crate::grid::Grid;
@@ -14,6 +15,8 @@ use std::collections::BTreeSet;
 ///
 /// The basis functions are non-negative and sum to one on the cells of the actuation, so the values at the points lie
 /// within the bounds of the unknowns.
+///
+/// Of a body over ranks the unknowns are those of the whole, on all ranks, by its numbers of nodes and cells; the points are those of the rank.
 ///
 /// A problem makes the basis of every field that it controls ([`Reduced::control`](crate::Reduced::control)):
 ///
@@ -89,7 +92,7 @@ impl Basis {
         basis.number(rows.iter().flatten().map(|(entity, _)| *entity));
         rows.into_iter().for_each(|row| basis.push(row));
         let weights: Vec<f64> = points.iter().map(|point| point.weight).collect();
-        basis.positions = basis.centres(&positions, &weights);
+        basis.positions = basis.centres(&positions, &weights, None)?;
         basis.own = Some((positions, weights));
         Ok(Some(basis))
     }
@@ -141,23 +144,26 @@ impl Basis {
     /// An unknown name; [`ControlError::Grid`] of a grid without cells; in the region space [`ControlError::OverlappingRegions`] where a cell would have two unknowns, and
     /// [`ControlError::UndividedRegion`] where it would have none.
     pub fn new(disc: &Discretization, regions: &GroupNames, space: Space) -> Result<Self, ControlError> {
-        let mesh = disc.mesh();
+        let (mesh, whole) = (disc.mesh(), WholeBody::of(disc));
         let cells = mesh.cells_of(regions)?;
         let mut acts = vec![false; mesh.cells()];
         cells.iter().for_each(|&c| acts[c as usize] = true);
-        let region_of = (space == Space::Region).then(|| region_of_cells(mesh, regions, &cells)).transpose()?;
+        let region_of = (space == Space::Region).then(|| region_of_cells(mesh, regions, &cells, &whole)).transpose()?;
         let nodes = || mesh.nodes_of_cells(&cells).into_iter().map(|node| mesh.points()[node as usize]);
         let grid = match space {
-            Space::Grid(count) => Some(Grid::over(nodes(), count)?),
+            Space::Grid(count) => Some(whole.grid(nodes(), count)?),
             _ => None,
         };
         let corners = grid.map(|grid| corners(disc, &grid, &acts));
+        let numbers = whole.numbers(space)?;
+        let in_whole = |own: u32| numbers.as_ref().map_or(own, |numbers| numbers[own as usize]);
         let mut basis =
             Basis { grid, regions: mesh.regions().keys().cloned().collect(), ..Basis::without_unknowns(space) };
-        match &corners {
-            Some(corners) => basis.number(corners.iter().flatten().map(|(node, ..)| *node)),
-            None => basis.number(entities(disc, &cells, space, region_of.as_deref())),
-        }
+        let own: BTreeSet<u32> = match &corners {
+            Some(corners) => corners.iter().flatten().map(|(node, ..)| *node).collect(),
+            None => entities(disc, &cells, space, region_of.as_deref()).into_iter().map(in_whole).collect(),
+        };
+        basis.entities = whole.joined(own)?;
         for (id, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
             let cell = mesh.cell(id);
             for (q, xi) in cell.kind.rule().points.iter().enumerate().take(count) {
@@ -173,20 +179,21 @@ impl Basis {
                     (Space::Node, ..) => {
                         let mut shapes = vec![0.0; cell.kind.corners()];
                         cell.kind.corner_kind().shapes(xi, &mut shapes);
-                        basis.push(cell.nodes.iter().copied().zip(shapes));
+                        basis.push(cell.nodes.iter().map(|node| in_whole(*node)).zip(shapes));
                         continue;
                     }
-                    (Space::Cell, ..) => id as u32,
-                    (Space::Point, ..) => (first + q) as u32,
+                    (Space::Cell, ..) => in_whole(id as u32),
+                    (Space::Point, ..) => in_whole((first + q) as u32),
                     (_, _, Some(region_of)) => region_of[id],
                     _ => 0,
                 };
                 basis.push([(entity, 1.0)]);
             }
         }
-        basis.positions = match space {
-            Space::Node => basis.entities.iter().map(|&node| mesh.points()[node as usize]).collect(),
-            _ => basis.centres(&disc.points().positions(mesh, None), disc.points().weights()),
+        basis.positions = match (space, &numbers) {
+            (Space::Node, None) => basis.entities.iter().map(|&node| mesh.points()[node as usize]).collect(),
+            (Space::Node, Some(numbers)) => basis.at_nodes(mesh.points(), numbers, &whole)?,
+            _ => basis.centres(&disc.points().positions(mesh, None), disc.points().weights(), Some(&whole))?,
         };
         Ok(basis)
     }
@@ -284,9 +291,14 @@ impl Basis {
     }
 
     /// Nodes of the grid, or centres of the points that belong to the unknowns.
-    fn centres(&self, at: &[[f64; 3]], weights: &[f64]) -> Vec<[f64; 3]> {
+    fn centres(
+        &self,
+        at: &[[f64; 3]],
+        weights: &[f64],
+        whole: Option<&WholeBody>,
+    ) -> Result<Vec<[f64; 3]>, ControlError> {
         if let Some(grid) = &self.grid {
-            return self.entities.iter().map(|&node| grid.node(node)).collect();
+            return Ok(self.entities.iter().map(|&node| grid.node(node)).collect());
         }
         let mut sums = vec![[0.0; 4]; self.len()];
         for (q, (x, w)) in at.iter().zip(weights).enumerate() {
@@ -297,7 +309,20 @@ impl Basis {
                 sums[i][3] += w * shape;
             }
         }
-        sums.into_iter().map(|s| [s[0] / s[3], s[1] / s[3], s[2] / s[3]]).collect()
+        whole.map_or(Ok(()), |whole| whole.add_up(sums.as_flattened_mut()))?;
+        Ok(sums.into_iter().map(|s| [s[0] / s[3], s[1] / s[3], s[2] / s[3]]).collect())
+    }
+
+    /// The nodes that the unknowns are on, each told by the rank that it belongs to.
+    fn at_nodes(&self, points: &[[f64; 3]], numbers: &[u32], whole: &WholeBody) -> Result<Vec<[f64; 3]>, ControlError> {
+        let mut out = vec![[0.0; 3]; self.len()];
+        for (x, node) in points.iter().zip(numbers).take(whole.owned()) {
+            if let Ok(unknown) = self.entities.binary_search(node) {
+                out[unknown] = *x;
+            }
+        }
+        whole.add_up(out.as_flattened_mut())?;
+        Ok(out)
     }
 }
 

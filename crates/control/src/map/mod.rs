@@ -10,6 +10,7 @@ mod length;
 mod power_law;
 mod region_of_cells;
 mod space;
+mod whole_body;
 
 pub use basis::Basis;
 pub use catalogue::{MAPS, MapRow};
@@ -20,6 +21,7 @@ pub use length::Length;
 pub(crate) use length::Scaling;
 pub use power_law::PowerLaw;
 pub use space::{SPACES, Space, SpaceRow};
+pub(crate) use whole_body::WholeBody;
 
 use std::fmt::Debug;
 

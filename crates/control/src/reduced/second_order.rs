@@ -89,6 +89,7 @@ impl Reduced {
         (v, which, first): (&[f64], Hessian, bool),
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
+        self.solid().model().refuse_ranks("second derivatives")?;
         let exact = which == Hessian::Exact;
         let lambda = if exact || first { Some(self.adjoint_of(point, term, workspace)?) } else { None };
         let costs = self.costs_of(point)?;

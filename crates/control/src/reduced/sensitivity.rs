@@ -9,7 +9,7 @@ use crate::workspace::ReducedWorkspace;
 use nastic_fem::{SolveOptions, StatePartials};
 
 impl Reduced {
-    /// Partial derivatives of the cost of a static problem (all terms, or one of them).
+    /// Partial derivatives of the cost of a static problem (all terms, or one of them); of a body over ranks the share of this one.
     ///
     /// # Errors
     /// A cost that is not defined there.
@@ -39,7 +39,8 @@ impl Reduced {
 
     /// `(du/dm)^T w` of an equilibrium: the derivative by the control of `w . u` at fixed w, one linear solve; a dual vector.
     ///
-    /// `w`: one number per displacement component, supported ones included, in the order of nodes.
+    /// `w`: one number per displacement component, supported ones included, in the order of nodes; of a body over ranks
+    /// the share of this one.
     ///
     /// # Errors
     /// [`ControlError::Length`]; a tangent that is singular; a motion.
@@ -70,7 +71,7 @@ impl Reduced {
             let at = (point.m.as_slice(), point.stage);
             return self.derivative_of_motion(motion, (at, &mut point.solved.clone()), of, workspace);
         }
-        self.sensitivity_of(point, self.partials(point, term)?, workspace)
+        self.sensitivity_of_all(point, self.partials(point, term), workspace)
     }
 
     /// That of all terms, whose adjoint state is left in the point; a motion that keeps few states has only its beginning left then.
@@ -85,31 +86,43 @@ impl Reduced {
                 let at = (point.m.as_slice(), point.stage);
                 self.derivative_of_motion(motion, (at, &mut point.solved), Functional::Lagrangian(of), workspace)?
             }
-            None => self.sensitivity_of(point, self.lagrangian_partials(point, of)?, workspace)?,
+            None => self.sensitivity_of_all(point, self.lagrangian_partials(point, of), workspace)?,
         };
         point.adjoint = adjoint.map(|adjoint| AdjointState { multipliers: of.multipliers(), ..adjoint });
         Ok(derivative)
+    }
+
+    /// The same, where any rank may have failed to find its partials.
+    fn sensitivity_of_all(
+        &self,
+        point: &Evaluated,
+        partials: Result<Partials, ControlError>,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
+        let model = self.solid.model();
+        let partials = model.all_accept(partials);
+        model.unless_parted(partials.and_then(|partials| self.sensitivity_of(point, partials, workspace)))
     }
 
     /// `d/dm` of what has these partials, and its adjoint state.
     pub(super) fn sensitivity_of(
         &self,
         point: &Evaluated,
-        partials: Partials,
+        mut partials: Partials,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        let mut derivative = partials.m;
-        if partials.u.iter().all(|&d| d == 0.0) {
-            return Ok((derivative, None));
+        let space = self.solid.model().unknowns();
+        space.add_up(&mut partials.u);
+        if !space.any(partials.u.iter().any(|&d| d != 0.0)) {
+            return Ok((self.whole_derivative(partials.m, &[])?, None));
         }
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
         let (trajectory, by_state) = (point.solved.recording.part(), StatePartials::by_displacement(partials.u));
         let swept = self.solid.model().reverse_sweep(trajectory, &[by_state], &how, &mut workspace.solve);
         self.forget(workspace);
         let mut swept = swept?;
-        for (d, through_state) in derivative.iter_mut().zip(self.layout.control_vjp(&point.m, &swept.controls[0])) {
-            *d += through_state;
-        }
+        let through_state = self.layout.control_vjp(&point.m, &swept.controls[0]);
+        let derivative = self.whole_derivative(partials.m, &through_state)?;
         let (lambda, work) = (swept.lambda.swap_remove(0), swept.report);
         Ok((derivative, Some(AdjointState { lambda, work, multipliers: vec![] })))
     }

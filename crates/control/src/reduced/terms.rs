@@ -34,7 +34,7 @@ impl Reduced {
             let instants = self.timeline().map_or(&[][..], Timeline::instants);
             let n = nearest(instants, state.time);
             let step = self.step_begin(cost.needs_step(), n, m)?;
-            cost.at(&CostContext { step: step.as_ref(), ..context })
+            self.solid.model().all_accept(cost.at(&CostContext { step: step.as_ref(), ..context }))
         };
         self.costs.iter().map(|cost| at(cost.as_ref())).collect()
     }

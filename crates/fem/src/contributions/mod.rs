@@ -121,7 +121,8 @@ pub trait Contribution: Debug + Send + Sync {
         true
     }
 
-    /// Whether it is the sum of what its parts on several ranks give, each by its own cells and facets, with no control of its own: [`Solid::of_part`](crate::Solid::of_part).
+    /// Whether it is the sum of what its parts on several ranks give, each by its own cells, facets and nodes, and its derivatives by controls of its own,
+    /// which all ranks have, are such shares: [`Solid::of_part`](crate::Solid::of_part).
     fn spans_ranks(&self) -> bool {
         false
     }

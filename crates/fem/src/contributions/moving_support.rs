@@ -7,13 +7,12 @@ use super::{
     Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, Prescribes, SecondSensitivities,
     Sensitivities, Sums,
 };
+use crate::discretization::Discretization;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
-use nastic_mesh::{GroupNames, Mesh};
+use nastic_mesh::GroupNames;
 use nastic_tensor::Vec3;
-
-use std::sync::Arc;
 
 /// A surface that is held and moves as a rigid body: `u = t + (R(theta) - 1) (X - c)` at its nodes, with the translation t (m), the
 /// rotation vector theta (radians: about its direction, by its length) and the centre c in the reference body.
@@ -63,13 +62,22 @@ impl MovingSupport {
     ///
     /// # Errors
     /// No nodes; a centre that is not finite; no component that the body has.
-    pub(crate) fn on(&self, mesh: &Arc<Mesh>, nodes: Vec<u32>) -> Result<RigidSurface, FemError> {
+    pub(crate) fn on(&self, disc: &Discretization, nodes: Vec<u32>) -> Result<RigidSurface, FemError> {
         let refuse = |what: &str| Err(FemError::Meaningless { what: format!("motion \"{}\" {what}", self.name) });
-        if nodes.is_empty() {
+        let mesh = disc.mesh();
+        let position = |node: &u32| Vec3::from(mesh.points()[*node as usize]);
+        let owned = disc.parted().map_or(u32::MAX, |parted| parted.part.owned() as u32);
+        // nodes between ranks count where they belong
+        let counted = || nodes.iter().filter(|node| **node < owned);
+        let sum = counted().map(position).sum::<Vec3>();
+        let mut sums = [sum[0], sum[1], sum[2], counted().count() as f64];
+        if let Some(parted) = disc.parted() {
+            parted.share.sum(&mut sums);
+        }
+        if sums[3] == 0.0 {
             return refuse("has no nodes to move");
         }
-        let position = |node: &u32| Vec3::from(mesh.points()[*node as usize]);
-        let mean = nodes.iter().map(position).sum::<Vec3>() / nodes.len() as f64;
+        let mean = Vec3::new(sums[0], sums[1], sums[2]) / sums[3];
         let centre = self.centre.map_or(mean, Vec3::from);
         if centre.iter().any(|x| !x.is_finite()) {
             return refuse("has a centre that is not finite");
@@ -78,7 +86,7 @@ impl MovingSupport {
             return refuse("holds no component of the body");
         }
         let arms: Vec<(u32, Vec3)> = nodes.iter().map(|node| (*node, position(node) - centre)).collect();
-        Ok(RigidSurface { name: self.name.clone(), dim: mesh.dim(), held: self.held, arms })
+        Ok(RigidSurface { name: self.name.clone(), dim: mesh.dim(), held: self.held, arms, owned })
     }
 }
 
@@ -120,6 +128,8 @@ pub(crate) struct RigidSurface {
     held: [bool; 3],
     /// Nodes, each with X - c.
     arms: Vec<(u32, Vec3)>,
+    /// The first node that another rank counts in sums.
+    owned: u32,
 }
 
 impl RigidSurface {
@@ -161,7 +171,7 @@ impl Prescribes for RigidSurface {
         let [_, theta] = vectors(at, at.controls);
         let r = rotation(&theta);
         let (mut sum, mut moment) = (Vec3::zeros(), Vec3::zeros());
-        for (node, arm) in &self.arms {
+        for (node, arm) in self.arms.iter().filter(|(node, _)| *node < self.owned) {
             let mut own = Vec3::zeros();
             self.components().for_each(|i| own[i] = force[self.dim * *node as usize + i]);
             sum += own;
@@ -207,6 +217,11 @@ impl Contribution for RigidSurface {
 
     fn is_stiff(&self) -> bool {
         false
+    }
+
+    /// It moves the nodes that the rank has; the derivative by its controls is the share of those that belong to it.
+    fn spans_ranks(&self) -> bool {
+        true
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {

@@ -16,8 +16,8 @@ use crate::discretization::shared::Shared;
 use crate::error::FemError;
 use crate::parted::Parted;
 use crate::structure::{KeptStructures, StructureCounts, TangentStructure};
-use nastic_linear::{Corners, Space};
-use nastic_mesh::Mesh;
+use nastic_linear::{Corners, Share, Space};
+use nastic_mesh::{Mesh, Part};
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
@@ -78,6 +78,11 @@ impl Discretization {
     /// The part that it is of, where several ranks have the body.
     pub(crate) fn parted(&self) -> Option<&Parted> {
         self.parted.as_ref()
+    }
+
+    /// Of a body over ranks the part of this rank, and what passes between the ranks: numbers of nodes and cells of the whole are the part's.
+    pub fn over_ranks(&self) -> Option<(&Part, &Arc<Share>)> {
+        self.parted.as_ref().map(|parted| (&parted.part, &parted.share))
     }
 
     /// Diagonal of the bounding box of the body, also where the mesh is part of it.

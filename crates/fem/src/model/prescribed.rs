@@ -64,7 +64,7 @@ impl Model {
         found
     }
 
-    /// The derivative of a functional by the held unknowns D, `(by_u + K^T lambda)_D` and zero elsewhere; `None` where controls hold none.
+    /// The derivative of a functional by the held unknowns D, whole over ranks, `(by_u + K^T lambda)_D` and zero elsewhere; `None` where controls hold none.
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
@@ -78,6 +78,8 @@ impl Model {
             return Ok(None);
         }
         let mut force = self.bordered_tangent(at)?.multiply_transposed(lambda, at.parallel);
+        // over ranks a tangent is a share, a partial derivative is whole
+        self.unknowns().add_up(&mut force);
         force.iter_mut().zip(by_u).for_each(|(f, j)| *f += j);
         force.iter_mut().zip(self.supports.fixed()).filter(|(_, fixed)| !**fixed).for_each(|(f, _)| *f = 0.0);
         Ok(Some(force))

@@ -32,7 +32,7 @@ impl Model {
         let length = NUDGE * bears * (1.0 - done);
         let next = done + length;
         let (controls, load) = (from.controls.blend(to, next), from.load + next * (1.0 - from.load));
-        if self.prescribed(&controls, load) != self.prescribed(&here.controls, here.load) {
+        if self.unknowns().any(self.prescribed(&controls, load) != self.prescribed(&here.controls, here.load)) {
             return None;
         }
         let [now, nudged] = [(&*here.controls, here.load, done), (&controls, load, next)]

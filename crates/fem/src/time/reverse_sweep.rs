@@ -375,7 +375,7 @@ impl<'a> ReverseSweep<'a> {
         by_u.resize(self.model.unknowns().len(), 0.0);
         self.add_held(&self.model.instant(state, None, self.how.parallel), held, &mut by_u, state)?;
         self.given(state, held)?;
-        if by_u.iter().all(|&d| d == 0.0) {
+        if !self.model.unknowns().any(by_u.iter().any(|&d| d != 0.0)) {
             return Ok(by_u);
         }
         by_u.iter_mut().for_each(|d| *d = -*d);

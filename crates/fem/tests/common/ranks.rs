@@ -1,6 +1,6 @@
 //! A linear solver that spans ranks, of the simplest kind: conjugate gradients with the diagonal.
 
-use nastic_fem::{Share, SolverFactory};
+use nastic_fem::SolverFactory;
 use nastic_linear::solver::{Accuracy, Curvature, Step, System};
 use nastic_linear::{LinearError, LinearSolver, LinearWork, Structure, Symmetry};
 use std::sync::Arc;
@@ -104,13 +104,4 @@ impl LinearSolver for Simple {
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(Simple)
     }
-}
-
-/// The sum over all ranks.
-pub fn total(share: Option<&Arc<Share>>, here: f64) -> f64 {
-    let mut sum = [here];
-    if let Some(share) = share {
-        share.sum(&mut sum);
-    }
-    sum[0]
 }

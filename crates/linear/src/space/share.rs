@@ -1,6 +1,6 @@
 //! [`Share`]: what one rank has of the unknowns of a body, and sums over all ranks.
 
-use nastic_team::{Team, TeamError, exchange};
+use nastic_team::{Shares, Team, TeamError, exchange, sum};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -33,6 +33,9 @@ impl PartialEq for Share {
 }
 
 impl Eq for Share {}
+
+/// Numbers that are told to all ranks where they are summed, no more.
+const FEW: usize = 64;
 
 impl Share {
     /// That of a rank which owns its first so many nodes; `sharers` are the ranks that have nodes of it, ascending, with these nodes in an order that both
@@ -85,9 +88,37 @@ impl Share {
         }
     }
 
-    /// Each number becomes its sum over all ranks.
+    /// Each number becomes its sum over all ranks. A few are told to all; many are added along a tree of the ranks, so that none holds those of all.
     pub fn sum(&self, values: &mut [f64]) {
-        self.joined(values, |sum, next| sum + next);
+        if values.len() <= FEW {
+            return self.joined(values, |sum, next| sum + next);
+        }
+        let ranks = self.team.size();
+        let own = |_| Some(values.to_vec());
+        let summed = match self.failure() {
+            None => self.note(sum(&*self.team, &Shares::even(ranks, ranks), values.len(), own)),
+            Some(_) => None,
+        };
+        match summed {
+            Some(summed) => values.copy_from_slice(&summed),
+            None => values.fill(f64::NAN),
+        }
+    }
+
+    /// The numbers of every rank, as many as each has, in the order of the ranks.
+    ///
+    /// # Errors
+    /// Messages fail.
+    pub fn gather(&self, own: &[f64]) -> Result<Vec<Vec<f64>>, TeamError> {
+        if let Some(failure) = self.failure() {
+            return Err(failure);
+        }
+        let bytes = own.iter().flat_map(|value| value.to_le_bytes()).collect();
+        let all = exchange(&*self.team, bytes);
+        let all = all.inspect_err(|error| {
+            self.note(Err::<(), _>(error.clone()));
+        })?;
+        Ok(all.iter().map(|one| numbers(one).collect()).collect())
     }
 
     /// Each number becomes the least one of all ranks; not a number where one is none.
@@ -209,6 +240,20 @@ mod tests {
             (sum, least, share.any(own == 1.0), share.any(false))
         });
         assert!(found.iter().all(|found| *found == ([6.0, 0.1 + 0.1 + 0.1], [0.0], true, false)), "{found:?}");
+    }
+
+    #[test]
+    fn many_numbers_are_summed_to_the_same_bits_and_gathered_in_the_order_of_the_ranks() {
+        let found = threads::run(3, &Faults::default(), |rank| {
+            let own = nastic_team::Team::rank(&rank);
+            let share = share(rank);
+            let mut many: Vec<f64> = (0..100).map(|k| 0.1 * (k + own) as f64).collect();
+            share.sum(&mut many);
+            (many, share.gather(&vec![own as f64; own]))
+        });
+        assert!((found[0].0[7] - 0.1 * (7.0 + 8.0 + 9.0)).abs() < 1e-12, "{:?}", found[0].0);
+        let all = Ok(vec![vec![], vec![1.0], vec![2.0, 2.0]]);
+        assert!(found.iter().all(|(many, gathered)| *many == found[0].0 && *gathered == all), "{found:?}");
     }
 
     #[test]

@@ -44,6 +44,10 @@ impl Contribution for SpringForce {
         true
     }
 
+    fn spans_ranks(&self) -> bool {
+        true
+    }
+
     fn couplings(&self) -> Vec<Vec<u32>> {
         vec![self.ends.nodes()]
     }

@@ -1,13 +1,18 @@
 //! [`Spring`]: a linear spring between two points.
 
+mod elsewhere;
 mod force;
 
+use super::Contribution;
 use super::body_point::{AttachedPoint, BodyPoint};
 use super::guides::{COINCIDE, Guides};
 use crate::error::FemError;
+use crate::parted::{Parted, not_over_ranks};
+use elsewhere::SpringElsewhere;
 use force::SpringForce;
 use nastic_mesh::Mesh;
 use nastic_tensor::Vec3;
+use std::sync::Arc;
 
 /// A spring between two points of the body that move with it, or from one to a fixed point of space, linear in its elongation, with the
 /// potential
@@ -106,6 +111,37 @@ impl Spring {
             rest_length,
             holds,
         })
+    }
+
+    /// The contribution of a rank, of which the lowest that has both ends has the spring, and the others nothing but its name.
+    ///
+    /// # Errors
+    /// As [`on`](Self::on); [`FemError::Unsupported`] where no rank has both ends, and of node sets, of which a rank does not know all nodes.
+    pub(crate) fn on_rank(&self, mesh: &Mesh, parted: &Parted) -> Result<Arc<dyn Contribution>, FemError> {
+        let what = || format!("the spring \"{}\"", self.name);
+        let ends = [Some(&self.from), if let End::Body(point) = &self.to { Some(point) } else { None }];
+        if ends.iter().flatten().any(|end| matches!(end, BodyPoint::Nodes(_))) {
+            let why = "it is at a node set, which several ranks may have: hold it at places of the body";
+            return Err(not_over_ranks(&what(), why));
+        }
+        let (own, share) = (parted.share.team().rank() as f64, &parted.share);
+        let found = self.on(mesh);
+        let mut lowest = [if found.is_ok() { own } else { f64::INFINITY }];
+        share.least(&mut lowest);
+        if lowest[0] == f64::INFINITY {
+            let is_here = |end: &&BodyPoint| AttachedPoint::new(mesh, end).is_ok();
+            let [here, there] = ends.map(|end| end.as_ref().is_none_or(is_here));
+            let (somewhere, together) = (share.any(here) && share.any(there), share.any(here && there));
+            if somewhere && !together {
+                let why = "its ends are on different ranks: divide the cells so that one rank has both, or solve it on one rank";
+                return Err(not_over_ranks(&what(), why));
+            }
+        }
+        match found {
+            Ok(spring) if lowest[0] == own => Ok(Arc::new(spring)),
+            Err(error) if lowest[0] == f64::INFINITY => Err(error),
+            _ => Ok(Arc::new(SpringElsewhere(self.name.clone()))),
+        }
     }
 
     fn ground(&self, mesh: &Mesh, place: [f64; 3]) -> Result<AttachedPoint, FemError> {

@@ -1,0 +1,25 @@
+//! What the ranks of a body tell each other beside sums over unknowns.
+
+use crate::error::ControlError;
+use nastic_fem::{FemError, Share};
+
+/// The numbers of every rank, in the order of the ranks.
+pub(crate) fn gathered(share: &Share, own: &[f64]) -> Result<Vec<Vec<f64>>, ControlError> {
+    share.gather(own).map_err(|failure| FemError::from(failure).into())
+}
+
+/// Numbers become their sums over all ranks; of a body that one process has they stay.
+pub(crate) fn add_up(share: Option<&Share>, values: &mut [f64]) -> Result<(), ControlError> {
+    let Some(share) = share else { return Ok(()) };
+    share.sum(values);
+    share.failure().map_or(Ok(()), |failure| Err(FemError::from(failure).into()))
+}
+
+/// What a rank has found by itself, or that another one has not: before messages that would wait for that one.
+pub(crate) fn agreed<T>(share: Option<&Share>, found: Result<T, ControlError>) -> Result<T, ControlError> {
+    let Some(share) = share else { return found };
+    match (share.any(found.is_err()), found) {
+        (true, Ok(_)) => Err(share.failure().map_or(FemError::Elsewhere, FemError::from).into()),
+        (_, found) => found,
+    }
+}
