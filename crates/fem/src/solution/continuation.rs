@@ -187,6 +187,9 @@ impl Model {
                 }
             }
         }
+        if newton.solve_with_pressures(u, self.linear_solver(newton.options, workspace), report)?.is_some() {
+            return Ok(());
+        }
         let suited = !hopeless && self.suits_point_strains();
         let jumps = newton.jump(u).is_some();
         let creeps = way.creeps(jumps);
@@ -205,7 +208,7 @@ impl Model {
         if suited && !first && !jumps && way.may_creep() && self.attempt_briefly(newton, u, way, workspace, report)? {
             return Ok(());
         }
-        let slow = match newton.solve(u, self.linear_solver(newton.options, workspace), report) {
+        let slow = match newton.solve_by_displacement(u, self.linear_solver(newton.options, workspace), report) {
             Ok(_) => return Ok(()),
             Err(slow @ Stop::Slow { .. }) => slow,
             Err(other) => return Err(other),
@@ -237,7 +240,7 @@ impl Model {
         let brief = SolveOptions { max_newton: newton.options.max_newton.min(BRIEF), ..newton.options.clone() };
         let briefly = Equations { options: &brief, ..*newton };
         let mut from = u.clone();
-        match briefly.solve(u, self.linear_solver(newton.options, workspace), report) {
+        match briefly.solve_by_displacement(u, self.linear_solver(newton.options, workspace), report) {
             Ok(_) => return Ok(true),
             Err(Stop::Slow { .. }) => workspace.forget(),
             Err(other) => return Err(other),
