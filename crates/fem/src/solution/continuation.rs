@@ -187,13 +187,14 @@ impl Model {
                 }
             }
         }
-        if newton.solve_with_pressures(u, self.linear_solver(newton.options, workspace), report)?.is_some() {
-            return Ok(());
-        }
         let suited = !hopeless && self.suits_point_strains();
         let jumps = newton.jump(u).is_some();
         let creeps = way.creeps(jumps);
         let first = suited && (creeps || way.helped && !jumps);
+        let solver = self.linear_solver(newton.options, workspace);
+        if !first && newton.solve_with_pressures(u, solver, report)?.is_some() {
+            return Ok(());
+        }
         if first {
             let from = u.clone();
             match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
