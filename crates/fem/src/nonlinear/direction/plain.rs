@@ -8,6 +8,7 @@ use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::solution::state::SolveReport;
 use crate::solution::tangent::{Tangent, TangentRef};
 use crate::solution::tangent_systems::{StepWanted, TangentSystems};
+use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
 
 /// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
@@ -15,6 +16,10 @@ use nastic_linear::{LinearError, LinearSolver};
 /// be within the accuracy asked for at once.
 const JUMP: f64 = 1e-2;
 
+/// Times that, what a step with the factor of an earlier tangent may leave: what most steps are corrected by in the next one are pressures here, which that is to have.
+const POOR: f64 = 10.0;
+/// The finest accuracy that is asked of such a step, more than what multigrid leaves.
+const FINEST: f64 = 2e-5;
 /// Share of the residual with predicted pressures that a step may leave.
 const SOFT: f64 = 0.1;
 
@@ -95,8 +100,17 @@ impl Plain<'_> {
             Some(jump) => (equations.model.unknowns().max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
             None => forcing(here.relative, equations.options.accuracy).min(soft),
         };
-        let (mut dx, curvature) =
-            self.systems.step(&*tangent, here.x, &self.rhs, (accuracy, StepWanted::Newton), report)?;
+        let wanted = (accuracy, StepWanted::Newton);
+        let (mut dx, mut curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
+        if self.pressures.is_some() {
+            let left = || left_by(&*tangent, &dx, &self.rhs, equations);
+            let poor = curvature == Curvature::CutShort
+                || curvature == Curvature::Positive && left() > POOR * accuracy.max(FINEST);
+            if poor {
+                self.systems.forget();
+                (dx, curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
+            }
+        }
         let jump = self.jump.take();
         if let Some(jump) = &jump {
             equations.prescribe(&mut dx, jump);
@@ -140,6 +154,14 @@ impl Equations<'_> {
             }
         }
     }
+}
+
+/// Relative residual of a step.
+fn left_by<'m>(tangent: impl Into<TangentRef<'m>>, dx: &[f64], rhs: &[f64], equations: &Equations) -> f64 {
+    let (space, mut left) = (equations.model.unknowns(), vec![0.0; dx.len()]);
+    tangent.into().multiply(dx, &mut left, equations.options.parallel);
+    left.iter_mut().zip(rhs).for_each(|(left, rhs)| *left -= rhs);
+    space.norm(&left) / space.norm(rhs)
 }
 
 /// Relative residual wanted of a Newton step: a tenth at most and ten times the residual itself, for that keeps convergence
