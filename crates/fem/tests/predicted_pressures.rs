@@ -70,7 +70,7 @@ fn bar(kind: CellKind, formulation: Formulation, ratio: f64, load: f64) -> Outco
         .material("body", NeoHookeIsochoric::new(1.0, ratio)?)?
         .formulation("body", formulation)?
         .clamp("x-")?
-        .traction("x+", Vec3::new(0.0, if kind.dim() == 2 { load } else { 0.0 }, load))?)
+        .traction("x+", if kind.dim() == 2 { Vec3::y() } else { Vec3::z() } * load)?)
 }
 
 #[test]
