@@ -54,6 +54,22 @@ impl Equations<'_> {
         self.solve_within(Limits::new(self.options.max_newton, self.options.accuracy), x, solver, report)
     }
 
+    /// The same within limits.
+    pub fn solve_within(
+        &self,
+        limits: Limits,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Curvature, Stop> {
+        if self.model.unknowns().multipliers() > 0 {
+            let mut direction = Bordered::new(self, x, solver);
+            return Iteration::new(self, limits).run(x, &mut direction, report);
+        }
+        let mut direction = Plain::new(self, x, solver);
+        Iteration::new(self, limits).run(x, &mut direction, report)
+    }
+
     /// From x to an equilibrium of less potential with pressures that every step predicts; `None`, and x as it was, where they are of no use or lead to none.
     pub fn solve_with_pressures(
         &self,
@@ -90,22 +106,6 @@ impl Equations<'_> {
         let unknowns = self.model.unknowns();
         let plain = unknowns.multipliers() == 0 && unknowns.has_one_nodal_field() && !self.model.is_over_ranks();
         plain && self.has_potential() && self.anchor.is_none()
-    }
-
-    /// The same within limits.
-    pub fn solve_within(
-        &self,
-        limits: Limits,
-        x: &mut Vec<f64>,
-        solver: &mut dyn LinearSolver,
-        report: &mut SolveReport,
-    ) -> Result<Curvature, Stop> {
-        if self.model.unknowns().multipliers() > 0 {
-            let mut direction = Bordered::new(self, x, solver);
-            return Iteration::new(self, limits).run(x, &mut direction, report);
-        }
-        let mut direction = Plain::new(self, x, solver);
-        Iteration::new(self, limits).run(x, &mut direction, report)
     }
 
     /// From u, whose prescribed components are in place, to an equilibrium of less potential by strains of their own at the quadrature
