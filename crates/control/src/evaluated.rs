@@ -174,4 +174,4 @@ pub(crate) struct Expected {
     pub dofs: usize,
 }
 
-const MAGIC: &str = "nastic-point-6";
+const MAGIC: &str = "nastic-point-7";

@@ -85,11 +85,12 @@ pub fn write_report(report: &SolveReport, out: &mut Writer) {
         energy,
         restarts,
         shifted,
+        unpredicted,
     } = *report;
     let position = Solver::CATALOGUE.iter().position(|factory| factory.name() == solver);
     out.count(position.unwrap_or(Solver::CATALOGUE.len()));
     let linear = [factorisations, reused, back_substitutions, hierarchies, cycles, unassembled];
-    let counts = [newton].into_iter().chain(linear).chain([load_steps, cuts, restarts, shifted]);
+    let counts = [newton].into_iter().chain(linear).chain([load_steps, cuts, restarts, shifted, unpredicted]);
     counts.for_each(|count| out.count(count));
     [residual, min_j, energy].into_iter().for_each(|x| out.float(x));
 }
@@ -116,6 +117,7 @@ pub fn read_report(input: &mut Reader<'_>) -> Result<SolveReport, SavedRunError>
         cuts: input.number()?,
         restarts: input.number()?,
         shifted: input.number()?,
+        unpredicted: input.number()?,
         residual: input.float()?,
         min_j: input.float()?,
         energy: input.float()?,

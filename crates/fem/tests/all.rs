@@ -62,6 +62,7 @@ mod path;
 mod plane_strain;
 mod poisson_field;
 mod precision;
+mod predicted_pressures;
 mod prescribed;
 mod quasi_static;
 mod ramp;

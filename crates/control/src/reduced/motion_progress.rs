@@ -9,7 +9,7 @@ use nastic_opt::SavedRunError;
 use nastic_opt::bytes::{Reader, Writer};
 use std::sync::Arc;
 
-const MAGIC: &str = "nastic-motion-4";
+const MAGIC: &str = "nastic-motion-5";
 
 /// What is known of a motion up to some state, beside its states.
 pub(super) struct Progress {

@@ -9,6 +9,7 @@ pub(crate) mod plain;
 pub(crate) mod point_strains;
 
 use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::solution::state::SolveReport;
 use nastic_linear::Space;
 use nastic_linear::solver::Curvature;
@@ -69,4 +70,12 @@ pub(crate) trait Direction {
     fn downhill(&mut self, here: &Iterate, _report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
         Err(Stop::Slow { residual: here.relative })
     }
+
+    /// The pressures that its steps predict, if they do.
+    fn pressures(&self) -> Option<&PredictedPressures<'_>> {
+        None
+    }
+
+    /// Notes which share of the last step was taken.
+    fn took(&mut self, _share: f64) {}
 }

@@ -227,6 +227,7 @@ impl<'a> Iteration<'a> {
         let step = direction.find(here, report)?;
         report.newton += 1;
         let taken = self.search.take(here, &step, direction, report)?;
+        direction.took(taken.length);
         self.short = if taken.length < self.limits.creeps.1 { self.short + 1 } else { 0 };
         let resolved = step.size > RESOLUTION * self.equations.diagonal();
         // of the displacement alone it says nothing of further fields

@@ -4,7 +4,9 @@ use crate::error::Inadmissible;
 use crate::nonlinear::direction::{Direction, Step, Take};
 use crate::nonlinear::equations::{Equations, Evaluated, moved};
 use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::merit::volume_errors::WithoutVolumeErrors;
 use crate::nonlinear::merit::{Merit, augmented::Augmented, energy::Energy, residual::Residual};
+use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::solution::gradient_fit::GradientFit;
 use crate::solution::rotation_corrected_step::StepLimits;
 use crate::solution::state::SolveReport;
@@ -130,24 +132,35 @@ impl<'a> LineSearch<'a> {
             return self.downhill(here, &step.dx, &merit);
         }
         if step.curvature != Curvature::Negative {
-            return self.descend(here, step, &step.dx);
+            return self.descend(here, step, &step.dx, direction.pressures());
         }
+        // errors of the volumes make most of a residual, which shows no saddle then
         if self.equations.anchor.is_none()
+            && direction.pressures().is_none()
             && let Some(taken) = self.residual_falls(here, &step.dx, TO_SADDLE)?
         {
             return Ok(taken);
         }
         let dx = direction.downhill(here, report)?;
-        self.descend(here, step, &dx)
+        self.descend(here, step, &dx, direction.pressures())
     }
 
-    fn descend(&mut self, here: &Iterate, step: &Step, dx: &[f64]) -> Result<Taken<'a>, Stop> {
+    fn descend(
+        &mut self,
+        here: &Iterate,
+        step: &Step,
+        dx: &[f64],
+        pressures: Option<&PredictedPressures>,
+    ) -> Result<Taken<'a>, Stop> {
         if self.equations.model.unknowns().multipliers() > 0 {
             let merit = Augmented::new(self.equations, here, dx, step.scale)?;
             return self.downhill(here, dx, &merit);
         }
-        let merit = Energy::new(self.equations, here, dx, step.scale);
-        self.downhill(here, dx, &merit)
+        let energy = Energy::new(self.equations, here, dx, step.scale);
+        match pressures {
+            Some(pressures) => self.downhill(here, dx, &WithoutVolumeErrors { energy, pressures }),
+            None => self.downhill(here, dx, &energy),
+        }
     }
 
     fn residual_falls(&self, here: &Iterate, dx: &[f64], rule: Rule) -> Result<Option<Taken<'a>>, Inadmissible> {
@@ -214,7 +227,7 @@ impl<'a> LineSearch<'a> {
             let trial = path(length);
             // the straight move to the longest one was checked
             let reached = along == Along::Straight || self.equations.chord(here.point, here.x, &trial)? >= 1.0;
-            let found = if reached { merit.value(self.equations, &trial).ok() } else { None };
+            let found = if reached { merit.value(self.equations, (&trial, length)).ok() } else { None };
             Ok(found.filter(|(_, now)| now.sums.min_j >= least_j).map(|(value, now)| (trial, value, now)))
         };
         for _ in 0..rule.tries {

@@ -3,6 +3,7 @@
 pub(super) mod augmented;
 pub(super) mod energy;
 pub(super) mod residual;
+pub(super) mod volume_errors;
 
 use crate::error::Inadmissible;
 use crate::nonlinear::equations::{Equations, Evaluated};
@@ -23,11 +24,11 @@ pub(super) trait Merit {
     /// What is known of it where the step begins.
     fn line(&self) -> Line;
 
-    /// Its value, and what was evaluated for it.
+    /// Its value at a trial that is so much of the step, and what was evaluated for it.
     ///
     /// # Errors
     /// [`Inadmissible`] outside of the admissible set.
-    fn value<'e>(&self, equations: &Equations<'e>, trial: &[f64]) -> Result<(f64, Evaluated<'e>), Inadmissible>;
+    fn value<'e>(&self, equations: &Equations<'e>, trial: (&[f64], f64)) -> Result<(f64, Evaluated<'e>), Inadmissible>;
 
     /// Whether it is made of energies, whose minima along a line parabolas show, and which collapsed cells may lower.
     fn is_energy(&self) -> bool {

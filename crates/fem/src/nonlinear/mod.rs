@@ -7,3 +7,4 @@ pub(crate) mod iteration;
 mod line_search;
 mod merit;
 mod newton;
+pub(crate) mod predicted_pressures;

@@ -1,5 +1,6 @@
 //! Equilibria by the [iteration](super::iteration) with the direction that a model takes.
 
+use crate::contributions::Sums;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::TimeStep;
 use crate::error::StateError;
@@ -10,6 +11,7 @@ use crate::nonlinear::direction::plain::Plain;
 use crate::nonlinear::direction::point_strains::WithPointStrains;
 use crate::nonlinear::equations::{Drive, Equations};
 use crate::nonlinear::iteration::{Iteration, Limits, Stop};
+use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
@@ -23,11 +25,27 @@ const MOST: usize = 40;
 const NEAR: f64 = 1e-6;
 /// Rounding of the potential, as a share of the sum of its absolute terms.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Iterations of an attempt with predicted pressures, and tangents of it that may be shifted.
+const PREDICTED: usize = 25;
+const SHIFTED: usize = 8;
 
 impl Equations<'_> {
     /// From x to equilibrium, and what the last tangent was (positive where none was needed); where it stops short, x is the
     /// last iterate.
     pub fn solve(
+        &self,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Curvature, Stop> {
+        if let Some(last) = self.solve_with_pressures(x, &mut *solver, report)? {
+            return Ok(last);
+        }
+        self.solve_by_displacement(x, solver, report)
+    }
+
+    /// The same by the tangents of the displacement alone.
+    pub fn solve_by_displacement(
         &self,
         x: &mut Vec<f64>,
         solver: &mut dyn LinearSolver,
@@ -52,6 +70,44 @@ impl Equations<'_> {
         Iteration::new(self, limits).run(x, &mut direction, report)
     }
 
+    /// From x to an equilibrium of less potential with pressures that every step predicts; `None`, and x as it was, where they are of no use or lead to none.
+    pub fn solve_with_pressures(
+        &self,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Option<Curvature>, Stop> {
+        let Some(pressures) = self.predicts_pressures().then(|| PredictedPressures::new(self)).flatten() else {
+            return Ok(None);
+        };
+        let (from, moves) = (x.clone(), self.jump(x).is_some());
+        let most = PREDICTED.min(self.options.max_newton);
+        let limits = Limits { lost: (0, SHIFTED), ..Limits::new(most, self.options.accuracy) };
+        let mut direction = Plain::new(self, x, &mut *solver).with_pressures(pressures);
+        let run = self.evaluate(x).map_err(Stop::from).and_then(|start| {
+            let last = Iteration::new(self, limits).run(x, &mut direction, report)?;
+            let lower = moves || report.energy <= start.sums.energy + rounding(&start.sums);
+            if lower { Ok(last) } else { Err(Stop::Slow { residual: report.residual }) }
+        });
+        match run {
+            Ok(last) => Ok(Some(last)),
+            Err(stop) if stop.is_final() => Err(stop),
+            Err(_) => {
+                report.unpredicted += 1;
+                solver.clear();
+                *x = from;
+                Ok(None)
+            }
+        }
+    }
+
+    /// Whether steps may predict pressures: the search along them needs a potential.
+    fn predicts_pressures(&self) -> bool {
+        let unknowns = self.model.unknowns();
+        let plain = unknowns.multipliers() == 0 && unknowns.has_one_nodal_field() && !self.model.is_over_ranks();
+        plain && self.has_potential() && self.anchor.is_none()
+    }
+
     /// From u, whose prescribed components are in place, to an equilibrium of less potential by strains of their own at the quadrature
     /// points; where it stops short, u is the last iterate.
     pub fn solve_with_point_strains(
@@ -68,10 +124,9 @@ impl Equations<'_> {
         let mut direction = WithPointStrains::new(self, u, &mut *solver)?;
         let curvature = Iteration::new(self, limits).run(u, &mut direction, report)?;
         let residual = report.residual;
-        let last = self.solve(u, solver, report)?;
+        let last = self.solve_by_displacement(u, solver, report)?;
         let sound = curvature == Curvature::Positive && last == Curvature::Positive;
-        let rounding = ROUNDING * (start.energy_scale + start.energy.abs());
-        let lower = sound && (moves || report.energy <= start.energy + rounding);
+        let lower = sound && (moves || report.energy <= start.energy + rounding(&start));
         if lower { Ok(()) } else { Err(Stop::Slow { residual }) }
     }
 }
@@ -120,4 +175,9 @@ impl Model {
             }
         }
     }
+}
+
+/// What rounding may change a potential by.
+fn rounding(sums: &Sums) -> f64 {
+    ROUNDING * (sums.energy_scale + sums.energy.abs())
 }

@@ -191,6 +191,10 @@ impl Model {
         let jumps = newton.jump(u).is_some();
         let creeps = way.creeps(jumps);
         let first = suited && (creeps || way.helped && !jumps);
+        let solver = self.linear_solver(newton.options, workspace);
+        if !first && newton.solve_with_pressures(u, solver, report)?.is_some() {
+            return Ok(());
+        }
         if first {
             let from = u.clone();
             match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
@@ -205,7 +209,7 @@ impl Model {
         if suited && !first && !jumps && way.may_creep() && self.attempt_briefly(newton, u, way, workspace, report)? {
             return Ok(());
         }
-        let slow = match newton.solve(u, self.linear_solver(newton.options, workspace), report) {
+        let slow = match newton.solve_by_displacement(u, self.linear_solver(newton.options, workspace), report) {
             Ok(_) => return Ok(()),
             Err(slow @ Stop::Slow { .. }) => slow,
             Err(other) => return Err(other),
@@ -237,7 +241,7 @@ impl Model {
         let brief = SolveOptions { max_newton: newton.options.max_newton.min(BRIEF), ..newton.options.clone() };
         let briefly = Equations { options: &brief, ..*newton };
         let mut from = u.clone();
-        match briefly.solve(u, self.linear_solver(newton.options, workspace), report) {
+        match briefly.solve_by_displacement(u, self.linear_solver(newton.options, workspace), report) {
             Ok(_) => return Ok(true),
             Err(Stop::Slow { .. }) => workspace.forget(),
             Err(other) => return Err(other),

@@ -67,6 +67,8 @@ pub struct SolveReport {
     pub restarts: usize,
     /// Times a tangent had to be shifted to be positive definite: the way led over an unstable region.
     pub shifted: usize,
+    /// Times that steps with predicted pressures led nowhere, and steps by the displacement alone began again where these had.
+    pub unpredicted: usize,
 }
 
 impl Default for SolveReport {
@@ -87,6 +89,7 @@ impl Default for SolveReport {
             energy: 0.0,
             restarts: 0,
             shifted: 0,
+            unpredicted: 0,
         }
     }
 }
@@ -115,5 +118,6 @@ impl SolveReport {
         self.cuts += other.cuts;
         self.restarts += other.restarts;
         self.shifted += other.shifted;
+        self.unpredicted += other.unpredicted;
     }
 }

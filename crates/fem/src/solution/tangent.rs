@@ -58,6 +58,11 @@ impl Tangent {
         if self.products.is_none() { Some(self.matrix) } else { None }
     }
 
+    /// The entries, if it has some, to be added to.
+    pub fn entries_mut(&mut self) -> Option<&mut SparseMatrix> {
+        if self.products.is_none() { Some(&mut self.matrix) } else { None }
+    }
+
     /// Whether products of cells stand for its entries.
     pub fn is_unassembled(&self) -> bool {
         self.products.is_some()

@@ -104,6 +104,11 @@ impl<'a> TangentSystems<'a> {
         step.map(|(x, curvature)| (self.extended(x), curvature))
     }
 
+    /// Drops what is kept of earlier tangents.
+    pub fn forget(&mut self) {
+        self.solver.clear();
+    }
+
     /// With nodes that follow others where these lead them.
     fn extended(&self, mut x: Vec<f64>) -> Vec<f64> {
         self.model.supports.extend(&mut x);

@@ -23,6 +23,7 @@ pub(crate) mod assembly;
 mod bulk_over_shear;
 mod control_product;
 mod control_vjp;
+pub(crate) mod dilatations;
 pub(crate) mod driving;
 pub(crate) mod evaluated;
 pub(crate) mod excess_tension;
@@ -33,10 +34,11 @@ pub(crate) mod max_step;
 mod moduli;
 pub(crate) mod point_peaks;
 pub(crate) mod point_strains;
+pub(crate) mod pressure_change;
 mod second_order;
 mod tangent_product;
 pub(crate) mod tensions;
-mod volume_modes;
+pub(crate) mod volume_modes;
 
 /// The energy of a body: passive materials and actuations, each over some of the cells.
 ///

@@ -12,8 +12,8 @@ use nastic_linear::VolumeModes;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
 
 /// Ratio of bulk to shear modulus from which on a cell's changes of volume stand out, and the one that is left beside them.
-const STANDS_OUT: f64 = 30.0;
-const LEFT: f64 = 8.0;
+pub(crate) const STANDS_OUT: f64 = 30.0;
+pub(crate) const LEFT: f64 = 8.0;
 
 impl BodyEnergy {
     /// Those of the cells whose formulation gives them few and whose passive laws resist them much, at a displacement: for a mode of the projection
@@ -78,45 +78,47 @@ impl CellWork for Modes<'_> {
     fn compute(&self, patch: Patch, scratch: &mut Scratch, found: &mut Found) -> Result<(), Inadmissible> {
         found.modes.clear();
         let (body, cells) = (self.body, self.cells);
-        let (first, number) = (cells.first(patch), cells.number(patch));
-        let formulation = body.arithmetic_of(first);
+        let formulation = body.arithmetic_of(cells.first(patch));
         if formulation.is_affine() {
             return Ok(());
         }
-        let ratio = body.ratio_of(first, cells.part.first_point(number));
-        if ratio < STANDS_OUT {
-            return Ok(());
-        }
+        let Some(share) = body.stiff_share(cells, patch) else { return Ok(()) };
         body.kinematics(cells, patch, self.to, scratch)?;
-        let stiffness = self.stiffness(patch, scratch);
+        let stiffness = body.volume_stiffness(cells, patch, scratch).into_iter().fold(f64::INFINITY, f64::min);
         if !stiffness.is_finite() || stiffness <= 0.0 {
             return Ok(());
         }
-        found.stiffness = [stiffness * (1.0 - LEFT / ratio), stiffness * LEFT / ratio];
+        found.stiffness = [stiffness * share, stiffness * (1.0 - share)];
         (found.nodes, found.modes) = cells.summed_at_nodes(patch, &formulation.changes_of_modes(cells, patch, scratch));
         Ok(())
     }
 }
 
-impl Modes<'_> {
-    /// The least second derivative of the passive energy by the projected determinant.
-    fn stiffness(&self, patch: Patch, scratch: &mut Scratch) -> f64 {
+impl BodyEnergy {
+    /// The share of its bulk modulus that makes the changes of volume of a patch stand out; `None` where they do not.
+    pub(super) fn stiff_share(&self, cells: Cells, patch: Patch) -> Option<f64> {
+        let ratio = self.ratio_of(cells.first(patch), cells.part.first_point(cells.number(patch)));
+        (ratio >= STANDS_OUT).then(|| 1.0 - LEFT / ratio)
+    }
+
+    /// The second derivative of the passive energy by the determinant that laws see, at the points of a patch that was moved to.
+    pub(super) fn volume_stiffness(&self, cells: Cells, patch: Patch, scratch: &mut Scratch) -> Vec<f64> {
         let want = Want { energy: false, stress: true, tangent: true };
         scratch.clear(want);
-        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+        for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let stress = &mut scratch.stress[range.clone()];
             let mut out = Response { energy: &mut [], stress, tangent: &mut scratch.tangent[range] };
-            for &t in &self.body.composition_of(at.cell).terms {
-                self.body.terms[t].respond(&at, Slots::none(), want, &mut out);
+            for &t in &self.composition_of(at.cell).terms {
+                self.terms[t].respond(&at, Slots::none(), want, &mut out);
             }
         }
-        let d = scratch.dilatation.dim();
+        let d = cells.dim;
         let of_point = |((kinematics, tangent), stress): ((&Kinematics, &Tangent), &Mat3)| {
             let f = Mat3::from_fn(|i, k| if i < d && k < d { kinematics.f()[(i, k)] } else { 0.0 });
             let dim = d as f64;
             (f.dot(&tangent.apply(&f)) + (1.0 - dim) * stress.dot(&f)) / (dim * kinematics.j()).powi(2)
         };
         let points = scratch.kinematics.iter().zip(&scratch.tangent).zip(&scratch.stress);
-        points.map(of_point).fold(f64::INFINITY, f64::min)
+        points.map(of_point).collect()
     }
 }

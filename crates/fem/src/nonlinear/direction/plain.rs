@@ -1,11 +1,14 @@
 //! [`Plain`]: Newton's step by the displacement.
 
 use super::{Direction, Step, Take};
+use crate::error::Inadmissible;
 use crate::nonlinear::equations::{Equations, Jump};
 use crate::nonlinear::iteration::{Iterate, ROUNDING, Stop};
+use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::solution::state::SolveReport;
 use crate::solution::tangent::{Tangent, TangentRef};
 use crate::solution::tangent_systems::{StepWanted, TangentSystems};
+use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
 
 /// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
@@ -13,19 +16,32 @@ use nastic_linear::{LinearError, LinearSolver};
 /// be within the accuracy asked for at once.
 const JUMP: f64 = 1e-2;
 
-/// `K du = -r`, to an accuracy that follows the residual; prescribed components move in the first step, at once or not at all.
+/// Times that, what a step with the factor of an earlier tangent may leave: what most steps are corrected by in the next one are pressures here, which that is to have.
+const POOR: f64 = 10.0;
+/// The finest accuracy that is asked of such a step, more than what multigrid leaves.
+const FINEST: f64 = 2e-5;
+/// Share of the residual with predicted pressures that a step may leave.
+const SOFT: f64 = 0.1;
+
+/// `K du = -r`, to an accuracy that follows the residual, or with the tangent of predicted pressures; prescribed components move in the first step, at once or not at all.
 pub(crate) struct Plain<'a> {
     equations: &'a Equations<'a>,
     systems: TangentSystems<'a>,
     tangent: Option<Tangent>,
     rhs: Vec<f64>,
     jump: Jump,
+    pressures: Option<PredictedPressures<'a>>,
 }
 
 impl<'a> Plain<'a> {
     pub fn new(equations: &'a Equations<'a>, u: &[f64], solver: &'a mut dyn LinearSolver) -> Self {
         let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
-        Plain { equations, systems, tangent: None, rhs: Vec::new(), jump: equations.jump(u) }
+        Plain { equations, systems, tangent: None, rhs: Vec::new(), jump: equations.jump(u), pressures: None }
+    }
+
+    /// With pressures that every step predicts.
+    pub fn with_pressures(self, pressures: PredictedPressures<'a>) -> Self {
+        Plain { pressures: Some(pressures), ..self }
     }
 }
 
@@ -35,7 +51,7 @@ impl Direction for Plain<'_> {
     }
 
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
-        let products = self.systems.takes_products();
+        let products = self.systems.takes_products() && self.pressures.is_none();
         match self.step(here, products, report) {
             Err(Stop::Linear(LinearError::NoEntries)) => self.step(here, false, report),
             found => found,
@@ -45,13 +61,25 @@ impl Direction for Plain<'_> {
     /// With a shifted tangent.
     fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
         let Some(tangent) = &self.tangent else { return Err(Stop::Slow { residual: here.relative }) };
-        match self.systems.shifted_step(tangent, here.x, &self.rhs, report) {
+        let dx = match self.systems.shifted_step(tangent, here.x, &self.rhs, report) {
             Err(LinearError::NoEntries) => {
                 let tangent = self.equations.tangent_or_products(here, false, &mut self.tangent)?;
                 tangent.eliminate(self.equations.model);
-                Ok(self.systems.shifted_step(&*tangent, here.x, &self.rhs, report)?)
+                self.systems.shifted_step(&*tangent, here.x, &self.rhs, report)?
             }
-            found => Ok(found?),
+            found => found?,
+        };
+        self.begin(here, &dx)?;
+        Ok(dx)
+    }
+
+    fn pressures(&self) -> Option<&PredictedPressures<'_>> {
+        self.pressures.as_ref()
+    }
+
+    fn took(&mut self, share: f64) {
+        if let Some(pressures) = &mut self.pressures {
+            pressures.end(share);
         }
     }
 }
@@ -61,20 +89,41 @@ impl Plain<'_> {
     fn step(&mut self, here: &Iterate, products: bool, report: &mut SolveReport) -> Result<Step, Stop> {
         let equations = self.equations;
         let tangent = equations.tangent_or_products(here, products, &mut self.tangent)?;
+        let mut soft = 1.0;
+        if let (Some(pressures), Some(matrix)) = (&mut self.pressures, tangent.entries_mut()) {
+            soft = SOFT * pressures.add(here, matrix)?;
+        }
         self.rhs = equations.right_hand_side(&*tangent, here.residual, self.jump.as_deref());
         let scale = equations.energy_scale(&*tangent, here.x, here.now);
         tangent.eliminate(equations.model);
         let accuracy = match &self.jump {
             Some(jump) => (equations.model.unknowns().max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
-            None => forcing(here.relative, equations.options.accuracy),
+            None => forcing(here.relative, equations.options.accuracy).min(soft),
         };
-        let (mut dx, curvature) =
-            self.systems.step(&*tangent, here.x, &self.rhs, (accuracy, StepWanted::Newton), report)?;
-        if let Some(jump) = self.jump.take() {
-            equations.prescribe(&mut dx, &jump);
+        let wanted = (accuracy, StepWanted::Newton);
+        let (mut dx, mut curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
+        if self.pressures.is_some() {
+            let left = || left_by(&*tangent, &dx, &self.rhs, equations);
+            let poor = curvature == Curvature::CutShort
+                || curvature == Curvature::Positive && left() > POOR * accuracy.max(FINEST);
+            if poor {
+                self.systems.forget();
+                (dx, curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
+            }
+        }
+        let jump = self.jump.take();
+        if let Some(jump) = &jump {
+            equations.prescribe(&mut dx, jump);
+        }
+        self.begin(here, &dx)?;
+        if jump.is_some() {
             return Ok(Step { scale, ..Step::whole(dx, curvature, equations.model.unknowns()) });
         }
         Ok(Step { size: equations.model.unknowns().max_abs(&dx), dx, curvature, scale, take: Take::Search })
+    }
+
+    fn begin(&mut self, here: &Iterate, dx: &[f64]) -> Result<(), Inadmissible> {
+        self.pressures.as_mut().map_or(Ok(()), |pressures| pressures.begin(here, dx))
     }
 }
 
@@ -105,6 +154,14 @@ impl Equations<'_> {
             }
         }
     }
+}
+
+/// Relative residual of a step.
+fn left_by<'m>(tangent: impl Into<TangentRef<'m>>, dx: &[f64], rhs: &[f64], equations: &Equations) -> f64 {
+    let (space, mut left) = (equations.model.unknowns(), vec![0.0; dx.len()]);
+    tangent.into().multiply(dx, &mut left, equations.options.parallel);
+    left.iter_mut().zip(rhs).for_each(|(left, rhs)| *left -= rhs);
+    space.norm(&left) / space.norm(rhs)
 }
 
 /// Relative residual wanted of a Newton step: a tenth at most and ten times the residual itself, for that keeps convergence

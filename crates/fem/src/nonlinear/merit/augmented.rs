@@ -70,7 +70,11 @@ impl Merit for Augmented {
         self.line
     }
 
-    fn value<'e>(&self, equations: &Equations<'e>, trial: &[f64]) -> Result<(f64, Evaluated<'e>), Inadmissible> {
+    fn value<'e>(
+        &self,
+        equations: &Equations<'e>,
+        (trial, _): (&[f64], f64),
+    ) -> Result<(f64, Evaluated<'e>), Inadmissible> {
         let dofs = equations.dofs();
         let at_new = equations.evaluate(&self.with_multipliers(trial, dofs))?;
         Ok((self.of(&at_new.sums, dofs), at_new))

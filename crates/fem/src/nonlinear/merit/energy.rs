@@ -41,7 +41,11 @@ impl Merit for Energy {
         self.line
     }
 
-    fn value<'e>(&self, equations: &Equations<'e>, trial: &[f64]) -> Result<(f64, Evaluated<'e>), Inadmissible> {
+    fn value<'e>(
+        &self,
+        equations: &Equations<'e>,
+        (trial, _): (&[f64], f64),
+    ) -> Result<(f64, Evaluated<'e>), Inadmissible> {
         let now = equations.evaluate(trial)?;
         let work = match &self.lagged {
             None => 0.0,

@@ -25,7 +25,11 @@ impl Merit for Residual {
         Line { start: self.0, slope: -self.0, noise: 0.0 }
     }
 
-    fn value<'e>(&self, equations: &Equations<'e>, trial: &[f64]) -> Result<(f64, Evaluated<'e>), Inadmissible> {
+    fn value<'e>(
+        &self,
+        equations: &Equations<'e>,
+        (trial, _): (&[f64], f64),
+    ) -> Result<(f64, Evaluated<'e>), Inadmissible> {
         let now = equations.evaluate(trial)?;
         let (residual, relative) = equations.residual(&now.sums);
         Ok((size(equations, &residual, relative), now))

@@ -15,7 +15,7 @@ use std::path::Path;
 /// The file's name: beside that of an optimisation, which it leaves alone.
 pub(in crate::run) const NAME: &str = "motion_checkpoint.bin";
 
-const MAGIC: &str = "nastic-motions-2";
+const MAGIC: &str = "nastic-motions-3";
 
 /// The content of the file.
 pub(in crate::run) struct MotionCheckpoint {

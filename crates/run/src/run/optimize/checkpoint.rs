@@ -17,7 +17,7 @@ use serde::de::DeserializeOwned;
 use std::ops::Range;
 use std::path::Path;
 
-const MAGIC: &str = "nastic-optimisation-8";
+const MAGIC: &str = "nastic-optimisation-9";
 
 /// A run has its start, the point at which it stands, and the best one.
 const MOST_POINTS: usize = 3;

@@ -106,6 +106,12 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
         work.reused,
         scientific(states().map(|state| state.report.residual).fold(0.0, f64::max), 1)
     ));
+    if work.unpredicted > 0 {
+        console.say(format!(
+            "pressures   predicted ones led nowhere {} times: steps by the displacement alone",
+            work.unpredicted
+        ));
+    }
     if work.cycles > 0 {
         let tangents = match work.unassembled {
             0 => "tangents assembled".to_owned(),

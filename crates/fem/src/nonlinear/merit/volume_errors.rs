@@ -1,0 +1,29 @@
+//! [`WithoutVolumeErrors`]: the potential less what errors of the volumes take.
+
+use super::energy::Energy;
+use super::{Line, Merit};
+use crate::error::Inadmissible;
+use crate::nonlinear::equations::{Equations, Evaluated};
+use crate::nonlinear::predicted_pressures::PredictedPressures;
+
+/// `P(u(s)) - 1/2 sum_q w_q k_q e_q(s)^2`, `e(s)` the errors that the step makes of the volumes: to third order in these, what P would be with the volumes
+/// `V + s B du` and, for the rest, the pressures that the step predicts.
+pub(in crate::nonlinear) struct WithoutVolumeErrors<'a> {
+    pub energy: Energy,
+    pub pressures: &'a PredictedPressures<'a>,
+}
+
+impl Merit for WithoutVolumeErrors<'_> {
+    fn line(&self) -> Line {
+        self.energy.line()
+    }
+
+    fn value<'e>(
+        &self,
+        equations: &Equations<'e>,
+        (trial, length): (&[f64], f64),
+    ) -> Result<(f64, Evaluated<'e>), Inadmissible> {
+        let (energy, now) = self.energy.value(equations, (trial, length))?;
+        Ok((energy - self.pressures.energy_of_errors(now.point.displaced(trial), length)?, now))
+    }
+}

@@ -1,0 +1,97 @@
+//! [`PredictedPressures`]: pressures of nearly incompressible bodies that are not those of the displacement.
+//!
+//! A Newton step du changes the volumes V that nearly incompressible laws see by `B du` to first order, and by an error e of second order. The bulk modulus k makes a pressure
+//! `k e` of that, which is many times the pressure of the answer: the next tangent has it in its geometric part, which is indefinite for
+//! nothing else, and the potential has `k e^2 / 2`, for which a search along the step shortens it (a Maratos effect). With pressures as unknowns of their own the
+//! step predicts `p + k B du`, and the next tangent has that:
+//!
+//! ```text
+//! K_p du = -r(u),   K_p = K - sum_q w_q k_q e_q d^2 V_q / du^2,     e <- (1 - s) e + V(u_new) - V(u) - s B du
+//! ```
+//!
+//! after a share s of the step, from e = 0. The residual is that of the displacement, so are equilibria, and there `e = 0`. This is Newton's method for the
+//! principle of Hu and Washizu with its volumes and pressures eliminated from each step, exactly so where the energy is quadratic in V, else to first order.
+//!
+//! Sources: Magisano, Leonetti, Garcea, "How to improve efficiency and robustness of the Newton method in geometrically
+//! non-linear structural problem discretized via displacement-based finite elements", CMAME 313 (2017); Nocedal & Wright, "Numerical Optimization" (2006), section 15.5, of
+//! the Maratos effect.
+
+use crate::contributions::body_energy::dilatations::Dilatation;
+use crate::contributions::body_energy::volume_modes::{LEFT, STANDS_OUT};
+use crate::error::Inadmissible;
+use crate::kernels::displaced::Displaced;
+use crate::nonlinear::equations::Equations;
+use crate::nonlinear::iteration::Iterate;
+use nastic_linear::SparseMatrix;
+
+/// By quadrature points, what the last step made of the volumes.
+pub(crate) struct PredictedPressures<'a> {
+    equations: &'a Equations<'a>,
+    /// The largest ratio of bulk to shear modulus.
+    ratio: f64,
+    /// e
+    errors: Vec<f64>,
+    /// w k
+    stiffness: Vec<f64>,
+    /// V and `B du` of the step that is taken, and its share.
+    volumes: Vec<f64>,
+    changes: Vec<f64>,
+    length: f64,
+}
+
+impl<'a> PredictedPressures<'a> {
+    /// Those of the displacement that an iteration begins at; `None` where no cell resists changes of its volume much.
+    pub fn new(equations: &'a Equations<'a>) -> Option<Self> {
+        let ratio = equations.model.bulk_over_shear();
+        let [errors, stiffness, volumes, changes] = std::array::from_fn(|_| Vec::new());
+        let pressures = PredictedPressures { equations, ratio, errors, stiffness, volumes, changes, length: 0.0 };
+        (ratio >= STANDS_OUT).then_some(pressures)
+    }
+
+    /// Makes the tangent at the next iterate that with predicted pressures. What the residual is with these is a part of the residual, and forces that a
+    /// solution may be wrong by are a share of it.
+    pub fn add(&mut self, here: &Iterate, tangent: &mut SparseMatrix) -> Result<f64, Inadmissible> {
+        let Equations { model, options, .. } = *self.equations;
+        let at = here.point.displaced(here.x);
+        let now = model.body.dilatations(at, Dilatation::Value, options.parallel)?;
+        self.stiffness = model.body.dilatations(at, Dilatation::Stiffness, options.parallel)?;
+        if self.errors.is_empty() {
+            self.errors = vec![0.0; now.len()];
+        } else {
+            let s = self.length;
+            let predicted = self.volumes.iter().zip(&self.changes).map(|(v, change)| v + s * change);
+            let each = self.errors.iter_mut().zip(now.iter().zip(predicted));
+            each.for_each(|(error, (now, predicted))| *error = (1.0 - s) * *error + (now - predicted));
+        }
+        self.volumes = now;
+        let weighted: Vec<f64> = self.errors.iter().zip(&self.stiffness).map(|(e, k)| -k * e).collect();
+        let mut residual = here.residual.to_vec();
+        model.body.add_pressures(at, &weighted, (&mut residual, tangent), options.parallel)?;
+        model.supports.restrict(&mut residual);
+        let space = model.unknowns();
+        let share = space.norm(&residual) / space.norm(here.residual);
+        Ok(share.max(1.0 / self.ratio).min(1.0))
+    }
+
+    /// Notes a step from there.
+    pub fn begin(&mut self, here: &Iterate, dx: &[f64]) -> Result<(), Inadmissible> {
+        let (at, parallel) = (here.point.displaced(here.x), self.equations.options.parallel);
+        self.changes = self.equations.model.body.dilatations(at, Dilatation::Change(dx), parallel)?;
+        Ok(())
+    }
+
+    /// Notes how much of it was taken.
+    pub fn end(&mut self, length: f64) {
+        self.length = length;
+    }
+
+    /// `1/2 sum_q w_q k_q e_q^2` of what a share of the step leads to, less what errors would take of a body with a few times its shear modulus as bulk modulus.
+    pub fn energy_of_errors(&self, at: Displaced, length: f64) -> Result<f64, Inadmissible> {
+        let Equations { model, options, .. } = *self.equations;
+        let now = model.body.dilatations(at, Dilatation::Value, options.parallel)?;
+        let predicted = self.volumes.iter().zip(&self.changes).map(|(v, change)| v + length * change);
+        let errors = now.iter().zip(predicted).map(|(now, predicted)| now - predicted);
+        let share = 1.0 - LEFT / self.ratio;
+        Ok(share * errors.zip(&self.stiffness).map(|(error, k)| 0.5 * k * error * error).sum::<f64>())
+    }
+}
