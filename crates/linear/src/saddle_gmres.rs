@@ -74,6 +74,11 @@ struct State<'x> {
 }
 
 impl SaddleGmres<'_> {
+    /// Memory of the vectors between restarts, for so many unknowns.
+    pub fn bytes(unknowns: usize) -> usize {
+        LENGTH * (size_of::<f64>() + size_of::<f32>()) * unknowns
+    }
+
     /// From the given displacements and pressures, which may be zero.
     pub fn solve(&self, f: &[f64], (u, p): (&mut [f64], &mut [f64]), (tolerance, most): (f64, usize)) -> SaddleReport {
         let scale = sums::norm(f, self.preconditioner.parallel());

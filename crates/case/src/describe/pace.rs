@@ -1,7 +1,7 @@
 //! How fast this machine solves by multigrid.
 
 use nastic_energy::{FiberTension, MooneyRivlin};
-use nastic_fem::{Solid, SolveOptions, Solver, SolverFactory, Workspace};
+use nastic_fem::{Solid, SolveOptions, Solver, SolverFactory, Workspace, available_memory};
 use nastic_mesh::{CellKind, box_mesh, rectangle};
 use nastic_tensor::Vec3;
 use std::error::Error;
@@ -11,6 +11,8 @@ use std::time::Instant;
 const ACROSS: usize = 18;
 /// The same of a rectangle: 48,010 unknowns.
 const ACROSS_PLANE: usize = 68;
+/// Memory that the box takes, with a margin.
+const BOX: usize = 1 << 30;
 /// A tension that bends nothing and strains the material by a hundredth.
 const TENSION: f64 = -3e3;
 
@@ -24,11 +26,22 @@ pub struct MultigridPace {
 }
 
 impl MultigridPace {
+    /// That of a body, by the cells of its first block.
+    ///
+    /// # Errors
+    /// Why there is none.
+    pub fn of_body(solid: &Solid) -> Result<Self, String> {
+        let available = available_memory().map_err(|error| error.to_string())?.unwrap_or(usize::MAX);
+        let kind = solid.mesh().blocks().first().map(|block| block.kind).filter(|_| available > BOX);
+        let kind = kind.ok_or("the memory does not suffice for a box to measure by")?;
+        Self::measured(kind).map_err(|error| error.to_string())
+    }
+
     /// From one solve of a box of a compressible material with cells of a kind, on the threads at hand.
     ///
     /// # Errors
     /// Why there is none.
-    pub fn measured(kind: CellKind) -> Result<Self, Box<dyn Error>> {
+    fn measured(kind: CellKind) -> Result<Self, Box<dyn Error>> {
         let solid = Self::body(kind)?;
         let mut controls = solid.controls();
         controls.values_mut(0).fill(TENSION);

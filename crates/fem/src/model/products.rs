@@ -6,6 +6,7 @@ use crate::contributions::body_energy::hexahedra_products::HexahedraProducts;
 use crate::contributions::instant::Instant;
 use crate::error::Inadmissible;
 use crate::kernels::displaced::Displaced;
+use nastic_linear::solver::MultigridSolver;
 use nastic_linear::{CellProducts, Multigrid, VolumeModes};
 use std::sync::Arc;
 
@@ -24,7 +25,10 @@ impl Model {
             let (nodes, cells) = (self.discretization().mesh().points().len(), self.discretization().mesh().cells());
             return HexahedraProducts::bytes_of(cells) + Multigrid::predicted_bytes_below_products(nodes, cells);
         }
-        structure.multigrid_bytes()
+        match self.body.patches_with_volume_modes() {
+            0 => structure.multigrid_bytes(),
+            patches => structure.multigrid_bytes() + MultigridSolver::bytes_of_modes(structure.pattern(), patches),
+        }
     }
 
     /// The tangent of an equilibrium by the products of its cells, from moduli in single precision: of a body of 27-node hexahedra

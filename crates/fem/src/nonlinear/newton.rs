@@ -77,7 +77,10 @@ impl Equations<'_> {
         solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
     ) -> Result<Option<Curvature>, Stop> {
-        let Some(pressures) = self.predicts_pressures().then(|| PredictedPressures::new(self)).flatten() else {
+        // a tangent by the products of its cells is not assembled for that
+        let of_entries = !(solver.takes_products() && self.model.has_cell_products());
+        let predicts = of_entries && self.predicts_pressures();
+        let Some(pressures) = predicts.then(|| PredictedPressures::new(self)).flatten() else {
             return Ok(None);
         };
         let (from, moves) = (x.clone(), self.jump(x).is_some());

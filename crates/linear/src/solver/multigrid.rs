@@ -4,6 +4,7 @@ use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork,
 use crate::error::{FactorError, StructureError};
 use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient, conjugate_gradient_while};
 use crate::multigrid::{Geometry, Multigrid};
+use crate::pattern::Pattern;
 use crate::saddle_gmres::SaddleGmres;
 use crate::structure::Structure;
 use crate::volume_modes::VolumeModes;
@@ -45,6 +46,13 @@ pub struct MultigridSolver {
     rate: f64,
     /// Cycles that they took beyond that on others. They are due when these cost as much as a renewal.
     excess: f64,
+}
+
+impl MultigridSolver {
+    /// Memory that a system with so many volume modes takes beside the levels: the vectors of its iteration, and what the matrix has beside the modes.
+    pub fn bytes_of_modes(pattern: &Pattern, modes: usize) -> usize {
+        SaddleGmres::bytes(pattern.dofs() + modes) + size_of::<f64>() * pattern.values()
+    }
 }
 
 /// What became of a system.

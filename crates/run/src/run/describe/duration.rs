@@ -15,8 +15,6 @@ const LARGEST: usize = 1 << 30;
 const FACTORISATIONS: f64 = 2.5;
 /// The same in Newton iterations by multigrid.
 const ITERATIONS: f64 = 4.0;
-/// Memory that a box for the pace of multigrid takes, with a margin.
-const BOX: usize = 1 << 30;
 /// Counts of the shipped cases and of impacts in docs/contact.md.
 const CONTACT: &str = "not estimated with contact: a stage of a step takes 3 to 5 Newton iterations while bodies are held or slide, 50 and more where they land or let go, an equilibrium 20 and more; nastic solve tells what they take";
 
@@ -79,15 +77,11 @@ fn newton(member: CaseMember<'_>) -> Result<(String, f64), String> {
     let (solid, structure) = (member.solid(), member.solid().model().tangent_structure());
     let available = available_memory().map_err(|error| error.to_string())?.unwrap_or(usize::MAX);
     if solid.model().solver() == Solver::MULTIGRID {
-        let Some(kind) = solid.mesh().blocks().first().map(|block| block.kind).filter(|_| available > BOX) else {
-            return Err("the memory does not suffice for a box to measure by".to_owned());
-        };
-        let pace = MultigridPace::measured(kind).map_err(|error| error.to_string())?;
-        let (each, unknowns) = (pace.seconds_per_unknown * solid.discretization().dofs() as f64, pace.unknowns);
-        let told = format!(
-            "a Newton iteration by multigrid, from a box of {unknowns} unknowns: {}, several times that where a material hardly changes its volume",
-            text(each)
-        );
+        let MultigridPace { seconds_per_unknown, unknowns } = MultigridPace::of_body(solid)?;
+        let each = seconds_per_unknown * solid.discretization().dofs() as f64;
+        let hard = "several times that where a material hardly changes its volume";
+        let told =
+            format!("a Newton iteration by multigrid, from a box of {unknowns} unknowns: {}, {hard}", text(each));
         return Ok((told, ITERATIONS * each));
     }
     if structure.factorisation_bytes() > available {
