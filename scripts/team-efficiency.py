@@ -59,7 +59,7 @@ def efficiency(ranks, solve, gradient, balanced, random):
     times = random.lognormal(-0.5 * sigma**2, sigma, members)
     counted = times * (1 + PREDICTED * random.standard_normal(members)) if balanced else numpy.ones(members)
     slowest = numpy.add.reduceat(times, shares(numpy.maximum(counted, 1e-3), ranks)).max()
-    messages = exchange(members, ranks, 152 + 8) + exchange(members, ranks, 128) + tree_sum(members, ranks)
+    messages = exchange(members, ranks, 160 + 8) + exchange(members, ranks, 136) + tree_sum(members, ranks)
     messages += exchange(members, ranks, 8 + 16) + exchange(members, ranks, 16) + exchange(members, ranks, 24)
     own = (solve + gradient) * times.sum() / ranks
     return own / ((solve + gradient) * slowest + messages), messages

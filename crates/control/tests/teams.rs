@@ -134,9 +134,9 @@ fn messages_and_bytes_are_those_of_the_formulas() -> Outcome {
         });
         for (before, evaluated, derived) in counted {
             let of = |from: Traffic, to: Traffic| (to.messages - from.messages, to.bytes - from.bytes);
-            let Traffic { messages, bytes } = exchanged(&shares, 152 + 8 * terms);
+            let Traffic { messages, bytes } = exchanged(&shares, 160 + 8 * terms);
             assert_eq!(of(before, evaluated), (messages, bytes), "an evaluation on {size} ranks");
-            let (Traffic { messages, bytes }, sums) = (exchanged(&shares, 128), messages_of_sum(&shares));
+            let (Traffic { messages, bytes }, sums) = (exchanged(&shares, 136), messages_of_sum(&shares));
             assert_eq!(of(evaluated, derived), (messages + sums, bytes + sums * 8 * controls), "a derivative");
         }
     }

@@ -75,8 +75,14 @@ pub enum StoppingTest {
     },
 }
 
-/// Multiple of the residual asked for within which an estimate of the error is believed.
+/// Multiple of the residual asked for within which an estimate of the error is believed, and the largest such residual.
 const NEAR: f64 = 1e3;
+const NEAREST: f64 = 1e-4;
+
+/// The residual within which an estimate of the error is believed where this one is asked for.
+fn near(residual: f64) -> f64 {
+    (NEAR * residual).min(NEAREST).max(residual)
+}
 
 impl StoppingTest {
     /// By the recurrence.
@@ -88,7 +94,7 @@ impl StoppingTest {
             }
             StoppingTest::Either { error, residual } => {
                 relative <= residual
-                    || relative <= NEAR * residual && StoppingTest::Error(error).is_met(relative, steps, asked)
+                    || relative <= near(residual) && StoppingTest::Error(error).is_met(relative, steps, asked)
             }
         }
     }
@@ -100,8 +106,7 @@ impl StoppingTest {
             StoppingTest::Error(tolerance) => relative <= DRIFT * carried || corrected(steps, asked, tolerance),
             StoppingTest::Either { error, residual } => {
                 relative <= residual
-                    || relative <= NEAR * residual
-                        && StoppingTest::Error(error).holds((relative, carried), steps, asked)
+                    || relative <= near(residual) && StoppingTest::Error(error).holds((relative, carried), steps, asked)
             }
         }
     }

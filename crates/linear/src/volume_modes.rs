@@ -85,6 +85,13 @@ impl VolumeModes {
         self
     }
 
+    /// Memory, in bytes.
+    pub fn bytes(&self) -> usize {
+        let wide = size_of_val(&self.groups[..]) + size_of_val(&self.starts[..]) + size_of_val(&self.coefficients[..]);
+        let narrow = size_of_val(&self.nodes[..]) + size_of_val(&self.own[..]) + size_of_val(&self.back_starts[..]);
+        wide + narrow + size_of_val(&self.stiffness[..]) + size_of_val(&self.back[..])
+    }
+
     /// How many there are.
     pub fn len(&self) -> usize {
         self.own.len()

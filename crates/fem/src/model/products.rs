@@ -20,15 +20,20 @@ impl Model {
 
     /// Bytes of the tangent of an equilibrium and of its levels of multigrid, predicted from counts.
     pub fn multigrid_bytes(&self) -> usize {
-        let structure = self.tangent_structure();
         if self.has_cell_products() {
             let (nodes, cells) = (self.discretization().mesh().points().len(), self.discretization().mesh().cells());
             return HexahedraProducts::bytes_of(cells) + Multigrid::predicted_bytes_below_products(nodes, cells);
         }
-        match self.body.patches_with_volume_modes() {
-            0 => structure.multigrid_bytes(),
-            patches => structure.multigrid_bytes() + MultigridSolver::bytes_of_modes(structure.pattern(), patches),
-        }
+        self.assembled_multigrid_bytes()
+    }
+
+    /// The same of a tangent that is assembled, as those of steps in time are. The pressures of nearly incompressible cells that become unknowns are counted at rest.
+    pub fn assembled_multigrid_bytes(&self) -> usize {
+        let structure = self.tangent_structure();
+        let modes = self.volume_modes(&vec![0.0; self.unknowns().nodal()], true);
+        let beside =
+            modes.map_or(0, |modes| modes.bytes() + MultigridSolver::bytes_of_modes(structure.pattern(), modes.len()));
+        structure.multigrid_bytes() + beside
     }
 
     /// The tangent of an equilibrium by the products of its cells, from moduli in single precision: of a body of 27-node hexahedra

@@ -136,7 +136,7 @@ impl<'a> LineSearch<'a> {
         }
         // errors of the volumes make most of a residual, which shows no saddle then
         if self.equations.anchor.is_none()
-            && direction.pressures().is_none()
+            && direction.pressures().is_none_or(PredictedPressures::are_settled)
             && let Some(taken) = self.residual_falls(here, &step.dx, TO_SADDLE)?
         {
             return Ok(taken);

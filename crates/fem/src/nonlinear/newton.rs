@@ -84,13 +84,17 @@ impl Equations<'_> {
             return Ok(None);
         };
         let (from, moves) = (x.clone(), self.jump(x).is_some());
-        let most = PREDICTED.min(self.options.max_newton);
+        // half of what may still be spent at most
+        let left = self.options.budget.map_or(usize::MAX, |budget| budget.saturating_sub(report.newton));
+        let most = PREDICTED.min(self.options.max_newton).min(left / 2);
         let limits = Limits { lost: (0, SHIFTED), ..Limits::new(most, self.options.accuracy) };
         let mut direction = Plain::new(self, x, &mut *solver).with_pressures(pressures);
-        let run = self.evaluate(x).map_err(Stop::from).and_then(|start| {
+        let start = if moves { Ok(None) } else { self.evaluate(x).map(|start| Some(start.sums)) };
+        let run = start.map_err(Stop::from).and_then(|start| {
             let last = Iteration::new(self, limits).run(x, &mut direction, report)?;
-            let lower = moves || report.energy <= start.sums.energy + rounding(&start.sums);
-            if lower { Ok(last) } else { Err(Stop::Slow { residual: report.residual }) }
+            let lower = start.is_none_or(|start| report.energy <= start.energy + rounding(&start));
+            let sound = lower && last != Curvature::Negative;
+            if sound { Ok(last) } else { Err(Stop::Slow { residual: report.residual }) }
         });
         match run {
             Ok(last) => Ok(Some(last)),

@@ -37,14 +37,20 @@ pub(crate) struct PredictedPressures<'a> {
     volumes: Vec<f64>,
     changes: Vec<f64>,
     length: f64,
+    /// Share of the residual that errors of the volumes do not make.
+    share: f64,
 }
+
+/// Least such share with which a residual that falls shows a saddle nearby.
+const OF_FORCES: f64 = 0.5;
 
 impl<'a> PredictedPressures<'a> {
     /// Those of the displacement that an iteration begins at; `None` where no cell resists changes of its volume much.
     pub fn new(equations: &'a Equations<'a>) -> Option<Self> {
         let ratio = equations.model.bulk_over_shear();
         let [errors, stiffness, volumes, changes] = std::array::from_fn(|_| Vec::new());
-        let pressures = PredictedPressures { equations, ratio, errors, stiffness, volumes, changes, length: 0.0 };
+        let pressures =
+            PredictedPressures { equations, ratio, errors, stiffness, volumes, changes, length: 0.0, share: 1.0 };
         (ratio >= STANDS_OUT).then_some(pressures)
     }
 
@@ -69,8 +75,13 @@ impl<'a> PredictedPressures<'a> {
         model.body.add_pressures(at, &weighted, (&mut residual, tangent), options.parallel)?;
         model.supports.restrict(&mut residual);
         let space = model.unknowns();
-        let share = space.norm(&residual) / space.norm(here.residual);
-        Ok(share.max(1.0 / self.ratio).min(1.0))
+        self.share = space.norm(&residual) / space.norm(here.residual);
+        Ok(self.share.max(1.0 / self.ratio).min(1.0))
+    }
+
+    /// Whether errors of the volumes make little of the residual, so that it says something of the equilibrium.
+    pub fn are_settled(&self) -> bool {
+        self.share >= OF_FORCES
     }
 
     /// Notes a step from there.

@@ -22,6 +22,8 @@ const GUESS: usize = 15;
 /// Newton iterations after which load steps from rest are given up at the first that fails.
 const MOST: usize = 10_000;
 /// Ratios of bulk to shear modulus from which load steps that move prescribed components, which no line search shortens, begin with strains of
+/// Attempts with predicted pressures that may fail one after the other before no more are made.
+const FAILURES: usize = 2;
 /// their own at the quadrature points, and from which others turn to them after so many iterations downhill.
 const STIFF: (f64, f64) = (100.0, 1000.0);
 const BRIEF: usize = 12;
@@ -191,8 +193,7 @@ impl Model {
         let jumps = newton.jump(u).is_some();
         let creeps = way.creeps(jumps);
         let first = suited && (creeps || way.helped && !jumps);
-        let solver = self.linear_solver(newton.options, workspace);
-        if !first && newton.solve_with_pressures(u, solver, report)?.is_some() {
+        if !first && !hopeless && self.attempt_with_pressures(newton, u, workspace, report)? {
             return Ok(());
         }
         if first {
@@ -226,6 +227,26 @@ impl Model {
             Err(stop) if stop.is_final() => Err(stop),
             Err(_) => Err(slow),
         }
+    }
+
+    /// With pressures that steps predict, unless these have failed before; where they lead nowhere, u is as it was.
+    fn attempt_with_pressures(
+        &self,
+        newton: &Equations,
+        u: &mut Vec<f64>,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<bool, Stop> {
+        if workspace.unpredicted >= FAILURES {
+            return Ok(false);
+        }
+        let before = report.unpredicted;
+        let found = newton.solve_with_pressures(u, self.linear_solver(newton.options, workspace), report)?;
+        match found {
+            Some(_) => workspace.unpredicted = 0,
+            None => workspace.unpredicted += report.unpredicted - before,
+        }
+        Ok(found.is_some())
     }
 
     /// A few iterations downhill, then strains of their own at the quadrature points, from the same start; where neither arrives, u is the

@@ -236,6 +236,10 @@ impl<'a> TangentSystems<'a> {
         // of multigrid, which shows at a coarser residual that a matrix is definite
         if self.model.unknowns().norm(&rest) > DEFINITE * self.model.unknowns().norm(b) {
             let correction = self.solve_to(SYMMETRIC, matrix, u, &rest, Transposition::No, report)?;
+            // a factor that was fallen back on takes what is indefinite too
+            if self.solver.negative().is_some_and(|negative| negative > 0) {
+                return Err(LinearError::Indefinite);
+            }
             x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
         }
         Ok(self.extended(x))

@@ -17,6 +17,8 @@ use std::sync::Arc;
 pub struct Workspace {
     solver: Option<KeptSolver>,
     tangent: Option<KeptTangent>,
+    /// Attempts with predicted pressures that have failed since the last that did not.
+    pub(crate) unpredicted: usize,
 }
 
 /// The tangent at the state whose second derivatives were last asked for, its supports eliminated.
@@ -44,7 +46,7 @@ impl Workspace {
         let (name, pattern) = (Solver::DIRECT.name(), factor.symbolic().pattern().clone());
         let structure = Structure::analysed(factor.symbolic().clone());
         let solver = Box::new(Joining::new(&structure, Box::new(Direct::with_factor(factor))));
-        Workspace { solver: Some(KeptSolver { name, pattern, solver }), tangent: None }
+        Workspace { solver: Some(KeptSolver { name, pattern, solver }), ..Workspace::default() }
     }
 
     /// The linear solver of a factory for a model: the one that is here, if it is such.
@@ -103,8 +105,7 @@ impl Workspace {
 
     /// Drops everything: the next solve starts as if it were the first.
     pub fn clear(&mut self) {
-        self.solver = None;
-        self.tangent = None;
+        *self = Workspace::default();
     }
 }
 
@@ -115,7 +116,8 @@ impl Clone for Workspace {
             pattern: kept.pattern.clone(),
             solver: kept.solver.boxed_clone(),
         };
-        Workspace { solver: self.solver.as_ref().map(copy), tangent: self.tangent.clone() }
+        let Workspace { tangent, unpredicted, .. } = self;
+        Workspace { solver: self.solver.as_ref().map(copy), tangent: tangent.clone(), unpredicted: *unpredicted }
     }
 }
 

@@ -21,8 +21,6 @@ const MOST: usize = 600;
 const MOST_OF_REST: usize = 300;
 /// What a new hierarchy costs, in cycles: its products, and the bound of the smoother.
 const RENEWAL: f64 = 8.0;
-/// Cycles per decade of the residual that new levels are expected to take, until they have solved a system.
-const PACE: f64 = 2.5;
 /// Cycles beyond those wanted after which the pace of levels that are kept is believed.
 const GRACE: f64 = 2.0;
 /// Backward error `|b - A x| / (|A| |x| + |b|)` that counts as rounding.
@@ -43,7 +41,7 @@ pub struct MultigridSolver {
     /// A quotient of it that is not positive.
     quotient: Option<f64>,
     /// Cycles per decade of the residual that they took on their own matrix.
-    rate: f64,
+    rate: Option<f64>,
     /// Cycles that they took beyond that on others. They are due when these cost as much as a renewal.
     excess: f64,
 }
@@ -52,6 +50,22 @@ impl MultigridSolver {
     /// Memory that a system with so many volume modes takes beside the levels: the vectors of its iteration, and what the matrix has beside the modes.
     pub fn bytes_of_modes(pattern: &Pattern, modes: usize) -> usize {
         SaddleGmres::bytes(pattern.dofs() + modes) + size_of::<f64>() * pattern.values()
+    }
+}
+
+impl MultigridSolver {
+    /// A solution that leads downhill, of a matrix that showed positive curvature alone.
+    fn downhill(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        tolerance: f64,
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        Ok(match self.run(system, b, Aim::residual(tolerance), work)? {
+            Outcome::Solved(x) if self.positive && system.space().dot(&x, b) > 0.0 => Some(x),
+            _ => None,
+        })
     }
 }
 
@@ -116,7 +130,7 @@ impl MultigridSolver {
             return Err(LinearError::Multigrid { residual: cg.residual, cycles: cg.iterations, wanted: aim.residual });
         }
         self.positive = positive;
-        self.rate = cg.iterations.max(1) as f64 / decades(cg.residual.max(aim.residual) / reached);
+        self.rate = Some(cg.iterations.max(1) as f64 / decades(cg.residual.max(aim.residual) / reached));
         Ok(Outcome::Solved(x))
     }
 
@@ -130,13 +144,16 @@ impl MultigridSolver {
         work: &mut LinearWork,
     ) -> WithKept {
         let Some(levels) = &self.levels else { return WithKept::Left(1.0) };
-        let wanted = self.rate * decades(aim.expected());
+        // GMRES goes on to the residual
+        let expected = if modes.is_some() { aim.residual } else { aim.expected() };
         let (rate, excess) = (self.rate, self.excess);
+        let wanted = rate.map_or(MOST as f64, |rate| rate * decades(expected));
         let go_on = |cycles: usize, reached: f64| {
-            let (cycles, left) = (cycles as f64, decades(aim.expected() / reached));
-            // what is left at the pace so far, and by new levels
-            let (here, anew) = (cycles / decades(reached) * left, RENEWAL + rate * left);
-            cycles < MOST as f64 && (cycles + excess < wanted + GRACE || here <= anew)
+            let (cycles, left) = (cycles as f64, decades(expected / reached));
+            // what is left at the pace so far, and by new levels, if that is known
+            let (here, anew) = (cycles / decades(reached) * left, rate.map(|rate| RENEWAL + rate * left));
+            let pays = cycles + excess < wanted + GRACE || anew.is_some_and(|anew| here <= anew);
+            cycles < MOST as f64 && pays
         };
         let (cg, positive) = match modes {
             None => (by_cg(system, levels, (b, x), (aim, &go_on), work), true),
@@ -145,17 +162,16 @@ impl MultigridSolver {
                 iterate((system, modes), levels, b, (x, p), (aim, most.min(MOST)), work)
             }
         };
-        self.positive = positive;
-        let iterations = cg.iterations;
-        self.excess += (iterations as f64 - wanted).max(0.0);
+        self.excess += (cg.iterations as f64 - wanted).max(0.0);
+        self.serves = self.excess < RENEWAL;
         match cg.end {
             // they may be as good for what is definite as they were
             CgEnd::NegativeCurvature { curvature } => {
-                (self.positive, self.quotient) = (false, Some(curvature));
+                self.quotient = Some(curvature);
                 return WithKept::Indefinite;
             }
             _ if arrived(system, levels, b, x, &cg) => {
-                self.serves = self.excess < RENEWAL;
+                self.positive = positive;
                 work.reused += 1;
                 return WithKept::Solved;
             }
@@ -190,8 +206,11 @@ impl MultigridSolver {
         };
         levels.release_products();
         (self.levels, self.serves) = (Some(Arc::new(levels)), renewed.is_ok());
-        (self.rate, self.excess, self.by_products) = (PACE, 0.0, system.products.is_some());
-        self.of_rest = modes.is_some();
+        let same = (self.by_products, self.of_rest) == (system.products.is_some(), modes.is_some());
+        (self.by_products, self.of_rest) = (system.products.is_some(), modes.is_some());
+        // that of levels before, until these have solved a system
+        self.rate = self.rate.filter(|_| same);
+        (self.excess, self.positive, self.quotient) = (0.0, false, None);
         renewed
     }
 }
@@ -245,7 +264,7 @@ impl LinearSolver for MultigridSolver {
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
         match self.run(system, b, Aim::residual(tolerance.clamp(STEP_TOLERANCE, COARSEST_STEP)), work)? {
             // nothing showed that it leads downhill
-            Outcome::Solved(x) if !self.positive && system.space().dot(&x, b) <= 0.0 => Err(LinearError::Indefinite),
+            Outcome::Solved(x) if system.space().dot(&x, b) <= 0.0 => Err(LinearError::Indefinite),
             Outcome::Solved(x) => Ok(Step { x, curvature: Curvature::Positive }),
             Outcome::Indefinite(Some(x)) => Ok(Step { x, curvature: Curvature::Negative }),
             Outcome::Indefinite(None) => Err(LinearError::Indefinite),
@@ -272,7 +291,7 @@ impl LinearSolver for MultigridSolver {
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
         self.serves = false;
-        let solved = self.solve_shifted(system, b, work);
+        let solved = self.downhill(system, b, STEP_TOLERANCE, work);
         self.serves = false;
         solved
     }
@@ -288,10 +307,7 @@ impl LinearSolver for MultigridSolver {
         b: &[f64],
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
-        Ok(match self.run(system, b, Aim::residual(COARSEST_STEP), work)? {
-            Outcome::Solved(x) if self.positive => Some(x),
-            _ => None,
-        })
+        self.downhill(system, b, COARSEST_STEP, work)
     }
 
     /// 0 for a matrix that is positive definite as far as conjugate gradients with a right-hand side of fixed random numbers

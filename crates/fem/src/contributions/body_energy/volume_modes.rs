@@ -6,7 +6,7 @@ use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
-use crate::kernels::patch::{Patch, Patches};
+use crate::kernels::patch::Patch;
 use nastic_energy::{EnergyTerm, Response, Slots, Want};
 use nastic_linear::VolumeModes;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
@@ -46,15 +46,6 @@ impl BodyEnergy {
             })?;
         }
         Ok((!modes.is_empty()).then(|| modes.supported(fixed)))
-    }
-
-    /// How many patches have some.
-    pub(crate) fn patches_with_volume_modes(&self) -> usize {
-        let of_group = |(cells, patches): (Cells, &Patches)| {
-            let projects = |patch: &Patch| !self.arithmetic_of(cells.first(*patch)).is_affine();
-            patches.iter().filter(|patch| projects(patch) && self.stiff_share(cells, *patch).is_some()).count()
-        };
-        self.groups().map(of_group).sum()
     }
 }
 

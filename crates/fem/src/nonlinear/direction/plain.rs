@@ -101,11 +101,12 @@ impl Plain<'_> {
             None => forcing(here.relative, equations.options.accuracy).min(soft),
         };
         let wanted = (accuracy, StepWanted::Newton);
+        let kept = report.reused;
         let (mut dx, mut curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
         if self.pressures.is_some() {
             let left = || left_by(&*tangent, &dx, &self.rhs, equations);
             let poor = curvature == Curvature::CutShort
-                || curvature == Curvature::Positive && left() > POOR * accuracy.max(FINEST);
+                || report.reused > kept && curvature == Curvature::Positive && left() > POOR * accuracy.max(FINEST);
             if poor {
                 self.systems.forget();
                 (dx, curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;

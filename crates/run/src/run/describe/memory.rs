@@ -11,7 +11,8 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let mut out = Vec::new();
     let megabytes = |bytes: usize| format!("{:.1} MB", bytes as f64 / 1e6);
     // steps in time assemble their tangents
-    let of_levels = if problem.case.time.is_some() { structure.multigrid_bytes() } else { model.multigrid_bytes() };
+    let of_levels =
+        if problem.case.time.is_some() { model.assembled_multigrid_bytes() } else { model.multigrid_bytes() };
     let (factor, levels) = (megabytes(structure.factor_bytes()), megabytes(of_levels));
     let members = problem.members().count();
     let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
