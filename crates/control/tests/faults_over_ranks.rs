@@ -100,7 +100,7 @@ fn a_lost_rank_aborts_the_optimisation_on_all() -> Outcome {
 }
 
 #[test]
-fn a_fatal_failure_of_one_rank_ends_the_run_of_all() -> Outcome {
+fn all_know_whether_any_rank_says_so() -> Outcome {
     let mesh = bar(CellKind::Hex8, 1)?;
     let found = on(2, |rank| {
         let problem = short(&mesh, &rank)?;
