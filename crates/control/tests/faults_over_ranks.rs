@@ -100,6 +100,34 @@ fn a_lost_rank_aborts_the_optimisation_on_all() -> Outcome {
 }
 
 #[test]
+fn failures_for_a_lost_rank_are_fatal() -> Outcome {
+    let mesh = bar(CellKind::Hex8, 1)?;
+    let (mut at, mut of_values, mut of_derivatives) = (20, 0, 0);
+    loop {
+        let found = on_faulty(2, Some((0, at)), |rank| {
+            let (problem, workspace) = (short(&mesh, &rank)?, &mut ReducedWorkspace::default());
+            let valued = problem.evaluate(&[-1e4], &Request::default(), workspace);
+            Ok(match valued.and_then(|mut point| Ok(problem.derivative(&mut point, workspace).map(drop))) {
+                Err(failed) => (1, 0, failed.is_fatal()),
+                Ok(Err(failed)) => (0, 1, failed.is_fatal()),
+                Ok(Ok(())) => (0, 0, true),
+            })
+        });
+        if found.iter().all(|found| *found == Ok((0, 0, true))) {
+            break;
+        }
+        for (value, derivative, fatal) in found.into_iter().flatten() {
+            assert!(fatal, "lost at message {at}");
+            of_values += value;
+            of_derivatives += derivative;
+        }
+        at += at / 10;
+    }
+    assert!(of_values > 3 && of_derivatives > 0, "{of_values} values, {of_derivatives} derivatives");
+    Ok(())
+}
+
+#[test]
 fn all_know_whether_any_rank_says_so() -> Outcome {
     let mesh = bar(CellKind::Hex8, 1)?;
     let found = on(2, |rank| {
