@@ -107,7 +107,7 @@ fn failures_for_a_lost_rank_are_fatal() -> Outcome {
         let found = on_faulty(2, Some((0, at)), |rank| {
             let (problem, workspace) = (short(&mesh, &rank)?, &mut ReducedWorkspace::default());
             let valued = problem.evaluate(&[-1e4], &Request::default(), workspace);
-            Ok(match valued.and_then(|mut point| Ok(problem.derivative(&mut point, workspace).map(drop))) {
+            Ok(match valued.map(|mut point| problem.derivative(&mut point, workspace).map(drop)) {
                 Err(failed) => (1, 0, failed.is_fatal()),
                 Ok(Err(failed)) => (0, 1, failed.is_fatal()),
                 Ok(Ok(())) => (0, 0, true),
