@@ -156,6 +156,14 @@ pub enum ControlError {
         /// Its name, or where none is known the type of the evaluated cost.
         cost: String,
     },
+    /// A cost that was bound to another body than that of the problem.
+    #[error(
+        "the cost \"{cost}\" is bound to the mesh of another body: bind it to the body of the problem (`bind_to`), or add it unbound"
+    )]
+    OtherBody {
+        /// Its name.
+        cost: String,
+    },
     /// What a problem in time does not have.
     #[error(
         "{what} of a problem in time are not there: take an optimiser of first derivatives (L-BFGS, projected gradient)"
@@ -216,6 +224,15 @@ impl ControlError {
         match self {
             ControlError::State(error) => error.is_lack_of_memory(),
             ControlError::Remote(failure) => failure.lacks_memory,
+            _ => false,
+        }
+    }
+
+    /// Whether messages between the ranks that have the body have failed: nothing is said of the control.
+    pub fn is_lost_rank(&self) -> bool {
+        match self {
+            ControlError::Fem(error) => matches!(error, FemError::Team(_)),
+            ControlError::State(error) => error.is_lost_rank(),
             _ => false,
         }
     }

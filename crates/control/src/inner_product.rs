@@ -1,5 +1,6 @@
 //! Inner products of control fields: lumped L2, in which clamping is the projection, and H1.
 
+use crate::control_block::ControlBlock;
 use crate::error::ControlError;
 use crate::grid::Corner;
 use crate::layout::Layout;
@@ -47,29 +48,33 @@ pub const METRICS: &[MetricRow] = &[
 /// # Errors
 /// A control that acts on nothing, or a smoothing length that is not positive.
 pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<Arc<dyn InnerProduct>, ControlError> {
-    let weights = lumped_weights(solid.discretization(), layout)?;
+    let (model, disc) = (solid.model(), solid.discretization());
+    let weights = lumped_weights(disc, layout)?;
+    // of ranks that have a body all have it, or none: no message is left to wait for
+    model.all_accept(check(&weights, layout, metric))?;
+    model.all_accept(match metric {
+        Metric::L2 => Diagonal::new(weights)
+            .map(|diagonal| Arc::new(diagonal) as Arc<dyn InnerProduct>)
+            .map_err(|e| ControlError::Cost { what: e.to_string() }),
+        Metric::H1 { length } => {
+            H1::new(disc, layout, &weights, length).map(|product| Arc::new(product) as Arc<dyn InnerProduct>)
+        }
+    })
+}
+
+fn check(weights: &[f64], layout: &Layout, metric: Metric) -> Result<(), ControlError> {
+    let fail = |what: String| Err(ControlError::Cost { what });
     if let Some(i) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
-        return Err(ControlError::Cost {
-            what: format!("unknown {i} of the controls acts on nothing (weight {})", weights[i]),
-        });
+        return fail(format!("unknown {i} of the controls acts on nothing (weight {})", weights[i]));
     }
     match metric {
-        Metric::L2 => {
-            let diagonal = Diagonal::new(weights).map_err(|e| ControlError::Cost { what: e.to_string() })?;
-            Ok(Arc::new(diagonal))
+        Metric::H1 { .. } if layout.blocks().iter().any(|block| block.knots.is_some()) => fail(
+            "the H1 product of controls in time is not implemented: take L2, and costs of the control's smoothness in space and of its rate in time".to_owned(),
+        ),
+        Metric::H1 { length } if !(length.is_finite() && length > 0.0) => {
+            fail(format!("the smoothing length of the H1 product is {length}; it is a positive length"))
         }
-        Metric::H1 { .. } if layout.blocks().iter().any(|block| block.knots.is_some()) => {
-            let what = "the H1 product of controls in time is not implemented: take L2, and costs of the control's \
-                        smoothness in space and of its rate in time";
-            Err(ControlError::Cost { what: what.to_owned() })
-        }
-        Metric::H1 { length } if length.is_finite() && length > 0.0 => {
-            Ok(Arc::new(H1::new(solid.discretization(), layout, &weights, length)?))
-        }
-        Metric::H1 { length } => {
-            let what = format!("the smoothing length of the H1 product is {length}; it is a positive length");
-            Err(ControlError::Cost { what })
-        }
+        Metric::L2 | Metric::H1 { .. } => Ok(()),
     }
 }
 
@@ -197,11 +202,13 @@ fn pieces_of_all(disc: &Discretization, basis: &Basis) -> Result<Option<Vec<Piec
     let Some((_, share)) = disc.over_ranks() else { return Ok(None) };
     // each behind its number of unknowns
     let mut told = Vec::new();
-    for_each_stiffness(disc, basis, |unknowns, local| {
-        told.push(unknowns.len() as f64);
-        told.extend(unknowns.iter().map(|unknown| f64::from(*unknown)));
-        told.extend(local);
-    });
+    if is_counted(disc, basis) {
+        for_each_stiffness(disc, basis, |unknowns, local| {
+            told.push(unknowns.len() as f64);
+            told.extend(unknowns.iter().map(|unknown| f64::from(*unknown)));
+            told.extend(local);
+        });
+    }
     let mut pieces = Vec::new();
     for of_rank in gathered(share, &told)? {
         let mut rest = &of_rank[..];
@@ -231,47 +238,57 @@ struct H1Block {
     factor: Factor,
 }
 
+impl H1Block {
+    /// Of a field with the pieces of all ranks, where there are several.
+    fn new(
+        disc: &Discretization,
+        (block, gathered): (&ControlBlock, Option<Vec<Piece>>),
+        weights: &[f64],
+        length: f64,
+    ) -> Result<Self, ControlError> {
+        let fail = |what: String| ControlError::Cost { what };
+        let basis = &block.basis;
+        let for_each_piece = |each: &mut dyn FnMut(&[u32], &[f64])| match &gathered {
+            None => for_each_stiffness(disc, basis, each),
+            Some(pieces) => pieces.iter().for_each(|(unknowns, local)| each(unknowns, local)),
+        };
+        let mut cliques: Vec<Vec<u32>> = (0..basis.len() as u32).map(|i| vec![i]).collect();
+        for_each_piece(&mut |unknowns, _| cliques.push(unknowns.to_vec()));
+        let graph =
+            Graph::from_cliques(basis.len(), cliques.iter().map(Vec::as_slice)).map_err(|e| fail(e.to_string()))?;
+        let ordering = Ordering::best(&graph, basis.positions()).map_err(|e| fail(e.to_string()))?;
+        let pattern = Arc::new(Pattern::new(&graph, 1, ordering).map_err(|e| fail(e.to_string()))?);
+        let mut matrix = SparseMatrix::zeros(pattern.clone());
+        let mut add = |i: usize, j: usize, value: f64| {
+            if let Some(at) = pattern.value_index(i, j) {
+                matrix.values[at] += value;
+            }
+        };
+        for i in 0..basis.len() {
+            add(i, i, weights[block.first + i * block.components]);
+        }
+        for_each_piece(&mut |unknowns, local| {
+            let n = unknowns.len();
+            for a in 0..n {
+                for b in 0..=a {
+                    add(unknowns[a] as usize, unknowns[b] as usize, block.weight * length * length * local[a * n + b]);
+                }
+            }
+        });
+        let symbolic = Arc::new(Symbolic::new(&pattern));
+        let factor = symbolic.factorize(&matrix, Pivots::Positive, true).map_err(|e| fail(e.to_string()))?;
+        Ok(H1Block { first: block.first, components: block.components, matrix, factor })
+    }
+}
+
 impl H1 {
     fn new(disc: &Discretization, layout: &Layout, weights: &[f64], length: f64) -> Result<Self, ControlError> {
-        let fail = |what: String| ControlError::Cost { what };
+        let whole = WholeBody::of(disc);
         let mut blocks = Vec::new();
         for block in layout.blocks() {
-            let basis = &block.basis;
-            let gathered = pieces_of_all(disc, basis)?;
-            let for_each_piece = |each: &mut dyn FnMut(&[u32], &[f64])| match &gathered {
-                None => for_each_stiffness(disc, basis, each),
-                Some(pieces) => pieces.iter().for_each(|(unknowns, local)| each(unknowns, local)),
-            };
-            let mut cliques: Vec<Vec<u32>> = (0..basis.len() as u32).map(|i| vec![i]).collect();
-            for_each_piece(&mut |unknowns, _| cliques.push(unknowns.to_vec()));
-            let graph =
-                Graph::from_cliques(basis.len(), cliques.iter().map(Vec::as_slice)).map_err(|e| fail(e.to_string()))?;
-            let ordering = Ordering::best(&graph, basis.positions()).map_err(|e| fail(e.to_string()))?;
-            let pattern = Arc::new(Pattern::new(&graph, 1, ordering).map_err(|e| fail(e.to_string()))?);
-            let mut matrix = SparseMatrix::zeros(pattern.clone());
-            let mut add = |i: usize, j: usize, value: f64| {
-                if let Some(at) = pattern.value_index(i, j) {
-                    matrix.values[at] += value;
-                }
-            };
-            for i in 0..basis.len() {
-                add(i, i, weights[block.first + i * block.components]);
-            }
-            for_each_piece(&mut |unknowns, local| {
-                let n = unknowns.len();
-                for a in 0..n {
-                    for b in 0..=a {
-                        add(
-                            unknowns[a] as usize,
-                            unknowns[b] as usize,
-                            block.weight * length * length * local[a * n + b],
-                        );
-                    }
-                }
-            });
-            let symbolic = Arc::new(Symbolic::new(&pattern));
-            let factor = symbolic.factorize(&matrix, Pivots::Positive, true).map_err(|e| fail(e.to_string()))?;
-            blocks.push(H1Block { first: block.first, components: block.components, matrix, factor });
+            let gathered = pieces_of_all(disc, &block.basis)?;
+            // the pieces of the next one would wait for a rank that has failed
+            blocks.push(whole.agreed(H1Block::new(disc, (block, gathered), weights, length))?);
         }
         Ok(H1 { len: layout.len(), blocks })
     }

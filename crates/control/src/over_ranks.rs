@@ -14,12 +14,3 @@ pub(crate) fn add_up(share: Option<&Share>, values: &mut [f64]) -> Result<(), Co
     share.sum(values);
     share.failure().map_or(Ok(()), |failure| Err(FemError::from(failure).into()))
 }
-
-/// What a rank has found by itself, or that another one has not: before messages that would wait for that one.
-pub(crate) fn agreed<T>(share: Option<&Share>, found: Result<T, ControlError>) -> Result<T, ControlError> {
-    let Some(share) = share else { return found };
-    match (share.any(found.is_err()), found) {
-        (true, Ok(_)) => Err(share.failure().map_or(FemError::Elsewhere, FemError::from).into()),
-        (_, found) => found,
-    }
-}

@@ -9,6 +9,8 @@ mod costs;
 mod designs;
 mod dielectric;
 mod ensemble;
+mod extensions_over_ranks;
+mod faults_over_ranks;
 mod gauss_newton;
 mod gradient;
 mod grid;

@@ -5,7 +5,7 @@ use nastic_control::{ControlNorm, ControlSmoothness, Metric, Reduced, SmoothedHa
 use nastic_energy::{FiberTension, MooneyRivlin};
 use nastic_fem::Solid;
 use nastic_mesh::{CellKind, Mesh, box_mesh};
-use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, ProjectedGradient, Start};
+use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, ProjectedGradient, Spectral, Start};
 use nastic_tensor::Vec3;
 
 const RANKS: [(usize, bool); 4] = [(1, false), (2, false), (3, true), (5, false)];
@@ -120,6 +120,7 @@ fn assert_same_optimum(
 fn a_tracking_problem_ends_at_the_optimum_of_one_process() -> Outcome {
     assert_same_optimum(tracked, Lbfgs::default(), 10)?;
     assert_same_optimum(tracked, ProjectedGradient::default(), 8)?;
+    assert_same_optimum(tracked, Spectral::default(), 8)?;
     let smooth = |solid: Solid| -> Outcome<Reduced> { Ok(tracked(solid)?.metric(Metric::H1 { length: 0.05 })) };
     assert_same_optimum(smooth, Lbfgs::default(), 8)
 }

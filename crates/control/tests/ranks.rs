@@ -10,13 +10,23 @@ use nastic_opt::Objective;
 use nastic_team::Team;
 use nastic_team::threads::{self, Faults, ThreadRank};
 use std::sync::Arc;
+use std::time::Duration;
 
 pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
-/// What every rank gave, or the message of its error.
+/// What every rank gave, or the message of its error. One that waits for a message that nobody sends fails.
 pub fn on<T: Send>(ranks: usize, work: impl Fn(Arc<ThreadRank>) -> Outcome<T> + Sync) -> Vec<Result<T, String>> {
-    let work = |rank| work(Arc::new(rank)).map_err(|error| error.to_string());
-    threads::run(ranks, &Faults::default(), work)
+    on_faulty(ranks, None, work)
+}
+
+/// The same, where a rank is lost at one of its messages.
+pub fn on_faulty<T: Send>(
+    ranks: usize,
+    lost: Option<(usize, usize)>,
+    work: impl Fn(Arc<ThreadRank>) -> Outcome<T> + Sync,
+) -> Vec<Result<T, String>> {
+    let faults = Faults { lost, patience: Some(Duration::from_secs(60)), ..Faults::default() };
+    threads::run(ranks, &faults, |rank| work(Arc::new(rank)).map_err(|error| error.to_string()))
 }
 
 /// The part of a rank, in blocks or cell by cell.
@@ -60,9 +70,10 @@ pub fn valued(problem: &Reduced, m: &[f64]) -> Outcome<(f64, Vec<f64>)> {
     Ok((point.cost(), derivative))
 }
 
-/// The largest difference of two vectors as a share of the largest entry.
+/// The largest difference of two vectors of numbers as a share of the largest entry.
 pub fn apart(found: &[f64], expected: &[f64]) -> f64 {
     assert_eq!(found.len(), expected.len());
+    assert!(found.iter().chain(expected).all(|x| x.is_finite()), "{found:?} {expected:?}");
     let size = expected.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     found.iter().zip(expected).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / size
 }

@@ -466,6 +466,15 @@ impl StateError {
         matches!(self, StateError::Linear(error) if error.is_lack_of_memory())
     }
 
+    /// Whether messages between the ranks that have the body have failed: nothing is said of the state.
+    pub fn is_lost_rank(&self) -> bool {
+        match self {
+            StateError::Problem(error) => matches!(error, FemError::Team(_)),
+            StateError::InStep { source, .. } => source.is_lost_rank(),
+            _ => false,
+        }
+    }
+
     /// Whether the tangent is singular to working precision.
     pub fn is_singular(&self) -> bool {
         matches!(self, StateError::Linear(error) if error.is_singular())

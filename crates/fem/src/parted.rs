@@ -14,7 +14,7 @@ use crate::model::Model;
 use crate::solid::Solid;
 use nastic_linear::{Share, SolverFactory};
 use nastic_mesh::{GroupNames, Mesh, Part};
-use nastic_team::Team;
+use nastic_team::{Team, TeamError};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -106,22 +106,19 @@ impl Model {
 
     /// What was found, or that another rank has found its part inadmissible.
     pub(crate) fn agreed<T>(&self, found: Result<T, Inadmissible>) -> Result<T, Inadmissible> {
-        self.unless_elsewhere(found, || Inadmissible::Elsewhere)
+        unless_elsewhere(self.share(), found, |_| Inadmissible::Elsewhere)
     }
 
     /// What a rank has checked by itself, or that another one refuses its part: before messages that would wait for that one.
     ///
     /// # Errors
-    /// What was found; [`FemError::Elsewhere`] where another rank found an error.
+    /// As [`all_accept`].
     pub fn all_accept<T, E: From<FemError>>(&self, found: Result<T, E>) -> Result<T, E> {
-        self.unless_elsewhere(found, || FemError::Elsewhere.into())
+        all_accept(self.share(), found)
     }
 
-    fn unless_elsewhere<T, E>(&self, found: Result<T, E>, elsewhere: impl FnOnce() -> E) -> Result<T, E> {
-        match (self.unknowns().any(found.is_err()), found) {
-            (true, Ok(_)) => Err(elsewhere()),
-            (_, found) => found,
-        }
+    fn share(&self) -> Option<&Share> {
+        self.unknowns().share().map(AsRef::as_ref)
     }
 
     /// Energies and residuals by the cells of every rank become those of the whole.
@@ -146,6 +143,26 @@ impl Model {
             None => found,
             Some(failure) => Err(FemError::from(failure).into()),
         }
+    }
+}
+
+/// What a rank has found by itself, or that another one has not: before messages that would wait for that one. Without a share it is what was found.
+///
+/// # Errors
+/// What was found; [`FemError::Elsewhere`] where another rank found an error, [`FemError::Team`] where messages have failed.
+pub fn all_accept<T, E: From<FemError>>(share: Option<&Share>, found: Result<T, E>) -> Result<T, E> {
+    unless_elsewhere(share, found, |failure| failure.map_or(FemError::Elsewhere, FemError::from).into())
+}
+
+fn unless_elsewhere<T, E>(
+    share: Option<&Share>,
+    found: Result<T, E>,
+    elsewhere: impl FnOnce(Option<TeamError>) -> E,
+) -> Result<T, E> {
+    let Some(share) = share else { return found };
+    match (share.any(found.is_err()), found) {
+        (true, Ok(_)) => Err(elsewhere(share.failure())),
+        (_, found) => found,
     }
 }
 

@@ -419,7 +419,7 @@ impl Solid {
     fn contribution_of_all(self, contribution: impl Contribution + 'static) -> Result<Self, FemError> {
         let space = self.model.unknowns().clone();
         let added = self.contribution(contribution);
-        if space.any(added.is_err()) { added.and(Err(FemError::Elsewhere)) } else { added }
+        crate::parted::all_accept(space.share().map(AsRef::as_ref), added)
     }
 
     /// [`Model::solve`].

@@ -151,6 +151,15 @@ pub trait Objective: Sync {
         Summary::default()
     }
 
+    /// Whether it is so here, or with any of those who make the same calls together (ranks, each with an optimiser of its own), the same answer for all of
+    /// them: a driver asks before each trial whether any is cancelled. The default knows nobody else.
+    ///
+    /// # Errors
+    /// [Fatal](Failed::fatal) ones, where the others cannot be asked.
+    fn any(&self, here: bool) -> Result<bool, Failed> {
+        Ok(here)
+    }
+
     /// A point as bytes for a checkpoint. The default keeps nothing, and [`Objective::load`] evaluates anew.
     fn save(&self, _point: &Self::Point) -> Vec<u8> {
         Vec::new()
@@ -238,6 +247,10 @@ macro_rules! forward {
 
             fn figures(&self, point: &T::Point) -> Summary {
                 (**self).figures(point)
+            }
+
+            fn any(&self, here: bool) -> Result<bool, Failed> {
+                (**self).any(here)
             }
 
             fn save(&self, point: &T::Point) -> Vec<u8> {

@@ -183,8 +183,8 @@ impl<O: Objective> Run<O> {
         if let Some(stop) = &self.ended {
             return Outcome::Stopped(stop.clone());
         }
-        if self.setting.is_cancelled() {
-            return Outcome::Stopped(Stop::Cancelled);
+        if let Err(stop) = self.setting.check_cancelled() {
+            return Outcome::Stopped(stop);
         }
         if let Some(stop) = self.stage_over()
             && !self.turned_back(&stop)

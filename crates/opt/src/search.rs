@@ -58,8 +58,23 @@ impl<O: Objective> Setting<O> {
         Self { objective, set, metric, options, stages, cancel: None }
     }
 
-    pub fn is_cancelled(&self) -> bool {
-        self.cancel.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+    /// Ends the run where its flag is raised, or that of any who run together.
+    pub fn check_cancelled(&self) -> Result<(), Stop> {
+        let here = self.cancel.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed));
+        match self.objective.any(here) {
+            Ok(false) => Ok(()),
+            Ok(true) => Err(Stop::Cancelled),
+            Err(failed) => Err(Stop::Aborted(failed)),
+        }
+    }
+
+    /// A failure, unless it ends the run here or with any who run together: who has failed fatally makes no further call that they would wait in.
+    pub fn unless_fatal(&self, failed: Failed) -> Result<Failed, Stop> {
+        match self.objective.any(failed.is_fatal()) {
+            Ok(false) => Ok(failed),
+            Err(lost) if !failed.is_fatal() => Err(Stop::Aborted(lost)),
+            _ => Err(Stop::Aborted(failed)),
+        }
     }
 
     pub fn finite_cost(&self, point: &O::Point) -> Result<f64, Failed> {
@@ -160,9 +175,7 @@ impl<O: Objective> Setting<O> {
         let mut tried: Option<Vec<f64>> = None;
         let limit = line.trials + rules.max_trials;
         while line.trials < limit {
-            if self.is_cancelled() {
-                return Err(Stop::Cancelled);
-            }
+            self.check_cancelled()?;
             let m = method.trial(&here, line.fraction);
             let predicted = dot(&at.derivative, &sub(&m, &at.m));
             let whole = *promised.get_or_insert(predicted);
@@ -185,8 +198,8 @@ impl<O: Objective> Setting<O> {
             let evaluated = self.objective.evaluate(&trial.m, &how, workspace);
             let (point, cost) = match evaluated.and_then(|point| self.finite_cost(&point).map(|cost| (point, cost))) {
                 Ok(evaluated) => evaluated,
-                Err(failed) if failed.is_fatal() => return Err(Stop::Aborted(failed)),
                 Err(failed) => {
+                    let failed = self.unless_fatal(failed)?;
                     let factor = rules.fall_back(&failed);
                     let reason = Reason::Failed(failed);
                     line.reject(&reason, true, factor);
@@ -212,8 +225,8 @@ impl<O: Objective> Setting<O> {
                     observer.trial(&Trial { predicted: Some(predicted), ..accepted });
                     return Ok(Ok(AcceptedTrial { next, fraction: line.fraction, trials: line.trials, predicted }));
                 }
-                Err((_, failed)) if failed.is_fatal() => return Err(Stop::Aborted(failed)),
                 Err((point, failed)) => {
+                    let failed = self.unless_fatal(failed)?;
                     let reason = Reason::DerivativeFailed(failed);
                     line.reject(&reason, true, rules.after_failure);
                     progress.counts.failed += 1;

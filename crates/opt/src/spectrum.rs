@@ -115,9 +115,12 @@ impl Spectrum {
         let (whole_derivative, point) = (whole_derivative.as_slice(), &*point);
         let mut count = 0;
         let mut products = ProductsAt { objective, set, m, whole_derivative, point, workspace, count: &mut count };
-        let product = |v: &[f64]| match cancel {
-            Some(flag) if flag.load(Ordering::Relaxed) => Err(SpectrumError::Cancelled),
-            _ => Ok(products.product(v, options.hessian)?),
+        let product = |v: &[f64]| {
+            let here = cancel.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed));
+            match objective.any(here)? {
+                true => Err(SpectrumError::Cancelled),
+                false => Ok(products.product(v, options.hessian)?),
+            }
         };
         let mut out = Self::on_face(&face, metric, options, product)?;
         out.products = count;

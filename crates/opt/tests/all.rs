@@ -17,4 +17,5 @@ mod spectrum;
 mod stages;
 mod taylor;
 mod taylor_second;
+mod together;
 mod within;

@@ -2,8 +2,8 @@
 
 use super::smoothed_hausdorff::MOST;
 use crate::error::ControlError;
-use crate::over_ranks::{agreed, gathered};
-use nastic_fem::{QuadraturePoints, Share};
+use crate::over_ranks::gathered;
+use nastic_fem::{QuadraturePoints, Share, all_accept};
 use nastic_hausdorff::{Cloud, HausdorffError, Together};
 use nastic_mesh::{GroupNames, Mesh};
 use std::ops::Range;
@@ -26,7 +26,7 @@ impl BodyCloud {
         share: Option<Arc<Share>>,
     ) -> Result<(Self, Cloud), ControlError> {
         let cells = match region {
-            Some(names) => mesh.cells_of(names)?,
+            Some(names) => all_accept(share.as_deref(), mesh.cells_of(names).map_err(ControlError::from))?,
             None => (0..mesh.cells() as u32).collect(),
         };
         if !share.as_ref().map_or(!cells.is_empty(), |share| share.any(!cells.is_empty())) {
@@ -35,8 +35,8 @@ impl BodyCloud {
         let mut count = points.unwrap_or(1);
         loop {
             let sampled = QuadraturePoints::of_cells(mesh, cells.clone(), |kind| kind.rule_of_points(count));
-            let body =
-                BodyCloud { points: agreed(share.as_deref(), sampled.map_err(Into::into))?, share: share.clone() };
+            let sampled = all_accept(share.as_deref(), sampled.map_err(ControlError::from))?;
+            let body = BodyCloud { points: sampled, share: share.clone() };
             let (cloud, _) = body.gathered(body.points.positions(mesh, None), body.points.weights().to_vec())?;
             let resolved = cloud.len() > 1 && cloud.spacing() <= length;
             if points.is_some() || resolved || count == MOST {
@@ -65,6 +65,11 @@ impl BodyCloud {
         Ok((Cloud::new(points, weights).map_err(failed)?, own))
     }
 
+    /// Whether these ranks have the body, or as there one process.
+    pub fn is_shared_as(&self, share: Option<&Arc<Share>>) -> bool {
+        self.share.as_ref() == share
+    }
+
     /// The ranks that form sums over pairs of its points together.
     pub fn together(&self) -> Option<Arc<dyn Together>> {
         self.share.clone().map(|share| Arc::new(Ranks(share)) as Arc<dyn Together>)
@@ -72,7 +77,7 @@ impl BodyCloud {
 
     /// What this process has found, or that another rank refuses its points.
     pub fn agreed<T>(&self, found: Result<T, ControlError>) -> Result<T, ControlError> {
-        agreed(self.share.as_deref(), found)
+        all_accept(self.share.as_deref(), found)
     }
 }
 

@@ -17,6 +17,8 @@ pub struct BoundHausdorff(Arc<Setup>);
 /// All that does not depend on the displacement, shared with the evaluated points.
 #[derive(Debug)]
 pub(super) struct Setup {
+    /// Of the body.
+    pub mesh: Arc<Mesh>,
     pub body: BodyCloud,
     /// How many points the body has.
     pub points: usize,
@@ -114,6 +116,10 @@ impl Cost for BoundHausdorff {
         let evaluation = Evaluation::together(&cloud, &setup.cloud, how, setup.body.together()).map_err(failed)?;
         let discretization = at.solid.discretization().clone();
         Ok(Arc::new(HausdorffPoint { setup, discretization, u: at.u.to_vec(), stage: at.stage, evaluation, own }))
+    }
+
+    fn is_of(&self, solid: &Solid) -> bool {
+        Arc::ptr_eq(&self.0.mesh, solid.mesh()) && self.0.body.is_shared_as(solid.model().unknowns().share())
     }
 
     fn stages(&self) -> usize {

@@ -210,6 +210,11 @@ pub trait Cost: Debug + Send + Sync {
         false
     }
 
+    /// Whether it looks at this body: one that is bound to another looks at other nodes. It is asked where a cost is added to a problem.
+    fn is_of(&self, _solid: &Solid) -> bool {
+        true
+    }
+
     /// Number of continuation stages.
     fn stages(&self) -> usize {
         1
@@ -321,12 +326,20 @@ fn not_spanning(cost: &dyn Cost) -> Option<String> {
     (!cost.spans_ranks()).then(|| format!("the cost \"{}\"", cost.name()))
 }
 
+fn check_body(cost: &dyn Cost, solid: &Solid) -> Result<(), ControlError> {
+    match cost.is_of(solid) {
+        true => Ok(()),
+        false => Err(ControlError::OtherBody { cost: cost.name().to_owned() }),
+    }
+}
+
 impl<C: Cost + 'static> IntoCost for C {
     fn not_over_ranks(&self) -> Option<String> {
         not_spanning(self)
     }
 
-    fn bind(self, _: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        check_body(&self, solid)?;
         Ok(Box::new(self))
     }
 }
@@ -336,7 +349,8 @@ impl IntoCost for Box<dyn Cost> {
         not_spanning(self.as_ref())
     }
 
-    fn bind(self, _: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+    fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        check_body(self.as_ref(), solid)?;
         Ok(self)
     }
 }

@@ -92,6 +92,16 @@ impl IntoCost for MeanPosition {
     }
 
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
+        // before messages that would wait for a rank that refuses
+        let weight = solid.model().all_accept(self.checked(solid))?;
+        let (shares, reference) = shares(&self.of, solid)?;
+        Ok(Box::new(OnBody { shares: shares.into(), reference, target: self.target, weight }))
+    }
+}
+
+impl MeanPosition {
+    /// The weight, if all is right that is given.
+    fn checked(&self, solid: &Solid) -> Result<f64, ControlError> {
         let weight = check_weight("position", self.weight)?;
         let dim = solid.discretization().dim();
         let refuse = |what: &str| Err(ControlError::Cost { what: what.to_owned() });
@@ -104,8 +114,7 @@ impl IntoCost for MeanPosition {
         if dim == 2 && self.target[2].is_some() {
             return refuse("a plane body has no component z: leave it out of the target of a position");
         }
-        let (shares, reference) = shares(&self.of, solid)?;
-        Ok(Box::new(OnBody { shares: shares.into(), reference, target: self.target, weight }))
+        Ok(weight)
     }
 }
 
@@ -118,7 +127,7 @@ fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
     let mut by_node = vec![0.0; mesh.points().len()];
     match of {
         Of::Part(place) => {
-            let (points, _) = place.points(solid)?;
+            let (points, _) = solid.model().all_accept(place.points(solid))?;
             let count = points.positions(solid, None).len();
             let weights: Vec<f64> = (0..count).map(|q| points.weight(q)).collect();
             let measure = solid.model().unknowns().total(weights.iter().sum());

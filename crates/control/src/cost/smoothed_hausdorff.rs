@@ -5,7 +5,7 @@ use super::bound_hausdorff::{BoundHausdorff, Setup, Stage};
 use super::{Cost, IntoCost, automatic_stages, check_weight};
 use crate::error::ControlError;
 use nastic_fem::Solid;
-use nastic_hausdorff::{Phi, Smoothing};
+use nastic_hausdorff::{Cloud, Phi, Smoothing};
 use nastic_mesh::{GroupNames, Mesh, Shape};
 use std::sync::Arc;
 
@@ -108,51 +108,29 @@ impl SmoothedHausdorff {
         self
     }
 
-    /// The cost on a body.
+    /// The cost on a body; of a body over ranks all ranks bind it together.
     ///
     /// # Errors
     /// Unknown regions, an empty target, parameters that are not positive, dimensions that differ.
     pub fn bind_to(self, solid: &Solid) -> Result<BoundHausdorff, ControlError> {
-        let weight = check_weight("smoothed_hausdorff", self.weight)?;
-        let fail = |what: String| ControlError::Cost { what };
-        if self.target.dim() != solid.mesh().dim() {
-            let (target, body) = (self.target.dim(), solid.mesh().dim());
-            return Err(fail(format!(
-                "the target {} is {target}-dimensional, the body {body}-dimensional",
-                self.target.name()
-            )));
-        }
-        if self.stages.as_ref().is_some_and(Vec::is_empty) {
-            return Err(fail("smoothed_hausdorff needs at least one stage (alpha, beta, gamma)".to_owned()));
-        }
-        if let Some(points) = self.quadrature.filter(|points| *points == 0 || *points > MOST) {
-            return Err(fail(format!("smoothed_hausdorff: quadrature {points} is not within 1 to {MOST}")));
-        }
-        let smoothings = |stages: &[(f64, f64, f64)]| {
-            let stages = stages.iter().map(|&(alpha, beta, gamma)| Smoothing::new(self.phi, alpha, beta, gamma));
-            stages.collect::<Result<Vec<_>, _>>().map_err(|e| fail(e.to_string()))
-        };
-        let given = self.stages.as_deref().map(smoothings).transpose()?;
-        let length = match &given {
-            Some(stages) => stages.iter().map(Smoothing::resolution).fold(f64::INFINITY, f64::min),
-            None => automatic_stages::finest(self.target.diagonal_of(self.target_region.as_ref())?),
-        };
-        let points = |mesh, region: &Option<GroupNames>, share| {
-            BodyCloud::of(mesh, region.as_ref(), (self.quadrature, length), share)
-        };
-        let (body, body_cloud) = points(solid.mesh(), &self.region, solid.model().unknowns().share().cloned())?;
-        let (_, cloud) = points(&self.target, &self.target_region, None)?;
-        let shape = Shape::of(&self.target, self.target.points(), self.target_region.as_ref());
-        let shape = shape.map_err(|e| fail(e.to_string()))?;
+        let model = solid.model();
+        // before messages that would wait for a rank that refuses
+        let Given { weight, stages, length, cloud, shape } = model.all_accept(self.checked(solid.mesh()))?;
+        let (resolution, share) = ((self.quadrature, length), model.unknowns().share().cloned());
+        let (body, body_cloud) = BodyCloud::of(solid.mesh(), self.region.as_ref(), resolution, share)?;
         let spacing = body_cloud.spacing().max(cloud.spacing());
-        let stages = match given {
+        let stages = match stages {
             Some(stages) => stages,
-            None => smoothings(&automatic_stages::exponents(self.phi.length(), diagonal(cloud.points()), spacing))?,
+            None => {
+                let diagonal = diagonal(cloud.points());
+                self.smoothings(&automatic_stages::exponents(self.phi.length(), diagonal, spacing))?
+            }
         };
         let stages = stages.into_iter().map(Stage::from).collect();
         let (region, target, target_region) = (self.region, self.target, self.target_region);
-        let points = body_cloud.len();
+        let (points, mesh) = (body_cloud.len(), solid.mesh().clone());
         Ok(BoundHausdorff::new(Setup {
+            mesh,
             body,
             points,
             region,
@@ -165,6 +143,51 @@ impl SmoothedHausdorff {
             spacing,
         }))
     }
+
+    /// What does not depend on the points of the body.
+    fn checked(&self, body: &Mesh) -> Result<Given, ControlError> {
+        let weight = check_weight("smoothed_hausdorff", self.weight)?;
+        let fail = |what: String| ControlError::Cost { what };
+        if self.target.dim() != body.dim() {
+            let (target, body) = (self.target.dim(), body.dim());
+            return Err(fail(format!(
+                "the target {} is {target}-dimensional, the body {body}-dimensional",
+                self.target.name()
+            )));
+        }
+        if self.stages.as_ref().is_some_and(Vec::is_empty) {
+            return Err(fail("smoothed_hausdorff needs at least one stage (alpha, beta, gamma)".to_owned()));
+        }
+        if let Some(points) = self.quadrature.filter(|points| *points == 0 || *points > MOST) {
+            return Err(fail(format!("smoothed_hausdorff: quadrature {points} is not within 1 to {MOST}")));
+        }
+        let stages = self.stages.as_deref().map(|stages| self.smoothings(stages)).transpose()?;
+        let length = match &stages {
+            Some(stages) => stages.iter().map(Smoothing::resolution).fold(f64::INFINITY, f64::min),
+            None => automatic_stages::finest(self.target.diagonal_of(self.target_region.as_ref())?),
+        };
+        let resolution = (self.quadrature, length);
+        let (_, cloud) = BodyCloud::of(&self.target, self.target_region.as_ref(), resolution, None)?;
+        let shape = Shape::of(&self.target, self.target.points(), self.target_region.as_ref());
+        let shape = shape.map_err(|e| fail(e.to_string()))?;
+        Ok(Given { weight, stages, length, cloud, shape })
+    }
+
+    fn smoothings(&self, stages: &[(f64, f64, f64)]) -> Result<Vec<Smoothing>, ControlError> {
+        let stages = stages.iter().map(|&(alpha, beta, gamma)| Smoothing::new(self.phi, alpha, beta, gamma));
+        stages.collect::<Result<_, _>>().map_err(|e| ControlError::Cost { what: e.to_string() })
+    }
+}
+
+/// What a distance is given beside the body.
+struct Given {
+    weight: f64,
+    /// Automatic where there are none.
+    stages: Option<Vec<Smoothing>>,
+    /// The length to resolve.
+    length: f64,
+    cloud: Cloud,
+    shape: Shape,
 }
 
 impl IntoCost for SmoothedHausdorff {

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
-use nastic_mesh::GroupNames;
+use nastic_mesh::{GroupNames, Mesh};
 use std::sync::Arc;
 
 /// `j = (weight/2) int_{Gamma_0} |x - x_target|^2 dA` over a named surface of the reference body (`dX` over a region, a
@@ -83,13 +83,15 @@ impl Tracking {
         let weight = check_weight("tracking", self.weight)?;
         let (points, nodes) = self.place.points(solid)?;
         let target = self.target.at(&points, solid, "tracking")?;
-        Ok(BoundTracking { points: Arc::new(points), target, weight, nodes, wanted: self.target })
+        let mesh = solid.mesh().clone();
+        Ok(BoundTracking { mesh, points: Arc::new(points), target, weight, nodes, wanted: self.target })
     }
 }
 
 /// [`Tracking`] bound to a body.
 #[derive(Debug)]
 pub struct BoundTracking {
+    mesh: Arc<Mesh>,
     points: Arc<BodyPoints>,
     target: Vec<[f64; 3]>,
     weight: f64,
@@ -105,6 +107,10 @@ impl Cost for BoundTracking {
 
     fn spans_ranks(&self) -> bool {
         true
+    }
+
+    fn is_of(&self, solid: &Solid) -> bool {
+        Arc::ptr_eq(&self.mesh, solid.mesh())
     }
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {

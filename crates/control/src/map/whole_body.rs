@@ -4,7 +4,7 @@ use super::Space;
 use crate::error::ControlError;
 use crate::grid::Grid;
 use crate::over_ranks::{self, gathered};
-use nastic_fem::{Discretization, Share};
+use nastic_fem::{Discretization, Share, all_accept};
 use nastic_mesh::Part;
 use std::collections::BTreeSet;
 
@@ -95,6 +95,6 @@ impl<'d> WholeBody<'d> {
 
     /// What was found here, or that another rank refuses its part.
     pub fn agreed<T>(&self, found: Result<T, ControlError>) -> Result<T, ControlError> {
-        over_ranks::agreed(self.over.map(|(_, share)| share), found)
+        all_accept(self.over.map(|(_, share)| share), found)
     }
 }

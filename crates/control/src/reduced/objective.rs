@@ -5,10 +5,11 @@ use crate::cost::{Figure, FigureKind};
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, Expected};
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::SolveReport;
+use nastic_fem::{FemError, SolveReport};
 use nastic_opt::{
     Constrained, EvaluatedStart, Failed, Hessian, InnerProduct, Objective, Problem, Request, Start, Summary,
 };
+use std::borrow::Cow;
 use std::sync::Arc;
 
 impl Objective for Reduced {
@@ -70,9 +71,9 @@ impl Objective for Reduced {
     }
 
     /// By their [names in history lines](FigureKind::history_name): the true distance of the first cost that has one, of tracked
-    /// points the largest of all costs. Costs whose figures are not defined there have none.
+    /// points the largest of all costs. Costs whose figures are not defined there have none; see [`figures_of`](Self::figures_of) of a body over ranks.
     fn figures(&self, point: &Evaluated) -> Summary {
-        let costs = self.costs_of(point).unwrap_or_default();
+        let costs = if self.has_figures(point) { self.costs_of(point).unwrap_or_default() } else { Cow::default() };
         let all: Vec<Figure> = costs.iter().filter_map(|cost| cost.figures().ok()).flatten().collect();
         let mut out = Summary::default();
         for Figure { kind, value, .. } in all {
@@ -86,23 +87,44 @@ impl Objective for Reduced {
         out
     }
 
+    /// With the ranks that have the body.
+    fn any(&self, here: bool) -> Result<bool, Failed> {
+        let model = self.solid().model();
+        let any = model.unknowns().any(here);
+        Ok(model.unless_parted(Ok::<_, ControlError>(any))?)
+    }
+
     fn save(&self, point: &Evaluated) -> Vec<u8> {
         point.to_bytes()
     }
 
     /// Solves nothing; but a motion runs once more, which gives the same bits.
     fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, Evaluated>) -> Result<Evaluated, Failed> {
-        let controls = self.layout().to_points(m)?;
-        let (terms, dofs) = (self.term_names().len(), self.solid().model().unknowns().len());
-        let constraints = Constrained::constraints(self).iter().map(|group| group.len).sum();
-        let expected = Expected { stage: how.stage, terms, constraints, dofs };
-        let mut point = Evaluated::from_bytes(bytes, m, controls, expected).map_err(Failed::new)?;
+        let mut point = self.all_find(self.saved(m, bytes, how.stage))?;
         if self.timeline().is_some() {
             let how = Request { near: None, accuracy: point.solved.accuracy, ..*how };
             let again = self.evaluate_typed(m, &how, &mut ReducedWorkspace::default())?;
             point = Evaluated { adjoint: point.adjoint, ..again };
         }
         Ok(point)
+    }
+}
+
+impl Reduced {
+    /// The point that was written, as it is here.
+    fn saved(&self, m: &[f64], bytes: &[u8], stage: usize) -> Result<Evaluated, Failed> {
+        let controls = self.layout().to_points(m)?;
+        let (terms, dofs) = (self.term_names().len(), self.solid().model().unknowns().len());
+        let constraints = Constrained::constraints(self).iter().map(|group| group.len).sum();
+        let expected = Expected { stage, terms, constraints, dofs };
+        Evaluated::from_bytes(bytes, m, controls, expected).map_err(Failed::new)
+    }
+
+    /// What was found here, or that another rank has found nothing.
+    fn all_find<T>(&self, found: Result<T, Failed>) -> Result<T, Failed> {
+        let here = found.as_ref().map(drop).map_err(|_| ControlError::from(FemError::Elsewhere));
+        let all = self.solid().model().all_accept(here);
+        found.and_then(|found| Ok(all.map(|()| found)?))
     }
 }
 
@@ -121,7 +143,7 @@ pub(crate) fn work_summary(work: &SolveReport) -> [(String, f64); 3] {
     ]
 }
 
-/// A failed trial keeps the error with its type, the Newton iterations spent, and how far its step may go. A lack of memory is fatal.
+/// A failed trial keeps the error with its type, the Newton iterations spent, and how far its step may go. A lack of memory is fatal, and a lost rank.
 impl From<ControlError> for Failed {
     fn from(error: ControlError) -> Self {
         let known = error.clone();
@@ -134,7 +156,7 @@ pub(crate) fn failed(error: impl std::error::Error + Send + Sync + 'static, of: 
     let newton = of.newton().map(|newton| ("newton".to_owned(), newton as f64));
     let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
     let failed = of.limit().map_or(failed.clone(), |limit| failed.beyond(limit.share));
-    if of.is_lack_of_memory() { failed.fatal() } else { failed }
+    if of.is_lack_of_memory() || of.is_lost_rank() { failed.fatal() } else { failed }
 }
 
 impl From<Evaluated> for Start<Evaluated> {

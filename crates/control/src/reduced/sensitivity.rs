@@ -9,7 +9,8 @@ use crate::workspace::ReducedWorkspace;
 use nastic_fem::{SolveOptions, StatePartials};
 
 impl Reduced {
-    /// Partial derivatives of the cost of a static problem (all terms, or one of them); of a body over ranks the share of this one.
+    /// Partial derivatives of the cost of a static problem (all terms, or one of them); of a body over ranks the share of this one, which all ranks
+    /// ask for together.
     ///
     /// # Errors
     /// A cost that is not defined there.
@@ -18,7 +19,8 @@ impl Reduced {
         let mut partials = Partials::zero(point.state().u.len(), point.m.len());
         for (k, cost) in self.costs_of(point)?.iter().enumerate() {
             if term.is_none_or(|t| t == k) {
-                cost.add_partials(&mut partials)?;
+                // the next cost may tell the others something: none goes on alone
+                self.solid.model().all_accept(cost.add_partials(&mut partials))?;
             }
         }
         Ok(partials)
@@ -51,12 +53,11 @@ impl Reduced {
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, ControlError> {
         self.refuse_motion("derivatives of displacement fields")?;
-        let expected = point.state().u.len();
-        if w.len() != expected {
-            return Err(ControlError::Length { found: w.len(), expected });
-        }
+        let (found, expected) = (w.len(), point.state().u.len());
+        let fits = if found == expected { Ok(()) } else { Err(ControlError::Length { found, expected }) };
+        self.solid.model().all_accept(fits)?;
         let partials = Partials { u: w.to_vec(), m: vec![0.0; point.m.len()] };
-        self.sensitivity_of(point, partials, workspace).map(|(derivative, _)| derivative)
+        self.sensitivity_of_all(point, Ok(partials), workspace).map(|(derivative, _)| derivative)
     }
 
     /// `djhat/dm` of all terms, or of one, and the adjoint state; no adjoint where no term depends on the state.
@@ -92,16 +93,15 @@ impl Reduced {
         Ok(derivative)
     }
 
-    /// The same, where any rank may have failed to find its partials.
+    /// The same of partials that all ranks have found, or none.
     fn sensitivity_of_all(
         &self,
         point: &Evaluated,
         partials: Result<Partials, ControlError>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
-        let model = self.solid.model();
-        let partials = model.all_accept(partials);
-        model.unless_parted(partials.and_then(|partials| self.sensitivity_of(point, partials, workspace)))
+        let found = partials.and_then(|partials| self.sensitivity_of(point, partials, workspace));
+        self.solid.model().unless_parted(found)
     }
 
     /// `d/dm` of what has these partials, and its adjoint state.

@@ -50,6 +50,11 @@ impl Reduced {
         self.costs_at(point.state(), &point.m, point.stage).map(Cow::Owned)
     }
 
+    /// Whether one rank can find the figures of a point by itself: costs are evaluated by all together.
+    pub(super) fn has_figures(&self, point: &Evaluated) -> bool {
+        point.costs.len() == self.costs.len() || !self.solid.model().is_over_ranks()
+    }
+
     pub(super) fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {
         let u = self.solid.model().nodal(&state.u);
         CostContext {
@@ -74,11 +79,15 @@ impl Reduced {
         (0..all.len()).map(name).collect()
     }
 
-    /// Figures of every cost term beside its value (a true distance, say), more expensive than the values.
+    /// Figures of every cost term beside its value (a true distance, say), more expensive than the values. Of a body over ranks a rank may ask alone, so that
+    /// points that hold no evaluated costs have none there.
     ///
     /// # Errors
     /// Where a cost cannot.
     pub fn figures_of(&self, point: &Evaluated) -> Result<Vec<Vec<Figure>>, ControlError> {
+        if !self.has_figures(point) {
+            return Ok(vec![vec![]; self.costs.len()]);
+        }
         self.costs_of(point)?.iter().map(|cost| cost.figures()).collect()
     }
 }

@@ -127,6 +127,10 @@ impl<O: Constrained> Objective for Augmented<O> {
         self.objective.figures(point)
     }
 
+    fn any(&self, here: bool) -> Result<bool, Failed> {
+        self.objective.any(here)
+    }
+
     fn save(&self, point: &O::Point) -> Vec<u8> {
         self.objective.save(point)
     }
