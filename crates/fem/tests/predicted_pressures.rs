@@ -128,9 +128,14 @@ fn one_thread_and_three_give_the_same_bits() -> Outcome {
 #[test]
 fn where_they_lead_nowhere_the_displacement_alone_does_it() -> Outcome {
     let solid = bar(CellKind::Tet4, Formulation::Standard, 1e3, 0.2)?;
-    let state = solid.solve(&solid.controls(), &SolveOptions::default())?;
+    let (how, mut workspace) = (SolveOptions::default(), Workspace::default());
+    let state = solid.solve_with(&solid.controls(), &how, &mut workspace)?;
     assert!(state.report.unpredicted > 0 && state.report.residual < 1e-9, "{:?}", state.report);
     assert_eq!(solid.negative_pivots(&state)?, 0);
+    // after two failures in a row no more attempts are made
+    let again = solid.solve_with(&solid.controls(), &how, &mut workspace)?.report;
+    let last = solid.solve_with(&solid.controls(), &how, &mut workspace)?.report;
+    assert!(state.report.unpredicted + again.unpredicted == 2 && last.unpredicted == 0, "{again:?} {last:?}");
     Ok(())
 }
 

@@ -34,6 +34,22 @@ impl MultigridOrDirect {
         self.multigrid = None;
         Ok(())
     }
+
+    /// By multigrid, or by a factor where that does not converge.
+    fn by_either<T>(
+        &mut self,
+        system: &System,
+        mut solve: impl FnMut(&mut dyn LinearSolver) -> Result<T, LinearError>,
+    ) -> Result<T, LinearError> {
+        if let Some(multigrid) = &mut self.multigrid {
+            match solve(multigrid) {
+                Err(why @ LinearError::Multigrid { .. }) => self.fall_back(why)?,
+                done => return done,
+            }
+        }
+        entries(system)?;
+        solve(&mut self.direct)
+    }
 }
 
 impl LinearSolver for MultigridOrDirect {
@@ -69,14 +85,7 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        if let Some(multigrid) = &mut self.multigrid {
-            match multigrid.step(system, b, tolerance, work) {
-                Err(why @ LinearError::Multigrid { .. }) => self.fall_back(why)?,
-                done => return done,
-            }
-        }
-        entries(system)?;
-        self.direct.step(system, b, tolerance, work)
+        self.by_either(system, |solver| solver.step(system, b, tolerance, work))
     }
 
     fn solve(
@@ -102,14 +111,7 @@ impl LinearSolver for MultigridOrDirect {
         b: &[f64],
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
-        if let Some(multigrid) = &mut self.multigrid {
-            match multigrid.solve_definite(system, b, work) {
-                Err(why @ LinearError::Multigrid { .. }) => self.fall_back(why)?,
-                done => return done,
-            }
-        }
-        entries(system)?;
-        self.direct.solve_definite(system, b, work)
+        self.by_either(system, |solver| solver.solve_definite(system, b, work))
     }
 
     fn negative_quotient(&self) -> Option<f64> {
@@ -122,14 +124,7 @@ impl LinearSolver for MultigridOrDirect {
         b: &[f64],
         work: &mut LinearWork,
     ) -> Result<Option<Vec<f64>>, LinearError> {
-        if let Some(multigrid) = &mut self.multigrid {
-            match multigrid.solve_shifted(system, b, work) {
-                Err(why @ LinearError::Multigrid { .. }) => self.fall_back(why)?,
-                done => return done,
-            }
-        }
-        entries(system)?;
-        self.direct.solve_shifted(system, b, work)
+        self.by_either(system, |solver| solver.solve_shifted(system, b, work))
     }
 
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
