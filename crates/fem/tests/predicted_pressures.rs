@@ -40,8 +40,8 @@ fn solve(solid: &Solid, solver: Option<&'static dyn SolverFactory>) -> Outcome<S
     Ok(solid.solve(&bending(-2e4, solid), &SolveOptions { solver, ..SolveOptions::default() })?)
 }
 
-/// Newton iterations and cycles of the cantilever at the smallest size at which all cells have some: at most two more and, of cells that satisfy the inf-sup
-/// condition, four times the cycles.
+/// Newton iterations and cycles of the cantilever at the smallest size at which all cells have some: at most three more and, of cells that satisfy the inf-sup
+/// condition, twice the cycles.
 #[test]
 fn iterations_are_about_those_of_compressible_bodies() -> Outcome {
     for kind in KINDS {
@@ -54,9 +54,10 @@ fn iterations_are_about_those_of_compressible_bodies() -> Outcome {
                 let hard = of(poisson)?;
                 let (name, counts) = (solver.name(), [hard.newton, hard.factorisations, hard.cycles]);
                 println!("{kind}, {poisson}, {name}: {counts:?} iterations, factors, cycles; {} at 0.3", soft.newton);
-                assert!(hard.newton <= soft.newton + 2, "{kind}, {poisson}: {hard:?}");
+                let more = if solver == Solver::MULTIGRID { 3 } else { 2 };
+                assert!(hard.newton <= soft.newton + more, "{kind}, {poisson}: {hard:?}");
                 assert!(hard.factorisations <= soft.factorisations + 3, "{kind}, {poisson}: {hard:?}");
-                assert!(hard.cycles <= if kind == CellKind::Hex8 { 5 } else { 4 } * soft.cycles, "{kind}: {hard:?}");
+                assert!(hard.cycles <= if kind == CellKind::Hex8 { 4 } else { 2 } * soft.cycles, "{kind}: {hard:?}");
                 assert_eq!((hard.shifted, hard.unpredicted, hard.load_steps), (0, 0, 1), "{kind}, {poisson}: {hard:?}");
             }
         }

@@ -18,7 +18,8 @@ const NEXT_LOOK: f64 = 1e-3;
 
 /// `K x = f` with `K = A + B^T C^-1 B`: the saddle-point system `A u + B^T p = f`, `B u - C p = 0` by flexible GMRES, whose preconditioner
 /// is a block triangle of one of A and of `1 / c + 1 / g` per pressure, g being what A has of the bulk modulus: `B A^-1 B^T` is near `1 / g` whatever the mesh,
-/// where displacements control pressures. A solution counts by its residual of K: an error in the second row is one of the bulk modulus there.
+/// where displacements control pressures. A solution counts by its residual of K, in which an error of the second row is one of the bulk modulus, or by that of
+/// the saddle-point system, whose second row is then a force, `|b| / (1 / c + 1 / g)` times the difference of the volumes.
 ///
 /// Elman, Silvester, Wathen, *Finite Elements and Fast Iterative Solvers* (2014), chapter 4.
 pub(crate) struct SaddleGmres<'a> {
@@ -27,6 +28,16 @@ pub(crate) struct SaddleGmres<'a> {
     pub modes: &'a VolumeModes,
     /// Of A.
     pub preconditioner: &'a dyn Preconditioner,
+    pub counts: Counts,
+}
+
+/// The residual that a solution counts by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Counts {
+    /// Of K, as a share of the right-hand side.
+    Matrix,
+    /// Of the saddle-point system, as a share of this.
+    System(f64),
 }
 
 /// What an iteration did.
@@ -36,7 +47,7 @@ pub(crate) struct SaddleReport {
     pub positive: bool,
 }
 
-/// Displacements and pressures, these scaled by the root of the preconditioner.
+/// Forces, and differences of volumes in the place of which forces stand.
 struct Pair {
     u: Vec<f64>,
     p: Vec<f64>,
@@ -81,12 +92,15 @@ impl SaddleGmres<'_> {
 
     /// From the given displacements and pressures, which may be zero.
     pub fn solve(&self, f: &[f64], (u, p): (&mut [f64], &mut [f64]), (tolerance, most): (f64, usize)) -> SaddleReport {
-        let scale = sums::norm(f, self.preconditioner.parallel());
-        let roots: Vec<f64> = self.modes.stiffness().iter().map(|&[c, g]| (1.0 / c + 1.0 / g).sqrt()).collect();
+        let scale = match self.counts {
+            Counts::Matrix => sums::norm(f, self.preconditioner.parallel()),
+            Counts::System(scale) => scale,
+        };
+        let rows = Rows::of(self.modes);
         let (seen, left) = (f64::INFINITY, f64::INFINITY);
         let mut state = State { u, p, iterations: 0, positive: true, seen, left, next_look: tolerance };
         let (end, residual) = loop {
-            if let Some(end) = self.cycle((f, scale), &roots, &mut state, (tolerance, most)) {
+            if let Some(end) = self.cycle((f, scale), &rows, &mut state, (tolerance, most)) {
                 break end;
             }
         };
@@ -98,12 +112,12 @@ impl SaddleGmres<'_> {
     fn cycle(
         &self,
         (f, scale): (&[f64], f64),
-        roots: &[f64],
+        rows: &Rows,
         state: &mut State,
         (tolerance, most): (f64, usize),
     ) -> Option<(CgEnd, f64)> {
         let parallel = self.preconditioner.parallel();
-        let first = self.residual(f, roots, state);
+        let first = self.residual(f, rows, state);
         let size = first.norm(parallel);
         if !size.is_finite() {
             return Some((CgEnd::NotFinite, relative(size, scale)));
@@ -124,7 +138,7 @@ impl SaddleGmres<'_> {
                 return Some((if residual <= tolerance { CgEnd::Converged } else { CgEnd::Exhausted }, residual));
             }
             state.iterations += 1;
-            let found = self.extend(&mut cycle, roots, state);
+            let found = self.extend(&mut cycle, rows, state);
             if let Some(curvature) = found {
                 self.take(&cycle, state);
                 return Some((CgEnd::NegativeCurvature { curvature }, f64::INFINITY));
@@ -133,7 +147,11 @@ impl SaddleGmres<'_> {
             if !left.is_finite() {
                 return Some((CgEnd::NotFinite, left));
             }
-            if left <= state.next_look {
+            if self.counts != Counts::Matrix && left <= tolerance {
+                self.take(&cycle, state);
+                return Some((CgEnd::Converged, left));
+            }
+            if self.counts == Counts::Matrix && left <= state.next_look {
                 let before = state.seen;
                 state.seen = self.look((f, scale), &cycle, state);
                 let stagnated = state.seen > 0.5 * before && left <= f64::EPSILON * NEXT_LOOK.recip();
@@ -152,8 +170,8 @@ impl SaddleGmres<'_> {
     }
 
     /// The residual of the saddle-point system.
-    fn residual(&self, f: &[f64], roots: &[f64], state: &State) -> Pair {
-        let (mut u, mut p) = (vec![0.0; f.len()], vec![0.0; roots.len()]);
+    fn residual(&self, f: &[f64], rows: &Rows, state: &State) -> Pair {
+        let (mut u, mut p) = (vec![0.0; f.len()], vec![0.0; self.modes.len()]);
         let parallel = self.preconditioner.parallel();
         if state.u.iter().any(|&u| u != 0.0) || state.p.iter().any(|&p| p != 0.0) {
             (self.apply)(state.u, &mut u);
@@ -162,18 +180,18 @@ impl SaddleGmres<'_> {
             let excess: Vec<f64> =
                 p.iter().zip(&*state.p).zip(self.modes.stiffness()).map(|((bu, p), [c, _])| p - c * bu).collect();
             self.modes.add(&excess, &mut u, parallel);
-            let rows = p.iter_mut().zip(&excess).zip(self.modes.stiffness().iter().zip(roots));
-            rows.for_each(|((p, excess), ([c, _], root))| *p = excess / (c * root));
+            let each = p.iter_mut().zip(&excess).zip(self.modes.stiffness().iter().zip(&rows.scale));
+            each.for_each(|((p, excess), ([c, _], scale))| *p = excess * scale / c);
         }
         sums::zipped(&mut u, f, parallel, |u, f| *u = f - *u);
         Pair { u, p }
     }
 
     /// One more direction; a negative curvature of K.
-    fn extend(&self, cycle: &mut Cycle, roots: &[f64], state: &mut State) -> Option<f64> {
+    fn extend(&self, cycle: &mut Cycle, rows: &Rows, state: &mut State) -> Option<f64> {
         let parallel = self.preconditioner.parallel();
         let newest = cycle.basis.last()?;
-        let zp: Vec<f64> = newest.p.iter().zip(roots).map(|(p, root)| f64::from((-p / root) as f32)).collect();
+        let zp: Vec<f64> = newest.p.iter().zip(&rows.size).map(|(p, size)| f64::from((-p / size) as f32)).collect();
         let mut zu = newest.u.clone();
         let negative: Vec<f64> = zp.iter().map(|p| -p).collect();
         self.modes.add(&negative, &mut zu, parallel);
@@ -190,7 +208,7 @@ impl SaddleGmres<'_> {
         let curvature = self.curvature(cycle, (&wide, &image.u), state);
         self.modes.add(&zp, &mut image.u, parallel);
         for (at, out) in image.p.iter_mut().enumerate() {
-            *out = (p[at] - zp[at] / stiffness[at][0]) / roots[at];
+            *out = (p[at] - zp[at] / stiffness[at][0]) * rows.scale[at];
         }
         cycle.orthogonalise(image, parallel);
         curvature
@@ -217,8 +235,11 @@ impl SaddleGmres<'_> {
         (of_k <= 0.0).then(|| of_k / dot(&direction, &direction, parallel))
     }
 
-    /// The residual of K of what the directions make.
+    /// The residual that counts of what the directions make.
     fn look(&self, (f, scale): (&[f64], f64), cycle: &Cycle, state: &State) -> f64 {
+        if self.counts != Counts::Matrix {
+            return cycle.left() / scale;
+        }
         let parallel = self.preconditioner.parallel();
         let (mut u, mut r) = (state.u.to_vec(), vec![0.0; f.len()]);
         for (factor, [z, _]) in cycle.coefficients().iter().zip(&cycle.directions) {
@@ -236,6 +257,32 @@ impl SaddleGmres<'_> {
             sums::add_single(*factor, u, state.u, parallel);
             sums::add_single(*factor, p, state.p, parallel);
         }
+    }
+}
+
+/// Norm of the residual of the saddle-point system of no displacement and these pressures.
+pub(crate) fn residual_of_pressures(modes: &VolumeModes, f: &[f64], p: &[f64], parallel: bool) -> f64 {
+    let mut u = f.to_vec();
+    let negative: Vec<f64> = p.iter().map(|p| -p).collect();
+    modes.add(&negative, &mut u, parallel);
+    let rows = Rows::of(modes);
+    let scaled = p.iter().zip(modes.stiffness()).zip(&rows.scale).map(|((p, [c, _]), scale)| p * scale / c).collect();
+    Pair { u, p: scaled }.norm(parallel)
+}
+
+/// By row of the second block.
+struct Rows {
+    /// `|b|`, 1 where that is zero.
+    size: Vec<f64>,
+    /// `|b| / (1 / c + 1 / g)`: what makes the difference of a volume a force.
+    scale: Vec<f64>,
+}
+
+impl Rows {
+    fn of(modes: &VolumeModes) -> Self {
+        let size: Vec<f64> = modes.norms().map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();
+        let scale = size.iter().zip(modes.stiffness()).map(|(size, &[c, g])| size / (1.0 / c + 1.0 / g)).collect();
+        Rows { size, scale }
     }
 }
 

@@ -6,6 +6,7 @@ use super::graph::Graph;
 use super::ordering::Ordering;
 use super::pattern::Pattern;
 use super::symbolic::Symbolic;
+use crate::solver::fits;
 use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 use std::sync::{Arc, OnceLock};
 
@@ -79,5 +80,10 @@ impl Structure {
     /// not made for them.
     pub fn factor_size(&self) -> FactorSize {
         FactorSize::new(&self.pattern)
+    }
+
+    /// Whether one may be made unasked: it has at most 8 GiB.
+    pub fn factor_fits(&self) -> bool {
+        fits(self.factor_size().bytes())
     }
 }

@@ -23,6 +23,8 @@ pub struct VolumeModes {
     own: Vec<[u32; 2]>,
     /// By mode: c, and what is left of it in the rest of the matrix.
     stiffness: Vec<[f64; 2]>,
+    /// By mode: the change `b_e . u` that a solution is expected to have, and the share of a right-hand side that these leave; nothing where none are known.
+    expected: Option<(Vec<f64>, f64)>,
     /// By node: where its entries begin in `back`.
     back_starts: Vec<u32>,
     /// Mode and place of the coefficients of every entry, by nodes.
@@ -40,6 +42,7 @@ impl VolumeModes {
             coefficients: Vec::new(),
             own: Vec::new(),
             stiffness: Vec::new(),
+            expected: None,
             back_starts: Vec::new(),
             back: Vec::new(),
         }
@@ -56,6 +59,34 @@ impl VolumeModes {
             self.stiffness.push(stiffness);
         }
         self.groups.push([self.nodes.len(), self.own.len()]);
+    }
+
+    /// The change by mode that the solution of the next step is expected to have, with which its pressures begin, and the share of the right-hand side that
+    /// these leave. Such a step may leave its pressures apart from those of its changes ([`changes_left`](crate::LinearSolver::changes_left)).
+    #[must_use]
+    pub fn expecting(self, changes: Vec<f64>, share: f64) -> Self {
+        VolumeModes { expected: Some((changes, share)), ..self }
+    }
+
+    /// The share of a right-hand side that expected changes leave, where there are some.
+    pub fn share_left(&self) -> Option<f64> {
+        self.expected.as_ref().map(|(_, share)| *share)
+    }
+
+    /// The pressures that a system begins with.
+    pub(crate) fn first_pressures(&self) -> Vec<f64> {
+        let mut p = self.expected.as_ref().map_or(Vec::new(), |(changes, _)| changes.clone());
+        p.resize(self.len(), 0.0);
+        p.iter_mut().zip(&self.stiffness).for_each(|(p, [c, _])| *p *= c);
+        p
+    }
+
+    /// `b_e . u - p_e / c_e`
+    pub(crate) fn left(&self, u: &[f64], p: &[f64], parallel: bool) -> Vec<f64> {
+        let mut left = vec![0.0; self.len()];
+        self.of(u, &mut left, parallel);
+        left.iter_mut().zip(p).zip(&self.stiffness).for_each(|((left, p), [c, _])| *left -= p / c);
+        left
     }
 
     /// Ready for use, with nothing at unknowns that are `fixed`.
@@ -105,6 +136,12 @@ impl VolumeModes {
     /// By mode: its stiffness, and what is left of it in the rest of the matrix.
     pub fn stiffness(&self) -> &[[f64; 2]] {
         &self.stiffness
+    }
+
+    /// By mode: `|b_e|`.
+    pub(crate) fn norms(&self) -> impl Iterator<Item = f64> {
+        let of = |own: &[usize]| self.coefficients[own[0]..own[1]].iter().map(|b| b * b).sum::<f64>().sqrt();
+        self.starts.windows(2).map(of)
     }
 
     /// `p_e = b_e . u`

@@ -206,6 +206,13 @@ impl<'a> Cells<'a> {
         }
     }
 
+    /// Those of the points of a patch.
+    pub fn taken<T: Copy>(&self, patch: Patch, all: &[T]) -> Vec<T> {
+        let points = self.part.table.points;
+        let of_cell = |&c: &u32| &all[self.part.first_point(c as usize)..][..points];
+        patch.cells.iter().flat_map(of_cell).copied().collect()
+    }
+
     /// Adds the matrix of a patch to the values of a tangent of a structure.
     pub fn scatter_matrix(&self, patch: Patch, matrix: &PatchMatrix, of: &TangentStructure, values: &mut [f64]) {
         let maps = of.scatter(self.group);

@@ -3,6 +3,7 @@
 use super::Model;
 use crate::contributions::Need;
 use crate::contributions::body_energy::hexahedra_products::HexahedraProducts;
+use crate::contributions::body_energy::volume_modes::ExpectedChanges;
 use crate::contributions::instant::Instant;
 use crate::error::Inadmissible;
 use crate::kernels::displaced::Displaced;
@@ -30,7 +31,7 @@ impl Model {
     /// The same of a tangent that is assembled, as those of steps in time are. The pressures of nearly incompressible cells that become unknowns are counted at rest.
     pub fn assembled_multigrid_bytes(&self) -> usize {
         let structure = self.tangent_structure();
-        let modes = self.volume_modes(&vec![0.0; self.unknowns().nodal()], true);
+        let modes = self.volume_modes(&vec![0.0; self.unknowns().nodal()], None, true);
         let beside =
             modes.map_or(0, |modes| modes.bytes() + MultigridSolver::bytes_of_modes(structure.pattern(), modes.len()));
         structure.multigrid_bytes() + beside
@@ -47,12 +48,17 @@ impl Model {
 
     /// The changes of volume that its body resists much at a displacement, as a part of the tangent; nothing where no cell's stand out, or where unknowns are not
     /// displacements of nodes by themselves, all on one rank.
-    pub(crate) fn volume_modes(&self, u: &[f64], parallel: bool) -> Option<VolumeModes> {
+    pub(crate) fn volume_modes(
+        &self,
+        u: &[f64],
+        expected: Option<ExpectedChanges>,
+        parallel: bool,
+    ) -> Option<VolumeModes> {
         let plain = self.unknowns().has_one_nodal_field() && self.unknowns().multipliers() == 0;
         if !plain || !self.supports.ties().is_empty() || self.is_over_ranks() {
             return None;
         }
-        self.body.volume_modes(Displaced::by(u), self.supports.fixed(), parallel).ok().flatten()
+        self.body.volume_modes(Displaced::by(u), (self.supports.fixed(), expected), parallel).ok().flatten()
     }
 
     /// `out = K v` without a matrix; false where a contribution needs one.

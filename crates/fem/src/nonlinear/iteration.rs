@@ -6,6 +6,7 @@ use crate::model::ModelPoint;
 use crate::nonlinear::direction::Direction;
 use crate::nonlinear::equations::{Equations, Evaluated};
 use crate::nonlinear::line_search::LineSearch;
+use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::solution::options::Progress;
 use crate::solution::state::{SolveReport, State};
 use nastic_linear::LinearError;
@@ -232,6 +233,8 @@ impl<'a> Iteration<'a> {
         let resolved = step.size > RESOLUTION * self.equations.diagonal();
         // of the displacement alone it says nothing of further fields
         let alone = self.equations.model.unknowns().has_one_nodal_field();
+        // nor of pressures of their own
+        let alone = alone && !direction.pressures().is_some_and(PredictedPressures::is_apart);
         let tiny = alone && step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
         self.length = taken.length;
         Ok((taken.x, taken.now, step.curvature, tiny.then_some(step.scale)))

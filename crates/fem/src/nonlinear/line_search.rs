@@ -131,11 +131,13 @@ impl<'a> LineSearch<'a> {
             let merit = Energy::lagged(self.equations, here, step)?;
             return self.downhill(here, &step.dx, &merit);
         }
-        if step.curvature != Curvature::Negative {
+        let uphill = direction.pressures().is_some_and(|pressures| self.is_uphill(here, step, pressures));
+        if step.curvature != Curvature::Negative && !uphill {
             return self.descend(here, step, &step.dx, direction.pressures());
         }
         // errors of the volumes make most of a residual, which shows no saddle then
         if self.equations.anchor.is_none()
+            && !uphill
             && direction.pressures().is_none_or(PredictedPressures::are_settled)
             && let Some(taken) = self.residual_falls(here, &step.dx, TO_SADDLE)?
         {
@@ -143,6 +145,13 @@ impl<'a> LineSearch<'a> {
         }
         let dx = direction.downhill(here, report)?;
         self.descend(here, step, &dx, direction.pressures())
+    }
+
+    /// Whether a step whose pressures are not those of its changes of volume leads uphill.
+    fn is_uphill(&self, here: &Iterate, step: &Step, pressures: &PredictedPressures) -> bool {
+        let energy = Energy::new(self.equations, here, &step.dx, step.scale);
+        let line = WithoutVolumeErrors { energy, pressures }.line();
+        pressures.is_apart() && line.slope > line.noise
     }
 
     fn descend(

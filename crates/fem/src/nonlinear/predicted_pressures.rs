@@ -33,10 +33,12 @@ pub(crate) struct PredictedPressures<'a> {
     errors: Vec<f64>,
     /// w k
     stiffness: Vec<f64>,
-    /// V and `B du` of the step that is taken, and its share.
+    /// V, the changes of it that the step that is taken predicts, and its share.
     volumes: Vec<f64>,
     changes: Vec<f64>,
     length: f64,
+    /// Of a step whose pressures are not those of `B du`: the start and the slope of its merit, beside those of the potential.
+    apart: Option<[f64; 2]>,
     /// Share of the residual that errors of the volumes do not make.
     share: f64,
 }
@@ -49,8 +51,17 @@ impl<'a> PredictedPressures<'a> {
     pub fn new(equations: &'a Equations<'a>) -> Option<Self> {
         let ratio = equations.model.bulk_over_shear();
         let [errors, stiffness, volumes, changes] = std::array::from_fn(|_| Vec::new());
-        let pressures =
-            PredictedPressures { equations, ratio, errors, stiffness, volumes, changes, length: 0.0, share: 1.0 };
+        let pressures = PredictedPressures {
+            equations,
+            ratio,
+            errors,
+            stiffness,
+            volumes,
+            changes,
+            length: 0.0,
+            apart: None,
+            share: 1.0,
+        };
         (ratio >= STANDS_OUT).then_some(pressures)
     }
 
@@ -79,15 +90,33 @@ impl<'a> PredictedPressures<'a> {
         Ok(self.share.max(1.0 / self.ratio).min(1.0))
     }
 
+    /// The changes of the volumes by which the next step corrects their errors.
+    pub fn expected_changes(&self) -> Vec<f64> {
+        self.errors.iter().map(|error| -error).collect()
+    }
+
     /// Whether errors of the volumes make little of the residual, so that it says something of the equilibrium.
     pub fn are_settled(&self) -> bool {
         self.share >= OF_FORCES
     }
 
-    /// Notes a step from there.
-    pub fn begin(&mut self, here: &Iterate, dx: &[f64]) -> Result<(), Inadmissible> {
+    /// Notes a step from there, and what it left by volume mode between its pressures and its changes of volume.
+    pub fn begin(&mut self, here: &Iterate, dx: &[f64], left: Option<&[f64]>) -> Result<(), Inadmissible> {
         let (at, parallel) = (here.point.displaced(here.x), self.equations.options.parallel);
-        self.changes = self.equations.model.body.dilatations(at, Dilatation::Change(dx), parallel)?;
+        let body = &self.equations.model.body;
+        self.changes = body.dilatations(at, Dilatation::Change(dx), parallel)?;
+        self.apart = None;
+        if let Some(left) = left {
+            let linear = self.changes.clone();
+            let left = body.volume_modes_at_points(at, left, parallel)?;
+            self.changes.iter_mut().zip(&left).for_each(|(change, left)| *change -= left);
+            let share = self.share_of_errors();
+            let sums = self.changes.iter().zip(&linear).zip(&self.stiffness);
+            let [squares, products] = sums.fold([0.0, 0.0], |[squares, products], ((change, linear), k)| {
+                [squares + k * change * change, products + k * change * linear]
+            });
+            self.apart = Some([-0.5 * share * squares, share * products]);
+        }
         Ok(())
     }
 
@@ -96,13 +125,29 @@ impl<'a> PredictedPressures<'a> {
         self.length = length;
     }
 
-    /// `1/2 sum_q w_q k_q e_q^2` of what a share of the step leads to, less what errors would take of a body with a few times its shear modulus as bulk modulus.
+    /// Whether the pressures of the step are not those of its changes of volume.
+    pub fn is_apart(&self) -> bool {
+        self.apart.is_some()
+    }
+
+    /// What the merit of the step has beside the potential where it begins, and its derivative along the step: nothing where `e(0) = 0`.
+    pub fn beside_potential(&self) -> [f64; 2] {
+        self.apart.unwrap_or([0.0; 2])
+    }
+
+    /// `1/2 sum_q w_q k_q e_q^2` of what a share of the step leads to, less what errors would take of a body with a few times its shear modulus as bulk modulus;
+    /// `e(s) = V(u(s)) - V - s B du`, or of a step whose pressures are not those of `B du`, which may go uphill in this, from the volumes of all of it.
     pub fn energy_of_errors(&self, at: Displaced, length: f64) -> Result<f64, Inadmissible> {
         let Equations { model, options, .. } = *self.equations;
         let now = model.body.dilatations(at, Dilatation::Value, options.parallel)?;
-        let predicted = self.volumes.iter().zip(&self.changes).map(|(v, change)| v + length * change);
+        let s = if self.apart.is_some() { 1.0 } else { length };
+        let predicted = self.volumes.iter().zip(&self.changes).map(|(v, change)| v + s * change);
         let errors = now.iter().zip(predicted).map(|(now, predicted)| now - predicted);
-        let share = 1.0 - LEFT / self.ratio;
-        Ok(share * errors.zip(&self.stiffness).map(|(error, k)| 0.5 * k * error * error).sum::<f64>())
+        let sum: f64 = errors.zip(&self.stiffness).map(|(error, k)| 0.5 * k * error * error).sum();
+        Ok(self.share_of_errors() * sum)
+    }
+
+    fn share_of_errors(&self) -> f64 {
+        1.0 - LEFT / self.ratio
     }
 }

@@ -1,5 +1,6 @@
 //! [`TangentSystems`]: the linear systems of one nonlinear solve.
 
+use crate::contributions::body_energy::volume_modes::ExpectedChanges;
 use crate::model::Model;
 use crate::solution::nodal_rotations::nodal_rotations;
 use crate::solution::state::SolveReport;
@@ -69,12 +70,16 @@ pub(crate) struct TangentSystems<'a> {
     parallel: bool,
     solver: &'a mut dyn LinearSolver,
     shift: Shift,
+    /// Changes of volume that the solution of the next steps is expected to have, by quadrature point, and the share of the right-hand side that these leave.
+    expected: Option<(Vec<f64>, f64)>,
+    /// By volume mode, what the last step left between pressures and changes of volume.
+    left: Option<Vec<f64>>,
 }
 
 impl<'a> TangentSystems<'a> {
     pub fn new(model: &'a Model, parallel: bool, solver: &'a mut dyn LinearSolver) -> Self {
         solver.restart();
-        TangentSystems { model, parallel, solver, shift: Shift::default() }
+        TangentSystems { model, parallel, solver, shift: Shift::default(), expected: None, left: None }
     }
 
     /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and what the
@@ -87,7 +92,9 @@ impl<'a> TangentSystems<'a> {
         (tolerance, wanted): (f64, StepWanted),
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Curvature), LinearError> {
-        let configuration = Deformed::new(self.model, u, self.parallel);
+        let expected = self.expected.as_ref();
+        let expected = expected.map(|(changes, share)| ExpectedChanges { changes, share_left: *share });
+        let configuration = Deformed { expected, ..Deformed::new(self.model, u, self.parallel) };
         let system = configuration.system(tangent.into());
         let mut work = LinearWork::default();
         let step = match self.solver.step(&system, rhs, tolerance, &mut work) {
@@ -99,9 +106,21 @@ impl<'a> TangentSystems<'a> {
             }
             Err(other) => Err(other),
         };
+        self.left = self.solver.changes_left().map(<[f64]>::to_vec);
         report.add_linear(self.solver, &work);
         report.unassembled += usize::from(step.is_ok() && system.products.is_some());
         step.map(|(x, curvature)| (self.extended(x), curvature))
+    }
+
+    /// Notes the changes of volume that the solutions of the next [steps](Self::step) are expected to have, by quadrature point, and the share of the right-hand
+    /// side that these leave.
+    pub fn expect(&mut self, changes: Vec<f64>, share: f64) {
+        self.expected = Some((changes, share));
+    }
+
+    /// By volume mode, what the last step left between its pressures and its changes of volume ([`LinearSolver::changes_left`]).
+    pub fn changes_left(&self) -> Option<&[f64]> {
+        self.left.as_deref()
     }
 
     /// Drops what is kept of earlier tangents.
@@ -123,6 +142,7 @@ impl<'a> TangentSystems<'a> {
         rhs: &[f64],
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
+        self.left = None;
         let configuration = Deformed::new(self.model, u, self.parallel);
         let mut work = LinearWork::default();
         let step = self.shift.step(self.solver, &configuration.system(tangent.into()), rhs, &mut work);
@@ -391,7 +411,7 @@ pub(crate) fn eliminate(model: &Model, matrix: &mut SparseMatrix) {
 }
 
 /// The displaced body, as linear solvers see it; what they may not need is made when they ask.
-struct Deformed<'a> {
+pub(crate) struct Deformed<'a> {
     model: &'a Model,
     /// The displacement.
     u: Cow<'a, [f64]>,
@@ -399,15 +419,16 @@ struct Deformed<'a> {
     rotations: OnceLock<Arc<Rotations>>,
     positions: OnceLock<Vec<[f64; 3]>>,
     volume_modes: OnceLock<Option<VolumeModes>>,
+    expected: Option<ExpectedChanges<'a>>,
 }
 
 impl<'a> Deformed<'a> {
-    fn new(model: &'a Model, u: &'a [f64], parallel: bool) -> Self {
+    pub fn new(model: &'a Model, u: &'a [f64], parallel: bool) -> Self {
         let (rotations, positions, volume_modes) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Deformed { model, u: model.displacement(u), parallel, rotations, positions, volume_modes }
+        Deformed { model, u: model.displacement(u), parallel, rotations, positions, volume_modes, expected: None }
     }
 
-    fn system<'s>(&'s self, tangent: TangentRef<'s>) -> System<'s> {
+    pub fn system<'s>(&'s self, tangent: TangentRef<'s>) -> System<'s> {
         let (TangentRef { matrix, products }, fixed) = (tangent, self.model.supports.fixed());
         System { matrix, products, fixed, configuration: self, parallel: self.parallel }
     }
@@ -439,6 +460,6 @@ impl Configuration for Deformed<'_> {
     }
 
     fn volume_modes(&self) -> Option<&VolumeModes> {
-        self.volume_modes.get_or_init(|| self.model.volume_modes(&self.u, self.parallel)).as_ref()
+        self.volume_modes.get_or_init(|| self.model.volume_modes(&self.u, self.expected, self.parallel)).as_ref()
     }
 }

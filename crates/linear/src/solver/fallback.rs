@@ -1,6 +1,5 @@
 //! [`MultigridOrDirect`]: multigrid while it converges, then a factor if that fits.
 
-use super::factory::fits;
 use super::{Accuracy, Direct, Inertia, LinearError, LinearSolver, LinearWork, MultigridSolver, Step, System};
 use crate::structure::Structure;
 use std::sync::Arc;
@@ -28,7 +27,7 @@ impl MultigridOrDirect {
 
     /// From multigrid to a factor, unless that is too large.
     fn fall_back(&mut self, why: LinearError) -> Result<(), LinearError> {
-        if !fits(self.structure.factor_size().bytes()) {
+        if !self.structure.factor_fits() {
             return Err(self.too_large(why));
         }
         self.multigrid = None;
@@ -118,6 +117,10 @@ impl LinearSolver for MultigridOrDirect {
         self.multigrid.as_ref().and_then(MultigridSolver::negative_quotient)
     }
 
+    fn changes_left(&self) -> Option<&[f64]> {
+        self.multigrid.as_ref().and_then(MultigridSolver::changes_left)
+    }
+
     fn solve_shifted(
         &mut self,
         system: &System,
@@ -130,7 +133,7 @@ impl LinearSolver for MultigridOrDirect {
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         match self.multigrid.as_mut().map(|multigrid| multigrid.inertia(system)) {
             Some(Ok(inertia)) => Ok(inertia),
-            Some(Err(why)) if !fits(self.structure.factor_size().bytes()) => Err(self.too_large(why)),
+            Some(Err(why)) if !self.structure.factor_fits() => Err(self.too_large(why)),
             _ => entries(system).and_then(|()| self.direct.inertia(system)),
         }
     }

@@ -142,6 +142,10 @@ impl LinearSolver for Joining {
         self.solver.negative_quotient()
     }
 
+    fn changes_left(&self) -> Option<&[f64]> {
+        self.solver.changes_left()
+    }
+
     fn solve_shifted(
         &mut self,
         system: &System,

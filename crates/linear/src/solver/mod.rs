@@ -16,7 +16,7 @@ mod system;
 pub use bordered::{BlockElimination, Border, solve_bordered};
 pub use direct::Direct;
 pub use error::LinearError;
-pub(super) use factory::fits;
+pub(crate) use factory::fits;
 pub use factory::{Solver, SolverFactory};
 pub use fallback::MultigridOrDirect;
 pub use general::General;
@@ -162,6 +162,12 @@ pub trait LinearSolver: Debug + Send + Sync {
 
     /// A quotient `p . A p / p . p` of the last matrix that is not positive, where one was met.
     fn negative_quotient(&self) -> Option<f64> {
+        None
+    }
+
+    /// By [volume mode](crate::VolumeModes), `b . x - p / c` of the last step where its pressures p are unknowns that did not become those of its changes; the forces that it
+    /// leaves are those without these differences. `None` where the pressures follow from x.
+    fn changes_left(&self) -> Option<&[f64]> {
         None
     }
 

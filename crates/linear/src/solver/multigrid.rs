@@ -5,7 +5,7 @@ use crate::error::{FactorError, StructureError};
 use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient, conjugate_gradient_while};
 use crate::multigrid::{Geometry, Multigrid};
 use crate::pattern::Pattern;
-use crate::saddle_gmres::SaddleGmres;
+use crate::saddle_gmres::{Counts, SaddleGmres, residual_of_pressures};
 use crate::structure::Structure;
 use crate::volume_modes::VolumeModes;
 use std::sync::Arc;
@@ -40,6 +40,8 @@ pub struct MultigridSolver {
     positive: bool,
     /// A quotient of it that is not positive.
     quotient: Option<f64>,
+    /// What its step left between pressures and changes of volume.
+    left: Option<Vec<f64>>,
     /// Cycles per decade of the residual that they took on their own matrix.
     rate: Option<f64>,
     /// Cycles that they took beyond that on others. They are due when these cost as much as a renewal.
@@ -79,6 +81,7 @@ enum Outcome {
 impl MultigridSolver {
     /// To an aim, or to the limit of double precision.
     fn run(&mut self, system: &System, b: &[f64], aim: Aim, work: &mut LinearWork) -> Result<Outcome, LinearError> {
+        self.left = None;
         if let Some(modes) = modes_of(system) {
             match self.run_by(system, Some(modes), b, aim, work) {
                 // what is positive definite by its volume modes alone
@@ -102,12 +105,19 @@ impl MultigridSolver {
             return Err(LinearError::NotSymmetric);
         }
         (self.positive, self.quotient) = (false, None);
-        let (mut x, mut p) = (vec![0.0; b.len()], vec![0.0; modes.map_or(0, VolumeModes::len)]);
+        let (mut x, mut p) = (vec![0.0; b.len()], modes.map_or(Vec::new(), VolumeModes::first_pressures));
         let same = (self.by_products, self.of_rest) == (system.products.is_some(), modes.is_some());
+        let counts = match modes {
+            Some(modes) if aim.of_pressures => Counts::System(residual_of_pressures(modes, b, &p, system.parallel)),
+            _ => Counts::Matrix,
+        };
         let mut reached = 1.0;
         if self.serves && same {
-            match self.run_by_kept((system, modes), b, (&mut x, &mut p), aim, work) {
-                WithKept::Solved => return Ok(Outcome::Solved(x)),
+            match self.run_by_kept((system, modes, counts), b, (&mut x, &mut p), aim, work) {
+                WithKept::Solved => {
+                    self.left = modes.filter(|_| aim.of_pressures).map(|modes| modes.left(&x, &p, system.parallel));
+                    return Ok(Outcome::Solved(x));
+                }
                 WithKept::Indefinite => return Ok(Outcome::Indefinite(moved(system, x, b))),
                 WithKept::Left(left) => reached = left,
             }
@@ -120,7 +130,7 @@ impl MultigridSolver {
         }
         let Some(levels) = &self.levels else { return Ok(Outcome::Indefinite(None)) };
         let most = if modes.is_some() { MOST_OF_REST } else { MOST };
-        let (cg, positive) = iterate((system, modes), levels, b, (&mut x, &mut p), (aim, most), work);
+        let (cg, positive) = iterate((system, modes, counts), levels, b, (&mut x, &mut p), (aim, most), work);
         if let CgEnd::NegativeCurvature { curvature } = cg.end {
             self.quotient = Some(curvature);
             return Ok(Outcome::Indefinite(moved(system, x, b)));
@@ -131,13 +141,14 @@ impl MultigridSolver {
         }
         self.positive = positive;
         self.rate = Some(cg.iterations.max(1) as f64 / decades(cg.residual.max(aim.residual) / reached));
+        self.left = modes.filter(|_| aim.of_pressures).map(|modes| modes.left(&x, &p, system.parallel));
         Ok(Outcome::Solved(x))
     }
 
     /// The same with the levels that are kept, as long as new ones are not expected to be cheaper.
     fn run_by_kept(
         &mut self,
-        (system, modes): (&System, Option<&VolumeModes>),
+        (system, modes, counts): (&System, Option<&VolumeModes>, Counts),
         b: &[f64],
         (x, p): (&mut [f64], &mut [f64]),
         aim: Aim,
@@ -159,7 +170,7 @@ impl MultigridSolver {
             None => (by_cg(system, levels, (b, x), (aim, &go_on), work), true),
             Some(_) => {
                 let most = (wanted + RENEWAL - excess).ceil() as usize;
-                iterate((system, modes), levels, b, (x, p), (aim, most.min(MOST)), work)
+                iterate((system, modes, counts), levels, b, (x, p), (aim, most.min(MOST)), work)
             }
         };
         self.excess += (cg.iterations as f64 - wanted).max(0.0);
@@ -262,9 +273,14 @@ impl LinearSolver for MultigridSolver {
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        match self.run(system, b, Aim::residual(tolerance.clamp(STEP_TOLERANCE, COARSEST_STEP)), work)? {
+        let share = modes_of(system).and_then(VolumeModes::share_left);
+        let within = (tolerance / share.unwrap_or(1.0)).clamp(STEP_TOLERANCE, COARSEST_STEP);
+        let aim = Aim { of_pressures: share.is_some(), ..Aim::residual(within) };
+        match self.run(system, b, aim, work)? {
             // nothing showed that it leads downhill
-            Outcome::Solved(x) if system.space().dot(&x, b) <= 0.0 => Err(LinearError::Indefinite),
+            Outcome::Solved(x) if self.left.is_none() && system.space().dot(&x, b) <= 0.0 => {
+                Err(LinearError::Indefinite)
+            }
             Outcome::Solved(x) => Ok(Step { x, curvature: Curvature::Positive }),
             Outcome::Indefinite(Some(x)) => Ok(Step { x, curvature: Curvature::Negative }),
             Outcome::Indefinite(None) => Err(LinearError::Indefinite),
@@ -298,6 +314,10 @@ impl LinearSolver for MultigridSolver {
 
     fn negative_quotient(&self) -> Option<f64> {
         self.quotient
+    }
+
+    fn changes_left(&self) -> Option<&[f64]> {
+        self.left.as_deref()
     }
 
     /// Levels of a matrix nearby show negative curvature as well as its own do.
@@ -357,15 +377,17 @@ struct Aim {
     test: StoppingTest,
     /// Relative residual that is good enough in any case.
     residual: f64,
+    /// Whether that is the one of a system with pressures as unknowns, where there are some.
+    of_pressures: bool,
 }
 
 impl Aim {
     fn residual(residual: f64) -> Self {
-        Aim { test: residual.into(), residual }
+        Aim { test: residual.into(), residual, of_pressures: false }
     }
 
     fn exact(Accuracy { error, residual }: Accuracy) -> Self {
-        Aim { test: StoppingTest::Either { error, residual }, residual }
+        Aim { test: StoppingTest::Either { error, residual }, residual, of_pressures: false }
     }
 
     /// The relative residual that it is expected to be met at.
@@ -389,7 +411,7 @@ fn modes_of<'a>(system: &System<'a>) -> Option<&'a VolumeModes> {
 
 /// What was found, and whether all curvature that was looked at is positive.
 fn iterate(
-    (system, modes): (&System, Option<&VolumeModes>),
+    (system, modes, counts): (&System, Option<&VolumeModes>, Counts),
     multigrid: &Multigrid,
     b: &[f64],
     (x, p): (&mut [f64], &mut [f64]),
@@ -400,7 +422,7 @@ fn iterate(
         return (by_cg(system, multigrid, (b, x), (aim, &|cycles, _| cycles < most), work), true);
     };
     let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
-    let saddle = SaddleGmres { apply: &apply, modes, preconditioner: multigrid };
+    let saddle = SaddleGmres { apply: &apply, modes, preconditioner: multigrid, counts };
     let found = saddle.solve(b, (x, p), (aim.residual, most));
     work.cycles += found.cg.iterations;
     (found.cg, found.positive)

@@ -62,9 +62,8 @@ impl CellWork for Change<'_> {
         (rows, matrix): &mut Self::Answer,
     ) -> Result<(), Inadmissible> {
         rows.clear();
-        let (body, cells, points) = (self.body, self.cells, self.cells.part.table.points);
-        let of_cell = |&c: &u32| &self.weighted[cells.part.first_point(c as usize)..][..points];
-        let mut pressures: Vec<f64> = patch.cells.iter().flat_map(of_cell).copied().collect();
+        let (body, cells) = (self.body, self.cells);
+        let mut pressures = cells.taken(patch, self.weighted);
         if pressures.iter().all(|p| *p == 0.0) {
             return Ok(());
         }

@@ -23,30 +23,69 @@ impl BodyEnergy {
     /// c = min over the points of d^2 W / d(Jbar)^2 = (Fbar : A : Fbar / d^2 + P : Fbar (1 - d) / d^2) / Jbar^2,   A = dP/dF at Fbar
     /// ```
     ///
-    /// less the share that leaves the rest of the tangent a bulk modulus of eight times the shear modulus. `None` where there are none.
+    /// less the share that leaves the rest of the tangent a bulk modulus of eight times the shear modulus. `None` where there are none. Changes of volume
+    /// that a solution is expected to have, by quadrature point, become those of the modes.
     ///
     /// # Errors
     /// [`Inadmissible`] where the displacement is.
     pub(crate) fn volume_modes(
         &self,
         to: Displaced,
-        fixed: &[bool],
+        (fixed, expected): (&[bool], Option<ExpectedChanges>),
         parallel: bool,
     ) -> Result<Option<VolumeModes>, Inadmissible> {
-        let mut modes = VolumeModes::none(self.disc.dim());
+        let (mut modes, mut changes) = (VolumeModes::none(self.disc.dim()), Vec::new());
         for (cells, patches) in self.groups() {
             let projects = |&cell: &u32| !self.arithmetic_of(cell as usize).is_affine();
             if !cells.part.cells.iter().any(projects) {
                 continue;
             }
-            sweep(&Modes { body: self, cells, to }, patches, parallel, |_, found| {
+            let points = expected.map(|expected| expected.changes);
+            sweep(&Modes { body: self, cells, to, expected: points }, patches, parallel, |_, found| {
                 if !found.modes.is_empty() {
                     modes.push(&found.nodes, &found.modes, found.stiffness);
+                    changes.extend_from_slice(&found.expected);
                 }
             })?;
         }
+        if let Some(ExpectedChanges { share_left, .. }) = expected {
+            modes = modes.expecting(changes, share_left);
+        }
         Ok((!modes.is_empty()).then(|| modes.supported(fixed)))
     }
+
+    /// `sum_i phi_i v_i` at every quadrature point, of numbers by volume mode; zero where there are none.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the displacement is.
+    pub(crate) fn volume_modes_at_points(
+        &self,
+        to: Displaced,
+        by_mode: &[f64],
+        parallel: bool,
+    ) -> Result<Vec<f64>, Inadmissible> {
+        let (mut all, mut left) = (vec![0.0; self.disc.points().len()], by_mode);
+        for (cells, patches) in self.groups() {
+            let none = vec![0.0; self.disc.points().len()];
+            sweep(&Modes { body: self, cells, to, expected: Some(&none) }, patches, parallel, |patch, found| {
+                let (own, rest) = left.split_at(found.modes.len().min(left.len()));
+                left = rest;
+                let points = found.shapes.first().map_or(0, Vec::len);
+                let at = |q: usize| found.shapes.iter().zip(own).map(|(phi, v)| phi[q] * v).sum::<f64>();
+                if points > 0 {
+                    cells.put(patch, &(0..points).map(at).collect::<Vec<_>>(), &mut all);
+                }
+            })?;
+        }
+        Ok(all)
+    }
+}
+
+/// Changes of volume that a solution is expected to have, by quadrature point, and the share of a right-hand side that these leave.
+#[derive(Clone, Copy)]
+pub(crate) struct ExpectedChanges<'a> {
+    pub changes: &'a [f64],
+    pub share_left: f64,
 }
 
 /// The modes of every patch.
@@ -54,6 +93,8 @@ struct Modes<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
     to: Displaced<'a>,
+    /// Changes of volume by quadrature point.
+    expected: Option<&'a [f64]>,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -61,6 +102,9 @@ struct Found {
     nodes: Vec<u32>,
     modes: Vec<Vec<f64>>,
     stiffness: [f64; 2],
+    /// By mode, where changes are expected: of the solution, and its values at the points.
+    expected: Vec<f64>,
+    shapes: Vec<Vec<f64>>,
 }
 
 impl CellWork for Modes<'_> {
@@ -77,6 +121,7 @@ impl CellWork for Modes<'_> {
 
     fn compute(&self, patch: Patch, scratch: &mut Scratch, found: &mut Found) -> Result<(), Inadmissible> {
         found.modes.clear();
+        found.shapes.clear();
         let (body, cells) = (self.body, self.cells);
         let formulation = body.arithmetic_of(cells.first(patch));
         if formulation.is_affine() {
@@ -89,6 +134,16 @@ impl CellWork for Modes<'_> {
             return Ok(());
         }
         found.stiffness = [stiffness * share, stiffness * (1.0 - share)];
+        found.expected.clear();
+        if let Some(expected) = self.expected {
+            let changes = cells.taken(patch, expected);
+            let of_mode = |mode: &[f64]| {
+                let points = mode.iter().zip(&scratch.weights).zip(&changes);
+                points.map(|((phi, w), change)| w * phi * change).sum::<f64>()
+            };
+            found.expected.extend(scratch.dilatation.modes().map(of_mode));
+            found.shapes = scratch.dilatation.modes().map(<[f64]>::to_vec).collect();
+        }
         (found.nodes, found.modes) = cells.summed_at_nodes(patch, &formulation.changes_of_modes(cells, patch, scratch));
         Ok(())
     }

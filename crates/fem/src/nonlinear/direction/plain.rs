@@ -91,7 +91,9 @@ impl Plain<'_> {
         let tangent = equations.tangent_or_products(here, products, &mut self.tangent)?;
         let mut soft = 1.0;
         if let (Some(pressures), Some(matrix)) = (&mut self.pressures, tangent.entries_mut()) {
-            soft = SOFT * pressures.add(here, matrix)?;
+            let share = pressures.add(here, matrix)?;
+            self.systems.expect(pressures.expected_changes(), share);
+            soft = SOFT * share;
         }
         self.rhs = equations.right_hand_side(&*tangent, here.residual, self.jump.as_deref());
         let scale = equations.energy_scale(&*tangent, here.x, here.now);
@@ -103,7 +105,7 @@ impl Plain<'_> {
         let wanted = (accuracy, StepWanted::Newton);
         let kept = report.reused;
         let (mut dx, mut curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
-        if self.pressures.is_some() {
+        if self.pressures.is_some() && self.systems.changes_left().is_none() {
             let left = || left_by(&*tangent, &dx, &self.rhs, equations);
             let poor = curvature == Curvature::CutShort
                 || report.reused > kept && curvature == Curvature::Positive && left() > POOR * accuracy.max(FINEST);
@@ -124,7 +126,7 @@ impl Plain<'_> {
     }
 
     fn begin(&mut self, here: &Iterate, dx: &[f64]) -> Result<(), Inadmissible> {
-        self.pressures.as_mut().map_or(Ok(()), |pressures| pressures.begin(here, dx))
+        self.pressures.as_mut().map_or(Ok(()), |pressures| pressures.begin(here, dx, self.systems.changes_left()))
     }
 }
 

@@ -6,6 +6,9 @@ use crate::error::Inadmissible;
 use crate::nonlinear::equations::{Equations, Evaluated};
 use crate::nonlinear::predicted_pressures::PredictedPressures;
 
+/// Rounding of sums over the points.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
 /// `P(u(s)) - 1/2 sum_q w_q k_q e_q(s)^2`, `e(s)` the errors that the step makes of the volumes: to third order in these, what P would be with the volumes
 /// `V + s B du` and, for the rest, the pressures that the step predicts.
 pub(in crate::nonlinear) struct WithoutVolumeErrors<'a> {
@@ -15,7 +18,9 @@ pub(in crate::nonlinear) struct WithoutVolumeErrors<'a> {
 
 impl Merit for WithoutVolumeErrors<'_> {
     fn line(&self) -> Line {
-        self.energy.line()
+        let (line, [start, slope]) = (self.energy.line(), self.pressures.beside_potential());
+        let noise = line.noise + ROUNDING * start.abs();
+        Line { start: line.start + start, slope: line.slope + slope, noise }
     }
 
     fn value<'e>(
