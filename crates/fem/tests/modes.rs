@@ -6,7 +6,7 @@ use common::block::STRICT;
 use common::{Outcome, kinds, largest, regular, unit};
 use nalgebra::{DMatrix, SymmetricEigen};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Instant, Modes, Solid, SolveOptions, State, StateError};
+use nastic_fem::{Formulation, Instant, Modes, Solid, SolveOptions, Solver, State, StateError};
 use nastic_linear::{LinearError, SparseMatrix};
 use nastic_mesh::CellKind;
 use nastic_numeric::vector::{dot, norm};
@@ -146,5 +146,82 @@ fn what_cannot_be_asked_is_a_typed_error() -> Outcome {
     assert!(matches!(refused, Err(StateError::Linear(LinearError::EigenpairCount { count: 0, .. }))), "{refused:?}");
     let (other, _) = column(CellKind::Quad8, 0.2, [3, 1, 1], 0.0)?;
     assert!(matches!(other.modes(&state, 1, &SolveOptions::default()), Err(StateError::Problem(_))));
+    Ok(())
+}
+
+/// The same modes without a factor; eigenvalues that are zero but for rounding may have either sign.
+fn agree_by_products((solid, state): &(Solid, State), count: usize, name: &str) -> Outcome<Modes> {
+    let expected = solid.modes(state, count, &STRICT)?;
+    let by_products = SolveOptions { solver: Some(Solver::MULTIGRID), ..STRICT };
+    let found = solid.modes(state, count, &by_products)?;
+    assert!(expected.counted && !found.counted, "{name}");
+    let size = expected.eigenvalues.iter().fold(0.0, |most: f64, lambda| most.max(lambda.abs()));
+    let negative = expected.eigenvalues.iter().filter(|lambda| **lambda < -1e-9 * size).count();
+    assert_eq!((found.negative, found.eigenvalues.len()), (negative, negative.max(count)), "{name}");
+    for (lambda, expected) in found.eigenvalues.iter().zip(&expected.eigenvalues) {
+        assert!((lambda - expected).abs() < 1e-10 * size, "{name}: {lambda:e} instead of {expected:e}");
+    }
+    let residual = residual(solid, state, &found)?;
+    assert!(residual < 1e-9, "{name}: {residual:e}");
+    let one = SolveOptions { parallel: false, ..by_products };
+    assert!(solid.modes(state, count, &one)? == found, "{name}: other bits on one thread");
+    Ok(found)
+}
+
+#[test]
+fn modes_without_a_factor_are_the_same() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tet10] {
+        let held = column(kind, 0.2, [8, 2, 2], 0.0)?;
+        agree_by_products(&held, 6, &format!("{kind} at rest"))?;
+    }
+    agree_by_products(&column(CellKind::Quad9, 0.1, [12, 2, 1], 0.5)?, 4, "a strip under load")?;
+    Ok(())
+}
+
+#[test]
+fn all_unstable_modes_are_found_without_a_factor() -> Outcome {
+    let pressed = column(CellKind::Hex20, 0.1, [16, 2, 2], 12.0)?;
+    let modes = agree_by_products(&pressed, 1, "a column beyond several of its loads")?;
+    assert!(modes.negative >= 4, "{:?}", modes.eigenvalues);
+    Ok(())
+}
+
+#[test]
+fn rigid_motions_are_found_without_a_factor() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex27] {
+        let mesh = regular(kind, [1.0, 0.3, 0.2], [5, 2, 2])?;
+        let free = Solid::new(mesh)?.material("body", NeoHooke::new(0.5, 0.3)?)?;
+        let rest = free.rest();
+        let found = agree_by_products(&(free, rest), 8, &format!("a free body of {kind}"))?;
+        assert!(found.eigenvalues[5].abs() < 1e-9 * found.eigenvalues[6], "{:?}", found.eigenvalues);
+    }
+    Ok(())
+}
+
+#[test]
+fn modes_of_a_nearly_incompressible_body_need_no_factor() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tet4] {
+        let formulation = Formulation::nearly_incompressible(kind).unwrap_or_default();
+        let solid = Solid::new(regular(kind, [1.0, 0.2, 0.2], [6, 2, 2])?)?
+            .material("body", NeoHooke::from_young_poisson(1.0, 0.4999)?)?
+            .formulation("body", formulation)?
+            .clamp("x-")?;
+        let rest = solid.rest();
+        agree_by_products(&(solid, rest), 5, &format!("{kind}"))?;
+    }
+    Ok(())
+}
+
+/// Multigrid serves no body whose cells resist changes of volume at every point; a factor does, and says so.
+#[test]
+fn modes_that_multigrid_does_not_find_take_a_factor() -> Outcome {
+    let kind = CellKind::Hex20;
+    let solid = Solid::new(regular(kind, [1.0, 0.2, 0.2], [5, 1, 1])?)?
+        .material("body", NeoHooke::from_young_poisson(1.0, 0.499_99)?)?
+        .clamp("x-")?;
+    let rest = solid.rest();
+    let by_products = SolveOptions { solver: Some(Solver::MULTIGRID), ..STRICT };
+    let (found, expected) = (solid.modes(&rest, 4, &by_products)?, solid.modes(&rest, 4, &STRICT)?);
+    assert!(found.counted && found == expected);
     Ok(())
 }

@@ -69,7 +69,9 @@ mod symbolic;
 mod ties;
 mod volume_modes;
 
-pub use eigenpairs::{Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs};
+pub use eigenpairs::{
+    Eigenpairs, Eigenproblem, MassMatrix, ProductEigenproblem, smallest_eigenpairs, smallest_eigenpairs_by_products,
+};
 pub use element_block::ElementBlock;
 pub use error::{FactorError, NotCoupled, StructureError};
 pub use factor::{Factor, Pivots, Precision};

@@ -116,6 +116,13 @@ impl<'p> CaseMember<'p> {
         [self.scenario(), self.load_case()].into_iter().flatten().collect::<Vec<_>>().join("/")
     }
 
+    /// ` in NAME`, or nothing in a plain case: what is said of it ends with that.
+    #[must_use]
+    pub fn inside(&self) -> String {
+        let name = self.name();
+        if name.is_empty() { name } else { format!(" in {name}") }
+    }
+
     /// The name of one of its files.
     #[must_use]
     pub fn file(&self, name: &str) -> String {

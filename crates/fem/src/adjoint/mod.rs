@@ -262,7 +262,7 @@ impl Model {
     }
 
     /// `out = K v` of a displacement that has been evaluated, zero on the supports; NaN, which ends iterations, where a contribution needs a matrix.
-    fn product_or_nan(&self, at: &Instant, v: &[f64], out: &mut [f64]) {
+    pub(crate) fn product_or_nan(&self, at: &Instant, v: &[f64], out: &mut [f64]) {
         if !self.tangent_product(at, v, out).unwrap_or(false) {
             out.fill(f64::NAN);
         }

@@ -1,12 +1,15 @@
 //! [`Modes`]: the smallest eigenvalues of the tangent at an equilibrium, and their modes.
 
+use crate::adjoint::inverted;
 use crate::error::StateError;
 use crate::model::{Feature, Model};
 use crate::solution::options::SolveOptions;
 use crate::solution::state::State;
-use crate::solution::tangent_systems::eliminate;
+use crate::solution::tangent::TangentRef;
+use crate::solution::tangent_systems::{Deformed, eliminate};
 use nastic_linear::{
-    Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError, MassMatrix, smallest_eigenpairs,
+    Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError, MassMatrix, Operator, ProductEigenproblem,
+    Solver, smallest_eigenpairs, smallest_eigenpairs_by_products,
 };
 
 /// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes'
@@ -22,15 +25,18 @@ pub struct Modes {
     pub eigenvalues: Vec<f64>,
     /// Their modes, flat like displacements, zero on the supports, with a largest component of exactly 1.
     pub shapes: Vec<Vec<f64>>,
-    /// Negative eigenvalues of the tangent, counted by the pivots of a factor; all of them are among the eigenvalues.
+    /// Negative eigenvalues of the tangent; all of them are among the eigenvalues.
     pub negative: usize,
+    /// Whether the pivots of a factor show that none is missing; without a factor these are the ones that were found.
+    pub counted: bool,
 }
 
 impl Model {
     /// The `count` algebraically smallest eigenvalues of the tangent at a state, all negative ones in any case, with
     /// their modes.
     ///
-    /// Shift-invert Lanczos ([`smallest_eigenpairs`]) with a factor, whatever solves other systems. Multiple
+    /// Shift-invert Lanczos ([`smallest_eigenpairs`]) with a factor, or a block of vectors preconditioned by multigrid
+    /// ([`smallest_eigenpairs_by_products`]) where that solves the systems of the body: then nothing proves that none is missing ([`Modes::counted`]). Multiple
     /// eigenvalues are found with all their modes; which basis of their span is returned has no meaning.
     ///
     /// # Errors
@@ -40,7 +46,7 @@ impl Model {
         let found =
             self.lowest_modes(state, MassMatrix::Diagonal(&self.discretization().volumes_by_unknown()), count, how)?;
         let shapes = found.vectors.into_iter().map(normalized).collect();
-        Ok(Modes { eigenvalues: found.values, shapes, negative: found.negative })
+        Ok(Modes { eigenvalues: found.values, shapes, negative: found.negative, counted: found.counted })
     }
 
     /// The smallest eigenpairs of the tangent by a mass without fixed unknowns.
@@ -53,6 +59,11 @@ impl Model {
     ) -> Result<Eigenpairs, StateError> {
         self.check_state(state)?;
         self.supports(Feature::Modes)?;
+        if self.multigrid_serves_modes(how)
+            && let Some(found) = self.modes_by_products(state, mass, count, how)?
+        {
+            return Ok(found);
+        }
         let (mut matrix, constraints) = self.acting_tangent(state, how.parallel)?;
         eliminate(self, &mut matrix);
         let mut structure = self.tangent_structure().equations().clone();
@@ -71,6 +82,42 @@ impl Model {
             parallel: how.parallel,
         };
         Ok(smallest_eigenpairs(&problem, count)?)
+    }
+
+    /// Whether multigrid solves the tangent systems of a body, without constraints, and no other solver.
+    fn multigrid_serves_modes(&self, how: &SolveOptions) -> bool {
+        let factory = how.solver.unwrap_or_else(|| self.solver());
+        let plain = self.unknowns().has_one_nodal_field() && self.unknowns().multipliers() == 0;
+        plain && self.supports.ties().is_empty() && factory == Solver::MULTIGRID
+    }
+
+    /// The same by products of the tangent, without a factor; nothing where it couples nodes beyond those of the cells, or where these are not found and a factor fits.
+    fn modes_by_products(
+        &self,
+        state: &State,
+        mass: MassMatrix,
+        count: usize,
+        how: &SolveOptions,
+    ) -> Result<Option<Eigenpairs>, StateError> {
+        let at = self.instant(state, None, how.parallel);
+        let tangent = self.eliminated(&at, true).map_err(|at| inverted(at, state))?;
+        let TangentRef { matrix, .. } = TangentRef::from(&tangent);
+        if !matrix.is_symmetric() {
+            return Err(LinearError::NotSymmetric.into());
+        }
+        if !matrix.beyond().is_empty() {
+            return Ok(None);
+        }
+        // moduli of products are rounded
+        let exact = |v: &[f64], out: &mut [f64]| self.product_or_nan(&at, v, out);
+        let configuration = Deformed::new(self, at.u, how.parallel);
+        let system = configuration.system((&tangent).into());
+        let product: &dyn Operator = if tangent.is_unassembled() { &exact } else { &system };
+        match smallest_eigenpairs_by_products(&ProductEigenproblem { product, system, mass }, count) {
+            // as multigrid does not serve other systems then
+            Err(LinearError::Eigenpairs { .. }) if self.tangent_structure().equations().factor_fits() => Ok(None),
+            found => Ok(Some(found?)),
+        }
     }
 }
 

@@ -16,6 +16,8 @@ pub struct VibrationMode {
     pub square: f64,
     /// What rounding of the tangent may change `w^2` by.
     pub rounding: f64,
+    /// Whether the pivots of a factor show that no lower one is missing, as [`Modes::counted`](crate::Modes::counted).
+    pub counted: bool,
     /// `phi . M phi` in kg, in plane strain per unit of thickness.
     pub modal_mass: f64,
     /// Shares of its kinetic energy along x, y, z (0 in the plane): `phi_c . (M phi)_c / (phi . M phi)`.
@@ -76,6 +78,7 @@ impl Model {
         mass.eliminate(self.supports.fixed(), 0.0);
         self.check_positive(&mass)?;
         let found = self.lowest_modes(state, MassMatrix::Sparse(&mass), count, how)?;
+        let counted = found.counted;
         let pairs = found.values.into_iter().zip(found.rounding).zip(found.vectors);
         let mode = |((square, rounding), vector)| {
             let shape = normalized(vector);
@@ -84,7 +87,7 @@ impl Model {
             let modal_mass = self.unknowns().dot(&shape, &momentum);
             let along = |c: usize| shape.iter().zip(&momentum).skip(c).step_by(dim).map(|(x, p)| x * p).sum::<f64>();
             let directions = [0, 1, 2].map(|c| if c < dim { along(c) / modal_mass } else { 0.0 });
-            VibrationMode { square, rounding, modal_mass, directions, shape }
+            VibrationMode { square, rounding, counted, modal_mass, directions, shape }
         };
         let mut modes: Vec<VibrationMode> = pairs.map(mode).collect();
         // the pivots of a singular tangent have the signs of rounding errors

@@ -76,6 +76,8 @@ records! {
         eigenvalues: Option<Vec<Number>>,
         /// Of `solve --modes`: negative eigenvalues of K.
         negative: Option<usize>,
+        /// Whether the pivots of a factor show that no lower mode is missing.
+        counted: Option<bool>,
         /// Unit of the eigenvalues.
         unit: Option<String>,
         /// Frequencies w/(2 pi) in Hz: 0 of neutral modes, such as rigid motions; null of unstable ones.
@@ -120,5 +122,15 @@ records! {
         frequency_ratio: Vec<Number>,
         /// Of motions: the frequencies in Hz.
         frequencies: Option<Vec<Number>>,
+    }
+}
+
+impl ModesRecord {
+    /// What is said of modes that nothing proves to be the lowest.
+    pub fn proof(&self) -> &'static str {
+        match self.counted {
+            Some(false) => "; without a factor: nothing proves that no lower one is missing",
+            _ => "",
+        }
     }
 }

@@ -63,7 +63,7 @@ pub(super) fn quantities(touch: &Touch, dim: usize) -> Numbers {
 fn line(name: &str, touch: &Touch, member: CaseMember<'_>) -> String {
     let units = member.problem().units();
     let of = |value: f64, dimension: Dimension| quantity(value, dimension, units);
-    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    let inside = member.inside();
     let gap = of(touch.smallest_gap, Dimension::LENGTH);
     if touch.area == 0.0 {
         return format!("contact     {name} does not act, smallest gap {gap}{inside}");

@@ -184,9 +184,8 @@ fn print_modes(session: &mut Session<'_>, about: &str, found: &[StateModes]) {
     for (index, own) in found.iter().enumerate() {
         let in_steps = own.seen.as_ref().map(in_steps);
         session.entries_of(index).modes = ModesRecord { in_steps, ..record(&own.modes, about, &units, dim) };
-        let name = session.problem.member(index).name();
-        let inside = if name.is_empty() { name } else { format!(" in {name}") };
-        session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}"));
+        let (inside, proof) = (session.problem.member(index).inside(), session.entries_of(index).modes.proof());
+        session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}{proof}"));
         session.console.say(format!("  {:>9} {:>16} {:>14} {:>22}", "mode", "frequency", "period", "along x, y, z"));
         for (k, mode) in own.modes.iter().enumerate() {
             session.console.say(row(k + 1, mode, &units, dim));
@@ -246,6 +245,7 @@ fn record(modes: &[VibrationMode], about: &str, units: &Units, dim: usize) -> Mo
         growth_rates: of(&|mode| matches!(mode.kind(), ModeKind::Unstable { .. }).then(|| per_second(mode, units))),
         modal_masses: of(&|mode| Some(units.in_si(mode.modal_mass, mass))),
         directions: Some(modes.iter().map(|mode| numbers(&mode.directions[..dim])).collect()),
+        counted: Some(modes.iter().all(|mode| mode.counted)),
         neutral: count(|kind| kind == ModeKind::Neutral),
         unstable: count(|kind| matches!(kind, ModeKind::Unstable { .. })),
         units: Some(ModesUnits {

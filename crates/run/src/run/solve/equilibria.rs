@@ -36,8 +36,7 @@ fn of_member(
     let at = &point.members[index];
     let member = session.problem.member(index);
     let mut series = Series::new(member, "equilibrium", ("equilibrium".to_owned(), String::new()));
-    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
-    session.console.say(format!("equilibria  up to {count} under the same controls and loads{inside}"));
+    session.console.say(format!("equilibria  up to {count} under the same controls and loads{}", member.inside()));
     session.console.say(series.header());
     let progress = |now: &Progress| {
         let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);

@@ -47,7 +47,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
     let touches = found.model.touches(&Instant::of(&found.state));
     let units = member.problem().units();
     let moved = found.state.u.iter().zip(at.state().u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    let inside = member.inside();
     session.console.say(format!(
         "exact       contact without a layer, {} further equilibria, gaps {} of the layer, {} almost without a pressure: the body moves by at most {}{inside}",
         found.rounds,

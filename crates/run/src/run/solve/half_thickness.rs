@@ -65,11 +65,11 @@ fn say(
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
     let change = largest(&mut of_half.iter().zip(&of_whole).map(|(a, b)| a - b));
     let displacement = largest(&mut of_half.iter().copied());
-    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
     session.console.say(format!(
-        "half        layers half as thick: displacements, {} at most, change by at most {}{inside}",
+        "half        layers half as thick: displacements, {} at most, change by at most {}{}",
         length(displacement),
-        length(change)
+        length(change),
+        member.inside()
     ));
     let (before, after) = (touches(whole), touches(half));
     for ((name, after), (_, before)) in after.iter().zip(&before) {

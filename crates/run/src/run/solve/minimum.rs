@@ -18,12 +18,12 @@ pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Re
         let found = found.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
         if found.saddles > 0 {
             let (from, to) = (at.state().report.energy, found.state.report.energy);
-            let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
-            let fall = scientific(from - to, 3);
             session.console.say(format!(
-                "descent     potential from {} to {}, by {fall}{inside}",
+                "descent     potential from {} to {}, by {}{}",
                 short(from),
-                short(to)
+                short(to),
+                scientific(from - to, 3),
+                member.inside()
             ));
         }
         let mut report = found.state.report;

@@ -37,12 +37,15 @@ pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
         session.entries_of(index).modes = ModesRecord {
             eigenvalues: Some(numbers(&own.eigenvalues)),
             negative: Some(own.negative),
+            counted: Some(own.counted),
             unit: Some(unit.clone()),
             ..ModesRecord::default()
         };
-        let name = session.problem.member(index).name();
-        let inside = if name.is_empty() { name } else { format!(" in {name}") };
-        session.console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}"));
+        let (inside, proof) = (session.problem.member(index).inside(), session.entries_of(index).modes.proof());
+        session.console.say(format!(
+            "modes       K phi = lambda M phi, M the volumes of the nodes{inside}{}",
+            unproved(own.counted)
+        ));
         for (k, lambda) in own.eigenvalues.iter().enumerate() {
             let remark = if *lambda < 0.0 { "  unstable" } else { "" };
             session.console.say(format!("  {:>9} {:>16} {unit}{remark}", k + 1, scientific(*lambda, 6)));

@@ -59,7 +59,7 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Path
     let controls = member.layout().to_points(&start).map_err(failed)?;
 
     let mut series = Series::new(member, "path", ("s".to_owned(), String::new()));
-    let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+    let inside = member.inside();
     session.console.say(format!("path        from rest (s = 0) to the start controls and full loads (s = 1){inside}"));
     session.console.say(series.header());
     let progress = |now: &Progress| {

@@ -123,7 +123,7 @@ impl Asked {
         let (first, last) = (points(from).map_err(failed)?, points(to).map_err(failed)?);
 
         let mut series = Series::new(member, "ramp", (field.array.clone(), field.unit.clone()));
-        let inside = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
+        let inside = member.inside();
         let ends = format!("{} to {} {}", short(from), short(to), field.unit);
         session.console.say(format!("ramp        {} from {ends} in {} equilibria{inside}", field.array, self.count));
         session.console.say(series.header());

@@ -1,10 +1,12 @@
 //! [`smallest_eigenpairs`]: `A x = lambda M x` by shift-invert Lanczos.
 
-use super::error::{FactorError, StructureError};
-use super::factor::{Factor, Pivots};
-use super::matrix::SparseMatrix;
-use super::solver::{LinearError, fits};
-use super::symbolic::Symbolic;
+use super::inner_product::{InnerProduct, SPANNED};
+use super::{BASIS_BYTES, Eigenpairs, MassMatrix, ROUNDING};
+use crate::error::{FactorError, StructureError};
+use crate::factor::{Factor, Pivots};
+use crate::matrix::SparseMatrix;
+use crate::solver::{LinearError, fits};
+use crate::symbolic::Symbolic;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 use nastic_numeric::Random;
 use nastic_numeric::vector::{axpy, dot, scale};
@@ -17,8 +19,6 @@ const TOLERANCE: f64 = 1e-11;
 /// cube.
 const PACE: usize = 4;
 const PACE_SHARE: usize = 10;
-/// Most memory of the basis: 8 GiB.
-const BASIS_BYTES: usize = 8 << 30;
 /// Least and largest shift tried below an indefinite matrix, as shares of the largest `|A_ii| / M_ii`, and from one
 /// shift to the next.
 const LEAST_SHIFT: f64 = 1e-14;
@@ -33,10 +33,6 @@ const SHARE: f64 = 1e-3;
 /// How far above an eigenvalue the others are counted, as a share of its distance from the shift; at least by its
 /// rounding.
 const ABOVE: f64 = 1e-6;
-/// Relative error of the entries of A: sums of some tens of products.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// A vector that orthogonalisation leaves this share of lies in the span of the others.
-const SPANNED: f64 = 1e-12;
 
 /// `A x = lambda M x` on the unknowns that are not fixed; with constraints `A x + B p = lambda M x`, `B^T x = 0`.
 #[derive(Clone, Copy)]
@@ -53,29 +49,6 @@ pub struct Eigenproblem<'a> {
     pub symbolic: &'a Arc<Symbolic>,
     /// Whether to use all threads; the bits are the same.
     pub parallel: bool,
-}
-
-/// M of `A x = lambda M x`.
-#[derive(Clone, Copy, Debug)]
-pub enum MassMatrix<'a> {
-    /// The diagonal of a diagonal one, positive, by unknown.
-    Diagonal(&'a [f64]),
-    /// Symmetric, with rows and columns of fixed unknowns replaced by zeros.
-    Sparse(&'a SparseMatrix),
-}
-
-/// Eigenvalues in ascending order, with their vectors.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Eigenpairs {
-    /// Eigenvalues, ascending.
-    pub values: Vec<f64>,
-    /// Their vectors, `x_i . M x_k = delta_ik`, zero where fixed.
-    pub vectors: Vec<Vec<f64>>,
-    /// What rounding of the entries of A may change each eigenvalue by, `16 eps |x| . |A| |x|`: a smaller one cannot be
-    /// distinguished from zero.
-    pub rounding: Vec<f64>,
-    /// Negative eigenvalues of the matrix (on the null space of `B^T`), counted by the pivots of `A = L D L^T`.
-    pub negative: usize,
 }
 
 /// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones where these are more.
@@ -133,7 +106,7 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
             found.values.truncate(wanted);
             found.vectors.truncate(wanted);
             let rounding = found.vectors.iter().map(|x| rounding(x)).collect();
-            return Ok(Eigenpairs { values: found.values, vectors: found.vectors, rounding, negative });
+            return Ok(Eigenpairs { values: found.values, vectors: found.vectors, rounding, negative, counted: true });
         }
     }
     Err(LinearError::Eigenpairs { found: wanted.saturating_sub(missing), wanted })
@@ -232,37 +205,13 @@ impl Eigenproblem<'_> {
         Ok(factor.negative_pivots().saturating_sub(of_constraints))
     }
 
-    fn times_mass(&self, x: &[f64]) -> Vec<f64> {
-        match self.mass {
-            MassMatrix::Diagonal(mass) => {
-                let entry = |((x, m), &fixed): ((&f64, &f64), &bool)| if fixed { 0.0 } else { x * m };
-                x.iter().zip(mass).zip(self.fixed).map(entry).collect()
-            }
-            MassMatrix::Sparse(mass) => {
-                let mut product = vec![0.0; x.len()];
-                mass.multiply_on(x, &mut product, self.parallel);
-                product
-            }
-        }
-    }
-
-    /// Makes x orthogonal to these (twice is enough: Kahan, Parlett) and returns its coefficients by them and what is
-    /// left of its norm.
-    fn orthogonalize<'v>(&self, x: &mut [f64], basis: impl Iterator<Item = &'v Vec<f64>> + Clone) -> (Vec<f64>, f64) {
-        let mut sums = Vec::new();
-        for _ in 0..2 {
-            let mx = self.times_mass(x);
-            let own: Vec<f64> = basis.clone().map(|q| dot(q, &mx)).collect();
-            basis.clone().zip(&own).for_each(|(q, h)| axpy(-h, q, x));
-            sums.resize(own.len(), 0.0);
-            sums.iter_mut().zip(&own).for_each(|(sum, h)| *sum += h);
-        }
-        (sums, dot(x, &self.times_mass(x)).sqrt())
+    fn inner_product(&self) -> InnerProduct<'_> {
+        InnerProduct { mass: self.mass, fixed: self.fixed, parallel: self.parallel }
     }
 
     /// `x . A x / x . M x`: twice as many digits as the vector has.
     fn rayleigh(&self, x: &[f64]) -> f64 {
-        quadratic_form(self.matrix, x, self.parallel) / dot(x, &self.times_mass(x))
+        quadratic_form(self.matrix, x, self.parallel) / self.inner_product().square(x)
     }
 }
 
@@ -345,14 +294,14 @@ fn lanczos(
     steps: usize,
     seed: u64,
 ) -> Vec<Vec<f64>> {
-    let mut random = Random::new(seed);
+    let (mut random, inner) = (Random::new(seed), problem.inner_product());
     let mut q: Vec<f64> = problem.fixed.iter().map(|&fixed| if fixed { 0.0 } else { random.symmetric() }).collect();
     if !problem.constraints.is_empty() {
-        q = problem.times_mass(&q);
+        q = inner.times_mass(&q);
         inverse.apply(&mut q);
     }
-    let size = dot(&q, &problem.times_mass(&q)).sqrt();
-    let (_, left) = problem.orthogonalize(&mut q, known.iter());
+    let size = inner.square(&q).sqrt();
+    let (_, left) = inner.orthogonalize(&mut q, known.iter());
     if left <= SPANNED * size {
         return Vec::new();
     }
@@ -362,9 +311,9 @@ fn lanczos(
     let mut look = PACE;
     loop {
         let j = basis.len() - 1;
-        let mut w = problem.times_mass(&basis[j]);
+        let mut w = inner.times_mass(&basis[j]);
         inverse.apply(&mut w);
-        let (h, left) = problem.orthogonalize(&mut w, known.iter().chain(&basis));
+        let (h, left) = inner.orthogonalize(&mut w, known.iter().chain(&basis));
         alpha.push(h[known.len() + j]);
         let largest = alpha.iter().chain(&beta).fold(0.0, |most: f64, t| most.max(t.abs()));
         let exhausted = left <= SPANNED * largest;

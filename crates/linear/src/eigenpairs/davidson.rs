@@ -1,0 +1,352 @@
+//! [`smallest_eigenpairs_by_products`]: `A x = lambda M x` by a block Davidson method with multigrid as preconditioner.
+
+use super::inner_product::{InnerProduct, SPANNED};
+use super::preconditioner::ShiftedLevels;
+use super::{BASIS_BYTES, Eigenpairs, MassMatrix, ROUNDING};
+use crate::error::FactorError;
+use crate::operator::Operator;
+use crate::solver::{LinearError, System};
+use crate::sums::{self, dot};
+use nalgebra::{DMatrix, SymmetricEigen};
+use nastic_numeric::Random;
+use rayon::prelude::*;
+
+/// A Ritz pair counts when the error of its vector in the energy norm is this share of it, as far as the preconditioned residual shows; that of the value is its square.
+const TOLERANCE: f64 = 1e-7;
+/// Vectors of the basis before a restart, as a multiple of those of the block.
+const LONGEST: usize = 4;
+/// Vectors of the block beyond those that are wanted, as a share of these, and at least: the next eigenvalues decide the pace.
+const GUARD_SHARE: usize = 2;
+const GUARD: usize = 2;
+/// Iterations at most.
+const MOST: usize = 60;
+/// The first shift where the levels are not positive definite, as a share of the mean of `A_ii` over that of `M_ii`, from one to the next, and the largest.
+const LEAST_SHIFT: f64 = 1e-12;
+const SHIFT_GROWTH: f64 = 16.0;
+const MOST_SHIFT: f64 = 1e3;
+/// Least distance of the lowest eigenvalue from minus the shift, as a share of the spread of those of the block, and what it becomes.
+const LEAST_SHARE: f64 = 1e-6;
+const SHARE: f64 = 1e-2;
+/// Levels at most that are made for other shifts.
+const SHIFTS: usize = 8;
+
+/// `A x = lambda M x` on the unknowns that are not fixed, of a symmetric A that has no factor.
+#[derive(Clone, Copy)]
+pub struct ProductEigenproblem<'a> {
+    /// `out = A v`, zero where fixed for a v that is.
+    pub product: &'a dyn Operator,
+    /// A, or a matrix close to it: what the levels of multigrid are made of.
+    pub system: System<'a>,
+    /// M, positive definite on the unknowns that are not fixed.
+    pub mass: MassMatrix<'a>,
+}
+
+/// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones that are found where these are more.
+///
+/// The Rayleigh-Ritz values of a space that grows by the residuals `A x - theta M x` of a block of Ritz vectors, preconditioned by a V-cycle of A (where
+/// that is not positive definite of `A + s I`), and is restarted with those vectors and the ones before: the locally optimal gradients of Knyazev, "Toward the
+/// optimal preconditioned eigensolver", SIAM J. Sci. Comput. 23 (2001), with the orthogonal basis of Stathopoulos, Saad, "Restarting techniques for the
+/// (Jacobi-)Davidson symmetric eigenvalue methods", ETNA 7 (1998). From a seeded start. No factor is made, so nothing proves that no eigenvalue is missed
+/// ([`Eigenpairs::counted`]): the block has half as many vectors again as are wanted, and what is orthogonal to all of these was not met.
+///
+/// # Errors
+/// More eigenvalues wanted than there are unknowns, or than fit; [`LinearError::Eigenpairs`] where the iteration does not find them.
+pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usize) -> Result<Eigenpairs, LinearError> {
+    let unknowns = problem.system.fixed.iter().filter(|&&fixed| !fixed).count();
+    if count == 0 || count > unknowns {
+        return Err(LinearError::EigenpairCount { count, unknowns });
+    }
+    let mut wanted = count;
+    let mut search = Search::begin(problem, problem.block(wanted, unknowns)?)?;
+    loop {
+        let found = search.run(wanted)?;
+        let negative =
+            found.values.iter().zip(&found.rounding).filter(|(value, rounding)| **value < -**rounding).count();
+        if negative < wanted || wanted == unknowns {
+            let keep = count.max(negative);
+            let Eigenpairs { mut values, mut vectors, mut rounding, .. } = found;
+            values.truncate(keep);
+            vectors.truncate(keep);
+            rounding.truncate(keep);
+            return Ok(Eigenpairs { values, vectors, rounding, negative, counted: false });
+        }
+        wanted = unknowns.min(2 * wanted);
+        search.widen(problem.block(wanted, unknowns)?);
+    }
+}
+
+impl ProductEigenproblem<'_> {
+    /// Vectors of a block for so many eigenvalues.
+    fn block(&self, wanted: usize, unknowns: usize) -> Result<usize, LinearError> {
+        let block = unknowns.min(wanted + GUARD.max(wanted / GUARD_SHARE));
+        // the basis and its products, and what a restart makes of them
+        let vectors = 2 * (LONGEST + 2) * block;
+        let bytes = vectors.saturating_mul(self.system.fixed.len() * size_of::<f64>());
+        if bytes > BASIS_BYTES {
+            let gib = bytes as f64 / f64::from(1 << 30);
+            return Err(LinearError::EigenpairsTooLarge { count: wanted, unknowns, gib });
+        }
+        Ok(block)
+    }
+
+    /// The means over free unknowns of `A_ii` and of `M_ii`.
+    fn mean_diagonals(&self) -> (f64, f64) {
+        let System { matrix, products, fixed, parallel, .. } = self.system;
+        let stiffness = match products {
+            Some(products) => products
+                .diagonal_blocks(parallel)
+                .as_flattened()
+                .iter()
+                .enumerate()
+                .map(|(at, row)| row[at % 3])
+                .collect(),
+            None => matrix.diagonal(),
+        };
+        let mean = |diagonal: &[f64]| {
+            let free = diagonal.iter().zip(fixed).filter(|(_, fixed)| !**fixed);
+            let (sum, count) = free.fold((0.0, 0), |(sum, count), (d, _)| (sum + d.abs(), count + 1));
+            sum / f64::from(count.max(1))
+        };
+        let mass = match self.mass {
+            MassMatrix::Diagonal(mass) => mean(mass),
+            MassMatrix::Sparse(mass) => mean(&mass.diagonal()),
+        };
+        (mean(&stiffness), mass)
+    }
+}
+
+/// An orthonormal basis that grows, and its products.
+struct Search<'a> {
+    problem: &'a ProductEigenproblem<'a>,
+    inner: InnerProduct<'a>,
+    levels: ShiftedLevels<'a>,
+    /// What the levels have beside A: `(A + s M)` where M is its mean by the identity.
+    shift: f64,
+    shifts: usize,
+    stiffness: f64,
+    mass: f64,
+    /// Vectors of the block.
+    block: usize,
+    basis: Vec<Vec<f64>>,
+    products: Vec<Vec<f64>>,
+    /// `x_i . A x_k` of the basis.
+    projected: DMatrix<f64>,
+    random: Random,
+}
+
+/// Ritz values, ascending, and the coefficients of their vectors.
+struct Ritz {
+    values: Vec<f64>,
+    vectors: DMatrix<f64>,
+}
+
+impl<'a> Search<'a> {
+    fn begin(problem: &'a ProductEigenproblem<'a>, block: usize) -> Result<Self, LinearError> {
+        let System { fixed, parallel, .. } = problem.system;
+        let (stiffness, mass) = problem.mean_diagonals();
+        let (shift, levels) = levels_from(problem, 0.0, (stiffness, mass))?;
+        let mut search = Search {
+            problem,
+            inner: InnerProduct { mass: problem.mass, fixed, parallel },
+            levels,
+            shift,
+            shifts: 0,
+            stiffness,
+            mass,
+            block: 0,
+            basis: Vec::new(),
+            products: Vec::new(),
+            projected: DMatrix::zeros(0, 0),
+            random: Random::new(0),
+        };
+        search.widen(block);
+        Ok(search)
+    }
+
+    /// A larger block: vectors of random numbers that the levels have smoothed.
+    fn widen(&mut self, block: usize) {
+        for _ in self.block..block {
+            let fixed = self.inner.fixed;
+            let scattered: Vec<f64> =
+                fixed.iter().map(|&fixed| if fixed { 0.0 } else { self.random.symmetric() }).collect();
+            let smooth = self.levels.apply(&self.inner.times_mass(&scattered));
+            self.add(smooth);
+        }
+        self.block = block;
+    }
+
+    /// Adds what a vector has beyond the basis; whether that is anything.
+    fn add(&mut self, mut vector: Vec<f64>) -> bool {
+        let parallel = self.inner.parallel;
+        vector.iter_mut().zip(self.inner.fixed).for_each(|(x, &fixed)| *x = if fixed { 0.0 } else { *x });
+        let size = self.inner.square(&vector).sqrt();
+        let (_, left) = self.inner.orthogonalize(&mut vector, self.basis.iter());
+        if left.is_nan() || left <= SPANNED * size {
+            return false;
+        }
+        vector.iter_mut().for_each(|x| *x /= left);
+        let mut product = vec![0.0; vector.len()];
+        self.problem.product.apply(&vector, &mut product);
+        let at = self.basis.len();
+        self.basis.push(vector);
+        self.products.push(product);
+        let (basis, products) = (&self.basis, &self.products);
+        let own: Vec<f64> = basis.iter().map(|x| dot(x, &products[at], parallel)).collect();
+        self.projected = self.projected.clone().resize(at + 1, at + 1, 0.0);
+        for (k, entry) in own.into_iter().enumerate() {
+            (self.projected[(k, at)], self.projected[(at, k)]) = (entry, entry);
+        }
+        true
+    }
+
+    fn ritz(&self) -> Ritz {
+        let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(self.projected.clone());
+        let mut order: Vec<usize> = (0..eigenvalues.len()).collect();
+        order.sort_by(|&a, &b| eigenvalues[a].total_cmp(&eigenvalues[b]));
+        let values = order.iter().map(|&k| eigenvalues[k]).collect();
+        Ritz { values, vectors: eigenvectors.select_columns(&order) }
+    }
+
+    /// Until so many pairs count.
+    fn run(&mut self, wanted: usize) -> Result<Eigenpairs, LinearError> {
+        let (mut before, mut found) = (DMatrix::zeros(0, 0), 0);
+        for _ in 0..MOST {
+            let ritz = self.ritz();
+            self.adapt_shift(&ritz)?;
+            let block = self.block.min(self.basis.len());
+            let (mut directions, mut missing) = (Vec::new(), 0);
+            for k in 0..block {
+                let (direction, error) = self.correction(&ritz, k);
+                if error > TOLERANCE {
+                    directions.push(direction);
+                    missing += usize::from(k < wanted);
+                }
+            }
+            found = wanted - missing;
+            if missing == 0 {
+                return Ok(self.pairs(&ritz, wanted));
+            }
+            if self.basis.len() + directions.len() > LONGEST * self.block {
+                before = self.restart(&ritz, &before, block);
+            } else {
+                before = ritz.vectors.columns(0, block).into_owned();
+            }
+            let grown =
+                directions.into_iter().map(|direction| self.add(direction)).fold(false, |any, grown| any | grown);
+            if !grown {
+                // nothing is left beyond the space
+                return Ok(self.pairs(&self.ritz(), wanted));
+            }
+        }
+        Err(LinearError::Eigenpairs { found, wanted })
+    }
+
+    /// The preconditioned residual of a Ritz pair, and the relative error of its vector that this shows.
+    fn correction(&self, ritz: &Ritz, k: usize) -> (Vec<f64>, f64) {
+        let parallel = self.inner.parallel;
+        let coefficients = ritz.vectors.column(k);
+        let x = combined(&self.basis, coefficients.as_slice(), parallel);
+        let mut residual = combined(&self.products, coefficients.as_slice(), parallel);
+        let theta = ritz.values[k];
+        sums::zipped(&mut residual, &self.inner.times_mass(&x), parallel, |r, mx| *r -= theta * mx);
+        residual.iter_mut().zip(self.inner.fixed).for_each(|(r, &fixed)| *r = if fixed { 0.0 } else { *r });
+        let direction = self.levels.apply(&residual);
+        let squared = dot(&residual, &direction, parallel).abs();
+        (direction, (squared / (theta + self.shift).max(f64::MIN_POSITIVE)).sqrt())
+    }
+
+    /// Levels for a shift that is at a distance from the lowest eigenvalue, as a factor would need it, where that at hand is not.
+    fn adapt_shift(&mut self, ritz: &Ritz) -> Result<(), LinearError> {
+        let (first, last) = (ritz.values[0], ritz.values[self.block.min(ritz.values.len()) - 1]);
+        let (spread, distance) = (last - first, first + self.shift);
+        let too_far = self.shift > 0.0 && distance > spread;
+        if self.shifts == SHIFTS || spread <= 0.0 || distance >= LEAST_SHARE * spread && !too_far {
+            return Ok(());
+        }
+        self.shifts += 1;
+        let needed = (SHARE * spread - first).max(0.0);
+        (self.shift, self.levels) = levels_from(self.problem, needed, (self.stiffness, self.mass))?;
+        Ok(())
+    }
+
+    /// Keeps the Ritz vectors of the block, and what those before have beyond them; their coefficients in the new basis.
+    fn restart(&mut self, ritz: &Ritz, before: &DMatrix<f64>, block: usize) -> DMatrix<f64> {
+        let mut kept: Vec<Vec<f64>> = (0..block).map(|k| ritz.vectors.column(k).as_slice().to_vec()).collect();
+        for column in before.column_iter() {
+            let mut own = column.as_slice().to_vec();
+            own.resize(self.basis.len(), 0.0);
+            for _ in 0..2 {
+                for q in &kept {
+                    let share = dot(q, &own, false);
+                    own.iter_mut().zip(q).for_each(|(x, q)| *x -= share * q);
+                }
+            }
+            let left = dot(&own, &own, false).sqrt();
+            if left > SPANNED.sqrt() {
+                own.iter_mut().for_each(|x| *x /= left);
+                kept.push(own);
+            }
+        }
+        let parallel = self.inner.parallel;
+        let all = |vectors: &[Vec<f64>]| kept.iter().map(|c| combined(vectors, c, parallel)).collect::<Vec<_>>();
+        self.basis = all(&self.basis);
+        self.products = all(&self.products);
+        let n = self.basis.len();
+        let entry = |i: usize, k: usize| dot(&self.basis[i], &self.products[k], parallel);
+        let projected = DMatrix::from_fn(n, n, |i, k| if i <= k { entry(i, k) } else { 0.0 });
+        self.projected = DMatrix::from_fn(n, n, |i, k| projected[(i.min(k), i.max(k))]);
+        DMatrix::identity(n, block)
+    }
+
+    fn pairs(&self, ritz: &Ritz, wanted: usize) -> Eigenpairs {
+        let wanted = wanted.min(ritz.values.len());
+        let parallel = self.inner.parallel;
+        // of each alone: sums over a basis have the rounding of its roughest vectors
+        let of = |k: usize| {
+            let x = combined(&self.basis, ritz.vectors.column(k).as_slice(), parallel);
+            let mut product = vec![0.0; x.len()];
+            self.problem.product.apply(&x, &mut product);
+            (dot(&x, &product, parallel) / self.inner.square(&x), x)
+        };
+        let mut pairs: Vec<(f64, Vec<f64>)> = (0..wanted).map(of).collect();
+        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (values, vectors): (Vec<f64>, Vec<Vec<f64>>) = pairs.into_iter().unzip();
+        let norm = self.levels.norm();
+        let rounding = vectors.iter().map(|x| ROUNDING * norm * dot(x, x, parallel)).collect();
+        Eigenpairs { values, vectors, rounding, negative: 0, counted: false }
+    }
+}
+
+/// The levels of the first shift from this one on, by the mass, that is large enough as far as they show.
+fn levels_from<'a>(
+    problem: &ProductEigenproblem<'a>,
+    mut shift: f64,
+    (stiffness, mass): (f64, f64),
+) -> Result<(f64, ShiftedLevels<'a>), LinearError> {
+    let most = MOST_SHIFT * stiffness / mass;
+    while shift <= most {
+        match ShiftedLevels::new(&problem.system, shift * mass) {
+            Err(FactorError::NotPositive { .. }) => shift = (SHIFT_GROWTH * shift).max(LEAST_SHIFT * stiffness / mass),
+            made => return Ok((shift, made?)),
+        }
+    }
+    Err(LinearError::Shift)
+}
+
+/// `sum_k c_k x_k`.
+fn combined(vectors: &[Vec<f64>], coefficients: &[f64], parallel: bool) -> Vec<f64> {
+    const CHUNK: usize = 1 << 12;
+    let mut sum = vec![0.0; vectors.first().map_or(0, Vec::len)];
+    let add = |(at, out): (usize, &mut [f64])| {
+        for (x, c) in vectors.iter().zip(coefficients) {
+            let x = &x[at * CHUNK..at * CHUNK + out.len()];
+            out.iter_mut().zip(x).for_each(|(out, x)| *out += c * x);
+        }
+    };
+    if parallel {
+        sum.par_chunks_mut(CHUNK).enumerate().for_each(add);
+    } else {
+        sum.chunks_mut(CHUNK).enumerate().for_each(add);
+    }
+    sum
+}

@@ -1,0 +1,66 @@
+//! [`ShiftedLevels`]: an approximate inverse of `A + s I` by multigrid.
+
+use crate::error::{FactorError, StructureError};
+use crate::iterative::Preconditioner;
+use crate::matrix::SparseMatrix;
+use crate::multigrid::{Geometry, Multigrid};
+use crate::saddle_gmres::{Counts, SaddleGmres};
+use crate::solver::System;
+use crate::volume_modes::VolumeModes;
+use std::borrow::Cow;
+
+/// Residual and cycles at most of a system with pressures as unknowns, of which one cycle does little.
+const RESIDUAL: f64 = 0.1;
+const CYCLES: usize = 30;
+
+/// A V-cycle of a matrix with a multiple of the identity added, or where it has volume modes GMRES with cycles of the rest.
+pub(super) struct ShiftedLevels<'a> {
+    system: System<'a>,
+    /// With the multiple.
+    matrix: Cow<'a, SparseMatrix>,
+    modes: Option<&'a VolumeModes>,
+    levels: Multigrid,
+}
+
+impl<'a> ShiftedLevels<'a> {
+    /// # Errors
+    /// [`FactorError::NotPositive`] where the levels show that more has to be added.
+    pub fn new(system: &System<'a>, shift: f64) -> Result<Self, FactorError> {
+        let modes = if system.products.is_some() { None } else { system.configuration.volume_modes() };
+        let mut matrix = Cow::Borrowed(system.matrix);
+        if shift != 0.0 && system.products.is_none() {
+            matrix.to_mut().add_diagonal(&vec![shift; system.fixed.len()]);
+        }
+        let shifted = system.products.filter(|_| shift != 0.0).map(|products| products.shifted(shift));
+        let products = shifted.as_ref().or(system.products);
+        let (points, corners) = (system.configuration.positions(), system.configuration.corners());
+        let geometry = Geometry { points, fixed: system.fixed, corners, products };
+        let levels = match modes {
+            None => Multigrid::new(&matrix, &geometry, system.parallel)?,
+            Some(modes) => {
+                let rest = modes.rest(&matrix).map_err(StructureError::from)?;
+                Multigrid::new(&rest, &geometry, system.parallel)?
+            }
+        };
+        Ok(ShiftedLevels { system: *system, matrix, modes, levels })
+    }
+
+    /// `x ~ (A + s I)^-1 b`.
+    pub fn apply(&self, b: &[f64]) -> Vec<f64> {
+        let Some(modes) = self.modes else {
+            let mut x = b.to_vec();
+            self.levels.apply(&mut x);
+            return x;
+        };
+        let apply = |v: &[f64], out: &mut [f64]| self.matrix.multiply_on(v, out, self.system.parallel);
+        let saddle = SaddleGmres { apply: &apply, modes, preconditioner: &self.levels, counts: Counts::Matrix };
+        let (mut x, mut p) = (vec![0.0; b.len()], vec![0.0; modes.len()]);
+        saddle.solve(b, (&mut x, &mut p), (RESIDUAL, CYCLES));
+        x
+    }
+
+    /// A bound of the largest eigenvalue.
+    pub fn norm(&self) -> f64 {
+        if self.system.products.is_some() { self.levels.norm() } else { self.matrix.norm() }
+    }
+}
