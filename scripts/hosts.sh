@@ -78,7 +78,7 @@ ranks() { # HOSTS RANKS PROGRAM ARGUMENTS...
   local list="$1" n="$2"
   shift 2
   "$agent" host1 mpirun "${root[@]}" "${keepalive[@]}" -n "$n" --host "$list" --map-by node --bind-to none --mca plm_rsh_agent "$agent" \
-    --mca btl tcp,self --mca btl_tcp_if_include eth0 --mca oob_tcp_if_include eth0 --mca mpi_yield_when_idle 1 "$(printf ' %q' "$@")"
+    --mca btl tcp,self --mca btl_tcp_if_include eth0 --mca oob_tcp_if_include eth0 --mca mpi_yield_when_idle 1 "$(printf ' %q' "$@")" </dev/null
 }
 
 note() { # NAME STATUS
@@ -222,7 +222,7 @@ import json, sys
 
 found = json.load(open(sys.argv[1]))
 off = max(abs(a - float(b)) for a, b in zip(found["tip"], sys.argv[2].split()))
-print(f"        {found['unknowns']} unknowns on the first of {found['ranks']} ranks, {found['newton']} Newton and {found['iterations']} CG iterations, tip off by {off:.0e}")
+print(f"        {found['unknowns']} unknowns on {found['ranks']} ranks, {found['newton']} Newton and {found['iterations']} CG iterations, tip off by {off:.0e}")
 sys.exit(not (off < 1e-9 and found["ranks"] == 3))
 EOF
     note "one body on 3 hosts: $kind, n = $n" $?

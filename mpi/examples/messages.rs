@@ -5,110 +5,98 @@
 //! seconds; `scripts/message_times.py` compares them with the formula.
 
 use nastic_cli::Ended;
-use nastic_team::{Shares, Team, TeamError, exchange, sum};
+use nastic_team::{Shares, Team, TeamError, exchange, sum, sum_alone};
 use std::io::Write;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Lengths of messages that pass to and fro, in bytes.
-const LENGTHS: [usize; 5] = [64, 1 << 12, 1 << 15, 1 << 18, 1 << 20];
-/// Passes or iterations of a batch.
-const BATCH: usize = 40;
+/// Lengths of messages that pass to and fro, in bytes: a short one, and one that is sent as long ones are.
+const LENGTHS: [usize; 2] = [64, 1 << 18];
+/// Repetitions of one kind before the next one.
+const BATCH: usize = 20;
 /// Members of a rank: a power of two, so that the fewest nodes of the tree are between ranks.
 const MEMBERS: usize = 8;
 /// Bytes of a member in the exchanges of an iteration, the first two those of a trial and a derivative.
 const EXCHANGES: [usize; 5] = [168, 136, 24, 16, 24];
+const NAMES: [&str; 7] = ["short", "long", "overhead", "alone", "exchange", "sum", "iteration"];
 
 fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times[times.len() / 2]
 }
 
-/// Seconds that one of `BATCH` repetitions takes, the median of batches.
-fn timed(batches: usize, mut work: impl FnMut() -> Result<(), TeamError>) -> Result<f64, TeamError> {
-    let mut times = Vec::new();
-    for _ in 0..batches {
-        let began = Instant::now();
-        (0..BATCH).try_for_each(|_| work())?;
-        times.push(began.elapsed().as_secs_f64() / BATCH as f64);
-    }
-    Ok(median(times))
+/// Seconds that one of `BATCH` repetitions takes.
+fn timed(mut work: impl FnMut() -> Result<(), TeamError>) -> Result<f64, TeamError> {
+    let began = Instant::now();
+    (0..BATCH).try_for_each(|_| work())?;
+    Ok(began.elapsed().as_secs_f64() / BATCH as f64)
 }
 
-/// Half of the time there and back.
-fn passed(team: &dyn Team, bytes: usize, batches: usize) -> Result<f64, TeamError> {
-    let (peer, message) = (team.rank() ^ 1, vec![1; bytes]);
-    let both = timed(batches, || {
-        if team.rank().is_multiple_of(2) {
-            team.send(peer, message.clone())?;
-            team.receive(peer)?;
-        } else {
-            let came = team.receive(peer)?;
-            team.send(peer, came)?;
-        }
-        Ok(())
-    })?;
-    Ok(0.5 * both)
+/// There and back: twice the time of a message.
+fn passed(team: &dyn Team, message: &[u8]) -> Result<(), TeamError> {
+    let peer = team.rank() ^ 1;
+    if team.rank().is_multiple_of(2) {
+        team.send(peer, message.to_vec())?;
+        team.receive(peer).map(drop)
+    } else {
+        let came = team.receive(peer)?;
+        team.send(peer, came)
+    }
 }
 
 /// What sending a short message takes the sender.
-fn overhead(team: &dyn Team, batches: usize) -> Result<f64, TeamError> {
+fn overhead(team: &dyn Team) -> Result<f64, TeamError> {
     let peer = team.rank() ^ 1;
-    let mut times = Vec::new();
-    for _ in 0..batches {
-        let began = Instant::now();
-        for _ in 0..BATCH {
-            team.send(peer, vec![1; 64])?;
-        }
-        times.push(began.elapsed().as_secs_f64() / BATCH as f64);
-        for _ in 0..BATCH {
-            team.receive(peer)?;
-        }
-    }
-    Ok(median(times))
+    let seconds = timed(|| team.send(peer, vec![1; LENGTHS[0]]))?;
+    (0..BATCH).try_for_each(|_| team.receive(peer).map(drop))?;
+    Ok(seconds)
 }
 
-fn measured(team: &dyn Team, controls: usize, batches: usize) -> Result<String, TeamError> {
-    let together = |bytes: usize| exchange(team, vec![1; 16 + bytes * MEMBERS]).map(drop);
+/// Seconds by [`NAMES`], the median of batches. Kinds take turns, so that what else the machine does meets all of them.
+fn measured(team: &dyn Team, controls: usize, batches: usize) -> Result<[f64; 7], TeamError> {
+    let [short, long] = LENGTHS.map(|length| vec![1; length]);
     let shares = Shares::even(MEMBERS * team.size(), team.size());
-    let added = || sum(team, &shares, controls, |member| Some(vec![member as f64; controls])).map(drop);
-
-    together(8)?;
-    let mut passes = Vec::new();
-    for bytes in LENGTHS {
-        passes.push(format!("\"{bytes}\": {:.3e}", passed(team, bytes, batches)?));
+    let leaf = |member: usize| Some(vec![member as f64; controls]);
+    let together = |bytes: usize| exchange(team, vec![1; 16 + bytes * MEMBERS]).map(drop);
+    let added = || sum(team, &shares, controls, leaf).map(drop);
+    let mut times: [Vec<f64>; 7] = Default::default();
+    for _ in 0..batches {
+        let of_batch = [
+            0.5 * timed(|| passed(team, &short))?,
+            0.5 * timed(|| passed(team, &long))?,
+            overhead(team)?,
+            timed(|| {
+                std::hint::black_box(sum_alone(MEMBERS, controls, leaf));
+                Ok(())
+            })?,
+            timed(|| together(EXCHANGES[0]))?,
+            timed(added)?,
+            timed(|| EXCHANGES.iter().try_for_each(|bytes| together(*bytes)).and_then(|()| added()))?,
+        ];
+        times.iter_mut().zip(of_batch).for_each(|(times, seconds)| times.push(seconds));
     }
-    let overhead = overhead(team, batches)?;
-    // what eight members add up to on a rank is no message
-    let alone = median((0..9).map(|_| seconds_of(&|| nastic_team::sum_alone(MEMBERS, controls, |_| Some(vec![1.0; controls])))).collect());
-    together(8)?;
-    let exchanged = timed(batches, || together(EXCHANGES[0]))?;
-    let sum = timed(batches, added)?;
-    let iteration = timed(batches, || EXCHANGES.iter().try_for_each(|bytes| together(*bytes)).and_then(|()| added()))?;
-    Ok(format!(
-        "{{\"ranks\": {}, \"members\": {}, \"controls\": {controls}, \"passes\": {{{}}}, \"overhead\": {overhead:.3e}, \"alone\": {alone:.3e}, \
-         \"exchange\": {exchanged:.3e}, \"sum\": {sum:.3e}, \"iteration\": {iteration:.3e}}}",
-        team.size(),
-        MEMBERS * team.size(),
-        passes.join(", ")
-    ))
-}
-
-fn seconds_of<T>(work: &dyn Fn() -> T) -> f64 {
-    let began = Instant::now();
-    std::hint::black_box(work());
-    began.elapsed().as_secs_f64()
+    Ok(times.map(median))
 }
 
 fn main() -> ExitCode {
     let number = |at: usize, default: usize| std::env::args().nth(at).map_or(Some(default), |text| text.parse().ok());
-    let (Some(controls), Some(batches @ 1..)) = (number(1, 10_000), number(2, 15)) else { return ExitCode::from(2) };
+    let (Some(controls), Some(batches @ 1..)) = (number(1, 10_000), number(2, 41)) else { return ExitCode::from(2) };
     nastic_mpi::run_on_ranks(move |team| {
         if !team.size().is_multiple_of(2) {
-            return Ended { code: 2, error: Some("an even number of ranks, please: they are measured in pairs".to_owned()) };
+            return Ended {
+                code: 2,
+                error: Some("an even number of ranks, please: they are measured in pairs".to_owned()),
+            };
         }
         match measured(&*team, controls, batches) {
-            Ok(line) => {
+            Ok(seconds) => {
+                let found: Vec<String> =
+                    NAMES.iter().zip(seconds).map(|(name, time)| format!("\"{name}\": {time:.3e}")).collect();
+                let (ranks, members) = (team.size(), MEMBERS * team.size());
+                let line = format!(
+                    "{{\"ranks\": {ranks}, \"members\": {members}, \"controls\": {controls}, {}}}",
+                    found.join(", ")
+                );
                 let written = if team.leads() { writeln!(std::io::stdout().lock(), "{line}") } else { Ok(()) };
                 let error = written.err().map(|error| error.to_string());
                 Ended { code: u8::from(error.is_some()), error }
