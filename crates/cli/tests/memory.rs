@@ -68,6 +68,7 @@ fn a_state_whose_pivots_cannot_be_counted() {
 }
 
 /// The factor of [`COLUMN`], which does not fit in what is left of a limit that a batch system sets.
+#[cfg(target_os = "linux")]
 fn refused_under(limit: &str) {
     let place = CaseDirectory::new(&COLUMN.replace("multigrid", "direct"));
     let output = place.shell(limit, &["solve", "case.json", "--no-report", "--threads", "1"]).output().unwrap();
