@@ -2,6 +2,7 @@
 # nastic-mpi on the ranks of MPI against nastic alone: the same bits for 1, 2, 3, 4 and 7 ranks, ranks that are killed, and what resumes.
 #
 #   scripts/mpi.sh [KILLS [SEED]]        KILLS: moments at which a rank is killed, 20 if absent
+#   PARTS="motion starts" scripts/mpi.sh    some parts alone, of robust_turgor, load_cases, motion, risk_and_constraints, starts, faults
 #
 # Needs mpirun, mpicc and libclang (Debian: libopenmpi-dev or libmpich-dev, libclang-dev). Where both libraries are installed:
 #
@@ -10,6 +11,7 @@ set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 kills=${1:-20}
+parts=${PARTS:-robust_turgor load_cases motion risk_and_constraints starts faults}
 RANDOM=${2:-1}
 mpirun=${MPIRUN:-mpirun}
 library=mpich
@@ -42,39 +44,15 @@ note() { # NAME STATUS
   if [ "$2" = 0 ]; then echo "ok      $1"; else echo "FAILED  $1" && failed+=("$1"); fi
 }
 
-# Two result folders but for times.
-same() { # DIRECTORY DIRECTORY
-  python3 - "$1" "$2" <<'EOF'
-import json, pathlib, sys
+same() { python3 scripts/same-results.py "$1" "$2"; }
 
-one, other = map(pathlib.Path, sys.argv[1:])
-timed = {"seconds", "threads", "peak_memory", "resumed"}
-
-def history(folder):
-    lines = (folder / "history.jsonl").read_text().splitlines()
-    return [{key: value for key, value in json.loads(line).items() if key != "seconds"} for line in lines]
-
-def result(folder):
-    found = json.loads((folder / "result.json").read_text())
-    return {key: value for key, value in found.items() if key not in timed}
-
-def files(folder):
-    left_out = {"history.jsonl", "result.json", "checkpoint.bin", "report.html"}
-    names = {file.name for file in folder.iterdir() if not file.name.startswith(".")} - left_out
-    names = {name for name in names if not name.startswith("checkpoint_")}
-    return {name: (folder / name).read_bytes() for name in names}
-
-for what in (history, result, files):
-    if what(one) != what(other):
-        print(f"{what.__name__} of {one} and {other} differ")
-        sys.exit(1)
-EOF
-}
+wanted() { [[ " $parts " == *" $1 "* ]]; }
 
 # A case on 1, 2, 3, 4 and 7 ranks.
 compare() { # NAME ARGUMENTS...
   local name="$1" n
   shift
+  wanted "$name" || return
   "$nastic" "$@" --threads 2 --quiet --out "$out/$name" 2>"$out/$name.log"
   for n in 1 2 3 4 7; do
     ranks "$n" "$@" --quiet --out "$out/${name}_$n" >>"$out/$name.log" 2>&1
@@ -132,23 +110,24 @@ fill_a_disk() { # ARGUMENTS...
   umount "$disk"
 }
 
-cases=examples/cases
-short=(--set expect={})
+. scripts/mpi-cases.sh
 compare robust_turgor optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=6
 compare load_cases optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6
+compare motion "${motion[@]}"
 compare risk_and_constraints optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=6 --set output/checkpoint=2 \
   --set 'risk={"cvar":{"level":0.6,"smoothing":0.05}}' \
   --set 'constraints=[{"name":"reach","cost":{"kind":"position","surface":"track","target":{"x":0.05}},"at_most":1e-4}]'
 compare starts optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6 --set optimizer/starts=7
-long=(optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=12 --set optimizer/tolerance=1e-12 --set output/checkpoint=1)
-"$nastic" "${long[@]}" --threads 2 --quiet --out "$out/uninterrupted"
-began=$(date +%s%3N)
-ranks 3 "${long[@]}" --quiet --out "$out/timed" >"$out/timed.log" 2>&1
-length=$(($(date +%s%3N) - began))
-same "$out/uninterrupted" "$out/timed"
-note "the run whose ranks are killed, $length ms" $?
-fill_a_disk "${long[@]}"
-for number in $(seq "$kills"); do kill_a_rank "$number" "$length" "${long[@]}"; done
+if wanted faults; then
+  "$nastic" "${long[@]}" --threads 2 --quiet --out "$out/uninterrupted"
+  began=$(date +%s%3N)
+  ranks 3 "${long[@]}" --quiet --out "$out/timed" >"$out/timed.log" 2>&1
+  length=$(($(date +%s%3N) - began))
+  same "$out/uninterrupted" "$out/timed"
+  note "the run whose ranks are killed, $length ms" $?
+  fill_a_disk "${long[@]}"
+  for number in $(seq "$kills"); do kill_a_rank "$number" "$length" "${long[@]}"; done
+fi
 
 [ "${#failed[@]}" = 0 ] && echo "all as on one rank" && exit 0
 printf 'FAILED: %s\n' "${failed[@]}"

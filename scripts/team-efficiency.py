@@ -4,8 +4,7 @@
 Prints the table of that page, and with --plot draws docs/images/team_efficiency.png.
 
 Times of members are lognormal with a spread (standard deviation over mean) of 0.35; what they will take is known from counts to 10 %. Their means are
-those measured for one solve and one gradient of docs/development/performance.md. A message takes L + 2 o + bytes / B (LogGP: A. Alexandrov, M. Ionescu,
-K. Schauser, C. Scheiman, J. Parallel Distrib. Comput. 44, 1997, 71-79). Seeded.
+those measured for one solve and one gradient of docs/development/performance.md. Messages are those of scripts/message_times.py. Seeded.
 """
 
 import math
@@ -13,6 +12,8 @@ import pathlib
 import sys
 
 import numpy
+
+import message_times
 
 LATENCY, OVERHEAD, BANDWIDTH = 2e-6, 0.5e-6, 10e9
 SPREAD, PREDICTED = 0.35, 0.1
@@ -40,18 +41,6 @@ def shares(work, ranks):
     return numpy.array(begins(high))
 
 
-def exchange(members, ranks, size):
-    """Rounds in which a rank hears of as many others as it knows; in a ring of ranks that send or receive first in turns at most three messages wait for each other."""
-    rounds = math.ceil(math.log2(ranks))
-    return 3 * (rounds * (LATENCY + 2 * OVERHEAD) + (24 * ranks + size * members) / BANDWIDTH)
-
-
-def tree_sum(members, ranks):
-    """The nodes of the tree across ranks, one above the other, and the sum sent back."""
-    levels = math.ceil(math.log2(members)) + math.ceil(math.log2(ranks))
-    return levels * (LATENCY + 2 * OVERHEAD + 8 * CONTROLS / BANDWIDTH)
-
-
 def efficiency(ranks, solve, gradient, balanced, random):
     """Work of an iteration (a trial and a derivative) over what all ranks spend on it."""
     members = PER_MEMBER * ranks
@@ -59,8 +48,8 @@ def efficiency(ranks, solve, gradient, balanced, random):
     times = random.lognormal(-0.5 * sigma**2, sigma, members)
     counted = times * (1 + PREDICTED * random.standard_normal(members)) if balanced else numpy.ones(members)
     slowest = numpy.add.reduceat(times, shares(numpy.maximum(counted, 1e-3), ranks)).max()
-    messages = exchange(members, ranks, 160 + 8) + exchange(members, ranks, 136) + tree_sum(members, ranks)
-    messages += exchange(members, ranks, 8 + 16) + exchange(members, ranks, 16) + exchange(members, ranks, 24)
+    levels = math.ceil(math.log2(members)) + math.ceil(math.log2(ranks))
+    messages = message_times.iteration(members, ranks, levels, CONTROLS, LATENCY + 2 * OVERHEAD, BANDWIDTH)
     own = (solve + gradient) * times.sum() / ranks
     return own / ((solve + gradient) * slowest + messages), messages
 

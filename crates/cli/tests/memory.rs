@@ -66,3 +66,47 @@ fn a_state_whose_pivots_cannot_be_counted() {
     assert_eq!((codes(&much), much["inertia"].as_u64()), (vec!["unstable".to_owned()], Some(2)));
     assert_eq!((codes(&little), little["inertia"].as_u64()), (vec!["inertia_not_counted".to_owned()], None));
 }
+
+/// The factor of [`COLUMN`], which does not fit in what is left of a limit that a batch system sets.
+#[cfg(target_os = "linux")]
+fn refused_under(limit: &str) {
+    let place = CaseDirectory::new(&COLUMN.replace("multigrid", "direct"));
+    let output = place.shell(limit, &["solve", "case.json", "--no-report", "--threads", "1"]).output().unwrap();
+    let message = text(&output.stderr);
+    assert_eq!(code(&output), 3, "{limit}: {message}");
+    assert!(
+        message.contains("a factor of the tangent takes ") && message.contains(" are available"),
+        "{limit}: {message}"
+    );
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn limits_of_a_shell_are_kept() {
+    refused_under("ulimit -v 240000");
+    refused_under("ulimit -d 210000");
+}
+
+/// A control group as batch systems and containers make one, of either version. Needs root and the right to make groups; skipped otherwise.
+#[cfg(target_os = "linux")]
+#[test]
+fn limits_of_a_control_group_are_kept() {
+    let name = format!("nastic_test_{}", std::process::id());
+    let groups = [("/sys/fs/cgroup/memory", "memory.limit_in_bytes"), ("/sys/fs/cgroup", "memory.max")];
+    let made = groups.iter().find_map(|(root, limit)| {
+        let group = std::path::Path::new(root).join(&name);
+        std::fs::create_dir(&group).ok()?;
+        if std::fs::write(group.join(limit), (150 << 20).to_string()).is_ok() {
+            return Some(group);
+        }
+        let _ = std::fs::remove_dir(group);
+        None
+    });
+    let Some(group) = made else {
+        eprintln!("skipped: no control group with a limit of memory can be made here");
+        return;
+    };
+    let ended = std::panic::catch_unwind(|| refused_under(&format!("echo $$ > {}/cgroup.procs", group.display())));
+    std::fs::remove_dir(&group).unwrap();
+    ended.unwrap();
+}

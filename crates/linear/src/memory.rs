@@ -25,14 +25,14 @@ pub struct LimitError {
 /// Bytes that can still be allocated; `None` where nothing is known.
 ///
 /// The least of what the system calls available (`MemAvailable` of `/proc/meminfo`), what the control groups of the process leave, its
-/// limit of address space (`ulimit -v`) less what it has, and [`limit`] less the resident size of the process. A control group (version 1 or 2), and each one above it, leaves its limit less
+/// limits of address space and of data (`ulimit -v`, `ulimit -d`) less what it has, and [`limit`] less the resident size of the process. A control group (version 1 or 2), and each one above it, leaves its limit less
 /// its usage without the cached files, which the system gives up before it refuses memory. On systems without `/proc` only
 /// [`limit`] counts.
 ///
 /// # Errors
 /// [`LimitError`].
 pub fn available() -> Result<Option<usize>, LimitError> {
-    Ok([of_system(), control_group::left(), of_address_space(), of_limit()?].into_iter().flatten().min())
+    Ok([of_system(), control_group::left(), of_resources(), of_limit()?].into_iter().flatten().min())
 }
 
 /// What [`LIMIT`] allows the process, in bytes; `None` if it is not set. It is read once.
@@ -96,12 +96,19 @@ fn of_system() -> Option<usize> {
     kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
 }
 
-/// What `ulimit -v` leaves; `None` without such a limit.
-fn of_address_space() -> Option<usize> {
-    let limits = std::fs::read_to_string("/proc/self/limits").ok()?;
-    let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
-    let limit: usize = line.split_whitespace().next()?.parse().ok()?;
-    Some(limit.saturating_sub(kilobytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmSize:")?))
+/// What `ulimit -v` and `ulimit -d` leave; `None` without such limits.
+fn of_resources() -> Option<usize> {
+    let read = |file: &str| std::fs::read_to_string(file).ok();
+    left_of_resources(&read("/proc/self/limits")?, &read("/proc/self/status")?)
+}
+
+fn left_of_resources(limits: &str, status: &str) -> Option<usize> {
+    let left = |(name, key): (&str, &str)| {
+        let line = limits.lines().find_map(|line| line.strip_prefix(name))?;
+        let limit: usize = line.split_whitespace().next()?.parse().ok()?;
+        Some(limit.saturating_sub(kilobytes(status, key)?))
+    };
+    [("Max address space", "VmSize:"), ("Max data size", "VmData:")].into_iter().filter_map(left).min()
 }
 
 fn resident() -> Option<usize> {
@@ -116,7 +123,7 @@ fn kilobytes(text: &str, key: &str) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{LIMIT, kilobytes, parse};
+    use super::{LIMIT, kilobytes, left_of_resources, parse};
 
     #[test]
     fn sizes_are_read() {
@@ -133,6 +140,20 @@ mod tests {
         ];
         cases.iter().for_each(|(text, bytes)| assert_eq!(parse(text), Ok(*bytes), "{text}"));
         assert_eq!(kilobytes("A: 1 kB\nMemAvailable:    12 kB\n", "MemAvailable:"), Some(12 << 10));
+    }
+
+    #[test]
+    fn limits_of_address_space_and_of_data_count() {
+        let status = "VmSize:\t    3 kB\nVmData:\t    2 kB\n";
+        let limits = |data: &str, space: &str| {
+            format!(
+                "Limit   Soft Limit  Hard Limit  Units\nMax data size   {data}  unlimited  bytes\nMax address space  {space}  unlimited  bytes\n"
+            )
+        };
+        assert_eq!(left_of_resources(&limits("unlimited", "unlimited"), status), None);
+        assert_eq!(left_of_resources(&limits("unlimited", "5120"), status), Some(2048));
+        assert_eq!(left_of_resources(&limits("3072", "5120"), status), Some(1024));
+        assert_eq!(left_of_resources(&limits("1024", "unlimited"), status), Some(0));
     }
 
     #[test]

@@ -1,0 +1,107 @@
+//! What messages between ranks take: `mpirun -n 4 messages [CONTROLS [BATCHES]]`, an even number of ranks.
+//!
+//! Ranks r and r + 1 pass a message to and fro, all pairs at once: its time by its length. Then all ranks exchange and add up what an iteration of one trial and
+//! one derivative does (docs/clusters.md), eight members on each rank, one iteration after the other. Rank 0 prints a line of JSON with medians over batches, in
+//! seconds; `scripts/message_times.py` compares them with the formula.
+
+use nastic_cli::Ended;
+use nastic_team::{Shares, Team, TeamError, exchange, sum, sum_alone};
+use std::io::Write;
+use std::process::ExitCode;
+use std::time::Instant;
+
+/// Lengths of messages that pass to and fro, in bytes: a short one, and one that is sent as long ones are.
+const LENGTHS: [usize; 2] = [64, 1 << 18];
+/// Repetitions of one kind before the next one.
+const BATCH: usize = 20;
+/// Members of a rank: a power of two, so that the fewest nodes of the tree are between ranks.
+const MEMBERS: usize = 8;
+/// Bytes of a member in the exchanges of an iteration, the first two those of a trial and a derivative.
+const EXCHANGES: [usize; 5] = [168, 136, 24, 16, 24];
+const NAMES: [&str; 7] = ["short", "long", "overhead", "alone", "exchange", "sum", "iteration"];
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// Seconds that one of `BATCH` repetitions takes.
+fn timed(mut work: impl FnMut() -> Result<(), TeamError>) -> Result<f64, TeamError> {
+    let began = Instant::now();
+    (0..BATCH).try_for_each(|_| work())?;
+    Ok(began.elapsed().as_secs_f64() / BATCH as f64)
+}
+
+/// There and back: twice the time of a message.
+fn passed(team: &dyn Team, message: &[u8]) -> Result<(), TeamError> {
+    let peer = team.rank() ^ 1;
+    if team.rank().is_multiple_of(2) {
+        team.send(peer, message.to_vec())?;
+        team.receive(peer).map(drop)
+    } else {
+        let came = team.receive(peer)?;
+        team.send(peer, came)
+    }
+}
+
+/// What sending a short message takes the sender.
+fn overhead(team: &dyn Team) -> Result<f64, TeamError> {
+    let peer = team.rank() ^ 1;
+    let seconds = timed(|| team.send(peer, vec![1; LENGTHS[0]]))?;
+    (0..BATCH).try_for_each(|_| team.receive(peer).map(drop))?;
+    Ok(seconds)
+}
+
+/// Seconds by [`NAMES`], the median of batches. Kinds take turns, so that what else the machine does meets all of them.
+fn measured(team: &dyn Team, controls: usize, batches: usize) -> Result<[f64; 7], TeamError> {
+    let [short, long] = LENGTHS.map(|length| vec![1; length]);
+    let shares = Shares::even(MEMBERS * team.size(), team.size());
+    let leaf = |member: usize| Some(vec![member as f64; controls]);
+    let together = |bytes: usize| exchange(team, vec![1; 16 + bytes * MEMBERS]).map(drop);
+    let added = || sum(team, &shares, controls, leaf).map(drop);
+    let mut times: [Vec<f64>; 7] = Default::default();
+    for _ in 0..batches {
+        let of_batch = [
+            0.5 * timed(|| passed(team, &short))?,
+            0.5 * timed(|| passed(team, &long))?,
+            overhead(team)?,
+            timed(|| {
+                std::hint::black_box(sum_alone(MEMBERS, controls, leaf));
+                Ok(())
+            })?,
+            timed(|| together(EXCHANGES[0]))?,
+            timed(added)?,
+            timed(|| EXCHANGES.iter().try_for_each(|bytes| together(*bytes)).and_then(|()| added()))?,
+        ];
+        times.iter_mut().zip(of_batch).for_each(|(times, seconds)| times.push(seconds));
+    }
+    Ok(times.map(median))
+}
+
+fn main() -> ExitCode {
+    let number = |at: usize, default: usize| std::env::args().nth(at).map_or(Some(default), |text| text.parse().ok());
+    let (Some(controls), Some(batches @ 1..)) = (number(1, 10_000), number(2, 41)) else { return ExitCode::from(2) };
+    nastic_mpi::run_on_ranks(move |team| {
+        if !team.size().is_multiple_of(2) {
+            return Ended {
+                code: 2,
+                error: Some("an even number of ranks, please: they are measured in pairs".to_owned()),
+            };
+        }
+        match measured(&*team, controls, batches) {
+            Ok(seconds) => {
+                let found: Vec<String> =
+                    NAMES.iter().zip(seconds).map(|(name, time)| format!("\"{name}\": {time:.3e}")).collect();
+                let (ranks, members) = (team.size(), MEMBERS * team.size());
+                let line = format!(
+                    "{{\"ranks\": {ranks}, \"members\": {members}, \"controls\": {controls}, {}}}",
+                    found.join(", ")
+                );
+                let written = if team.leads() { writeln!(std::io::stdout().lock(), "{line}") } else { Ok(()) };
+                let error = written.err().map(|error| error.to_string());
+                Ended { code: u8::from(error.is_some()), error }
+            }
+            Err(error) => Ended { code: 9, error: Some(error.to_string()) },
+        }
+    })
+}
