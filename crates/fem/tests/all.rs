@@ -58,6 +58,7 @@ mod not_coupled;
 mod over_ranks;
 mod patch;
 mod patches;
+mod patches_over_ranks;
 mod path;
 mod plane_strain;
 mod poisson_field;

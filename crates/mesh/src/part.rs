@@ -21,6 +21,9 @@ pub struct Part {
     pieces: Vec<u32>,
     piece_bounds: Vec<([f64; 3], [f64; 3])>,
     outer_faces: Vec<(Facet, u32)>,
+    patches: Vec<u32>,
+    /// Patches that are cut, each with another part that has some of its cells.
+    cut_patches: BTreeMap<u32, u32>,
 }
 
 impl Part {
@@ -78,6 +81,16 @@ impl Part {
     pub fn piece_bounds(&self) -> &[([f64; 3], [f64; 3])] {
         &self.piece_bounds
     }
+
+    /// The [patch](Mesh::patches) of the whole that every cell is in, named by the first of its cells in this part.
+    pub fn patches(&self) -> &[u32] {
+        &self.patches
+    }
+
+    /// Another part that has cells of the patch that a cell is in; none where the whole patch is here, as after [`Mesh::with_whole_patches`].
+    pub fn cuts_patch_of(&self, cell: u32) -> Option<u32> {
+        self.cut_patches.get(self.patches.get(cell as usize)?).copied()
+    }
 }
 
 /// Numbers of the whole as those of a part; `NONE` of what is elsewhere.
@@ -115,9 +128,7 @@ impl Mesh {
     /// [`MeshError::Part`]: not one owner per cell; no cell at all.
     pub fn part(&self, owners: &[u32], number: u32) -> Result<Part, MeshError> {
         let refuse = |why: String| Err(MeshError::Part { mesh: self.name.clone(), part: number, why });
-        if owners.len() != self.cells() {
-            return refuse(format!("{} cells have {} owners; give one to each", self.cells(), owners.len()));
-        }
+        self.check_owners(owners, number)?;
         let cells: Vec<u32> = (0..owners.len() as u32).filter(|&cell| owners[cell as usize] == number).collect();
         if cells.is_empty() {
             return refuse("it has no cells; take fewer parts".to_owned());
@@ -139,6 +150,7 @@ impl Mesh {
         };
         let outer_faces = self.neighbours.iter().filter_map(|(a, b)| outer((a, b)).or_else(|| outer((b, a)))).collect();
         let all_pieces = self.pieces();
+        let (patches, cut_patches) = self.patches_of_part(owners, (number, &cells));
         Ok(Part {
             mesh: Arc::new(self.restricted(&nodes, &cells, (&node_numbers, &cell_numbers))),
             owned,
@@ -150,7 +162,30 @@ impl Mesh {
             nodes,
             cells,
             outer_faces,
+            patches,
+            cut_patches,
         })
+    }
+
+    pub(crate) fn check_owners(&self, owners: &[u32], part: u32) -> Result<(), MeshError> {
+        if owners.len() == self.cells() {
+            return Ok(());
+        }
+        let why = format!("{} cells have {} owners; give one to each", self.cells(), owners.len());
+        Err(MeshError::Part { mesh: self.name.clone(), part, why })
+    }
+
+    /// The patches of the cells of a part, and those that are cut.
+    fn patches_of_part(&self, owners: &[u32], (number, cells): (u32, &[u32])) -> (Vec<u32>, BTreeMap<u32, u32>) {
+        if !self.may_have_patches() {
+            return ((0..cells.len() as u32).collect(), BTreeMap::new());
+        }
+        let (all, mut first) = (self.patches(), BTreeMap::new());
+        let own = |(cell, local): (&u32, u32)| *first.entry(all[*cell as usize]).or_insert(local);
+        let patches = cells.iter().zip(0..).map(own).collect();
+        let others = all.iter().zip(owners).filter(|(_, owner)| **owner != number);
+        let cut = others.filter_map(|(patch, owner)| first.get(patch).map(|local| (*local, *owner))).collect();
+        (patches, cut)
     }
 
     /// The nodes of a part, those that belong to it first, how many these are, and every other part that has one, node by node.

@@ -120,6 +120,35 @@ fn the_whole_is_remembered() -> Outcome {
 }
 
 #[test]
+fn whole_patches_go_to_one_part_each() -> Outcome {
+    let mesh = box_mesh([3.0, 1.0, 1.0], [6, 3, 3], CellKind::Tet4)?;
+    let (owners, patches) = (mesh.bisected(4)?, mesh.patches());
+    let is_cut = |owners: &[u32]| (0..mesh.cells()).any(|cell| owners[cell] != owners[patches[cell] as usize]);
+    let whole = mesh.with_whole_patches(&owners)?;
+    assert!(is_cut(&owners) && !is_cut(&whole));
+    assert_eq!(whole.iter().collect::<BTreeSet<_>>().len(), 4);
+    for number in 0..4 {
+        let (part, cut) = (mesh.part(&whole, number)?, mesh.part(&owners, number)?);
+        for (local, &cell) in part.cells().iter().enumerate() {
+            assert_eq!(part.cells()[part.patches()[local] as usize], patches[cell as usize]);
+            assert_eq!(part.cuts_patch_of(local as u32), None);
+        }
+        for (local, &cell) in cut.cells().iter().enumerate() {
+            let together = |other: &usize| patches[*other] == patches[cell as usize] && owners[*other] != number;
+            let others: BTreeSet<u32> = (0..mesh.cells()).filter(together).map(|other| owners[other]).collect();
+            let found = cut.cuts_patch_of(local as u32);
+            assert!(found.map_or(others.is_empty(), |other| others.contains(&other)), "{found:?} {others:?}");
+        }
+    }
+    let hexahedra = box_mesh([1.0; 3], [2, 2, 2], CellKind::Hex8)?;
+    let owners = hexahedra.bisected(3)?;
+    assert_eq!(hexahedra.with_whole_patches(&owners)?, owners);
+    assert_eq!(hexahedra.part(&owners, 1)?.patches(), [0, 1, 2]);
+    assert!(matches!(mesh.with_whole_patches(&[0]), Err(MeshError::Part { .. })));
+    Ok(())
+}
+
+#[test]
 fn parts_that_are_none_are_refused() -> Outcome {
     let mesh = box_mesh([1.0, 1.0, 1.0], [2, 1, 1], CellKind::Hex8)?;
     for refused in [mesh.bisected(0).map(|_| ()), mesh.bisected(3).map(|_| ())] {
