@@ -35,5 +35,6 @@ mod sizes_of_surfaces;
 mod spaces;
 mod spectrum;
 mod spring;
+mod springs_over_ranks;
 mod teams;
 mod tendon;

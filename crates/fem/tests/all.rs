@@ -77,6 +77,7 @@ mod slender;
 mod soft_filler;
 mod solver;
 mod spring;
+mod springs_over_ranks;
 mod stability;
 mod structure;
 mod sums_of_unknowns;

@@ -257,28 +257,6 @@ fn moving_supports_and_springs_act_as_on_one_rank() -> Outcome {
 }
 
 #[test]
-fn springs_that_no_rank_has_are_refused_by_all() -> Outcome {
-    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 2, 2], CellKind::Hex8)?;
-    let found = on(3, &Faults::default(), |rank| {
-        let solid = cantilever(part(&mesh, &rank)?)?;
-        let said = |spring: Spring| solid.clone().spring(spring).err().map(|error| error.to_string());
-        Ok([
-            said(Spring::between("far", [0.1, 0.1, 0.1], [0.9, 0.1, 0.1], 1.0)),
-            said(Spring::to_ground("outside", [0.1, 0.1, 3.0], [0.0; 3], 1.0)),
-            said(Spring::to_ground("set", "x+", [0.0; 3], 1.0)),
-            said(Spring::to_ground("soft", [0.1, 0.1, 0.1], [0.0; 3], -1.0)),
-        ])
-    });
-    for found in found {
-        let named = ["on different ranks", "outside", "node set", "stiffness"];
-        let found = found?;
-        let has = |(said, named): (&Option<String>, &str)| said.as_ref().is_some_and(|said| said.contains(named));
-        assert!(found.iter().zip(named).all(has), "{found:?}");
-    }
-    Ok(())
-}
-
-#[test]
 fn a_body_that_supports_of_no_part_hold_is_refused_by_all_ranks() -> Outcome {
     let mesh = box_mesh([1.0, 0.2, 0.2], [6, 1, 1], CellKind::Hex8)?;
     let found = on(3, &Faults::default(), |rank| {

@@ -30,7 +30,8 @@ impl Mesh {
         division.by_first_cell()
     }
 
-    /// The part of every cell where no [patch](Self::patches) is cut: each goes to the part that has most of its cells, of several the lowest.
+    /// The part of every cell where no [patch](Self::patches) is cut: each goes to the part that has most of its cells, of several the lowest. A part
+    /// that has the most of none takes, of the patches that it has cells of, the one with most of these from a part that has others.
     ///
     /// # Errors
     /// [`MeshError::Part`]: not one owner per cell.
@@ -44,7 +45,23 @@ impl Mesh {
         let most = |counts: &BTreeMap<u32, usize>| {
             counts.iter().max_by_key(|(owner, count)| (**count, Reverse(**owner))).map(|(owner, _)| *owner)
         };
-        Ok(patches.iter().zip(owners).map(|(patch, own)| of_patch.get(patch).and_then(most).unwrap_or(*own)).collect())
+        let mut whole: BTreeMap<u32, u32> =
+            of_patch.iter().filter_map(|(patch, counts)| Some((*patch, most(counts)?))).collect();
+        let mut held: BTreeMap<u32, usize> = owners.iter().map(|owner| (*owner, 0)).collect();
+        whole.values().for_each(|owner| *held.entry(*owner).or_default() += 1);
+        let without: Vec<u32> = held.iter().filter(|(_, count)| **count == 0).map(|(owner, _)| *owner).collect();
+        for owner in without {
+            let taken = of_patch.iter().filter_map(|(patch, counts)| {
+                let (count, holder) = (counts.get(&owner)?, whole.get(patch)?);
+                (held.get(holder)? > &1).then_some((*count, Reverse(*patch), *holder))
+            });
+            if let Some((_, Reverse(patch), holder)) = taken.max() {
+                whole.insert(patch, owner);
+                *held.entry(holder).or_default() -= 1;
+                *held.entry(owner).or_default() += 1;
+            }
+        }
+        Ok(patches.iter().zip(owners).map(|(patch, own)| whole.get(patch).copied().unwrap_or(*own)).collect())
     }
 
     /// Whether some of its cells may be in a [patch](Self::patches) with others.

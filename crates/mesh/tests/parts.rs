@@ -120,6 +120,45 @@ fn the_whole_is_remembered() -> Outcome {
 }
 
 #[test]
+fn sets_of_nodes_that_parts_have_to_reach_are_in_one_of_them() -> Outcome {
+    let mesh = &box_mesh([6.0, 1.0, 1.0], [6, 1, 1], CellKind::Hex8)?;
+    let at = |x: f64| (0..mesh.points().len() as u32).filter(move |&node| mesh.points()[node as usize][0] == x);
+    // the ends, those of the last part first; the ends and the middle; what the first part has anyway
+    let sets = [at(6.0).chain(at(0.0)).collect(), at(0.0).chain(at(6.0)).chain(at(3.0)).collect(), at(0.0).collect()];
+    let owners = mesh.bisected(3)?;
+    let parts: Vec<Part> = (0..3).map(|k| mesh.part_reaching(&owners, k, &sets)).collect::<Result<_, _>>()?;
+    let plain: Vec<Part> = (0..3).map(|k| mesh.part(&owners, k)).collect::<Result<_, _>>()?;
+    let further = |part: &Part| -> BTreeSet<u32> {
+        part.further_nodes().iter().map(|(node, _)| part.nodes()[*node as usize]).collect()
+    };
+    assert_eq!(further(&parts[0]), at(3.0).chain(at(6.0)).collect());
+    assert_eq!(further(&parts[1]), BTreeSet::new());
+    assert_eq!(further(&parts[2]), at(0.0).collect());
+    for (part, plain) in parts.iter().zip(&plain) {
+        assert_eq!(part.nodes()[..part.owned()], plain.nodes()[..plain.owned()], "they belong where their cells are");
+        assert_eq!(part.cells(), plain.cells());
+        assert!(part.further_nodes().iter().all(|(node, piece)| *node as usize >= part.owned() && *piece == 0));
+        for (node, x) in part.nodes().iter().zip(part.mesh().points()) {
+            assert_eq!(*x, mesh.points()[*node as usize]);
+        }
+        for (other, shared) in part.sharers() {
+            let whole = |part: &Part, nodes: &[u32]| -> Vec<u32> {
+                nodes.iter().map(|&node| part.nodes()[node as usize]).collect()
+            };
+            let number = parts.iter().position(|known| known == part);
+            let back = parts[*other].sharers().iter().find(|(back, _)| Some(*back) == number);
+            assert_eq!(back.map(|(_, nodes)| whole(&parts[*other], nodes)), Some(whole(part, shared)));
+            let both = part.nodes().iter().filter(|node| parts[*other].nodes().contains(node)).count();
+            assert_eq!(shared.len(), both);
+        }
+    }
+    for wrong in [vec![vec![]], vec![vec![0, 1000]]] {
+        assert!(matches!(mesh.part_reaching(&owners, 1, &wrong), Err(MeshError::Part { part: 1, .. })));
+    }
+    Ok(())
+}
+
+#[test]
 fn whole_patches_go_to_one_part_each() -> Outcome {
     let mesh = box_mesh([3.0, 1.0, 1.0], [6, 3, 3], CellKind::Tet4)?;
     let (owners, patches) = (mesh.bisected(4)?, mesh.patches());
@@ -139,6 +178,13 @@ fn whole_patches_go_to_one_part_each() -> Outcome {
             let found = cut.cuts_patch_of(local as u32);
             assert!(found.map_or(others.is_empty(), |other| others.contains(&other)), "{found:?} {others:?}");
         }
+    }
+    // parts smaller than patches
+    let mesh = box_mesh([3.0, 1.0, 1.0], [6, 2, 2], CellKind::Tet4)?;
+    let many = mesh.patches().into_iter().collect::<BTreeSet<_>>().len();
+    for parts in 2..=many * 3 / 4 {
+        let owners = mesh.with_whole_patches(&mesh.bisected(parts)?)?;
+        assert_eq!(owners.into_iter().collect::<BTreeSet<_>>().len(), parts, "{many} patches");
     }
     let hexahedra = box_mesh([1.0; 3], [2, 2, 2], CellKind::Hex8)?;
     let owners = hexahedra.bisected(3)?;
