@@ -19,6 +19,7 @@ mod history;
 mod limit_points;
 mod magnet;
 mod maps;
+mod messages_over_ranks;
 mod motion;
 mod motion_constraints;
 mod motion_in_time;
