@@ -3,7 +3,7 @@
 use crate::ranks::{Outcome, apart, bar, on, part, valued};
 use nastic_control::{
     Compliance, Consumer, ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, LumenVolume,
-    MeanPosition, Metric, PowerLaw, Reduced, ReducedWorkspace, Space, Target, Timeline, Tracking,
+    MeanPosition, Metric, PowerLaw, Reaction, Reduced, ReducedWorkspace, Space, Target, Timeline, Tracking,
 };
 use nastic_energy::{FiberTension, Magnet, MooneyRivlin, NeoHooke, Turgor};
 use nastic_fem::{FemError, MovingSupport, Scheme, Solid, Spring};
@@ -222,6 +222,53 @@ fn supports_that_controls_move_have_the_derivatives_of_one_process() -> Outcome 
         assert!((own - cost).abs() < 1e-9 * cost && off < 1e-12, "on {ranks}: {own:e} {cost:e}, {off:e}");
         assert!(by_part.iter().all(|off| *off < 1e-8), "on {ranks}: the derivative is off by {by_part:?}");
     }
+    Ok(())
+}
+
+/// The force of a support between parts, and of a grip that controls move.
+fn grasped(solid: Solid) -> Outcome<Reduced> {
+    let solid = body(solid)?.motion(MovingSupport::of("grip", "x+"))?;
+    Ok(Reduced::new(solid)
+        .control("tension", Space::Node)?
+        .control("grip.translation", Space::Uniform)?
+        .cost(Reaction::at("x-", [1.0, 0.0, 2.0], 300.0).weight(1e-3))?
+        .cost(Reaction::at(["x+", "x-"], [0.0, 1.0, 0.0], 200.0).weight(1e-3))?
+        .cost(Reaction::at("x+", [0.0, 0.0, 1.0], 200.0).weight(1e-3))?)
+}
+
+#[test]
+fn forces_of_supports_have_the_derivatives_of_one_process() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Tet10] {
+        let mesh = bar(kind, 2)?;
+        let serial = grasped(Solid::new(mesh.clone())?)?;
+        let nodes = serial.layout().len() - 3;
+        let at = |h: f64| -> Vec<f64> {
+            let tension = (0..nodes).map(|k| -1e4 * (1.0 + (k as f64).sin() + h * (2.0 * k as f64).cos()));
+            tension.chain([0.01 + 0.01 * h, 0.02, 0.05 - 0.02 * h]).collect()
+        };
+        let (cost, derivative) = valued(&serial, &at(0.0))?;
+        let along: Vec<f64> = at(1.0).iter().zip(at(0.0)).map(|(a, b)| a - b).collect();
+        for (ranks, scattered) in [(1, false), (2, false), (3, true), (5, false)] {
+            let found = on(ranks, |rank| {
+                let problem = grasped(part(&mesh, &rank, scattered)?)?;
+                let (own, slope) = valued(&problem, &at(0.0))?;
+                let change: f64 = slope.iter().zip(&along).map(|(d, v)| d * v).sum();
+                let remainder = |h: f64| -> Outcome<f64> { Ok(problem.at(&at(h))?.cost() - own - h * change) };
+                Ok((own, slope, (remainder(0.2)? / remainder(0.1)?).log2()))
+            });
+            let (own, slope, order) = found[0].clone()?;
+            assert!(found.iter().all(|other| *other == found[0]), "{kind} on {ranks}: not the same bits");
+            assert!((own - cost).abs() < 1e-9 * cost, "{kind} on {ranks}: {own:e} {cost:e}");
+            let off = [apart(&slope[..nodes], &derivative[..nodes]), apart(&slope[nodes..], &derivative[nodes..])];
+            assert!(off.iter().all(|off| *off < 1e-8), "{kind} on {ranks}: the derivative is off by {off:?}");
+            assert!(order > 1.95, "{kind} on {ranks}: Taylor remainders of order {order}");
+        }
+    }
+    let mesh = bar(CellKind::Hex8, 1)?;
+    let free = |rank| {
+        Ok(tracked(part(&mesh, &rank, false)?, Space::Uniform)?.cost(Reaction::at("x+", [1.0; 3], 1.0)).is_err())
+    };
+    assert!(on(3, free).iter().all(|refused| *refused == Ok(true)), "nothing holds that surface");
     Ok(())
 }
 

@@ -39,9 +39,9 @@ impl Solid {
     /// The part of a body that a rank of a team has, without materials; every other rank has that of its number of the same division. All ranks build the
     /// same body, and call what solves together; groups of the mesh may have nothing on some of them.
     ///
-    /// Solves and adjoints are for equilibria of laws and actuations in formulations by cell, dead loads, supports that are held or moved, and
-    /// [contributions that say so](crate::Contribution::spans_ranks); all else is refused. It needs a [solver](Self::solver) that spans ranks. Vectors are in the numbers of
-    /// the part: `u` is whole, [`nodal_force`](Self::nodal_force) and the derivatives by controls that a rank finds are its share of a sum.
+    /// Solves and adjoints are for equilibria of laws and actuations, dead loads, supports that are held or moved, and
+    /// [contributions that say so](crate::Contribution::spans_ranks); all else is refused, also formulations over patches of cells that
+    /// parts [cut](Mesh::with_whole_patches). It needs a [solver](Self::solver) that spans ranks. Vectors are in the numbers of the part: `u` is whole, [`nodal_force`](Self::nodal_force) and the derivatives by controls that a rank finds are its share of a sum.
     ///
     /// # Errors
     /// As [`new`](Self::new).

@@ -79,10 +79,12 @@ impl Solid {
     /// [`Formulation::Standard`] unless something is chosen.
     ///
     /// # Errors
-    /// The region's name is unknown, a cell is of a kind that cannot have the formulation, or has another one already.
+    /// The region's name is unknown, a cell is of a kind that cannot have the formulation, or has another one already; of a body over ranks, which all
+    /// refuse together, a patch of cells that is [cut](Mesh::with_whole_patches).
     pub fn formulation(mut self, region: impl Into<GroupNames>, formulation: Formulation) -> Result<Self, FemError> {
         let cells = self.mesh().cells_of(&region.into())?;
-        self.model.body.set_formulation(&cells, formulation)?;
+        let chosen = self.model.body.set_formulation(&cells, formulation);
+        self.model.all_accept(chosen)?;
         Ok(self)
     }
 

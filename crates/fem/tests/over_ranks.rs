@@ -3,41 +3,18 @@
 use crate::common;
 
 use common::Outcome;
-use common::ranks::Simple;
+use common::parts::{Divide, Sent, how, on, part, scattered, total};
 use nastic_energy::{FiberTension, MooneyRivlin, NeoHooke};
 use nastic_fem::{
     Cavity, Contact, Controls, FemError, Formulation, Foundation, Inertia, MovingSupport, Progress, QuadraturePoints,
-    Share, Solid, SolveOptions, SolveReport, Spring, State, StateError,
+    Solid, SolveOptions, SolveReport, Spring, State, StateError,
 };
 use nastic_mesh::spatial::Obstacle;
-use nastic_mesh::{CellKind, Mesh, box_mesh};
+use nastic_mesh::{CellKind, box_mesh};
 use nastic_team::Team;
-use nastic_team::threads::{self, Faults, ThreadRank};
+use nastic_team::threads::Faults;
 use nastic_tensor::Vec3;
-use std::sync::{Arc, Mutex};
-
-type Sent<T> = Result<T, String>;
-
-fn on<T: Send>(ranks: usize, faults: &Faults, work: impl Fn(Arc<ThreadRank>) -> Outcome<T> + Sync) -> Vec<Sent<T>> {
-    threads::run(ranks, faults, |rank| work(Arc::new(rank)).map_err(|error| error.to_string()))
-}
-
-fn part(mesh: &Mesh, rank: &Arc<ThreadRank>) -> Outcome<Solid> {
-    let part = mesh.part(&mesh.bisected(rank.size())?, rank.rank() as u32)?;
-    Ok(Solid::of_part(part, rank.clone())?)
-}
-
-type Divide = fn(&Mesh, &Arc<ThreadRank>) -> Outcome<Solid>;
-
-/// Cells dealt out one by one: parts that touch surfaces and each other with single nodes and edges.
-fn scattered(mesh: &Mesh, rank: &Arc<ThreadRank>) -> Outcome<Solid> {
-    let owners: Vec<u32> = (0..mesh.cells()).map(|cell| (cell % rank.size()) as u32).collect();
-    Ok(Solid::of_part(mesh.part(&owners, rank.rank() as u32)?, rank.clone())?)
-}
-
-fn how() -> SolveOptions<'static> {
-    SolveOptions { solver: Some(&Simple), parallel: false, ..SolveOptions::default() }
-}
+use std::sync::Mutex;
 
 /// The fibre cantilever of reference.rs.
 fn cantilever(solid: Solid) -> Outcome<Solid> {
@@ -62,15 +39,6 @@ fn displacement(solid: &Solid, state: &State, at: [f64; 3]) -> [f64; 3] {
     let node = common::node_at(solid.mesh(), at).filter(|node| *node < owned);
     let own = node.map_or([0.0; 3], |node| [0, 1, 2].map(|k| state.u[3 * node + k]));
     own.map(|u| total(share, u))
-}
-
-/// The sum over all ranks.
-fn total(share: Option<&Arc<Share>>, here: f64) -> f64 {
-    let mut sum = [here];
-    if let Some(share) = share {
-        share.sum(&mut sum);
-    }
-    sum[0]
 }
 
 const CORNER: [f64; 3] = [1.0, 0.2, 0.2];
@@ -284,28 +252,6 @@ fn moving_supports_and_springs_act_as_on_one_rank() -> Outcome {
                 assert!((0..3).all(|k| (u[k] - whole[k]).abs() < 1e-9), "{u:?} {whole:?}");
             }
         }
-    }
-    Ok(())
-}
-
-#[test]
-fn springs_that_no_rank_has_are_refused_by_all() -> Outcome {
-    let mesh = box_mesh([1.0, 0.2, 0.2], [6, 2, 2], CellKind::Hex8)?;
-    let found = on(3, &Faults::default(), |rank| {
-        let solid = cantilever(part(&mesh, &rank)?)?;
-        let said = |spring: Spring| solid.clone().spring(spring).err().map(|error| error.to_string());
-        Ok([
-            said(Spring::between("far", [0.1, 0.1, 0.1], [0.9, 0.1, 0.1], 1.0)),
-            said(Spring::to_ground("outside", [0.1, 0.1, 3.0], [0.0; 3], 1.0)),
-            said(Spring::to_ground("set", "x+", [0.0; 3], 1.0)),
-            said(Spring::to_ground("soft", [0.1, 0.1, 0.1], [0.0; 3], -1.0)),
-        ])
-    });
-    for found in found {
-        let named = ["on different ranks", "outside", "node set", "stiffness"];
-        let found = found?;
-        let has = |(said, named): (&Option<String>, &str)| said.as_ref().is_some_and(|said| said.contains(named));
-        assert!(found.iter().zip(named).all(has), "{found:?}");
     }
     Ok(())
 }

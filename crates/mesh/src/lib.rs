@@ -28,6 +28,7 @@ mod mesh;
 mod moved;
 mod names;
 mod part;
+mod patches;
 mod pieces;
 mod polyline;
 pub mod quadrature;

@@ -1,7 +1,7 @@
 //! [`Part`]: some cells of a mesh as a mesh of its own.
 
 use crate::{CellBlock, Facet, Mesh, MeshError, geometry};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// One of several parts into which the cells of a mesh are divided, `Omega = union_p Omega_p`: every cell is in one part, nodes between parts are in each
@@ -9,6 +9,8 @@ use std::sync::Arc;
 ///
 /// Its mesh has all names of the whole, some of them of nothing; its skin is the share of the whole's skin. Nodes that belong to it come first, both
 /// these and the others in the order of the whole; cells stay in theirs. What it cannot know by its cells alone, it keeps of the whole.
+///
+/// It may have [further nodes](Mesh::part_reaching) without cells of its own, which belong to parts with cells there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
     mesh: Arc<Mesh>,
@@ -20,7 +22,11 @@ pub struct Part {
     bounds: ([f64; 3], [f64; 3]),
     pieces: Vec<u32>,
     piece_bounds: Vec<([f64; 3], [f64; 3])>,
+    further: Vec<(u32, u32)>,
     outer_faces: Vec<(Facet, u32)>,
+    patches: Vec<u32>,
+    /// Patches that are cut, each with another part that has some of its cells.
+    cut_patches: BTreeMap<u32, u32>,
 }
 
 impl Part {
@@ -78,6 +84,21 @@ impl Part {
     pub fn piece_bounds(&self) -> &[([f64; 3], [f64; 3])] {
         &self.piece_bounds
     }
+
+    /// Nodes of which it has no cell, each with the connected piece of the whole that it is in.
+    pub fn further_nodes(&self) -> &[(u32, u32)] {
+        &self.further
+    }
+
+    /// The [patch](Mesh::patches) of the whole that every cell is in, named by the first of its cells in this part.
+    pub fn patches(&self) -> &[u32] {
+        &self.patches
+    }
+
+    /// Another part that has cells of the patch that a cell is in; none where the whole patch is here, as after [`Mesh::with_whole_patches`].
+    pub fn cuts_patch_of(&self, cell: u32) -> Option<u32> {
+        self.cut_patches.get(self.patches.get(cell as usize)?).copied()
+    }
 }
 
 /// Numbers of the whole as those of a part; `NONE` of what is elsewhere.
@@ -108,21 +129,41 @@ impl Numbers {
     }
 }
 
+/// What nodes a part has.
+struct Division {
+    /// Those that belong to it first.
+    nodes: Vec<u32>,
+    owned: usize,
+    /// Every other part that has one, node by node.
+    shared: Vec<(u32, u32)>,
+    /// Those without cells of it, ascending.
+    further: Vec<u32>,
+}
+
 impl Mesh {
     /// The cells that `owners`, the part of every cell, puts into one part.
     ///
     /// # Errors
     /// [`MeshError::Part`]: not one owner per cell; no cell at all.
     pub fn part(&self, owners: &[u32], number: u32) -> Result<Part, MeshError> {
-        let refuse = |why: String| Err(MeshError::Part { mesh: self.name.clone(), part: number, why });
-        if owners.len() != self.cells() {
-            return refuse(format!("{} cells have {} owners; give one to each", self.cells(), owners.len()));
-        }
+        self.part_reaching(owners, number, &[])
+    }
+
+    /// The same where some sets of nodes have to be in one part each, whatever part their cells are in: each goes to the lowest part that has a cell at
+    /// its first node, as further nodes, which the parts with cells there have too. For what acts on nodes of several parts, as a spring between two of
+    /// them does. All parts are given the same sets.
+    ///
+    /// # Errors
+    /// As [`part`](Self::part); a set without nodes, or with some that the mesh does not have.
+    pub fn part_reaching(&self, owners: &[u32], number: u32, sets: &[Vec<u32>]) -> Result<Part, MeshError> {
+        self.check_owners(owners, number)?;
         let cells: Vec<u32> = (0..owners.len() as u32).filter(|&cell| owners[cell as usize] == number).collect();
         if cells.is_empty() {
-            return refuse("it has no cells; take fewer parts".to_owned());
+            return Err(self.no_part(number, "it has no cells; take fewer parts".to_owned()));
         }
-        let (nodes, owned, shared) = self.divided(owners, (number, &cells));
+        let receivers = self.receivers(owners, sets).map_err(|why| self.no_part(number, why))?;
+        let sets: Vec<(u32, &[u32])> = receivers.into_iter().zip(sets.iter().map(Vec::as_slice)).collect();
+        let Division { nodes, owned, shared, further } = self.divided(owners, (number, &cells), &sets);
         let (node_numbers, cell_numbers) =
             (Numbers::new(self.points.len(), &nodes), Numbers::new(owners.len(), &cells));
         let mut sharers: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
@@ -139,6 +180,7 @@ impl Mesh {
         };
         let outer_faces = self.neighbours.iter().filter_map(|(a, b)| outer((a, b)).or_else(|| outer((b, a)))).collect();
         let all_pieces = self.pieces();
+        let (patches, cut_patches) = self.patches_of_part(owners, (number, &cells));
         Ok(Part {
             mesh: Arc::new(self.restricted(&nodes, &cells, (&node_numbers, &cell_numbers))),
             owned,
@@ -147,29 +189,103 @@ impl Mesh {
             bounds: self.bounds(),
             pieces: cells.iter().map(|&cell| all_pieces[cell as usize]).collect(),
             piece_bounds: self.piece_bounds(&all_pieces),
+            further: self.pieces_of(&further, &all_pieces, &node_numbers),
             nodes,
             cells,
             outer_faces,
+            patches,
+            cut_patches,
         })
     }
 
-    /// The nodes of a part, those that belong to it first, how many these are, and every other part that has one, node by node.
-    fn divided(&self, owners: &[u32], (number, cells): (u32, &[u32])) -> (Vec<u32>, usize, Vec<(u32, u32)>) {
-        let nodes = self.nodes_of_cells(cells);
-        let own = Numbers::new(self.points.len(), &nodes);
-        let mut shared: Vec<(u32, u32)> = Vec::new();
-        let of_cells = self.blocks.iter().flat_map(CellBlock::iter);
-        for (nodes, &owner) in of_cells.zip(owners).filter(|(_, owner)| **owner != number) {
-            shared.extend(nodes.iter().filter(|&&node| own.of(node).is_some()).map(|&node| (node, owner)));
+    pub(crate) fn check_owners(&self, owners: &[u32], part: u32) -> Result<(), MeshError> {
+        if owners.len() == self.cells() {
+            return Ok(());
         }
+        let why = format!("{} cells have {} owners; give one to each", self.cells(), owners.len());
+        Err(self.no_part(part, why))
+    }
+
+    fn no_part(&self, part: u32, why: String) -> MeshError {
+        MeshError::Part { mesh: self.name.clone(), part, why }
+    }
+
+    /// For every set of nodes the lowest part with a cell at its first node; otherwise what is wrong.
+    fn receivers(&self, owners: &[u32], sets: &[Vec<u32>]) -> Result<Vec<u32>, String> {
+        let mut lowest: BTreeMap<u32, u32> = BTreeMap::new();
+        for set in sets {
+            let Some(first) = set.first() else {
+                return Err("a set of nodes that it may have to reach has none; leave it out".to_owned());
+            };
+            if let Some(node) = set.iter().find(|node| **node as usize >= self.points.len()) {
+                return Err(format!(
+                    "it has to reach node {node} of {}; number nodes as the whole mesh does",
+                    self.points.len()
+                ));
+            }
+            lowest.insert(*first, NONE);
+        }
+        if sets.is_empty() {
+            return Ok(Vec::new());
+        }
+        for (nodes, &owner) in self.blocks.iter().flat_map(CellBlock::iter).zip(owners) {
+            for node in nodes {
+                lowest.entry(*node).and_modify(|lowest| *lowest = owner.min(*lowest));
+            }
+        }
+        Ok(sets.iter().filter_map(|set| lowest.get(set.first()?).copied()).collect())
+    }
+
+    /// Nodes in the numbers of a part, each with the connected piece that it is in.
+    fn pieces_of(&self, nodes: &[u32], pieces: &[u32], numbers: &Numbers) -> Vec<(u32, u32)> {
+        let mut found = BTreeMap::new();
+        if !nodes.is_empty() {
+            for (of_cell, &piece) in self.blocks.iter().flat_map(CellBlock::iter).zip(pieces) {
+                let own = of_cell.iter().filter(|node| nodes.binary_search(node).is_ok());
+                found.extend(own.filter_map(|&node| Some((numbers.of(node)?, piece))));
+            }
+        }
+        found.into_iter().collect()
+    }
+
+    /// The patches of the cells of a part, and those that are cut.
+    fn patches_of_part(&self, owners: &[u32], (number, cells): (u32, &[u32])) -> (Vec<u32>, BTreeMap<u32, u32>) {
+        if !self.may_have_patches() {
+            return ((0..cells.len() as u32).collect(), BTreeMap::new());
+        }
+        let (all, mut first) = (self.patches(), BTreeMap::new());
+        let own = |(cell, local): (&u32, u32)| *first.entry(all[*cell as usize]).or_insert(local);
+        let patches = cells.iter().zip(0..).map(own).collect();
+        let others = all.iter().zip(owners).filter(|(_, owner)| **owner != number);
+        let cut = others.filter_map(|(patch, owner)| first.get(patch).map(|local| (*local, *owner))).collect();
+        (patches, cut)
+    }
+
+    /// The nodes of a part, with sets that parts are to have whole.
+    fn divided(&self, owners: &[u32], (number, cells): (u32, &[u32]), sets: &[(u32, &[u32])]) -> Division {
+        let of_cells = self.nodes_of_cells(cells);
+        let reached = sets.iter().filter(|(receiver, _)| *receiver == number).flat_map(|(_, nodes)| *nodes);
+        let reached: BTreeSet<u32> = reached.copied().collect();
+        let further: Vec<u32> = reached.into_iter().filter(|node| of_cells.binary_search(node).is_err()).collect();
+        let mut nodes = [of_cells, further.clone()].concat();
+        nodes.sort_unstable();
+        let own = Numbers::new(self.points.len(), &nodes);
+        let at_own = |nodes: &[u32], other: u32| -> Vec<(u32, u32)> {
+            nodes.iter().filter(|&&node| own.of(node).is_some()).map(|&node| (node, other)).collect()
+        };
+        let others = self.blocks.iter().flat_map(CellBlock::iter).zip(owners).filter(|(_, owner)| **owner != number);
+        let mut shared: Vec<(u32, u32)> = others.flat_map(|(nodes, &owner)| at_own(nodes, owner)).collect();
+        // of nodes without cells it is no owner
+        let lower = shared.iter().filter(|(_, other)| *other < number).map(|(node, _)| node).chain(&further);
+        let lower: BTreeSet<u32> = lower.copied().collect();
+        let others = sets.iter().filter(|(receiver, _)| *receiver != number);
+        shared.extend(others.flat_map(|(receiver, nodes)| at_own(nodes, *receiver)));
         shared.sort_unstable();
         shared.dedup();
-        let lower: Vec<u32> = shared.iter().filter(|(_, other)| *other < number).map(|(node, _)| *node).collect();
-        let (others, mut first): (Vec<u32>, Vec<u32>) =
-            nodes.into_iter().partition(|node| lower.binary_search(node).is_ok());
+        let (others, mut first): (Vec<u32>, Vec<u32>) = nodes.into_iter().partition(|node| lower.contains(node));
         let owned = first.len();
         first.extend(others);
-        (first, owned, shared)
+        Division { nodes: first, owned, shared, further }
     }
 
     /// Some of its nodes and cells, with all names.

@@ -120,6 +120,81 @@ fn the_whole_is_remembered() -> Outcome {
 }
 
 #[test]
+fn sets_of_nodes_that_parts_have_to_reach_are_in_one_of_them() -> Outcome {
+    let mesh = &box_mesh([6.0, 1.0, 1.0], [6, 1, 1], CellKind::Hex8)?;
+    let at = |x: f64| (0..mesh.points().len() as u32).filter(move |&node| mesh.points()[node as usize][0] == x);
+    // the ends, those of the last part first; the ends and the middle; what the first part has anyway
+    let sets = [at(6.0).chain(at(0.0)).collect(), at(0.0).chain(at(6.0)).chain(at(3.0)).collect(), at(0.0).collect()];
+    let owners = mesh.bisected(3)?;
+    let parts: Vec<Part> = (0..3).map(|k| mesh.part_reaching(&owners, k, &sets)).collect::<Result<_, _>>()?;
+    let plain: Vec<Part> = (0..3).map(|k| mesh.part(&owners, k)).collect::<Result<_, _>>()?;
+    let further = |part: &Part| -> BTreeSet<u32> {
+        part.further_nodes().iter().map(|(node, _)| part.nodes()[*node as usize]).collect()
+    };
+    assert_eq!(further(&parts[0]), at(3.0).chain(at(6.0)).collect());
+    assert_eq!(further(&parts[1]), BTreeSet::new());
+    assert_eq!(further(&parts[2]), at(0.0).collect());
+    for (part, plain) in parts.iter().zip(&plain) {
+        assert_eq!(part.nodes()[..part.owned()], plain.nodes()[..plain.owned()], "they belong where their cells are");
+        assert_eq!(part.cells(), plain.cells());
+        assert!(part.further_nodes().iter().all(|(node, piece)| *node as usize >= part.owned() && *piece == 0));
+        for (node, x) in part.nodes().iter().zip(part.mesh().points()) {
+            assert_eq!(*x, mesh.points()[*node as usize]);
+        }
+        for (other, shared) in part.sharers() {
+            let whole = |part: &Part, nodes: &[u32]| -> Vec<u32> {
+                nodes.iter().map(|&node| part.nodes()[node as usize]).collect()
+            };
+            let number = parts.iter().position(|known| known == part);
+            let back = parts[*other].sharers().iter().find(|(back, _)| Some(*back) == number);
+            assert_eq!(back.map(|(_, nodes)| whole(&parts[*other], nodes)), Some(whole(part, shared)));
+            let both = part.nodes().iter().filter(|node| parts[*other].nodes().contains(node)).count();
+            assert_eq!(shared.len(), both);
+        }
+    }
+    for wrong in [vec![vec![]], vec![vec![0, 1000]]] {
+        assert!(matches!(mesh.part_reaching(&owners, 1, &wrong), Err(MeshError::Part { part: 1, .. })));
+    }
+    Ok(())
+}
+
+#[test]
+fn whole_patches_go_to_one_part_each() -> Outcome {
+    let mesh = box_mesh([3.0, 1.0, 1.0], [6, 3, 3], CellKind::Tet4)?;
+    let (owners, patches) = (mesh.bisected(4)?, mesh.patches());
+    let is_cut = |owners: &[u32]| (0..mesh.cells()).any(|cell| owners[cell] != owners[patches[cell] as usize]);
+    let whole = mesh.with_whole_patches(&owners)?;
+    assert!(is_cut(&owners) && !is_cut(&whole));
+    assert_eq!(whole.iter().collect::<BTreeSet<_>>().len(), 4);
+    for number in 0..4 {
+        let (part, cut) = (mesh.part(&whole, number)?, mesh.part(&owners, number)?);
+        for (local, &cell) in part.cells().iter().enumerate() {
+            assert_eq!(part.cells()[part.patches()[local] as usize], patches[cell as usize]);
+            assert_eq!(part.cuts_patch_of(local as u32), None);
+        }
+        for (local, &cell) in cut.cells().iter().enumerate() {
+            let together = |other: &usize| patches[*other] == patches[cell as usize] && owners[*other] != number;
+            let others: BTreeSet<u32> = (0..mesh.cells()).filter(together).map(|other| owners[other]).collect();
+            let found = cut.cuts_patch_of(local as u32);
+            assert!(found.map_or(others.is_empty(), |other| others.contains(&other)), "{found:?} {others:?}");
+        }
+    }
+    // parts smaller than patches
+    let mesh = box_mesh([3.0, 1.0, 1.0], [6, 2, 2], CellKind::Tet4)?;
+    let many = mesh.patches().into_iter().collect::<BTreeSet<_>>().len();
+    for parts in 2..=many * 3 / 4 {
+        let owners = mesh.with_whole_patches(&mesh.bisected(parts)?)?;
+        assert_eq!(owners.into_iter().collect::<BTreeSet<_>>().len(), parts, "{many} patches");
+    }
+    let hexahedra = box_mesh([1.0; 3], [2, 2, 2], CellKind::Hex8)?;
+    let owners = hexahedra.bisected(3)?;
+    assert_eq!(hexahedra.with_whole_patches(&owners)?, owners);
+    assert_eq!(hexahedra.part(&owners, 1)?.patches(), [0, 1, 2]);
+    assert!(matches!(mesh.with_whole_patches(&[0]), Err(MeshError::Part { .. })));
+    Ok(())
+}
+
+#[test]
 fn parts_that_are_none_are_refused() -> Outcome {
     let mesh = box_mesh([1.0, 1.0, 1.0], [2, 1, 1], CellKind::Hex8)?;
     for refused in [mesh.bisected(0).map(|_| ()), mesh.bisected(3).map(|_| ())] {

@@ -72,6 +72,10 @@ pub(super) const FORM: CostForm = CostForm::new(
 });
 
 impl IntoCost for Reaction {
+    fn not_over_ranks(&self) -> Option<String> {
+        None
+    }
+
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         let weight = check_weight("reaction", self.weight)?;
         let refuse = |what: String| Err(ControlError::Cost { what });
@@ -94,7 +98,7 @@ impl IntoCost for Reaction {
                 along[dof] = if fixed[dof] { d / length } else { 0.0 };
             }
         }
-        if along.iter().all(|d| *d == 0.0) {
+        if solid.model().unknowns().max_abs(&along) == 0.0 {
             return refuse(format!(
                 "nothing holds surface \"{}\" along the direction {:?} of a reaction: name one that a support or a motion holds",
                 self.surface, self.direction
@@ -116,6 +120,10 @@ struct OnBody {
 impl Cost for OnBody {
     fn name(&self) -> &str {
         "reaction"
+    }
+
+    fn spans_ranks(&self) -> bool {
+        true
     }
 
     fn numbers(&self) -> Option<usize> {
@@ -153,7 +161,8 @@ impl Cost for OnBody {
             let what = "a reaction takes the equilibrium itself, not a displacement alone".to_owned();
             return Err(ControlError::Cost { what });
         };
-        let reaction = dot(&self.along, &at.solid.model().held_forces(state)?);
+        let model = at.solid.model();
+        let reaction = model.unknowns().dot(&self.along, &model.held_forces(state)?);
         Ok(Arc::new(EvaluatedCost {
             along: self.along.clone(),
             gap: reaction - self.force,
@@ -167,10 +176,11 @@ impl Cost for OnBody {
     }
 }
 
-/// `K^T l`
+/// `K^T l`, of a body over ranks the share of this one.
 fn transposed(model: &Model, at: &Instant, l: &[f64]) -> Result<Vec<f64>, ControlError> {
     let mut out = vec![0.0; l.len()];
-    if model.symmetry() == Symmetry::Symmetric && model.tangent_product(at, l, &mut out)? {
+    // ranks agree on tangents, not on products of their own
+    if model.symmetry() == Symmetry::Symmetric && !model.is_over_ranks() && model.tangent_product(at, l, &mut out)? {
         return Ok(out);
     }
     out.fill(0.0);

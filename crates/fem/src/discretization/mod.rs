@@ -4,7 +4,6 @@ pub(crate) mod cell_fields;
 pub(crate) mod hexahedra;
 mod nodal_fields;
 mod nodal_volumes;
-mod patches;
 pub(crate) mod quadrature_points;
 pub(crate) mod rigid_motions;
 mod shared;
@@ -30,7 +29,7 @@ pub struct Discretization {
     points: Arc<QuadraturePoints>,
     corners: OnceLock<Option<Corners>>,
     hexahedra: OnceLock<Option<Arc<Hexahedra>>>,
-    /// See [`patches`](patches::patches).
+    /// See [`Mesh::patches`].
     patches: OnceLock<Vec<u32>>,
     /// That of tangents with the couplings of cells alone.
     of_cells: Arc<TangentStructure>,
@@ -149,9 +148,12 @@ impl Discretization {
         self.hexahedra.get_or_init(make).as_ref()
     }
 
-    /// The [patch](patches::patches) of every cell. Made when first asked for.
+    /// The [patch](Mesh::patches) of every cell, that of the whole mesh where this is part of one. Made when first asked for.
     pub(crate) fn patches(&self) -> &[u32] {
-        self.patches.get_or_init(|| patches::patches(&self.mesh))
+        match &self.parted {
+            Some(parted) => parted.part.patches(),
+            None => self.patches.get_or_init(|| self.mesh.patches()),
+        }
     }
 
     /// `a . b` over the displacement unknowns of the whole mesh.

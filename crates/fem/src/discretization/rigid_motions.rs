@@ -54,6 +54,13 @@ impl Supports {
         for row in &between {
             row.iter().for_each(|&p| sets.union(row[0] as u32, p as u32));
         }
+        if let Some(parted) = disc.parted().filter(|_| parts.len() > 1) {
+            // a spring is on one rank, and all have to look at the same parts together; where messages fail, so do the sums of motions
+            let pairs = between.iter().flat_map(|row| row.iter().flat_map(|&p| [row[0] as f64, p as f64]));
+            let all = parted.share.gather(&pairs.collect::<Vec<f64>>()).unwrap_or_default();
+            let pairs = all.iter().flat_map(|told| told.as_chunks::<2>().0);
+            pairs.for_each(|&[one, other]| sets.union(one as u32, other as u32));
+        }
         let mut groups: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
         (0..parts.len()).for_each(|p| groups.entry(sets.find(p as u32)).or_default().push(p));
         for together in groups.values() {
@@ -212,6 +219,9 @@ fn connected_parts(disc: &Discretization, places: &Places) -> (Vec<Vec<u32>>, Ve
         let mut nodes = vec![BTreeSet::new(); parted.part.piece_bounds().len()];
         for (cell, &piece) in parted.part.pieces().iter().enumerate() {
             nodes[piece as usize].extend(mesh.cell(cell).nodes);
+        }
+        for &(node, piece) in parted.part.further_nodes() {
+            nodes[piece as usize].insert(node);
         }
         let nodes = nodes.into_iter().map(|nodes| nodes.into_iter().collect()).collect();
         return (nodes, parted.part.piece_bounds().iter().map(|bounds| extent(*bounds)).collect());

@@ -10,7 +10,7 @@ use std::sync::OnceLock;
 ///
 /// What has a value per cell (shape gradients, rows, matrices) or per point has those of the cells one after the other.
 ///
-/// [`patches`]: crate::discretization::patches::patches
+/// [`patches`]: nastic_mesh::Mesh::patches
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Patch<'a> {
     /// The numbers of the cells in their group.

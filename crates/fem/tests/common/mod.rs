@@ -10,6 +10,7 @@ pub mod homogeneous;
 pub mod indentation;
 pub mod motion;
 pub mod own_contributions;
+pub mod parts;
 pub mod poisson;
 pub mod ranks;
 pub mod rubber;

@@ -2,17 +2,14 @@
 
 mod elsewhere;
 mod force;
+mod over_ranks;
 
-use super::Contribution;
 use super::body_point::{AttachedPoint, BodyPoint};
 use super::guides::{COINCIDE, Guides};
 use crate::error::FemError;
-use crate::parted::{Parted, not_over_ranks};
-use elsewhere::SpringElsewhere;
 use force::SpringForce;
 use nastic_mesh::Mesh;
 use nastic_tensor::Vec3;
-use std::sync::Arc;
 
 /// A spring between two points of the body that move with it, or from one to a fixed point of space, linear in its elongation, with the
 /// potential
@@ -73,22 +70,50 @@ impl Spring {
     /// An end outside the body; a stiffness that is not positive, a negative rest length; both ends at one place of the body, or
     /// anywhere at one place with a positive rest length, where the spring has no direction; in plane strain a ground out of the plane.
     pub(crate) fn on(&self, mesh: &Mesh) -> Result<SpringForce, FemError> {
+        self.check()?;
+        let from = self.attach(mesh, &self.from, "from")?;
+        let to = match &self.to {
+            End::Body(point) => self.attach(mesh, point, "to")?,
+            End::Ground(place) => self.ground(mesh, *place)?,
+        };
+        self.held_by(from, to, (mesh.dim(), mesh.diagonal()))
+    }
+
+    /// The nodes that its ends are at, those of the first end first: a body over ranks has to have them in [one part](Mesh::part_reaching).
+    ///
+    /// # Errors
+    /// An end outside the body, a name that is no node set.
+    pub fn nodes(&self, mesh: &Mesh) -> Result<Vec<u32>, FemError> {
+        let mut nodes: Vec<u32> = self.attach(mesh, &self.from, "from")?.nodes().collect();
+        if let End::Body(point) = &self.to {
+            let more: Vec<u32> = self.attach(mesh, point, "to")?.nodes().filter(|node| !nodes.contains(node)).collect();
+            nodes.extend(more);
+        }
+        Ok(nodes)
+    }
+
+    fn check(&self) -> Result<(), FemError> {
         if !(self.stiffness.is_finite() && self.stiffness > 0.0) {
             return Err(self.refuse(format!("has a stiffness of {}; it must be positive and finite", self.stiffness)));
         }
         if let Some(length) = self.rest_length.filter(|length| !(length.is_finite() && *length >= 0.0)) {
             return Err(self.refuse(format!("has a rest length of {length}; it must be finite and not negative")));
         }
-        let from = self.attach(mesh, &self.from, "from")?;
-        let to = match &self.to {
-            End::Body(point) => self.attach(mesh, point, "to")?,
-            End::Ground(place) => self.ground(mesh, *place)?,
-        };
+        Ok(())
+    }
+
+    /// With these ends on a body of so many dimensions and such a diagonal.
+    fn held_by(
+        &self,
+        from: AttachedPoint,
+        to: AttachedPoint,
+        (dim, diagonal): (usize, f64),
+    ) -> Result<SpringForce, FemError> {
         if from.weights == to.weights {
             return Err(self.refuse("has both ends at one point of the body; move one of them".to_owned()));
         }
         let along = to.reference - from.reference;
-        let distance = if along.norm() > COINCIDE * mesh.diagonal() { along.norm() } else { 0.0 };
+        let distance = if along.norm() > COINCIDE * diagonal { along.norm() } else { 0.0 };
         let rest_length = self.rest_length.unwrap_or(distance);
         if distance == 0.0 && rest_length > 0.0 {
             return Err(self.refuse(format!(
@@ -98,50 +123,19 @@ impl Spring {
         }
         let direction = if distance > 0.0 { along / distance } else { Vec3::zeros() };
         let holds = match &self.to {
-            End::Ground(_) if rest_length < distance || distance == 0.0 => held(&from, mesh.dim(), &AXES),
-            End::Ground(_) => held(&from, mesh.dim(), &[direction]),
+            End::Ground(_) if rest_length < distance || distance == 0.0 => held(&from, dim, &AXES),
+            End::Ground(_) => held(&from, dim, &[direction]),
             // A rigid motion does not change its length.
             End::Body(_) => Vec::new(),
         };
         Ok(SpringForce {
             name: self.name.clone(),
             at_rest: self.stiffness * (distance - rest_length) * direction,
-            ends: Guides::new(mesh.dim(), vec![from, to]),
+            ends: Guides::new(dim, vec![from, to]),
             stiffness: self.stiffness,
             rest_length,
             holds,
         })
-    }
-
-    /// The contribution of a rank, of which the lowest that has both ends has the spring, and the others nothing but its name.
-    ///
-    /// # Errors
-    /// As [`on`](Self::on); [`FemError::Unsupported`] where no rank has both ends, and of node sets, of which a rank does not know all nodes.
-    pub(crate) fn on_rank(&self, mesh: &Mesh, parted: &Parted) -> Result<Arc<dyn Contribution>, FemError> {
-        let what = || format!("the spring \"{}\"", self.name);
-        let ends = [Some(&self.from), if let End::Body(point) = &self.to { Some(point) } else { None }];
-        if ends.iter().flatten().any(|end| matches!(end, BodyPoint::Nodes(_))) {
-            let why = "it is at a node set, which several ranks may have: hold it at places of the body";
-            return Err(not_over_ranks(&what(), why));
-        }
-        let (own, share) = (parted.share.team().rank() as f64, &parted.share);
-        let found = self.on(mesh);
-        let mut lowest = [if found.is_ok() { own } else { f64::INFINITY }];
-        share.least(&mut lowest);
-        if lowest[0] == f64::INFINITY {
-            let is_here = |end: &&BodyPoint| AttachedPoint::new(mesh, end).is_ok();
-            let [here, there] = ends.map(|end| end.as_ref().is_none_or(is_here));
-            let (somewhere, together) = (share.any(here) && share.any(there), share.any(here && there));
-            if somewhere && !together {
-                let why = "its ends are on different ranks: divide the cells so that one rank has both, or solve it on one rank";
-                return Err(not_over_ranks(&what(), why));
-            }
-        }
-        match found {
-            Ok(spring) if lowest[0] == own => Ok(Arc::new(spring)),
-            Err(error) if lowest[0] == f64::INFINITY => Err(error),
-            _ => Ok(Arc::new(SpringElsewhere(self.name.clone()))),
-        }
     }
 
     fn ground(&self, mesh: &Mesh, place: [f64; 3]) -> Result<AttachedPoint, FemError> {

@@ -42,10 +42,7 @@ pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
             ..ModesRecord::default()
         };
         let (inside, proof) = (session.problem.member(index).inside(), session.entries_of(index).modes.proof());
-        session.console.say(format!(
-            "modes       K phi = lambda M phi, M the volumes of the nodes{inside}{}",
-            unproved(own.counted)
-        ));
+        session.console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}{proof}"));
         for (k, lambda) in own.eigenvalues.iter().enumerate() {
             let remark = if *lambda < 0.0 { "  unstable" } else { "" };
             session.console.say(format!("  {:>9} {:>16} {unit}{remark}", k + 1, scientific(*lambda, 6)));

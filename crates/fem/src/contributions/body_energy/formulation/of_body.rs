@@ -20,9 +20,8 @@ impl BodyEnergy {
             if !formulation.kinds().contains(&kind) {
                 return Err(FemError::Formulation { cell: cell as usize, kind, formulation });
             }
-            if self.disc.parted().is_some() && formulation.takes_patches(kind) {
-                let why = "its patches would end where parts do: take a formulation by cell, or one rank";
-                return Err(not_over_ranks(&format!("the formulation {formulation} of {} cells", kind.name()), why));
+            if formulation.takes_patches(kind) {
+                self.check_whole_patch(cell, formulation)?;
             }
             let earlier = self.compositions[self.of_cell[cell as usize] as usize].formulation;
             if let Some(earlier) = earlier.filter(|earlier| *earlier != formulation) {
@@ -32,6 +31,18 @@ impl BodyEnergy {
         self.extend(cells, |composition| composition.formulation = Some(formulation));
         let structure = self.structure.with_couplings(&self.patches_of(cells))?;
         self.set_structure(structure)
+    }
+
+    /// Refuses a patch of which other ranks have cells.
+    fn check_whole_patch(&self, cell: u32, formulation: Formulation) -> Result<(), FemError> {
+        let Some((part, share)) = self.disc.over_ranks() else { return Ok(()) };
+        let Some(other) = part.cuts_patch_of(cell) else { return Ok(()) };
+        let (kind, own) = (self.disc.mesh().cell(cell as usize).kind.name(), share.team().rank());
+        let whole = part.cells()[cell as usize];
+        let why = format!(
+            "the patch of cell {whole} of the whole mesh has cells on ranks {own} and {other}: divide the cells by Mesh::with_whole_patches"
+        );
+        Err(not_over_ranks(&format!("the formulation {formulation} of {kind} cells"), &why))
     }
 
     /// The nodes of the patches that these cells are in by their formulation.

@@ -1,32 +1,77 @@
 //! Patches of linear simplices: cells that share one mean dilatation.
 
-use nastic_mesh::{CellKind, Mesh};
+use crate::{CellKind, Mesh, MeshError};
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-/// The patch of every cell, named by the first of its cells. Patches are sets of linear simplices (tri3, tet4) that are connected by
-/// facets; cells of other kinds are by themselves.
-///
-/// Most patches are stars: all cells at a node. One star after the other is cut, of the cells at a node that have no patch and are connected: the one of
-/// the most cells, of several the one with the most facets to earlier patches, of those the one of the first node. A star has at
-/// least three quarters of the cells that there are at its nodes on average. Cells that are left are joined to patches beside them, the smallest of which takes
-/// the next one. Patches end where regions do: laws act on whole patches.
-///
-/// Why stars, and why close to each other: in a regular mesh most nodes between stars belong to d + 1 of them. Such a node moves volume from any of
-/// these to any other, so that displacements determine all pressures (the macroelement condition). Smaller patches, or stars in the order of
-/// nodes, have inf-sup values that fall with the mesh (docs/development/verification.md).
-///
-/// Sources: de Souza Neto, Andrade Pires, Owen, "F-bar-based linear triangles and tetrahedra for finite strain analysis of nearly incompressible
-/// solids", IJNME 62 (2005): patches, there of two triangles or eight tetrahedra. Stenberg, "Analysis of mixed finite element methods for the
-/// Stokes problem: a unified approach", Math. Comp. 42 (1984): the condition.
-pub(crate) fn patches(mesh: &Mesh) -> Vec<u32> {
-    let mut division = Division::of(mesh);
-    for (class, cells) in classes(mesh).values().enumerate() {
-        cells.iter().for_each(|&cell| division.class[cell as usize] = class as u32);
-        division.cut_stars(mesh, class as u32, cells);
-        division.join(cells);
+impl Mesh {
+    /// The patch of every cell, named by the first of its cells. Patches are sets of linear simplices (tri3, tet4) that are connected by
+    /// facets; cells of other kinds are by themselves.
+    ///
+    /// Most patches are stars: all cells at a node. One star after the other is cut, of the cells at a node that have no patch and are connected: the one of
+    /// the most cells, of several the one with the most facets to earlier patches, of those the one of the first node. A star has at
+    /// least three quarters of the cells that there are at its nodes on average. Cells that are left are joined to patches beside them, the smallest of which takes
+    /// the next one. Patches end where regions do: laws act on whole patches.
+    ///
+    /// Why stars, and why close to each other: in a regular mesh most nodes between stars belong to d + 1 of them. Such a node moves volume from any of
+    /// these to any other, so that displacements determine all pressures (the macroelement condition). Smaller patches, or stars in the order of
+    /// nodes, have inf-sup values that fall with the mesh (docs/development/verification.md).
+    ///
+    /// Sources: de Souza Neto, Andrade Pires, Owen, "F-bar-based linear triangles and tetrahedra for finite strain analysis of nearly incompressible
+    /// solids", IJNME 62 (2005): patches, there of two triangles or eight tetrahedra. Stenberg, "Analysis of mixed finite element methods for the
+    /// Stokes problem: a unified approach", Math. Comp. 42 (1984): the condition.
+    pub fn patches(&self) -> Vec<u32> {
+        let mut division = Division::of(self);
+        for (class, cells) in classes(self).values().enumerate() {
+            cells.iter().for_each(|&cell| division.class[cell as usize] = class as u32);
+            division.cut_stars(self, class as u32, cells);
+            division.join(cells);
+        }
+        division.by_first_cell()
     }
-    division.by_first_cell()
+
+    /// The part of every cell where no [patch](Self::patches) is cut: each goes to the part that has most of its cells, of several the lowest. A part
+    /// that has the most of none takes, of the patches that it has cells of, the one with most of these from a part that has others.
+    ///
+    /// # Errors
+    /// [`MeshError::Part`]: not one owner per cell.
+    pub fn with_whole_patches(&self, owners: &[u32]) -> Result<Vec<u32>, MeshError> {
+        self.check_owners(owners, 0)?;
+        let patches = self.patches();
+        let mut of_patch: BTreeMap<u32, BTreeMap<u32, usize>> = BTreeMap::new();
+        for (&patch, &owner) in patches.iter().zip(owners) {
+            *of_patch.entry(patch).or_default().entry(owner).or_default() += 1;
+        }
+        let most = |counts: &BTreeMap<u32, usize>| {
+            counts.iter().max_by_key(|(owner, count)| (**count, Reverse(**owner))).map(|(owner, _)| *owner)
+        };
+        let mut whole: BTreeMap<u32, u32> =
+            of_patch.iter().filter_map(|(patch, counts)| Some((*patch, most(counts)?))).collect();
+        let mut held: BTreeMap<u32, usize> = owners.iter().map(|owner| (*owner, 0)).collect();
+        whole.values().for_each(|owner| *held.entry(*owner).or_default() += 1);
+        let without: Vec<u32> = held.iter().filter(|(_, count)| **count == 0).map(|(owner, _)| *owner).collect();
+        for owner in without {
+            let taken = of_patch.iter().filter_map(|(patch, counts)| {
+                let (count, holder) = (counts.get(&owner)?, whole.get(patch)?);
+                (held.get(holder)? > &1).then_some((*count, Reverse(*patch), *holder))
+            });
+            if let Some((_, Reverse(patch), holder)) = taken.max() {
+                whole.insert(patch, owner);
+                *held.entry(holder).or_default() -= 1;
+                *held.entry(owner).or_default() += 1;
+            }
+        }
+        Ok(patches.iter().zip(owners).map(|(patch, own)| whole.get(patch).copied().unwrap_or(*own)).collect())
+    }
+
+    /// Whether some of its cells may be in a [patch](Self::patches) with others.
+    pub(crate) fn may_have_patches(&self) -> bool {
+        self.blocks().iter().any(|block| in_patches(block.kind))
+    }
+}
+
+fn in_patches(kind: CellKind) -> bool {
+    matches!(kind, CellKind::Tri3 | CellKind::Tet4)
 }
 
 /// The linear simplices by the block and the regions they are in.
@@ -39,7 +84,7 @@ fn classes(mesh: &Mesh) -> BTreeMap<(usize, Vec<usize>), Vec<u32>> {
     let blocks = mesh.blocks().iter().enumerate();
     let of_cells = blocks.flat_map(|(number, block)| block.iter().map(move |_| (number, block.kind)));
     for (cell, ((block, kind), regions)) in of_cells.zip(regions).enumerate() {
-        if matches!(kind, CellKind::Tri3 | CellKind::Tet4) {
+        if in_patches(kind) {
             classes.entry((block, regions)).or_default().push(cell as u32);
         }
     }
