@@ -178,3 +178,42 @@ fn table() -> Outcome {
     }
     Ok(())
 }
+
+/// Where no force is left the residual has nothing to be measured by but those of the way.
+#[test]
+fn a_body_that_is_unloaded_comes_back_to_rest() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Tet4] {
+        for solver in [Solver::DIRECT, Solver::MULTIGRID] {
+            let [loaded, free] = [0.02, 0.0].map(|load| bar(kind, formulation(kind), 1e4, load));
+            let (loaded, free) = (loaded?, free?);
+            let how = SolveOptions { solver: Some(solver), ..SolveOptions::default() };
+            let bent = loaded.solve(&loaded.controls(), &how)?;
+            let rest = free.solve(&free.controls(), &SolveOptions { near: Some(&bent), ..how })?;
+            let report = rest.report;
+            println!("{kind}, {}: {report:?}, {:.1e}", solver.name(), largest(&rest.u));
+            assert!(largest(&rest.u) < 1e-8 * largest(&bent.u), "{kind}: {:e}", largest(&rest.u));
+            assert_eq!((report.unpredicted, report.load_steps), (0, 1), "{kind}, {}: {report:?}", solver.name());
+        }
+    }
+    Ok(())
+}
+
+/// Steps that move supports are taken whole: their volumes follow them.
+#[test]
+fn supports_that_move_take_the_volumes_along() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex27] {
+        let solid = Solid::new(regular(kind, [10.0, 2.0, 1.0], [6, 2, 2])?)?
+            .material("body", NeoHookeIsochoric::new(1.0, 50.0)?)?
+            .formulation("body", formulation(kind))?
+            .clamp("x-")?
+            .displace("x+", [Some(0.02), Some(0.0), Some(0.3)])?;
+        let of =
+            |solver| solid.solve(&solid.controls(), &SolveOptions { solver: Some(solver), ..SolveOptions::default() });
+        let (direct, multigrid) = (of(Solver::DIRECT)?, of(Solver::MULTIGRID)?);
+        let apart = distance(&direct.u, &multigrid.u) / largest(&direct.u);
+        println!("{kind}: {:?}, {:?}, {apart:.1e}", direct.report, multigrid.report);
+        assert!(apart < 1e-8, "{kind}: {apart:e}");
+        assert_eq!(multigrid.report.unpredicted, direct.report.unpredicted, "{kind}");
+    }
+    Ok(())
+}

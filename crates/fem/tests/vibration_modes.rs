@@ -6,7 +6,7 @@ use common::beam::{loaded_cantilever, timoshenko};
 use common::block::STRICT;
 use common::{Outcome, largest, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Inertia, ModeKind, Solid, SolveOptions, State, StateError, VibrationMode};
+use nastic_fem::{Inertia, ModeKind, Solid, SolveOptions, Solver, State, StateError, VibrationMode};
 use nastic_linear::LinearError;
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
@@ -201,5 +201,28 @@ fn what_does_not_vibrate_is_a_typed_error() -> Outcome {
     let refused = solid.model().vibration_modes(&solid.rest(), 13, &SolveOptions::default());
     let too_many = StateError::Linear(LinearError::EigenpairCount { count: 13, unknowns: 12 });
     assert!(refused.is_err_and(|error| error.to_string() == too_many.to_string()));
+    Ok(())
+}
+
+/// With the consistent mass, held and free.
+#[test]
+fn vibrations_need_no_factor() -> Outcome {
+    for kind in [CellKind::Hex8, CellKind::Hex27] {
+        let free = || bar(kind, [1.0, 0.2, 0.1], [6, 2, 2], consistent());
+        for solid in [free()?, free()?.clamp("x-")?] {
+            let of = |solver| {
+                let how = SolveOptions { solver: Some(solver), ..STRICT };
+                solid.model().vibration_modes(&solid.rest(), 8, &how)
+            };
+            let (direct, products) = (of(Solver::DIRECT)?, of(Solver::MULTIGRID)?);
+            assert!(direct.iter().all(|mode| mode.counted) && products.iter().all(|mode| !mode.counted), "{kind}");
+            let largest = direct[7].square;
+            for (a, b) in direct.iter().zip(&products) {
+                assert!((a.square - b.square).abs() < 1e-9 * largest, "{kind}: {:e}, {:e}", a.square, b.square);
+                assert!(a.kind() == b.kind() || a.kind() != ModeKind::Neutral && b.kind() != ModeKind::Neutral);
+                assert!((a.modal_mass / b.modal_mass - 1.0).abs() < 1e-5 || a.kind() == ModeKind::Neutral, "{kind}");
+            }
+        }
+    }
     Ok(())
 }

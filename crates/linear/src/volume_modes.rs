@@ -23,8 +23,8 @@ pub struct VolumeModes {
     own: Vec<[u32; 2]>,
     /// By mode: c, and what is left of it in the rest of the matrix.
     stiffness: Vec<[f64; 2]>,
-    /// By mode: the change `b_e . u` that a solution is expected to have, and the share of a right-hand side that these leave; nothing where none are known.
-    expected: Option<(Vec<f64>, f64)>,
+    /// By mode: the change `b_e . u` that a solution is expected to have; nothing where none is known.
+    expected: Option<Vec<f64>>,
     /// By node: where its entries begin in `back`.
     back_starts: Vec<u32>,
     /// Mode and place of the coefficients of every entry, by nodes.
@@ -61,21 +61,21 @@ impl VolumeModes {
         self.groups.push([self.nodes.len(), self.own.len()]);
     }
 
-    /// The change by mode that the solution of the next step is expected to have, with which its pressures begin, and the share of the right-hand side that
-    /// these leave. Such a step may leave its pressures apart from those of its changes ([`changes_left`](crate::LinearSolver::changes_left)).
+    /// The change by mode that the solution of the next step is expected to have, with which its pressures begin. Such a step may leave its pressures apart
+    /// from those of its changes ([`changes_left`](crate::LinearSolver::changes_left)).
     #[must_use]
-    pub fn expecting(self, changes: Vec<f64>, share: f64) -> Self {
-        VolumeModes { expected: Some((changes, share)), ..self }
+    pub fn expecting(self, changes: Vec<f64>) -> Self {
+        VolumeModes { expected: Some(changes), ..self }
     }
 
-    /// The share of a right-hand side that expected changes leave, where there are some.
-    pub fn share_left(&self) -> Option<f64> {
-        self.expected.as_ref().map(|(_, share)| *share)
+    /// Whether changes are expected.
+    pub(crate) fn expects(&self) -> bool {
+        self.expected.is_some()
     }
 
     /// The pressures that a system begins with.
     pub(crate) fn first_pressures(&self) -> Vec<f64> {
-        let mut p = self.expected.as_ref().map_or(Vec::new(), |(changes, _)| changes.clone());
+        let mut p = self.expected.clone().unwrap_or_default();
         p.resize(self.len(), 0.0);
         p.iter_mut().zip(&self.stiffness).for_each(|(p, [c, _])| *p *= c);
         p
@@ -120,7 +120,8 @@ impl VolumeModes {
     pub fn bytes(&self) -> usize {
         let wide = size_of_val(&self.groups[..]) + size_of_val(&self.starts[..]) + size_of_val(&self.coefficients[..]);
         let narrow = size_of_val(&self.nodes[..]) + size_of_val(&self.own[..]) + size_of_val(&self.back_starts[..]);
-        wide + narrow + size_of_val(&self.stiffness[..]) + size_of_val(&self.back[..])
+        let expected = self.expected.as_ref().map_or(0, |expected| size_of_val(&expected[..]));
+        wide + narrow + expected + size_of_val(&self.stiffness[..]) + size_of_val(&self.back[..])
     }
 
     /// How many there are.

@@ -6,11 +6,12 @@ use crate::support;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use nastic_linear::{
-    Eigenpairs, Eigenproblem, FactorError, Graph, LinearError, MassMatrix, Ordering, Pattern, Pivots, SparseMatrix,
-    Symbolic, smallest_eigenpairs,
+    Eigenpairs, Eigenproblem, FactorError, Graph, LinearError, MassMatrix, Ordering, Pattern, Pivots,
+    ProductEigenproblem, SparseMatrix, Symbolic, smallest_eigenpairs, smallest_eigenpairs_by_products,
 };
 use nastic_numeric::vector::dot;
 use std::sync::Arc;
+use support::case::Case;
 use support::{Grid, Random};
 
 fn mass_entry(mass: MassMatrix, row: usize, column: usize) -> f64 {
@@ -208,4 +209,56 @@ fn a_basis_beyond_all_memory_is_refused() {
     let (matrix, n) = (grid.laplacian(&pattern, 1.0), pattern.dofs());
     let refused = find(&matrix, MassMatrix::Diagonal(&vec![1.0; n]), &vec![false; n], n / 2);
     assert!(matches!(refused, Err(LinearError::EigenpairsTooLarge { .. })), "{refused:?}");
+}
+
+fn find_by_products(
+    case: &Case,
+    matrix: &SparseMatrix,
+    mass: MassMatrix,
+    count: usize,
+) -> Result<Eigenpairs, LinearError> {
+    let system = case.system(matrix);
+    smallest_eigenpairs_by_products(&ProductEigenproblem { product: &system, system, mass }, count)
+}
+
+/// Semi-definite, definite and indefinite ones, by masses that differ by a factor of five or couple unknowns.
+#[test]
+fn pairs_by_products_are_those_of_a_dense_solver() {
+    let mut case = Case::new([9, 2, 2]);
+    let n = case.pattern.dofs();
+    case.fixed = (0..n).map(|i| i % 19 == 0).collect();
+    let diagonal = masses(n);
+    let mut coupled = case.grid.laplacian(&case.pattern, 30.0);
+    coupled.eliminate(&case.fixed, 0.0);
+    for shift in [0.0, 0.5, -0.7, -4.0] {
+        let mut matrix = case.grid.laplacian(&case.pattern, shift);
+        matrix.eliminate(&case.fixed, 1.0);
+        for mass in [MassMatrix::Diagonal(&diagonal), MassMatrix::Sparse(&coupled)] {
+            let found = find_by_products(&case, &matrix, mass, 4).unwrap();
+            let expected = dense_eigenvalues(&matrix, mass, &case.fixed);
+            let negative = expected.iter().filter(|&&value| value < 0.0).count();
+            assert_eq!((found.negative, found.values.len()), (negative, negative.max(4)), "{shift}");
+            assert!(!found.counted);
+            let size = expected.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+            for (value, expected) in found.values.iter().zip(&expected) {
+                assert!((value - expected).abs() <= 1e-11 * size, "{shift}: {value:e} instead of {expected:e}");
+            }
+            let norms = found.vectors.iter().zip(&found.rounding);
+            assert!(norms.clone().all(|(x, rounding)| x.iter().all(|x| x.is_finite()) && *rounding < 1e-11 * size));
+        }
+    }
+}
+
+#[test]
+fn what_products_do_not_find_is_a_typed_error() {
+    let case = Case::new([2, 2, 2]);
+    let mut matrix = case.grid.laplacian(&case.pattern, 1.0);
+    let n = case.pattern.dofs();
+    let mass = masses(n);
+    let found = |matrix: &SparseMatrix, count| find_by_products(&case, matrix, MassMatrix::Diagonal(&mass), count);
+    assert!(matches!(found(&matrix, 0), Err(LinearError::EigenpairCount { count: 0, .. })));
+    assert!(matches!(found(&matrix, n + 1), Err(LinearError::EigenpairCount { .. })));
+    assert_eq!(found(&matrix, n).unwrap().values.len(), n);
+    matrix.values[0] = f64::NAN;
+    assert!(found(&matrix, 2).is_err());
 }

@@ -3,7 +3,6 @@
 use super::Model;
 use crate::contributions::Need;
 use crate::contributions::body_energy::hexahedra_products::HexahedraProducts;
-use crate::contributions::body_energy::volume_modes::ExpectedChanges;
 use crate::contributions::instant::Instant;
 use crate::error::Inadmissible;
 use crate::kernels::displaced::Displaced;
@@ -48,12 +47,7 @@ impl Model {
 
     /// The changes of volume that its body resists much at a displacement, as a part of the tangent; nothing where no cell's stand out, or where unknowns are not
     /// displacements of nodes by themselves, all on one rank.
-    pub(crate) fn volume_modes(
-        &self,
-        u: &[f64],
-        expected: Option<ExpectedChanges>,
-        parallel: bool,
-    ) -> Option<VolumeModes> {
+    pub(crate) fn volume_modes(&self, u: &[f64], expected: Option<&[f64]>, parallel: bool) -> Option<VolumeModes> {
         let plain = self.unknowns().has_one_nodal_field() && self.unknowns().multipliers() == 0;
         if !plain || !self.supports.ties().is_empty() || self.is_over_ranks() {
             return None;

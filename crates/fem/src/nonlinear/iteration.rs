@@ -165,9 +165,11 @@ impl<'a> Iteration<'a> {
             let scale = space.norm(&now.sums.force_scale[..equations.dofs()]);
             forces = forces.max(scale);
             // at rest no force is left to measure it by but those of the way there, or of a displacement that is not resolved
-            let resolved = |energy: f64| {
+            let resolved = |(energy, apart): (f64, bool)| {
                 let unresolved = RESOLUTION * energy / equations.diagonal();
-                relative * scale <= RESOLVED * forces || space.norm(&residual[..equations.dofs()]) <= unresolved
+                // pressures of their own may be wrong where the displacement is not
+                relative * scale <= if apart { ROUNDING } else { RESOLVED } * forces
+                    || space.norm(&residual[..equations.dofs()]) <= unresolved
             };
             let stagnates = relative <= ROUNDING && relative > 0.5 * before;
             let rounding = stagnates || tiny.is_some_and(resolved);
@@ -175,7 +177,7 @@ impl<'a> Iteration<'a> {
                 return Ok(last);
             }
             // multipliers may still move where the body does not
-            let unresolved = tiny.is_some() && equations.model.unknowns().multipliers() == 0;
+            let unresolved = tiny.is_some_and(|(_, apart)| !apart) && equations.model.unknowns().multipliers() == 0;
             let lost = iteration >= limits.lost.0 && report.shifted - shifted >= limits.lost.1;
             let diverged = limits.diverged.is_finite() && (relative > limits.diverged * least || !relative.is_finite());
             let creeps = self.short >= limits.creeps.0;
@@ -218,13 +220,13 @@ impl<'a> Iteration<'a> {
     }
 
     /// The next iterate, what the tangent was, and of a full step that double precision does not resolve the energy that a strain of
-    /// order 1 takes.
+    /// order 1 takes, and whether its pressures are apart from its changes of volume.
     fn step(
         &mut self,
         here: &Iterate,
         direction: &mut dyn Direction,
         report: &mut SolveReport,
-    ) -> Result<(Vec<f64>, Evaluated<'a>, Curvature, Option<f64>), Stop> {
+    ) -> Result<(Vec<f64>, Evaluated<'a>, Curvature, Option<(f64, bool)>), Stop> {
         let step = direction.find(here, report)?;
         report.newton += 1;
         let taken = self.search.take(here, &step, direction, report)?;
@@ -233,11 +235,10 @@ impl<'a> Iteration<'a> {
         let resolved = step.size > RESOLUTION * self.equations.diagonal();
         // of the displacement alone it says nothing of further fields
         let alone = self.equations.model.unknowns().has_one_nodal_field();
-        // nor of pressures of their own
-        let alone = alone && !direction.pressures().is_some_and(PredictedPressures::is_apart);
+        let apart = direction.pressures().is_some_and(PredictedPressures::is_apart);
         let tiny = alone && step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
         self.length = taken.length;
-        Ok((taken.x, taken.now, step.curvature, tiny.then_some(step.scale)))
+        Ok((taken.x, taken.now, step.curvature, tiny.then_some((step.scale, apart))))
     }
 
     /// Tells a watch of the step just taken; without messages between ranks, of which some may have none.

@@ -86,7 +86,8 @@ impl<'a> PredictedPressures<'a> {
         model.body.add_pressures(at, &weighted, (&mut residual, tangent), options.parallel)?;
         model.supports.restrict(&mut residual);
         let space = model.unknowns();
-        self.share = space.norm(&residual) / space.norm(here.residual);
+        let (left, all) = (space.norm(&residual), space.norm(here.residual));
+        self.share = if all > 0.0 { left / all } else { 1.0 };
         Ok(self.share.max(1.0 / self.ratio).min(1.0))
     }
 

@@ -125,7 +125,7 @@ impl Model {
     /// potential is stationary along the mode, then some of fixed amplitudes, of either those of lower potential first.
     fn starts(&self, state: &State, how: &SolveOptions) -> Result<Vec<Vec<f64>>, StateError> {
         let free = self.supports.fixed().iter().filter(|&&fixed| !fixed).count();
-        let modes = self.modes(state, MODES.min(free), how)?;
+        let modes = self.modes(state, MODES.min(free), &self.counting(how))?;
         let size = self.discretization().mesh().diagonal();
         let (mut stationary, mut further) = (Vec::new(), Vec::new());
         for shape in &modes.shapes {

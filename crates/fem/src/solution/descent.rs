@@ -52,7 +52,7 @@ impl Model {
         let mut work = SolveReport::default();
         let mut here = state.clone();
         for saddles in 0..=SADDLES {
-            let modes = self.modes(&here, 1, how)?;
+            let modes = self.modes(&here, 1, &self.counting(how))?;
             if modes.negative == 0 {
                 here.report.add_work(&work);
                 return Ok(Descent { state: here, saddles });

@@ -84,6 +84,16 @@ impl Model {
         Ok(smallest_eigenpairs(&problem, count)?)
     }
 
+    /// The same request, for modes whose number decides something: with a factor where one fits, which counts them.
+    pub(crate) fn counting<'h>(&self, how: &SolveOptions<'h>) -> SolveOptions<'h> {
+        let plain = how.clone();
+        if self.factor_fits() { SolveOptions { solver: Some(Solver::DIRECT), ..plain } } else { plain }
+    }
+
+    fn factor_fits(&self) -> bool {
+        self.tangent_structure().equations().factor_fits()
+    }
+
     /// Whether multigrid solves the tangent systems of a body, without constraints, and no other solver.
     fn multigrid_serves_modes(&self, how: &SolveOptions) -> bool {
         let factory = how.solver.unwrap_or_else(|| self.solver());
@@ -114,8 +124,7 @@ impl Model {
         let system = configuration.system((&tangent).into());
         let product: &dyn Operator = if tangent.is_unassembled() { &exact } else { &system };
         match smallest_eigenpairs_by_products(&ProductEigenproblem { product, system, mass }, count) {
-            // as multigrid does not serve other systems then
-            Err(LinearError::Eigenpairs { .. }) if self.tangent_structure().equations().factor_fits() => Ok(None),
+            Err(error) if !matches!(error, LinearError::EigenpairCount { .. }) && self.factor_fits() => Ok(None),
             found => Ok(Some(found?)),
         }
     }

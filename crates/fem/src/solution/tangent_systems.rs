@@ -1,6 +1,5 @@
 //! [`TangentSystems`]: the linear systems of one nonlinear solve.
 
-use crate::contributions::body_energy::volume_modes::ExpectedChanges;
 use crate::model::Model;
 use crate::solution::nodal_rotations::nodal_rotations;
 use crate::solution::state::SolveReport;
@@ -70,8 +69,8 @@ pub(crate) struct TangentSystems<'a> {
     parallel: bool,
     solver: &'a mut dyn LinearSolver,
     shift: Shift,
-    /// Changes of volume that the solution of the next steps is expected to have, by quadrature point, and the share of the right-hand side that these leave.
-    expected: Option<(Vec<f64>, f64)>,
+    /// Changes of volume that the solution of the next steps is expected to have, by quadrature point.
+    expected: Option<Vec<f64>>,
     /// By volume mode, what the last step left between pressures and changes of volume.
     left: Option<Vec<f64>>,
 }
@@ -92,9 +91,8 @@ impl<'a> TangentSystems<'a> {
         (tolerance, wanted): (f64, StepWanted),
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Curvature), LinearError> {
-        let expected = self.expected.as_ref();
-        let expected = expected.map(|(changes, share)| ExpectedChanges { changes, share_left: *share });
-        let configuration = Deformed { expected, ..Deformed::new(self.model, u, self.parallel) };
+        let configuration =
+            Deformed { expected: self.expected.as_deref(), ..Deformed::new(self.model, u, self.parallel) };
         let system = configuration.system(tangent.into());
         let mut work = LinearWork::default();
         let step = match self.solver.step(&system, rhs, tolerance, &mut work) {
@@ -112,10 +110,9 @@ impl<'a> TangentSystems<'a> {
         step.map(|(x, curvature)| (self.extended(x), curvature))
     }
 
-    /// Notes the changes of volume that the solutions of the next [steps](Self::step) are expected to have, by quadrature point, and the share of the right-hand
-    /// side that these leave.
-    pub fn expect(&mut self, changes: Vec<f64>, share: f64) {
-        self.expected = Some((changes, share));
+    /// Notes the changes of volume that the solutions of the next [steps](Self::step) are expected to have, by quadrature point.
+    pub fn expect(&mut self, changes: Option<Vec<f64>>) {
+        self.expected = changes;
     }
 
     /// By volume mode, what the last step left between its pressures and its changes of volume ([`LinearSolver::changes_left`]).
@@ -419,7 +416,8 @@ pub(crate) struct Deformed<'a> {
     rotations: OnceLock<Arc<Rotations>>,
     positions: OnceLock<Vec<[f64; 3]>>,
     volume_modes: OnceLock<Option<VolumeModes>>,
-    expected: Option<ExpectedChanges<'a>>,
+    /// Changes of volume that a solution is expected to have, by quadrature point.
+    expected: Option<&'a [f64]>,
 }
 
 impl<'a> Deformed<'a> {

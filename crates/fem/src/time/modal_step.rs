@@ -50,7 +50,7 @@ impl Model {
         let history = step.history.clone();
         let state = State { controls: Arc::new(controls.clone()), history, ..begin.clone() };
         let free = self.supports.fixed().iter().filter(|fixed| !**fixed).count();
-        let modes = self.lowest_modes(&state, MassMatrix::Sparse(&mass), count.min(free), how)?;
+        let modes = self.lowest_modes(&state, MassMatrix::Sparse(&mass), count.min(free), &self.counting(how))?;
         let times_mass = |x: &[f64]| {
             let mut out = vec![0.0; x.len()];
             mass.multiply_on(x, &mut out, how.parallel);

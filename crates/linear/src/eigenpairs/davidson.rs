@@ -4,6 +4,7 @@ use super::inner_product::{InnerProduct, SPANNED};
 use super::preconditioner::ShiftedLevels;
 use super::{BASIS_BYTES, Eigenpairs, MassMatrix, ROUNDING};
 use crate::error::FactorError;
+use crate::memory;
 use crate::operator::Operator;
 use crate::solver::{LinearError, System};
 use crate::sums::{self, dot};
@@ -27,6 +28,8 @@ const MOST_SHIFT: f64 = 1e3;
 /// Least distance of the lowest eigenvalue from minus the shift, as a share of the spread of those of the block, and what it becomes.
 const LEAST_SHARE: f64 = 1e-6;
 const SHARE: f64 = 1e-2;
+/// Magnitudes of a row of A over its diagonal entry, about.
+const COUPLINGS: f64 = 8.0;
 /// Levels at most that are made for other shifts.
 const SHIFTS: usize = 8;
 
@@ -57,8 +60,9 @@ pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usi
         return Err(LinearError::EigenpairCount { count, unknowns });
     }
     let mut wanted = count;
-    let mut search = Search::begin(problem, problem.block(wanted, unknowns)?)?;
+    let mut search = Search::begin(problem, unknowns)?;
     loop {
+        search.widen(problem.block(wanted, unknowns)?, wanted)?;
         let found = search.run(wanted)?;
         let negative =
             found.values.iter().zip(&found.rounding).filter(|(value, rounding)| **value < -**rounding).count();
@@ -71,7 +75,6 @@ pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usi
             return Ok(Eigenpairs { values, vectors, rounding, negative, counted: false });
         }
         wanted = unknowns.min(2 * wanted);
-        search.widen(problem.block(wanted, unknowns)?);
     }
 }
 
@@ -86,13 +89,14 @@ impl ProductEigenproblem<'_> {
             let gib = bytes as f64 / f64::from(1 << 30);
             return Err(LinearError::EigenpairsTooLarge { count: wanted, unknowns, gib });
         }
+        memory::check("the vectors of eigenvalues", bytes)?;
         Ok(block)
     }
 
-    /// The means over free unknowns of `A_ii` and of `M_ii`.
-    fn mean_diagonals(&self) -> (f64, f64) {
-        let System { matrix, products, fixed, parallel, .. } = self.system;
-        let stiffness = match products {
+    /// `A_ii`, of products too.
+    fn diagonal(&self) -> Vec<f64> {
+        let System { matrix, products, parallel, .. } = self.system;
+        match products {
             Some(products) => products
                 .diagonal_blocks(parallel)
                 .as_flattened()
@@ -101,17 +105,39 @@ impl ProductEigenproblem<'_> {
                 .map(|(at, row)| row[at % 3])
                 .collect(),
             None => matrix.diagonal(),
+        }
+    }
+
+    /// `16 eps |x| . |A| |x|`, of products by some times the diagonal of A.
+    fn rounding(&self, vectors: &[Vec<f64>]) -> Vec<f64> {
+        let System { matrix, products, parallel, .. } = self.system;
+        if products.is_some() {
+            let diagonal = self.diagonal();
+            let of = |x: &Vec<f64>| x.iter().zip(&diagonal).map(|(x, d)| x * x * d.abs()).sum::<f64>();
+            return vectors.iter().map(|x| ROUNDING * COUPLINGS * of(x)).collect();
+        }
+        let magnitudes = matrix.magnitudes();
+        let of = |x: &Vec<f64>| {
+            let (x, mut product) = (x.iter().map(|x| x.abs()).collect::<Vec<_>>(), vec![0.0; x.len()]);
+            magnitudes.multiply_on(&x, &mut product, parallel);
+            ROUNDING * dot(&x, &product, parallel)
         };
-        let mean = |diagonal: &[f64]| {
-            let free = diagonal.iter().zip(fixed).filter(|(_, fixed)| !**fixed);
-            let (sum, count) = free.fold((0.0, 0), |(sum, count), (d, _)| (sum + d.abs(), count + 1));
-            sum / f64::from(count.max(1))
-        };
-        let mass = match self.mass {
-            MassMatrix::Diagonal(mass) => mean(mass),
-            MassMatrix::Sparse(mass) => mean(&mass.diagonal()),
-        };
-        (mean(&stiffness), mass)
+        vectors.iter().map(of).collect()
+    }
+
+    /// `M_ii`.
+    fn mass_diagonal(&self) -> Vec<f64> {
+        match self.mass {
+            MassMatrix::Diagonal(mass) => mass.to_vec(),
+            MassMatrix::Sparse(mass) => mass.diagonal(),
+        }
+    }
+
+    /// The mean magnitude over free unknowns.
+    fn mean(&self, diagonal: &[f64]) -> f64 {
+        let free = diagonal.iter().zip(self.system.fixed).filter(|(_, fixed)| !**fixed);
+        let (sum, count) = free.fold((0.0, 0), |(sum, count), (d, _)| (sum + d.abs(), count + 1));
+        sum / f64::from(count.max(1))
     }
 }
 
@@ -119,18 +145,23 @@ impl ProductEigenproblem<'_> {
 struct Search<'a> {
     problem: &'a ProductEigenproblem<'a>,
     inner: InnerProduct<'a>,
-    levels: ShiftedLevels<'a>,
-    /// What the levels have beside A: `(A + s M)` where M is its mean by the identity.
+    /// None while others are made.
+    levels: Option<ShiftedLevels<'a>>,
+    /// s of the levels of `A + s diag(M)`; by products of A and the mean of that.
     shift: f64,
     shifts: usize,
-    stiffness: f64,
-    mass: f64,
+    /// The largest one that was not enough.
+    refused: f64,
+    /// `M_ii`, and the means of `A_ii` and of these.
+    masses: Vec<f64>,
+    means: (f64, f64),
+    unknowns: usize,
     /// Vectors of the block.
     block: usize,
     basis: Vec<Vec<f64>>,
     products: Vec<Vec<f64>>,
-    /// `x_i . A x_k` of the basis.
-    projected: DMatrix<f64>,
+    /// `x_i . A x_k` of the basis, `k <= i`.
+    projected: Vec<Vec<f64>>,
     random: Random,
 }
 
@@ -141,38 +172,48 @@ struct Ritz {
 }
 
 impl<'a> Search<'a> {
-    fn begin(problem: &'a ProductEigenproblem<'a>, block: usize) -> Result<Self, LinearError> {
+    fn begin(problem: &'a ProductEigenproblem<'a>, unknowns: usize) -> Result<Self, LinearError> {
         let System { fixed, parallel, .. } = problem.system;
-        let (stiffness, mass) = problem.mean_diagonals();
-        let (shift, levels) = levels_from(problem, 0.0, (stiffness, mass))?;
+        let masses = problem.mass_diagonal();
+        let means = (problem.mean(&problem.diagonal()), problem.mean(&masses));
         let mut search = Search {
             problem,
             inner: InnerProduct { mass: problem.mass, fixed, parallel },
-            levels,
-            shift,
+            levels: None,
+            shift: 0.0,
             shifts: 0,
-            stiffness,
-            mass,
+            refused: 0.0,
+            masses,
+            means,
+            unknowns,
             block: 0,
             basis: Vec::new(),
             products: Vec::new(),
-            projected: DMatrix::zeros(0, 0),
+            projected: Vec::new(),
             random: Random::new(0),
         };
-        search.widen(block);
+        search.make_levels(0.0)?;
         Ok(search)
     }
 
     /// A larger block: vectors of random numbers that the levels have smoothed.
-    fn widen(&mut self, block: usize) {
+    fn widen(&mut self, block: usize, wanted: usize) -> Result<(), LinearError> {
         for _ in self.block..block {
             let fixed = self.inner.fixed;
             let scattered: Vec<f64> =
                 fixed.iter().map(|&fixed| if fixed { 0.0 } else { self.random.symmetric() }).collect();
-            let smooth = self.levels.apply(&self.inner.times_mass(&scattered));
-            self.add(smooth);
+            let smooth = self.preconditioned(&self.inner.times_mass(&scattered));
+            // levels of a singular matrix leave its kernel alone
+            if !self.add(smooth) {
+                self.add(scattered);
+            }
         }
         self.block = block;
+        if self.basis.len() < block { Err(LinearError::Eigenpairs { found: 0, wanted }) } else { Ok(()) }
+    }
+
+    fn preconditioned(&self, residual: &[f64]) -> Vec<f64> {
+        self.levels.as_ref().map_or(residual.to_vec(), |levels| levels.apply(residual))
     }
 
     /// Adds what a vector has beyond the basis; whether that is anything.
@@ -181,7 +222,7 @@ impl<'a> Search<'a> {
         vector.iter_mut().zip(self.inner.fixed).for_each(|(x, &fixed)| *x = if fixed { 0.0 } else { *x });
         let size = self.inner.square(&vector).sqrt();
         let (_, left) = self.inner.orthogonalize(&mut vector, self.basis.iter());
-        if left.is_nan() || left <= SPANNED * size {
+        if !left.is_finite() || left <= SPANNED * size {
             return false;
         }
         vector.iter_mut().for_each(|x| *x /= left);
@@ -191,16 +232,14 @@ impl<'a> Search<'a> {
         self.basis.push(vector);
         self.products.push(product);
         let (basis, products) = (&self.basis, &self.products);
-        let own: Vec<f64> = basis.iter().map(|x| dot(x, &products[at], parallel)).collect();
-        self.projected = self.projected.clone().resize(at + 1, at + 1, 0.0);
-        for (k, entry) in own.into_iter().enumerate() {
-            (self.projected[(k, at)], self.projected[(at, k)]) = (entry, entry);
-        }
+        self.projected.push(basis.iter().map(|x| dot(x, &products[at], parallel)).collect());
         true
     }
 
     fn ritz(&self) -> Ritz {
-        let SymmetricEigen { eigenvalues, eigenvectors } = SymmetricEigen::new(self.projected.clone());
+        let SymmetricEigen { eigenvalues, eigenvectors } =
+            DMatrix::from_fn(self.basis.len(), self.basis.len(), |i, k| self.projected[i.max(k)][i.min(k)])
+                .symmetric_eigen();
         let mut order: Vec<usize> = (0..eigenvalues.len()).collect();
         order.sort_by(|&a, &b| eigenvalues[a].total_cmp(&eigenvalues[b]));
         let values = order.iter().map(|&k| eigenvalues[k]).collect();
@@ -217,7 +256,7 @@ impl<'a> Search<'a> {
             let (mut directions, mut missing) = (Vec::new(), 0);
             for k in 0..block {
                 let (direction, error) = self.correction(&ritz, k);
-                if error > TOLERANCE {
+                if error.is_nan() || error > TOLERANCE {
                     directions.push(direction);
                     missing += usize::from(k < wanted);
                 }
@@ -234,8 +273,11 @@ impl<'a> Search<'a> {
             let grown =
                 directions.into_iter().map(|direction| self.add(direction)).fold(false, |any, grown| any | grown);
             if !grown {
-                // nothing is left beyond the space
-                return Ok(self.pairs(&self.ritz(), wanted));
+                // nothing is left beyond the space, or what is left is no number
+                return match self.basis.len() == self.unknowns {
+                    true => Ok(self.pairs(&self.ritz(), wanted)),
+                    false => Err(LinearError::Eigenpairs { found, wanted }),
+                };
             }
         }
         Err(LinearError::Eigenpairs { found, wanted })
@@ -250,8 +292,16 @@ impl<'a> Search<'a> {
         let theta = ritz.values[k];
         sums::zipped(&mut residual, &self.inner.times_mass(&x), parallel, |r, mx| *r -= theta * mx);
         residual.iter_mut().zip(self.inner.fixed).for_each(|(r, &fixed)| *r = if fixed { 0.0 } else { *r });
-        let direction = self.levels.apply(&residual);
-        let squared = dot(&residual, &direction, parallel).abs();
+        let direction = self.preconditioned(&residual);
+        let size = sums::norm(&residual, parallel);
+        // where the preconditioner shows no energy of the error, a bound of it
+        let squared = match dot(&residual, &direction, parallel) {
+            squared if squared > 0.0 => squared,
+            _ => match size * sums::norm(&direction, parallel) {
+                0.0 if size > 0.0 => f64::INFINITY,
+                bound => bound,
+            },
+        };
         (direction, (squared / (theta + self.shift).max(f64::MIN_POSITIVE)).sqrt())
     }
 
@@ -260,13 +310,34 @@ impl<'a> Search<'a> {
         let (first, last) = (ritz.values[0], ritz.values[self.block.min(ritz.values.len()) - 1]);
         let (spread, distance) = (last - first, first + self.shift);
         let too_far = self.shift > 0.0 && distance > spread;
-        if self.shifts == SHIFTS || spread <= 0.0 || distance >= LEAST_SHARE * spread && !too_far {
+        let needed = (SHARE * spread - first).max(0.0);
+        let serves = distance >= LEAST_SHARE * spread && !(too_far && needed > self.refused);
+        if self.shifts == SHIFTS || spread <= 0.0 || serves {
             return Ok(());
         }
         self.shifts += 1;
-        let needed = (SHARE * spread - first).max(0.0);
-        (self.shift, self.levels) = levels_from(self.problem, needed, (self.stiffness, self.mass))?;
-        Ok(())
+        self.make_levels(needed)
+    }
+
+    /// The levels of the first shift from this one on that is large enough as far as they show.
+    fn make_levels(&mut self, from: f64) -> Result<(), LinearError> {
+        self.levels = None;
+        let (stiffness, mass) = self.means;
+        let (least, most) = (LEAST_SHIFT * stiffness / mass, MOST_SHIFT * stiffness / mass);
+        self.shift = from;
+        while self.shift <= most {
+            match ShiftedLevels::new(&self.problem.system, self.shift, (&self.masses, mass)) {
+                Err(FactorError::NotPositive { .. }) => {
+                    self.refused = self.refused.max(self.shift);
+                    self.shift = (SHIFT_GROWTH * self.shift).max(least);
+                }
+                made => {
+                    self.levels = Some(made?);
+                    return Ok(());
+                }
+            }
+        }
+        Err(LinearError::Shift)
     }
 
     /// Keeps the Ritz vectors of the block, and what those before have beyond them; their coefficients in the new basis.
@@ -293,8 +364,7 @@ impl<'a> Search<'a> {
         self.products = all(&self.products);
         let n = self.basis.len();
         let entry = |i: usize, k: usize| dot(&self.basis[i], &self.products[k], parallel);
-        let projected = DMatrix::from_fn(n, n, |i, k| if i <= k { entry(i, k) } else { 0.0 });
-        self.projected = DMatrix::from_fn(n, n, |i, k| projected[(i.min(k), i.max(k))]);
+        self.projected = (0..n).map(|k| (0..=k).map(|i| entry(i, k)).collect()).collect();
         DMatrix::identity(n, block)
     }
 
@@ -311,26 +381,9 @@ impl<'a> Search<'a> {
         let mut pairs: Vec<(f64, Vec<f64>)> = (0..wanted).map(of).collect();
         pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (values, vectors): (Vec<f64>, Vec<Vec<f64>>) = pairs.into_iter().unzip();
-        let norm = self.levels.norm();
-        let rounding = vectors.iter().map(|x| ROUNDING * norm * dot(x, x, parallel)).collect();
+        let rounding = self.problem.rounding(&vectors);
         Eigenpairs { values, vectors, rounding, negative: 0, counted: false }
     }
-}
-
-/// The levels of the first shift from this one on, by the mass, that is large enough as far as they show.
-fn levels_from<'a>(
-    problem: &ProductEigenproblem<'a>,
-    mut shift: f64,
-    (stiffness, mass): (f64, f64),
-) -> Result<(f64, ShiftedLevels<'a>), LinearError> {
-    let most = MOST_SHIFT * stiffness / mass;
-    while shift <= most {
-        match ShiftedLevels::new(&problem.system, shift * mass) {
-            Err(FactorError::NotPositive { .. }) => shift = (SHIFT_GROWTH * shift).max(LEAST_SHIFT * stiffness / mass),
-            made => return Ok((shift, made?)),
-        }
-    }
-    Err(LinearError::Shift)
 }
 
 /// `sum_k c_k x_k`.

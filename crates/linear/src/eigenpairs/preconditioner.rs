@@ -1,4 +1,4 @@
-//! [`ShiftedLevels`]: an approximate inverse of `A + s I` by multigrid.
+//! [`ShiftedLevels`]: an approximate inverse of `A + s M` by multigrid.
 
 use crate::error::{FactorError, StructureError};
 use crate::iterative::Preconditioner;
@@ -13,7 +13,7 @@ use std::borrow::Cow;
 const RESIDUAL: f64 = 0.1;
 const CYCLES: usize = 30;
 
-/// A V-cycle of a matrix with a multiple of the identity added, or where it has volume modes GMRES with cycles of the rest.
+/// A V-cycle of a matrix with a multiple of masses added, or where it has volume modes GMRES with cycles of the rest.
 pub(super) struct ShiftedLevels<'a> {
     system: System<'a>,
     /// With the multiple.
@@ -23,15 +23,19 @@ pub(super) struct ShiftedLevels<'a> {
 }
 
 impl<'a> ShiftedLevels<'a> {
+    /// With a multiple of these masses by unknown, or of their mean where the matrix is known by products.
+    ///
     /// # Errors
     /// [`FactorError::NotPositive`] where the levels show that more has to be added.
-    pub fn new(system: &System<'a>, shift: f64) -> Result<Self, FactorError> {
+    pub fn new(system: &System<'a>, shift: f64, (masses, mean): (&[f64], f64)) -> Result<Self, FactorError> {
         let modes = if system.products.is_some() { None } else { system.configuration.volume_modes() };
         let mut matrix = Cow::Borrowed(system.matrix);
         if shift != 0.0 && system.products.is_none() {
-            matrix.to_mut().add_diagonal(&vec![shift; system.fixed.len()]);
+            // rows of fixed unknowns have no mass
+            let entry = |(mass, &fixed): (&f64, &bool)| shift * if fixed { mean } else { *mass };
+            matrix.to_mut().add_diagonal(&masses.iter().zip(system.fixed).map(entry).collect::<Vec<_>>());
         }
-        let shifted = system.products.filter(|_| shift != 0.0).map(|products| products.shifted(shift));
+        let shifted = system.products.filter(|_| shift != 0.0).map(|products| products.shifted(shift * mean));
         let products = shifted.as_ref().or(system.products);
         let (points, corners) = (system.configuration.positions(), system.configuration.corners());
         let geometry = Geometry { points, fixed: system.fixed, corners, products };
@@ -45,7 +49,7 @@ impl<'a> ShiftedLevels<'a> {
         Ok(ShiftedLevels { system: *system, matrix, modes, levels })
     }
 
-    /// `x ~ (A + s I)^-1 b`.
+    /// `x ~ (A + s M)^-1 b`.
     pub fn apply(&self, b: &[f64]) -> Vec<f64> {
         let Some(modes) = self.modes else {
             let mut x = b.to_vec();
@@ -57,10 +61,5 @@ impl<'a> ShiftedLevels<'a> {
         let (mut x, mut p) = (vec![0.0; b.len()], vec![0.0; modes.len()]);
         saddle.solve(b, (&mut x, &mut p), (RESIDUAL, CYCLES));
         x
-    }
-
-    /// A bound of the largest eigenvalue.
-    pub fn norm(&self) -> f64 {
-        if self.system.products.is_some() { self.levels.norm() } else { self.matrix.norm() }
     }
 }

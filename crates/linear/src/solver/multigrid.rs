@@ -107,15 +107,20 @@ impl MultigridSolver {
         (self.positive, self.quotient) = (false, None);
         let (mut x, mut p) = (vec![0.0; b.len()], modes.map_or(Vec::new(), VolumeModes::first_pressures));
         let same = (self.by_products, self.of_rest) == (system.products.is_some(), modes.is_some());
-        let counts = match modes {
-            Some(modes) if aim.of_pressures => Counts::System(residual_of_pressures(modes, b, &p, system.parallel)),
-            _ => Counts::Matrix,
+        let expects = modes.filter(|modes| aim.is_step && modes.expects());
+        let (counts, aim) = match expects {
+            None => (Counts::Matrix, aim),
+            Some(modes) => {
+                let scale = residual_of_pressures(modes, b, &p, system.parallel);
+                let share = scale / system.space().norm(b);
+                (Counts::System(scale), Aim::of_step(aim.asked / share))
+            }
         };
         let mut reached = 1.0;
         if self.serves && same {
             match self.run_by_kept((system, modes, counts), b, (&mut x, &mut p), aim, work) {
                 WithKept::Solved => {
-                    self.left = modes.filter(|_| aim.of_pressures).map(|modes| modes.left(&x, &p, system.parallel));
+                    self.left = expects.map(|modes| modes.left(&x, &p, system.parallel));
                     return Ok(Outcome::Solved(x));
                 }
                 WithKept::Indefinite => return Ok(Outcome::Indefinite(moved(system, x, b))),
@@ -141,7 +146,7 @@ impl MultigridSolver {
         }
         self.positive = positive;
         self.rate = Some(cg.iterations.max(1) as f64 / decades(cg.residual.max(aim.residual) / reached));
-        self.left = modes.filter(|_| aim.of_pressures).map(|modes| modes.left(&x, &p, system.parallel));
+        self.left = expects.map(|modes| modes.left(&x, &p, system.parallel));
         Ok(Outcome::Solved(x))
     }
 
@@ -190,7 +195,10 @@ impl MultigridSolver {
             CgEnd::Exhausted if cg.residual < 1.0 => {}
             // and from pressures too, though displacements alone leave more than nothing does
             CgEnd::Exhausted if modes.is_some() => {}
-            _ => [x, p].into_iter().for_each(|start| start.fill(0.0)),
+            _ => {
+                x.fill(0.0);
+                p.copy_from_slice(&modes.map_or(Vec::new(), VolumeModes::first_pressures));
+            }
         }
         self.serves = false;
         WithKept::Left(if cg.end == CgEnd::Exhausted { cg.residual.min(1.0) } else { 1.0 })
@@ -273,10 +281,7 @@ impl LinearSolver for MultigridSolver {
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        let share = modes_of(system).and_then(VolumeModes::share_left);
-        let within = (tolerance / share.unwrap_or(1.0)).clamp(STEP_TOLERANCE, COARSEST_STEP);
-        let aim = Aim { of_pressures: share.is_some(), ..Aim::residual(within) };
-        match self.run(system, b, aim, work)? {
+        match self.run(system, b, Aim::of_step(tolerance), work)? {
             // nothing showed that it leads downhill
             Outcome::Solved(x) if self.left.is_none() && system.space().dot(&x, b) <= 0.0 => {
                 Err(LinearError::Indefinite)
@@ -377,17 +382,23 @@ struct Aim {
     test: StoppingTest,
     /// Relative residual that is good enough in any case.
     residual: f64,
-    /// Whether that is the one of a system with pressures as unknowns, where there are some.
-    of_pressures: bool,
+    /// The one that was asked for, and whether a step is, which may leave pressures apart from changes of volume.
+    asked: f64,
+    is_step: bool,
 }
 
 impl Aim {
     fn residual(residual: f64) -> Self {
-        Aim { test: residual.into(), residual, of_pressures: false }
+        Aim { test: residual.into(), residual, asked: residual, is_step: false }
+    }
+
+    /// Of a Newton step.
+    fn of_step(asked: f64) -> Self {
+        Aim { asked, is_step: true, ..Aim::residual(asked.clamp(STEP_TOLERANCE, COARSEST_STEP)) }
     }
 
     fn exact(Accuracy { error, residual }: Accuracy) -> Self {
-        Aim { test: StoppingTest::Either { error, residual }, residual, of_pressures: false }
+        Aim { test: StoppingTest::Either { error, residual }, residual, asked: residual, is_step: false }
     }
 
     /// The relative residual that it is expected to be met at.

@@ -31,7 +31,7 @@ impl BodyEnergy {
     pub(crate) fn volume_modes(
         &self,
         to: Displaced,
-        (fixed, expected): (&[bool], Option<ExpectedChanges>),
+        (fixed, expected): (&[bool], Option<&[f64]>),
         parallel: bool,
     ) -> Result<Option<VolumeModes>, Inadmissible> {
         let (mut modes, mut changes) = (VolumeModes::none(self.disc.dim()), Vec::new());
@@ -40,16 +40,15 @@ impl BodyEnergy {
             if !cells.part.cells.iter().any(projects) {
                 continue;
             }
-            let points = expected.map(|expected| expected.changes);
-            sweep(&Modes { body: self, cells, to, expected: points }, patches, parallel, |_, found| {
+            sweep(&Modes { body: self, cells, to, expected }, patches, parallel, |_, found| {
                 if !found.modes.is_empty() {
                     modes.push(&found.nodes, &found.modes, found.stiffness);
                     changes.extend_from_slice(&found.expected);
                 }
             })?;
         }
-        if let Some(ExpectedChanges { share_left, .. }) = expected {
-            modes = modes.expecting(changes, share_left);
+        if expected.is_some() {
+            modes = modes.expecting(changes);
         }
         Ok((!modes.is_empty()).then(|| modes.supported(fixed)))
     }
@@ -64,9 +63,9 @@ impl BodyEnergy {
         by_mode: &[f64],
         parallel: bool,
     ) -> Result<Vec<f64>, Inadmissible> {
-        let (mut all, mut left) = (vec![0.0; self.disc.points().len()], by_mode);
+        let none = vec![0.0; self.disc.points().len()];
+        let (mut all, mut left) = (none.clone(), by_mode);
         for (cells, patches) in self.groups() {
-            let none = vec![0.0; self.disc.points().len()];
             sweep(&Modes { body: self, cells, to, expected: Some(&none) }, patches, parallel, |patch, found| {
                 let (own, rest) = left.split_at(found.modes.len().min(left.len()));
                 left = rest;
@@ -79,13 +78,6 @@ impl BodyEnergy {
         }
         Ok(all)
     }
-}
-
-/// Changes of volume that a solution is expected to have, by quadrature point, and the share of a right-hand side that these leave.
-#[derive(Clone, Copy)]
-pub(crate) struct ExpectedChanges<'a> {
-    pub changes: &'a [f64],
-    pub share_left: f64,
 }
 
 /// The modes of every patch.

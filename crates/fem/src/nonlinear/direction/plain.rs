@@ -92,7 +92,8 @@ impl Plain<'_> {
         let mut soft = 1.0;
         if let (Some(pressures), Some(matrix)) = (&mut self.pressures, tangent.entries_mut()) {
             let share = pressures.add(here, matrix)?;
-            self.systems.expect(pressures.expected_changes(), share);
+            // a step that is taken whole has the pressures of its changes
+            self.systems.expect(self.jump.is_none().then(|| pressures.expected_changes()));
             soft = SOFT * share;
         }
         self.rhs = equations.right_hand_side(&*tangent, here.residual, self.jump.as_deref());

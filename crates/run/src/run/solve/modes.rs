@@ -44,7 +44,7 @@ pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
         let (inside, proof) = (session.problem.member(index).inside(), session.entries_of(index).modes.proof());
         session.console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}{proof}"));
         for (k, lambda) in own.eigenvalues.iter().enumerate() {
-            let remark = if *lambda < 0.0 { "  unstable" } else { "" };
+            let remark = if k < own.negative { "  unstable" } else { "" };
             session.console.say(format!("  {:>9} {:>16} {unit}{remark}", k + 1, scientific(*lambda, 6)));
         }
     }
