@@ -272,13 +272,13 @@ hex27 3
 EOF
 }
 
-# What messages take on two and on four hosts against the formula of docs/clusters.md. Beside other work the figures are larger, not the ratio.
+# What messages take on two and on four hosts against the formula of docs/clusters.md. Beside other work the figures are larger, and the ratio moves by some ten per cent.
 messages() {
   cargo build --release --locked --quiet --manifest-path mpi/Cargo.toml --target-dir target/mpi_openmpi --examples || exit 1
   ranks_within host1,host2 2 target/mpi_openmpi/release/examples/messages >"$out/messages.json" 2>"$out/messages.log" &&
     ranks_within host1,host2,host3,host4 4 target/mpi_openmpi/release/examples/messages >>"$out/messages.json" 2>>"$out/messages.log" &&
     [ "$(wc -l <"$out/messages.json")" = 2 ] && python3 scripts/message_times.py "$out/messages.json"
-  note "messages on two and four hosts are within 30 % of the formula" $?
+  note "messages on two and four hosts are within 50 % of the formula" $?
 }
 
 rm -rf "$out"
