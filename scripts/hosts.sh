@@ -6,12 +6,14 @@
 #   PARTS="bits body" scripts/hosts.sh        some of them: bits, daemon, link, body, messages
 #
 # Needs Linux, root, `ip` and Open MPI (Debian: iproute2, libopenmpi-dev, libclang-dev), and PETSc for `body` (petsc-dev); where one is missing nothing, or
-# that part, is tested, which is said. `link` takes some four minutes: a silent link is noticed after 60 s.
+# that part, is tested, which is said and is no success. `link` takes some four minutes: a silent link is noticed after 60 s.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-parts=${PARTS:-bits daemon link body messages}
-wanted() { [[ " $parts " == *" $1 "* ]]; }
+all="bits daemon link body messages"
+parts=${PARTS-$all}
+. scripts/mpi-cases.sh
+check_parts "$parts" "$all"
 
 skip() { echo "skipped: $1" && exit 0; }
 [ "$(id -u)" = 0 ] || skip "several hosts (network namespaces need root)"
@@ -26,9 +28,9 @@ network=10.77.77
 bridge="nb$$"
 out="$PWD/target/hosts_runs"
 agent="$out/agent.sh"
-failed=()
 root=(--allow-run-as-root)
 keepalive=()
+limit=()
 asking=(--mca oob_tcp_keepalive_time 10 --mca oob_tcp_keepalive_intvl 5 --mca oob_tcp_keepalive_probes 3)
 export CARGO_TARGET_DIR="$PWD/target"
 
@@ -62,6 +64,29 @@ join_hosts() {
   done
 }
 
+# Whether one host reaches another by TCP: filters of bridges, as firewalls set them, may keep them apart.
+hosts_reach_each_other() {
+  local listening status
+  timeout 10 ip netns exec "$(place 2)" python3 -c 'import socket; socket.create_server(("", 7777)).accept()' >/dev/null 2>&1 &
+  listening=$!
+  timeout 10 ip netns exec "$(place 1)" python3 - "$network.2" <<'PYTHON'
+import socket, sys, time
+
+for attempt in range(30):
+    try:
+        sys.exit(socket.create_connection((sys.argv[1], 7777), timeout=2).close())
+    except ConnectionRefusedError:
+        time.sleep(0.1)
+    except OSError as error:
+        sys.exit(str(error))
+sys.exit("nothing listens")
+PYTHON
+  status=$?
+  kill "$listening" 2>/dev/null
+  wait "$listening" 2>/dev/null
+  return $status
+}
+
 # Starts a command on a host, as ssh would: in its network, with its name. Open MPI starts its daemons (orted) with it.
 write_agent() {
   cat >"$agent" <<AGENT
@@ -77,15 +102,15 @@ AGENT
 ranks() { # HOSTS RANKS PROGRAM ARGUMENTS...
   local list="$1" n="$2"
   shift 2
-  "$agent" host1 mpirun "${root[@]}" "${keepalive[@]}" -n "$n" --host "$list" --map-by node --bind-to none --mca plm_rsh_agent "$agent" \
+  "${limit[@]}" "$agent" host1 mpirun "${root[@]}" "${keepalive[@]}" -n "$n" --host "$list" --map-by node --bind-to none --mca plm_rsh_agent "$agent" \
     --mca btl tcp,self --mca btl_tcp_if_include eth0 --mca oob_tcp_if_include eth0 --mca mpi_yield_when_idle 1 "$(printf ' %q' "$@")" </dev/null
 }
 
-note() { # NAME STATUS
-  if [ "$2" = 0 ]; then echo "ok      $1"; else echo "FAILED  $1" && failed+=("$1"); fi
+# The same in the foreground, for as long as a run may take.
+ranks_within() {
+  local limit=("${within[@]}")
+  ranks "$@"
 }
-
-same() { python3 scripts/same-results.py "$1" "$2"; }
 
 # Waits until a run has left a checkpoint, and a moment more, so that it is interrupted in its midst.
 underway() { # FOLDER
@@ -118,60 +143,83 @@ begin() { # FOLDER ARGUMENTS...
   note "$(basename "$folder"): a checkpoint is there" $?
 }
 
-# Waits for mpirun: $status, and whether it ended within so many seconds of the moment $began. What is left then is killed.
+# Waits for mpirun: $status, and whether it ended within so many seconds of the moment $began. What is left some seconds later is killed.
 ended_within() { # NAME SECONDS
-  local watch seconds
-  (sleep "$(($2 + 15))" && for host in $(seq "$hosts"); do kill_all "$host"; done) &
-  watch=$!
+  local host seconds
+  while kill -0 "$job" 2>/dev/null; do
+    if [ $(($(milliseconds) - began)) -gt $((($2 + 15) * 1000)) ]; then
+      for host in $(seq "$hosts"); do kill_all "$host"; done
+      break
+    fi
+    sleep 0.05
+  done
   wait "$job" 2>/dev/null
   status=$?
   seconds=$(($(milliseconds) - began))
-  kill "$watch" 2>/dev/null
   [ "$seconds" -le $(($2 * 1000)) ]
   note "$1: ended after $seconds ms, exit code $status" $?
 }
 
+# What Open MPI's mpirun ends with when it has lost a daemon.
+lost_a_daemon() { # NAME
+  [ "$status" = 205 ]
+  note "$1: Open MPI's exit code 205 ($status)" $?
+}
+
+kill_the_daemon() { # NAME HOST
+  local daemon
+  daemon=$(processes "$2" orted)
+  [ -n "$daemon" ] && kill -KILL $daemon
+  note "$1: there was one on host $2" $?
+}
+
 # What was interrupted goes on elsewhere, on another number of ranks, to the bits of a run that was not.
 resumed() { # NAME UNINTERRUPTED FOLDER HOSTS RANKS
+  local host
   for host in $(seq "$hosts"); do kill_all "$host"; done
-  ranks "$4" "$5" "$program" resume "$3" --threads 1 --quiet >>"$3.log" 2>&1
-  same "$2" "$3"
+  ranks_within "$4" "$5" "$program" resume "$3" --threads 1 --quiet >>"$3.log" 2>&1
+  same "$2" "$3" $?
   note "$1: resumed with $5 ranks on $4, the bits of one process" $?
 }
 
-no_daemon_left() {
-  local tries
+# Neither ranks nor daemons, on any host.
+no_rank_left() { # NAME
+  local tries host left
   for tries in $(seq 50); do
-    [ -z "$(processes 1 nastic-mpi)$(processes 2 nastic-mpi)$(processes 3 nastic-mpi)" ] && return
+    left=$(for host in $(seq "$hosts"); do processes "$host" nastic-mpi; processes "$host" orted; done)
+    [ -z "$left" ] && break
     sleep 0.1
   done
-  return 1
+  [ -z "$left" ]
+  note "$1: no rank and no daemon is left on any host" $?
 }
 
 bits() {
   local n list=(- host1 host1,host2 host1,host2,host3 host1,host2,host3,host4)
   for n in 2 3 4; do
-    ranks "${list[n]}" "$n" "$program" "${long[@]}" --threads 1 --quiet --out "$out/turgor_$n" >"$out/turgor_$n.log" 2>&1
-    same "$out/turgor" "$out/turgor_$n"
+    ranks_within "${list[n]}" "$n" "$program" "${long[@]}" --threads 1 --quiet --out "$out/turgor_$n" >"$out/turgor_$n.log" 2>&1
+    same "$out/turgor" "$out/turgor_$n" $?
     note "robust_turgor on $n hosts" $?
   done
-  ranks "${list[3]}" 3 "$program" "${motion[@]}" --threads 1 --quiet --out "$out/motion_3" >"$out/motion_3.log" 2>&1
-  same "$out/motion" "$out/motion_3"
+  ranks_within "${list[3]}" 3 "$program" "${motion[@]}" --threads 1 --quiet --out "$out/motion_3" >"$out/motion_3.log" 2>&1
+  same "$out/motion" "$out/motion_3" $?
   note "a motion in five scenarios on 3 hosts" $?
 }
 
 daemon() {
   begin "$out/daemon" "${long[@]}"
   began=$(milliseconds)
-  kill -KILL $(processes 3 orted)
+  kill_the_daemon "a daemon is killed" 3
   ended_within "a daemon is killed" 5
-  no_daemon_left
-  note "a daemon is killed: no rank is left on any host" $?
+  lost_a_daemon "a daemon is killed"
+  no_rank_left "a daemon is killed"
   resumed "a daemon is killed" "$out/turgor" "$out/daemon" host1,host2 2
   begin "$out/daemon_motion" "${motion[@]}"
   began=$(milliseconds)
-  kill -KILL $(processes 2 orted)
+  kill_the_daemon "a daemon is killed in a motion" 2
   ended_within "a daemon is killed in a motion" 5
+  lost_a_daemon "a daemon is killed in a motion"
+  no_rank_left "a daemon is killed in a motion"
   resumed "a daemon is killed in a motion" "$out/motion" "$out/daemon_motion" host1,host3,host4:2 4
 }
 
@@ -199,10 +247,9 @@ link() {
   began=$(milliseconds)
   down
   ended_within "a link is down, with keep-alive" 60
-  [ "$status" = 205 ]
-  note "a link is down, with keep-alive: Open MPI's exit code 205 ($status)" $?
-  no_daemon_left
-  note "a link is down, with keep-alive: no rank is left, nor on the other side" $?
+  lost_a_daemon "a link is down, with keep-alive"
+  # nor on the other side
+  no_rank_left "a link is down, with keep-alive"
   up
   resumed "a link is down, with keep-alive" "$out/turgor" "$out/link_asked" host1,host2 2
 }
@@ -210,51 +257,45 @@ link() {
 # The fibre cantilever in three parts, with the digits of other codes (docs/development/verification.md).
 body() {
   if ! ls "${PETSC_LIB_DIR:-/usr/lib/$(uname -m)-linux-gnu}/lib${PETSC_LIB:-petsc_real}.so" >/dev/null 2>&1; then
-    echo "skipped: one body on several hosts (no PETSc: install petsc-dev)"
+    leave_out "one body on several hosts" "no PETSc: install petsc-dev"
     return
   fi
   cargo build --release --locked --quiet --manifest-path petsc/Cargo.toml --target-dir target/petsc --examples || exit 1
-  local kind n tip
-  while read -r kind n tip; do
-    ranks host1,host2,host3 3 env OPENBLAS_NUM_THREADS=1 target/petsc/release/examples/cantilever "$kind" "$n" >"$out/body_$kind.json" 2>"$out/body_$kind.log"
-    python3 - "$out/body_$kind.json" "$tip" <<'EOF'
-import json, sys
-
-found = json.load(open(sys.argv[1]))
-off = max(abs(a - float(b)) for a, b in zip(found["tip"], sys.argv[2].split()))
-print(f"        {found['unknowns']} unknowns on {found['ranks']} ranks, {found['newton']} Newton and {found['iterations']} CG iterations, tip off by {off:.0e}")
-sys.exit(not (off < 1e-9 and found["ranks"] == 3))
-EOF
+  local kind n
+  while read -r kind n; do
+    ranks_within host1,host2,host3 3 env OPENBLAS_NUM_THREADS=1 target/petsc/release/examples/cantilever "$kind" "$n" >"$out/body_$kind.json" 2>"$out/body_$kind.log" &&
+      python3 scripts/cantilever_tips.py "$out/body_$kind.json" "$kind" "$n" 3
     note "one body on 3 hosts: $kind, n = $n" $?
   done <<'EOF'
-hex8 6 -0.216627256 0.007904082 0.276875271
-hex27 3 -0.222542559 0.007727853 0.284295574
+hex8 6
+hex27 3
 EOF
 }
 
-# What messages take on two and on four hosts against the formula of docs/clusters.md. Beside other work the figures are larger, not the ratio.
+# What messages take on two and on four hosts against the formula of docs/clusters.md. Beside other work the figures are larger, and the ratio moves by some ten per cent.
 messages() {
   cargo build --release --locked --quiet --manifest-path mpi/Cargo.toml --target-dir target/mpi_openmpi --examples || exit 1
-  ranks host1,host2 2 target/mpi_openmpi/release/examples/messages >"$out/messages.json" 2>"$out/messages.log"
-  ranks host1,host2,host3,host4 4 target/mpi_openmpi/release/examples/messages >>"$out/messages.json" 2>>"$out/messages.log"
-  [ "$(wc -l <"$out/messages.json")" = 2 ] && python3 scripts/message_times.py "$out/messages.json"
-  note "messages on two and four hosts are within 30 % of the formula" $?
+  ranks_within host1,host2 2 target/mpi_openmpi/release/examples/messages >"$out/messages.json" 2>"$out/messages.log" &&
+    ranks_within host1,host2,host3,host4 4 target/mpi_openmpi/release/examples/messages >>"$out/messages.json" 2>>"$out/messages.log" &&
+    [ "$(wc -l <"$out/messages.json")" = 2 ] && python3 scripts/message_times.py "$out/messages.json"
+  note "messages on two and four hosts are within 50 % of the formula" $?
 }
 
 rm -rf "$out"
 mkdir -p "$out"
-cargo build --release --workspace --locked --quiet --bins || exit 1
-cargo build --release --locked --quiet --manifest-path mpi/Cargo.toml --target-dir target/mpi_openmpi || exit 1
+if wanted bits || wanted daemon || wanted link; then
+  cargo build --release --workspace --locked --quiet --bins || exit 1
+  cargo build --release --locked --quiet --manifest-path mpi/Cargo.toml --target-dir target/mpi_openmpi || exit 1
+fi
 nastic=target/release/nastic
 program="$PWD/target/mpi_openmpi/release/nastic-mpi"
-. scripts/mpi-cases.sh
 write_agent
 join_hosts || { echo "FAILED  hosts could not be joined" && exit 1; }
+hosts_reach_each_other || skip "several hosts (those on one bridge do not reach each other here: is it filtered?)"
 
-"$nastic" "${long[@]}" --threads 2 --quiet --out "$out/turgor"
-"$nastic" "${motion[@]}" --threads 2 --quiet --out "$out/motion"
-for part in bits daemon link body messages; do wanted "$part" && "$part"; done
-
-[ "${#failed[@]}" = 0 ] && echo "all as on one host" && exit 0
-printf 'FAILED: %s\n' "${failed[@]}"
-exit 1
+if wanted bits || wanted daemon || wanted link; then reference "$out/turgor" "${long[@]}"; fi
+if wanted bits || wanted daemon; then reference "$out/motion" "${motion[@]}"; fi
+for part in $all; do
+  if wanted "$part"; then "$part"; fi
+done
+finish "all as on one host"

@@ -11,13 +11,15 @@ set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 kills=${1:-20}
-parts=${PARTS:-robust_turgor load_cases motion risk_and_constraints starts faults}
+all="robust_turgor load_cases motion risk_and_constraints starts faults"
+parts=${PARTS-$all}
+. scripts/mpi-cases.sh
+check_parts "$parts" "$all"
 RANDOM=${2:-1}
 mpirun=${MPIRUN:-mpirun}
 library=mpich
 "$mpirun" --version 2>&1 | grep -q "Open MPI" && library=openmpi
 out="$PWD/target/mpi_runs_$library"
-failed=()
 export CARGO_TARGET_DIR="$PWD/target"
 rm -rf "$out"
 mkdir -p "$out"
@@ -37,26 +39,18 @@ fi
 ranks() { # N ARGUMENTS...
   local n="$1"
   shift
-  "$mpirun" "${options[@]}" -n "$n" "$program" "$@" --threads 1
+  "${within[@]}" "$mpirun" "${options[@]}" -n "$n" "$program" "$@" --threads 1
 }
-
-note() { # NAME STATUS
-  if [ "$2" = 0 ]; then echo "ok      $1"; else echo "FAILED  $1" && failed+=("$1"); fi
-}
-
-same() { python3 scripts/same-results.py "$1" "$2"; }
-
-wanted() { [[ " $parts " == *" $1 "* ]]; }
 
 # A case on 1, 2, 3, 4 and 7 ranks.
 compare() { # NAME ARGUMENTS...
   local name="$1" n
   shift
   wanted "$name" || return
-  "$nastic" "$@" --threads 2 --quiet --out "$out/$name" 2>"$out/$name.log"
+  reference "$out/$name" "$@"
   for n in 1 2 3 4 7; do
     ranks "$n" "$@" --quiet --out "$out/${name}_$n" >>"$out/$name.log" 2>&1
-    same "$out/$name" "$out/${name}_$n"
+    same "$out/$name" "$out/${name}_$n" $?
     note "$name on $n ranks" $?
   done
 }
@@ -73,7 +67,7 @@ ranks_in() { # DIRECTORY
 kill_a_rank() { # NUMBER MILLISECONDS ARGUMENTS...
   local number="$1" moment=$((RANDOM % ($2 * 4 / 5))) which=$((RANDOM % 3)) place="$out/killed_$1" job victim began gone n
   shift 2
-  "$mpirun" "${options[@]}" -n 3 "$program" "$@" --threads 1 --quiet --out "$place" >"$place.log" 2>&1 &
+  ranks 3 "$@" --quiet --out "$place" >"$place.log" 2>&1 &
   job=$!
   sleep "$((moment / 1000)).$(printf %03d $((moment % 1000)))"
   victim=$(ranks_in "$place" | sed -n "$((which + 1))p")
@@ -88,7 +82,7 @@ kill_a_rank() { # NUMBER MILLISECONDS ARGUMENTS...
   else
     ranks "$n" "$@" --quiet --restart --out "$place" >>"$place.log" 2>&1
   fi
-  same "$out/uninterrupted" "$place"
+  same "$out/uninterrupted" "$place" $?
   note "a rank killed after $moment ms${gone}, then $n ranks" $?
 }
 
@@ -97,20 +91,20 @@ fill_a_disk() { # ARGUMENTS...
   local disk="$out/disk" place="$out/disk/run" status
   mkdir -p "$disk"
   if ! mount -t tmpfs -o size=760k tmpfs "$disk" 2>/dev/null; then
-    echo "skipped a full disk: there is no right to mount one"
+    leave_out "a full disk" "there is no right to mount one"
     return
   fi
   ranks 3 "$@" --quiet --out "$place" >"$out/disk.log" 2>&1
   status=$?
-  [ "$status" = 7 ] || note "a full disk: exit code $status" 1
+  [ "$status" = 7 ]
+  note "a full disk: exit code 7 ($status)" $?
   mount -o remount,size=64m "$disk"
   ranks 2 resume "$place" --quiet >>"$out/disk.log" 2>&1
-  same "$out/uninterrupted" "$place"
+  same "$out/uninterrupted" "$place" $?
   note "a full disk, then 2 ranks" $?
   umount "$disk"
 }
 
-. scripts/mpi-cases.sh
 compare robust_turgor optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=6
 compare load_cases optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6
 compare motion "${motion[@]}"
@@ -119,16 +113,15 @@ compare risk_and_constraints optimize $cases/robust_turgor.json "${short[@]}" --
   --set 'constraints=[{"name":"reach","cost":{"kind":"position","surface":"track","target":{"x":0.05}},"at_most":1e-4}]'
 compare starts optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6 --set optimizer/starts=7
 if wanted faults; then
-  "$nastic" "${long[@]}" --threads 2 --quiet --out "$out/uninterrupted"
+  reference "$out/uninterrupted" "${long[@]}"
   began=$(date +%s%3N)
   ranks 3 "${long[@]}" --quiet --out "$out/timed" >"$out/timed.log" 2>&1
+  status=$?
   length=$(($(date +%s%3N) - began))
-  same "$out/uninterrupted" "$out/timed"
+  same "$out/uninterrupted" "$out/timed" $status
   note "the run whose ranks are killed, $length ms" $?
   fill_a_disk "${long[@]}"
   for number in $(seq "$kills"); do kill_a_rank "$number" "$length" "${long[@]}"; done
 fi
 
-[ "${#failed[@]}" = 0 ] && echo "all as on one rank" && exit 0
-printf 'FAILED: %s\n' "${failed[@]}"
-exit 1
+finish "all as on one rank"

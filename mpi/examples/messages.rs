@@ -78,30 +78,35 @@ fn measured(team: &dyn Team, controls: usize, batches: usize) -> Result<[f64; 7]
     Ok(times.map(median))
 }
 
-fn main() -> ExitCode {
+/// Rank 0 prints what was measured; an exit code and why, where nothing was.
+fn run(team: &dyn Team) -> Result<(), (u8, String)> {
     let number = |at: usize, default: usize| std::env::args().nth(at).map_or(Some(default), |text| text.parse().ok());
-    let (Some(controls), Some(batches @ 1..)) = (number(1, 10_000), number(2, 41)) else { return ExitCode::from(2) };
-    nastic_mpi::run_on_ranks(move |team| {
-        if !team.size().is_multiple_of(2) {
-            return Ended {
-                code: 2,
-                error: Some("an even number of ranks, please: they are measured in pairs".to_owned()),
-            };
-        }
-        match measured(&*team, controls, batches) {
-            Ok(seconds) => {
-                let found: Vec<String> =
-                    NAMES.iter().zip(seconds).map(|(name, time)| format!("\"{name}\": {time:.3e}")).collect();
-                let (ranks, members) = (team.size(), MEMBERS * team.size());
-                let line = format!(
-                    "{{\"ranks\": {ranks}, \"members\": {members}, \"controls\": {controls}, {}}}",
-                    found.join(", ")
-                );
-                let written = if team.leads() { writeln!(std::io::stdout().lock(), "{line}") } else { Ok(()) };
-                let error = written.err().map(|error| error.to_string());
-                Ended { code: u8::from(error.is_some()), error }
+    let (Some(controls), Some(batches @ 1..)) = (number(1, 10_000), number(2, 41)) else {
+        return Err((2, "messages [CONTROLS [BATCHES]], please: two numbers, of batches at least one".to_owned()));
+    };
+    if !team.size().is_multiple_of(2) {
+        return Err((2, "an even number of ranks, please: they are measured in pairs".to_owned()));
+    }
+    let seconds = measured(team, controls, batches).map_err(|error| (9, error.to_string()))?;
+    if team.leads() {
+        let found: Vec<String> =
+            NAMES.iter().zip(seconds).map(|(name, time)| format!("\"{name}\": {time:.3e}")).collect();
+        let (ranks, members) = (team.size(), MEMBERS * team.size());
+        let begin = format!("{{\"ranks\": {ranks}, \"members\": {members}, \"controls\": {controls}");
+        let written = writeln!(std::io::stdout().lock(), "{begin}, {}}}", found.join(", "));
+        written.map_err(|error| (1, error.to_string()))?;
+    }
+    Ok(())
+}
+
+fn main() -> ExitCode {
+    nastic_mpi::run_on_ranks(|team| match run(&*team) {
+        Ok(()) => Ended { code: 0, error: None },
+        Err((code, error)) => {
+            if team.leads() {
+                let _ = writeln!(std::io::stderr().lock(), "messages: {error}");
             }
-            Err(error) => Ended { code: 9, error: Some(error.to_string()) },
+            Ended { code, error: Some(error) }
         }
     })
 }

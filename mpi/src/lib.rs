@@ -20,6 +20,9 @@ const STACK: usize = 8 << 20;
 const GRACE: Duration = Duration::from_secs(2);
 
 /// Runs a program on every rank that `mpirun` has started, or on one without it. One that has failed, or panicked, ends all.
+///
+/// What the first rank ends with ([`Ended::error`]) the program has to have said itself, as `nastic` does: it is not printed here. That of another rank is,
+/// `rank 3: ..`, unless the first one ends all with the same within two seconds.
 pub fn run_on_ranks(program: impl FnOnce(Arc<dyn Team>) -> Ended + Send + 'static) -> ExitCode {
     let Some((universe, Threading::Funneled | Threading::Serialized | Threading::Multiple)) =
         mpi::initialize_with_threading(Threading::Funneled)
@@ -37,7 +40,13 @@ pub fn run_on_ranks(program: impl FnOnce(Arc<dyn Team>) -> Ended + Send + 'stati
             transport::serve(&world, &waiting);
             thread.join().unwrap_or_else(|_| Ended { code: 101, error: Some("the program has panicked".to_owned()) })
         }
-        Err(error) => Ended { code: 2, error: Some(format!("threads: {error}")) },
+        Err(error) => {
+            let error = format!("threads: {error}");
+            if rank == 0 {
+                complain(&error);
+            }
+            Ended { code: 2, error: Some(error) }
+        }
     };
     match ended {
         // the others wait for messages that will not come

@@ -96,7 +96,9 @@ fn limits_of_a_control_group_are_kept() {
     let made = groups.iter().find_map(|(root, limit)| {
         let group = std::path::Path::new(root).join(&name);
         std::fs::create_dir(&group).ok()?;
-        if std::fs::write(group.join(limit), (150 << 20).to_string()).is_ok() {
+        // a directory of another file system takes any file and limits nothing
+        let is_group = group.join("cgroup.procs").exists();
+        if is_group && std::fs::write(group.join(limit), (150 << 20).to_string()).is_ok() {
             return Some(group);
         }
         let _ = std::fs::remove_dir(group);
@@ -107,6 +109,8 @@ fn limits_of_a_control_group_are_kept() {
         return;
     };
     let ended = std::panic::catch_unwind(|| refused_under(&format!("echo $$ > {}/cgroup.procs", group.display())));
-    std::fs::remove_dir(&group).unwrap();
+    let removed = std::fs::remove_dir(&group);
+    // what was found comes first, not a group that stays
     ended.unwrap();
+    removed.unwrap();
 }

@@ -331,8 +331,8 @@ impl Solid {
             let contribution = spring.on(self.mesh())?;
             return self.contribution(contribution);
         };
-        let contribution = spring.on_rank(self.mesh(), parted)?;
-        self.model.add(contribution)?;
+        let added = spring.on_rank(self.mesh(), parted).map(|contribution| self.model.add(contribution))?;
+        self.model.all_accept(added)?;
         Ok(self)
     }
 

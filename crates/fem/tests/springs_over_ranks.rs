@@ -117,6 +117,34 @@ fn springs_across_parts_act_as_in_one_process() -> Outcome {
     Ok(())
 }
 
+/// Beside a face between parts both sides have a place, to rounding: its nodes are those of one process, whoever has them.
+#[test]
+fn places_beside_a_face_between_parts_have_the_nodes_of_one_process() -> Outcome {
+    let mesh = regular(CellKind::Hex8, [1.0, 0.2, 0.2], [2, 1, 1])?;
+    for beside in [-1e-10, 1e-10] {
+        let spring = Spring::between("wire", [0.2, 0.1, 0.1], [0.5 + beside, 0.1, 0.05], 2e3).rest_length(0.1);
+        let held = |solid: Solid| -> Outcome<Solid> {
+            let solid = solid.material("body", NeoHooke::new(1e5, 1e6)?)?;
+            let solid = solid.actuate("body", "tension", FiberTension::along(Vec3::x())?)?.clamp("x-")?;
+            Ok(solid.spring(spring.clone())?)
+        };
+        let (j, _, energy, _) = valued(&held(Solid::new(mesh.clone())?)?, -1e4, &SolveOptions::default())?;
+        let sets = [spring.nodes(&mesh)?];
+        for owners in [[0, 1], [1, 0]] {
+            let found = on(2, &Faults::default(), |rank| {
+                let part = mesh.part_reaching(&owners, rank.rank() as u32, &sets)?;
+                valued(&held(Solid::of_part(part, rank.clone())?)?, -1e4, &how())
+            });
+            for found in found {
+                let (own, _, own_energy, _) = found?;
+                assert!((own - j).abs() < 1e-9 * j, "{beside:e}, {owners:?}: {own:e} {j:e}");
+                assert!((own_energy - energy).abs() < 1e-9 * energy.abs(), "{own_energy:e} {energy:e}");
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Two bars, the second of which springs to the ground at places and at a set of both hold.
 fn held(solid: Solid, how_many: usize) -> Outcome<Solid> {
     let solid = solid.material("body", NeoHooke::new(1e5, 1e6)?)?.clamp("x-")?;
@@ -160,7 +188,7 @@ fn springs_that_no_rank_has_or_that_are_none_are_refused_by_all() -> Outcome {
         let found = [
             said(Spring::between("far", place, [0.9, 0.1, 0.1], 1.0)),
             said(Spring::between("far", place, "tip", 1.0)),
-            said(Spring::to_ground("outside", [0.1, 0.1, 3.0], [0.0; 3], 1.0)),
+            said(Spring::to_ground("wire", [0.1, 0.1, 3.0], [0.0; 3], 1.0)),
             said(Spring::to_ground("set", "nowhere", [0.0; 3], 1.0)),
             said(Spring::to_ground("soft", place, [0.0; 3], -1.0)),
             said(Spring::between("short", place, place, 1.0)),
@@ -179,7 +207,7 @@ fn springs_that_no_rank_has_or_that_are_none_are_refused_by_all() -> Outcome {
         let short = said[5].take().ok_or("a spring of no length")?;
         named_short += usize::from(short.contains("one point of the body"));
         assert!(short.contains("one point of the body") || short == FemError::Elsewhere.to_string(), "{short}");
-        let named = ["part_reaching", "part_reaching", "outside", "nowhere", "stiffness"];
+        let named = ["part_reaching", "part_reaching", "no rank has the place [0.1, 0.1, 3.0]", "nowhere", "stiffness"];
         let has = |(said, named): (&Option<String>, &str)| said.as_ref().is_some_and(|said| said.contains(named));
         assert!(goes_on && said.iter().zip(named).all(has), "{said:?}");
     }

@@ -28,6 +28,10 @@ impl From<&str> for BodyPoint {
 /// Weights below this are rounding errors of shape functions, which would couple nodes that have nothing to do with the point.
 const LEAST_WEIGHT: f64 = 1e-12;
 
+pub(crate) fn without_rounding(weights: Vec<(u32, f64)>) -> Vec<(u32, f64)> {
+    weights.into_iter().filter(|(_, weight)| weight.abs() > LEAST_WEIGHT).collect()
+}
+
 /// The nodes of a point, each with its weight, and where it is in the reference body. A fixed point of space has no nodes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct AttachedPoint {
@@ -46,7 +50,7 @@ impl AttachedPoint {
                 nodes.iter().map(|&node| (node, 1.0 / nodes.len() as f64)).collect()
             }
         };
-        let weights: Vec<(u32, f64)> = weights.into_iter().filter(|(_, w)| w.abs() > LEAST_WEIGHT).collect();
+        let weights = without_rounding(weights);
         if weights.is_empty() {
             return Err(FemError::Meaningless { what: format!("the node set of {point:?} has no nodes") });
         }

@@ -3,7 +3,7 @@
 use super::elsewhere::SpringElsewhere;
 use super::{End, Spring};
 use crate::contributions::Contribution;
-use crate::contributions::body_point::{AttachedPoint, BodyPoint};
+use crate::contributions::body_point::{AttachedPoint, BodyPoint, without_rounding};
 use crate::error::FemError;
 use crate::parted::{Parted, all_accept, not_over_ranks};
 use nastic_mesh::Mesh;
@@ -59,19 +59,27 @@ impl Spring {
         all_accept(Some(&parted.share), spring)
     }
 
-    /// An end: of a place by the lowest rank that has it in its cells, of a node set by all.
+    /// An end: of a place by who has the lowest cell of the whole that it is in, as [`nodes`](Self::nodes) finds it (beside a face both cells have it, to
+    /// rounding), of a node set by all.
     fn told(&self, mesh: &Mesh, parted: &Parted, (end, name): (&BodyPoint, &str)) -> Result<Weights, FemError> {
         let (share, whole) = (&parted.share, parted.part.nodes());
         match end {
-            BodyPoint::At(_) => {
-                let found = self.attach(mesh, end, name);
-                let own = found.iter().flat_map(|point| &point.weights);
-                let own: Vec<f64> =
-                    own.flat_map(|(node, weight)| [f64::from(whole[*node as usize]), *weight]).collect();
+            BodyPoint::At(place) => {
+                let mut own = Vec::new();
+                if let Some(found) = mesh.locate(*place) {
+                    own.push(f64::from(parted.part.cells()[found.cell]));
+                    let weights = without_rounding(found.weights).into_iter();
+                    own.extend(weights.flat_map(|(node, weight)| [f64::from(whole[node as usize]), weight]));
+                }
                 let all = share.gather(&own)?;
-                match all.iter().find(|told| !told.is_empty()) {
-                    Some(told) => Ok(told.as_chunks::<2>().0.iter().map(|&[node, w]| (node as u32, w)).collect()),
-                    None => Err(found.err().unwrap_or(FemError::Elsewhere)),
+                let cells = all.iter().filter_map(|told| told.split_first());
+                match cells.min_by(|one, other| one.0.total_cmp(other.0)) {
+                    Some((_, told)) => Ok(told.as_chunks::<2>().0.iter().map(|&[node, w]| (node as u32, w)).collect()),
+                    None => {
+                        let what =
+                            format!("cannot hold its end \"{name}\": no rank has the place {place:?} in its cells");
+                        Err(self.refuse(what))
+                    }
                 }
             }
             BodyPoint::Nodes(set) => {
