@@ -275,6 +275,14 @@ fn what_one_rank_does_is_refused_on_several() {
         assert!(found.iter().all(|found| matches!(found, Err(RunError::OneRank { ranks: 2, .. }))), "{found:?}");
         assert!(!place.path("out").exists());
     }
+    let asked = Sweep { command: Command::Optimize, warm: false };
+    let set = ["materials/0/mu1=90 kPa,100 kPa"];
+    for share in [nastic_run::run::Share::Part("1/2".parse().unwrap()), nastic_run::run::Share::Join] {
+        let of = |options: &Options| sweep(&Catalogue::standard(), &asked, &file, options, &Console::silent());
+        let found = on_ranks(2, &Faults::default(), &Options { share, ..options(&place, &set) }, of);
+        assert!(found.iter().all(|found| matches!(found, Err(RunError::OneRank { ranks: 2, .. }))));
+        assert!(!place.path("out").exists());
+    }
 }
 
 #[test]

@@ -101,6 +101,10 @@ pub(crate) struct Iterate<'a> {
     pub relative: f64,
 }
 
+/// The next iterate, what the tangent was, and of a full step that double precision does not resolve the energy that a strain of order 1 takes, and whether its
+/// pressures are apart from its changes of volume.
+type Moved<'m> = (Vec<f64>, Evaluated<'m>, Curvature, Option<(f64, bool)>);
+
 /// When an iteration ends.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
@@ -219,14 +223,13 @@ impl<'a> Iteration<'a> {
         Ok(())
     }
 
-    /// The next iterate, what the tangent was, and of a full step that double precision does not resolve the energy that a strain of
-    /// order 1 takes, and whether its pressures are apart from its changes of volume.
+    /// One step.
     fn step(
         &mut self,
         here: &Iterate,
         direction: &mut dyn Direction,
         report: &mut SolveReport,
-    ) -> Result<(Vec<f64>, Evaluated<'a>, Curvature, Option<(f64, bool)>), Stop> {
+    ) -> Result<Moved<'a>, Stop> {
         let step = direction.find(here, report)?;
         report.newton += 1;
         let taken = self.search.take(here, &step, direction, report)?;

@@ -74,7 +74,7 @@ records! {
         about: Option<String>,
         /// Of `solve --modes`: eigenvalues, ascending, of K phi = lambda M phi, M the volumes of the nodes.
         eigenvalues: Option<Vec<Number>>,
-        /// Of `solve --modes`: negative eigenvalues of K.
+        /// Of `solve --modes`: negative eigenvalues of K, unless `counted` those that were found.
         negative: Option<usize>,
         /// Whether the pivots of a factor show that no lower mode is missing.
         counted: Option<bool>,

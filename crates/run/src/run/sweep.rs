@@ -66,6 +66,9 @@ pub fn sweep(
     let Some(team) = options.team.as_ref().filter(|team| team.size() > 1) else {
         return make(catalogue, sweep, case, options, console);
     };
+    if options.share != Share::Whole {
+        return Err(RunError::OneRank { what: "sweep --part or --join".to_owned(), ranks: team.size() });
+    }
     // the runs of a rank are one of as many parts, of which the first rank joins the table
     let of = |share| Options { share, team: None, restart: options.restart && share != Share::Join, ..options.clone() };
     let part = Part::of_rank(team.rank(), team.size());
