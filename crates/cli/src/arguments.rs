@@ -136,7 +136,7 @@ fn templates() -> PossibleValuesParser {
 pub struct Modes {
     #[command(flatten)]
     pub case: Case,
-    /// How many; all unstable ones in any case
+    /// How many; all unstable ones in any case, without a factor those that are found
     #[arg(long, value_name = "N", default_value = "6", value_parser = clap::value_parser!(u16).range(1..=500))]
     pub count: u16,
     /// About the undeformed body, without controls and loads
@@ -331,7 +331,7 @@ pub enum StopAt {
 #[derive(Debug, Args)]
 #[group(multiple = false)]
 pub struct Analysis {
-    /// Also the N smallest eigenvalues of the tangent, all negative ones in any case, and their modes (in start.vtu)
+    /// Also the N smallest eigenvalues of the tangent, all negative ones in any case (without a factor those that are found), and their modes (in start.vtu)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=500))]
     pub modes: Option<u16>,
     /// Go on from an unstable equilibrium to a stable one, downhill along its most negative mode

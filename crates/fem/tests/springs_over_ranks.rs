@@ -2,10 +2,10 @@
 
 use crate::common;
 
-use common::parts::{how, on, part};
+use common::parts::{how, on, part, valued};
 use common::{Outcome, regular};
 use nastic_energy::{FiberTension, NeoHooke};
-use nastic_fem::{FemError, Instant, Solid, SolveOptions, Spring, StateError};
+use nastic_fem::{FemError, Solid, SolveOptions, Spring, StateError};
 use nastic_mesh::{CellKind, Mesh, RawMesh};
 use nastic_team::Team;
 use nastic_team::threads::{Faults, ThreadRank};
@@ -66,18 +66,6 @@ fn reaching(mesh: &Mesh, rank: &Arc<ThreadRank>, scattered: bool) -> Outcome<Sol
     };
     let sets: Vec<Vec<u32>> = springs().iter().map(|spring| spring.nodes(mesh)).collect::<Result<_, _>>()?;
     Ok(Solid::of_part(mesh.part_reaching(&owners, rank.rank() as u32, &sets)?, rank.clone())?)
-}
-
-/// `j = u . u / 2` at a tension, its derivative by the tension, the energy and the displacement.
-fn valued(solid: &Solid, tension: f64, how: &SolveOptions) -> Outcome<(f64, f64, f64, Vec<f64>)> {
-    let (space, mut controls) = (solid.model().unknowns(), solid.controls());
-    controls.values_mut(0).fill(tension);
-    let state = solid.solve(&controls, how)?;
-    let rhs: Vec<f64> = state.u.iter().map(|u| -u).collect();
-    let adjoint = solid.adjoint(&state, &[&rhs], how)?;
-    let found = solid.model().vjp(&Instant::of(&state), &adjoint.lambda[0])?;
-    let slope = space.total(found.controls.values(0).iter().sum());
-    Ok((0.5 * space.dot(&state.u, &state.u), slope, state.report.energy, state.u.to_vec()))
 }
 
 #[test]

@@ -111,7 +111,7 @@ impl<'a> TangentSystems<'a> {
     }
 
     /// Notes the changes of volume that the solutions of the next [steps](Self::step) are expected to have, by quadrature point.
-    pub fn expect(&mut self, changes: Option<Vec<f64>>) {
+    pub fn expect_changes(&mut self, changes: Option<Vec<f64>>) {
         self.expected = changes;
     }
 

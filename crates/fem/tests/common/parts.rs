@@ -2,7 +2,7 @@
 
 use super::Outcome;
 use super::ranks::Simple;
-use nastic_fem::{Share, Solid, SolveOptions};
+use nastic_fem::{Instant, Share, Solid, SolveOptions};
 use nastic_mesh::Mesh;
 use nastic_team::Team;
 use nastic_team::threads::{self, Faults, ThreadRank};
@@ -38,4 +38,16 @@ pub fn total(share: Option<&Arc<Share>>, here: f64) -> f64 {
         share.sum(&mut sum);
     }
     sum[0]
+}
+
+/// `j = u . u / 2` at a tension, its derivative by the tension, the energy and the displacement.
+pub fn valued(solid: &Solid, tension: f64, how: &SolveOptions) -> Outcome<(f64, f64, f64, Vec<f64>)> {
+    let (space, mut controls) = (solid.model().unknowns(), solid.controls());
+    controls.values_mut(0).fill(tension);
+    let state = solid.solve(&controls, how)?;
+    let rhs: Vec<f64> = state.u.iter().map(|u| -u).collect();
+    let adjoint = solid.adjoint(&state, &[&rhs], how)?;
+    let found = solid.model().vjp(&Instant::of(&state), &adjoint.lambda[0])?;
+    let slope = space.total(found.controls.values(0).iter().sum());
+    Ok((0.5 * space.dot(&state.u, &state.u), slope, state.report.energy, state.u.to_vec()))
 }

@@ -47,7 +47,7 @@ pub struct ProductEigenproblem<'a> {
 /// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones that are found where these are more.
 ///
 /// The Rayleigh-Ritz values of a space that grows by the residuals `A x - theta M x` of a block of Ritz vectors, preconditioned by a V-cycle of A (where
-/// that is not positive definite of `A + s I`), and is restarted with those vectors and the ones before: the locally optimal gradients of Knyazev, "Toward the
+/// that is not positive definite of `A + s M`), and is restarted with those vectors and the ones before: the locally optimal gradients of Knyazev, "Toward the
 /// optimal preconditioned eigensolver", SIAM J. Sci. Comput. 23 (2001), with the orthogonal basis of Stathopoulos, Saad, "Restarting techniques for the
 /// (Jacobi-)Davidson symmetric eigenvalue methods", ETNA 7 (1998). From a seeded start. No factor is made, so nothing proves that no eigenvalue is missed
 /// ([`Eigenpairs::counted`]): the block has half as many vectors again as are wanted, and what is orthogonal to all of these was not met.

@@ -93,7 +93,7 @@ impl Plain<'_> {
         if let (Some(pressures), Some(matrix)) = (&mut self.pressures, tangent.entries_mut()) {
             let share = pressures.add(here, matrix)?;
             // a step that is taken whole has the pressures of its changes
-            self.systems.expect(self.jump.is_none().then(|| pressures.expected_changes()));
+            self.systems.expect_changes(self.jump.is_none().then(|| pressures.expected_changes()));
             soft = SOFT * share;
         }
         self.rhs = equations.right_hand_side(&*tangent, here.residual, self.jump.as_deref());
