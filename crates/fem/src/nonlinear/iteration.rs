@@ -14,6 +14,9 @@ use nastic_linear::solver::Curvature;
 
 /// Below this relative residual a step that does not halve it has met the limit of double precision.
 pub(crate) const ROUNDING: f64 = 1e-10;
+/// Below this one too, if it is that of a displacement which double precision does not resolve: of nearly incompressible bodies that bear little, rounding of
+/// `kappa (J - 1)` is more than the former share of their forces.
+const UNRESOLVED: f64 = 1e-8;
 /// A full step shorter than this share of the body's size is below what double precision resolves.
 pub(crate) const RESOLUTION: f64 = 1e-12;
 /// Largest relative residual that such a step may leave of an equilibrium, by the largest forces met on the way; where more is left, the
@@ -101,9 +104,48 @@ pub(crate) struct Iterate<'a> {
     pub relative: f64,
 }
 
-/// The next iterate, what the tangent was, and of a full step that double precision does not resolve the energy that a strain of order 1 takes, and whether its
-/// pressures are apart from its changes of volume.
-type Moved<'m> = (Vec<f64>, Evaluated<'m>, Curvature, Option<(f64, bool)>);
+/// The next iterate, and how it was reached.
+type Moved<'m> = (Vec<f64>, Evaluated<'m>, Reached);
+
+/// What the last step was.
+#[derive(Clone, Copy)]
+struct Reached {
+    curvature: Curvature,
+    /// The energy that a strain of order 1 takes.
+    energy: f64,
+    /// Its pressures are apart from its changes of volume.
+    apart: bool,
+    /// A full step that double precision does not resolve.
+    tiny: bool,
+}
+
+/// What is left of a residual.
+struct Left {
+    /// Relative to the forces at hand, whose norm is `scale`.
+    relative: f64,
+    scale: f64,
+    /// The largest on the way.
+    forces: f64,
+    /// Relative residual before the last step.
+    before: f64,
+    accuracy: f64,
+}
+
+impl Left {
+    /// Whether it is small enough, or as small as double precision lets it become; `is_unresolved`: whether it is that of a displacement which is not resolved.
+    fn is_equilibrium(&self, last: &Reached, is_unresolved: impl Fn() -> bool) -> bool {
+        // at rest no force is left to measure it by but those of the way there; pressures of their own may be wrong where the displacement is not
+        let resolved = || self.relative * self.scale <= if last.apart { ROUNDING } else { RESOLVED } * self.forces;
+        self.relative <= self.accuracy
+            || self.relative > 0.5 * self.before && self.is_rounding(last, &is_unresolved)
+            || last.tiny && (resolved() || is_unresolved())
+    }
+
+    /// Whether it may be rounding alone.
+    fn is_rounding(&self, last: &Reached, is_unresolved: impl Fn() -> bool) -> bool {
+        self.relative <= ROUNDING || self.relative <= UNRESOLVED && !last.apart && is_unresolved()
+    }
+}
 
 /// When an iteration ends.
 #[derive(Debug, Clone, Copy)]
@@ -158,7 +200,8 @@ impl<'a> Iteration<'a> {
         let mut now = equations.evaluate(x)?;
         let (mut residual, mut relative) = equations.residual(&now.sums);
         let (mut before, mut least) = (f64::INFINITY, f64::INFINITY);
-        let (mut last, mut tiny, mut forces) = (Curvature::Positive, None, 0.0_f64);
+        let none = Reached { curvature: Curvature::Positive, energy: 0.0, apart: false, tiny: false };
+        let (mut last, mut forces) = (none, 0.0_f64);
         let shifted = report.shifted;
         for iteration in 0..=limits.most {
             if equations.model.unknowns().any(equations.options.cancelled()) {
@@ -168,20 +211,12 @@ impl<'a> Iteration<'a> {
             let space = equations.model.unknowns();
             let scale = space.norm(&now.sums.force_scale[..equations.dofs()]);
             forces = forces.max(scale);
-            // at rest no force is left to measure it by but those of the way there, or of a displacement that is not resolved
-            let resolved = |(energy, apart): (f64, bool)| {
-                let unresolved = RESOLUTION * energy / equations.diagonal();
-                // pressures of their own may be wrong where the displacement is not
-                relative * scale <= if apart { ROUNDING } else { RESOLVED } * forces
-                    || space.norm(&residual[..equations.dofs()]) <= unresolved
-            };
-            let stagnates = relative <= ROUNDING && relative > 0.5 * before;
-            let rounding = stagnates || tiny.is_some_and(resolved);
-            if !direction.is_pending() && (relative <= limits.accuracy || rounding) {
-                return Ok(last);
+            let left = Left { relative, scale, forces, before, accuracy: limits.accuracy };
+            if !direction.is_pending() && left.is_equilibrium(&last, || self.is_unresolved(&residual, &last)) {
+                return Ok(last.curvature);
             }
             // multipliers may still move where the body does not
-            let unresolved = tiny.is_some_and(|(_, apart)| !apart) && equations.model.unknowns().multipliers() == 0;
+            let unresolved = last.tiny && !last.apart && equations.model.unknowns().multipliers() == 0;
             let lost = iteration >= limits.lost.0 && report.shifted - shifted >= limits.lost.1;
             let diverged = limits.diverged.is_finite() && (relative > limits.diverged * least || !relative.is_finite());
             let creeps = self.short >= limits.creeps.0;
@@ -194,9 +229,13 @@ impl<'a> Iteration<'a> {
             }
             let here = Iterate { x, now: &now.sums, point: &now.point, residual: &residual, relative };
             let (is_pending, load) = (direction.is_pending(), equations.split(x).1);
-            (*x, now, last, tiny) = match self.step(&here, direction, report) {
+            (*x, now, last) = match self.step(&here, direction, report) {
                 // no step lowers what is rounding alone
-                Err(Stop::Slow { .. }) if relative <= ROUNDING && !is_pending => return Ok(last),
+                Err(Stop::Slow { .. })
+                    if !is_pending && left.is_rounding(&last, || self.is_unresolved(&residual, &last)) =>
+                {
+                    return Ok(last.curvature);
+                }
                 taken => taken?,
             };
             (residual, relative) = equations.residual(&now.sums);
@@ -241,7 +280,14 @@ impl<'a> Iteration<'a> {
         let apart = direction.pressures().is_some_and(PredictedPressures::is_apart);
         let tiny = alone && step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
         self.length = taken.length;
-        Ok((taken.x, taken.now, step.curvature, tiny.then_some((step.scale, apart))))
+        Ok((taken.x, taken.now, Reached { curvature: step.curvature, energy: step.scale, apart, tiny }))
+    }
+
+    /// Whether a residual is that of a displacement which double precision does not resolve.
+    fn is_unresolved(&self, residual: &[f64], last: &Reached) -> bool {
+        let equations = self.equations;
+        let norm = equations.model.unknowns().norm(&residual[..equations.dofs()]);
+        norm <= RESOLUTION * last.energy / equations.diagonal()
     }
 
     /// Tells a watch of the step just taken; without messages between ranks, of which some may have none.
