@@ -10,8 +10,8 @@ import math
 import sys
 
 WITHIN = 0.5
-# Bytes of the messages that pass to and fro in messages.rs.
-SHORT, LONG = 64, 2**18
+# Bytes of the short messages that pass to and fro in messages.rs; long ones are as long as those of a sum.
+SHORT = 64
 # Bytes of a member in the exchanges of an iteration of one trial and one derivative, with one term of cost and two figures.
 EXCHANGES = (160 + 8, 136, 8 + 16, 16, 24)
 
@@ -42,7 +42,7 @@ def main():
     with open(sys.argv[1]) as lines:
         for found in map(json.loads, lines):
             ranks, members, controls = found["ranks"], found["members"], found["controls"]
-            each, bandwidth = found["short"], (LONG - SHORT) / (found["long"] - found["short"])
+            each, bandwidth = found["short"], (8 * controls - SHORT) / (found["long"] - found["short"])
             # shares are powers of two: the fewest levels
             levels = 2 * math.ceil(math.log2(ranks))
             by_formula = (

@@ -10,8 +10,8 @@ use std::io::Write;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Lengths of messages that pass to and fro, in bytes: a short one, and one that is sent as long ones are.
-const LENGTHS: [usize; 2] = [64, 1 << 18];
+/// Length of the short messages that pass to and fro, in bytes; long ones are as long as those of a sum.
+const SHORT: usize = 64;
 /// Repetitions of one kind before the next one.
 const BATCH: usize = 20;
 /// Members of a rank: a power of two, so that the fewest nodes of the tree are between ranks.
@@ -47,14 +47,14 @@ fn passed(team: &dyn Team, message: &[u8]) -> Result<(), TeamError> {
 /// What sending a short message takes the sender.
 fn overhead(team: &dyn Team) -> Result<f64, TeamError> {
     let peer = team.rank() ^ 1;
-    let seconds = timed(|| team.send(peer, vec![1; LENGTHS[0]]))?;
+    let seconds = timed(|| team.send(peer, vec![1; SHORT]))?;
     (0..BATCH).try_for_each(|_| team.receive(peer).map(drop))?;
     Ok(seconds)
 }
 
 /// Seconds by [`NAMES`], the median of batches. Kinds take turns, so that what else the machine does meets all of them.
 fn measured(team: &dyn Team, controls: usize, batches: usize) -> Result<[f64; 7], TeamError> {
-    let [short, long] = LENGTHS.map(|length| vec![1; length]);
+    let [short, long] = [SHORT, 8 * controls].map(|length| vec![1; length]);
     let shares = Shares::even(MEMBERS * team.size(), team.size());
     let leaf = |member: usize| Some(vec![member as f64; controls]);
     let together = |bytes: usize| exchange(team, vec![1; 16 + bytes * MEMBERS]).map(drop);

@@ -98,7 +98,8 @@ impl Wait {
     }
 
     fn pause(&mut self) {
-        const EAGER: Duration = Duration::from_micros(50);
+        // Longer than the shortest sleep takes (some 60 us): two ranks that answer each other would each go to sleep for want of the other's answer.
+        const EAGER: Duration = Duration::from_micros(250);
         const LONGEST: Duration = Duration::from_millis(1);
         match self.began.elapsed() {
             waited if waited < EAGER => std::thread::yield_now(),
