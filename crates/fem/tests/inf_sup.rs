@@ -180,7 +180,7 @@ fn pressures_of_cubes_held_on_one_face() -> Outcome {
 }
 
 #[test]
-#[ignore = "prints the table, in minutes"]
+#[ignore = "prints the table"]
 fn table() -> Outcome {
     for (kind, formulation) in members(2).chain(members(3)) {
         let meshes = match (kind.dim(), kind.order()) {
