@@ -170,7 +170,7 @@ impl LinearSolver for PetscSolver {
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         let (negative, zero) = self.distributed(system)?.0.inertia().map_err(failed)?;
         match zero {
-            0 => Ok(Some(Inertia { negative })),
+            0 => Ok(Some(Inertia { negative, by_factor: true })),
             _ => Err(LinearError::External {
                 solver: NAME,
                 what: format!("{zero} pivots of MUMPS are zero: the tangent is singular"),

@@ -40,7 +40,9 @@ fn too_little_memory_is_three() {
     assert!(text(&output.stderr).contains("NASTIC_MEMORY=\"lots\" is no size of memory"), "{}", text(&output.stderr));
     let message = text(&place.nastic(&["check", "case.json"]).stdout);
     assert!(
-        message.contains("memory      a factor has ") && message.contains(" MB while it is made on one thread"),
+        message.contains("solver      direct: a sparse factor")
+            && message.contains("memory      a factor has ")
+            && message.contains(" MB while it is made on one thread"),
         "{message}"
     );
 }

@@ -97,6 +97,8 @@ pub struct Reduced {
     keep_factors: bool,
     /// Whether a state with negative pivots is no answer.
     refuse_unstable: bool,
+    /// Whether rigid motions of the body may be free.
+    may_float: bool,
     cancel: Option<Arc<AtomicBool>>,
     progress: Option<SolveProgress>,
 }
@@ -130,6 +132,7 @@ impl Reduced {
             parallel: true,
             keep_factors: true,
             refuse_unstable: false,
+            may_float: false,
             cancel: None,
             progress: None,
         }
@@ -275,6 +278,12 @@ impl Reduced {
         self
     }
 
+    /// Whether rigid motions of the body may be free, for what solves no equilibrium (modes of the undeformed body); equilibria then fail by a singular tangent.
+    #[must_use]
+    pub fn may_float(self, may_float: bool) -> Self {
+        Reduced { may_float, ..self }
+    }
+
     pub(crate) fn set_cancel(&mut self, flag: Arc<AtomicBool>) {
         self.cancel = Some(flag);
     }
@@ -293,12 +302,12 @@ impl Reduced {
         self.build_inner_product().map(drop)
     }
 
-    /// A motion from a given state needs no support.
+    /// A motion from a given state needs no support, nor does what is not solved.
     pub(crate) fn check_body(&self) -> Result<(), ControlError> {
         let from_given = |timeline: &Timeline| timeline.begin() == Begin::Given && !timeline.scheme().is_quasi_static();
         let moves = self.timeline().is_some_and(from_given);
         match self.solid.check() {
-            Err(FemError::RigidMotion { .. }) if moves => Ok(()),
+            Err(FemError::RigidMotion { .. }) if moves || self.may_float => Ok(()),
             checked => Ok(checked?),
         }
     }

@@ -40,7 +40,8 @@ pub use model::{ContactSum, Controllable, DISPLACEMENT, Feature, Model, ModelPoi
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };
-pub use nastic_linear::{Field, On, Role, Share, Solver, SolverFactory, Space};
+pub use nastic_linear::solver::Inertia as TangentInertia;
+pub use nastic_linear::{ByProducts, Field, On, Role, Share, Solver, SolverFactory, Space};
 pub use parted::all_accept;
 pub use solid::Solid;
 pub use solution::ahead::{Ahead, LimitAhead};

@@ -216,6 +216,9 @@ fn vibrations_need_no_factor() -> Outcome {
             };
             let (direct, products) = (of(Solver::DIRECT)?, of(Solver::MULTIGRID)?);
             assert!(direct.iter().all(|mode| mode.counted) && products.iter().all(|mode| !mode.counted), "{kind}");
+            assert!(direct.iter().all(|mode| mode.by_products.is_none()), "{kind}");
+            let shown = products.iter().map(|mode| mode.by_products);
+            assert!(shown.into_iter().all(|how| how.is_some_and(|(n, error)| n > 0 && error <= 1e-7)), "{kind}");
             let largest = direct[7].square;
             for (a, b) in direct.iter().zip(&products) {
                 assert!((a.square - b.square).abs() < 1e-9 * largest, "{kind}: {:e}, {:e}", a.square, b.square);

@@ -70,7 +70,8 @@ mod ties;
 mod volume_modes;
 
 pub use eigenpairs::{
-    Eigenpairs, Eigenproblem, MassMatrix, ProductEigenproblem, smallest_eigenpairs, smallest_eigenpairs_by_products,
+    ByProducts, Eigenpairs, Eigenproblem, MassMatrix, ProductEigenproblem, smallest_eigenpairs,
+    smallest_eigenpairs_by_products,
 };
 pub use element_block::ElementBlock;
 pub use error::{FactorError, NotCoupled, StructureError};

@@ -238,7 +238,9 @@ fn pairs_by_products_are_those_of_a_dense_solver() {
             let expected = dense_eigenvalues(&matrix, mass, &case.fixed);
             let negative = expected.iter().filter(|&&value| value < 0.0).count();
             assert_eq!((found.negative, found.values.len()), (negative, negative.max(4)), "{shift}");
-            assert!(!found.counted);
+            let how = found.by_products.as_ref().unwrap();
+            assert!(!found.counted && how.iterations > 0 && how.errors.len() == found.values.len());
+            assert!(how.errors.iter().all(|error| *error <= 1e-7), "{shift}: {:?}", how.errors);
             let size = expected.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
             for (value, expected) in found.values.iter().zip(&expected) {
                 assert!((value - expected).abs() <= 1e-11 * size, "{shift}: {value:e} instead of {expected:e}");

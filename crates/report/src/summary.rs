@@ -171,7 +171,7 @@ pub(crate) fn stability(state: &StateRecord) -> (&'static str, String) {
         Some(0) if state.free_motion.is_some() => {
             ("neutral", state.free_motion.as_ref().map_or_else(String::new, FreeMotionRecord::words))
         }
-        Some(0) => ("stable", "no negative pivot of the tangent".to_owned()),
+        Some(0) => ("stable", state.no_negative().to_owned()),
         Some(n) => ("UNSTABLE", format!("{} of the tangent", count(n, "negative pivot"))),
         None if singular => ("undecided", "the tangent is singular".to_owned()),
         None => ("undecided", "negative pivots of the tangent were not counted".to_owned()),

@@ -40,6 +40,21 @@ fn the_chosen_solver_finds_the_same_state() {
     assert!((tip(&multigrid) - tip(&direct)).abs() < 1e-9 * tip(&direct).abs(), "{} {}", tip(&multigrid), tip(&direct));
 }
 
+/// Pivots of a factor are one thing, conjugate gradients that met no negative curvature another.
+#[test]
+fn how_stability_was_concluded_is_told() {
+    for (solver, by_factor, said) in [
+        ("direct", true, "stable (no negative pivot of the tangent)"),
+        ("multigrid", false, "stable (conjugate gradients met no negative curvature of the tangent; without a factor"),
+    ] {
+        let place = CaseDirectory::new();
+        let text = place.text(Command::Solve, &bar(Some(solver)).to_string(), &[]);
+        assert!(text.contains(said), "{text}");
+        let result = place.json("result.json");
+        assert_eq!((&result["inertia"], &result["inertia_by_factor"]), (&0.into(), &by_factor.into()), "{solver}");
+    }
+}
+
 #[test]
 fn a_solver_that_does_not_fit_is_refused() {
     let mut case = bar(Some("multigrid"));

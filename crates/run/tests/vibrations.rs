@@ -104,6 +104,43 @@ fn units_of_the_case_do_not_matter() {
     assert!((of(&scaled, "modal_masses") / of(&one, "modal_masses") * 1e9 - 1.0).abs() < 1e-6, "{scaled:#}");
 }
 
+/// What nothing holds has modes about its undeformed state, six of them rigid motions, with a factor or without. Its equilibrium is not determined: what may
+/// be asked instead is said.
+#[test]
+fn a_free_body_has_its_rigid_motions() {
+    let place = CaseDirectory::new();
+    let dense = with(BAR, "\"law\":", "\"density\": \"1100 kg/m^3\", \"law\":");
+    let free = with(&dense, r#""supports": [ { "surface": "x-", "fix": ["x", "y", "z"] } ],"#, "");
+    let of = |solver: &str| {
+        let set = format!("linear_solver={solver}");
+        let (result, said) = modes(&place, &free, ModesRequest { count: 8, undeformed: true }, &[set.as_str()]);
+        let found = result["modes"].clone();
+        assert_eq!((&found["neutral"], &found["unstable"]), (&6.into(), &0.into()), "{solver}");
+        assert!(said.contains("; 6 are zero within rounding, as rigid motions are"), "{said}");
+        (found, said)
+    };
+    let ((direct, _), (products, said)) = (of("direct"), of("multigrid"));
+    let hertz = |found: &Value| -> Vec<f64> {
+        found["frequencies"].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    let (exact, found) = (hertz(&direct), hertz(&products));
+    assert!(exact[..6].iter().chain(&found[..6]).all(|hertz| *hertz == 0.0) && exact[6] > 0.0, "{exact:?} {found:?}");
+    assert!(exact.iter().zip(&found).all(|(a, b)| (a - b).abs() <= 1e-8 * a), "{exact:?} {found:?}");
+    // how modes without a factor were found is told
+    assert!(direct["counted"] == true && direct["iterations"].is_null() && direct["errors"].is_null(), "{direct}");
+    assert!(products["counted"] == false && products["iterations"].as_u64().unwrap() > 0, "{products}");
+    let errors = products["errors"].as_array().unwrap();
+    assert!(errors.len() == 8 && errors.iter().all(|error| error.as_f64().unwrap() <= 1e-7), "{products}");
+    assert!(said.contains("iterations, shapes to about ") && said.contains("nothing proves"), "{said}");
+    for asked in [lowest(8), ModesRequest { count: 8, undeformed: true }] {
+        let options = Options { modes: asked, ..place.options(&[]) };
+        let command = if asked.undeformed { Command::Solve } else { Command::Modes };
+        let refused = place.run_with(command, &free, &Console::silent(), &options).unwrap_err();
+        assert_eq!(refused.exit(), Exit::BadInput);
+        assert!(refused.to_string().contains("nastic modes CASE --undeformed"), "{refused}");
+    }
+}
+
 #[test]
 fn every_member_has_its_modes() {
     let place = CaseDirectory::new();

@@ -72,6 +72,7 @@ impl CaseProblem {
     /// # Errors
     /// What is wrong with the case by these steps.
     pub fn through(&self, instants: &[Vec<f64>], cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
-        Self::lower_through(self.document.clone(), cancel, instants).map(|problem| Self { has_steps: true, ..problem })
+        let problem = Self::lower_through(self.document.clone(), cancel, instants, false)?;
+        Ok(Self { has_steps: true, ..problem })
     }
 }

@@ -29,7 +29,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     if context.is_sound() {
         check_complete(case, &solid, context);
     }
-    let reduced = Reduced::new(solid).metric(optimizer::metric(case));
+    let reduced = Reduced::new(solid).metric(optimizer::metric(case)).may_float(context.free);
     let reduced = time::apply(case, variant.instants.as_deref(), reduced, context)?;
     let reduced = actuation::fix(case, reduced, context)?;
     let reduced = contact::fix(case, reduced, context)?;
@@ -40,12 +40,12 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     context.is_sound().then(|| reduced.share_equal_parts())
 }
 
-/// Every cell has a material, no rigid motion is left free unless the body begins to move from rest.
+/// Every cell has a material, no rigid motion is left free unless the body begins to move from rest or nothing is solved.
 fn check_complete(case: &Case, solid: &Solid, context: &mut Context<'_>) {
     let moves = |time: &Time| time.built_scheme().is_ok_and(|scheme| !scheme.is_quasi_static());
     let from_rest = case.time.as_ref().is_some_and(|time| time.start == Beginning::Rest && moves(time));
     if let Err(error) = solid.check() {
-        if from_rest && matches!(error, FemError::RigidMotion { .. }) {
+        if (from_rest || context.free) && matches!(error, FemError::RigidMotion { .. }) {
             return;
         }
         let block = match &error {
@@ -57,6 +57,9 @@ fn check_complete(case: &Case, solid: &Solid, context: &mut Context<'_>) {
         let message = match (&error, &case.time) {
             (FemError::RigidMotion { .. }, Some(_)) => {
                 format!("{error}; or let it move from rest: \"start\": \"rest\" in \"time\", by a scheme with inertia")
+            }
+            (FemError::RigidMotion { .. }, None) => {
+                format!("{error}; vibrations of a free body: nastic modes CASE --undeformed")
             }
             (FemError::Unsupported { what, with, .. }, _) if case.linear_solver.is_some() => {
                 format!(

@@ -15,6 +15,8 @@ pub(super) struct Context<'a> {
     pub document: &'a Document,
     pub units: Units,
     pub found: Findings,
+    /// Whether rigid motions may be free: no equilibrium is looked for.
+    pub free: bool,
     files: Rc<RefCell<Files>>,
 }
 
@@ -38,12 +40,12 @@ struct Files {
 
 impl<'a> Context<'a> {
     pub fn new(document: &'a Document, units: Units) -> Self {
-        Self { document, units, found: Findings::default(), files: Rc::default() }
+        Self { document, units, found: Findings::default(), free: false, files: Rc::default() }
     }
 
     /// The context of a variant of the case: its own findings, the same files.
     pub fn variant<'b>(&self, document: &'b Document) -> Context<'b> {
-        Context { document, units: self.units, found: Findings::default(), files: self.files.clone() }
+        Context { document, units: self.units, found: Findings::default(), free: self.free, files: self.files.clone() }
     }
 
     /// Notes a problem at a path of the case.

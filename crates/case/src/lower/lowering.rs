@@ -27,20 +27,30 @@ impl CaseProblem {
     /// # Errors
     /// All problems found, each with its path and line.
     pub fn lower(document: Document, cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
-        Self::lower_through(document, cancel, &[])
+        Self::lower_through(document, cancel, &[], false)
     }
 
-    /// The same, with the instants of the time steps of every member, where they were found.
+    /// The same of a body whose rigid motions may be free, for what solves no equilibrium: modes of the undeformed body.
+    ///
+    /// # Errors
+    /// As of [`lower`](Self::lower), but for rigid motions.
+    pub fn lower_free(document: Document, cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
+        Self::lower_through(document, cancel, &[], true)
+    }
+
+    /// The same, with the instants of the time steps of every member, where they were found, and whether rigid motions may be free.
     pub(super) fn lower_through(
         document: Document,
         cancel: Arc<AtomicBool>,
         instants: &[Vec<f64>],
+        free: bool,
     ) -> Result<Self, Diagnostics> {
         let case = match Case::read_all(&document) {
             Reading { case: Some(case), problems } if problems.is_empty() => case,
             Reading { case, problems } => return Err(all_problems(case.as_ref(), problems, &document)),
         };
         let mut context = Context::new(&document, case.units);
+        context.free = free;
         let lowered = members(&case, &document, (cancel, instants), &mut context);
         let files = context.files();
         let Findings { problems, warnings, notes } = context.found;

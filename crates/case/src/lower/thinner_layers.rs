@@ -24,7 +24,7 @@ impl CaseProblem {
         }
         let instants = |member: super::CaseMember<'_>| Some(member.reduced().timeline()?.instants().to_vec());
         let found: Option<Vec<Vec<f64>>> = self.has_steps.then(|| self.members().filter_map(instants).collect());
-        let thinner = Self::lower_through(self.document.with(&settings)?, cancel, &found.unwrap_or_default())?;
+        let thinner = Self::lower_through(self.document.with(&settings)?, cancel, &found.unwrap_or_default(), false)?;
         for (member, own) in thinner.members().zip(self.members()) {
             let layers = own.solid().model().touch_parameters();
             for ((name, thin), (_, layer)) in member.solid().model().touch_parameters().iter().zip(layers) {

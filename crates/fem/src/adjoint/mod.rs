@@ -12,7 +12,7 @@ use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent::Tangent;
 use crate::solution::tangent_systems::{EXACT, TangentSystems};
 use crate::solution::workspace::Workspace;
-use nastic_linear::solver::Accuracy;
+use nastic_linear::solver::{Accuracy, Inertia};
 use nastic_linear::{LinearError, SparseMatrix, Symmetry};
 use nastic_mesh::CellKind;
 
@@ -123,7 +123,8 @@ impl Model {
     /// What contact alone holds and nothing resists to ([`neutral_motion`](Self::neutral_motion)) has eigenvalues that are zero: they do not count.
     ///
     /// On a body that is solved by multigrid, 0 means that conjugate gradients with a right-hand side of fixed random
-    /// numbers converged to 1e-8 and met no negative curvature; only where they did meet it is a factor made to count.
+    /// numbers converged to 1e-8 and met no negative curvature; only where they did meet it is a factor made to count
+    /// ([`tangent_inertia`](Self::tangent_inertia) tells which).
     ///
     /// # Errors
     /// [`StateError::Linear`] where the tangent is singular: the state sits on a bifurcation.
@@ -139,6 +140,14 @@ impl Model {
         self.negative_pivots_with(state, how, &mut Workspace::default())
     }
 
+    /// [`negative_pivots_by`](Self::negative_pivots_by), and whether a factor shows them or conjugate gradients that met no negative curvature.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn tangent_inertia(&self, state: &State, how: &SolveOptions) -> Result<Inertia, StateError> {
+        self.inertia_with(state, how, &mut Workspace::default())
+    }
+
     /// The same with the symbolic factor that a workspace holds.
     pub(crate) fn negative_pivots_with(
         &self,
@@ -146,6 +155,15 @@ impl Model {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<usize, StateError> {
+        Ok(self.inertia_with(state, how, workspace)?.negative)
+    }
+
+    fn inertia_with(
+        &self,
+        state: &State,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<Inertia, StateError> {
         self.check_solver(how.solver)?;
         self.check_spans_ranks(how.solver)?;
         let at = self.instant(state, None, how.parallel);
@@ -155,14 +173,14 @@ impl Model {
         if self.unknowns().multipliers() > 0 {
             let system = self.saddle_point_at(&at).map_err(|at| inverted(at, state))?;
             let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
-            return Ok(system.negative(&mut systems, self.nodal(&state.u), &mut SolveReport::default())?);
+            return Ok(system.inertia(&mut systems, self.nodal(&state.u), &mut SolveReport::default())?);
         }
         let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
         let tangent = self.eliminated(&at, systems.takes_products()).map_err(|at| inverted(at, state))?;
-        match systems.negative_pivots(&tangent, &state.u) {
+        match systems.inertia(&tangent, &state.u) {
             Err(LinearError::NoEntries) => {
                 let tangent = self.eliminated(&at, false).map_err(|at| inverted(at, state))?;
-                Ok(systems.negative_pivots(&tangent, &state.u)?)
+                Ok(systems.inertia(&tangent, &state.u)?)
             }
             counted => Ok(counted?),
         }

@@ -11,7 +11,7 @@ use crate::solution::saddle_point::SaddlePoint;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent_systems::TangentSystems;
 use crate::solution::workspace::Workspace;
-use nastic_linear::solver::Accuracy;
+use nastic_linear::solver::{Accuracy, Inertia};
 use nastic_numeric::vector::{axpy, sub};
 
 /// Times that what the anchor took is given back.
@@ -31,7 +31,9 @@ impl Model {
         let at = self.instant(state, None, how.parallel);
         let Some(free) = self.loose(&at) else { return Ok(None) };
         let mut workspace = Workspace::default();
-        let mut count = |factor: f64| self.count_anchored((&at, factor), state, how, &mut workspace);
+        let mut count = |factor: f64| {
+            self.count_anchored((&at, factor), state, how, &mut workspace).map(|counted| counted.negative)
+        };
         Ok((count(-NEUTRAL)? > count(1.0)?).then_some(free))
     }
 
@@ -47,10 +49,10 @@ impl Model {
         state: &State,
         how: &SolveOptions,
         workspace: &mut Workspace,
-    ) -> Result<usize, StateError> {
+    ) -> Result<Inertia, StateError> {
         let (system, _) = self.anchored(at, factor).map_err(|at| inverted(at, state))?;
         let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
-        Ok(system.negative(&mut systems, self.nodal(at.u), &mut SolveReport::default())?)
+        Ok(system.inertia(&mut systems, self.nodal(at.u), &mut SolveReport::default())?)
     }
 
     /// The system with so many of the weakest anchor, and these, by unknowns on nodes.

@@ -8,8 +8,8 @@ use crate::solution::state::State;
 use crate::solution::tangent::TangentRef;
 use crate::solution::tangent_systems::{Deformed, eliminate};
 use nastic_linear::{
-    Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError, MassMatrix, Operator, ProductEigenproblem,
-    Solver, smallest_eigenpairs, smallest_eigenpairs_by_products,
+    ByProducts, Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError, MassMatrix, Operator,
+    ProductEigenproblem, Solver, smallest_eigenpairs, smallest_eigenpairs_by_products,
 };
 
 /// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes'
@@ -29,6 +29,8 @@ pub struct Modes {
     pub negative: usize,
     /// Whether the pivots of a factor show that none is missing; without a factor these are the ones that were found.
     pub counted: bool,
+    /// Of modes without a factor: iterations and errors.
+    pub by_products: Option<ByProducts>,
 }
 
 impl Model {
@@ -45,8 +47,9 @@ impl Model {
     pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
         let found =
             self.lowest_modes(state, MassMatrix::Diagonal(&self.discretization().volumes_by_unknown()), count, how)?;
-        let shapes = found.vectors.into_iter().map(normalized).collect();
-        Ok(Modes { eigenvalues: found.values, shapes, negative: found.negative, counted: found.counted })
+        let Eigenpairs { values: eigenvalues, vectors, negative, counted, by_products, .. } = found;
+        let shapes = vectors.into_iter().map(normalized).collect();
+        Ok(Modes { eigenvalues, shapes, negative, counted, by_products })
     }
 
     /// The smallest eigenpairs of the tangent by a mass without fixed unknowns.

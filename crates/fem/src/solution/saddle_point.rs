@@ -9,7 +9,7 @@ use crate::solution::local_constraints::{Elimination, Known, LocalConstraints};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{TangentSystems, eliminate};
 use nalgebra::DMatrix;
-use nastic_linear::solver::{Accuracy, Border};
+use nastic_linear::solver::{Accuracy, Border, Inertia};
 use nastic_linear::{LinearError, Space, SparseMatrix};
 use nastic_numeric::vector::axpy;
 use std::collections::BTreeSet;
@@ -446,15 +446,15 @@ impl SaddlePoint {
         Ok((x, y[own]))
     }
 
-    /// Negative eigenvalues beyond one for each constraint that acts, K counted by a factor in double precision: the directions within the
+    /// Negative eigenvalues beyond one for each constraint that acts, K counted as the solver does it: the directions within the
     /// constraints in which the potential falls.
-    pub fn negative(
+    pub fn inertia(
         &self,
         systems: &mut TangentSystems,
         u: &[f64],
         report: &mut SolveReport,
-    ) -> Result<usize, LinearError> {
-        let negative = systems.bordered_inertia(&self.matrix, u, &self.border(), report)?;
-        Ok(negative.saturating_sub(self.members().count()))
+    ) -> Result<Inertia, LinearError> {
+        let Inertia { negative, by_factor } = systems.bordered_inertia(&self.matrix, u, &self.border(), report)?;
+        Ok(Inertia { negative: negative.saturating_sub(self.members().count()), by_factor })
     }
 }

@@ -5,7 +5,7 @@ use crate::solution::nodal_rotations::nodal_rotations;
 use crate::solution::state::SolveReport;
 use crate::solution::tangent::{Tangent, TangentRef};
 use nastic_linear::solver::{
-    Accuracy, BlockElimination, Border, Configuration, Curvature, Shift, System, solve_bordered,
+    Accuracy, BlockElimination, Border, Configuration, Curvature, Inertia, Shift, System, solve_bordered,
 };
 use nastic_linear::{
     Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, Space, SparseMatrix, VolumeModes,
@@ -343,15 +343,16 @@ impl<'a> TangentSystems<'a> {
         u: &[f64],
         border: &Border,
         report: &mut SolveReport,
-    ) -> Result<usize, LinearError> {
+    ) -> Result<Inertia, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let system = configuration.system(matrix.into());
-        let of_matrix = negative(self.solver, &system)?;
+        let Inertia { negative: of_matrix, by_factor } = inertia(self.solver, &system)?;
         let mut work = LinearWork::default();
         let elimination = BlockElimination::new(self.solver, &system, border, false, FULL_STEP, &mut work);
         report.add_linear(self.solver, &work);
         let scalars = border.columns.len();
-        Ok(of_matrix + elimination?.negative().ok_or(LinearError::Border { scalars })?)
+        let of_border = elimination?.negative().ok_or(LinearError::Border { scalars })?;
+        Ok(Inertia { negative: of_matrix + of_border, by_factor })
     }
 
     /// `K x = b` with the symmetric tangent at u as a product, zero on the supports, and what is kept as preconditioner, if
@@ -384,19 +385,16 @@ impl<'a> TangentSystems<'a> {
         self.solver.takes_products()
     }
 
-    /// Number of negative eigenvalues of a tangent whose supports are eliminated.
-    pub fn negative_pivots(&mut self, tangent: &Tangent, u: &[f64]) -> Result<usize, LinearError> {
+    /// Negative eigenvalues of a tangent whose supports are eliminated, and whether a factor shows them.
+    pub fn inertia(&mut self, tangent: &Tangent, u: &[f64]) -> Result<Inertia, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        negative(self.solver, &configuration.system(tangent.into()))
+        inertia(self.solver, &configuration.system(tangent.into()))
     }
 }
 
 /// Negative eigenvalues of a matrix; refused by a solver that does not count them.
-fn negative(solver: &mut dyn LinearSolver, system: &System) -> Result<usize, LinearError> {
-    match solver.inertia(system)? {
-        Some(counted) => Ok(counted.negative),
-        None => Err(LinearError::NotCounted { solver: solver.name() }),
-    }
+fn inertia(solver: &mut dyn LinearSolver, system: &System) -> Result<Inertia, LinearError> {
+    solver.inertia(system)?.ok_or(LinearError::NotCounted { solver: solver.name() })
 }
 
 /// Rows and columns of supported unknowns and of nodes that follow others become those of a multiple of the identity.

@@ -18,6 +18,9 @@ pub struct VibrationMode {
     pub rounding: f64,
     /// Whether the pivots of a factor show that no lower one is missing, as [`Modes::counted`](crate::Modes::counted).
     pub counted: bool,
+    /// Of modes without a factor: the iterations that found all of them, and the relative error of the shape
+    /// ([`ByProducts`](crate::ByProducts)).
+    pub by_products: Option<(usize, f64)>,
     /// `phi . M phi` in kg, in plane strain per unit of thickness.
     pub modal_mass: f64,
     /// Shares of its kinetic energy along x, y, z (0 in the plane): `phi_c . (M phi)_c / (phi . M phi)`.
@@ -78,18 +81,19 @@ impl Model {
         mass.eliminate(self.supports.fixed(), 0.0);
         self.check_positive(&mass)?;
         let found = self.lowest_modes(state, MassMatrix::Sparse(&mass), count, how)?;
-        let counted = found.counted;
+        let (counted, how_found) = (found.counted, found.by_products);
         let pairs = found.values.into_iter().zip(found.rounding).zip(found.vectors);
-        let mode = |((square, rounding), vector)| {
+        let mode = |(k, ((square, rounding), vector)): (usize, ((f64, f64), Vec<f64>))| {
+            let by_products = how_found.as_ref().and_then(|found| Some((found.iterations, *found.errors.get(k)?)));
             let shape = normalized(vector);
             let mut momentum = vec![0.0; shape.len()];
             mass.multiply_on(&shape, &mut momentum, how.parallel);
             let modal_mass = self.unknowns().dot(&shape, &momentum);
             let along = |c: usize| shape.iter().zip(&momentum).skip(c).step_by(dim).map(|(x, p)| x * p).sum::<f64>();
             let directions = [0, 1, 2].map(|c| if c < dim { along(c) / modal_mass } else { 0.0 });
-            VibrationMode { square, rounding, counted, modal_mass, directions, shape }
+            VibrationMode { square, rounding, counted, by_products, modal_mass, directions, shape }
         };
-        let mut modes: Vec<VibrationMode> = pairs.map(mode).collect();
+        let mut modes: Vec<VibrationMode> = pairs.enumerate().map(mode).collect();
         // the pivots of a singular tangent have the signs of rounding errors
         let unstable = modes.iter().filter(|mode| matches!(mode.kind(), ModeKind::Unstable { .. })).count();
         modes.truncate(count.max(unstable));

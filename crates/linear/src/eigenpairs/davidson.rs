@@ -2,7 +2,7 @@
 
 use super::inner_product::{InnerProduct, SPANNED};
 use super::preconditioner::ShiftedLevels;
-use super::{BASIS_BYTES, Eigenpairs, MassMatrix, ROUNDING};
+use super::{BASIS_BYTES, ByProducts, Eigenpairs, MassMatrix, ROUNDING};
 use crate::error::FactorError;
 use crate::memory;
 use crate::operator::Operator;
@@ -68,11 +68,12 @@ pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usi
             found.values.iter().zip(&found.rounding).filter(|(value, rounding)| **value < -**rounding).count();
         if negative < wanted || wanted == unknowns {
             let keep = count.max(negative);
-            let Eigenpairs { mut values, mut vectors, mut rounding, .. } = found;
+            let Eigenpairs { mut values, mut vectors, mut rounding, mut by_products, .. } = found;
             values.truncate(keep);
             vectors.truncate(keep);
             rounding.truncate(keep);
-            return Ok(Eigenpairs { values, vectors, rounding, negative, counted: false });
+            by_products.iter_mut().for_each(|how| how.errors.truncate(keep));
+            return Ok(Eigenpairs { values, vectors, rounding, negative, counted: false, by_products });
         }
         wanted = unknowns.min(2 * wanted);
     }
@@ -163,6 +164,8 @@ struct Search<'a> {
     /// `x_i . A x_k` of the basis, `k <= i`.
     projected: Vec<Vec<f64>>,
     random: Random,
+    /// Iterations so far, those of smaller blocks too.
+    iterations: usize,
 }
 
 /// Ritz values, ascending, and the coefficients of their vectors.
@@ -191,6 +194,7 @@ impl<'a> Search<'a> {
             products: Vec::new(),
             projected: Vec::new(),
             random: Random::new(0),
+            iterations: 0,
         };
         search.make_levels(0.0)?;
         Ok(search)
@@ -250,12 +254,14 @@ impl<'a> Search<'a> {
     fn run(&mut self, wanted: usize) -> Result<Eigenpairs, LinearError> {
         let (mut before, mut found) = (DMatrix::zeros(0, 0), 0);
         for _ in 0..MOST {
+            self.iterations += 1;
             let ritz = self.ritz();
             self.adapt_shift(&ritz)?;
             let block = self.block.min(self.basis.len());
-            let (mut directions, mut missing) = (Vec::new(), 0);
+            let (mut directions, mut errors, mut missing) = (Vec::new(), Vec::new(), 0);
             for k in 0..block {
                 let (direction, error) = self.correction(&ritz, k);
+                errors.push(error);
                 if error.is_nan() || error > TOLERANCE {
                     directions.push(direction);
                     missing += usize::from(k < wanted);
@@ -263,7 +269,8 @@ impl<'a> Search<'a> {
             }
             found = wanted - missing;
             if missing == 0 {
-                return Ok(self.pairs(&ritz, wanted));
+                errors.truncate(wanted);
+                return Ok(self.pairs(&ritz, errors));
             }
             if self.basis.len() + directions.len() > LONGEST * self.block {
                 before = self.restart(&ritz, &before, block);
@@ -274,10 +281,12 @@ impl<'a> Search<'a> {
                 directions.into_iter().map(|direction| self.add(direction)).fold(false, |any, grown| any | grown);
             if !grown {
                 // nothing is left beyond the space, or what is left is no number
-                return match self.basis.len() == self.unknowns {
-                    true => Ok(self.pairs(&self.ritz(), wanted)),
-                    false => Err(LinearError::Eigenpairs { found, wanted }),
-                };
+                if self.basis.len() < self.unknowns {
+                    return Err(LinearError::Eigenpairs { found, wanted });
+                }
+                let ritz = self.ritz();
+                let errors = (0..wanted).map(|k| self.correction(&ritz, k).1).collect();
+                return Ok(self.pairs(&ritz, errors));
             }
         }
         Err(LinearError::Eigenpairs { found, wanted })
@@ -368,8 +377,8 @@ impl<'a> Search<'a> {
         DMatrix::identity(n, block)
     }
 
-    fn pairs(&self, ritz: &Ritz, wanted: usize) -> Eigenpairs {
-        let wanted = wanted.min(ritz.values.len());
+    /// The first pairs, as many as there are errors of them.
+    fn pairs(&self, ritz: &Ritz, errors: Vec<f64>) -> Eigenpairs {
         let parallel = self.inner.parallel;
         // of each alone: sums over a basis have the rounding of its roughest vectors
         let of = |k: usize| {
@@ -378,11 +387,14 @@ impl<'a> Search<'a> {
             self.problem.product.apply(&x, &mut product);
             (dot(&x, &product, parallel) / self.inner.square(&x), x)
         };
-        let mut pairs: Vec<(f64, Vec<f64>)> = (0..wanted).map(of).collect();
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut pairs: Vec<((f64, Vec<f64>), f64)> =
+            errors.into_iter().enumerate().map(|(k, error)| (of(k), error)).collect();
+        pairs.sort_by(|((a, _), _), ((b, _), _)| a.total_cmp(b));
+        let (pairs, errors): (Vec<(f64, Vec<f64>)>, Vec<f64>) = pairs.into_iter().unzip();
         let (values, vectors): (Vec<f64>, Vec<Vec<f64>>) = pairs.into_iter().unzip();
         let rounding = self.problem.rounding(&vectors);
-        Eigenpairs { values, vectors, rounding, negative: 0, counted: false }
+        let by_products = Some(ByProducts { iterations: self.iterations, errors });
+        Eigenpairs { values, vectors, rounding, negative: 0, counted: false, by_products }
     }
 }
 

@@ -106,7 +106,8 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
             found.values.truncate(wanted);
             found.vectors.truncate(wanted);
             let rounding = found.vectors.iter().map(|x| rounding(x)).collect();
-            return Ok(Eigenpairs { values: found.values, vectors: found.vectors, rounding, negative, counted: true });
+            let KnownPairs { values, vectors } = found;
+            return Ok(Eigenpairs { values, vectors, rounding, negative, counted: true, by_products: None });
         }
     }
     Err(LinearError::Eigenpairs { found: wanted.saturating_sub(missing), wanted })

@@ -38,4 +38,16 @@ pub struct Eigenpairs {
     pub negative: usize,
     /// Whether the pivots of `A - mu M = L D L^T` show that no eigenvalue is missing, and how many are negative; else these are those that were found.
     pub counted: bool,
+    /// Of pairs by products: how they were found.
+    pub by_products: Option<ByProducts>,
+}
+
+/// How eigenpairs were found without a factor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ByProducts {
+    /// Iterations, each of one product of A and one cycle for every vector of the block that is not known yet.
+    pub iterations: usize,
+    /// By pair `sqrt(r . T r / (lambda + s))`, `r = A x - lambda M x`, T the preconditioner, near `(A + s M)^-1`: an estimate, no bound, of the
+    /// relative error of x in the norm of `A + s M`, whose square is about that of `lambda + s`.
+    pub errors: Vec<f64>,
 }

@@ -353,7 +353,7 @@ impl LinearSolver for Direct {
         let single = || symbolic.approximate(system.matrix, system.parallel).ok();
         let evidence = (self.precision == Precision::Single).then(single).flatten().and_then(|f| definite(&f, system));
         if evidence.is_some_and(|(smallest, x)| smallest > APART * rounding(&x)) {
-            return Ok(Some(Inertia { negative: 0 }));
+            return Ok(Some(Inertia { negative: 0, by_factor: true }));
         }
         let factor = match symbolic.factorize(system.matrix, Pivots::Positive, system.parallel) {
             Err(FactorError::NotPositive { .. }) => {
@@ -366,12 +366,13 @@ impl LinearSolver for Direct {
             factor.solve(x, 1);
             true
         };
-        let Some((smallest, x)) = smallest_eigenvalue(solve, system) else { return Ok(Some(Inertia { negative })) };
+        let counted = Ok(Some(Inertia { negative, by_factor: true }));
+        let Some((smallest, x)) = smallest_eigenvalue(solve, system) else { return counted };
         let rounding = rounding(&x);
         if smallest < rounding {
             return Err(LinearError::NearlySingular { smallest, rounding });
         }
-        Ok(Some(Inertia { negative }))
+        counted
     }
 
     fn negative(&self) -> Option<usize> {

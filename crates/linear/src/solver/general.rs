@@ -174,7 +174,7 @@ impl LinearSolver for General {
             return Err(LinearError::NoInertia);
         }
         let factor = self.structure.symbolic().factorize(system.matrix, Pivots::AnySign, system.parallel)?;
-        Ok(Some(Inertia { negative: factor.negative_pivots() }))
+        Ok(Some(Inertia { negative: factor.negative_pivots(), by_factor: true }))
     }
 
     fn bytes(&self) -> usize {

@@ -66,6 +66,8 @@ pub struct Step {
 pub struct Inertia {
     /// Negative eigenvalues: 0 of a positive definite matrix.
     pub negative: usize,
+    /// Whether a factor shows it by its pivots; else conjugate gradients from scattered numbers met no negative curvature, which is no proof.
+    pub by_factor: bool,
 }
 
 /// What was done, in counts.

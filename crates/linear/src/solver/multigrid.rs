@@ -342,10 +342,10 @@ impl LinearSolver for MultigridSolver {
         let n = system.matrix.pattern().dofs();
         let b: Vec<f64> = (0..n).map(|i| if system.fixed[i] { 0.0 } else { golden(i) }).collect();
         if self.rest_is_definite(system, &b)? {
-            return Ok(Some(Inertia { negative: 0 }));
+            return Ok(Some(Inertia { negative: 0, by_factor: false }));
         }
         match self.run_by(system, None, &b, Aim::residual(EVIDENCE), &mut LinearWork::default())? {
-            Outcome::Solved(_) => Ok(Some(Inertia { negative: 0 })),
+            Outcome::Solved(_) => Ok(Some(Inertia { negative: 0, by_factor: false })),
             Outcome::Indefinite(_) => Err(LinearError::Indefinite),
         }
     }

@@ -1,5 +1,6 @@
 //! [`SeriesRecord`]: equilibria along a parameter; [`ModesRecord`]: modes.
 
+use crate::number::count;
 use crate::record::{ByName, FailureRecord, Nullable, Number, RangeRecord, StateRecord};
 
 records! {
@@ -78,6 +79,10 @@ records! {
         negative: Option<usize>,
         /// Whether the pivots of a factor show that no lower mode is missing.
         counted: Option<bool>,
+        /// Of modes without a factor: iterations that found them.
+        iterations: Option<usize>,
+        /// Of modes without a factor, by mode: estimated relative error of the shape in the energy norm, whose square is about that of the value.
+        errors: Option<Vec<Number>>,
         /// Unit of the eigenvalues.
         unit: Option<String>,
         /// Frequencies w/(2 pi) in Hz: 0 of neutral modes, such as rigid motions; null of unstable ones.
@@ -88,7 +93,7 @@ records! {
         modal_masses: Option<Vec<Number>>,
         /// Shares of the kinetic energy along x, y, z.
         directions: Option<Vec<Vec<Number>>>,
-        /// Modes of rigid motions.
+        /// Modes whose frequency is zero within rounding, as of rigid motions that the supports leave free.
         neutral: Option<usize>,
         /// Modes that grow.
         unstable: Option<usize>,
@@ -126,11 +131,21 @@ records! {
 }
 
 impl ModesRecord {
-    /// What is said of modes that nothing proves to be the lowest.
-    pub fn proof(&self) -> &'static str {
-        match self.counted {
-            Some(false) => "; without a factor: nothing proves that no lower one is missing",
-            _ => "",
+    /// What is said of how modes were found: which are zero, and without a factor in how many iterations and how well.
+    pub fn how_found(&self) -> String {
+        let mut said = match self.neutral {
+            None | Some(0) => String::new(),
+            Some(1) => "; one is zero within rounding, as a rigid motion is".to_owned(),
+            Some(n) => format!("; {n} are zero within rounding, as rigid motions are"),
+        };
+        if self.counted == Some(false) {
+            let errors = self.errors.iter().flatten().filter_map(|error| **error);
+            let error = errors.fold(0.0, f64::max);
+            let iterations = count(self.iterations.unwrap_or_default(), "iteration");
+            said += &format!(
+                "; without a factor, in {iterations}, shapes to about {error:.1e} in the energy norm: nothing proves that no lower one is missing"
+            );
         }
+        said
     }
 }

@@ -48,6 +48,8 @@ records! {
         reactions: Option<ByName<Vec<Number>>>,
         /// Negative pivots of the tangent: 0 is a stable equilibrium, null where they were not counted.
         inertia: Nullable<usize>,
+        /// Whether pivots of a factor show it; false where conjugate gradients met no negative curvature, which is no proof.
+        inertia_by_factor: Option<bool>,
         /// Why they were not counted.
         inertia_missing: Option<UncountedRecord>,
         /// What contact alone holds and nothing that touches it: it may roll or slide on, and rests where it came to.
@@ -220,6 +222,16 @@ impl StateRecord {
     pub fn member(&self, member: &MemberRecord) -> Option<&Self> {
         let scenario = member.scenario.as_ref().map_or(Some(self), |name| self.scenarios.get(name))?;
         member.load_case.as_ref().map_or(Some(scenario), |name| scenario.load_cases.get(name))
+    }
+
+    /// What is known of an equilibrium without negative pivots.
+    pub fn no_negative(&self) -> &'static str {
+        match self.inertia_by_factor {
+            Some(false) => {
+                "conjugate gradients met no negative curvature of the tangent; without a factor that is no proof"
+            }
+            _ => "no negative pivot of the tangent",
+        }
     }
 
     /// The entries of a member, made where there are none yet.

@@ -7,7 +7,7 @@ use nastic_case::warning::{
 };
 use nastic_control::EnsemblePoint;
 use nastic_fem::{FreeMotion, PointPeak, SolveOptions, State, StateError};
-use nastic_language::number::{quantity, short};
+use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_mesh::Mesh;
 use nastic_mesh::spatial::{SelfIntersection, Shape};
@@ -24,8 +24,8 @@ const FAR: f64 = 3.0;
 /// What was found in the state of one member.
 #[derive(Debug, Clone)]
 pub(crate) struct Inspection {
-    /// Negative pivots of the tangent, or why they were not counted.
-    pub inertia: Result<usize, Uncounted>,
+    /// Negative pivots of the tangent and, where it is known, whether a factor shows them; or why they were not counted.
+    pub inertia: Result<(usize, Option<bool>), Uncounted>,
     /// What may roll or slide on.
     pub free: Option<FreeMotion>,
     /// Where the deformed body intersects itself.
@@ -76,13 +76,14 @@ impl Inspection {
         }
         let uncounted =
             |error: StateError| Uncounted { singular: error.is_singular(), moving: false, why: error.to_string() };
-        Self::counted_by(member, state, || member.solid().negative_pivots(state).map_err(uncounted))
+        let found = || member.solid().model().tangent_inertia(state, &SolveOptions::default()).map_err(uncounted);
+        Self::counted_by(member, state, || found().map(|found| (found.negative, Some(found.by_factor))))
     }
 
     /// Of a state whose negative pivots may be known; else the reason is found anew.
     pub fn of_counted(member: CaseMember<'_>, state: &State, negative: Option<usize>) -> Self {
         match negative {
-            Some(negative) => Self::counted_by(member, state, || Ok(negative)),
+            Some(negative) => Self::counted_by(member, state, || Ok((negative, None))),
             None => Self::of(member, state),
         }
     }
@@ -91,7 +92,7 @@ impl Inspection {
     fn counted_by(
         member: CaseMember<'_>,
         state: &State,
-        count: impl FnOnce() -> Result<usize, Uncounted> + Send,
+        count: impl FnOnce() -> Result<(usize, Option<bool>), Uncounted> + Send,
     ) -> Self {
         let mesh = member.mesh();
         let positions = positions(mesh.points(), &state.u, mesh.dim());
@@ -136,9 +137,9 @@ impl Inspection {
     pub fn warnings(&self, member: CaseMember<'_>, what: &str) -> Vec<Warning> {
         let mut out = Vec::new();
         match &self.inertia {
-            Ok(0) | Err(Uncounted { moving: true, .. }) => {}
-            Ok(n) => {
-                let pivots = if *n == 1 { "1 negative pivot".to_owned() } else { format!("{n} negative pivots") };
+            Ok((0, _)) | Err(Uncounted { moving: true, .. }) => {}
+            Ok((n, _)) => {
+                let pivots = count(*n, "negative pivot");
                 out.push(Warning::new(&UNSTABLE, format!("{pivots} of the tangent stiffness")));
             }
             Err(Uncounted { singular, why, .. }) => {

@@ -126,7 +126,8 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<StateRecord, MemberEr
     if detail == Detail::Full {
         out.min_j = one.min_j.into();
         if let Some(found) = one.inspection {
-            out.inertia = found.inertia.as_ref().ok().copied().into();
+            out.inertia = found.inertia.as_ref().ok().map(|(negative, _)| *negative).into();
+            out.inertia_by_factor = found.inertia.as_ref().ok().and_then(|(_, by_factor)| *by_factor);
             out.inertia_missing = found.inertia.as_ref().err().map(Uncounted::record);
             out.free_motion = found.free.as_ref().map(super::failure::free_motion);
             out.self_intersection = Some(found.intersection_record());
@@ -162,6 +163,7 @@ fn overall(own: &[StateRecord], reports: &[MemberReport<'_>]) -> StateRecord {
         min_j: reports.iter().map(|one| one.min_j).fold(f64::INFINITY, f64::min).into(),
         residual: reports.iter().map(|one| one.state.report.residual).fold(0.0, f64::max).into(),
         inertia: inertia.and_then(|all| all.into_iter().max()).into(),
+        inertia_by_factor: own.iter().map(|entry| entry.inertia_by_factor).reduce(|a, b| Some(a? && b?)).flatten(),
         free_motion: own.iter().find_map(|entry| entry.free_motion.clone()),
         inertia_missing: own.iter().find_map(|entry| entry.inertia_missing.clone()),
         ..StateRecord::default()

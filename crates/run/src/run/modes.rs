@@ -184,8 +184,8 @@ fn print_modes(session: &mut Session<'_>, about: &str, found: &[StateModes]) {
     for (index, own) in found.iter().enumerate() {
         let in_steps = own.seen.as_ref().map(in_steps);
         session.entries_of(index).modes = ModesRecord { in_steps, ..record(&own.modes, about, &units, dim) };
-        let (inside, proof) = (session.problem.member(index).inside(), session.entries_of(index).modes.proof());
-        session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}{proof}"));
+        let (inside, how) = (session.problem.member(index).inside(), session.entries_of(index).modes.how_found());
+        session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}{how}"));
         session.console.say(format!("  {:>9} {:>16} {:>14} {:>22}", "mode", "frequency", "period", "along x, y, z"));
         for (k, mode) in own.modes.iter().enumerate() {
             session.console.say(row(k + 1, mode, &units, dim));
@@ -246,6 +246,8 @@ fn record(modes: &[VibrationMode], about: &str, units: &Units, dim: usize) -> Mo
         modal_masses: of(&|mode| Some(units.in_si(mode.modal_mass, mass))),
         directions: Some(modes.iter().map(|mode| numbers(&mode.directions[..dim])).collect()),
         counted: Some(modes.iter().all(|mode| mode.counted)),
+        iterations: modes.iter().find_map(|mode| mode.by_products).map(|(iterations, _)| iterations),
+        errors: modes.iter().map(|mode| mode.by_products.map(|(_, error)| error.into())).collect(),
         neutral: count(|kind| kind == ModeKind::Neutral),
         unstable: count(|kind| matches!(kind, ModeKind::Unstable { .. })),
         units: Some(ModesUnits {

@@ -109,7 +109,14 @@ impl<'c> Session<'c> {
         began: Instant,
     ) -> Result<Self, RunError> {
         apply(&options.set, &mut document)?;
-        let mut session = Self::of(command, document, options.set.clone(), options.cancel.clone(), console, began)?;
+        // what is not solved may float
+        let lower = match &command {
+            Command::Modes if options.modes.undeformed => CaseProblem::lower_free,
+            _ => CaseProblem::lower,
+        };
+        let problem = lower(document, options.cancel.clone())?;
+        let mut session = Self::on(command, problem, options.cancel.clone(), console, began);
+        session.settings = options.set.clone();
         session.strict = options.strict;
         (session.report, session.figure) = (!options.no_report, options.figure);
         session.explain = options.explain;
@@ -150,25 +157,13 @@ impl<'c> Session<'c> {
         options: &Options,
         console: &'c Console,
     ) -> Result<Self, RunError> {
-        let mut session = Self::of(command, document, settings, options.cancel.clone(), console, Instant::now())?;
-        session.out = out;
-        session.take_directory(directory);
-        session.join_team(options)?;
-        Ok(session)
-    }
-
-    /// Lowers the case.
-    fn of(
-        command: Command,
-        document: Document,
-        settings: Vec<String>,
-        cancel: Arc<AtomicBool>,
-        console: &'c Console,
-        began: Instant,
-    ) -> Result<Self, RunError> {
+        let (began, cancel) = (Instant::now(), options.cancel.clone());
         let problem = CaseProblem::lower(document, cancel.clone())?;
         let mut session = Self::on(command, problem, cancel, console, began);
         session.settings = settings;
+        session.out = out;
+        session.take_directory(directory);
+        session.join_team(options)?;
         Ok(session)
     }
 

@@ -1,7 +1,7 @@
 //! Results in lines for the terminal.
 
 use crate::run::session::Session;
-use nastic_language::number::{quantity, short, vector};
+use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_numeric::format::scientific;
 use nastic_report::record::{
@@ -56,9 +56,8 @@ pub(crate) fn inertia(state: &StateRecord) -> String {
         (Some(0), _) if state.free_motion.is_some() => {
             format!("neutral: {}", state.free_motion.as_ref().map_or_else(String::new, FreeMotionRecord::words))
         }
-        (Some(0), _) => "stable (no negative pivot of the tangent)".to_owned(),
-        (Some(1), _) => "UNSTABLE: 1 negative pivot of the tangent".to_owned(),
-        (Some(n), _) => format!("UNSTABLE: {n} negative pivots of the tangent"),
+        (Some(0), _) => format!("stable ({})", state.no_negative()),
+        (Some(n), _) => format!("UNSTABLE: {} of the tangent", count(n, "negative pivot")),
         (None, Some(missing)) if missing.singular => "the tangent is singular: a bifurcation".to_owned(),
         (None, missing) => {
             let why = missing.as_ref().and_then(|missing| missing.why.as_deref()).unwrap_or("no reason is known");

@@ -1,4 +1,4 @@
-//! The memory that a solve takes, predicted.
+//! The linear solver, and the memory that a solve takes, predicted.
 
 use nastic_case::describe::{Line, line};
 use nastic_case::lower::CaseProblem;
@@ -8,7 +8,7 @@ use nastic_report::record::MemoryRecord;
 pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let model = problem.solid().model();
     let structure = model.tangent_structure();
-    let mut out = Vec::new();
+    let mut out = vec![line("solver", format!("{}: {}", model.solver(), model.solver().about()))];
     let megabytes = |bytes: usize| format!("{:.1} MB", bytes as f64 / 1e6);
     // steps in time assemble their tangents
     let of_levels =

@@ -38,11 +38,13 @@ pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
             eigenvalues: Some(numbers(&own.eigenvalues)),
             negative: Some(own.negative),
             counted: Some(own.counted),
+            iterations: own.by_products.as_ref().map(|found| found.iterations),
+            errors: own.by_products.as_ref().map(|found| numbers(&found.errors)),
             unit: Some(unit.clone()),
             ..ModesRecord::default()
         };
-        let (inside, proof) = (session.problem.member(index).inside(), session.entries_of(index).modes.proof());
-        session.console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}{proof}"));
+        let (inside, how) = (session.problem.member(index).inside(), session.entries_of(index).modes.how_found());
+        session.console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}{how}"));
         for (k, lambda) in own.eigenvalues.iter().enumerate() {
             let remark = if k < own.negative { "  unstable" } else { "" };
             session.console.say(format!("  {:>9} {:>16} {unit}{remark}", k + 1, scientific(*lambda, 6)));
