@@ -272,7 +272,7 @@ hex27 3
 EOF
 }
 
-# What messages take on two and on four hosts against the formula of docs/clusters.md. Beside other work the figures are larger, and the ratio moves by some tens of per cent.
+# What messages take on two and on four hosts against the formula of docs/development/messages-of-ranks.md. Beside other work the figures are larger, and the ratio moves by some tens of per cent.
 messages() {
   cargo build --release --locked --quiet --manifest-path mpi/Cargo.toml --target-dir target/mpi_openmpi --examples || exit 1
   ranks_within host1,host2 2 target/mpi_openmpi/release/examples/messages >"$out/messages.json" 2>"$out/messages.log" &&

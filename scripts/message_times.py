@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What messages between ranks take, by the formula of docs/clusters.md: python3 scripts/message_times.py FILE, with the lines of mpi/examples/messages.rs.
+"""What messages between ranks take, by the formula of docs/development/messages-of-ranks.md: python3 scripts/message_times.py FILE, with the lines of mpi/examples/messages.rs.
 
 Prints measured and predicted times, and fails where an iteration is more than 50 % off. A message takes L + 2 o + bytes / B (LogGP: A. Alexandrov,
 M. Ionescu, K. Schauser, C. Scheiman, J. Parallel Distrib. Comput. 44, 1997, 71-79); `each` is L + 2 o.

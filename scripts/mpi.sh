@@ -2,7 +2,7 @@
 # nastic-mpi on the ranks of MPI against nastic alone: the same bits for 1, 2, 3, 4 and 7 ranks, ranks that are killed, and what resumes.
 #
 #   scripts/mpi.sh [KILLS [SEED]]        KILLS: moments at which a rank is killed, 20 if absent
-#   PARTS="motion starts" scripts/mpi.sh    some parts alone, of robust_turgor, load_cases, motion, risk_and_constraints, starts, faults
+#   PARTS="motion starts" scripts/mpi.sh    some parts alone, of robust_turgor, load_cases, motion, risk_and_constraints, starts, slurm, faults
 #
 # Needs mpirun, mpicc and libclang (Debian: libopenmpi-dev or libmpich-dev, libclang-dev). Where both libraries are installed:
 #
@@ -11,7 +11,7 @@ set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 kills=${1:-20}
-all="robust_turgor load_cases motion risk_and_constraints starts faults"
+all="robust_turgor load_cases motion risk_and_constraints starts slurm faults"
 parts=${PARTS-$all}
 . scripts/mpi-cases.sh
 check_parts "$parts" "$all"
@@ -105,6 +105,35 @@ fill_a_disk() { # ARGUMENTS...
   umount "$disk"
 }
 
+# The script for SLURM of docs/clusters.md, by a shell that sets SLURM's variables, which finds the mpirun of this run: a rank is killed, and the script is sent again.
+run_the_script() {
+  local place="$out/slurm" status job
+  mkdir -p "$place/bin"
+  sed -n '/^# ranks.sh$/,/^```$/{/^```$/!p}' docs/clusters.md >"$place/ranks.sh"
+  printf '#!/bin/sh\nexec %s %s "$@"\n' "$(command -v "$mpirun")" "${options[*]}" >"$place/bin/mpirun"
+  chmod +x "$place/bin/mpirun"
+  ln -s "$PWD/$program" "$place/bin/nastic-mpi"
+  sed -e "s|\.\./\.\./meshes|$PWD/meshes|" -e 's|"max_iterations": 100, "tolerance": 2e-3|"max_iterations": 12, "tolerance": 1e-12|' \
+    -e '/"expect"/d' -e 's|"output": .*|"output": { "checkpoint": 1 }|' "$cases/robust_turgor.json" >"$place/robust.json"
+  # the result names the case as it was given
+  (cd "$place" && "$OLDPWD/$nastic" optimize robust.json --threads 2 --quiet --out one 2>one.log)
+  codes[$place/one]=$?
+  sent() { (cd "$place" && PATH="$place/bin:$PATH" SLURM_NTASKS=3 SLURM_CPUS_PER_TASK=1 "${within[@]}" bash ranks.sh >>log 2>&1); }
+  sent &
+  job=$!
+  for _ in $(seq 200); do
+    [ -f "$place/out/robust/checkpoint_b0.bin" ] && break # of the first iteration
+    sleep 0.1
+  done
+  kill -KILL "$(ranks_in out/robust | sed -n 2p)"
+  note "the script for SLURM, a rank of which is killed" $?
+  wait "$job"
+  sent
+  status=$?
+  same "$place/one" "$place/out/robust" "$status" && grep -q '"resumed"' "$place/out/robust/result.json"
+  note "the script for SLURM, sent again" $?
+}
+
 compare robust_turgor optimize $cases/robust_turgor.json "${short[@]}" --set optimizer/max_iterations=6
 compare load_cases optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6
 compare motion "${motion[@]}"
@@ -112,6 +141,7 @@ compare risk_and_constraints optimize $cases/robust_turgor.json "${short[@]}" --
   --set 'risk={"cvar":{"level":0.6,"smoothing":0.05}}' \
   --set 'constraints=[{"name":"reach","cost":{"kind":"position","surface":"track","target":{"x":0.05}},"at_most":1e-4}]'
 compare starts optimize $cases/t_two_loads.json "${short[@]}" --set optimizer/max_iterations=6 --set optimizer/starts=7
+if wanted slurm; then run_the_script; fi
 if wanted faults; then
   reference "$out/uninterrupted" "${long[@]}"
   began=$(date +%s%3N)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Efficiency of members over ranks by the formula of docs/clusters.md: python3 scripts/team-efficiency.py [--plot] (NumPy; matplotlib for the plot).
+"""Efficiency of members over ranks by the formula of docs/development/messages-of-ranks.md: python3 scripts/team-efficiency.py [--plot] (NumPy; matplotlib for the plot).
 
 Prints the table of that page, and with --plot draws docs/images/team_efficiency.png.
 

@@ -1,7 +1,7 @@
 //! What messages between ranks take: `mpirun -n 4 messages [CONTROLS [BATCHES]]`, an even number of ranks.
 //!
 //! Ranks r and r + 1 pass a message to and fro, all pairs at once: its time by its length. Then all ranks exchange and add up what an iteration of one trial and
-//! one derivative does (docs/clusters.md), eight members on each rank, one iteration after the other. Rank 0 prints a line of JSON with medians over batches, in
+//! one derivative does (docs/development/messages-of-ranks.md), eight members on each rank, one iteration after the other. Rank 0 prints a line of JSON with medians over batches, in
 //! seconds; `scripts/message_times.py` compares them with the formula.
 
 use nastic_cli::Ended;

@@ -47,7 +47,7 @@ use std::sync::atomic::AtomicBool;
 ///
 /// Of a body over ranks ([`Solid::of_part`]) all ranks build the same problem and call the same methods together. The control vector is that of the whole body, with the numbers
 /// and in the order of one process; vectors, costs and derivatives have the same bits on all ranks, so that an optimiser on each of them takes the same
-/// decisions. States are those of the part. See docs/clusters.md.
+/// decisions. States are those of the part. See docs/one-body-over-ranks.md.
 ///
 /// ```
 /// use nastic_control::{ControlEntity, Reduced, ReducedWorkspace, Space, Target, Tracking};

@@ -1,4 +1,4 @@
-//! Messages and bytes of one body over ranks, which are threads here, as docs/clusters.md says.
+//! Messages and bytes of one body over ranks, which are threads here, as docs/development/messages-of-ranks.md says.
 
 use crate::ranks::{Outcome, on, solver::Simple};
 use nastic_control::{

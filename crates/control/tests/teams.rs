@@ -104,7 +104,7 @@ fn second_derivatives_have_the_same_bits_on_any_number_of_ranks() -> Outcome {
     Ok(())
 }
 
-/// The formulas of docs/clusters.md. `of` has the bytes that are told of a member.
+/// The formulas of docs/development/messages-of-ranks.md. `of` has the bytes that are told of a member.
 fn exchanged(shares: &Shares, of: usize) -> Traffic {
     let ranks = shares.ranks();
     let rounds = ranks.next_power_of_two().trailing_zeros() as usize;

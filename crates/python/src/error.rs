@@ -43,7 +43,7 @@ pub(crate) fn problems(py: Python<'_>, found: &Diagnostics) -> PyErr {
 pub(crate) fn of_run(py: Python<'_>, error: &RunError) -> PyErr {
     match error.cause() {
         RunError::Input(found) => problems(py, found),
-        RunError::Forward { member, error: source, file } => {
+        RunError::Forward { member, error: source, file, .. } => {
             let file = file.as_ref().map(|file| file.display().to_string());
             solve(py, error.to_string(), member, code(source), file)
         }

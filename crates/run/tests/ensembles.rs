@@ -394,7 +394,10 @@ fn a_scenario_without_equilibrium_is_named() {
         let error = place.run(command, &torn, &[]).unwrap_err();
         assert_eq!(error.exit(), Exit::ForwardFailed);
         let described = error.to_string();
-        assert!(described.starts_with("stiff: ") && described.contains("failure.vtu"), "{described}");
+        assert!(
+            described.starts_with("member 1 (scenario stiff): ") && described.contains("failure.vtu"),
+            "{described}"
+        );
     }
 }
 

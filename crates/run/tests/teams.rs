@@ -242,7 +242,7 @@ fn a_member_without_an_equilibrium_on_the_last_rank_is_named_with_it() {
     let optimize = |options: &Options| run(Command::Optimize, &file, options, &Console::silent());
     let found = on_ranks(3, &Faults::default(), &options(&place, &set), optimize);
     let texts: Vec<String> = found.iter().map(|found| found.as_ref().unwrap_err().to_string()).collect();
-    assert!(texts[0].starts_with("s4: ") && texts[0].contains("(on rank 2)"), "{}", texts[0]);
+    assert!(texts.iter().all(|text| text.starts_with("member 4 (scenario s4) on rank 2: ")), "{texts:?}");
     assert!(found.iter().all(|found| found.as_ref().map_err(RunError::exit).unwrap_err() == Exit::ForwardFailed));
 }
 

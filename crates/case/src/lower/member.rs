@@ -116,6 +116,15 @@ impl<'p> CaseMember<'p> {
         [self.scenario(), self.load_case()].into_iter().flatten().collect::<Vec<_>>().join("/")
     }
 
+    /// `member 4 (scenario NAME, load case NAME)`, counted from 0, or nothing in a plain case.
+    #[must_use]
+    pub fn words(&self) -> String {
+        let scenario = self.scenario().map(|name| format!("scenario {name}"));
+        let load_case = self.load_case().map(|name| format!("load case {name}"));
+        let names = [scenario, load_case].into_iter().flatten().collect::<Vec<_>>().join(", ");
+        if names.is_empty() { names } else { format!("member {} ({names})", self.index) }
+    }
+
     /// ` in NAME`, or nothing in a plain case: what is said of it ends with that.
     #[must_use]
     pub fn inside(&self) -> String {

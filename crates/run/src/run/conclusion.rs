@@ -32,7 +32,7 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.interrupted |= error.is_lack_of_memory() || matches!(error, RunError::Team(_));
     session.close(error.exit());
     session.record.error = Some(error.to_string());
-    if let RunError::Forward { member, error, file } = error.cause() {
+    if let RunError::Forward { member, error, file, .. } = error.cause() {
         if file.is_some() {
             session.list_files(vec!["failure.vtu".to_owned()]);
         }

@@ -107,10 +107,12 @@ pub enum RunError {
     #[error(transparent)]
     MemoryLimit(#[from] nastic_fem::MemoryLimitError),
     /// There is no equilibrium, or no cost, where the command needs one.
-    #[error("{}{error}{}{}", prefix(.member), rank(.error), kept(.file))]
+    #[error("{}{error}{}", prefix(.of), kept(.file))]
     Forward {
         /// Scenario and load case; empty where there is but one state.
         member: String,
+        /// The same in words, with the rank that has it: `member 4 (scenario s4) on rank 2`.
+        of: String,
         /// What failed.
         error: Box<ControlError>,
         /// Where the last good state was written.
@@ -230,12 +232,8 @@ pub enum RunError {
     Cancelled,
 }
 
-fn prefix(member: &str) -> String {
-    if member.is_empty() { String::new() } else { format!("{member}: ") }
-}
-
-fn rank(error: &ControlError) -> String {
-    if let ControlError::Remote(failure) = error { format!(" (on rank {})", failure.rank) } else { String::new() }
+fn prefix(of: &str) -> String {
+    if of.is_empty() { String::new() } else { format!("{of}: ") }
 }
 
 fn number(process: &Option<u32>) -> String {

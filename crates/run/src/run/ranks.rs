@@ -5,7 +5,7 @@ use crate::run::error::RunError;
 use crate::run::options::Options;
 use crate::run::session::Session;
 use nastic_case::part::Share;
-use nastic_control::EnsemblePoint;
+use nastic_control::{ControlError, EnsemblePoint};
 use nastic_language::schema::Command;
 use nastic_team::{Team, exchange};
 use std::path::Path;
@@ -48,6 +48,15 @@ impl Session<'_> {
 
     fn shares_starts(&self) -> bool {
         self.team.is_some() && self.problem.case.optimizer.starts > 1
+    }
+
+    /// Which rank has the member of an error, in words; nothing where all members are on one.
+    pub(super) fn on_rank(&self, error: &ControlError) -> String {
+        match (error, self.team_of_members()) {
+            (ControlError::Remote(failure), _) => format!(" on rank {}", failure.rank),
+            (_, Some(team)) => format!(" on rank {}", team.rank()),
+            (_, None) => String::new(),
+        }
     }
 
     /// Whether this rank speaks, and writes what belongs to all.

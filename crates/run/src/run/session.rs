@@ -384,7 +384,7 @@ impl<'c> Session<'c> {
             EnsembleError::Team(error) => error.into(),
             other => {
                 let error = Box::new(ControlError::Cost { what: other.to_string() });
-                RunError::Forward { member: String::new(), error, file: None }
+                RunError::Forward { member: String::new(), of: String::new(), error, file: None }
             }
         }
     }
@@ -406,7 +406,7 @@ impl<'c> Session<'c> {
             Some(error) => self.forward_failed(error.clone()),
             None => {
                 let error = Box::new(ControlError::Cost { what: failed.to_string() });
-                RunError::Forward { member: String::new(), error, file: None }
+                RunError::Forward { member: String::new(), of: String::new(), error, file: None }
             }
         }
     }
@@ -428,7 +428,8 @@ impl<'c> Session<'c> {
             Ok(file) => file,
             Err(error) => return error,
         };
-        RunError::Forward { member: member.name(), error: Box::new(error), file }
+        let of = (member.words() + &self.on_rank(&error)).trim_start().to_owned();
+        RunError::Forward { member: member.name(), of, error: Box::new(error), file }
     }
 
     /// Writes the last good state of a solve that failed, if there is one; the file it is in.
