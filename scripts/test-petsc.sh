@@ -63,7 +63,7 @@ order = math.log(remainder[0] / remainder[1]) / math.log(2)
 note("Taylor order on 3", order > 1.95, f"{order:.3f}")
 
 # ten iterations, which end at the cost of one process, with the same bits on all ranks
-for cost in "tracking", "sprung", "hausdorff":
+for cost in "tracking", "sprung", "shared", "hausdorff":
     serial = run(1, cost, 2, 10, "serial", program="optimise")
     for ranks in 1, 2, 3:
         with tempfile.TemporaryDirectory() as directory:

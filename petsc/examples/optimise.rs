@@ -1,14 +1,15 @@
-//! The tension of the fibre cantilever optimised on the ranks of MPI, 5n x n x n hex8: `mpirun -n 3 optimise tracking|sprung|hausdorff N ITERATIONS [DIRECTORY]`.
+//! The tension of the fibre cantilever optimised on the ranks of MPI, 5n x n x n hex8: `mpirun -n 3 optimise tracking|sprung|shared|hausdorff N ITERATIONS [DIRECTORY]`.
 //!
 //! With `serial` in the place of a directory every process has the whole body and a solver of nastic. Rank 0 prints a line of JSON: cost at the start and at the end, the
 //! derivative's size at the start, iterations, trials, a hash of the bits of control and cost, and on how many ranks that is the same. Into a directory each rank writes its part, rank 0
-//! the index. `sprung` is tracking with a spring along the cantilever, which ends in the first and in the last part.
+//! the index. `sprung` is tracking with a spring along the cantilever, which ends in the first and in the last part; `shared` with two springs from
+//! different parts to one node set.
 
 use nastic_control::{ControlNorm, Reduced, ReducedWorkspace, SmoothedHausdorff, Space, Target, Tracking};
 use nastic_energy::{FiberTension, MooneyRivlin};
 use nastic_fem::{Solid, Spring};
 use nastic_io::{write_pvtu, write_vtu};
-use nastic_mesh::{CellKind, box_mesh};
+use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer};
 use nastic_petsc::{PETSC, Session};
 use nastic_team::{Team, exchange};
@@ -30,14 +31,45 @@ fn bent(x: [f64; 3]) -> [f64; 3] {
     [(2.0 - x[2]) * s, x[1], 2.0 - (2.0 - x[2]) * c]
 }
 
+/// The bar with the node set `tip`, the upper edge of its end.
+fn with_tip(bar: &Mesh) -> Outcome<Mesh> {
+    let mut raw = RawMesh::new("bar");
+    raw.points = bar.points().to_vec();
+    for block in bar.blocks() {
+        block.iter().for_each(|cell| raw.push(block.kind, cell, &[1]));
+    }
+    for (tag, (name, facets)) in (1..).zip(bar.surfaces()) {
+        for &facet in facets {
+            let (kind, nodes) = bar.facet_nodes(facet);
+            raw.push(kind, &nodes, &[tag]);
+        }
+        raw.name_group(2, tag, name);
+    }
+    let tip = (0..).zip(bar.points()).filter(|(_, x)| x[0] > 0.999 && x[2] > 0.199);
+    raw.vertices.extend(tip.map(|(node, _)| (node, 1)));
+    raw.name_group(3, 1, "body");
+    raw.name_group(0, 1, "tip");
+    Ok(Mesh::build(raw)?)
+}
+
+fn springs(cost: &str) -> Vec<Spring> {
+    match cost {
+        "sprung" => vec![Spring::between("strut", [0.13, 0.1, 0.2], [0.95, 0.07, 0.0], 5e3).rest_length(0.6)],
+        "shared" => vec![
+            Spring::between("long", [0.13, 0.1, 0.2], "tip", 5e3).rest_length(0.6),
+            Spring::between("short", [0.53, 0.1, 0.0], "tip", 3e3).rest_length(0.3),
+        ],
+        _ => Vec::new(),
+    }
+}
+
 fn problem(session: &Session, (cost, n): (&str, usize), serial: bool) -> Outcome<Reduced> {
-    let (rank, mesh) = (session.rank().clone(), box_mesh([1.0, 0.2, 0.2], [5 * n, n, n], CellKind::Hex8)?);
-    let strut = Spring::between("strut", [0.13, 0.1, 0.2], [0.95, 0.07, 0.0], 5e3).rest_length(0.6);
-    let strut = Some(strut).filter(|_| cost == "sprung");
+    let (rank, mesh) = (session.rank().clone(), with_tip(&box_mesh([1.0, 0.2, 0.2], [5 * n, n, n], CellKind::Hex8)?)?);
+    let springs = springs(cost);
     let body = if serial {
         Solid::new(mesh)?
     } else {
-        let sets: Vec<Vec<u32>> = strut.iter().map(|strut| strut.nodes(&mesh)).collect::<Result<_, _>>()?;
+        let sets: Vec<Vec<u32>> = springs.iter().map(|spring| spring.nodes(&mesh)).collect::<Result<_, _>>()?;
         let part = mesh.part_reaching(&mesh.bisected(rank.size())?, rank.rank() as u32, &sets)?;
         Solid::of_part(part, rank)?.solver(PETSC)
     };
@@ -45,11 +77,11 @@ fn problem(session: &Session, (cost, n): (&str, usize), serial: bool) -> Outcome
         .material("body", MooneyRivlin::new(1e5, 2e4, 1e6)?)?
         .actuate("body", "tension", FiberTension::along(Vec3::x())?)?
         .clamp("x-")?;
-    let body = strut.into_iter().try_fold(body, Solid::spring)?;
+    let body = springs.into_iter().try_fold(body, Solid::spring)?;
     let problem = Reduced::new(body).sequential().control("tension", Space::Node)?;
     let problem = problem.cost(ControlNorm::of("tension", 1e-12)?)?;
     Ok(match cost {
-        "tracking" | "sprung" => problem.cost(Tracking::surface("x+", Target::position(lifted)))?,
+        "tracking" | "sprung" | "shared" => problem.cost(Tracking::surface("x+", Target::position(lifted)))?,
         "hausdorff" => {
             let target = box_mesh([1.0, 0.2, 0.2], [5, 1, 1], CellKind::Hex20)?.mapped(bent)?;
             problem.cost(SmoothedHausdorff::to(target).stages([(2.0, 4.0, 4.0), (4.0, 8.0, 4.0)]))?
@@ -98,7 +130,7 @@ fn optimised(session: &Session, (cost, n, iterations): (&str, usize, usize), to:
     ))
 }
 
-const USAGE: &str = "optimise tracking|sprung|hausdorff N ITERATIONS [serial|DIRECTORY]";
+const USAGE: &str = "optimise tracking|sprung|shared|hausdorff N ITERATIONS [serial|DIRECTORY]";
 
 fn main() -> Outcome {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

@@ -102,6 +102,43 @@ fn the_script_of_starts_makes_the_result_of_one_process() {
     common::assert_same(&place.path("out/starts"), &whole.path("out/starts"), "parts of starts");
 }
 
+/// A program `name` for scripts.
+fn stand_in(place: &CaseDirectory, name: &str, script: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    std::fs::create_dir_all(place.path("bin")).unwrap();
+    let file = place.path("bin").join(name);
+    std::fs::write(&file, format!("#!/bin/bash\n{script}\n")).unwrap();
+    std::fs::set_permissions(file, PermissionsExt::from_mode(0o755)).unwrap();
+}
+
+/// `mpirun` and `nastic-mpi` are stand-ins that note what they are given, and run one process.
+#[test]
+fn the_script_of_ranks_begins_and_goes_on() {
+    let (place, whole) = (place(), place());
+    for place in [&place, &whole] {
+        std::fs::copy(place.path("finger.json"), place.path("robust.json")).unwrap();
+    }
+    script(&place, "ranks.sh");
+    stand_in(&place, "mpirun", r#"echo mpirun "$@" >>told; shift 4; exec "$@""#);
+    stand_in(&place, "nastic-mpi", r#"exec nastic "$@""#);
+    let own = place.path("bin").display().to_string();
+    let send = || {
+        let mut shell = command(&place, "bash", &["-c", &format!("PATH={own}:$PATH bash ranks.sh")]);
+        shell.env("SLURM_NTASKS", "8").env("SLURM_CPUS_PER_TASK", "2").output().unwrap()
+    };
+    let one = command(&whole, "nastic", &["optimize", "robust.json", "--out", "out/robust", "--threads", "2"])
+        .output()
+        .unwrap();
+    for sent in [send(), send()] {
+        assert_eq!(code(&sent), code(&one), "{}{}", text(&sent.stdout), text(&sent.stderr));
+        common::assert_same(&place.path("out/robust"), &whole.path("out/robust"), "the script of ranks");
+    }
+    let told = std::fs::read_to_string(place.path("told")).unwrap();
+    let command = |what: &str| format!("mpirun -n 8 --bind-to none nastic-mpi {what} --threads 2");
+    let expected = [command("optimize robust.json --out out/robust"), command("resume out/robust")];
+    assert_eq!(told.lines().collect::<Vec<_>>(), expected);
+}
+
 #[test]
 fn the_snakefile_makes_the_table_of_one_process() {
     if Command::new("snakemake").arg("--version").output().is_err() {

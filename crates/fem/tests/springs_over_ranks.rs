@@ -41,11 +41,12 @@ fn with_sets(mesh: &Mesh, copies: &[f64]) -> Outcome<Mesh> {
     Ok(Mesh::build(raw)?)
 }
 
-/// Between far places, between a set and a place, and from a set to the ground; tightened, and shorter than at rest.
-fn springs() -> [Spring; 4] {
+/// Between far places, between a set and places of other parts, and from a set to the ground; tightened, and shorter than at rest.
+fn springs() -> [Spring; 5] {
     [
         Spring::between("far", [0.07, 0.1, 0.13], [0.91, 0.13, 0.2], 3e3).rest_length(0.6),
         Spring::between("back", [0.97, 0.05, 0.1], "middle", 2e3),
+        Spring::between("front", [0.05, 0.15, 0.1], "middle", 1e3).rest_length(0.4),
         Spring::to_ground("edge", "tip", [1.1, 0.1, -0.4], 1e3).rest_length(0.4),
         Spring::between("sets", "tip", "middle", 5e2).rest_length(0.0),
     ]
@@ -79,16 +80,18 @@ fn springs_across_parts_act_as_in_one_process() -> Outcome {
             let found = on(ranks, &Faults::default(), |rank| {
                 let solid = body(reaching(&mesh, &rank, scattered)?)?;
                 let part = solid.discretization().over_ranks().map(|(part, _)| part);
-                let (nodes, further) =
-                    part.map(|part| (part.nodes().to_vec(), part.further_nodes().len())).ok_or("no part")?;
+                let nodes = part.map(|part| part.nodes().to_vec()).ok_or("no part")?;
+                let further = part.map_or(&[] as &[_], |part| part.further_nodes());
+                let further: Vec<u32> = further.iter().map(|(node, _)| nodes[*node as usize]).collect();
                 let here = valued(&solid, -1e4, &how())?;
                 let [far, near] = [2e3, 1e3].map(|step| valued(&solid, -1e4 + step, &how()));
                 Ok((here, [far?.0, near?.0], nodes, further))
             });
-            let mut reached = 0;
+            let (mut reached, mut at_set) = (0, 0);
             for found in found {
                 let ((own, own_slope, own_energy, u), [far, near], nodes, further) = found?;
-                reached += further;
+                reached += further.len();
+                at_set += usize::from(further.contains(&mesh.node_set("middle")?[0]));
                 assert!((own - j).abs() < 1e-9 * j, "{kind} on {ranks}: {own:e} {j:e}");
                 assert!((own_energy - energy).abs() < 1e-9 * energy.abs(), "{own_energy:e} {energy:e}");
                 assert!((own_slope - slope).abs() < 1e-8 * slope.abs(), "{kind} on {ranks}: {own_slope:e} {slope:e}");
@@ -100,6 +103,7 @@ fn springs_across_parts_act_as_in_one_process() -> Outcome {
                 }
             }
             assert!(scattered || (reached > 0) == (ranks > 1), "nodes without cells");
+            assert!(scattered || (at_set >= 2) == (ranks > 2), "{at_set} parts reach the set of two springs");
         }
     }
     Ok(())
