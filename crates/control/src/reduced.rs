@@ -307,7 +307,7 @@ impl Reduced {
         let from_given = |timeline: &Timeline| timeline.begin() == Begin::Given && !timeline.scheme().is_quasi_static();
         let moves = self.timeline().is_some_and(from_given);
         match self.solid.check() {
-            Err(FemError::RigidMotion { .. }) if moves || self.may_float => Ok(()),
+            Err(FemError::RigidMotion { .. }) if moves || self.may_float => Ok(self.solid.model().check_in_motion()?),
             checked => Ok(checked?),
         }
     }

@@ -466,8 +466,11 @@ impl Model {
         if self.supports.ties().is_empty() { Vec::new() } else { (0..mesh.cells() as u32).filter(in_one).collect() }
     }
 
-    /// Checks that the problem is complete for motion, in which a body may be free.
-    pub(crate) fn check_in_motion(&self) -> Result<(), FemError> {
+    /// Checks that the problem is complete for motion and for modes, in which a body may be free.
+    ///
+    /// # Errors
+    /// [`FemError::NoMaterial`], what a contribution needs held.
+    pub fn check_in_motion(&self) -> Result<(), FemError> {
         self.check_laws()?;
         self.check_others()
     }

@@ -1,6 +1,7 @@
 //! What memory there is, asked before a factor is allocated: a typed error in the place of an abort.
 
 mod control_group;
+mod packing;
 
 use crate::error::FactorError;
 use std::sync::OnceLock;
@@ -25,7 +26,7 @@ pub struct LimitError {
 /// Bytes that can still be allocated; `None` where nothing is known.
 ///
 /// The least of what the system calls available (`MemAvailable` of `/proc/meminfo`), what the control groups of the process leave, its
-/// limits of address space and of data (`ulimit -v`, `ulimit -d`) less what it has, and [`limit`] less the resident size of the process. A control group (version 1 or 2), and each one above it, leaves its limit less
+/// limits of address space and of data (`ulimit -v`, `ulimit -d`) less what it has and the buffers of dense products, which are as large as caches are, and [`limit`] less the resident size of the process. A control group (version 1 or 2), and each one above it, leaves its limit less
 /// its usage without the cached files, which the system gives up before it refuses memory. On systems without `/proc` only
 /// [`limit`] counts.
 ///
@@ -56,7 +57,12 @@ pub(crate) fn check(what: &'static str, needed: usize) -> Result<(), FactorError
     let available = if needed < SMALL { of_limit()? } else { available()? };
     match available {
         Some(available) if needed > available => Err(FactorError::Memory { what, needed, available }),
-        _ => Ok(()),
+        _ => {
+            if needed >= SMALL {
+                packing::made();
+            }
+            Ok(())
+        }
     }
 }
 
@@ -96,10 +102,11 @@ fn of_system() -> Option<usize> {
     kilobytes(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemAvailable:")
 }
 
-/// What `ulimit -v` and `ulimit -d` leave; `None` without such limits.
+/// What `ulimit -v` and `ulimit -d` leave beside the buffers of dense products; `None` without such limits.
 fn of_resources() -> Option<usize> {
     let read = |file: &str| std::fs::read_to_string(file).ok();
-    left_of_resources(&read("/proc/self/limits")?, &read("/proc/self/status")?)
+    let left = left_of_resources(&read("/proc/self/limits")?, &read("/proc/self/status")?)?;
+    Some(left.saturating_sub(packing::buffers()))
 }
 
 fn left_of_resources(limits: &str, status: &str) -> Option<usize> {

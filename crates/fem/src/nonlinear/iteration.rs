@@ -3,8 +3,8 @@
 use crate::contributions::Sums;
 use crate::error::{Cause, Inadmissible, StateError};
 use crate::model::ModelPoint;
-use crate::nonlinear::direction::Direction;
-use crate::nonlinear::equations::{Equations, Evaluated};
+use crate::nonlinear::direction::{Direction, Step, Take};
+use crate::nonlinear::equations::{Drive, Equations, Evaluated};
 use crate::nonlinear::line_search::LineSearch;
 use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::solution::options::Progress;
@@ -14,9 +14,11 @@ use nastic_linear::solver::Curvature;
 
 /// Below this relative residual a step that does not halve it has met the limit of double precision.
 pub(crate) const ROUNDING: f64 = 1e-10;
-/// Below this one too, if it is that of a displacement which double precision does not resolve: of nearly incompressible bodies that bear little, rounding of
-/// `kappa (J - 1)` is more than the former share of their forces.
-const UNRESOLVED: f64 = 1e-8;
+/// Below this one too, if it is rounding of the stiffness: of nearly incompressible bodies that bear little, that of `kappa (J - 1)` is more than the former share
+/// of their forces.
+const NOISY: f64 = 1e-8;
+/// Rounding of a force, as a share of that which a strain of order 1 takes.
+const NOISE: f64 = 16.0 * f64::EPSILON;
 /// A full step shorter than this share of the body's size is below what double precision resolves.
 pub(crate) const RESOLUTION: f64 = 1e-12;
 /// Largest relative residual that such a step may leave of an equilibrium, by the largest forces met on the way; where more is left, the
@@ -115,7 +117,9 @@ struct Reached {
     energy: f64,
     /// Its pressures are apart from its changes of volume.
     apart: bool,
-    /// A full step that double precision does not resolve.
+    /// Rounding may be more than [`ROUNDING`] of the forces.
+    noisy: bool,
+    /// One that double precision does not resolve.
     tiny: bool,
 }
 
@@ -132,18 +136,15 @@ struct Left {
 }
 
 impl Left {
-    /// Whether it is small enough, or as small as double precision lets it become; `is_unresolved`: whether it is that of a displacement which is not resolved.
-    fn is_equilibrium(&self, last: &Reached, is_unresolved: impl Fn() -> bool) -> bool {
+    /// Whether it is small enough, or as small as double precision lets it become. Asked of a norm: whether that of the forces is below so much of what a strain of
+    /// order 1 takes.
+    fn is_equilibrium(&self, last: &Reached, is_below: impl Fn(f64) -> bool) -> bool {
         // at rest no force is left to measure it by but those of the way there; pressures of their own may be wrong where the displacement is not
         let resolved = || self.relative * self.scale <= if last.apart { ROUNDING } else { RESOLVED } * self.forces;
+        let is_rounding = || self.relative <= ROUNDING || last.noisy && self.relative <= NOISY && is_below(NOISE);
         self.relative <= self.accuracy
-            || self.relative > 0.5 * self.before && self.is_rounding(last, &is_unresolved)
-            || last.tiny && (resolved() || is_unresolved())
-    }
-
-    /// Whether it may be rounding alone.
-    fn is_rounding(&self, last: &Reached, is_unresolved: impl Fn() -> bool) -> bool {
-        self.relative <= ROUNDING || self.relative <= UNRESOLVED && !last.apart && is_unresolved()
+            || self.relative > 0.5 * self.before && is_rounding()
+            || last.tiny && (resolved() || is_below(RESOLUTION))
     }
 }
 
@@ -200,7 +201,7 @@ impl<'a> Iteration<'a> {
         let mut now = equations.evaluate(x)?;
         let (mut residual, mut relative) = equations.residual(&now.sums);
         let (mut before, mut least) = (f64::INFINITY, f64::INFINITY);
-        let none = Reached { curvature: Curvature::Positive, energy: 0.0, apart: false, tiny: false };
+        let none = Reached { curvature: Curvature::Positive, energy: 0.0, apart: false, noisy: false, tiny: false };
         let (mut last, mut forces) = (none, 0.0_f64);
         let shifted = report.shifted;
         for iteration in 0..=limits.most {
@@ -212,7 +213,7 @@ impl<'a> Iteration<'a> {
             let scale = space.norm(&now.sums.force_scale[..equations.dofs()]);
             forces = forces.max(scale);
             let left = Left { relative, scale, forces, before, accuracy: limits.accuracy };
-            if !direction.is_pending() && left.is_equilibrium(&last, || self.is_unresolved(&residual, &last)) {
+            if !direction.is_pending() && left.is_equilibrium(&last, |share| self.is_below(share, &residual, &last)) {
                 return Ok(last.curvature);
             }
             // multipliers may still move where the body does not
@@ -231,11 +232,7 @@ impl<'a> Iteration<'a> {
             let (is_pending, load) = (direction.is_pending(), equations.split(x).1);
             (*x, now, last) = match self.step(&here, direction, report) {
                 // no step lowers what is rounding alone
-                Err(Stop::Slow { .. })
-                    if !is_pending && left.is_rounding(&last, || self.is_unresolved(&residual, &last)) =>
-                {
-                    return Ok(last.curvature);
-                }
+                Err(Stop::Slow { .. }) if relative <= ROUNDING && !is_pending => return Ok(last.curvature),
                 taken => taken?,
             };
             (residual, relative) = equations.residual(&now.sums);
@@ -280,14 +277,29 @@ impl<'a> Iteration<'a> {
         let apart = direction.pressures().is_some_and(PredictedPressures::is_apart);
         let tiny = alone && step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
         self.length = taken.length;
-        Ok((taken.x, taken.now, Reached { curvature: step.curvature, energy: step.scale, apart, tiny }))
+        let noisy = self.is_noisy(&step, taken.length, apart);
+        Ok((taken.x, taken.now, Reached { curvature: step.curvature, energy: step.scale, apart, noisy, tiny }))
     }
 
-    /// Whether a residual is that of a displacement which double precision does not resolve.
-    fn is_unresolved(&self, residual: &[f64], last: &Reached) -> bool {
+    /// Whether the forces left are below so much of those that a strain of order 1 takes.
+    fn is_below(&self, share: f64, residual: &[f64], last: &Reached) -> bool {
         let equations = self.equations;
         let norm = equations.model.unknowns().norm(&residual[..equations.dofs()]);
-        norm <= RESOLUTION * last.energy / equations.diagonal()
+        norm <= share * last.energy / equations.diagonal()
+    }
+
+    /// Whether rounding of the stiffness may be all that a step has left: a full one, of forces in statics alone, without what pushes only where it is met.
+    fn is_noisy(&self, step: &Step, length: f64, apart: bool) -> bool {
+        let Equations { model, drive, .. } = self.equations;
+        let space = model.unknowns();
+        let is_static = matches!(drive, Drive::Held { time_step: None, .. });
+        is_static
+            && matches!(step.take, Take::Search)
+            && length == 1.0
+            && !apart
+            && space.has_one_nodal_field()
+            && space.multipliers() == 0
+            && !model.touches_something()
     }
 
     /// Tells a watch of the step just taken; without messages between ranks, of which some may have none.

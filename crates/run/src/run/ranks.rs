@@ -52,11 +52,9 @@ impl Session<'_> {
 
     /// Which rank has the member of an error, in words; nothing where all members are on one.
     pub(super) fn on_rank(&self, error: &ControlError) -> String {
-        match (error, self.team_of_members()) {
-            (ControlError::Remote(failure), _) => format!(" on rank {}", failure.rank),
-            (_, Some(team)) => format!(" on rank {}", team.rank()),
-            (_, None) => String::new(),
-        }
+        let here = || self.team_of_members().map(|team| team.rank());
+        let rank = if let ControlError::Remote(failure) = error { Some(failure.rank) } else { here() };
+        rank.map_or_else(String::new, |rank| format!(" on rank {rank}"))
     }
 
     /// Whether this rank speaks, and writes what belongs to all.

@@ -108,12 +108,12 @@ impl<'c> Session<'c> {
         console: &'c Console,
         began: Instant,
     ) -> Result<Self, RunError> {
-        apply(&options.set, &mut document)?;
         // what is not solved may float
         let lower = match &command {
             Command::Modes if options.modes.undeformed => CaseProblem::lower_free,
             _ => CaseProblem::lower,
         };
+        apply(&options.set, &mut document, |document| lower(document, Arc::default()).err())?;
         let problem = lower(document, options.cancel.clone())?;
         let mut session = Self::on(command, problem, options.cancel.clone(), console, began);
         session.settings = options.set.clone();
@@ -417,14 +417,9 @@ impl<'c> Session<'c> {
             return RunError::Cancelled;
         }
         let member = self.problem.member(index);
-        let file = match &error {
-            // The start control is what was asked for; the state shows how far the body came.
-            ControlError::State(state) => {
-                self.write_failure(member, ("failure.vtu", &member.local(&self.problem.start)), state)
-            }
-            _ => Ok(None),
-        };
-        let file = match file {
+        // The start control is what was asked for; the state shows how far the body came.
+        let write = |state| self.write_failure(member, ("failure.vtu", &member.local(&self.problem.start)), state);
+        let file = match if let ControlError::State(state) = &error { write(state) } else { Ok(None) } {
             Ok(file) => file,
             Err(error) => return error,
         };
@@ -464,15 +459,17 @@ pub(super) fn say_warning(console: &Console, warning: &Warning) {
 }
 
 /// Applies overrides; those that fail are reported with what is wrong with the case besides.
-fn apply(settings: &[String], document: &mut Document) -> Result<(), Diagnostics> {
+fn apply(
+    set: &[String],
+    document: &mut Document,
+    lower: impl Fn(Document) -> Option<Diagnostics>,
+) -> Result<(), Diagnostics> {
     let mut problems = Vec::new();
-    for option in settings {
+    for option in set {
         problems.extend(document.set(option).err().iter().flat_map(Diagnostics::list).cloned());
     }
-    if !problems.is_empty() {
-        let others = CaseProblem::lower(document.clone(), Arc::default());
-        problems.extend(others.err().iter().flat_map(Diagnostics::list).cloned());
-    }
+    let others = (!problems.is_empty()).then(|| lower(document.clone())).flatten();
+    problems.extend(others.iter().flat_map(Diagnostics::list).cloned());
     Diagnostics::new(problems).into_result()
 }
 
