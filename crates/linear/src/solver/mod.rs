@@ -66,7 +66,7 @@ pub struct Step {
 pub struct Inertia {
     /// Negative eigenvalues: 0 of a positive definite matrix.
     pub negative: usize,
-    /// Whether a factor shows it by its pivots; else conjugate gradients from scattered numbers met no negative curvature, which is no proof.
+    /// Whether a factor shows it, by its pivots or by conjugate gradients with it; else these had none and met no negative curvature from scattered numbers, which is no proof.
     pub by_factor: bool,
 }
 

@@ -48,7 +48,7 @@ records! {
         reactions: Option<ByName<Vec<Number>>>,
         /// Negative pivots of the tangent: 0 is a stable equilibrium, null where they were not counted.
         inertia: Nullable<usize>,
-        /// Whether pivots of a factor show it; false where conjugate gradients met no negative curvature, which is no proof.
+        /// Whether a factor shows it, by its pivots or by conjugate gradients with it; false where these had none and met no negative curvature, which is no proof.
         inertia_by_factor: Option<bool>,
         /// Why they were not counted.
         inertia_missing: Option<UncountedRecord>,
