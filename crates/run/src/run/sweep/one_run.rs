@@ -33,6 +33,15 @@ pub(super) struct Left {
     pub record: RunRecord,
 }
 
+/// Why there is no result.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Absent {
+    /// None, or none of a run that has come to its end.
+    NotMade,
+    /// A finished one, but of another command, case or version of the program.
+    Other,
+}
+
 /// How a result came about.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Origin {
@@ -45,17 +54,20 @@ pub(super) enum Origin {
 }
 
 impl OneRun<'_> {
-    /// What a finished run of the same command on the same case by the same version of the program has left, if there is one; the case is the same
+    /// What a finished run of the same command on the same case by the same version of the program has left; the case is the same
     /// if it and all files that it names are, by their hash. A run that was interrupted, or that could not write its files, is not finished.
-    pub fn finished(&self, strict: bool) -> Option<Left> {
-        let record = read(self.directory)?;
+    pub fn finished(&self, strict: bool) -> Result<Left, Absent> {
+        let record = read(self.directory).filter(|record| record.interrupted.is_none()).ok_or(Absent::NotMade)?;
+        let exit = record.exit.and_then(Exit::of_code).filter(|exit| *exit != Exit::NotWritten);
+        let exit = exit.ok_or(Absent::NotMade)?;
         let files: Vec<_> = record.inputs.iter().flatten().map(|file| self.document.resolve(file)).collect();
-        let exit = record.exit.and_then(Exit::of_code).filter(|exit| *exit != Exit::NotWritten)?;
         let same = record.command == self.command.name()
             && record.versions.nastic == env!("CARGO_PKG_VERSION")
-            && record.interrupted.is_none()
             && record.case_hash == Fingerprint::of(&self.document.canonical(), &files);
-        same.then(|| Left { exit: exit.under(strict, record.warnings.len()), error: None, record })
+        if !same {
+            return Err(Absent::Other);
+        }
+        Ok(Left { exit: exit.under(strict, record.warnings.len()), error: None, record })
     }
 
     /// Makes the run, or goes on with one that was interrupted.
