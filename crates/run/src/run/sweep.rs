@@ -11,7 +11,7 @@ use crate::run::options::Options;
 use crate::run::output_directory::directory_of;
 use crate::run::sweep::one_run::{Absent, Left, OneRun, Origin};
 use crate::run::sweep::table::{introduce, rows_there, table};
-use crate::run::sweep::told::{line, say_missing};
+use crate::run::sweep::told::{Tally, line, say_missing};
 use nastic_case::analysis::Analysis;
 use nastic_case::lower::SweepPlan;
 use nastic_case::output_names::SWEEP;
@@ -125,7 +125,7 @@ struct Work<'s> {
 
 impl Work<'_> {
     fn run(&mut self) -> Result<(), RunError> {
-        let (mut made, mut kept) = (0, 0);
+        let mut tally = Tally::default();
         for index in 0..self.plan.runs.len() {
             if !self.is_mine(index) {
                 continue;
@@ -135,20 +135,18 @@ impl Work<'_> {
                     self.others.push(self.plan.runs[index].directory.clone());
                 }
                 Err(_) => {}
-                Ok((row, Origin::Kept)) => {
-                    kept += 1;
-                    self.add(row, Origin::Kept);
-                }
                 Ok((row, origin)) => {
-                    made += 1;
+                    tally.add(origin);
                     self.add(row, origin);
-                    // After every run, so that what was found is kept however the sweep ends.
-                    self.write()?;
+                    if origin != Origin::Kept {
+                        // After every run, so that what was found is kept however the sweep ends.
+                        self.write()?;
+                    }
                 }
             }
         }
         self.write()?;
-        self.conclude(made, kept);
+        self.conclude(&tally);
         Ok(())
     }
 
@@ -240,7 +238,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    fn conclude(&self, made: usize, kept: usize) {
+    fn conclude(&self, tally: &Tally) {
         let console = self.console;
         say_missing(&self.table.missing, &self.others, console);
         if let Some(rows) = self.left_alone {
@@ -257,10 +255,7 @@ impl Work<'_> {
                     .say(format!("part {part:<7}nothing to run: a warm sweep is one chain, which the first part runs"));
             }
             Share::Part(part) => {
-                let runs = count(made, "run");
-                console.say(format!(
-                    "part {part:<7}{runs} made, {kept} kept; --join makes the table when all parts are done"
-                ));
+                console.say(format!("part {part:<7}{tally}; --join makes the table when all parts are done"));
             }
             Share::Whole | Share::Join => {
                 let files = "sweep.html, sweep.csv, sweep.json, sweep.svg, sweep.pvd";

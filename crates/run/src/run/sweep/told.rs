@@ -5,9 +5,42 @@ use crate::run::sweep::one_run::Origin;
 use nastic_language::number::{count, short};
 use nastic_report::SweepRow;
 use serde_json::Value;
+use std::fmt;
 
 /// Missing runs that are named on the terminal.
 const NAMED: usize = 5;
+
+/// How many runs of a part came about in which way.
+#[derive(Default)]
+pub(super) struct Tally {
+    made: usize,
+    kept: usize,
+    interrupted: usize,
+    elsewhere: usize,
+}
+
+impl Tally {
+    pub fn add(&mut self, origin: Origin) {
+        *match origin {
+            Origin::Made { interrupted: true, .. } => &mut self.interrupted,
+            Origin::Made { .. } => &mut self.made,
+            Origin::Kept => &mut self.kept,
+            Origin::Elsewhere => &mut self.elsewhere,
+        } += 1;
+    }
+}
+
+/// "3 runs made, 1 interrupted": those of which there are some.
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { made, kept, interrupted, elsewhere } = *self;
+        let all = [(made, "made"), (kept, "kept"), (interrupted, "interrupted"), (elsewhere, "left to others")];
+        let mut told = all.into_iter().filter(|(runs, _)| *runs > 0);
+        let (runs, how) = told.next().unwrap_or(all[0]);
+        write!(f, "{} {how}", count(runs, "run"))?;
+        told.try_for_each(|(runs, how)| write!(f, ", {runs} {how}"))
+    }
+}
 
 /// What is said of one run.
 pub(super) fn line(row: &SweepRow, origin: Origin, runs: usize) -> String {
@@ -22,8 +55,9 @@ pub(super) fn line(row: &SweepRow, origin: Origin, runs: usize) -> String {
         text += &row.figures.get("stop").and_then(Value::as_str).map_or_else(String::new, |stop| format!(" ({stop})"));
     }
     text += match origin {
-        Origin::Made => "",
-        Origin::Resumed => "; went on from its checkpoint",
+        Origin::Made { resumed: true, .. } => "; went on from its checkpoint",
+        // The error says who works on it.
+        Origin::Made { .. } | Origin::Elsewhere => "",
         Origin::Kept => "; kept",
     };
     if !row.warnings.is_empty() {
