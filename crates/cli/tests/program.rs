@@ -80,6 +80,29 @@ fn stopping_early_is_four_and_missing_an_expectation_six() {
     assert!(text(&output.stderr).contains("expectation missed: min_J is 0.9"), "{}", text(&output.stderr));
 }
 
+/// What a case expects holds as it is written: where --set changed it, how to leave that aside is said behind the last value missed.
+#[test]
+fn a_changed_case_that_misses_its_values_says_how_to_leave_them_aside() {
+    let expect = r#""expect": { "cost/total": { "value": 3, "absolute": 0.1 }, "min_J": { "value": 3, "absolute": 0.1 } },
+  "output""#;
+    let place = CaseDirectory::new(&BAR.replace("\"output\"", expect));
+    let solved = |more: &[&str]| place.nastic(&[&["solve", "case.json"], more].concat());
+    let advice = "            the case was changed by --set; --set 'expect={}' leaves its values aside";
+    let as_written = solved(&[]);
+    let said = text(&as_written.stdout);
+    assert!(code(&as_written) == 6 && said.contains("MISSED      min_J") && !said.contains("--set"), "{said}");
+    let finer = ["--set", "mesh/box/cells=[5,1,1]"];
+    let changed = solved(&finer);
+    let said = text(&changed.stdout);
+    let lines: Vec<&str> = said.lines().skip_while(|line| !line.starts_with("MISSED")).take(3).collect();
+    assert!(code(&changed) == 6 && lines[1].starts_with("MISSED") && lines[2] == advice, "{said}");
+    let aside = solved(&[&finer[..], &["--set", "expect={}"]].concat());
+    assert_eq!((code(&aside), text(&aside.stdout).contains("MISSED")), (0, false), "{}", text(&aside.stdout));
+    // Who overrides the values means them.
+    let meant = solved(&["--set", "expect/min_J/value=4"]);
+    assert!(code(&meant) == 6 && !text(&meant.stdout).contains("changed by --set"), "{}", text(&meant.stdout));
+}
+
 #[test]
 fn a_place_that_cannot_be_written_to_is_seven() {
     let place = CaseDirectory::new(BAR);

@@ -77,7 +77,7 @@ fn parts_in_any_order_give_the_table_of_one_process() {
             // The worst of its runs: the third of five parts has none that is refused.
             let expected = if part == "3/5" { 4 } else { 2 };
             assert_eq!(code(&output), expected, "{part}: {said}");
-            assert!(said.contains(&format!("part {part}")) && said.contains("0 kept"), "{said}");
+            assert!(said.contains(&format!("part {part}")) && !said.contains("kept"), "{said}");
         }
         assert!(!place.path("there/sweep.json").exists(), "parts write no table");
         assert_same(&place, &whole, &format!("{parts:?}"));
@@ -144,7 +144,10 @@ fn what_is_missing_is_named_and_decides_the_exit_code() {
     let joined = with(&["--join"]);
     let said = text(&joined.stdout);
     assert_eq!(code(&joined), 4, "{said}");
-    assert!(said.contains("missing     7 runs: weight=1 weight=3 weight=4 weight=5 weight=6 .."), "{said}");
+    assert!(
+        said.contains("missing     7 runs not made or not finished: weight=1 weight=3 weight=4 weight=5 weight=6 .."),
+        "{said}"
+    );
     assert_eq!(std::fs::read_to_string(place.path("there/sweep.csv")).unwrap().lines().count(), 2);
     let told: serde_json::Value = serde_json::from_slice(&with(&["--join", "--json"]).stdout).unwrap();
     assert_eq!((told["missing"].as_array().unwrap().len(), &told["exit"]), (7, &4.into()));
@@ -161,4 +164,44 @@ fn what_is_missing_is_named_and_decides_the_exit_code() {
         assert_eq!(code(&refused), 2, "{arguments:?}");
         assert!(text(&refused.stderr).contains(part), "{}", text(&refused.stderr));
     }
+}
+
+/// Runs that were made with another case or other options are told from those that are missing, and the table that they have stays.
+#[test]
+fn joining_with_another_case_leaves_the_table_and_says_what_to_do() {
+    let place = CaseDirectory::new(BAR);
+    let four = ["sweep", "case.json", "--out", "there", "--command", "solve", "--set", "costs/0/weight=1,2,3,4"];
+    let with = |more: &[&'static str]| place.nastic(&[&four[..], more].concat());
+    assert_eq!((code(&with(&["--part", "1/1"])), code(&with(&["--join"]))), (0, 0));
+    let whole = table(&place);
+    let other = "there, but of another case, other options or another version of the program: weight=1";
+    let left = |joined: &Output, missing: &str| {
+        let said = text(&joined.stdout);
+        assert!(
+            code(joined) == 4 && said.contains(missing) && said.contains("join with the case and options"),
+            "{said}"
+        );
+        assert!(said.contains("unchanged   there: the table there has 4 runs; that of now has 0"), "{said}");
+        assert!(!said.contains("results ") && table(&place) == whole, "{said}");
+    };
+    let more = ["--join", "--set", "optimizer/tolerance=1e-3"];
+    let joined = with(&more);
+    left(&joined, &format!("missing     4 runs {other} weight=2 weight=3 weight=4"));
+    assert!(!text(&joined.stdout).contains("not made"), "{}", text(&joined.stdout));
+    std::fs::write(place.path("case.json"), BAR.replace("\"Bar\"", "\"Another bar\"")).unwrap();
+    left(&with(&["--join"]), "missing     4 runs there, but");
+    std::fs::write(place.path("case.json"), BAR).unwrap();
+    assert!(code(&with(&["--join"])) == 0 && table(&place) == whole);
+    // Both kinds at once; without a table there one is written.
+    std::fs::remove_dir_all(place.path("there/weight=3")).unwrap();
+    let joined = with(&more);
+    left(&joined, &format!("missing     3 runs {other} weight=2 weight=4"));
+    assert!(text(&joined.stdout).contains("missing     1 run not made or not finished: weight=3"));
+    std::fs::remove_file(place.path("there/sweep.json")).unwrap();
+    let joined = with(&more);
+    assert!(code(&joined) == 4 && text(&joined.stdout).contains("results     there"), "{}", text(&joined.stdout));
+    assert_eq!(std::fs::read_to_string(place.path("there/sweep.csv")).unwrap().lines().count(), 1);
+    // What is missing for another reason is no row of the table.
+    assert_eq!(code(&with(&["--join"])), 4);
+    assert_eq!(std::fs::read_to_string(place.path("there/sweep.csv")).unwrap().lines().count(), 4);
 }

@@ -184,6 +184,7 @@ fn a_run_that_another_process_works_on_is_left_to_it() {
     let exits: Vec<&Value> = found.result["runs"].as_array().unwrap().iter().map(|run| &run["exit"]).collect();
     assert_eq!(exits, [0, 7, 0], "{said}");
     assert!(found.exit == Exit::NotWritten && said.contains("is in use by another program"), "{said}");
+    assert!(said.contains("part 1/1    2 runs made, 1 left to others; --join"), "{said}");
     assert!(!place.path("out/weight=2/result.json").exists());
     drop((lock, whole));
     let (joined, _) = swept(&file, &SOLVE, &Options { share: Share::Join, ..options });

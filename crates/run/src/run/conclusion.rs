@@ -67,6 +67,11 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
     for miss in &missed {
         session.console.say(format!("MISSED      {miss}"));
     }
+    // They hold for the case as it is written; who overrides them means them.
+    if !missed.is_empty() && session.settings.iter().any(|setting| !setting.starts_with("expect")) {
+        let aside = "--set 'expect={}' leaves its values aside";
+        session.console.say(format!("{:<12}the case was changed by --set; {aside}", ""));
+    }
     if checked > 0 && missed.is_empty() {
         session.console.say(format!("expect      {checked} of {checked} values as expected"));
     }

@@ -2,29 +2,28 @@
 
 mod one_run;
 mod table;
+mod told;
 
 use crate::console::Console;
 use crate::result::files::Directory;
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::output_directory::directory_of;
-use crate::run::sweep::one_run::{Left, OneRun, Origin};
-use crate::run::sweep::table::{introduce, table};
+use crate::run::sweep::one_run::{Absent, Left, OneRun, Origin};
+use crate::run::sweep::table::{introduce, rows_there, table};
+use crate::run::sweep::told::{Tally, line, say_missing};
 use nastic_case::analysis::Analysis;
 use nastic_case::lower::SweepPlan;
 use nastic_case::output_names::SWEEP;
 use nastic_case::part::{Part, Share};
 use nastic_language::catalogue::Catalogue;
-use nastic_language::number::{count, short};
+use nastic_language::number::count;
 use nastic_language::schema::Command;
 use nastic_report::{SweepRow, SweepTable};
 use nastic_team::exchange;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
-
-/// Missing runs that are named on the terminal.
-const NAMED: usize = 5;
 
 /// What is run for every value.
 #[derive(Clone, Debug)]
@@ -95,7 +94,9 @@ fn make(
     introduce(&plan, sweep, console);
     let table = table(&plan, sweep, case);
     let (worst, warm_from) = (Exit::Done, None);
-    let mut work = Work { sweep, case, plan: &plan, options, console, out, claimed, table, worst, warm_from };
+    let (others, left_alone) = (Vec::new(), None);
+    let mut work =
+        Work { sweep, case, plan: &plan, options, console, out, claimed, table, others, left_alone, worst, warm_from };
     work.run()?;
     let result = serde_json::to_value(work.table.record()).unwrap_or_default(); // records have keys that are texts
     Ok(SweepOutcome { exit: work.exit(), result })
@@ -112,6 +113,10 @@ struct Work<'s> {
     /// The same, where the table is written.
     claimed: Option<Directory>,
     table: SweepTable,
+    /// Directories of runs that are missing where a table is joined, though they have a finished result: of another case, say.
+    others: Vec<String>,
+    /// How many rows the table has that is not replaced for them.
+    left_alone: Option<usize>,
     /// The worst end so far.
     worst: Exit,
     /// The last run that has controls, where the next starts from these.
@@ -120,27 +125,28 @@ struct Work<'s> {
 
 impl Work<'_> {
     fn run(&mut self) -> Result<(), RunError> {
-        let (mut made, mut kept) = (0, 0);
+        let mut tally = Tally::default();
         for index in 0..self.plan.runs.len() {
             if !self.is_mine(index) {
                 continue;
             }
             match self.find(index) {
-                None => {}
-                Some((row, Origin::Kept)) => {
-                    kept += 1;
-                    self.add(row, Origin::Kept);
+                Err(Absent::Other) if self.options.share == Share::Join => {
+                    self.others.push(self.plan.runs[index].directory.clone());
                 }
-                Some((row, origin)) => {
-                    made += 1;
+                Err(_) => {}
+                Ok((row, origin)) => {
+                    tally.add(origin);
                     self.add(row, origin);
-                    // After every run, so that what was found is kept however the sweep ends.
-                    self.write()?;
+                    if origin != Origin::Kept {
+                        // After every run, so that what was found is kept however the sweep ends.
+                        self.write()?;
+                    }
                 }
             }
         }
         self.write()?;
-        self.conclude(made, kept);
+        self.conclude(&tally);
         Ok(())
     }
 
@@ -161,8 +167,8 @@ impl Work<'_> {
         missing.map(|(_, run)| run.directory.clone()).collect()
     }
 
-    /// The row of a run; `None` where it is missing: not made before, and not to be made now.
-    fn find(&self, index: usize) -> Option<(SweepRow, Origin)> {
+    /// The row of a run, or why it is missing: not made before, and not to be made now.
+    fn find(&self, index: usize) -> Result<(SweepRow, Origin), Absent> {
         let run = &self.plan.runs[index];
         let directory = self.out.join(&run.directory);
         let warm_from = self.warm_from.as_ref().map(|before| self.out.join(before));
@@ -172,13 +178,14 @@ impl Work<'_> {
         set.iter().for_each(|setting| drop(document.set(setting)));
         let one = OneRun { command: &self.sweep.command, case: self.case, directory: &directory, document };
         let makes = self.options.share != Share::Join && !self.options.cancel.load(Ordering::Relaxed);
-        let kept = if makes && self.options.restart { None } else { one.finished(self.options.strict) };
-        // What a run was refused for, a missing file say, may be mended.
-        let kept = kept.filter(|left| !makes || left.exit != Exit::BadInput);
-        let (left, origin) = match kept {
-            Some(left) => (left, Origin::Kept),
-            None if !makes => return None,
-            None => {
+        let again = |left: &Left| {
+            // What a run was refused for, a missing file say, may be mended.
+            makes && (self.options.restart || left.exit == Exit::BadInput)
+        };
+        let (left, origin) = match one.finished(self.options.strict) {
+            Ok(left) if !again(&left) => (left, Origin::Kept),
+            Err(absent) if !makes => return Err(absent),
+            _ => {
                 let runs = self.plan.runs.len();
                 self.console.pass(format!("run {} of {runs}: {}", index + 1, run.directory));
                 let options = self.options_of(&directory, set);
@@ -189,7 +196,7 @@ impl Work<'_> {
         let values = self.plan.swept_values(run);
         let mut row = SweepRow::of((index, &run.directory), values, (exit.code(), error), record);
         row.warm_from = self.warm_from.clone();
-        Some((row, origin))
+        Ok((row, origin))
     }
 
     fn options_of(&self, directory: &Path, set: Vec<String>) -> Options {
@@ -217,22 +224,30 @@ impl Work<'_> {
         if self.table.missing.is_empty() { self.worst } else { self.worst.worst(Exit::NotConverged) }
     }
 
-    /// Writes the table, unless others have a part in it.
+    /// Writes the table, unless others have a part in it. One that has more rows stays where finished runs are missing in that of now: who joins with an
+    /// option too many is not to lose it.
     fn write(&mut self) -> Result<(), RunError> {
         self.table.missing = self.missing();
         self.table.exit = self.exit().code();
-        match &self.claimed {
-            Some(out) => Ok(self.table.write(out.path())?),
-            None => Ok(()),
+        let Some(out) = &self.claimed else { return Ok(()) };
+        let more = || rows_there(out.path()).filter(|rows| *rows > self.table.rows.len());
+        self.left_alone = if self.others.is_empty() { None } else { more() };
+        if self.left_alone.is_none() {
+            self.table.write(out.path())?;
         }
+        Ok(())
     }
 
-    fn conclude(&self, made: usize, kept: usize) {
-        let (console, missing) = (self.console, &self.table.missing);
-        if !missing.is_empty() {
-            let more = if missing.len() > NAMED { " .." } else { "" };
-            let named = missing.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(" ");
-            console.say(format!("missing     {}: {named}{more}", count(missing.len(), "run")));
+    fn conclude(&self, tally: &Tally) {
+        let console = self.console;
+        say_missing(&self.table.missing, &self.others, console);
+        if let Some(rows) = self.left_alone {
+            let (out, there, found) = (self.out.display(), count(rows, "run"), self.table.rows.len());
+            console.say(format!(
+                "unchanged   {out}: the table there has {there}; that of now has {found} and is not written (remove sweep.json to \
+                 have it)"
+            ));
+            return;
         }
         match self.options.share {
             Share::Part(part) if self.sweep.warm && !part.is_first() => {
@@ -240,10 +255,7 @@ impl Work<'_> {
                     .say(format!("part {part:<7}nothing to run: a warm sweep is one chain, which the first part runs"));
             }
             Share::Part(part) => {
-                let runs = count(made, "run");
-                console.say(format!(
-                    "part {part:<7}{runs} made, {kept} kept; --join makes the table when all parts are done"
-                ));
+                console.say(format!("part {part:<7}{tally}; --join makes the table when all parts are done"));
             }
             Share::Whole | Share::Join => {
                 let files = "sweep.html, sweep.csv, sweep.json, sweep.svg, sweep.pvd";
@@ -251,27 +263,4 @@ impl Work<'_> {
             }
         }
     }
-}
-
-/// What is said of one run.
-fn line(row: &SweepRow, origin: Origin, runs: usize) -> String {
-    let number = |figure: &str, label: &str| row.number(figure).map(|value| format!("{label} {}", short(value)));
-    let iterations = row.number("iterations").map(|n| count(n as usize, "iteration"));
-    let parts = [number("cost/total", "cost"), number("hausdorff/true", "true Hausdorff"), iterations];
-    let mut text = format!("{:<12}{}: ", format!("run {}/{runs}", row.index + 1), row.directory);
-    text += &parts.into_iter().flatten().chain([format!("exit code {}", row.exit)]).collect::<Vec<_>>().join(", ");
-    if let Some(error) = &row.error {
-        text += &format!(" ({error})");
-    } else if !row.is_done() {
-        text += &row.figures.get("stop").and_then(Value::as_str).map_or_else(String::new, |stop| format!(" ({stop})"));
-    }
-    text += match origin {
-        Origin::Made => "",
-        Origin::Resumed => "; went on from its checkpoint",
-        Origin::Kept => "; kept",
-    };
-    if !row.warnings.is_empty() {
-        text += &format!("; WARNING: {}", row.warnings.join(", "));
-    }
-    text
 }

@@ -33,47 +33,66 @@ pub(super) struct Left {
     pub record: RunRecord,
 }
 
-/// How a result came about.
+/// Why there is no result.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Absent {
+    /// None, or none of a run that has come to its end.
+    NotMade,
+    /// A finished one, but of another command, case or version of the program.
+    Other,
+}
+
+/// How a result came about, or why there is none.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Origin {
     /// Made now.
-    Made,
-    /// Made now, from the checkpoint of a run that was interrupted on.
-    Resumed,
+    Made {
+        /// From the checkpoint of a run that was interrupted on.
+        resumed: bool,
+        /// Not to its end: a stop was requested, or there was too little memory.
+        interrupted: bool,
+    },
     /// There before.
     Kept,
+    /// Another process works on the run.
+    Elsewhere,
 }
 
 impl OneRun<'_> {
-    /// What a finished run of the same command on the same case by the same version of the program has left, if there is one; the case is the same
+    /// What a finished run of the same command on the same case by the same version of the program has left; the case is the same
     /// if it and all files that it names are, by their hash. A run that was interrupted, or that could not write its files, is not finished.
-    pub fn finished(&self, strict: bool) -> Option<Left> {
-        let record = read(self.directory)?;
+    pub fn finished(&self, strict: bool) -> Result<Left, Absent> {
+        let record = read(self.directory).filter(|record| record.interrupted.is_none()).ok_or(Absent::NotMade)?;
+        let exit = record.exit.and_then(Exit::of_code).filter(|exit| *exit != Exit::NotWritten);
+        let exit = exit.ok_or(Absent::NotMade)?;
         let files: Vec<_> = record.inputs.iter().flatten().map(|file| self.document.resolve(file)).collect();
-        let exit = record.exit.and_then(Exit::of_code).filter(|exit| *exit != Exit::NotWritten)?;
         let same = record.command == self.command.name()
             && record.versions.nastic == env!("CARGO_PKG_VERSION")
-            && record.interrupted.is_none()
             && record.case_hash == Fingerprint::of(&self.document.canonical(), &files);
-        same.then(|| Left { exit: exit.under(strict, record.warnings.len()), error: None, record })
+        if !same {
+            return Err(Absent::Other);
+        }
+        Ok(Left { exit: exit.under(strict, record.warnings.len()), error: None, record })
     }
 
     /// Makes the run, or goes on with one that was interrupted.
     pub fn make(&self, options: &Options, console: &Console) -> (Left, Origin) {
-        let interrupted = !options.restart && resumption::is_interrupted(self.directory, self.command, &self.document);
+        let resumed = !options.restart && resumption::is_interrupted(self.directory, self.command, &self.document);
         let catalogue = self.document.catalogue();
-        let ran = match interrupted {
+        let ran = match resumed {
             true => resume(catalogue, self.directory, options, console),
             false => run_with(catalogue, self.command.clone(), self.case, options, console),
         };
-        (self.left(ran), if interrupted { Origin::Resumed } else { Origin::Made })
+        self.left(ran, resumed)
     }
 
     /// What is known of a run now: what it wrote, which is what later processes find.
-    fn left(&self, ran: Result<Outcome, RunError>) -> Left {
+    fn left(&self, ran: Result<Outcome, RunError>, resumed: bool) -> (Left, Origin) {
         let error = match ran {
             Ok(Outcome { exit, record, .. }) => {
-                return Left { exit, error: None, record: read(self.directory).unwrap_or(record) };
+                let record = read(self.directory).unwrap_or(record);
+                let interrupted = record.interrupted.is_some();
+                return (Left { exit, error: None, record }, Origin::Made { resumed, interrupted });
             }
             Err(error) => error,
         };
@@ -83,8 +102,12 @@ impl OneRun<'_> {
         };
         let (exit, text) = (error.exit(), error.to_string());
         // A run that could not begin leaves the directory as it is, with the result of another run.
-        let record = read(self.directory).filter(|record| record.error.as_ref() == Some(&text));
-        Left { exit, error: Some(text), record: record.unwrap_or_default() }
+        let record = read(self.directory).filter(|record| record.error.as_ref() == Some(&text)).unwrap_or_default();
+        let origin = match error {
+            RunError::InUse { .. } => Origin::Elsewhere,
+            _ => Origin::Made { resumed, interrupted: record.interrupted.is_some() },
+        };
+        (Left { exit, error: Some(text), record }, origin)
     }
 
     /// A run that its values make invalid writes nothing; its result says so to those who join the table.

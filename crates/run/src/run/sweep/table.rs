@@ -6,6 +6,7 @@ use nastic_case::lower::{Axis, SweepPlan, Swept, sweep_times};
 use nastic_language::number::count;
 use nastic_report::record::{SweepRecord, SweptRecord};
 use nastic_report::{SweepAxis, SweepTable, case_name};
+use serde_json::Value;
 use std::path::Path;
 
 /// The table without rows.
@@ -48,4 +49,10 @@ pub(super) fn introduce(plan: &SweepPlan, sweep: &Sweep, console: &Console) {
         let how = "every run after the first starts from the controls of the last one before that has some";
         console.say(format!("warm        {how}"));
     }
+}
+
+/// Rows of the table in a directory, if there is one.
+pub(super) fn rows_there(directory: &Path) -> Option<usize> {
+    let table: Value = serde_json::from_slice(&std::fs::read(directory.join("sweep.json")).ok()?).ok()?;
+    table["runs"].as_array().map(Vec::len)
 }
