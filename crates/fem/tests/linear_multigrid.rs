@@ -389,3 +389,19 @@ fn only_bodies_of_hexahedra_alone_have_products() -> Outcome {
     assert!(!has(&hex27()?.foundation(Foundation::on("x+", 1e3))?)?);
     Ok(())
 }
+
+/// A straight column beyond its buckling load: among indefinite tangents a factor takes over, which ends where it would have ended alone.
+#[test]
+fn a_straight_column_beyond_buckling_ends_where_the_factor_does() -> Outcome {
+    let column = Solid::new(regular(CellKind::Hex27, [1.0, 0.1, 0.1], [40, 4, 4])?)?
+        .material("body", NeoHooke::from_young_poisson(3e5, 0.3)?)?
+        .clamp("x-")?
+        .traction("x+", Vec3::x() * -1500.0)?;
+    let by_factor = column.solve(&column.controls(), &STRICT)?;
+    let state = column.solve(&column.controls(), &MULTIGRID)?;
+    let report = state.report;
+    assert!(distance(&state.u, &by_factor.u) < 1e-8 * largest(&by_factor.u));
+    assert!(report.cycles > 0 && report.cycles < 500 && report.newton < 25, "{report:?}");
+    assert_eq!(report.solver, "direct");
+    Ok(())
+}

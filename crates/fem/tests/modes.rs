@@ -12,6 +12,7 @@ use nastic_mesh::CellKind;
 use nastic_numeric::vector::{dot, norm};
 use nastic_tensor::Vec3;
 use std::f64::consts::PI;
+use std::sync::atomic::AtomicBool;
 
 /// A unit cantilever of height h with E = 1 and nu = 0, compressed by a multiple of Euler's load.
 fn column(kind: CellKind, h: f64, cells: [usize; 3], multiple: f64) -> Outcome<(Solid, State)> {
@@ -191,9 +192,17 @@ fn rigid_motions_are_found_without_a_factor() -> Outcome {
     for kind in [CellKind::Hex8, CellKind::Hex27] {
         let mesh = regular(kind, [1.0, 0.3, 0.2], [5, 2, 2])?;
         let free = Solid::new(mesh)?.material("body", NeoHooke::new(0.5, 0.3)?)?;
-        let rest = free.rest();
-        let found = agree_by_products(&(free, rest), 8, &format!("a free body of {kind}"))?;
+        let body = (free.clone(), free.rest());
+        let found = agree_by_products(&body, 8, &format!("a free body of {kind}"))?;
         assert!(found.eigenvalues[5].abs() < 1e-9 * found.eigenvalues[6], "{:?}", found.eigenvalues);
+        let by_products = SolveOptions { solver: Some(Solver::MULTIGRID), ..STRICT };
+        let few = body.0.modes(&body.1, 3, &by_products)?;
+        assert!(!few.counted && few.eigenvalues.len() >= 3, "fewer modes than rigid motions, {kind}: {few:?}");
+        assert!(
+            few.eigenvalues.iter().all(|lambda| lambda.abs() < 1e-9 * found.eigenvalues[6]),
+            "{:?}",
+            few.eigenvalues
+        );
     }
     Ok(())
 }
@@ -209,6 +218,15 @@ fn modes_of_a_nearly_incompressible_body_need_no_factor() -> Outcome {
         let rest = solid.rest();
         agree_by_products(&(solid, rest), 5, &format!("{kind}"))?;
     }
+    Ok(())
+}
+
+#[test]
+fn modes_without_a_factor_end_on_demand() -> Outcome {
+    let (solid, state) = column(CellKind::Hex8, 0.2, [8, 2, 2], 0.0)?;
+    let cancel = AtomicBool::new(true);
+    let how = SolveOptions { solver: Some(Solver::MULTIGRID), cancel: Some(&cancel), ..STRICT };
+    assert!(matches!(solid.modes(&state, 3, &how), Err(StateError::Cancelled)));
     Ok(())
 }
 

@@ -90,9 +90,11 @@ pub enum FactorError {
     },
     /// More memory than there is.
     #[error(
-        "{what} takes {} where {} are available: try a coarser mesh, multigrid where the matrix is symmetric (\"linear_solver\": \"multigrid\"), \
-         fewer threads (each scenario on a thread of its own holds a factor), or raise the limit {}, if it is set",
-        size(*.needed), size(*.available), crate::memory::LIMIT
+        "{what} takes {} where {} are available: try a coarser mesh, {}fewer threads (each scenario on a thread of its own holds a factor), \
+         or raise the limit {}, if it is set",
+        size(*.needed), size(*.available),
+        if *.what == Self::COARSEST { "" } else { "multigrid where the matrix is symmetric (\"linear_solver\": \"multigrid\"), " },
+        crate::memory::LIMIT
     )]
     Memory {
         /// What was to be allocated.
@@ -122,6 +124,11 @@ pub enum FactorError {
     /// The matrix is not symmetric.
     #[error("the matrix is not symmetric; factorise its symmetric part, or use the general solver")]
     NotSymmetric,
+}
+
+impl FactorError {
+    /// What takes memory in multigrid.
+    pub(crate) const COARSEST: &'static str = "the factor of multigrid's coarsest level";
 }
 
 /// `12.3 MB`, `45 kB`

@@ -11,6 +11,8 @@ pub const LIMIT: &str = "NASTIC_MEMORY";
 
 /// Below this size the machine is not asked, only the limit of the user: asking takes as long as a small factor.
 const SMALL: usize = 64 << 20;
+/// But before the first factor of this size, with which dense products have their buffers.
+const BUFFERED: usize = 128 << 10;
 
 /// [`LIMIT`] holds a text that is no size.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -54,11 +56,12 @@ pub fn limit() -> Result<Option<usize>, LimitError> {
 /// # Errors
 /// [`FactorError::Memory`], [`FactorError::Limit`].
 pub(crate) fn check(what: &'static str, needed: usize) -> Result<(), FactorError> {
-    let available = if needed < SMALL { of_limit()? } else { available()? };
+    let first = needed >= BUFFERED && !packing::are_made();
+    let available = if needed < SMALL && !first { of_limit()? } else { available()? };
     match available {
         Some(available) if needed > available => Err(FactorError::Memory { what, needed, available }),
         _ => {
-            if needed >= SMALL {
+            if first {
                 packing::made();
             }
             Ok(())

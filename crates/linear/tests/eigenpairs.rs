@@ -218,7 +218,10 @@ fn find_by_products(
     count: usize,
 ) -> Result<Eigenpairs, LinearError> {
     let system = case.system(matrix);
-    smallest_eigenpairs_by_products(&ProductEigenproblem { product: &system, system, mass }, count)
+    smallest_eigenpairs_by_products(
+        &ProductEigenproblem { product: &system, system, mass, zeros: 0, cancel: None },
+        count,
+    )
 }
 
 /// Semi-definite, definite and indefinite ones, by masses that differ by a factor of five or couple unknowns.

@@ -43,7 +43,7 @@ impl Model {
     ///
     /// # Errors
     /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a
-    /// factor that would be too large; [`StateError::Problem`] for a state of another body.
+    /// factor that would be too large; [`StateError::Problem`] for a state of another body; [`StateError::Cancelled`].
     pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
         let found =
             self.lowest_modes(state, MassMatrix::Diagonal(&self.discretization().volumes_by_unknown()), count, how)?;
@@ -126,7 +126,11 @@ impl Model {
         let configuration = Deformed::new(self, at.u, how.parallel);
         let system = configuration.system((&tangent).into());
         let product: &dyn Operator = if tangent.is_unassembled() { &exact } else { &system };
-        match smallest_eigenpairs_by_products(&ProductEigenproblem { product, system, mass }, count) {
+        let rigid = if self.discretization().dim() == 3 { 6 } else { 3 };
+        let zeros = if self.is_held_without_contact() { 0 } else { rigid };
+        let problem = ProductEigenproblem { product, system, mass, zeros, cancel: how.cancel };
+        match smallest_eigenpairs_by_products(&problem, count) {
+            Err(LinearError::Cancelled) => Err(StateError::Cancelled),
             Err(error) if !matches!(error, LinearError::EigenpairCount { .. }) && self.factor_fits() => Ok(None),
             found => Ok(Some(found?)),
         }

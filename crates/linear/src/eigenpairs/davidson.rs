@@ -11,6 +11,7 @@ use crate::sums::{self, dot};
 use nalgebra::{DMatrix, SymmetricEigen};
 use nastic_numeric::Random;
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A Ritz pair counts when the error of its vector in the energy norm is this share of it, as far as the preconditioned residual shows; that of the value is its square.
 const TOLERANCE: f64 = 1e-7;
@@ -42,6 +43,10 @@ pub struct ProductEigenproblem<'a> {
     pub system: System<'a>,
     /// M, positive definite on the unknowns that are not fixed.
     pub mass: MassMatrix<'a>,
+    /// Eigenvalues that are zero, as those of rigid motions that nothing holds: the block goes beyond them, since nothing tells these apart.
+    pub zeros: usize,
+    /// Set to end between iterations.
+    pub cancel: Option<&'a AtomicBool>,
 }
 
 /// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones that are found where these are more.
@@ -53,7 +58,8 @@ pub struct ProductEigenproblem<'a> {
 /// ([`Eigenpairs::counted`]): the block has half as many vectors again as are wanted, and what is orthogonal to all of these was not met.
 ///
 /// # Errors
-/// More eigenvalues wanted than there are unknowns, or than fit; [`LinearError::Eigenpairs`] where the iteration does not find them.
+/// More eigenvalues wanted than there are unknowns, or than fit; [`LinearError::Eigenpairs`] where the iteration does not find them;
+/// [`LinearError::Cancelled`].
 pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usize) -> Result<Eigenpairs, LinearError> {
     let unknowns = problem.system.fixed.iter().filter(|&&fixed| !fixed).count();
     if count == 0 || count > unknowns {
@@ -82,7 +88,7 @@ pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usi
 impl ProductEigenproblem<'_> {
     /// Vectors of a block for so many eigenvalues.
     fn block(&self, wanted: usize, unknowns: usize) -> Result<usize, LinearError> {
-        let block = unknowns.min(wanted + GUARD.max(wanted / GUARD_SHARE));
+        let block = unknowns.min(wanted.max(self.zeros) + GUARD.max(wanted / GUARD_SHARE));
         // the basis and its products, and what a restart makes of them
         let vectors = 2 * (LONGEST + 2) * block;
         let bytes = vectors.saturating_mul(self.system.fixed.len() * size_of::<f64>());
@@ -254,6 +260,9 @@ impl<'a> Search<'a> {
     fn run(&mut self, wanted: usize) -> Result<Eigenpairs, LinearError> {
         let (mut before, mut found) = (DMatrix::zeros(0, 0), 0);
         for _ in 0..MOST {
+            if self.problem.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
+                return Err(LinearError::Cancelled);
+            }
             self.iterations += 1;
             let ritz = self.ritz();
             self.adapt_shift(&ritz)?;

@@ -8,14 +8,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Whether a factor was allowed, with which threads have their buffers: they are in what the process has.
 static MADE: AtomicBool = AtomicBool::new(false);
 
-/// A factor of more than some MiB is made.
+pub(super) fn are_made() -> bool {
+    MADE.load(Ordering::Relaxed)
+}
+
+/// A factor is made that needs them.
 pub(super) fn made() {
     MADE.store(true, Ordering::Relaxed);
 }
 
 /// Bytes of the buffers on all threads that are still to be made; 0 where the cache is not known.
 pub(super) fn buffers() -> usize {
-    if MADE.load(Ordering::Relaxed) {
+    if are_made() {
         return 0;
     }
     let read = |name: &str| std::fs::read_to_string(format!("/sys/devices/system/cpu/cpu0/cache/index3/{name}")).ok();

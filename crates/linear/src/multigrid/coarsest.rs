@@ -38,5 +38,10 @@ pub(super) fn factorise(matrix: &Symmetric, symbolic: &Arc<Symbolic>, parallel: 
             }
         }
     }
-    symbolic.factorize(&symmetric, Pivots::Positive, parallel)
+    symbolic.factorize(&symmetric, Pivots::Positive, parallel).map_err(|error| match error {
+        FactorError::Memory { needed, available, .. } => {
+            FactorError::Memory { what: FactorError::COARSEST, needed, available }
+        }
+        other => other,
+    })
 }

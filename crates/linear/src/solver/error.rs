@@ -128,6 +128,9 @@ pub enum LinearError {
         /// How many are wanted.
         wanted: usize,
     },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
     /// What a solver of another crate or program says.
     #[error("the solver \"{solver}\" failed: {what}")]
     External {

@@ -1,28 +1,44 @@
 //! [`MultigridOrDirect`]: multigrid while it converges, then a factor if that fits.
 
-use super::{Accuracy, Direct, Inertia, LinearError, LinearSolver, LinearWork, MultigridSolver, Step, System};
+use super::{
+    Accuracy, Curvature, Direct, Inertia, LinearError, LinearSolver, LinearWork, MultigridSolver, Step, System,
+};
+use crate::memory;
 use crate::structure::Structure;
 use std::sync::Arc;
 
-/// Multigrid, until it fails or meets an indefinite matrix of which an exact solution is asked; from then on [`Direct`],
-/// since whatever made multigrid fail stays true nearby. [`name`](LinearSolver::name) says which of the two served.
+/// Steps of one nonlinear solve that may end where the curvature turns negative: bodies that bend meet it once or twice on their way. An iteration that
+/// goes on among indefinite matrices is at a saddle or far from any equilibrium, and every step there takes several sets of levels.
+const INDEFINITE: usize = 8;
+
+/// Multigrid, until it fails, meets an indefinite matrix of which an exact solution is asked or several in one nonlinear solve; from then on
+/// [`Direct`], since whatever made multigrid fail stays true nearby. [`name`](LinearSolver::name) says which of the two served.
 #[derive(Clone, Debug)]
 pub struct MultigridOrDirect {
     structure: Arc<Structure>,
     multigrid: Option<MultigridSolver>,
     direct: Direct,
+    /// Steps of this nonlinear solve that met negative curvature.
+    indefinite: usize,
 }
 
 impl MultigridOrDirect {
     /// For matrices of a structure, which is analysed only if a factor is needed.
     pub fn new(structure: Arc<Structure>) -> Self {
         let direct = Direct::new(structure.clone());
-        MultigridOrDirect { structure, multigrid: Some(MultigridSolver::default()), direct }
+        MultigridOrDirect { structure, multigrid: Some(MultigridSolver::default()), direct, indefinite: 0 }
     }
 
     fn too_large(&self, why: LinearError) -> LinearError {
         let gib = self.structure.factor_size().bytes() as f64 / f64::from(1 << 30);
         LinearError::TooLarge { source: Box::new(why), gib }
+    }
+
+    /// Whether a factor fits, with what it takes while it is made, into the memory that there is.
+    fn factor_has_room(&self) -> bool {
+        let bytes = 3 * (self.structure.factor_size().bytes() / 2);
+        let available = memory::available().map_or(Some(0), |available| available);
+        self.structure.factor_fits() && available.is_none_or(|available| bytes <= available)
     }
 
     /// From multigrid to a factor, unless that is too large.
@@ -61,6 +77,7 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn restart(&mut self) {
+        self.indefinite = 0;
         self.direct.restart();
     }
 
@@ -84,7 +101,13 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        self.by_either(system, |solver| solver.step(system, b, tolerance, work))
+        if self.indefinite >= INDEFINITE && self.factor_has_room() {
+            self.multigrid = None;
+        }
+        let step = self.by_either(system, |solver| solver.step(system, b, tolerance, work));
+        let definite = step.as_ref().is_ok_and(|step| step.curvature != Curvature::Negative);
+        self.indefinite += usize::from(self.multigrid.is_some() && !definite);
+        step
     }
 
     fn solve(

@@ -138,7 +138,9 @@ impl ModesRecord {
             Some(1) => "; one is zero within rounding, as a rigid motion is".to_owned(),
             Some(n) => format!("; {n} are zero within rounding, as rigid motions are"),
         };
-        if self.counted == Some(false) {
+        if self.counted == Some(true) {
+            said += "; counted by a factor";
+        } else if self.counted == Some(false) {
             let errors = self.errors.iter().flatten().filter_map(|error| **error);
             let error = errors.fold(0.0, f64::max);
             let iterations = count(self.iterations.unwrap_or_default(), "iteration");

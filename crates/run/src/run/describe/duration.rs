@@ -88,7 +88,12 @@ fn newton(member: CaseMember<'_>) -> Result<(String, f64), String> {
         return Err("the memory does not suffice for a factor".to_owned());
     }
     if structure.factor_bytes() > LARGEST {
-        return Err("making a factor as large as this one takes long".to_owned());
+        let faster = if solid.model().has_cell_products() {
+            "; bodies of hex27 as large as this one are solved in less by multigrid (\"linear_solver\": \"multigrid\")"
+        } else {
+            ""
+        };
+        return Err(format!("making a factor as large as this one takes long{faster}"));
     }
     let began = Instant::now();
     solid.negative_pivots(&solid.rest()).map_err(|error| format!("the tangent at rest has no factor: {error}"))?;

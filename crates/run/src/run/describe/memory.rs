@@ -5,6 +5,18 @@ use nastic_case::lower::CaseProblem;
 use nastic_fem::{Solver, available_memory};
 use nastic_report::record::MemoryRecord;
 
+/// Bytes of a program without a body, with what pictures and pages take.
+const PROGRAM: usize = 50_000_000;
+/// Bytes beside the levels per unknown, of mesh, vectors and results: at least, and where tangents are indefinite on the way, which takes levels of another
+/// tangent as well. Measured with boxes of hex8 and hex27 of 10,000 to 10 million unknowns (docs/development/large-bodies.md).
+const BESIDE: [usize; 2] = [700, 1200];
+
+/// What a solve by multigrid takes at its peak, from and to.
+fn peak_by_multigrid(levels: usize, unknowns: usize) -> [usize; 2] {
+    let [least, most] = BESIDE.map(|bytes| PROGRAM + bytes * unknowns);
+    [least + levels, most + 2 * levels]
+}
+
 pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let model = problem.solid().model();
     let structure = model.tangent_structure();
@@ -14,11 +26,15 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let of_levels =
         if problem.case.time.is_some() { model.assembled_multigrid_bytes() } else { model.multigrid_bytes() };
     let (factor, levels) = (megabytes(structure.factor_bytes()), megabytes(of_levels));
+    let [least, most] = peak_by_multigrid(of_levels, problem.solid().discretization().dofs());
+    let peak = format!("{} to {}", megabytes(least), megabytes(most));
     let members = problem.members().count();
     let each = if members > 1 { format!(" for each of {members} members") } else { String::new() };
     let text = match model.solver() == Solver::MULTIGRID {
         true => {
-            format!("multigrid; the tangent and its levels have about {levels}{each}; a factor would have {factor}")
+            format!(
+                "multigrid; the tangent and its levels have about {levels}{each}, a solve at its peak {peak}; a factor would have {factor}"
+            )
         }
         false => format!(
             "a factor has {factor}{each}, {} while it is made on one thread (in single precision half of it)",
@@ -37,9 +53,9 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
         out.push(line("memory", format!("{} are available", megabytes(available))));
         let text = match model.solver() {
             own if own == Solver::DIRECT && structure.factorisation_bytes() > available => {
-                format!("too little for a factor; \"linear_solver\": \"multigrid\" takes about {levels}{each}")
+                format!("too little for a factor; \"linear_solver\": \"multigrid\" takes {peak}{each}")
             }
-            own if own == Solver::MULTIGRID && of_levels > available => "too little".to_owned(),
+            own if own == Solver::MULTIGRID && least > available => "too little".to_owned(),
             _ => return out,
         };
         out.push(line("memory", text));

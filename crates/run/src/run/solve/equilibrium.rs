@@ -97,13 +97,14 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
     let of_steps =
         format!(" in {} load steps ({} cut)", states().map(|state| state.report.load_steps).sum::<usize>(), work.cuts);
     let moves = session.problem.is_motion();
+    let by_levels = work.cycles > 0 && work.factorisations == 0;
+    let factors = format!(", {} factorisations ({} reused)", work.factorisations, work.reused);
     console.say(format!(
-        "{:<12}{} Newton iterations{}, {} factorisations ({} reused), residual {}",
+        "{:<12}{} Newton iterations{}{}, residual {}",
         if moves { "work" } else { "equilibrium" },
         work.newton,
         if moves { "" } else { of_steps.as_str() },
-        work.factorisations,
-        work.reused,
+        if by_levels { "" } else { factors.as_str() },
         scientific(states().map(|state| state.report.residual).fold(0.0, f64::max), 1)
     ));
     if work.unpredicted > 0 {
@@ -118,7 +119,10 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
             systems => format!("{systems} systems by products of cells, without an assembled tangent"),
         };
         let (cycles, levels) = (work.cycles, work.hierarchies);
-        console.say(format!("linear      multigrid: {cycles} cycles on {levels} sets of levels, {tangents}"));
+        let kept = if by_levels { format!(", which served {} systems more", work.reused) } else { String::new() };
+        let then = if by_levels { "" } else { "; a factor where these did not serve" };
+        console
+            .say(format!("linear      multigrid: {cycles} cycles on {levels} sets of levels{kept}, {tangents}{then}"));
     }
     say_stability(session, result);
     say_cost(session, result);
