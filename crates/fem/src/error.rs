@@ -1,17 +1,16 @@
 //! Errors of building a problem and of solving it.
 
+mod cause;
 mod inadmissible;
 
-use crate::contributions::body_energy::excess_tension::ExcessTension;
 use crate::contributions::body_energy::formulation::Formulation;
-use crate::discretization::rigid_motions::FreeMotion;
 use crate::solution::state::State;
 use nastic_energy::EnergyError;
 use nastic_linear::{LinearError, NotCoupled, StructureError};
 use nastic_mesh::{CellKind, MeshError};
 use nastic_team::TeamError;
-use std::fmt;
 
+pub use cause::{Cause, MeetingGuides};
 pub use inadmissible::{Inadmissible, InvertedAt};
 
 /// A problem that cannot be built: what, where, how much, and what to try.
@@ -225,99 +224,6 @@ impl SecondDerivativeError {
     }
 }
 
-/// Why there may be no equilibrium.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Cause {
-    /// Towards this load the displacement grows as towards a limit point: the path of equilibria turns back there.
-    LimitPoint {
-        /// Estimated load of the limit point.
-        load: f64,
-    },
-    /// Tensions beyond the convexity bound of the laws.
-    Convexity(ExcessTension),
-    /// Guides of a tendon or spring that run together, where its direction is undetermined.
-    GuidesMeet(MeetingGuides),
-    /// What contact alone holds moves on: nothing that touches it resists to a rigid motion.
-    FreeMotion(FreeMotion),
-    /// Nothing is known.
-    Unknown,
-}
-
-/// Two neighbouring guides of a line that are a small share of their distance in the reference body apart.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MeetingGuides {
-    /// The tendon or spring.
-    pub name: String,
-    /// Where they are in the reference body.
-    pub places: [[f64; 3]; 2],
-    /// Their distance over that in the reference body.
-    pub share: f64,
-    /// The load of a limit point before that, if the path of equilibria was followed to one.
-    pub limit: Option<f64>,
-}
-
-impl Cause {
-    /// A stable name: `limit_point`, `convexity_bound`, `guides_meet`, `free_motion`, `unknown`.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Cause::LimitPoint { .. } => "limit_point",
-            Cause::Convexity(_) => "convexity_bound",
-            Cause::GuidesMeet(_) => "guides_meet",
-            Cause::FreeMotion(_) => "free_motion",
-            Cause::Unknown => "unknown",
-        }
-    }
-}
-
-impl fmt::Display for Cause {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Cause::LimitPoint { load } => write!(
-                f,
-                "the path of equilibria seems to turn back at a limit point near {load:.4} of the way from the starting state to \
-                 the controls and loads asked for: beyond it the body jumps to another equilibrium or has none; try a smaller \
-                 control or load"
-            ),
-            Cause::Convexity(ExcessTension { actuation, tension, limit, beside }) => {
-                write!(
-                    f,
-                    "the tension of \"{actuation}\" reaches {tension:.4e}, beyond {limit:.4e}, up to which the laws stay polyconvex"
-                )?;
-                for (k, (name, tension)) in beside.iter().enumerate() {
-                    let before = if k == 0 { " with that of" } else { " and" };
-                    write!(f, "{before} \"{name}\", {tension:.4e} there,")?;
-                }
-                let change = if beside.is_empty() { "" } else { " in proportion" };
-                write!(f, "{change}: the energy may be unbounded below; keep it under the bound")
-            }
-            Cause::GuidesMeet(MeetingGuides { name, places: [a, b], share, limit }) => {
-                if let Some(load) = limit {
-                    write!(
-                        f,
-                        "the path of equilibria turns back at a limit point near {load:.4} of the way, and beyond it "
-                    )?;
-                }
-                let [a, b] = [a, b].map(|x| format!("({:.4e}, {:.4e}, {:.4e})", x[0], x[1], x[2]));
-                write!(
-                    f,
-                    "two guides of \"{name}\", at {a} and {b} in the reference body, run together: {share:.1e} of their distance is \
-                     left, the body collapses between them; pull less, lead the cable through fewer points, or refine the mesh there"
-                )
-            }
-            Cause::FreeMotion(FreeMotion { count, what, example }) => write!(
-                f,
-                "{what} {} held by contact alone, and where the solve ended nothing that touches it resists {count} of its rigid motions \
-                 ({example}): give it something to rest on, begin nearer to it, hold it by a support or a weak foundation, or solve it as a \
-                 motion, with friction",
-                if what.contains("\" and ") { "are" } else { "is" }
-            ),
-            Cause::Unknown => f.write_str(
-                "the body may have no stable equilibrium there: try a smaller control or load, or a finer mesh",
-            ),
-        }
-    }
-}
-
 /// Why a state solve stopped short. It is an ordinary answer: an optimiser shortens its step on it.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum StateError {
@@ -380,9 +286,10 @@ pub enum StateError {
     },
     /// Newton's method did not converge at this load, however small the step.
     #[error(
-        "{}no equilibrium found at load {load:.4} of the way, the last one at {reached:.4}, after {cuts} cuts of the load step and \
+        "{}no {}equilibrium found at load {load:.4} of the way, the last one at {reached:.4}, after {cuts} cuts of the load step and \
          {newton} Newton iterations (relative residual {residual:.2e}); {cause}",
-        budget.map_or_else(String::new, |budget| format!("cut after its budget of {budget} Newton iterations: "))
+        budget.map_or_else(String::new, |budget| format!("cut after its budget of {budget} Newton iterations: ")),
+        if matches!(cause, Cause::Saddle { .. }) { "stable " } else { "" }
     )]
     NoConvergence {
         /// Fraction of the way.

@@ -62,7 +62,7 @@ def test_a_block_runs_and_prints_what_it_says(session, request, page, code):
 
 def test_the_pages_have_blocks_of_these_languages_alone():
     assert len(PYTHON) >= 13
-    assert [{language for language, _ in found} for found in PAGES.values()] == [{"python", "sh"}, {"python", "rust", "sh", "snakemake", "text"}, {"python"}]
+    assert [{language for language, _ in found} for found in PAGES.values()] == [{"python", "sh"}, {"python", "sh", "snakemake"}, {"python"}]
 
 
 def test_the_command_that_installs_is_the_one_that_the_tests_use():

@@ -39,7 +39,7 @@ impl Model {
     ///
     /// # Errors
     /// A state at another load than the full one, a model without a potential; [`StateError::NoConvergence`] with the
-    /// last saddle where no lower equilibrium is found.
+    /// last saddle and [`Cause::Saddle`] where no lower equilibrium is found.
     pub fn descend(&self, state: &State, how: &SolveOptions, workspace: &mut Workspace) -> Result<Descent, StateError> {
         self.check_held()?;
         self.supports(Feature::Descent)?;
@@ -49,7 +49,7 @@ impl Model {
             let what = "a descent needs a state at full loads".to_owned();
             return Err(FemError::Meaningless { what }.into());
         }
-        let mut work = SolveReport::default();
+        let (mut work, mut negative) = (SolveReport::default(), 0);
         let mut here = state.clone();
         for saddles in 0..=SADDLES {
             let modes = self.modes(&here, 1, &self.counting(how))?;
@@ -57,14 +57,14 @@ impl Model {
                 here.report.add_work(&work);
                 return Ok(Descent { state: here, saddles });
             }
-            let below = self.below(&here, &modes.shapes[0], how, workspace, &mut work)?;
-            here = match below {
+            negative = modes.negative;
+            here = match self.below(&here, &modes.shapes[0], how, workspace, &mut work)? {
                 Some(next) => next,
                 None => break,
             };
         }
-        let (newton, residual) = (work.newton, here.report.residual);
-        let (load, cuts, reached, cause, budget, last) = (1.0, 0, 1.0, Cause::Unknown, None, Box::new(here));
+        let (newton, residual, cause) = (work.newton, here.report.residual, Cause::Saddle { negative });
+        let (load, cuts, reached, budget, last) = (1.0, 0, 1.0, None, Box::new(here));
         Err(StateError::NoConvergence { load, cuts, newton, residual, reached, cause, budget, last })
     }
 
@@ -94,11 +94,7 @@ impl Model {
                 work.add_work(&report);
                 match found {
                     Ok(_) if report.energy < saddle.report.energy && differs(&u, saddle, amplitude) => {
-                        // The work is counted once, at the end.
-                        let SolveReport { solver, residual, min_j, energy, .. } = report;
-                        let kept =
-                            SolveReport { solver, residual, min_j, energy, load_steps: 1, ..SolveReport::default() };
-                        return Ok(Some(State::equilibrium(u, controls.clone(), 1.0, kept)));
+                        return Ok(Some(State::equilibrium(u, controls.clone(), 1.0, without_work(&report))));
                     }
                     // Back at the saddle, or nowhere: another start may lead down.
                     Ok(_) => workspace.forget(),
@@ -132,6 +128,12 @@ impl Model {
         }
         best
     }
+}
+
+/// What a report says of a state: the work is counted once, at the end.
+fn without_work(report: &SolveReport) -> SolveReport {
+    let SolveReport { solver, residual, min_j, energy, .. } = *report;
+    SolveReport { solver, residual, min_j, energy, load_steps: 1, ..SolveReport::default() }
 }
 
 /// Whether a displacement is another one than that of a saddle: by more than a hundredth of the amplitude that left it.

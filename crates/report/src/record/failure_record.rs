@@ -23,7 +23,7 @@ records! {
         newton_iterations: Option<usize>,
         /// Relative residual at its end.
         residual: Number,
-        /// Why, as far as it is known: `limit_point`, `convexity_bound`, `guides_meet`, `free_motion`, `unknown`.
+        /// Why, as far as it is known: `limit_point`, `convexity_bound`, `guides_meet`, `free_motion`, `saddle`, `unknown`.
         cause: Option<String>,
         /// Where the path of equilibria turns back, an estimated share of that way.
         limit_point: Number,
@@ -33,6 +33,8 @@ records! {
         guides_meet: Option<MeetingGuidesRecord>,
         /// What contact alone holds and nothing that touches it.
         free_motion: Option<FreeMotionRecord>,
+        /// Negative pivots of the last equilibrium, where a stable one was sought.
+        inertia: Option<usize>,
         /// The cell that inverted.
         cell: Option<usize>,
         /// Its quadrature point.

@@ -75,6 +75,7 @@ fn add_cause(out: &mut FailureRecord, cause: &Cause) {
             out.guides_meet = Some(MeetingGuidesRecord { name: name.clone(), places, share: (*share).into() });
         }
         Cause::FreeMotion(free) => out.free_motion = Some(free_motion(free)),
+        Cause::Saddle { negative } => out.inertia = Some(*negative),
         Cause::Unknown => {}
     }
 }
