@@ -95,11 +95,13 @@ fn limits_of_a_shell_are_kept() {
 #[test]
 fn multigrid_ends_under_limits_of_a_shell() {
     let place = CaseDirectory::new(COLUMN);
-    let ended =
-        place.shell("ulimit -v 400000", &["solve", "case.json", "--no-report", "--threads", "1"]).output().unwrap();
-    let message = text(&ended.stderr);
-    assert!(matches!(code(&ended), 0 | 3), "{}: {message}", code(&ended));
-    assert!(code(&ended) == 0 || !message.contains("\"multigrid\""), "{message}");
+    for threads in ["1", "2"] {
+        let arguments = ["solve", "case.json", "--no-report", "--threads", threads];
+        let ended = place.shell("ulimit -v 400000", &arguments).output().unwrap();
+        let message = text(&ended.stderr);
+        assert!(matches!(code(&ended), 0 | 3), "{}: {message}", code(&ended));
+        assert!(code(&ended) == 0 || !message.contains("\"multigrid\""), "{message}");
+    }
 }
 
 /// A control group as batch systems and containers make one, of either version. Needs root and the right to make groups; skipped otherwise.

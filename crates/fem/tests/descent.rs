@@ -1,11 +1,13 @@
 //! From saddles down to minima of the potential.
 
+#![allow(clippy::panic)] // tests
+
 use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, largest, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Solid, SolveOptions, State, StateError, Workspace};
+use nastic_fem::{Cause, Solid, SolveOptions, State, StateError, Workspace};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::f64::consts::PI;
@@ -56,5 +58,20 @@ fn a_stable_state_stays_and_what_cannot_be_is_refused() -> Outcome {
     let half = State { load: 0.5, ..state };
     let refused = solid.model().descend(&half, &STRICT, &mut Workspace::default());
     assert!(matches!(refused, Err(StateError::Problem(_))), "{refused:?}");
+    Ok(())
+}
+
+/// One Newton iteration from each start leads nowhere.
+#[test]
+fn a_saddle_without_a_way_down_is_named() -> Outcome {
+    let (solid, straight) = column(CellKind::Quad9, 0.05, 1.2)?;
+    let short = SolveOptions { max_newton: 1, ..STRICT };
+    let failed = solid.model().descend(&straight, &short, &mut Workspace::default());
+    let Err(error @ StateError::NoConvergence { cause: Cause::Saddle { negative: 1 }, .. }) = &failed else {
+        panic!("{:?}", failed.map(|found| found.saddles));
+    };
+    assert!(
+        error.to_string().contains("no stable equilibrium found") && error.to_string().contains("1 negative pivots")
+    );
     Ok(())
 }

@@ -401,7 +401,6 @@ fn a_straight_column_beyond_buckling_ends_where_the_factor_does() -> Outcome {
     let state = column.solve(&column.controls(), &MULTIGRID)?;
     let report = state.report;
     assert!(distance(&state.u, &by_factor.u) < 1e-8 * largest(&by_factor.u));
-    assert!(report.cycles > 0 && report.cycles < 500 && report.newton < 25, "{report:?}");
-    assert_eq!(report.solver, "direct");
+    assert!(report.cycles > 0 && report.factorisations > 0 && report.cycles < 500 && report.newton < 25, "{report:?}");
     Ok(())
 }

@@ -354,7 +354,7 @@ fn normalise(column: &mut [f64]) -> f64 {
 /// Before a factor is allocated; one in the memory of another passes.
 fn check_memory(symbolic: &Symbolic, held: usize, precision: Precision) -> Result<(), FactorError> {
     match held < symbolic.panel_values() {
-        true => memory::check("a factor of the tangent", symbolic.factorisation_bytes(precision)),
+        true => memory::check_factor("a factor of the tangent", symbolic.factorisation_bytes(precision)),
         false => Ok(()),
     }
 }

@@ -104,7 +104,7 @@ impl LuFactor {
             return Err(FactorError::Beyond { blocks: matrix.beyond().len() });
         }
         matrix.check_finite()?;
-        memory::check("an LU factorisation of the tangent", predicted_bytes(&analysis.structure))?;
+        memory::check_factor("an LU factorisation of the tangent", predicted_bytes(&analysis.structure))?;
         let params = Spec::<PartialPivLuParams, f64>::default();
         let mut memory = buffer(analysis.symbolic.factorize_numeric_lu_scratch::<f64>(Par::Seq, params), &analysis)?;
         let (n, values) = (analysis.structure.pattern().dofs(), analysis.values(matrix));

@@ -4,6 +4,7 @@ mod control_group;
 mod packing;
 
 use crate::error::FactorError;
+use packing::Buffers;
 use std::sync::OnceLock;
 
 /// The variable of the environment that limits the memory of the process: see [`limit`].
@@ -56,16 +57,29 @@ pub fn limit() -> Result<Option<usize>, LimitError> {
 /// # Errors
 /// [`FactorError::Memory`], [`FactorError::Limit`].
 pub(crate) fn check(what: &'static str, needed: usize) -> Result<(), FactorError> {
-    let first = needed >= BUFFERED && !packing::are_made();
-    let available = if needed < SMALL && !first { of_limit()? } else { available()? };
+    compare(what, needed, if needed < SMALL { of_limit()? } else { available()? })
+}
+
+/// The same of a factor, whose dense products have buffers.
+///
+/// # Errors
+/// As [`check`].
+pub(crate) fn check_factor(what: &'static str, needed: usize) -> Result<(), FactorError> {
+    let uses = match needed {
+        0..BUFFERED => Buffers::None,
+        BUFFERED..SMALL => Buffers::OfOneThread,
+        _ => Buffers::OfAll,
+    };
+    let first = packing::made() < uses;
+    compare(what, needed, if needed < SMALL && !first { of_limit()? } else { available()? })?;
+    packing::make(uses);
+    Ok(())
+}
+
+fn compare(what: &'static str, needed: usize, available: Option<usize>) -> Result<(), FactorError> {
     match available {
         Some(available) if needed > available => Err(FactorError::Memory { what, needed, available }),
-        _ => {
-            if first {
-                packing::made();
-            }
-            Ok(())
-        }
+        _ => Ok(()),
     }
 }
 

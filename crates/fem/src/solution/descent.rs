@@ -39,7 +39,7 @@ impl Model {
     ///
     /// # Errors
     /// A state at another load than the full one, a model without a potential; [`StateError::NoConvergence`] with the
-    /// last saddle and [`Cause::Saddle`] where no lower equilibrium is found.
+    /// last saddle and [`Cause::Saddle`] where no lower equilibrium is found, with the last state where ten saddles were left.
     pub fn descend(&self, state: &State, how: &SolveOptions, workspace: &mut Workspace) -> Result<Descent, StateError> {
         self.check_held()?;
         self.supports(Feature::Descent)?;
@@ -49,7 +49,7 @@ impl Model {
             let what = "a descent needs a state at full loads".to_owned();
             return Err(FemError::Meaningless { what }.into());
         }
-        let (mut work, mut negative) = (SolveReport::default(), 0);
+        let mut work = SolveReport::default();
         let mut here = state.clone();
         for saddles in 0..=SADDLES {
             let modes = self.modes(&here, 1, &self.counting(how))?;
@@ -57,15 +57,12 @@ impl Model {
                 here.report.add_work(&work);
                 return Ok(Descent { state: here, saddles });
             }
-            negative = modes.negative;
-            here = match self.below(&here, &modes.shapes[0], how, workspace, &mut work)? {
-                Some(next) => next,
-                None => break,
+            let Some(next) = self.below(&here, &modes.shapes[0], how, workspace, &mut work)? else {
+                return Err(not_found(here, work.newton, Cause::Saddle { negative: modes.negative }));
             };
+            here = next;
         }
-        let (newton, residual, cause) = (work.newton, here.report.residual, Cause::Saddle { negative });
-        let (load, cuts, reached, budget, last) = (1.0, 0, 1.0, None, Box::new(here));
-        Err(StateError::NoConvergence { load, cuts, newton, residual, reached, cause, budget, last })
+        Err(not_found(here, work.newton, Cause::Unknown))
     }
 
     /// An equilibrium of less potential, on either side of a saddle along a mode.
@@ -128,6 +125,11 @@ impl Model {
         }
         best
     }
+}
+
+fn not_found(last: State, newton: usize, cause: Cause) -> StateError {
+    let (residual, last) = (last.report.residual, Box::new(last));
+    StateError::NoConvergence { load: 1.0, cuts: 0, newton, residual, reached: 1.0, cause, budget: None, last }
 }
 
 /// What a report says of a state: the work is counted once, at the end.

@@ -126,6 +126,7 @@ impl Model {
         let configuration = Deformed::new(self, at.u, how.parallel);
         let system = configuration.system((&tangent).into());
         let product: &dyn Operator = if tangent.is_unassembled() { &exact } else { &system };
+        // of one body; several free ones may need a factor for few modes
         let rigid = if self.discretization().dim() == 3 { 6 } else { 3 };
         let zeros = if self.is_held_without_contact() { 0 } else { rigid };
         let problem = ProductEigenproblem { product, system, mass, zeros, cancel: how.cancel };

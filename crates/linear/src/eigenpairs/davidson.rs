@@ -55,7 +55,7 @@ pub struct ProductEigenproblem<'a> {
 /// that is not positive definite of `A + s M`), and is restarted with those vectors and the ones before: the locally optimal gradients of Knyazev, "Toward the
 /// optimal preconditioned eigensolver", SIAM J. Sci. Comput. 23 (2001), with the orthogonal basis of Stathopoulos, Saad, "Restarting techniques for the
 /// (Jacobi-)Davidson symmetric eigenvalue methods", ETNA 7 (1998). From a seeded start. No factor is made, so nothing proves that no eigenvalue is missed
-/// ([`Eigenpairs::counted`]): the block has half as many vectors again as are wanted, and what is orthogonal to all of these was not met.
+/// ([`Eigenpairs::counted`]): the block has half as many vectors again as are wanted, or are zero, and what is orthogonal to all of these was not met.
 ///
 /// # Errors
 /// More eigenvalues wanted than there are unknowns, or than fit; [`LinearError::Eigenpairs`] where the iteration does not find them;

@@ -3,29 +3,43 @@
 //! `private-gemm-x86` 0.1, which `faer` multiplies with, keeps two buffers on each thread, each as large as the third cache of one core times the number of cores.
 //! They are hardly touched, so that no resident memory tells of them, but limits of address space and of data count them: 600 MiB a thread where the cache has 300.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Whether a factor was allowed, with which threads have their buffers: they are in what the process has.
-static MADE: AtomicBool = AtomicBool::new(false);
+/// Which threads have their buffers: those are in what the process has. Small factors are made on one thread.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Buffers {
+    None,
+    OfOneThread,
+    OfAll,
+}
 
-pub(super) fn are_made() -> bool {
-    MADE.load(Ordering::Relaxed)
+static MADE: AtomicU8 = AtomicU8::new(Buffers::None as u8);
+
+pub(super) fn made() -> Buffers {
+    match MADE.load(Ordering::Relaxed) {
+        0 => Buffers::None,
+        1 => Buffers::OfOneThread,
+        _ => Buffers::OfAll,
+    }
 }
 
 /// A factor is made that needs them.
-pub(super) fn made() {
-    MADE.store(true, Ordering::Relaxed);
+pub(super) fn make(buffers: Buffers) {
+    MADE.fetch_max(buffers as u8, Ordering::Relaxed);
 }
 
 /// Bytes of the buffers on all threads that are still to be made; 0 where the cache is not known.
 pub(super) fn buffers() -> usize {
-    if are_made() {
-        return 0;
-    }
+    let threads = rayon::current_num_threads();
+    let lacking = match made() {
+        Buffers::None => threads,
+        Buffers::OfOneThread => threads - 1,
+        Buffers::OfAll => return 0,
+    };
     let read = |name: &str| std::fs::read_to_string(format!("/sys/devices/system/cpu/cpu0/cache/index3/{name}")).ok();
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let of_thread = || of_one_thread(&read("size")?, &read("shared_cpu_list")?, cores);
-    of_thread().unwrap_or(0).saturating_mul(rayon::current_num_threads())
+    of_thread().unwrap_or(0).saturating_mul(lacking)
 }
 
 /// `"307200K"` shared by the processors `"0-3,8"`.

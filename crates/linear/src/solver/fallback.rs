@@ -3,30 +3,39 @@
 use super::{
     Accuracy, Curvature, Direct, Inertia, LinearError, LinearSolver, LinearWork, MultigridSolver, Step, System,
 };
+use crate::factor::Precision;
 use crate::memory;
 use crate::structure::Structure;
 use std::sync::Arc;
 
-/// Steps of one nonlinear solve that may end where the curvature turns negative: bodies that bend meet it once or twice on their way. An iteration that
-/// goes on among indefinite matrices is at a saddle or far from any equilibrium, and every step there takes several sets of levels.
+/// Steps of one nonlinear solve that may meet negative curvature: bodies that bend meet it once or twice on their way. An iteration that goes on among
+/// indefinite matrices is at a saddle or far from any equilibrium, and every step there takes several sets of levels.
 const INDEFINITE: usize = 8;
 
-/// Multigrid, until it fails, meets an indefinite matrix of which an exact solution is asked or several in one nonlinear solve; from then on
-/// [`Direct`], since whatever made multigrid fail stays true nearby. [`name`](LinearSolver::name) says which of the two served.
+/// Multigrid, until it fails or meets an indefinite matrix of which an exact solution is asked; from then on [`Direct`],
+/// since whatever made multigrid fail stays true nearby. [`Direct`] too for the rest of a nonlinear solve that has met several indefinite matrices, if a factor
+/// fits. [`name`](LinearSolver::name) says which of the two serves.
 #[derive(Clone, Debug)]
 pub struct MultigridOrDirect {
     structure: Arc<Structure>,
     multigrid: Option<MultigridSolver>,
     direct: Direct,
-    /// Steps of this nonlinear solve that met negative curvature.
+    /// Steps of this nonlinear solve by multigrid that met negative curvature, and whether it was given up for that.
     indefinite: usize,
+    given_up: bool,
 }
 
 impl MultigridOrDirect {
     /// For matrices of a structure, which is analysed only if a factor is needed.
     pub fn new(structure: Arc<Structure>) -> Self {
         let direct = Direct::new(structure.clone());
-        MultigridOrDirect { structure, multigrid: Some(MultigridSolver::default()), direct, indefinite: 0 }
+        MultigridOrDirect {
+            structure,
+            multigrid: Some(MultigridSolver::default()),
+            direct,
+            indefinite: 0,
+            given_up: false,
+        }
     }
 
     fn too_large(&self, why: LinearError) -> LinearError {
@@ -34,11 +43,20 @@ impl MultigridOrDirect {
         LinearError::TooLarge { source: Box::new(why), gib }
     }
 
-    /// Whether a factor fits, with what it takes while it is made, into the memory that there is.
-    fn factor_has_room(&self) -> bool {
-        let bytes = 3 * (self.structure.factor_size().bytes() / 2);
-        let available = memory::available().map_or(Some(0), |available| available);
-        self.structure.factor_fits() && available.is_none_or(|available| bytes <= available)
+    /// Multigrid where it serves.
+    fn serving(&self) -> Option<&MultigridSolver> {
+        self.multigrid.as_ref().filter(|_| !self.given_up)
+    }
+
+    fn serving_mut(&mut self) -> Option<&mut MultigridSolver> {
+        self.multigrid.as_mut().filter(|_| !self.given_up)
+    }
+
+    /// Whether a factor may be made unasked, within the limit of the user. What memory happens to be there decides nothing: results would depend on it.
+    fn factor_is_allowed(&self) -> bool {
+        let needed = || self.structure.symbolic().factorisation_bytes(Precision::Double);
+        let within = |limit: Option<usize>| limit.is_none_or(|limit| needed() <= limit);
+        self.structure.factor_fits() && memory::limit().is_ok_and(within)
     }
 
     /// From multigrid to a factor, unless that is too large.
@@ -56,7 +74,7 @@ impl MultigridOrDirect {
         system: &System,
         mut solve: impl FnMut(&mut dyn LinearSolver) -> Result<T, LinearError>,
     ) -> Result<T, LinearError> {
-        if let Some(multigrid) = &mut self.multigrid {
+        if let Some(multigrid) = self.serving_mut() {
             match solve(multigrid) {
                 Err(why @ LinearError::Multigrid { .. }) => self.fall_back(why)?,
                 done => return done,
@@ -69,15 +87,15 @@ impl MultigridOrDirect {
 
 impl LinearSolver for MultigridOrDirect {
     fn name(&self) -> &'static str {
-        self.multigrid.as_ref().map_or(self.direct.name(), |multigrid| multigrid.name())
+        self.serving().map_or(self.direct.name(), |multigrid| multigrid.name())
     }
 
     fn takes_products(&self) -> bool {
-        self.multigrid.is_some()
+        self.serving().is_some()
     }
 
     fn restart(&mut self) {
-        self.indefinite = 0;
+        (self.indefinite, self.given_up) = (0, false);
         self.direct.restart();
     }
 
@@ -90,7 +108,7 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
-        if let Some(multigrid) = &mut self.multigrid {
+        if let Some(multigrid) = self.serving_mut() {
             match multigrid.prepare(system, work) {
                 Ok(()) => return Ok(()),
                 Err(why) => self.fall_back(why)?,
@@ -101,12 +119,17 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        if self.indefinite >= INDEFINITE && self.factor_has_room() {
-            self.multigrid = None;
+        if self.serving().is_some() && self.indefinite >= INDEFINITE && self.factor_is_allowed() {
+            self.given_up = true;
+            self.multigrid.iter_mut().for_each(LinearSolver::clear);
         }
+        let by_multigrid = self.serving().is_some();
         let step = self.by_either(system, |solver| solver.step(system, b, tolerance, work));
-        let definite = step.as_ref().is_ok_and(|step| step.curvature != Curvature::Negative);
-        self.indefinite += usize::from(self.multigrid.is_some() && !definite);
+        let indefinite = match &step {
+            Ok(step) => step.curvature == Curvature::Negative,
+            Err(why) => matches!(why, LinearError::Indefinite),
+        };
+        self.indefinite += usize::from(by_multigrid && indefinite);
         step
     }
 
@@ -117,7 +140,7 @@ impl LinearSolver for MultigridOrDirect {
         accuracy: Accuracy,
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
-        if let Some(multigrid) = &mut self.multigrid {
+        if let Some(multigrid) = self.serving_mut() {
             match multigrid.solve(system, b, accuracy, work) {
                 Err(why @ (LinearError::Multigrid { .. } | LinearError::Indefinite)) => self.fall_back(why)?,
                 done => return done,
@@ -137,11 +160,11 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn negative_quotient(&self) -> Option<f64> {
-        self.multigrid.as_ref().and_then(MultigridSolver::negative_quotient)
+        self.serving().and_then(MultigridSolver::negative_quotient)
     }
 
     fn changes_left(&self) -> Option<&[f64]> {
-        self.multigrid.as_ref().and_then(MultigridSolver::changes_left)
+        self.serving().and_then(MultigridSolver::changes_left)
     }
 
     fn solve_shifted(
@@ -154,7 +177,7 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
-        match self.multigrid.as_mut().map(|multigrid| multigrid.inertia(system)) {
+        match self.serving_mut().map(|multigrid| multigrid.inertia(system)) {
             Some(Ok(inertia)) => Ok(inertia),
             Some(Err(why)) if !self.structure.factor_fits() => Err(self.too_large(why)),
             _ => entries(system).and_then(|()| self.direct.inertia(system)),
@@ -162,7 +185,7 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn negative(&self) -> Option<usize> {
-        self.multigrid.as_ref().map_or(self.direct.negative(), |multigrid| multigrid.negative())
+        self.serving().map_or(self.direct.negative(), |multigrid| multigrid.negative())
     }
 
     fn bytes(&self) -> usize {
@@ -171,7 +194,8 @@ impl LinearSolver for MultigridOrDirect {
 
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
         let multigrid = self.multigrid.as_ref().map(|_| MultigridSolver::default());
-        Box::new(MultigridOrDirect { multigrid, ..MultigridOrDirect::new(structure.clone()) })
+        let (indefinite, given_up) = (self.indefinite, self.given_up);
+        Box::new(MultigridOrDirect { multigrid, indefinite, given_up, ..MultigridOrDirect::new(structure.clone()) })
     }
 
     fn boxed_clone(&self) -> Box<dyn LinearSolver> {

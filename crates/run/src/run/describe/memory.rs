@@ -33,7 +33,7 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let text = match model.solver() == Solver::MULTIGRID {
         true => {
             format!(
-                "multigrid; the tangent and its levels have about {levels}{each}, a solve at its peak {peak}; a factor would have {factor}"
+                "multigrid; the tangent and its levels have about {levels}{each}, a solve at its peak {peak}; a factor, which may take over where tangents are indefinite, would have {factor}"
             )
         }
         false => format!(

@@ -119,7 +119,11 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
             systems => format!("{systems} systems by products of cells, without an assembled tangent"),
         };
         let (cycles, levels) = (work.cycles, work.hierarchies);
-        let kept = if by_levels { format!(", which served {} systems more", work.reused) } else { String::new() };
+        let kept = if by_levels && work.reused > 0 {
+            format!(", which served {} systems more", work.reused)
+        } else {
+            String::new()
+        };
         let then = if by_levels { "" } else { "; a factor where these did not serve" };
         console
             .say(format!("linear      multigrid: {cycles} cycles on {levels} sets of levels{kept}, {tangents}{then}"));
