@@ -63,7 +63,7 @@ order = math.log(remainder[0] / remainder[1]) / math.log(2)
 note("Taylor order on 3", order > 1.95, f"{order:.3f}")
 
 # ten iterations, which end at the cost of one process, with the same bits on all ranks; five of "shared", whose runs
-# part afterwards: 1e-10 of the costs after five iterations, 6e-8 after seven and 2e-3 after ten, for systems are solved to the accuracy asked
+# part afterwards: 5e-10 of the costs after five iterations, 2e-3 after ten, for systems are solved to the accuracy asked
 for cost, iterations in ("tracking", 10), ("sprung", 10), ("shared", 5), ("hausdorff", 10):
     serial = run(1, cost, 2, iterations, "serial", program="optimise")
     for ranks in 1, 2, 3:
