@@ -6,9 +6,9 @@ use crate::common;
 
 use common::block::STRICT;
 use common::{Outcome, largest, regular};
-use nastic_energy::NeoHooke;
-use nastic_fem::{Cause, Solid, SolveOptions, State, StateError, Workspace};
-use nastic_mesh::CellKind;
+use nastic_energy::{NeoHooke, NeoHookeIsochoric};
+use nastic_fem::{Cause, Formulation, Solid, SolveOptions, State, StateError, Workspace};
+use nastic_mesh::{CellKind, box_mesh};
 use nastic_tensor::Vec3;
 use std::f64::consts::PI;
 
@@ -46,6 +46,27 @@ fn a_straight_column_falls_to_its_bent_state() -> Outcome {
             let (a, b) = (bent.report.energy, found.state.report.energy);
             assert!((a - b).abs() < 1e-9 * a.abs(), "{kind}, {multiple} times the load: {a:e} and {b:e}");
         }
+    }
+    Ok(())
+}
+
+/// 200 x 10 x 4 mm of silicone, mu = 0.3 MPa and kappa = 300 MPa, held at one end and pressed at the other beyond its second critical load: along a
+/// straight line its volume would change. The potential is that of the elastica, `P (2 x - L cos a - L)` with
+/// `x = L (2 E(k) / K(k) - 1)`, `cos a = 1 - 2 k^2`, `K(k)^2 = P L^2 / EI`, but for ten cells along it.
+#[test]
+fn a_nearly_incompressible_strip_falls_to_its_bent_state() -> Outcome {
+    for (pressure, elastica) in [(500.0, -4.085e-3), (1500.0, -1.721e-2)] {
+        let solid = Solid::new(box_mesh([0.2, 0.01, 0.004], [10, 1, 1], CellKind::Hex27)?)?
+            .material("body", NeoHookeIsochoric::new(0.3e6, 300e6)?)?
+            .formulation("body", Formulation::LinearDilatation)?
+            .clamp("x-")?
+            .traction("x+", Vec3::x() * -pressure)?;
+        let straight = solid.solve(&solid.controls(), &STRICT)?;
+        assert!(solid.negative_pivots(&straight)? > 1);
+        let found = solid.model().descend(&straight, &STRICT, &mut Workspace::default())?;
+        assert_eq!(solid.negative_pivots(&found.state)?, 0, "{pressure} Pa");
+        let potential = found.state.report.energy;
+        assert!((potential / elastica - 1.0).abs() < 0.04, "{pressure} Pa: {potential:e} J");
     }
     Ok(())
 }

@@ -99,7 +99,7 @@ impl fmt::Display for Cause {
             Cause::Saddle { negative } => write!(
                 f,
                 "that last one is not stable ({negative} negative pivots), and displacements along its softest mode lead to none of less \
-                 potential: seek others (--equilibria 5), or try a smaller control or load, or a finer mesh"
+                 potential: seek others by deflation, or try a smaller control or load, or a finer mesh"
             ),
             Cause::Unknown => f.write_str(
                 "the body may have no stable equilibrium there: try a smaller control or load, or a finer mesh",

@@ -2,6 +2,8 @@
 
 use crate::error::{Cause, FemError, StateError};
 use crate::model::{Feature, Model};
+use crate::nonlinear::equations::Equations;
+use crate::nonlinear::iteration::Stop;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
@@ -87,7 +89,7 @@ impl Model {
                 if !newton.admissible_chord(&saddle.u, &u).is_ok_and(|share| share >= 1.0) {
                     continue;
                 }
-                let found = newton.solve(&mut u, self.linear_solver(how, workspace), &mut report);
+                let found = self.down(&newton, &mut u, workspace, &mut report);
                 work.add_work(&report);
                 match found {
                     Ok(_) if report.energy < saddle.report.energy && differs(&u, saddle, amplitude) => {
@@ -103,6 +105,26 @@ impl Model {
             }
         }
         Ok(None)
+    }
+
+    /// To an equilibrium of less potential by displacements, where these creep with strains of their own at the quadrature points: along the straight
+    /// line a nearly incompressible body changes its volume.
+    fn down(
+        &self,
+        newton: &Equations,
+        u: &mut Vec<f64>,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<(), Stop> {
+        let start = u.clone();
+        match newton.solve(u, self.linear_solver(newton.options, workspace), report) {
+            Err(Stop::Slow { .. }) if self.suits_point_strains() => {
+                workspace.forget();
+                *u = start;
+                newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report)
+            }
+            found => found.map(|_| ()),
+        }
     }
 
     /// The least value of the potential along one side of a mode before a cell inverts or another contribution refuses the straight move, and at which multiple of the

@@ -132,3 +132,15 @@ fn ranked(member: CaseMember<'_>, state: &State) -> Option<Vec<(usize, f64)>> {
     cells.sort_by(|a, b| a.1.total_cmp(&b.1));
     Some(cells)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_saddle_says_its_negative_pivots() {
+        let mut out = FailureRecord::default();
+        add_cause(&mut out, &Cause::Saddle { negative: 2 });
+        assert_eq!((out.cause.as_deref(), out.inertia), (Some("saddle"), Some(2)));
+    }
+}
