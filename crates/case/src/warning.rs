@@ -57,6 +57,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &THICK_LAYER,
     &STEPS_PER_CONTACT,
     &CREEPS,
+    &ENERGY_BALANCE,
 ];
 
 /// A contact without effect.
@@ -85,6 +86,13 @@ pub const STEPS_PER_CONTACT: WarningKind = WarningKind {
     code: "steps_per_contact",
     about: "a touch lasts few time steps: how fast the body parts again is a number of the step",
     advice: "take shorter steps, ten or more for each touch; or a scheme that damps (backward_euler) if only the rest matters",
+};
+
+/// A time scheme that makes or takes energy.
+pub const ENERGY_BALANCE: WarningKind = WarningKind {
+    code: "energy",
+    about: "the time scheme creates or takes more than 2 % of the largest energy, work or loss of the motion",
+    advice: "",
 };
 
 /// Friction that gives way slowly.

@@ -25,9 +25,9 @@ pub use contributions::body_energy::point_peaks::PointPeak;
 pub use contributions::body_energy::{AttachedActuation, BodyEnergy};
 pub use contributions::{
     BeforeStep, BodyPoint, Cavity, Constrains, Contact, ContactLaw, Contribution, ContributionPoint, ControlPoint,
-    Controls, Demand, ExactContact, Foundation, History, Increment, Inertia, Instant, Lumen, MovingSupport, Need,
-    Onsets, Prescribes, Remembers, RigidBody, RigidPose, SampleState, SecondSensitivities, Sensitivities, Sliding,
-    Spring, Sums, SurfaceContact, Tendon, Tied, TimeStep, Touch, TouchParameters, Touches, VaryingLoad,
+    Controls, Demand, EnergyRole, ExactContact, Foundation, History, Increment, Inertia, Instant, Lumen, MovingSupport,
+    Need, Onsets, Prescribes, Remembers, RigidBody, RigidPose, SampleState, SecondSensitivities, Sensitivities,
+    Sliding, Spring, Sums, SurfaceContact, Tendon, Tied, TimeStep, Touch, TouchParameters, Touches, VaryingLoad,
     check_contribution,
 };
 pub use discretization::Discretization;
@@ -59,6 +59,7 @@ pub use solution::workspace::Workspace;
 pub use structure::{StructureCounts, TangentStructure};
 pub use time::adaptive::{AdaptiveReport, Tolerance};
 pub use time::checkpoints::Checkpoints;
+pub use time::energy_balance::{EnergyBalance, EnergyLedger};
 pub use time::instant_adjoint::StatePartials;
 pub use time::numerical_damping::{AmplificationFactor, ModalDamping};
 pub use time::recording::{Recording, RecordingCounts};

@@ -75,6 +75,11 @@ impl Chart {
         self
     }
 
+    /// Whether it has no curve.
+    pub fn is_empty(&self) -> bool {
+        self.curves.is_empty()
+    }
+
     /// Adds a vertical line with a name.
     pub fn mark(mut self, x: f64, label: &str) -> Self {
         self.lines.push((x, label.to_owned()));

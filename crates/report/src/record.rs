@@ -88,7 +88,7 @@ pub use state_record::{
     UncountedRecord,
 };
 pub use sweep_record::{SweepRecord, SweepRunRecord, SweptRecord};
-pub use time_record::{EnergiesRecord, EnergyRecord, StepErrorRecord, TimeRecord};
+pub use time_record::{EnergiesRecord, EnergyBalanceRecord, EnergyRecord, StepErrorRecord, TimeRecord};
 pub use trial_record::TrialRecord;
 
 /// Entries by name, in the order of the file.

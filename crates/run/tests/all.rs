@@ -15,6 +15,7 @@ mod damaged_checkpoints;
 mod determination;
 mod documents;
 mod doubtful;
+mod energy_balance;
 mod ensembles;
 mod fibers;
 mod fit;

@@ -27,7 +27,7 @@ pub fn time(problem: &CaseProblem) -> Vec<Line> {
     let parameters = [("gamma", time.gamma), ("beta", time.beta), ("rho", time.rho)];
     let parameters = parameters.into_iter().filter_map(|(name, value)| Some(format!(" {name} {}", short(value?))));
     let parameters: String = parameters.collect();
-    let steps = format!("{each}, scheme {}{parameters}, {} masses", time.scheme.name(), time.mass.name());
+    let steps = format!("{each}, scheme {}{parameters}, {} masses", time.scheme().name(), time.mass.name());
     let begin = match time.start {
         Beginning::Equilibrium => "the equilibrium under loads and controls at t = 0",
         Beginning::Rest => "the undeformed body",

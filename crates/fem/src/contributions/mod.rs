@@ -9,6 +9,7 @@ pub(crate) mod constrains;
 mod contact;
 pub(crate) mod controls;
 pub(crate) mod dead_load;
+pub(crate) mod energy_role;
 mod foundation;
 pub(crate) mod guides;
 pub(crate) mod history;
@@ -36,6 +37,7 @@ pub use check::check_contribution;
 pub use constrains::Constrains;
 pub use contact::{Contact, ContactLaw, SurfaceContact};
 pub use controls::{ControlPoint, Controls};
+pub use energy_role::EnergyRole;
 pub use foundation::Foundation;
 pub use history::{BeforeStep, History, Remembers};
 pub use inertia::Inertia;
@@ -114,6 +116,11 @@ pub trait Contribution: Debug + Send + Sync {
     /// Whether it stores energy where its controls are zero: a spring, a foundation, an elastic tendon.
     fn stores_energy(&self) -> bool {
         false
+    }
+
+    /// Where the energy balance of a motion counts its work.
+    fn energy_role(&self) -> EnergyRole {
+        EnergyRole::Stored
     }
 
     /// Whether its force depends on the displacement outside of time steps: not of inertia, damping, loads that do not follow.

@@ -1,6 +1,6 @@
 //! [`Touches`]: contact, as a contribution reports it: [`Touch`], and the [`RigidPose`] of an obstacle.
 
-use super::rotation::rotation;
+use super::rotation::{rotation, vector};
 use super::{Contribution, Instant, Sensitivities};
 use crate::error::Inadmissible;
 use nastic_tensor::{Mat3, Vec3};
@@ -248,6 +248,16 @@ impl RigidPose {
     pub fn carry(&self, to: &RigidPose, x: [f64; 3]) -> [f64; 3] {
         let own = self.centre + self.rotation.transpose() * (Vec3::from(x) - self.centre - self.translation);
         to.apply(own.into())
+    }
+
+    /// Where its centre is.
+    pub(crate) fn pivot(&self) -> Vec3 {
+        self.centre + self.translation
+    }
+
+    /// The way of its centre to another pose, and the vector of the rotation that leads there.
+    pub(crate) fn way(&self, to: &RigidPose) -> [Vec3; 2] {
+        [to.pivot() - self.pivot(), vector(&(to.rotation * self.rotation.transpose()))]
     }
 
     /// Where a point goes.

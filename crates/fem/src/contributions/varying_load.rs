@@ -1,8 +1,8 @@
 //! [`VaryingLoad`]: a dead load that changes in time.
 
 use super::{
-    Contribution, ContributionPoint, ControlPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities,
-    Sensitivities, Sums,
+    Contribution, ContributionPoint, ControlPoint, Controls, Demand, EnergyRole, Increment, Instant, Need,
+    SecondSensitivities, Sensitivities, Sums,
 };
 use crate::discretization::quadrature_points::QuadraturePoints;
 use crate::error::{Inadmissible, SecondDerivativeError};
@@ -94,6 +94,10 @@ impl Contribution for VaryingLoad {
 
     fn is_stiff(&self) -> bool {
         false
+    }
+
+    fn energy_role(&self) -> EnergyRole {
+        EnergyRole::Load
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {

@@ -4,6 +4,8 @@ pub(crate) mod adaptive;
 mod beginning;
 pub mod catalogue;
 pub(crate) mod checkpoints;
+pub(crate) mod energy_balance;
+mod force_families;
 pub(crate) mod initial_acceleration;
 pub(crate) mod instant_adjoint;
 pub(crate) mod modal_step;

@@ -153,7 +153,10 @@ impl Case {
 
     /// Without the checks between blocks.
     pub(crate) fn read_document(reader: &mut Reader<'_>) -> Option<Self> {
-        <Self as Read>::read(reader.document.root(), &At::root(), Want::ANY, reader)
+        let mut case = <Self as Read>::read(reader.document.root(), &At::root(), Want::ANY, reader)?;
+        let touches = !case.contact.is_empty();
+        case.time.iter_mut().for_each(|time| time.choose_scheme(touches));
+        Some(case)
     }
 }
 

@@ -48,6 +48,11 @@ impl SchemeName {
         self.0.name
     }
 
+    /// What is taken beside contact where the case names none.
+    pub(crate) fn beside_contact() -> Self {
+        Self::named("backward_euler").unwrap_or_default()
+    }
+
     /// The scheme of this name.
     fn named(name: &str) -> Option<Self> {
         SCHEMES.iter().find(|row| row.name == name).map(Self)

@@ -16,8 +16,8 @@ object! {
         pub tolerance: Option<f64> as POSITIVE_LENGTH,
         /// The longest step beside a tolerance; a fiftieth of the end if left out.
         pub longest: Option<f64> as POSITIVE_TIME,
-        /// How steps are made.
-        pub scheme: SchemeName = SchemeName::default(),
+        /// How steps are made; if left out "tr_bdf2", beside "contact" and without a tolerance "backward_euler", which creates no energy there.
+        pub scheme: Option<SchemeName>,
         /// Of "newmark": v = v_n + h ((1 - gamma) a_n + gamma a), at least 1/2; 0.6 if left out.
         pub gamma: Option<f64> as POSITIVE,
         /// Of "newmark": u = u_n + h v_n + h^2 ((1/2 - beta) a_n + beta a), at least gamma/2; (gamma + 1/2)^2/4 if left out.
@@ -112,18 +112,31 @@ const LONGEST: f64 = 1.0 / 50.0;
 const GAMMA: f64 = 0.6;
 
 impl Time {
+    /// The name of the scheme.
+    #[must_use]
+    pub fn scheme(&self) -> SchemeName {
+        self.scheme.unwrap_or_default()
+    }
+
+    /// With the scheme that is taken where the case names none.
+    pub(crate) fn choose_scheme(&mut self, touches: bool) {
+        if touches && self.tolerance.is_none() {
+            self.scheme = self.scheme.or_else(|| Some(SchemeName::beside_contact()));
+        }
+    }
+
     /// The scheme with its parameters.
     ///
     /// # Errors
     /// Parameters beyond those with which long steps are stable.
     pub fn built_scheme(&self) -> Result<Scheme, FemError> {
-        match (self.scheme.name(), self.gamma.or(self.beta), self.rho) {
+        match (self.scheme().name(), self.gamma.or(self.beta), self.rho) {
             ("newmark", Some(_), _) => {
                 let gamma = self.gamma.unwrap_or(GAMMA);
                 Scheme::newmark(self.beta.unwrap_or(0.25 * (gamma + 0.5).powi(2)), gamma)
             }
             ("generalized_alpha", _, Some(rho)) => Scheme::generalized_alpha(rho),
-            _ => self.scheme.scheme(),
+            _ => self.scheme().scheme(),
         }
     }
 
@@ -164,12 +177,15 @@ impl Time {
 }
 
 fn check(time: &Time, reader: &mut Reader<'_>) {
+    let mut time = time.clone();
+    time.choose_scheme(reader.document.root().find("contact").is_some());
+    let time = &time;
     for (key, value, of) in
         [("gamma", time.gamma, "newmark"), ("beta", time.beta, "newmark"), ("rho", time.rho, "generalized_alpha")]
     {
-        if value.is_some() && time.scheme.name() != of {
+        if value.is_some() && time.scheme().name() != of {
             let message =
-                format!("is a parameter of \"{of}\", and the scheme is \"{}\": leave it out", time.scheme.name());
+                format!("is a parameter of \"{of}\", and the scheme is \"{}\": leave it out", time.scheme().name());
             reader.complain_at(&time.at.key(key), message);
         }
     }
@@ -204,7 +220,7 @@ fn check_tolerance(time: &Time, reader: &mut Reader<'_>) {
     if time.built_scheme().is_ok_and(|scheme| !scheme.estimates_error()) {
         let message = format!(
             "\"{}\" does not estimate the error of its steps: take \"tr_bdf2\", or a \"step\" instead of a \"tolerance\"",
-            time.scheme.name()
+            time.scheme().name()
         );
         reader.complain_at(&time.at.key("scheme"), message);
     }

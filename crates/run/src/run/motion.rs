@@ -1,6 +1,7 @@
 //! Motions as results: `motion_0000.vtu` .. with `motion.pvd`, `motion.csv` and charts of every step, the entry `time`.
 
 mod checkpoint;
+mod energy;
 mod record;
 mod recorder;
 mod solved;
@@ -106,7 +107,9 @@ fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
     let rows = record.table.iter().flat_map(|table| &table.rows).map(|row| (row[MIN_J], row[0]));
     let smallest = rows.min_by(|a, b| a.0.total_cmp(&b.0));
     let of_all = smallest.and_then(|(min_j, time)| compression(member, min_j, Some(time)));
-    described.into_iter().map(with_count).chain(of_all).chain(flight(member, &record.shown, &record.touches)).collect()
+    let of_energy = record.table.iter().flat_map(|table| energy::warnings(member, table));
+    let of_states = described.into_iter().map(with_count).chain(of_all);
+    of_states.chain(flight(member, &record.shown, &record.touches)).chain(of_energy).collect()
 }
 
 /// The entry `time` of the result, and lines about the motions.
@@ -123,7 +126,7 @@ fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> V
         "motion      {} {each} to {} by {}, {} cut",
         count(steps.unwrap_or(0), "step"),
         of(time.end),
-        time.scheme.name(),
+        time.scheme().name(),
         count(point.members.iter().map(|at| at.work.cuts).sum::<usize>(), "step")
     ));
     if let Some(error) = point.members.iter().filter_map(|at| at.solved.error).map(|error| error.error).reduce(f64::max)
@@ -158,10 +161,11 @@ fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) ->
     TimeRecord {
         end: time.end.into(),
         steps: record.states().saturating_sub(1),
-        scheme: time.scheme.name().to_owned(),
+        scheme: time.scheme().name().to_owned(),
         mass: time.mass.name().to_owned(),
         written: record.shown.len(),
         energies: EnergiesRecord { start: both(start), end: both(end) },
+        energy_balance: record.table.as_ref().and_then(|table| energy::record(member, table)),
         damping,
         ..time_steps::record(session, member, time, at)
     }

@@ -3,8 +3,8 @@
 use super::enclosed::Patch;
 use super::{PRESSURE, Room};
 use crate::contributions::{
-    Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities, Sensitivities,
-    Sums,
+    Contribution, ContributionPoint, Controls, Demand, EnergyRole, Increment, Instant, Need, SecondSensitivities,
+    Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
@@ -40,6 +40,10 @@ impl Contribution for CavityPressure {
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
         self.0.quantities(at.u, at.control(0))
+    }
+
+    fn energy_role(&self) -> EnergyRole {
+        EnergyRole::Pressure
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {

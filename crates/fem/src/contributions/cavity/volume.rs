@@ -3,8 +3,8 @@
 use super::enclosed::Patch;
 use super::{AREA, Room, VOLUME};
 use crate::contributions::{
-    Constrains, Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities,
-    Sensitivities, Sums,
+    Constrains, Contribution, ContributionPoint, Controls, Demand, EnergyRole, Increment, Instant, Need,
+    SecondSensitivities, Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
@@ -100,6 +100,10 @@ impl Contribution for CavityVolume {
 
     fn constrains(&self) -> Option<&dyn Constrains> {
         Some(self)
+    }
+
+    fn energy_role(&self) -> EnergyRole {
+        EnergyRole::Pressure
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {

@@ -3,8 +3,8 @@
 use super::force::{Drive, line};
 use crate::contributions::guides::{Guides, Line};
 use crate::contributions::{
-    Constrains, Contribution, ContributionPoint, Controls, Demand, Increment, Instant, Need, SecondSensitivities,
-    Sensitivities, Sums,
+    Constrains, Contribution, ContributionPoint, Controls, Demand, EnergyRole, Increment, Instant, Need,
+    SecondSensitivities, Sensitivities, Sums,
 };
 use crate::discretization::supports::Supports;
 use crate::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
@@ -111,6 +111,10 @@ impl Contribution for InextensibleTendon {
 
     fn constrains(&self) -> Option<&dyn Constrains> {
         Some(self)
+    }
+
+    fn energy_role(&self) -> EnergyRole {
+        EnergyRole::Drive
     }
 
     fn at<'a>(&'a self, at: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {

@@ -11,7 +11,8 @@ use nastic_fem::Scheme;
 pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
     if reader.document.root().find("time").is_none() {
         check_static(blocks, reader);
-    } else if let Some(time) = block::<Time>(reader, "time") {
+    } else if let Some(mut time) = block::<Time>(reader, "time") {
+        time.choose_scheme(!blocks.contact.is_empty());
         check_motion(&time, blocks, reader);
     }
 }

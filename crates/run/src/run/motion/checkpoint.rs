@@ -15,7 +15,7 @@ use std::path::Path;
 /// The file's name: beside that of an optimisation, which it leaves alone.
 pub(in crate::run) const NAME: &str = "motion_checkpoint.bin";
 
-const MAGIC: &str = "nastic-motions-3";
+const MAGIC: &str = "nastic-motions-4";
 
 /// The content of the file.
 pub(in crate::run) struct MotionCheckpoint {
@@ -37,6 +37,8 @@ pub(super) struct SavedMember {
     pub shown: Vec<Vec<u8>>,
     /// The state that it goes on from.
     pub last: Vec<u8>,
+    /// The state before it, if there is one.
+    pub before: Option<Vec<u8>>,
 }
 
 impl MotionCheckpoint {
@@ -67,7 +69,7 @@ impl MotionCheckpoint {
             [accepted, rejected, failed].into_iter().for_each(|n| out.count(*n));
         }
         out.count(self.members.len());
-        for SavedMember { n, motion, rows, shown, last } in &self.members {
+        for SavedMember { n, motion, rows, shown, last, before } in &self.members {
             out.count(*n);
             out.bytes(motion);
             out.count(rows.len());
@@ -75,6 +77,8 @@ impl MotionCheckpoint {
             out.count(shown.len());
             shown.iter().for_each(|state| out.bytes(state));
             out.bytes(last);
+            out.count(before.iter().len());
+            before.iter().for_each(|state| out.bytes(state));
         }
         out.finish()
     }
@@ -93,7 +97,9 @@ impl MotionCheckpoint {
             let (n, motion) = (input.number()?, input.list()?);
             let rows = (0..input.count(8)?).map(|_| input.floats()).collect::<Result<_, _>>()?;
             let shown = (0..input.count(8)?).map(|_| input.list()).collect::<Result<_, _>>()?;
-            members.push(SavedMember { n, motion, rows, shown, last: input.list()? });
+            let last = input.list()?;
+            let before = if input.count(8)? > 0 { Some(input.list()?) } else { None };
+            members.push(SavedMember { n, motion, rows, shown, last, before });
         }
         input.finish()?;
         Ok(Self { case, steps, members })

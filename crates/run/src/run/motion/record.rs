@@ -5,7 +5,7 @@ use crate::run::motion::table;
 use crate::run::motion::table::Table;
 use nastic_case::lower::CaseMember;
 use nastic_control::ControlError;
-use nastic_fem::{State, Touch};
+use nastic_fem::{EnergyBalance, EnergyLedger, State, Touch};
 use nastic_report::record::{ByName, Number};
 
 /// What is reported of the motion of one member: the table of all steps, and the states that are written.
@@ -23,6 +23,9 @@ pub(crate) struct Record {
     pub reactions: Option<ByName<Vec<Number>>>,
     /// The last state that was reached: where the next step begins.
     pub last: Option<State>,
+    /// The one before it.
+    pub before: Option<State>,
+    ledger: Option<EnergyLedger>,
 }
 
 impl Record {
@@ -31,20 +34,38 @@ impl Record {
         let (time, timeline) = (member.case().time.as_ref(), member.reduced().timeline());
         let is_shown = time.zip(timeline).map_or_else(Vec::new, |(time, timeline)| time.shown(timeline.instants()));
         let (shown, touches) = (Vec::new(), Vec::new());
-        Self { member: member.index(), m, is_shown, table: None, shown, touches, reactions: None, last: None }
+        let (table, reactions, last, before, ledger) = (None, None, None, None, None);
+        Self { member: member.index(), m, is_shown, table, shown, touches, reactions, last, before, ledger }
     }
 
     /// The n-th state was reached.
     pub fn add(&mut self, member: CaseMember<'_>, n: usize, state: &State) -> Result<(), ControlError> {
+        let balance = self.balance(member, state)?;
         let table = self.table.get_or_insert_with(|| Table::head(member, state));
-        table.add(member, &self.m, (self.last.as_ref(), state))?;
+        table.add(member, &self.m, (self.last.as_ref(), state), balance)?;
         self.touches = table::touches(member, self.last.as_ref(), state);
         self.reactions = Some(reactions(member, self.last.as_ref(), state));
-        self.last = Some(state.clone());
+        self.before = self.last.replace(state.clone());
         if self.is_shown.get(n) == Some(&true) {
             self.shown.push(state.clone());
         }
         Ok(())
+    }
+
+    /// The balance of energy at the next state; of a motion that goes on from a checkpoint by what was written down there.
+    fn balance(&mut self, member: CaseMember<'_>, state: &State) -> Result<Option<EnergyBalance>, ControlError> {
+        let (model, Some(timeline)) = (member.solid().model(), member.reduced().timeline()) else { return Ok(None) };
+        let ledger = match &mut self.ledger {
+            Some(ledger) => ledger,
+            none => {
+                let mut ledger = EnergyLedger::new(model, timeline.scheme())?;
+                if let (Some(last), Some(balance)) = (&self.last, self.table.as_ref().and_then(Table::last_balance)) {
+                    ledger.go_on(model, self.before.as_ref(), last, balance)?;
+                }
+                none.insert(ledger)
+            }
+        };
+        Ok(Some(ledger.add(model, state)?))
     }
 
     /// The number of the last state, and its instant.

@@ -43,8 +43,9 @@ struct Recorded {
 struct ResumePoint {
     n: usize,
     motion: Vec<u8>,
-    /// The state there.
+    /// The state there, and the one before it.
     last: Option<State>,
+    before: Option<State>,
     /// Rows and states that there were.
     rows: usize,
     shown: usize,
@@ -143,7 +144,7 @@ impl<'a> Recorder<'a> {
 impl Recorded {
     /// Goes on from what was saved.
     fn take(&mut self, member: CaseMember<'_>, saved: SavedMember) -> Result<(), String> {
-        let SavedMember { n, motion, rows, shown, last } = saved;
+        let SavedMember { n, motion, rows, shown, last, before } = saved;
         let like = member.solid().rest();
         let read = |bytes: &Vec<u8>| {
             let mut input = Reader::new(bytes, "")?;
@@ -151,6 +152,7 @@ impl Recorded {
             input.finish().map(|()| state)
         };
         let last = read(&last).map_err(|error| error.to_string())?;
+        let before = before.as_ref().map(read).transpose().map_err(|error| error.to_string())?;
         let shown = shown.iter().map(read).collect::<Result<Vec<State>, _>>().map_err(|error| error.to_string())?;
         let first = shown.first().ok_or("no state of the motion")?;
         let mut table = crate::run::motion::table::Table::head(member, first);
@@ -158,7 +160,8 @@ impl Recorded {
             return Err("another table of the motion".to_owned());
         }
         table.rows = rows;
-        (self.record.table, self.record.shown, self.record.last) = (Some(table), shown, Some(last));
+        (self.record.table, self.record.shown) = (Some(table), shown);
+        (self.record.last, self.record.before) = (Some(last), before);
         self.from = Some(motion);
         Ok(())
     }
@@ -175,6 +178,7 @@ impl Recorded {
             n: place.n,
             motion: place.motion.clone(),
             last: bytes(place.last.as_ref()?),
+            before: place.before.as_ref().map(bytes),
             rows: table.rows[..place.rows].to_vec(),
             shown: self.record.shown[..place.shown].iter().map(bytes).collect(),
         })
@@ -187,7 +191,8 @@ impl MotionObserver for MemberObserver<'_> {
         let from = recorded.from.take()?;
         let n = recorded.record.states().saturating_sub(1);
         let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
-        recorded.place = Some(ResumePoint { n, motion: from.clone(), last: recorded.record.last.clone(), rows, shown });
+        let (last, before) = (recorded.record.last.clone(), recorded.record.before.clone());
+        recorded.place = Some(ResumePoint { n, motion: from.clone(), last, before, rows, shown });
         Some(from)
     }
 
@@ -203,7 +208,8 @@ impl MotionObserver for MemberObserver<'_> {
         {
             let mut recorded = lock(&self.all.members[self.index]);
             let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
-            recorded.place = Some(ResumePoint { n, motion: bytes(), last: recorded.record.last.clone(), rows, shown });
+            let (last, before) = (recorded.record.last.clone(), recorded.record.before.clone());
+            recorded.place = Some(ResumePoint { n, motion: bytes(), last, before, rows, shown });
         }
         self.all.save_if_due();
     }

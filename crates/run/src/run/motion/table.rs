@@ -6,7 +6,7 @@ use crate::result::title::title;
 use crate::run::error::RunError;
 use nastic_case::lower::CaseMember;
 use nastic_control::{ControlBlock, ControlError};
-use nastic_fem::{Instant, State, TimeStep, Touch};
+use nastic_fem::{EnergyBalance, Instant, State, TimeStep, Touch};
 use nastic_language::quantity::Dimension;
 use nastic_picture::{Chart, Curve};
 use nastic_report::csv::column;
@@ -20,6 +20,12 @@ pub(super) const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
 pub(super) const KINETIC_ENERGY: usize = 1;
 pub(super) const POTENTIAL: usize = 2;
 pub(super) const MIN_J: usize = 3;
+
+/// Entries of the balance of energy that are energies or losses.
+const STACKED: usize = 5;
+
+/// What the columns of the balance of energy begin with.
+const BALANCE: &str = "energy.";
 
 /// Columns of a table of a motion, one row for every step.
 pub(crate) struct Table {
@@ -78,6 +84,8 @@ impl Table {
             let wanted = axes.filter(|(k, _)| wanted[*k]);
             columns.extend(wanted.map(|(_, axis)| (format!("{name}.target.{axis}"), unit())));
         }
+        // behind all others, and none is there twice: the kinetic energy stands at the front
+        columns.extend(EnergyBalance::NAMES.iter().skip(1).map(|name| (format!("{BALANCE}{name}"), energy.clone())));
         let (names, units) = columns.into_iter().unzip();
         Self { names, units, rows: vec![] }
     }
@@ -88,6 +96,7 @@ impl Table {
         member: CaseMember<'_>,
         m: &[f64],
         (before, state): (Option<&State>, &State),
+        balance: Option<EnergyBalance>,
     ) -> Result<(), ControlError> {
         let (report, [kinetic, potential]) = (&state.report, energies(member, state));
         let mut row = vec![state.time, kinetic, potential, report.min_j, report.newton as f64];
@@ -107,8 +116,20 @@ impl Table {
             let components = (0..dim).filter(|k| wanted[*k]);
             row.extend(components.map(|k| aim.target[k].unwrap_or(f64::NAN)));
         }
+        let entries = balance.map_or([f64::NAN; EnergyBalance::NAMES.len()], |balance| balance.entries());
+        row.extend_from_slice(&entries[1..]);
         self.rows.push(row);
         Ok(())
+    }
+
+    /// The balance of energy of every row.
+    pub fn balances(&self) -> impl Iterator<Item = (f64, EnergyBalance)> {
+        self.rows.iter().filter_map(|row| Some((*row.first()?, balance_of(row)?)))
+    }
+
+    /// That of the last row.
+    pub fn last_balance(&self) -> Option<EnergyBalance> {
+        balance_of(self.rows.last()?)
     }
 
     pub fn csv(&self) -> String {
@@ -127,7 +148,6 @@ impl Table {
         let first = 5; // behind the columns that every motion has
         let parts = [
             ("motion.svg", "displacement", first..first + probes),
-            ("energies.svg", "energy", 1..3),
             ("controls.svg", "control", first + probes..first + probes + controls),
         ];
         let mut files = Vec::new();
@@ -150,8 +170,38 @@ impl Table {
             chart.write(out.file(&name))?;
             files.push(name);
         }
+        files.extend(self.balance_chart(member, out)?);
         Ok(files)
     }
+
+    /// Energies and losses one upon the other, and what was put in: what is between the two the scheme has added or taken.
+    fn balance_chart(&self, member: CaseMember<'_>, out: &Directory) -> Result<Option<String>, RunError> {
+        let all: Vec<(f64, [f64; 12])> = self.balances().map(|(t, balance)| (t, balance.entries())).collect();
+        let Some((_, first)) = all.first() else { return Ok(None) };
+        let unit = member.problem().units().label(ENERGY);
+        let mut chart = Chart::new(&title(member), &format!("t ({})", self.units[0]), &format!("energy ({unit})"));
+        let mut below = vec![0.0; all.len()];
+        for k in (0..STACKED).filter(|k| all.iter().any(|(_, entries)| entries[*k] != 0.0)) {
+            below.iter_mut().zip(&all).for_each(|(sum, (_, entries))| *sum += entries[k]);
+            let name = EnergyBalance::NAMES[k].replace('_', " ");
+            let label = if chart.is_empty() { name } else { format!("+ {name}") };
+            chart = chart.curve(Curve::new(&label, all.iter().zip(&below).map(|((t, _), sum)| (*t, *sum, true))));
+        }
+        let start: f64 = first[..STACKED].iter().sum();
+        let put_in = |entries: &[f64; 12]| start + entries[STACKED..EnergyBalance::PHYSICAL].iter().sum::<f64>();
+        chart = chart.curve(Curve::line("put in", 3.0, all.iter().map(|(t, entries)| (*t, put_in(entries), true))));
+        let name = member.file("energies.svg");
+        chart.write(out.file(&name))?;
+        Ok(Some(name))
+    }
+}
+
+/// The balance of energy of a row, whose last columns it is.
+fn balance_of(row: &[f64]) -> Option<EnergyBalance> {
+    let behind = row.len().checked_sub(EnergyBalance::NAMES.len() - 1)?;
+    let mut entries = [*row.get(KINETIC_ENERGY)?; EnergyBalance::NAMES.len()];
+    entries[1..].copy_from_slice(&row[behind..]);
+    Some(EnergyBalance::from_entries(entries))
 }
 
 /// The costs that look at a place, and which components have a target.
@@ -184,7 +234,9 @@ pub(super) fn touches(member: CaseMember<'_>, before: Option<&State>, state: &St
     member.solid().model().touches(&step.as_ref().map_or(at, |step| at.in_step(step)))
 }
 
-/// Kinetic energy, and the potential of stresses, actuations and loads.
+/// Kinetic energy (none without inertia), and the potential of stresses, actuations and loads.
 pub(crate) fn energies(member: CaseMember<'_>, state: &State) -> [f64; 2] {
-    [member.solid().model().kinetic_energy(state).unwrap_or(f64::NAN), summary::potential(member, state)]
+    let without_inertia = member.reduced().timeline().is_some_and(|timeline| timeline.scheme().is_quasi_static());
+    let kinetic = if without_inertia { Ok(0.0) } else { member.solid().model().kinetic_energy(state) };
+    [kinetic.unwrap_or(f64::NAN), summary::potential(member, state)]
 }
