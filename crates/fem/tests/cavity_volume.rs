@@ -312,3 +312,26 @@ fn a_drop_keeps_its_volume_and_spreads() -> Outcome {
     );
     Ok(())
 }
+
+/// A sealed box takes the same iterations, and has the same volume and pressure, wherever it stands.
+#[test]
+fn a_chamber_far_away_is_that_at_the_origin() -> Outcome {
+    let at = |place: f64| -> Outcome<[f64; 3]> {
+        let mesh = regular(CellKind::Hex20, [40.0, 20.0, 20.0], [2, 1, 1])?.mapped(|x| x.map(|x| x + place))?;
+        let solid = Solid::new(mesh)?
+            .material("body", MooneyRivlin::new(0.02, 0.015, 0.3)?)?
+            .clamp("x-")?
+            .cavity(Cavity::new("sealed", "skin").filled().by_volume())?;
+        let state = solve(&solid, &[500.0], None)?;
+        let [pressure, volume, _] = room(&solid, &state, "sealed")?;
+        Ok([volume, pressure, state.report.newton as f64])
+    };
+    let [volume, pressure, newton] = at(0.0)?;
+    for place in [1e3, 1e6] {
+        let far = at(place)?;
+        let off = |found: f64, expected: f64| (found / expected - 1.0).abs();
+        assert!(off(far[0], volume) < 1e-9 && off(far[1], pressure) < 1e-8, "{place}: {far:?}, {volume} {pressure}");
+        assert!((far[2] - newton).abs() <= 2.0, "{place}: {} iterations, {newton}", far[2]);
+    }
+    Ok(())
+}

@@ -14,6 +14,7 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub(super) struct Enclosed {
     mesh: Arc<Mesh>,
+    /// o, from which all positions are taken.
     origin: Vec3,
     /// By kind of facet: the terms of one facet, and the nodes of all.
     facets: Vec<(Vec<Term>, Vec<Vec<u32>>)>,
@@ -82,7 +83,10 @@ impl Enclosed {
         let facets = facets.into_iter().map(|(kind, nodes)| (facet_terms(kind, sign), nodes)).collect();
         let plane_strain = mesh.dim() == 2;
         let lids = rims(open, plane_strain).into_iter().map(|rim| Lid::new(mesh, rim, &planes)).collect();
-        let mut origin = Vec3::zeros();
+        // the volume of what is closed is the same from everywhere, and loses digits from far away
+        let near = surface.first().filter(|_| !cavity.open).map(|facet| mesh.facet_nodes(*facet).1);
+        let near = near.and_then(|nodes| Some(mesh.points()[*nodes.first()? as usize]));
+        let mut origin = near.map_or(Vec3::zeros(), Vec3::from);
         planes.iter().for_each(|plane| origin[plane.axis] = plane.at);
         Ok(Enclosed { mesh: mesh.clone(), origin, facets, lids, planes })
     }
@@ -177,9 +181,9 @@ impl Enclosed {
     /// `constants` multiplies all positions that do not depend on the displacement: 1, or 0 for the part of highest degree.
     fn each_patch<'s>(&'s self, u: Option<&[f64]>, constants: f64, second: bool, mut call: impl FnMut(Patch<'s>)) {
         let dim = self.mesh.dim();
-        let origin = constants * self.origin;
+        // from o, before the displacement is added, which is small beside the place of a body that is far away
         let position = |node: u32| {
-            let mut x = constants * Vec3::from(self.mesh.points()[node as usize]);
+            let mut x = constants * (Vec3::from(self.mesh.points()[node as usize]) - self.origin);
             if let Some(u) = u {
                 (0..dim).for_each(|i| x[i] += u[dim * node as usize + i]);
             }
@@ -189,13 +193,13 @@ impl Enclosed {
             for nodes in facets {
                 let x: Vec<Vec3> = nodes.iter().map(|&node| position(node)).collect();
                 let mut volume = Volume::zero(nodes.len(), second);
-                terms.iter().for_each(|term| volume.add(term, &x, (&origin, constants)));
+                terms.iter().for_each(|term| volume.add(term, &x, constants));
                 call(Patch { nodes, dim, volume });
             }
         }
         for lid in &self.lids {
             let x: Vec<Vec3> = lid.nodes.iter().map(|&node| position(node)).collect();
-            call(Patch { nodes: &lid.nodes, dim, volume: lid.volume(&x, (&origin, constants), second) });
+            call(Patch { nodes: &lid.nodes, dim, volume: lid.volume(&x, second, (&self.origin, constants)) });
         }
     }
 }
@@ -271,14 +275,14 @@ impl Lid {
         Lid { nodes, edges, planes }
     }
 
-    /// By the rim's nodes: c is their mean, on the planes of symmetry. See [`Volume::add`].
-    fn volume(&self, x: &[Vec3], (origin, constants): (&Vec3, f64), second: bool) -> Volume {
+    /// By the rim's nodes, whose places x are from o: c is their mean, on the planes of symmetry. See [`Volume::add`].
+    fn volume(&self, x: &[Vec3], second: bool, (origin, constants): (&Vec3, f64)) -> Volume {
         let n = self.nodes.len();
         let share = 1.0 / n as f64;
         let mut c = share * x.iter().sum::<Vec3>();
         let mut free = Vec3::repeat(share);
         for plane in &self.planes {
-            (c[plane.axis], free[plane.axis]) = (constants * plane.at, 0.0);
+            (c[plane.axis], free[plane.axis]) = (constants * (plane.at - origin[plane.axis]), 0.0);
         }
         let mut sum = Volume::zero(n, second);
         let mut by_c = Vec3::zeros();
@@ -289,7 +293,7 @@ impl Lid {
             let m = edge.len();
             let local: Vec<Vec3> = edge.iter().map(|&a| x[a]).chain([c]).collect();
             let mut own = Volume::zero(m + 1, second);
-            terms.iter().for_each(|term| own.add(term, &local, (origin, constants)));
+            terms.iter().for_each(|term| own.add(term, &local, constants));
             sum.value += own.value;
             sum.scale += own.scale;
             edge.iter().zip(&own.gradient).for_each(|(&a, g)| sum.gradient[a] += g);

@@ -2,7 +2,7 @@
 
 use nastic_tensor::Vec3;
 
-/// A term `weight det(p, q, r)` with `p = sum_a P_a x_a - o`, `q = sum_a Q_a x_a`, `r = sum_a R_a x_a + normal`.
+/// A term `weight det(p, q, r)` with `p = sum_a P_a x_a`, `q = sum_a Q_a x_a`, `r = sum_a R_a x_a + normal`.
 #[derive(Debug, Clone)]
 pub(super) struct Term {
     pub weight: f64,
@@ -31,9 +31,9 @@ impl Volume {
     }
 
     /// Adds a term at nodal positions x, its normal times `constants`.
-    pub fn add(&mut self, term: &Term, x: &[Vec3], (origin, constants): (&Vec3, f64)) {
+    pub fn add(&mut self, term: &Term, x: &[Vec3], constants: f64) {
         let linear = |c: &[f64]| c.iter().zip(x).map(|(c, x)| *c * x).sum::<Vec3>();
-        let (p, q, r) = (linear(&term.p) - origin, linear(&term.q), linear(&term.r) + constants * term.normal);
+        let (p, q, r) = (linear(&term.p), linear(&term.q), linear(&term.r) + constants * term.normal);
         let w = term.weight;
         let (by_p, by_q, by_r) = (q.cross(&r), r.cross(&p), p.cross(&q));
         let value = w * p.dot(&by_p);
