@@ -5,7 +5,8 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Contact, ContactLaw, Solid, StateError};
+use nastic_fem::time::catalogue::SCHEMES;
+use nastic_fem::{Contact, ContactLaw, Feature, Inertia, Solid, StateError};
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 
@@ -24,6 +25,7 @@ fn numbers_that_are_none_are_refused() -> Outcome {
     for (wrong, words) in [
         (contact().thickness(0.0), "thickness"),
         (contact().stiffness(-1.0), "stiffness"),
+        (contact().stiffness(1e30), "stiffness of 1e30 Pa"),
         (contact().friction(-0.1, 1e-3), "friction coefficient"),
         (contact().friction(0.1, 0.0), "slip speed"),
         (contact().refine(0), "refine"),
@@ -43,6 +45,29 @@ fn friction_has_no_static_equilibrium() -> Outcome {
     let solid = bar()?.contact(Contact::of("floor", "z-", floor(-0.1)).friction(0.5, 1e-3))?;
     let refused = solid.solve(&solid.controls(), &STRICT).err().ok_or("it has one")?.to_string();
     assert!(refused.contains("floor") && refused.contains("quasi_static"), "{refused}");
+    Ok(())
+}
+
+/// Ends that no solve has seen would be deep in a layer, and linear steps do not begin to slide.
+#[test]
+fn schemes_that_are_wrong_beside_contact_are_refused() -> Outcome {
+    let body = |friction: bool| -> Outcome<Solid> {
+        let contact = Contact::of("floor", "z-", floor(-0.1));
+        let contact = if friction { contact.friction(0.5, 1e-3) } else { contact };
+        Ok(bar()?.inertia(Inertia::new("body", 1000.0))?.contact(contact)?)
+    };
+    for row in SCHEMES {
+        let scheme = (row.build)()?;
+        for friction in [false, true] {
+            let refused =
+                body(friction)?.model().supports(Feature::Motion(&scheme)).err().map(|error| error.to_string());
+            let wrong = scheme.extrapolates() || friction && scheme.is_linearised();
+            assert_eq!(refused.is_some(), wrong, "{}, friction {friction}: {refused:?}", row.name);
+            assert!(refused.is_none_or(|told| told.contains(row.name) && told.contains("floor")));
+        }
+        // without contact all are there
+        bar()?.inertia(Inertia::new("body", 1000.0))?.model().supports(Feature::Motion(&scheme))?;
+    }
     Ok(())
 }
 

@@ -266,13 +266,22 @@ impl<'a> Equations<'a> {
             let size = space.norm(r);
             if size == 0.0 { 0.0 } else { size / space.norm(scale) }
         };
-        let dofs = self.dofs();
         let (by_field, scales) = (space.by_nodal_field(&residual), space.by_nodal_field(&now.force_scale));
         let of_fields = by_field.iter().zip(&scales).map(|(r, scale)| share(r, scale)).fold(0.0, f64::max);
-        let of_constraint = |r: (&f64, &f64)| share(&[*r.0], &[*r.1]);
-        let constraints = residual.iter().zip(&now.force_scale).skip(dofs).map(of_constraint);
-        let relative = constraints.fold(of_fields, f64::max);
+        let relative = of_fields.max(self.constraint_residual(&residual, now));
         (residual, relative)
+    }
+
+    /// The norm of the forces that the moduli of the body make where it strains by 1: forces have this scale where there are none.
+    pub fn force_of_moduli(&self) -> f64 {
+        let Equations { model, .. } = self;
+        model.unknowns().total(model.body.squared_force_of_moduli(&model.rigid_cells())).sqrt()
+    }
+
+    /// The largest residual of a constraint relative to its own scale; zero without constraints.
+    pub fn constraint_residual(&self, residual: &[f64], now: &Sums) -> f64 {
+        let share = |(r, scale): (&f64, &f64)| if *r == 0.0 { 0.0 } else { r.abs() / scale };
+        residual.iter().zip(&now.force_scale).skip(self.dofs()).map(share).fold(0.0, f64::max)
     }
 
     /// Energies are small differences of large terms, the smaller the nearer to rest: W vanishes there, while what it is

@@ -19,6 +19,10 @@ pub(crate) const ROUNDING: f64 = 1e-10;
 const NOISY: f64 = 1e-8;
 /// Rounding of a force, as a share of that which a strain of order 1 takes.
 const NOISE: f64 = 16.0 * f64::EPSILON;
+/// Rounding of the residual of a body without stress, as a share of the forces that its moduli make.
+const NOISE_OF_MODULI: f64 = 64.0 * f64::EPSILON;
+/// Share of the forces that moduli make to which residuals are told where the forces at hand are smaller.
+const LEAST_FORCE: f64 = 1e-6;
 /// A full step shorter than this share of the body's size is below what double precision resolves.
 pub(crate) const RESOLUTION: f64 = 1e-12;
 /// Largest relative residual that such a step may leave of an equilibrium, by the largest forces met on the way; where more is left, the
@@ -130,6 +134,10 @@ struct Left {
     scale: f64,
     /// The largest on the way.
     forces: f64,
+    /// Relative to the forces at hand or a small share of those that the moduli make, whichever is larger: what is reported.
+    reported: f64,
+    /// Whether forces are below what rounding makes of moduli, and constraints are held to rounding.
+    below_moduli: bool,
     /// Relative residual before the last step.
     before: f64,
     accuracy: f64,
@@ -141,10 +149,11 @@ impl Left {
     fn is_equilibrium(&self, last: &Reached, is_below: impl Fn(f64) -> bool) -> bool {
         // at rest no force is left to measure it by but those of the way there; pressures of their own may be wrong where the displacement is not
         let resolved = || self.relative * self.scale <= if last.apart { ROUNDING } else { RESOLVED } * self.forces;
-        let is_rounding = || self.relative <= ROUNDING || last.noisy && self.relative <= NOISY && is_below(NOISE);
+        let noisy = || last.noisy && self.relative <= NOISY && is_below(NOISE);
+        let is_rounding = || self.relative <= ROUNDING || self.below_moduli && !last.apart || noisy();
         self.relative <= self.accuracy
             || self.relative > 0.5 * self.before && is_rounding()
-            || last.tiny && (resolved() || is_below(RESOLUTION))
+            || last.tiny && self.reported <= RESOLVED && (resolved() || is_below(RESOLUTION))
     }
 }
 
@@ -203,16 +212,20 @@ impl<'a> Iteration<'a> {
         let (mut before, mut least) = (f64::INFINITY, f64::INFINITY);
         let none = Reached { curvature: Curvature::Positive, energy: 0.0, apart: false, noisy: false, tiny: false };
         let (mut last, mut forces) = (none, 0.0_f64);
-        let shifted = report.shifted;
+        let (shifted, moduli) = (report.shifted, equations.force_of_moduli());
         for iteration in 0..=limits.most {
             if equations.model.unknowns().any(equations.options.cancelled()) {
                 return Err(Stop::Cancelled);
             }
-            record(&now.sums, relative, report);
             let space = equations.model.unknowns();
             let scale = space.norm(&now.sums.force_scale[..equations.dofs()]);
+            let reported = relative * (scale / (LEAST_FORCE * moduli)).min(1.0);
+            record(&now.sums, reported, report);
             forces = forces.max(scale);
-            let left = Left { relative, scale, forces, before, accuracy: limits.accuracy };
+            let below_moduli = relative > ROUNDING
+                && space.norm(&residual[..equations.dofs()]) <= NOISE_OF_MODULI * moduli
+                && equations.constraint_residual(&residual, &now.sums) <= ROUNDING;
+            let left = Left { relative, scale, forces, reported, below_moduli, before, accuracy: limits.accuracy };
             if !direction.is_pending() && left.is_equilibrium(&last, |share| self.is_below(share, &residual, &last)) {
                 return Ok(last.curvature);
             }

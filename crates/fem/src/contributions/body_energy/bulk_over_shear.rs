@@ -1,4 +1,4 @@
-//! How nearly incompressible a body is.
+//! Moduli of a body at rest: how nearly incompressible it is, and the forces that they make.
 
 use crate::contributions::body_energy::BodyEnergy;
 use nastic_energy::{EnergyTerm, PointBatch, Response, Slots, Want};
@@ -21,6 +21,13 @@ impl BodyEnergy {
 
     /// That of a cell.
     pub(super) fn ratio_of(&self, cell: usize, first: usize) -> f64 {
+        let [bulk, shear] = self.moduli_of(cell, first);
+        let ratio = bulk / shear;
+        if ratio.is_finite() { ratio } else { 0.0 }
+    }
+
+    /// kappa and mu of the passive laws of a cell.
+    fn moduli_of(&self, cell: usize, first: usize) -> [f64; 2] {
         let at = PointBatch { kinematics: &[Kinematics::rest()], cell, first };
         let (mut stress, mut tangent) = ([Mat3::zeros()], [Tangent::zero()]);
         let mut response = Response { energy: &mut [], stress: &mut stress, tangent: &mut tangent };
@@ -28,14 +35,29 @@ impl BodyEnergy {
             self.terms[t].respond(&at, Slots::none(), Want::TANGENT, &mut response);
         }
         let twice = |strain: &Mat3| strain.dot(&tangent[0].apply(strain));
-        let bulk = twice(&Mat3::identity()) / 9.0;
-        let shear = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
+        let shears = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {
             let mut strain = Mat3::zeros();
             strain[(i, j)] = 1.0;
             strain[(j, i)] = 1.0;
             twice(&strain)
         });
-        let ratio = 12.0 * bulk / shear.iter().sum::<f64>();
-        if ratio.is_finite() { ratio } else { 0.0 }
+        [twice(&Mat3::identity()) / 9.0, shears.iter().sum::<f64>() / 12.0]
+    }
+
+    /// The square of the norm of the forces that moduli make, over the cells: `(kappa + 4 mu / 3) V^((d - 1)/d)` of a cell of volume V in d dimensions, the
+    /// force on a face under a strain of 1; of cells that may strain.
+    pub(crate) fn squared_force_of_moduli(&self, rigid: &[u32]) -> f64 {
+        let (points, dim) = (self.disc.points(), self.disc.dim() as f64);
+        let mut sum = 0.0;
+        for part in &points.parts {
+            for (c, cell) in part.cells.iter().enumerate().filter(|(_, cell)| rigid.binary_search(cell).is_err()) {
+                let first = part.first_point(c);
+                let volume: f64 = points.weights()[first..first + part.table.points].iter().sum();
+                let [bulk, shear] = self.moduli_of(*cell as usize, first);
+                let force = (bulk + 4.0 / 3.0 * shear) * volume.powf((dim - 1.0) / dim);
+                sum += if force.is_finite() { force * force } else { 0.0 };
+            }
+        }
+        sum
     }
 }

@@ -109,8 +109,9 @@ impl BoundContact {
         };
         let thickness =
             positive("thickness", of.layer.thickness.unwrap_or_else(|| defaults::thickness(mesh, &facets)))?;
-        let stiffness = of.layer.stiffness.or_else(|| defaults::stiffness(of.layer.law, body, &facets));
-        let stiffness = stiffness.ok_or_else(|| {
+        let usual = defaults::stiffness(of.layer.law, body, &facets);
+        defaults::check_stiffness(of.layer.stiffness, usual).map_err(refuse)?;
+        let stiffness = of.layer.stiffness.or(usual).ok_or_else(|| {
             refuse(format!("no passive law behind {} says how stiff the body is: give a stiffness", of.surface))
         })?;
         let stiffness = positive("stiffness", stiffness)?;

@@ -10,6 +10,8 @@ use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
 /// Thickness as a share of the surface's diagonal.
 const THICKNESS: f64 = 1.0 / 500.0;
+/// Stiffness over that which fits the body, at most.
+const MAX_STIFFNESS_RATIO: f64 = 1e6;
 /// Pieces of a facet's edge, unless more are asked for.
 const MOST_PIECES: usize = 4;
 /// Pieces of a facet's edge at least, before an obstacle whose edges are sharper than half of it.
@@ -39,6 +41,19 @@ pub(super) fn stiffness(law: ContactLaw, body: &BodyEnergy, facets: &[Facet]) ->
         facets.iter().map(|facet| young(body, cell(facet))).collect()
     };
     moduli.map(|moduli| factor * moduli.iter().sum::<f64>() / moduli.len() as f64)
+}
+
+/// What is wrong with a given stiffness beside that which fits the body.
+pub(super) fn check_stiffness(given: Option<f64>, usual: Option<f64>) -> Result<(), String> {
+    match (given, usual) {
+        (Some(given), Some(usual)) if given > MAX_STIFFNESS_RATIO * usual => Err(format!(
+            "a stiffness of {given:e} Pa is {:.0e} times the {usual:e} Pa that fit the body: rounding would leave nothing of its forces; take at most {:e} Pa, or \
+             leave it out",
+            given / usual,
+            MAX_STIFFNESS_RATIO * usual
+        )),
+        _ => Ok(()),
+    }
 }
 
 /// The mean over the axes of stress over strain of a bar that is free to contract, at rest, all passive laws of a cell together.

@@ -71,6 +71,7 @@ impl BoundSurfaces {
         let stiff = |facets: &[_]| defaults::stiffness(of.layer.law, body, facets);
         let softer = || Some(stiff(&own)?.min(stiff(&other)?));
         let behind = || format!("{} or {}", of.surfaces[0], of.surfaces[1]);
+        defaults::check_stiffness(of.layer.stiffness, softer()).map_err(refuse)?;
         let stiffness = of.layer.stiffness.or_else(softer).ok_or_else(|| {
             refuse(format!("no passive law behind {} says how stiff the body is: give a stiffness", behind()))
         })?;
