@@ -108,6 +108,7 @@ for file in examples/*.rs; do
 done
 if [ "$quick" = 0 ]; then
   # Optimisations killed at random moments; the tests do it 10 times.
+  NASTIC_KILLS=30 run "30 kills and stops of motions" cargo test --release --workspace --locked --quiet --test all stopped_motions::
   NASTIC_KILLS=200 run "200 kills of each kind of case" cargo test --release --workspace --locked --quiet --test all resume::
   # What of docs/clusters.md needs Dask or Snakemake.
   NASTIC_PYTHON_EXTRA="dask[distributed] snakemake" run "sweeps under Dask" scripts/test-python.sh -k "sweep or clusters"

@@ -1,9 +1,11 @@
-//! Names of the files that a command writes, so that none of them replaces what the case reads.
+//! Names of the files that a command writes, so that none of them replaces what the case reads or what somebody else put there.
 
+use crate::lower::CaseProblem;
 use nastic_language::schema::Command;
 use std::path::{Path, PathBuf};
 
-/// Of every command that writes. `#` stands for a number or a name; before each may stand `MEMBER_`, of a load case, scenario or start.
+/// Of every command that writes. `#` stands for a number and what may follow it in names of states, `*` for a name; before each may stand
+/// those of a load case, scenario or start.
 const ALL: &[&str] = &[
     "case.json",
     "result.json",
@@ -12,8 +14,6 @@ const ALL: &[&str] = &[
     "start.vtu",
     "start_lines.vtu",
     "start_obstacles.vtu",
-    "target.vtu",
-    "target_#.vtu",
     "obstacle_#.vtu",
     "picture.png",
     "picture.svg",
@@ -41,8 +41,6 @@ const SOLVE: &[&str] = &[
     "path.pvd",
     "path_#.vtu",
     "equilibrium_#.vtu",
-    "equilibrium_#_lines.vtu",
-    "equilibrium_#_obstacles.vtu",
     "exact_contact.vtu",
 ];
 const OPTIMIZE: &[&str] = &[
@@ -53,7 +51,8 @@ const OPTIMIZE: &[&str] = &[
     "spectrum.json",
     "spectrum.vtu",
     "checkpoint.bin",
-    "checkpoint_#.bin",
+    "checkpoint_a#.bin",
+    "checkpoint_b#.bin",
     "optimum.vtu",
     "optimum_lines.vtu",
     "optimum_obstacles.vtu",
@@ -63,57 +62,90 @@ const OPTIMIZE: &[&str] = &[
     "iterates.bin",
 ];
 /// Of `fit`.
-pub const FIT: &[&str] = &["fit.json", "fit.html", "fit.svg", "fit_#.svg"];
+pub const FIT: &[&str] = &["fit.json", "fit.html", "fit.svg", "fit_*.svg"];
 /// Of `sweep`.
-pub const SWEEP: &[&str] = &["sweep.html", "sweep.csv", "sweep.json", "sweep.svg", "sweep.pvd"];
+pub const SWEEP: &[&str] = &["sweep.html", "sweep.csv", "sweep.json", "sweep.svg", "sweep.pvd", "*_sweep.pvd"];
 
-/// The patterns of the names of what a command writes.
-pub fn written_by(command: &Command) -> Vec<&'static str> {
-    let own: &[&[&str]] = match command {
-        Command::Check | Command::Gradcheck | Command::Modes => &[ALL],
-        Command::Solve => &[ALL, MOTION, SOLVE],
-        Command::Gradient => &[ALL, &["derivative.json"]],
-        Command::Optimize => &[ALL, MOTION, OPTIMIZE],
-    };
-    own.concat()
+/// The names that files of a command may have in its directory.
+#[derive(Clone, Debug, Default)]
+pub struct OutputNames {
+    patterns: Vec<&'static str>,
+    /// What may stand before them.
+    stems: Vec<String>,
+    /// Further names.
+    others: Vec<String>,
 }
 
-/// Whether a command writes files of such a name.
-pub fn is_written_by(command: &Command, name: &str) -> bool {
-    written_by(command).iter().any(|pattern| matches(name, pattern))
+impl OutputNames {
+    /// Names of these patterns.
+    #[must_use]
+    pub fn of(patterns: &[&'static str]) -> Self {
+        Self { patterns: patterns.to_vec(), stems: vec![String::new()], others: Vec::new() }
+    }
+
+    /// Those of a command on a problem, whose targets are written to files of these names.
+    #[must_use]
+    pub fn of_command(command: &Command, problem: &CaseProblem, targets: Vec<String>) -> Self {
+        let own: &[&[&'static str]] = match command {
+            Command::Check | Command::Gradcheck | Command::Modes => &[ALL],
+            Command::Solve => &[ALL, MOTION, SOLVE],
+            Command::Gradient => &[ALL, &["derivative.json"]],
+            Command::Optimize => &[ALL, MOTION, OPTIMIZE],
+        };
+        let members = problem.members().flat_map(|member| [member.file(""), member.case_file("")]);
+        let mut stems: Vec<String> = std::iter::once(String::new()).chain(members).collect();
+        stems.sort();
+        stems.dedup();
+        Self { patterns: own.concat(), stems, others: targets }
+    }
+
+    /// Whether a name is one of them.
+    #[must_use]
+    pub fn has(&self, name: &str) -> bool {
+        let tails = self.stems.iter().filter_map(|stem| name.strip_prefix(stem.as_str()));
+        let mut tails = tails.flat_map(|tail| [tail, behind_start(tail)]);
+        tails.any(|tail| self.patterns.iter().any(|one| matches(tail, one)))
+            || self.others.iter().any(|one| name == one)
+    }
+
+    /// The first of these inputs that a file of such a name in the directory would replace.
+    #[must_use]
+    pub fn replaced<'f>(&self, directory: &Path, inputs: impl IntoIterator<Item = &'f Path>) -> Option<PathBuf> {
+        let directory = directory.canonicalize().ok()?;
+        let of = |file: &Path| {
+            let name = file.file_name()?.to_str()?;
+            // of a link the place it stands at: that is what a renamed file replaces
+            let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            let beside = parent.canonicalize().ok()? == directory;
+            (beside && self.has(name)).then(|| file.to_owned())
+        };
+        inputs.into_iter().find_map(of)
+    }
 }
 
-/// The first name of a list that no pattern has: such a file could replace what the case reads.
-pub fn unlisted<'n>(patterns: &[&str], names: &'n [String]) -> Option<&'n String> {
-    names.iter().find(|name| !patterns.iter().any(|pattern| matches(name, pattern)))
+/// A name without `start_NUMBER_`, with which files of one of several starts begin.
+fn behind_start(name: &str) -> &str {
+    let parts = name.strip_prefix("start_").and_then(|rest| rest.split_once('_'));
+    parts.filter(|(number, _)| is_number(number)).map_or(name, |(_, tail)| tail)
 }
 
-/// The first of these inputs that a file of such a name in the directory would replace.
-pub fn replaced<'f>(
-    directory: &Path,
-    patterns: &[&str],
-    inputs: impl IntoIterator<Item = &'f Path>,
-) -> Option<PathBuf> {
-    let directory = directory.canonicalize().ok()?;
-    let of = |file: &Path| {
-        let name = file.file_name()?.to_str()?;
-        // of a link the place it stands at: that is what a renamed file replaces
-        let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let beside = parent.canonicalize().ok()? == directory;
-        (beside && patterns.iter().any(|pattern| matches(name, pattern))).then(|| file.to_owned())
-    };
-    inputs.into_iter().find_map(of)
+fn is_number(text: &str) -> bool {
+    !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit())
 }
 
-/// Whether a name, or what stands behind one of its underscores, is that of a pattern.
+/// Whether a name is that of a pattern.
 fn matches(name: &str, pattern: &str) -> bool {
-    let tails = name.match_indices('_').map(|(at, _)| &name[at + 1..]);
-    std::iter::once(name).chain(tails).any(|tail| match pattern.split_once('#') {
-        None => tail == pattern,
-        Some((before, after)) => {
-            tail.strip_prefix(before).and_then(|rest| rest.strip_suffix(after)).is_some_and(|number| !number.is_empty())
-        }
-    })
+    let between = |sign: char| {
+        let (before, after) = pattern.split_once(sign)?;
+        name.strip_prefix(before)?.strip_suffix(after)
+    };
+    if pattern.contains('#') {
+        between('#').is_some_and(|text| is_number(text.trim_end_matches("_lines").trim_end_matches("_obstacles")))
+    } else if pattern.contains('*') {
+        between('*').is_some_and(|text| !text.is_empty())
+    } else {
+        name == pattern
+    }
 }
 
 #[cfg(test)]
@@ -122,15 +154,39 @@ mod tests {
 
     #[test]
     fn patterns_stand_for_numbers_names_and_members() {
-        let optimum = written_by(&Command::Optimize);
-        let is = |name: &str| optimum.iter().any(|pattern| matches(name, pattern));
-        for name in
-            ["result.json", "heavy_optimum.vtu", "scenario_000_optimum.vtu", "iteration_0012.vtu", "target_tip.vtu"]
-        {
-            assert!(is(name), "{name}");
+        let stems = ["", "heavy_", "scenario_000_"].map(str::to_owned).to_vec();
+        let others = vec!["heavy_target_tip.vtu".to_owned()];
+        let optimum = OutputNames { patterns: [ALL, MOTION, OPTIMIZE].concat(), stems, others };
+        for name in [
+            "result.json",
+            "heavy_optimum.vtu",
+            "scenario_000_optimum.vtu",
+            "iteration_0012.vtu",
+            "heavy_target_tip.vtu",
+            "heavy_start_3_iteration_0001.vtu",
+            "start_0_iterates.bin",
+            "heavy_start_lines.vtu",
+            "motion_0010_obstacles.vtu",
+            "checkpoint_a12.bin",
+            "heavy_mean_optimum.vtu",
+        ] {
+            assert!(optimum.has(name), "{name}");
         }
-        for name in ["bar.json", "body.vtu", "myresult.json", "iteration_.vtu", "ramp.csv", "optimum.vtu.old"] {
-            assert!(!is(name), "{name}");
+        // what somebody may call their own
+        for name in [
+            "bar.json",
+            "body.vtu",
+            "myresult.json",
+            "my_result.json",
+            "light_optimum.vtu",
+            "iteration_.vtu",
+            "motion_capture.vtu",
+            "target_scan.vtu",
+            "start__optimum.vtu",
+            "ramp.csv",
+            "optimum.vtu.old",
+        ] {
+            assert!(!optimum.has(name), "{name}");
         }
     }
 }

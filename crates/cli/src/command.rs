@@ -142,9 +142,8 @@ impl<'c> Program<'c> {
         let options = self.options(case, Asked { restart: *restart, share: share(*part, *join), ..Asked::default() });
         let asked = run::Sweep { command, warm: *warm };
         match sweep(self.catalogue, &asked, &case.case, &options, &self.console(&case.running)) {
-            Ok(_) if !self.leads() => 0,
             Ok(outcome) => {
-                if case.running.json {
+                if case.running.json && self.leads() {
                     print(&outcome.result);
                 }
                 outcome.exit.code()

@@ -6,6 +6,7 @@ use clap::Args;
 use nastic_io::write_cloud;
 use nastic_mesh::GroupNames;
 use nastic_report::{CompareRequest, ComparedPart};
+use nastic_run::run::keep_results;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -88,6 +89,7 @@ impl Cloud {
         let part = self.part.part();
         let of = |state: Option<&str>, file: &Path| {
             let cloud = nastic_report::cloud(&self.directory, state, &part)?;
+            keep_results(&self.directory, file)?;
             write_cloud(file, &cloud)?;
             Ok(file.to_owned())
         };

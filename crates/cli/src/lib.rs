@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// How a rank has ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Ended {
-    /// The exit code; 0 of any rank but the first, unless it has failed.
+    /// The exit code; 0 of any rank but the first, unless it has failed, and of a sweep that of the first.
     pub code: u8,
     /// Why it has no result. The first rank has said it.
     pub error: Option<String>,

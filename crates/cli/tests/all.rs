@@ -14,5 +14,6 @@ mod report;
 mod resume;
 mod signals;
 mod start_parts;
+mod stopped_motions;
 mod sweep;
 mod tutorials;

@@ -28,8 +28,13 @@ fn arm() -> Done<Solid> {
 
 /// 22 steps, of two lengths, in segments of four.
 fn problem(scheme: Scheme, memory: MotionMemory) -> Done<Reduced> {
+    in_segments(4, scheme, memory)
+}
+
+/// 22 steps, of two lengths, in segments of so many.
+fn in_segments(of: usize, scheme: Scheme, memory: MotionMemory) -> Done<Reduced> {
     let instants = (0..=22).map(|n| END * if n <= 10 { f64::from(n) / 20.0 } else { f64::from(n - 10) / 24.0 + 0.5 });
-    let timeline = Timeline::through(scheme, instants.collect())?.segments_of(4).keep(memory);
+    let timeline = Timeline::through(scheme, instants.collect())?.segments_of(of).keep(memory);
     let raised = |by: f64| Target::position(move |x| [x[0], x[1], x[2] + by]);
     Ok(Reduced::new(arm()?)
         .in_time(timeline)?
@@ -123,6 +128,35 @@ fn a_motion_goes_on_with_the_same_bits() -> Done {
         let (n, bytes) = places.last().cloned().ok_or("no end")?;
         let (again, (rest, _)) = observe(&problem, usize::MAX, Some(bytes))?;
         assert_eq!((n, rest.len(), &again?.terms), (22, 0, &whole.terms));
+    }
+    Ok(())
+}
+
+/// Steps that take much work end what is lost of a stopped motion before its segment does, by counts that come out the same when they are computed again.
+#[test]
+fn hard_steps_make_places_to_go_on_from_within_segments() -> Done {
+    for memory in [MotionMemory::All, MotionMemory::Checkpoints(1)] {
+        let problem = in_segments(21, Scheme::tr_bdf2(), memory)?;
+        let (whole, (states, places)) = observe(&problem, usize::MAX, None)?;
+        let (mut whole, mut sum, mut expected) = (whole?, 0, vec![0]);
+        for (n, state) in &states[1..] {
+            sum += state.report.newton;
+            if sum >= 96 || [21, 22].contains(n) {
+                expected.push(*n);
+                sum = 0;
+            }
+        }
+        assert_eq!(places.iter().map(|(n, _)| *n).collect::<Vec<_>>(), expected);
+        assert!(expected.len() > 3, "no step is hard: {expected:?}");
+        let (n, bytes) = places[1].clone();
+        let (again, (rest, _)) = observe(&problem, usize::MAX, Some(bytes))?;
+        assert_eq!((&again?.terms, rest.len()), (&whole.terms, 22 - n));
+        assert!(rest.iter().all(|(k, state)| bits(state) == bits(&states[*k].1)));
+        // states that were not kept come out the same
+        let derivative = problem.derivative_of_term(&whole, 0, &mut ReducedWorkspace::default())?;
+        let kept = in_segments(21, Scheme::tr_bdf2(), MotionMemory::All)?;
+        whole = observe(&kept, usize::MAX, None)?.0?;
+        assert_eq!(derivative, kept.derivative_of_term(&whole, 0, &mut ReducedWorkspace::default())?);
     }
     Ok(())
 }

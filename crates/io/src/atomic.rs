@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::error::WriteError;
 
 /// Writes a file beside its place and renames it there when it is complete; makes missing directories on the way.
-/// Whoever reads `path` meanwhile sees the old content or the new one, never a part.
+/// Whoever reads `path` meanwhile sees the old content or the new one, never a part. Of a link at `path` the link is replaced, not what it leads to.
 ///
 /// # Errors
 ///
@@ -22,13 +22,30 @@ pub fn write_atomically(
     if let Some(directory) = path.parent() {
         fs::create_dir_all(directory).map_err(fail)?;
     }
-    let part = beside(path).map_err(fail)?;
-    let written = fill(&part, content).and_then(|()| fs::rename(&part, path));
+    let (part, file) = new_part(path).map_err(fail)?;
+    let written = fill(file, content).and_then(|()| fs::rename(&part, path));
     written.map_err(|source| {
         // The first error is the one to report.
         let _ = fs::remove_file(&part);
         fail(source)
     })
+}
+
+/// A new file beside a path; nothing that is there already, be it a link, is opened.
+fn new_part(path: &Path) -> io::Result<(PathBuf, File)> {
+    /// Names that processes of the same number may have left, on other machines say.
+    const TAKEN: usize = 1000;
+    for _ in 0..TAKEN {
+        let part = beside(path)?;
+        match File::create_new(&part) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            opened => return Ok((part, opened?)),
+        }
+    }
+    Err(io::Error::new(
+        io::ErrorKind::AlreadyExists,
+        format!("{TAKEN} unfinished files .*.part of it are there: remove them"),
+    ))
 }
 
 fn beside(path: &Path) -> io::Result<PathBuf> {
@@ -40,8 +57,8 @@ fn beside(path: &Path) -> io::Result<PathBuf> {
     Ok(path.with_file_name(part))
 }
 
-fn fill(part: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut file = BufWriter::new(File::create(part)?);
+fn fill(file: File, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut file = BufWriter::new(file);
     content(&mut file)?;
     file.into_inner().map_err(io::IntoInnerError::into_error)?.sync_data()
 }

@@ -15,9 +15,11 @@ mod fingerprint;
 mod gmsh;
 mod lock;
 mod other_format;
+mod own_file;
 mod pvd;
 mod vtk;
 mod vtu;
+mod written;
 
 use std::path::Path;
 
@@ -29,12 +31,14 @@ pub use error::{At, ReadError, WriteError};
 pub use fingerprint::Fingerprint;
 pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
 pub use lock::{DirectoryLock, LockError};
+pub use own_file::append_to;
 pub use pvd::write_pvd;
 pub use vtk::read_vtk;
 pub use vtu::{
     Entity, FileArray, base64, escape, parse_vtu, read_array, read_lines, read_snapshot, read_vtu, read_vtu_scaled,
     write_lines, write_pvtu, write_vtu,
 };
+pub use written::WrittenFiles;
 
 /// Reads a mesh from a `.msh` (Gmsh), `.vtu` or legacy `.vtk` (VTK) file, all lengths multiplied by `scale`.
 ///

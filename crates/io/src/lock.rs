@@ -1,8 +1,9 @@
 //! The lock of an output directory: one program at a time writes there.
 
 use crate::error::WriteError;
+use crate::own_file;
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -41,8 +42,8 @@ impl DirectoryLock {
     pub fn acquire(directory: &Path) -> Result<Self, LockError> {
         let path = directory.join(NAME);
         let fail = |source| LockError::from(WriteError::System { file: path.clone(), source });
-        let mut file =
-            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
+        let mut how = OpenOptions::new();
+        let mut file = own_file::open(&path, how.read(true).write(true).create(true).truncate(false)).map_err(fail)?;
         let held = match file.try_lock() {
             Ok(()) => true,
             Err(TryLockError::WouldBlock) => {
@@ -52,8 +53,14 @@ impl DirectoryLock {
             Err(TryLockError::Error(error)) if error.kind() == io::ErrorKind::Unsupported => false,
             Err(TryLockError::Error(error)) => return Err(fail(error)),
         };
+        let mut text = Vec::new();
+        file.read_to_end(&mut text).map_err(fail)?;
+        if !text.iter().all(|byte| byte.is_ascii_digit() || *byte == b'\n') {
+            let what = "nastic locks the directory by a file of this name, and this is another; give it another name";
+            return Err(fail(io::Error::new(io::ErrorKind::InvalidData, what)));
+        }
         // Who holds it is for the message to others alone.
-        let _ = file.set_len(0).and_then(|()| writeln!(file, "{}", std::process::id()));
+        let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| writeln!(file, "{}", std::process::id()));
         Ok(Self { _file: file, held })
     }
 

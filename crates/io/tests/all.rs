@@ -3,6 +3,8 @@
 mod cloud;
 mod gmsh;
 mod hostile;
+#[cfg(unix)]
+mod links;
 mod parts;
 mod readback;
 mod vtk;

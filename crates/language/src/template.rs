@@ -93,6 +93,12 @@ impl Template {
         if directory.symlink_metadata().is_ok() {
             return Err(TemplateError::Exists { path: directory.to_owned() });
         }
+        // what appears there meanwhile is left as it is too
+        let fail = |source| WriteError::System { file: directory.to_owned(), source };
+        if let Some(parent) = directory.parent() {
+            std::fs::create_dir_all(parent).map_err(fail)?;
+        }
+        std::fs::create_dir(directory).map_err(fail)?;
         for (name, content) in self.files {
             write_atomically(directory.join(name), |out| out.write_all(content))?;
         }

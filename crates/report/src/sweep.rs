@@ -71,6 +71,13 @@ impl SweepTable {
         Ok(())
     }
 
+    /// The names of these files.
+    #[must_use]
+    pub fn files(&self) -> Vec<String> {
+        let always = ["sweep.json", "sweep.csv", "sweep.html", "sweep.svg"].map(str::to_owned);
+        always.into_iter().chain(self.collections().into_iter().map(|(name, _)| name)).collect()
+    }
+
     /// Names of collections, and the states that the runs found.
     fn collections(&self) -> Vec<(String, Vec<(f64, String)>)> {
         let file = if self.asked.command == "optimize" { "optimum.vtu" } else { "start.vtu" };

@@ -1,9 +1,9 @@
 //! `history.jsonl`: one line per trial, readable while the run goes on.
 
-use nastic_io::{WriteError, write_atomically};
+use nastic_io::{WriteError, append_to, write_atomically};
 use nastic_opt::{Summary, Trial};
 use nastic_report::record::{Number, Numbers, TrialRecord};
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -24,8 +24,7 @@ impl History {
     /// The file cannot be made.
     pub fn create(path: &Path, text: Vec<u8>) -> Result<Self, WriteError> {
         write_atomically(path, |out| out.write_all(&text))?;
-        let file = OpenOptions::new().append(true).open(path);
-        let file = file.map_err(|source| WriteError::System { file: path.to_owned(), source })?;
+        let file = append_to(path)?;
         Ok(Self { file, path: path.to_owned(), text, broken: false })
     }
 

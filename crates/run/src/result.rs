@@ -7,6 +7,7 @@ pub(crate) mod convergence;
 pub(crate) mod failure;
 pub(crate) mod files;
 pub(crate) mod inspection;
+pub(crate) mod listed;
 pub(crate) mod member_report;
 pub(crate) mod picture;
 pub(crate) mod smoothing;

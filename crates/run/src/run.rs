@@ -54,7 +54,7 @@ pub use nastic_case::part::{Part, PartError, Share};
 pub use nastic_report::{FigureRequest, OnTrial};
 pub use options::Options;
 pub use outcome::Outcome;
-pub use report::{figure, report};
+pub use report::{figure, keep_results, report};
 pub use spectrum_request::{SpectrumRefusal, SpectrumRequest};
 pub use states::{ShowError, States};
 pub use study::control_set::ControlSet;

@@ -38,6 +38,7 @@ mod motions_of_members;
 mod moving_supports;
 mod muscle;
 mod obstacle_grid;
+mod others_files;
 mod output_directory;
 mod readable_units;
 mod result_files;

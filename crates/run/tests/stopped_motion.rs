@@ -150,6 +150,83 @@ fn a_motion_that_was_stopped_goes_on_with_the_same_bits() {
     assert_eq!(content(&place), content(&whole));
 }
 
+/// Goes on until so many Newton iterations are done.
+fn go_on_until(place: &CaseDirectory, at: usize) -> RunError {
+    let cancel = Arc::new(AtomicBool::new(at == 0));
+    let options = Options { threads: Some(1), cancel: cancel.clone(), ..Options::default() };
+    let console = Console::silent().with_passing(Watch { cancel, at, count: Arc::default() });
+    resume(&Catalogue::standard(), &place.path("out"), &options, &console).unwrap_err()
+}
+
+/// Files with states, and what is made of them.
+fn of_states(place: &CaseDirectory) -> Vec<(String, Vec<u8>)> {
+    let is_of_states = |name: &str| !["motion_checkpoint.bin", "case.json"].contains(&name);
+    content(place).into_iter().filter(|(name, _)| is_of_states(name)).collect()
+}
+
+#[test]
+fn a_motion_that_is_stopped_before_it_was_there_again_loses_nothing() {
+    let (whole, place) = (CaseDirectory::new(), CaseDirectory::new());
+    let (expected, iterations) = solve(&whole, PULLED, usize::MAX);
+    let text = solve(&place, PULLED, iterations * 9 / 10).0.unwrap_err().to_string();
+    let wanted = |text: &str| text.contains("goes on with it and computes the last ") && text.contains("once more");
+    assert!(wanted(&text), "{text}");
+    let kept = of_states(&place);
+    assert!(kept.iter().filter(|(name, _)| name.ends_with(".vtu")).count() > 8, "{:?}", place.files());
+    let reached = place.json("result.json")["reached"].clone();
+    for at in [0, 1, 7, 0, 15] {
+        let text = go_on_until(&place, at).to_string();
+        assert!(wanted(&text), "{text}");
+        assert!(of_states(&place) == kept, "{at}: {:?}", place.files());
+        assert_eq!(place.json("result.json")["reached"], reached);
+    }
+    let heard = Heard::default();
+    let options = Options { threads: Some(1), ..Options::default() };
+    let found = resume(&Catalogue::standard(), &place.path("out"), &options, &Console::new(heard.clone())).unwrap();
+    assert!(
+        heard.text().contains("behind it are in the results already and are computed once more"),
+        "{}",
+        heard.text()
+    );
+    assert_eq!(plain(&place, found.result), plain(&whole, expected.unwrap().result));
+    assert_eq!(content(&place), content(&whole));
+}
+
+/// Of members one after the other some have not begun when they are stopped.
+#[test]
+fn members_that_have_not_begun_begin_when_the_others_go_on() {
+    let two = with(
+        PULLED,
+        r#""costs""#,
+        r#""scenarios": [ { "name": "soft", "probability": 0.5, "set": { "materials/0/young": "0.2 MPa" } },
+                         { "name": "hard", "probability": 0.5 } ], "costs""#,
+    );
+    let (whole, place) = (CaseDirectory::new(), CaseDirectory::new());
+    let expected = whole.run(Command::Solve, &two, &[]).unwrap();
+    // on one thread; the first says that it is done when the second begins
+    let cancel = Arc::new(AtomicBool::new(false));
+    let options = Options { threads: Some(1), cancel: cancel.clone(), ..place.options(&[]) };
+    let begun = place.path("out/motion_checkpoint.bin");
+    let watch = std::thread::spawn(move || {
+        while !begun.exists() {
+            std::thread::yield_now();
+        }
+        cancel.store(true, Ordering::Relaxed);
+    });
+    let stopped = place.run_with(Command::Solve, &two, &Console::silent(), &options);
+    watch.join().unwrap();
+    stopped.unwrap_err();
+    let kept = of_states(&place);
+    for _ in 0..2 {
+        let text = go_on_until(&place, 0).to_string();
+        assert!(text.contains("nastic resume"), "{text}");
+        assert!(of_states(&place) == kept, "{:?}", place.files());
+    }
+    let found = go_on(&place).unwrap();
+    assert_eq!(plain(&place, found.result), plain(&whole, expected.result));
+    assert_eq!(content(&place), content(&whole));
+}
+
 /// A run that is stopped as soon as its first checkpoint is there, and whether it was.
 fn stopped_at_once(case: &str) -> (CaseDirectory, bool) {
     let place = CaseDirectory::new();

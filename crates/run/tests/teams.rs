@@ -264,6 +264,29 @@ fn runs_of_a_sweep_are_shared_out() {
     }
 }
 
+/// However the runs of a rank ended: who started the ranks is told of one code, that of the first.
+#[test]
+fn all_ranks_of_a_sweep_end_with_the_code_of_the_first() {
+    let ends = |set: &[&str], strict: bool, before: &dyn Fn(&CaseDirectory)| {
+        let (place, asked) = (CaseDirectory::new(), Sweep { command: Command::Optimize, warm: false });
+        let file = place.write("case.json", BAR);
+        before(&place);
+        let options = Options { strict, ..options(&place, set) };
+        let run = |options: &Options| sweep(&Catalogue::standard(), &asked, &file, options, &Console::silent());
+        let found = on_ranks(3, &Faults::default(), &options, run);
+        found.iter().map(|found| found.as_ref().map_or_else(RunError::exit, |outcome| outcome.exit)).collect::<Vec<_>>()
+    };
+    let nothing = |_: &CaseDirectory| {};
+    // one that converges, one that does not, one that is refused
+    let values = "optimizer/max_iterations=200,1,-1";
+    assert_eq!(ends(&[values], false, &nothing), [Exit::BadInput; 3]);
+    assert_eq!(ends(&["optimizer/max_iterations=1,200,300"], true, &nothing), [Exit::NotConverged; 3]);
+    assert_eq!(ends(&["nowhere=1,2"], false, &nothing), [Exit::BadInput; 3]);
+    // where the table cannot be written
+    let in_the_way = |place: &CaseDirectory| std::fs::create_dir_all(place.path("out/sweep.csv")).unwrap();
+    assert_eq!(ends(&["optimizer/max_iterations=1,2"], false, &in_the_way), [Exit::NotWritten; 3]);
+}
+
 #[test]
 fn what_one_rank_does_is_refused_on_several() {
     let place = CaseDirectory::new();

@@ -101,7 +101,8 @@ pub fn content(directory: &Path) -> (String, Vec<serde_json::Value>, Vec<NamedBy
     let names = std::fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().file_name());
     let mut names: Vec<String> = names.map(|name| name.to_string_lossy().into_owned()).collect();
     names.retain(|name| {
-        !["result.json", "history.jsonl", "checkpoint.bin", "report.html", ".lock"].contains(&name.as_str())
+        let set_aside = ["result.json", "history.jsonl", "checkpoint.bin", "report.html", ".lock", ".written"];
+        !set_aside.contains(&name.as_str())
     });
     names.sort();
     let files = names.into_iter().map(|name| (name.clone(), std::fs::read(directory.join(name)).unwrap()));

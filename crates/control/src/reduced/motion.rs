@@ -46,7 +46,6 @@ impl Reduced {
             }
             None => (Progress::new(motion), None),
         };
-        let segment = motion.timeline.segment();
         // the first steps of a scheme over two may have an estimate where others have none
         let estimates = motion.timeline.scheme().estimates_error();
         let is_resumable = !motion.costs.iter().any(|cost| cost.needs_states());
@@ -57,7 +56,7 @@ impl Reduced {
             self.add_values(motion, (n, part.end()), (m, how.stage), &mut found.values)?;
             let Some(observer) = observer else { return Ok(()) };
             observer.reached(n, part.end())?;
-            if is_resumable && (n.is_multiple_of(segment) || n == motion.timeline.steps()) {
+            if is_resumable && (recording.begins_anew() || n == motion.timeline.steps()) {
                 observer.resumable(n, &|| found.to_bytes(part, motion.timeline.scheme()));
             }
             Ok(())

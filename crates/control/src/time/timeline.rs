@@ -67,8 +67,8 @@ impl Timeline {
         Timeline { memory, ..self }
     }
 
-    /// Solves begin anew, without factors of earlier ones, every so many steps (by default 16); only there may checkpoints be. Results
-    /// depend on it within the accuracy of the solves.
+    /// Solves begin anew, without factors of earlier ones, every so many steps (by default 16); only there may checkpoints of a reverse sweep be.
+    /// Where steps take many Newton iterations they do so in between too. Results depend on it within the accuracy of the solves.
     #[must_use]
     pub fn segments_of(self, steps: usize) -> Self {
         Timeline { segment: steps, ..self }

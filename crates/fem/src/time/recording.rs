@@ -13,7 +13,8 @@ use std::sync::{Arc, LazyLock};
 /// A motion by one scheme that keeps all its states, or checkpoints from which the others are computed again.
 ///
 /// Every segment of it begins with an empty [`Workspace`], whether states are kept or not: what a segment computes depends on its
-/// first states and its controls alone, and comes out the same, to the bit, when it is computed again.
+/// first states and its controls alone, and comes out the same, to the bit, when it is computed again. So does, within a segment, a step behind
+/// [96 Newton iterations or more](Self::begins_anew): what is lost where a motion is stopped stays small where steps are hard to solve.
 ///
 /// ```
 /// # use nastic_fem::{Checkpoints, Inertia, Recording, ReverseSweep, Scheme, Solid, SolveOptions, StateError, StatePartials};
@@ -57,6 +58,8 @@ pub struct Recording {
     part: Trajectory,
     /// The number of that segment; nothing while it is computed again.
     segment: Option<usize>,
+    /// Newton iterations since the workspace was empty.
+    iterations: usize,
     counts: RecordingCounts,
 }
 
@@ -76,6 +79,10 @@ pub struct RecordingCounts {
     pub states: usize,
 }
 
+/// Newton iterations behind which a step begins with an empty workspace. A segment of steps that are easy to solve takes less; of others another
+/// factorisation among so many iterations costs 1 %.
+const MOST_ITERATIONS: usize = 96;
+
 static NO_STEPS: LazyLock<Arc<Scheme>> = LazyLock::new(|| Arc::new(Scheme::quasi_static()));
 
 impl From<State> for Recording {
@@ -83,7 +90,7 @@ impl From<State> for Recording {
     fn from(state: State) -> Self {
         let (plan, counts) = (Checkpoints::none(), RecordingCounts { recomputed_steps: 0, states: 1 });
         let (places, kept, part) = (Vec::new(), Vec::new(), Trajectory::from(state));
-        Recording { scheme: NO_STEPS.clone(), plan, places, kept, part, segment: None, counts }
+        Recording { scheme: NO_STEPS.clone(), plan, places, kept, part, segment: None, iterations: 0, counts }
     }
 }
 
@@ -92,7 +99,8 @@ impl Recording {
     pub fn new(begin: Trajectory, scheme: Scheme, plan: Checkpoints) -> Self {
         let counts = RecordingCounts::default();
         let places = plan.first_places();
-        Recording { scheme: Arc::new(scheme), plan, places, kept: Vec::new(), part: begin, segment: None, counts }
+        let (scheme, kept) = (Arc::new(scheme), Vec::new());
+        Recording { scheme, plan, places, kept, part: begin, segment: None, iterations: 0, counts }
     }
 
     /// The states of the last segment that was computed, the last step before it included where the scheme goes over two; all states
@@ -104,6 +112,13 @@ impl Recording {
     /// Whether [`part`](Self::part) is the whole motion.
     pub fn keeps_all(&self) -> bool {
         self.plan.most().is_none()
+    }
+
+    /// Whether the next step begins with an empty workspace, so that a motion goes on from here as if it had never stopped: at the beginnings of
+    /// segments, and within them behind 96 Newton iterations or more. Counts alone decide, which are the same when steps are computed again.
+    pub fn begins_anew(&self) -> bool {
+        let done = self.part.first() + self.part.states().len() - 1;
+        done.is_multiple_of(self.plan.segment()) || self.iterations >= MOST_ITERATIONS
     }
 
     /// What was computed again, and what was kept.
@@ -122,10 +137,11 @@ impl Recording {
         how: &SolveOptions,
         workspace: &mut Workspace,
     ) -> Result<(), StateError> {
-        let done = self.part.first() + self.part.states().len() - 1;
-        if done.is_multiple_of(self.plan.segment()) {
+        if self.begins_anew() {
             workspace.clear();
-            if !self.keeps_all() {
+            self.iterations = 0;
+            let done = self.part.first() + self.part.states().len() - 1;
+            if done.is_multiple_of(self.plan.segment()) && !self.keeps_all() {
                 self.part = self.part.tail(&self.scheme);
                 let segment = done / self.plan.segment();
                 let is_kept = self.kept.last().is_some_and(|last| last.segment == segment);
@@ -136,6 +152,7 @@ impl Recording {
             }
         }
         model.advance(&mut self.part, &self.scheme, std::slice::from_ref(to), how, workspace)?;
+        self.iterations += self.part.end().report.newton;
         self.count_states();
         Ok(())
     }
@@ -206,11 +223,15 @@ impl Recording {
         (workspace, work): (&mut Workspace, &mut SolveReport),
     ) -> Result<(), E> {
         (self.part, self.segment) = (self.part.tail(&self.scheme), None);
-        workspace.clear();
         let begin = segment * self.plan.segment();
         let end = (begin + self.plan.segment()).min(self.plan.steps());
         for n in begin + 1..=end {
+            if self.begins_anew() {
+                workspace.clear();
+                self.iterations = 0;
+            }
             model.advance(&mut self.part, &self.scheme, &[to(n)?], how, workspace)?;
+            self.iterations += self.part.end().report.newton;
             work.add_work(&self.part.end().report);
             self.counts.recomputed_steps += 1;
             self.count_states();

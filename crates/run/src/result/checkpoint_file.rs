@@ -5,6 +5,8 @@
 
 use crate::result::files::Directory;
 use nastic_io::{Fingerprint, WriteError, write_atomically};
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -105,13 +107,20 @@ pub enum CheckpointError {
 
 /// Writes content to a file of a directory; the earlier one stays until this one is complete.
 pub(crate) fn write(directory: &Directory, name: &str, content: &[u8]) -> Result<(), WriteError> {
-    write_atomically(directory.file(name), |out| {
+    write_atomically(directory.own(name)?, |out| {
         out.write_all(MAGIC)?;
         for number in [VERSION, content.len() as u64, Fingerprint::of_bytes(content)] {
             out.write_all(&number.to_le_bytes())?;
         }
         out.write_all(content)
     })
+}
+
+/// Whether a file begins as checkpoints do.
+pub(crate) fn is_checkpoint(file: &Path) -> bool {
+    let mut head = [0; MAGIC.len()];
+    let is_plain = file.symlink_metadata().is_ok_and(|found| found.is_file());
+    is_plain && File::open(file).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == *MAGIC
 }
 
 /// The content of a file of a directory.

@@ -12,7 +12,7 @@ pub(crate) fn write_collections(problem: &CaseProblem, what: &str, out: &Directo
         let entry = |member: CaseMember<'_>| (member.part().scenario() as f64, member.file(&format!("{what}.vtu")));
         let entries: Vec<(f64, String)> = own.map(entry).collect();
         let name = lead.case_file("scenarios.pvd");
-        nastic_io::write_pvd(out.file(&name), &entries)?;
+        nastic_io::write_pvd(out.own(&name)?, &entries)?;
         files.push(name);
     }
     Ok(files)

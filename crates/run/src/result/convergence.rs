@@ -13,11 +13,11 @@ pub(crate) fn write(out: &Directory, title: &str, start: Option<usize>) -> Resul
     let text = std::fs::read_to_string(&file).map_err(|source| WriteError::System { file, source })?;
     let trials: Vec<TrialRecord> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
     let table = csv::table(&trials.iter().filter_map(without_seconds).collect::<Vec<_>>());
-    write_atomically(out.file("history.csv"), |out| out.write_all(table.as_bytes()))?;
+    write_atomically(out.own("history.csv")?, |out| out.write_all(table.as_bytes()))?;
     let mut files = vec!["history.csv".to_owned()];
     let drawn = trials.iter().filter(|trial| start.is_none() || trial.start == start);
     if let Some(chart) = chart(title, &drawn.collect::<Vec<_>>()) {
-        chart.write(out.file("convergence.svg"))?;
+        chart.write(out.own("convergence.svg")?)?;
         files.push("convergence.svg".to_owned());
     }
     Ok(files)

@@ -1,7 +1,9 @@
 //! The output directory.
 
-use nastic_case::output_names;
-use nastic_io::{DirectoryLock, LockError, WriteError, write_atomically};
+use crate::result::checkpoint_file::is_checkpoint;
+use crate::result::listed::listed;
+use nastic_case::output_names::OutputNames;
+use nastic_io::{DirectoryLock, LockError, WriteError, WrittenFiles, write_atomically};
 use nastic_mesh::Snapshot;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -18,6 +20,9 @@ pub(crate) enum DirectoryError {
     /// A file that is read has the name of one that is to be written there.
     #[error("{} would be replaced", file.display())]
     Input { file: PathBuf },
+    /// Files that nastic did not write have such names.
+    #[error("{} would be replaced", files.first().map_or_else(String::new, |file| file.display().to_string()))]
+    Others { files: Vec<PathBuf> },
 }
 
 /// Where the files of a command go. While it or a clone of it exists, no other program writes there.
@@ -25,44 +30,74 @@ pub(crate) enum DirectoryError {
 pub(crate) struct Directory {
     path: PathBuf,
     _lock: Option<Arc<DirectoryLock>>,
+    /// What may be written and removed there.
+    names: OutputNames,
+    written: Arc<WrittenFiles>,
 }
 
 impl Directory {
     /// Makes the directory and locks it now, so that a place that cannot be written to, or that another program writes
-    /// to, is reported before hours of work; and so is one where what the command writes, by the patterns of its names, would replace what
-    /// it reads.
+    /// to, is reported before hours of work; and so is one where what the command writes would replace what
+    /// it reads, or what nastic did not write.
     pub fn claim<'f>(
         path: PathBuf,
-        patterns: &[&str],
+        names: OutputNames,
         inputs: impl IntoIterator<Item = &'f Path>,
     ) -> Result<Self, DirectoryError> {
-        if let Some(file) = output_names::replaced(&path, patterns, inputs) {
+        if let Some(file) = names.replaced(&path, inputs) {
             return Err(DirectoryError::Input { file });
         }
+        // before anything is written there
+        refuse_others(&path, &names, &WrittenFiles::of(&path)?)?;
+        let mut out = Self::lock(path)?;
+        out.take_names(names)?;
+        Ok(out)
+    }
+
+    /// Makes the directory and locks it, before it is known what is written there.
+    pub fn lock(path: PathBuf) -> Result<Self, DirectoryError> {
         std::fs::create_dir_all(&path).map_err(|source| WriteError::System { file: path.clone(), source })?;
         let lock = DirectoryLock::acquire(&path)?;
         if lock.is_held() {
             remove_parts(&path);
         }
-        let probe = path.join(".nastic");
-        write_atomically(&probe, |_| Ok(())).map(|()| {
-            let _ = std::fs::remove_file(&probe);
-        })?;
-        Ok(Self { path, _lock: Some(Arc::new(lock)) })
+        let written = WrittenFiles::of(&path)?;
+        // whether anything can be written there
+        written.save()?;
+        Ok(Self { path, _lock: Some(Arc::new(lock)), names: OutputNames::default(), written: Arc::new(written) })
+    }
+
+    /// Says what is written there.
+    pub fn take_names(&mut self, names: OutputNames) -> Result<(), DirectoryError> {
+        refuse_others(&self.path, &names, &self.written)?;
+        self.names = names;
+        Ok(())
     }
 
     /// A directory that another rank of the team has claimed.
-    pub fn of_another(path: &Path) -> Self {
-        Self { path: path.to_owned(), _lock: None }
+    pub fn of_another(path: &Path, names: OutputNames) -> Self {
+        Self { path: path.to_owned(), _lock: None, names, written: Arc::new(WrittenFiles::of_another(path)) }
     }
 
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// A file in it.
+    /// A file in it, to be read.
     pub fn file(&self, name: &str) -> PathBuf {
         self.path.join(name)
+    }
+
+    /// A file in it that is to be written.
+    pub fn own(&self, name: &str) -> Result<PathBuf, WriteError> {
+        debug_assert!(self.has(name), "{name} is none of the names that were claimed");
+        self.written.add(name)?;
+        Ok(self.file(name))
+    }
+
+    /// Whether files of that name are written there.
+    pub fn has(&self, name: &str) -> bool {
+        self.names.has(name)
     }
 
     /// Removes what an earlier run left that this one may not overwrite.
@@ -76,50 +111,54 @@ impl Directory {
             let collection = name == "iterations.pvd" || name.ends_with("_iterations.pvd");
             let iterates = name == "iterates.bin" || name.ends_with("_iterates.bin");
             if ours || collection || iterates || name == "failure.vtu" {
-                let _ = std::fs::remove_file(entry.path());
+                let _ = self.remove(&name);
             }
         }
     }
 
-    /// Removes the snapshots `STEM0000.vtu` .. that an earlier run left, with what stood beside them.
-    pub fn remove_numbered(&self, stem: &str) {
+    /// Removes the snapshots `STEM0000.vtu` .. that an earlier run left, from this number on, with what stood beside them.
+    pub fn remove_numbered(&self, stem: &str, from: usize) {
         let Ok(entries) = std::fs::read_dir(&self.path) else { return };
         for entry in entries.flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
             let number = name.strip_prefix(stem).and_then(|rest| rest.strip_suffix(".vtu"));
             let number = number.map(|rest| rest.trim_end_matches("_lines").trim_end_matches("_obstacles"));
-            if number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit())) {
-                let _ = std::fs::remove_file(entry.path());
+            if number.and_then(|number| number.parse::<usize>().ok()).is_some_and(|number| number >= from) {
+                let _ = self.remove(&name);
             }
         }
     }
 
-    /// Removes a file, if it is there.
+    /// Removes a file, if it is there and of a name that is written there.
     pub fn remove(&self, name: &str) -> Result<(), WriteError> {
+        if !self.has(name) {
+            return Ok(());
+        }
         let file = self.file(name);
         match std::fs::remove_file(&file) {
-            Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(WriteError::System { file, source }),
-            _ => Ok(()),
+            Err(source) if source.kind() == std::io::ErrorKind::NotFound => Ok(()),
+            Err(source) => Err(WriteError::System { file, source }),
+            Ok(()) => self.written.remove(name),
         }
     }
 
     pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), WriteError> {
-        write_atomically(self.file(name), |out| {
+        write_atomically(self.own(name)?, |out| {
             serde_json::to_writer_pretty(&mut *out, value)?;
             out.write_all(b"\n")
         })
     }
 
     pub fn write_vtu(&self, name: &str, snapshot: &Snapshot) -> Result<(), WriteError> {
-        nastic_io::write_vtu(self.file(name), snapshot)
+        nastic_io::write_vtu(self.own(name)?, snapshot)
     }
 
     /// A state `NAME.vtu`, and what is beside it; the names of the files.
     pub fn write_state(&self, name: &str, snapshot: &Snapshot) -> Result<Vec<String>, WriteError> {
         self.write_vtu(&format!("{name}.vtu"), snapshot)?;
         match snapshot.lines.is_empty() {
-            false => nastic_io::write_lines(self.file(&lines_of(name)), &snapshot.lines)?,
+            false => nastic_io::write_lines(self.own(&lines_of(name))?, &snapshot.lines)?,
             true => self.remove(&lines_of(name))?,
         }
         match &snapshot.obstacles {
@@ -128,6 +167,25 @@ impl Directory {
         }
         Ok(state_files(name, Beside::of(snapshot)))
     }
+}
+
+/// Whether files that nastic did not write would be replaced.
+fn refuse_others(path: &Path, names: &OutputNames, written: &WrittenFiles) -> Result<(), DirectoryError> {
+    let Ok(entries) = std::fs::read_dir(path) else { return Ok(()) };
+    let listed = listed(path);
+    let is_other = |name: &str| {
+        names.has(name)
+            && !written.has(name)
+            && !listed.iter().any(|one| one == name)
+            && !is_checkpoint(&path.join(name))
+    };
+    // a directory in the way is never replaced: what is to be written there fails
+    let plain = entries.flatten().filter(|entry| entry.file_type().is_ok_and(|kind| !kind.is_dir()));
+    let found = plain.filter_map(|entry| entry.file_name().into_string().ok());
+    let mut others: Vec<String> = found.filter(|name| is_other(name)).collect();
+    others.sort();
+    let files: Vec<PathBuf> = others.iter().map(|name| path.join(name)).collect();
+    if files.is_empty() { Ok(()) } else { Err(DirectoryError::Others { files }) }
 }
 
 /// What a state has beside its body.

@@ -49,7 +49,7 @@ pub(crate) fn write_together(pictures: Vec<Picture>, to: &Directory) -> Result<(
 
 fn write_sheet(pictures: Vec<Picture>, name: impl Fn(&str) -> String + Sync, to: &Directory) -> Result<(), WriteError> {
     let sheet = Sheet::new(pictures);
-    let write = |file: &str| sheet.write(to.file(&name(file)));
+    let write = |file: &str| sheet.write(to.own(&name(file))?);
     let (png, svg) = rayon::join(|| write("picture.png"), || write("picture.svg"));
     png.and(svg)
 }

@@ -167,6 +167,15 @@ pub enum RunError {
         /// The file that is read.
         file: PathBuf,
     },
+    /// What the command writes would replace files that nastic did not write.
+    #[error(
+        "results would replace {}, which nastic did not write: move {} or give {} another name, or write elsewhere with --out",
+        list(.files), them(.files), them(.files)
+    )]
+    ReplacesOthers {
+        /// The files.
+        files: Vec<PathBuf>,
+    },
     /// An optimisation would replace the checkpoint of one that was interrupted.
     #[error(
         "{} holds the checkpoint of an interrupted optimisation (iteration {iteration}): go on with it by nastic resume {}, begin anew \
@@ -236,6 +245,16 @@ fn prefix(of: &str) -> String {
     if of.is_empty() { String::new() } else { format!("{of}: ") }
 }
 
+/// The first of them, and how many more.
+fn list(files: &[PathBuf]) -> String {
+    let first = files.first().map_or_else(String::new, |file| file.display().to_string());
+    if files.len() > 1 { format!("{first} and {} more", files.len() - 1) } else { first }
+}
+
+fn them(files: &[PathBuf]) -> &'static str {
+    if files.len() > 1 { "them" } else { "it" }
+}
+
 fn number(process: &Option<u32>) -> String {
     process.map_or_else(String::new, |process| format!(" (process {process})"))
 }
@@ -259,7 +278,9 @@ impl RunError {
             | Self::InterruptedMotion { .. } => Exit::BadInput,
             Self::Spectrum(_) | Self::Fit(_) => Exit::BadInput,
             Self::Start(nastic_opt::RunError::Start(_)) => Exit::ForwardFailed,
-            Self::Start(_) | Self::ReplacesInput { .. } | Self::OneRank { .. } => Exit::BadInput,
+            Self::Start(_) | Self::ReplacesInput { .. } | Self::ReplacesOthers { .. } | Self::OneRank { .. } => {
+                Exit::BadInput
+            }
             Self::Team(_) => Exit::Parted,
             Self::Taylor(nastic_opt::TaylorError::Base(_)) | Self::Forward { .. } => Exit::ForwardFailed,
             Self::Taylor(_) => Exit::BadInput,
@@ -296,6 +317,7 @@ impl From<DirectoryError> for RunError {
             DirectoryError::Write(error) | DirectoryError::Lock(LockError::Write(error)) => Self::Write(error),
             DirectoryError::Lock(LockError::InUse { directory, process }) => Self::InUse { directory, process },
             DirectoryError::Input { file } => Self::ReplacesInput { file },
+            DirectoryError::Others { files } => Self::ReplacesOthers { files },
         }
     }
 }

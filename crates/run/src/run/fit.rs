@@ -10,7 +10,7 @@ use crate::run::error::{Exit, RunError};
 use crate::run::fit::entry::Fitted;
 use crate::run::output_directory::directory_of;
 use nastic_case::lower::{LoneTable, read_tests};
-use nastic_case::output_names::FIT;
+use nastic_case::output_names::{FIT, OutputNames};
 use nastic_fit::{FitError, FitOptions, Law, fit as fit_law};
 use nastic_io::write_atomically;
 use nastic_language::schema::FitData;
@@ -54,7 +54,7 @@ pub fn fit_with(
     let document = &table.document(data)?;
     let asked = FitData::read_document(document)?;
     let (tests, doubtful) = read_tests(document, &asked)?;
-    let out = Directory::claim(out.unwrap_or_else(|| directory_of(document, None)), FIT, [data])?;
+    let out = Directory::claim(out.unwrap_or_else(|| directory_of(document, None)), OutputNames::of(FIT), [data])?;
     // They belong to an earlier fit, and would stand there as results of this one if it fails.
     out.remove(FILE)?;
     out.remove(PAGE)?;
@@ -83,7 +83,7 @@ pub fn fit_with(
     print::found(&fitted, &tests, &failed, errors, console);
     let charts = plot::charts(&fitted, &tests, asked.title.as_deref());
     for (name, chart) in &charts {
-        chart.write(out.file(name))?;
+        chart.write(out.own(name)?)?;
     }
     let names = [PAGE, FILE].into_iter().map(str::to_owned);
     let files: Vec<String> = names.chain(charts.iter().map(|(name, _)| name.clone())).collect();
@@ -103,7 +103,7 @@ pub fn fit_with(
     };
     out.write_json(FILE, &record)?;
     let page = record.page(&charts.iter().filter_map(|(_, chart)| chart.svg()).collect::<Vec<_>>());
-    write_atomically(out.file(PAGE), |file| file.write_all(page.as_bytes()))?;
+    write_atomically(out.own(PAGE)?, |file| file.write_all(page.as_bytes()))?;
     console.say(format!("results     {}: {}", out.path().display(), record.files.join(", ")));
     let result = serde_json::to_value(record).unwrap_or_default(); // records have keys that are texts
     Ok(FitOutcome { exit: Exit::Done, result })

@@ -216,11 +216,10 @@ pub(super) fn write(problem: &CaseProblem, records: &[Record], out: &Directory) 
         let (member, Some(table)) = (problem.member(record.member), &record.table) else { continue };
         let (csv, pvd) = (member.file("motion.csv"), member.file("motion.pvd"));
         let text = table.csv();
-        write_atomically(out.file(&csv), |out| out.write_all(text.as_bytes()))?;
+        write_atomically(out.own(&csv)?, |out| out.write_all(text.as_bytes()))?;
         files.push(csv);
         files.extend(table.charts(member, out)?);
         let stem = member.file("motion_");
-        out.remove_numbered(&stem);
         let mut shots = Vec::new();
         for (k, state) in record.shown.iter().enumerate() {
             let name = format!("{stem}{k:04}");
@@ -228,7 +227,9 @@ pub(super) fn write(problem: &CaseProblem, records: &[Record], out: &Directory) 
             let own = out.write_state(&name, &shot)?;
             shots.extend(own.into_iter().map(|file| (state.time, file)));
         }
-        nastic_io::write_pvd(out.file(&pvd), &shots)?;
+        // the last of an earlier motion, behind those that were replaced: no state is gone before another is there
+        out.remove_numbered(&stem, record.shown.len());
+        nastic_io::write_pvd(out.own(&pvd)?, &shots)?;
         files.push(pvd);
         files.extend(shots.into_iter().map(|(_, name)| name));
     }

@@ -5,7 +5,6 @@ use nastic_case::lower::CaseProblem;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
 use nastic_report::case_name;
-use serde_json::Value;
 use std::path::{Component, Path, PathBuf};
 
 /// `--out`, else what the case says, else `out/CASE` beside it. Commands that leave nothing behind write only where
@@ -40,12 +39,4 @@ pub(crate) fn plain(path: &Path) -> PathBuf {
         }
     }
     if out.as_os_str().is_empty() { PathBuf::from(".") } else { out }
-}
-
-/// The files that an earlier run in a directory lists as its results.
-pub(crate) fn listed(directory: &Path) -> Vec<String> {
-    let text = std::fs::read_to_string(directory.join("result.json")).unwrap_or_default();
-    let earlier: Value = serde_json::from_str(&text).unwrap_or_default();
-    let files = earlier["files"].as_array().into_iter().flatten().filter_map(Value::as_str);
-    files.map(str::to_owned).collect()
 }

@@ -74,7 +74,18 @@ impl Session<'_> {
 
     /// Where this rank writes what is its own.
     pub(super) fn take_directory(&mut self, path: &Path) {
-        self.own_out = Some(self.out.clone().unwrap_or_else(|| Directory::of_another(path)));
+        self.own_out = Some(self.out.clone().unwrap_or_else(|| Directory::of_another(path, self.output_names())));
+    }
+
+    /// Goes on in a directory that is locked.
+    pub(super) fn go_on_in(&mut self, out: Option<Directory>, path: &Path) -> Result<(), RunError> {
+        self.out = out;
+        let names = self.output_names();
+        if let Some(out) = &mut self.out {
+            out.take_names(names)?;
+        }
+        self.take_directory(path);
+        Ok(())
     }
 
     /// Waits until all ranks are here: what the first has removed or read belongs to nobody else.

@@ -2,14 +2,14 @@
 
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
+use crate::result::listed::listed;
 use crate::result::member_report::{self, Detail};
 use crate::result::target_files::target_names;
 use crate::run::error::RunError;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseProblem, obstacle_shape};
-use nastic_case::output_names;
 use nastic_control::EnsemblePoint;
-use nastic_io::write_atomically;
+use nastic_io::{WrittenFiles, write_atomically};
 use nastic_language::schema::Command;
 use nastic_report::FigureRequest;
 use nastic_report::record::{MemberRecord, StateRecord};
@@ -20,26 +20,62 @@ const FIGURES: [&str; 2] = ["figure.png", "figure.svg"];
 /// The case with its overrides.
 const CASE: &str = "case.json";
 
-/// Writes the page of a result folder, to `report.html` in it unless another file is named; where it went.
+/// Writes the page of a result folder, to `report.html` in it unless another file is named, which is replaced; where it went.
 ///
 /// # Errors
-/// [`RunError::Report`]: the directory holds no results, or damaged ones; [`RunError::Write`].
+/// [`RunError::Report`]: the directory holds no results, or damaged ones; [`RunError::Write`]; [`RunError::ReplacesOthers`],
+/// [`RunError::ReplacesInput`].
 pub fn report(directory: &Path, file: Option<&Path>) -> Result<PathBuf, RunError> {
     let page = nastic_report::html(directory)?;
-    let file = file.map_or_else(|| directory.join(nastic_report::FILE), Path::to_owned);
+    let file = place(directory, file, nastic_report::FILE)?;
     write_atomically(&file, |out| out.write_all(page.as_bytes()))?;
     Ok(file)
 }
 
-/// Draws a state of a result folder, to `figure.png` in it unless another file is named, PNG or SVG by its ending; where it went.
+/// Draws a state of a result folder, to `figure.png` in it unless another file is named, which is replaced, PNG or SVG by its ending; where it
+/// went.
 ///
 /// # Errors
-/// [`RunError::Report`]: the directory holds no results, or has not what is asked for; [`RunError::Write`].
+/// [`RunError::Report`]: the directory holds no results, or has not what is asked for; as [`report`].
 pub fn figure(directory: &Path, request: &FigureRequest, file: Option<&Path>) -> Result<PathBuf, RunError> {
     let picture = nastic_report::figure(directory, request)?;
-    let file = file.map_or_else(|| directory.join(FIGURES[0]), Path::to_owned);
+    let file = place(directory, file, FIGURES[0])?;
     picture.write(&file)?;
     Ok(file)
+}
+
+/// Where a file goes that is made of a result folder: the one that is named, or one of this name there, if nastic may write it.
+fn place(directory: &Path, named: Option<&Path>, name: &str) -> Result<PathBuf, RunError> {
+    if let Some(named) = named {
+        keep_results(directory, named)?;
+        return Ok(named.to_owned());
+    }
+    let (file, written) = (directory.join(name), WrittenFiles::of(directory)?);
+    let is_own = written.has(name) || listed(directory).iter().any(|one| one == name);
+    if file.symlink_metadata().is_ok() && !is_own {
+        return Err(RunError::ReplacesOthers { files: vec![file] });
+    }
+    written.add(name)?;
+    Ok(file)
+}
+
+/// Whether a file that a user names, and which is replaced where it is there, is none of the results that are read: pages and figures may be made anew.
+///
+/// # Errors
+/// [`RunError::ReplacesInput`]; [`RunError::Write`]: the list of results cannot be read.
+pub fn keep_results(directory: &Path, file: &Path) -> Result<(), RunError> {
+    let name = file.file_name().unwrap_or_default().to_string_lossy();
+    let parent = file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let is_there =
+        parent.canonicalize().ok().is_some_and(|parent| directory.canonicalize().is_ok_and(|own| own == parent));
+    let is_made_anew = name == nastic_report::FILE || FIGURES.contains(&name.as_ref());
+    if is_there
+        && !is_made_anew
+        && (listed(directory).contains(&name.to_string()) || WrittenFiles::of(directory)?.has(&name))
+    {
+        return Err(RunError::ReplacesInput { file: file.to_owned() });
+    }
+    Ok(())
 }
 
 /// Writes `case.json` and `result.json`, and the page if there is one to be.
@@ -63,9 +99,9 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     }
     out.write_json("result.json", &session.record)?;
     for name in FIGURES.iter().filter(|_| with_figure) {
-        figure(out.path(), &FigureRequest::default(), Some(&out.file(name)))?;
+        figure(out.path(), &FigureRequest::default(), Some(&out.own(name)?))?;
     }
-    if with_page { report(out.path(), None).map(|_| ()) } else { remove_old(&out) }
+    if with_page { report(out.path(), Some(&out.own(nastic_report::FILE)?)).map(|_| ()) } else { remove_old(&out) }
 }
 
 impl Session<'_> {
@@ -156,7 +192,6 @@ fn members(problem: &CaseProblem) -> Vec<MemberRecord> {
 /// Puts the names of files into the result and says them, the first of many.
 pub(crate) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
     const NAMED: usize = 9;
-    debug_assert_eq!(output_names::unlisted(&output_names::written_by(&session.command), &files), None);
     let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
     let said: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
     session.console.say(format!("files       result.json, {}{more}", said.join(", ")));

@@ -35,7 +35,7 @@ pub(super) fn open<'c>(
 ) -> Result<(Session<'c>, Resumed), RunError> {
     let leads = options.team.as_ref().is_none_or(|team| team.leads());
     let (out, case, command, place) = if directory.join(motion::CHECKPOINT).is_file() {
-        let out = leads.then(|| Directory::claim(directory.to_owned(), &[], [])).transpose()?;
+        let out = leads.then(|| Directory::lock(directory.to_owned())).transpose()?;
         let checkpoint = MotionCheckpoint::read(directory)?;
         check_program(&checkpoint.case, directory.join(motion::CHECKPOINT))?;
         (out, checkpoint.case.clone(), Command::Solve, Resumed::Motion(checkpoint))
@@ -67,7 +67,7 @@ pub(super) fn read(directory: &Path, team: Option<&dyn Team>) -> Result<(Option<
         // A name that was mistyped is not made a directory.
         return Err(CheckpointError::Missing { directory: directory.to_owned() }.into());
     }
-    let out = leads.then(|| Directory::claim(directory.to_owned(), &[], [])).transpose()?;
+    let out = leads.then(|| Directory::lock(directory.to_owned())).transpose()?;
     let own = |members: usize| team.map_or(0..members, |team| Shares::even(members, team.size()).of(team.rank()));
     let checkpoint = Checkpoint::read(directory, &own)?;
     check_program(&checkpoint.case, file)?;

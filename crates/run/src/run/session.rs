@@ -4,16 +4,18 @@ use crate::console::Console;
 use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
+use crate::result::listed::listed;
+use crate::result::target_files::named_targets;
 use crate::result::warning_record::warning_record;
 use crate::result::{checkpoint_file, failure, smoothing};
 use crate::run::ensemble_progress::EnsembleProgress;
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
-use crate::run::output_directory::{directory, listed, usual_directory};
+use crate::run::output_directory::{directory, usual_directory};
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
 use nastic_case::lower::{CaseMember, CaseProblem};
-use nastic_case::output_names::written_by;
+use nastic_case::output_names::OutputNames;
 use nastic_case::part::Share;
 use nastic_case::warning::Warning;
 use nastic_control::{AdaptiveSteps, ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
@@ -134,19 +136,25 @@ impl<'c> Session<'c> {
         Ok(session)
     }
 
-    /// The directory of the results, in which they replace nothing that the case reads, but for starts that an earlier run there has written
-    /// (`optimize` warns of these).
+    /// The directory of the results, in which they replace nothing that the case reads, but for starts of controls that an earlier run there has written
+    /// (`optimize` warns of these), and nothing that nastic did not write.
     pub fn claim(&self, directory: PathBuf) -> Result<Directory, RunError> {
-        let (problem, json) = (&self.problem, self.problem.document.json());
-        let mesh = json["mesh"].as_str().or(json["mesh"]["file"].as_str()).map(|mesh| problem.document.resolve(mesh));
+        let problem = &self.problem;
         let results = listed(&directory);
+        let starts: Vec<PathBuf> = start_files(&problem.document);
         let is_result = |file: &Path| {
             let name = file.file_name().and_then(|name| name.to_str());
-            mesh.as_deref() != Some(file) && results.iter().any(|result| name == Some(result))
+            starts.iter().any(|start| start == file) && results.iter().any(|result| name == Some(result))
         };
         let read = problem.files.iter().map(PathBuf::as_path).filter(|file| !is_result(file));
         let inputs = read.chain(problem.case_file().map(Path::new));
-        Ok(Directory::claim(directory, &written_by(&self.command), inputs)?)
+        Ok(Directory::claim(directory, self.output_names(), inputs)?)
+    }
+
+    /// The names of what is written.
+    pub fn output_names(&self) -> OutputNames {
+        let targets = named_targets(&self.problem).into_iter().map(|(name, _)| name);
+        OutputNames::of_command(&self.command, &self.problem, targets.collect())
     }
 
     /// Goes on with a command whose case was read and whose directory is claimed.
@@ -161,8 +169,7 @@ impl<'c> Session<'c> {
         let problem = CaseProblem::lower(document, cancel.clone())?;
         let mut session = Self::on(command, problem, cancel, console, began);
         session.settings = settings;
-        session.out = out;
-        session.take_directory(directory);
+        session.go_on_in(out, directory)?;
         session.join_team(options)?;
         Ok(session)
     }
@@ -438,6 +445,14 @@ impl<'c> Session<'c> {
         out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
         Ok(Some(out.file(name)))
     }
+}
+
+/// Files at which controls start.
+fn start_files(document: &Document) -> Vec<PathBuf> {
+    let case = document.json();
+    let files =
+        case["controls"].as_array().into_iter().flatten().filter_map(|control| control["start"]["file"].as_str());
+    files.map(|file| document.resolve(file)).collect()
 }
 
 /// Lets the terminal show how solves go.

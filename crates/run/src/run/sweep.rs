@@ -14,13 +14,13 @@ use crate::run::sweep::table::{introduce, rows_there, table};
 use crate::run::sweep::told::{Tally, line, say_missing};
 use nastic_case::analysis::Analysis;
 use nastic_case::lower::SweepPlan;
-use nastic_case::output_names::SWEEP;
+use nastic_case::output_names::{OutputNames, SWEEP};
 use nastic_case::part::{Part, Share};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number::count;
 use nastic_language::schema::Command;
 use nastic_report::{SweepRow, SweepTable};
-use nastic_team::exchange;
+use nastic_team::{broadcast, exchange};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -50,7 +50,7 @@ pub struct SweepOutcome {
 /// A run whose finished result is there is kept, unless `options.restart`; one that was interrupted goes on from its checkpoint. With
 /// [`Share::Part`] the runs of that part alone are made and no table is written, with [`Share::Join`] the table alone is made.
 ///
-/// What the case expects of its results is left aside, and so are `analysis` and `in_memory` of the options.
+/// What the case expects of its results is left aside, and so are `analysis` and `in_memory` of the options. On several ranks all end as the first does.
 ///
 /// # Errors
 /// [`RunError::Input`]: a case that cannot be read, an option that does not fit it or is none of a sweep; [`RunError::Write`],
@@ -71,9 +71,36 @@ pub fn sweep(
     // the runs of a rank are one of as many parts, of which the first rank joins the table
     let of = |share| Options { share, team: None, restart: options.restart && share != Share::Join, ..options.clone() };
     let part = Part::of_rank(team.rank(), team.size());
-    let own = make(catalogue, sweep, case, &of(Share::Part(part)), console)?;
-    exchange(team.as_ref(), vec![])?;
-    if team.leads() { make(catalogue, sweep, case, &of(Share::Join), console) } else { Ok(own) }
+    let own = make(catalogue, sweep, case, &of(Share::Part(part)), console);
+    let failed = exchange(team.as_ref(), failure(&own))?;
+    let joined = match own {
+        Ok(_) if team.leads() => make(catalogue, sweep, case, &of(Share::Join), console),
+        own => own,
+    };
+    // however their own runs ended: who started the ranks is told of one code
+    let joined = joined.map(|mut joined| {
+        for (rank, failed) in failed.iter().enumerate().filter(|_| team.leads()) {
+            let Some((code, why)) = failed.split_first() else { continue };
+            console.say(format!("FAILED      rank {rank}: {}", String::from_utf8_lossy(why)));
+            joined.exit = joined.exit.worst(Exit::of_code(*code).unwrap_or(Exit::NotWritten));
+        }
+        joined
+    });
+    let code = joined.as_ref().map_or_else(RunError::exit, |joined| joined.exit).code();
+    let first = Exit::of_code(broadcast(team.as_ref(), vec![code])?.first().copied().unwrap_or(code));
+    if team.leads() {
+        return joined;
+    }
+    let result = joined.map_or(Value::Null, |joined| joined.result);
+    Ok(SweepOutcome { exit: first.unwrap_or(Exit::Parted), result })
+}
+
+/// The code and the words of what a rank failed for; nothing of one that has not.
+fn failure(own: &Result<SweepOutcome, RunError>) -> Vec<u8> {
+    own.as_ref().err().map_or_else(Vec::new, |error| {
+        let code = [error.exit().code()];
+        code.into_iter().chain(error.to_string().into_bytes()).collect()
+    })
 }
 
 fn make(
@@ -89,7 +116,7 @@ fn make(
     // Who writes the table holds the lock of its directory; parts hold those of their runs alone.
     let claimed = match options.share {
         Share::Part(_) => None,
-        Share::Whole | Share::Join => Some(Directory::claim(out.clone(), SWEEP, [case])?),
+        Share::Whole | Share::Join => Some(Directory::claim(out.clone(), OutputNames::of(SWEEP), [case])?),
     };
     introduce(&plan, sweep, console);
     let table = table(&plan, sweep, case);
@@ -233,6 +260,9 @@ impl Work<'_> {
         let more = || rows_there(out.path()).filter(|rows| *rows > self.table.rows.len());
         self.left_alone = if self.others.is_empty() { None } else { more() };
         if self.left_alone.is_none() {
+            for name in self.table.files() {
+                out.own(&name)?;
+            }
             self.table.write(out.path())?;
         }
         Ok(())

@@ -22,7 +22,8 @@ pub(in crate::run) struct MotionCheckpoint {
     pub case: CaseRecord,
     /// Time steps that were found for a tolerance, of every member; empty without.
     pub steps: Vec<AdaptiveSteps>,
-    pub(super) members: Vec<SavedMember>,
+    /// Nothing of those whose motion had not begun.
+    pub(super) members: Vec<Option<SavedMember>>,
 }
 
 /// The motion of a member.
@@ -31,20 +32,29 @@ pub(super) struct SavedMember {
     pub n: usize,
     /// What the library wrote there.
     pub motion: Vec<u8>,
-    /// The table so far.
+    /// The table, of steps too that come again.
     pub rows: Vec<Vec<f64>>,
-    /// The states to write so far, as bytes.
+    /// The states to write, as bytes, of such steps too.
     pub shown: Vec<Vec<u8>>,
+    /// How many of them are no later than the state that it goes on from.
+    pub shown_before: usize,
     /// The state that it goes on from.
     pub last: Vec<u8>,
     /// The state before it, if there is one.
     pub before: Option<Vec<u8>>,
+    /// The last state of all.
+    pub end: Vec<u8>,
 }
 
 impl MotionCheckpoint {
     /// Of every member the number of the state that it goes on from.
     pub fn places(&self) -> Vec<usize> {
-        self.members.iter().map(|member| member.n).collect()
+        self.members.iter().map(|member| member.as_ref().map_or(0, |member| member.n)).collect()
+    }
+
+    /// Of every member the number of the last state that was reached.
+    pub fn reached(&self) -> Vec<usize> {
+        self.members.iter().map(|member| member.as_ref().map_or(0, |member| member.rows.len() - 1)).collect()
     }
 
     /// Writes it to a directory; the earlier one stays until this one is complete.
@@ -69,16 +79,22 @@ impl MotionCheckpoint {
             [accepted, rejected, failed].into_iter().for_each(|n| out.count(*n));
         }
         out.count(self.members.len());
-        for SavedMember { n, motion, rows, shown, last, before } in &self.members {
+        for member in &self.members {
+            out.count(usize::from(member.is_some()));
+            let Some(SavedMember { n, motion, rows, shown, shown_before, last, before, end }) = member else {
+                continue;
+            };
             out.count(*n);
             out.bytes(motion);
             out.count(rows.len());
             rows.iter().for_each(|row| out.floats(row));
             out.count(shown.len());
             shown.iter().for_each(|state| out.bytes(state));
+            out.count(*shown_before);
             out.bytes(last);
-            out.count(before.iter().len());
+            out.count(usize::from(before.is_some()));
             before.iter().for_each(|state| out.bytes(state));
+            out.bytes(end);
         }
         out.finish()
     }
@@ -94,12 +110,20 @@ impl MotionCheckpoint {
         }
         let mut members = Vec::new();
         for _ in 0..input.count(8)? {
+            if !input.flag()? {
+                members.push(None);
+                continue;
+            }
             let (n, motion) = (input.number()?, input.list()?);
-            let rows = (0..input.count(8)?).map(|_| input.floats()).collect::<Result<_, _>>()?;
-            let shown = (0..input.count(8)?).map(|_| input.list()).collect::<Result<_, _>>()?;
-            let last = input.list()?;
-            let before = if input.count(8)? > 0 { Some(input.list()?) } else { None };
-            members.push(SavedMember { n, motion, rows, shown, last, before });
+            let rows = (0..input.count(8)?).map(|_| input.floats()).collect::<Result<Vec<_>, _>>()?;
+            let shown = (0..input.count(8)?).map(|_| input.list()).collect::<Result<Vec<_>, _>>()?;
+            let (shown_before, last) = (input.number()?, input.list()?);
+            let before = if input.flag()? { Some(input.list()?) } else { None };
+            let end = input.list()?;
+            if n >= rows.len() || shown_before > shown.len() || shown_before == 0 {
+                return Err(input.damaged("a motion that goes on behind its end"));
+            }
+            members.push(Some(SavedMember { n, motion, rows, shown, shown_before, last, before, end }));
         }
         input.finish()?;
         Ok(Self { case, steps, members })

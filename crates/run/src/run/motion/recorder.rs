@@ -7,6 +7,7 @@ use crate::run::error::RunError;
 use crate::run::motion::checkpoint;
 use crate::run::motion::checkpoint::{MotionCheckpoint, SavedMember};
 use crate::run::motion::record::Record;
+use crate::run::motion::table::Table;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{AdaptiveSteps, ControlError, MotionObserver, read_whole_state, write_whole_state};
@@ -16,7 +17,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Checkpoints are at least this far apart, and this many times as far as writing one takes. When they are written changes no result.
-const APART: Duration = Duration::from_secs(10);
+const APART: Duration = Duration::from_secs(2);
 const TIMES: u32 = 20;
 
 /// The motions of all members.
@@ -37,6 +38,15 @@ struct Recorded {
     from: Option<Vec<u8>>,
     /// The last place from which it can.
     place: Option<ResumePoint>,
+    /// What an earlier program found behind the place that this one goes on from, until this one is there.
+    ahead: Option<Ahead>,
+}
+
+/// A motion as far as it came before.
+struct Ahead {
+    rows: Vec<Vec<f64>>,
+    shown: Vec<State>,
+    end: State,
 }
 
 /// A place from which a motion can go on.
@@ -46,8 +56,7 @@ struct ResumePoint {
     /// The state there, and the one before it.
     last: Option<State>,
     before: Option<State>,
-    /// Rows and states that there were.
-    rows: usize,
+    /// States to write that there were.
     shown: usize,
 }
 
@@ -78,12 +87,14 @@ impl<'a> Recorder<'a> {
         let mut saved = from.map(|checkpoint| checkpoint.members.into_iter());
         let mut members = Vec::new();
         for member in problem.members() {
-            let mut recorded =
-                Recorded { record: Record::new(member, member.local(&problem.start)), from: None, place: None };
+            let record = Record::new(member, member.local(&problem.start));
+            let mut recorded = Recorded { record, from: None, place: None, ahead: None };
             if let Some(saved) = &mut saved {
                 let unfit = |what: &str| checkpoint::unfit(session.out.as_ref(), what);
                 let saved = saved.next().ok_or_else(|| unfit("another number of members"))?;
-                recorded.take(member, saved).map_err(|what| unfit(&what))?;
+                if let Some(saved) = saved {
+                    recorded.take(member, saved).map_err(|what| unfit(&what))?;
+                }
             }
             members.push(Mutex::new(recorded));
         }
@@ -102,10 +113,12 @@ impl<'a> Recorder<'a> {
         (0..self.members.len()).map(|index| MemberObserver { all: self, index }).collect()
     }
 
-    /// What was found, with the last state of every motion among those to write.
+    /// What was found, also by an earlier program behind the end of this one, with the last state of every motion among those to write.
     pub fn finish(self) -> Vec<Record> {
         let own = |recorded: Mutex<Recorded>| {
-            let Recorded { mut record, .. } = recorded.into_inner().unwrap_or_else(PoisonError::into_inner);
+            let mut recorded = recorded.into_inner().unwrap_or_else(PoisonError::into_inner);
+            recorded.add_ahead();
+            let mut record = recorded.record;
             let last = record.last.clone();
             record.shown.extend(last.filter(|last| record.shown.last().is_none_or(|shown| shown.time < last.time)));
             record
@@ -113,10 +126,18 @@ impl<'a> Recorder<'a> {
         self.members.into_iter().map(own).collect()
     }
 
-    /// Writes a checkpoint of the last places, if every member has one; whether it is there.
+    /// By member how many steps come again where the motion goes on from its last place.
+    pub fn repeated(&self) -> Vec<usize> {
+        self.members.iter().map(|recorded| lock(recorded).repeated()).collect()
+    }
+
+    /// Writes a checkpoint of the last places, if any member has one; whether it is there.
     pub fn save(&self) -> bool {
         let Some(out) = self.out else { return false };
-        let Some(members) = self.members.iter().map(|recorded| lock(recorded).saved()).collect() else { return false };
+        let members: Vec<Option<SavedMember>> = self.members.iter().map(|recorded| lock(recorded).saved()).collect();
+        if members.iter().all(Option::is_none) {
+            return false;
+        }
         let steps = self.steps.to_vec();
         let checkpoint = MotionCheckpoint { case: self.case.clone(), steps, members };
         let written = checkpoint.write(out);
@@ -134,7 +155,7 @@ impl<'a> Recorder<'a> {
             return;
         }
         let began = Instant::now();
-        // without one of each member there is nothing to go on from, and the next place is asked again
+        // without one there is nothing to go on from, and the next place is asked again
         if self.save() || lock(&self.pace).failed {
             lock(&self.pace).last = Some((Instant::now(), began.elapsed()));
         }
@@ -144,7 +165,7 @@ impl<'a> Recorder<'a> {
 impl Recorded {
     /// Goes on from what was saved.
     fn take(&mut self, member: CaseMember<'_>, saved: SavedMember) -> Result<(), String> {
-        let SavedMember { n, motion, rows, shown, last, before } = saved;
+        let SavedMember { n, motion, mut rows, shown, shown_before, last, before, end } = saved;
         let like = member.solid().rest();
         let read = |bytes: &Vec<u8>| {
             let mut input = Reader::new(bytes, "")?;
@@ -155,18 +176,33 @@ impl Recorded {
         let before = before.as_ref().map(read).transpose().map_err(|error| error.to_string())?;
         let shown = shown.iter().map(read).collect::<Result<Vec<State>, _>>().map_err(|error| error.to_string())?;
         let first = shown.first().ok_or("no state of the motion")?;
-        let mut table = crate::run::motion::table::Table::head(member, first);
-        if n.checked_add(1) != Some(rows.len()) || rows.iter().any(|row| row.len() != table.columns()) {
+        let mut table = Table::head(member, first);
+        if rows.iter().any(|row| row.len() != table.columns()) {
             return Err("another table of the motion".to_owned());
         }
+        if rows.len() > n + 1 {
+            let end = read(&end).map_err(|error| error.to_string())?;
+            self.ahead = Some(Ahead { rows: rows.clone(), shown: shown.clone(), end });
+        }
+        rows.truncate(n + 1);
         table.rows = rows;
+        let shown = shown.into_iter().take(shown_before).collect();
+        let (of_place, before_it) = (Some(last.clone()), before.clone());
+        self.place =
+            Some(ResumePoint { n, motion: motion.clone(), last: of_place, before: before_it, shown: shown_before });
         (self.record.table, self.record.shown) = (Some(table), shown);
         (self.record.last, self.record.before) = (Some(last), before);
         self.from = Some(motion);
         Ok(())
     }
 
-    /// The last place, as it is saved.
+    /// Makes this the last place.
+    fn note_place(&mut self, n: usize, motion: Vec<u8>) {
+        let Record { last, before, shown, .. } = &self.record;
+        self.place = Some(ResumePoint { n, motion, last: last.clone(), before: before.clone(), shown: shown.len() });
+    }
+
+    /// The last place, as it is saved, with all that was found behind it.
     fn saved(&self) -> Option<SavedMember> {
         let (place, table) = (self.place.as_ref()?, self.record.table.as_ref()?);
         let bytes = |state: &State| {
@@ -174,43 +210,66 @@ impl Recorded {
             write_whole_state(state, &mut out);
             out.finish()
         };
+        let ahead = self.ahead.iter();
         Some(SavedMember {
             n: place.n,
             motion: place.motion.clone(),
+            rows: table
+                .rows
+                .iter()
+                .chain(ahead.flat_map(|ahead| ahead.rows.iter().skip(table.rows.len())))
+                .cloned()
+                .collect(),
+            shown: self.record.shown.iter().chain(self.shown_ahead()).map(bytes).collect(),
+            shown_before: place.shown,
             last: bytes(place.last.as_ref()?),
             before: place.before.as_ref().map(bytes),
-            rows: table.rows[..place.rows].to_vec(),
-            shown: self.record.shown[..place.shown].iter().map(bytes).collect(),
+            end: bytes(self.ahead.as_ref().map(|ahead| &ahead.end).or(self.record.last.as_ref())?),
         })
+    }
+
+    /// States to write behind the last that was found now.
+    fn shown_ahead(&self) -> impl Iterator<Item = &State> {
+        let time = self.record.last.as_ref().map_or(f64::NEG_INFINITY, |last| last.time);
+        self.ahead.iter().flat_map(|ahead| &ahead.shown).filter(move |state| state.time > time)
+    }
+
+    /// Adds what was found behind the end.
+    fn add_ahead(&mut self) {
+        let more: Vec<State> = self.shown_ahead().cloned().collect();
+        let (Some(ahead), Some(table)) = (self.ahead.take(), &mut self.record.table) else { return };
+        self.record.shown.extend(more);
+        table.rows.extend(ahead.rows.into_iter().skip(table.rows.len()).collect::<Vec<_>>());
+        self.record.last = Some(ahead.end);
+    }
+
+    fn repeated(&self) -> usize {
+        let rows = self.ahead.as_ref().map_or(0, |ahead| ahead.rows.len()).max(self.record.states());
+        self.place.as_ref().map_or(0, |place| rows.saturating_sub(place.n + 1))
     }
 }
 
 impl MotionObserver for MemberObserver<'_> {
     fn resume(&self) -> Option<Vec<u8>> {
-        let mut recorded = lock(&self.all.members[self.index]);
-        let from = recorded.from.take()?;
-        let n = recorded.record.states().saturating_sub(1);
-        let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
-        let (last, before) = (recorded.record.last.clone(), recorded.record.before.clone());
-        recorded.place = Some(ResumePoint { n, motion: from.clone(), last, before, rows, shown });
-        Some(from)
+        lock(&self.all.members[self.index]).from.take()
     }
 
     fn reached(&self, n: usize, state: &State) -> Result<(), ControlError> {
-        let mut recorded = lock(&self.all.members[self.index]);
-        recorded.record.add(self.all.problem.member(self.index), n, state)
+        {
+            let mut recorded = lock(&self.all.members[self.index]);
+            recorded.record.add(self.all.problem.member(self.index), n, state)?;
+            let states = recorded.record.states();
+            recorded.ahead.take_if(|ahead| ahead.rows.len() <= states);
+        }
+        self.all.save_if_due();
+        Ok(())
     }
 
     fn resumable(&self, n: usize, bytes: &dyn Fn() -> Vec<u8>) {
         if self.all.out.is_none() {
             return;
         }
-        {
-            let mut recorded = lock(&self.all.members[self.index]);
-            let (rows, shown) = (recorded.record.states(), recorded.record.shown.len());
-            let (last, before) = (recorded.record.last.clone(), recorded.record.before.clone());
-            recorded.place = Some(ResumePoint { n, motion: bytes(), last, before, rows, shown });
-        }
+        lock(&self.all.members[self.index]).note_place(n, bytes());
         self.all.save_if_due();
     }
 }

@@ -8,7 +8,7 @@ use crate::run::motion::{checkpoint, write};
 use crate::run::session::{START_ACCURACY, Session};
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, MotionObserver};
 use nastic_fem::StateError;
-use nastic_language::number::quantity;
+use nastic_language::number::{count, quantity};
 use nastic_language::quantity::Dimension;
 use nastic_opt::Request;
 use nastic_report::record::ReachedRecord;
@@ -25,7 +25,8 @@ pub(in crate::run) fn solve(
         let file = checkpoint::NAME;
         session
             .console
-            .say(format!("note        {file} of a motion that was stopped will be replaced: this one begins anew"));
+            .say(format!("note        {file} of a motion that was stopped is removed: this one begins anew"));
+        out.remove(file)?;
     }
     let began = Instant::now();
     let recorder = Recorder::new(session, from)?;
@@ -35,12 +36,18 @@ pub(in crate::run) fn solve(
     let problem = &session.problem;
     let found = problem.ensemble.observe(&problem.start, &how, &observers, &mut EnsembleWorkspace::default());
     session.console.clear();
-    let saved = found.as_ref().is_err_and(may_go_on) && recorder.save();
+    let goes_on = found.as_ref().is_err_and(may_go_on);
+    if goes_on {
+        recorder.save();
+    }
+    // one that could be written earlier is as good
+    let is_there = || session.out.as_ref().is_some_and(|out| out.file(checkpoint::NAME).is_file());
+    let repeated = if goes_on && is_there() { Some(recorder.repeated()) } else { None };
     let records = recorder.finish();
     session.note_time("solve", began.elapsed().as_secs_f64());
     match found {
         Ok(point) => Ok((point, records)),
-        Err(error) => Err(unfinished(session, (&records, saved), error)),
+        Err(error) => Err(unfinished(session, (&records, repeated), error)),
     }
 }
 
@@ -50,8 +57,12 @@ fn may_go_on(error: &EnsembleError) -> bool {
     source.is_lack_of_memory() || matches!(source.as_ref(), ControlError::State(StateError::Cancelled))
 }
 
-/// The error of motions that ended early, which says where they are.
-fn unfinished(session: &mut Session<'_>, (records, saved): (&[Record], bool), error: EnsembleError) -> RunError {
+/// The error of motions that ended early, which says where they are; `repeated`: how many steps of each come again where it goes on, if it can.
+fn unfinished(
+    session: &mut Session<'_>,
+    (records, repeated): (&[Record], Option<Vec<usize>>),
+    error: EnsembleError,
+) -> RunError {
     let source = Box::new(session.forward_failed(error));
     // of several members the one that came least far
     let reached = records.iter().filter_map(Record::reached).min_by(|a, b| a.1.total_cmp(&b.1));
@@ -62,14 +73,19 @@ fn unfinished(session: &mut Session<'_>, (records, saved): (&[Record], bool), er
     };
     session.list_files(files.clone());
     session.record.reached = ReachedRecord { t: t.into(), steps };
-    if !saved && let Err(error) = out.remove(checkpoint::NAME) {
+    if repeated.is_none()
+        && let Err(error) = out.remove(checkpoint::NAME)
+    {
         return error.into();
     }
     let until = quantity(t, Dimension::TIME, session.problem.units());
     let csv = out.file(files.first().map_or("", String::as_str));
     let mut kept = format!("the motion until t = {until} is in {} and motion.pvd", csv.display());
-    if saved {
+    if let Some(repeated) = repeated {
         kept += &format!("; nastic resume {} goes on with it", out.path().display());
+        if let Some(most) = repeated.into_iter().max().filter(|most| *most > 0) {
+            kept += &format!(" and computes the last {} once more", count(most, "step"));
+        }
     }
     RunError::Motion { source, kept }
 }

@@ -167,7 +167,7 @@ impl Table {
                 chart = chart.curve(Curve::new(&label, self.rows.iter().map(|row| (row[0], row[c], true))));
             }
             let name = member.file(file);
-            chart.write(out.file(&name))?;
+            chart.write(out.own(&name)?)?;
             files.push(name);
         }
         files.extend(self.balance_chart(member, out)?);

@@ -39,7 +39,7 @@ pub(super) fn remove(out: &Directory) {
         let file = entry.file_name();
         let block = file.to_str().and_then(|name| name.strip_prefix("checkpoint_")?.strip_suffix(".bin"));
         if block.is_some_and(|block| is_number(block.strip_prefix(['a', 'b']).unwrap_or_default())) {
-            let _ = std::fs::remove_file(entry.path());
+            let _ = out.remove(&file.to_string_lossy());
         }
     }
 }

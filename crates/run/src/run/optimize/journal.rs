@@ -113,7 +113,7 @@ impl Journal {
     /// Begins `history.jsonl` with lines of an earlier program, if any.
     pub fn open_history(&mut self, text: Vec<u8>) -> Result<(), RunError> {
         self.history = match &self.out {
-            Some(out) => Some(History::create(&out.file("history.jsonl"), text)?),
+            Some(out) => Some(History::create(&out.own("history.jsonl")?, text)?),
             None => None,
         };
         Ok(())

@@ -252,7 +252,7 @@ impl<'s> Recorder<'s> {
             out.write_vtu(&member.case_file(&file(iteration)), &snapshot::plain(member, &fields)?)?;
             let steps: Vec<(f64, String)> =
                 self.trials.snapshots.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
-            nastic_io::write_pvd(out.file(&member.case_file(&format!("{stem}iterations.pvd"))), &steps)?;
+            nastic_io::write_pvd(out.own(&member.case_file(&format!("{stem}iterations.pvd")))?, &steps)?;
         }
         Ok(())
     }
@@ -276,8 +276,9 @@ pub(super) fn write_iterates(session: &Session<'_>, index: usize, trials: &RunTr
         return;
     }
     for (member, kept) in problem.leads().zip(&trials.iterates) {
-        let file = out.file(&member.case_file(&format!("{}iterates.bin", stem(problem, index))));
-        if let Err(error) = write_atomically(file, |out| out.write_all(&kept.to_bytes())) {
+        let file = out.own(&member.case_file(&format!("{}iterates.bin", stem(problem, index))));
+        let written = file.and_then(|file| write_atomically(file, |out| out.write_all(&kept.to_bytes())));
+        if let Err(error) = written {
             journal.lock().note(error.into());
         }
     }

@@ -14,11 +14,9 @@ use crate::run::optimize::starts::{Starts, read_best};
 use crate::run::optimize::table_of_starts::failed_entry;
 use crate::run::optimize::{conclude, first_start, make_room, may_replace, spectrum};
 use crate::run::session::Session;
-use nastic_case::output_names;
 use nastic_case::part::Part;
 use nastic_io::{WriteError, write_atomically};
 use nastic_language::number::count;
-use nastic_language::schema::Command;
 use nastic_numeric::format::scientific;
 use nastic_opt::{Constrained as _, Optimizer, early_stopping};
 use nastic_report::record::{GradientCheckRecord, StartRecord};
@@ -254,8 +252,8 @@ fn take_over(directory: &Path, out: &Directory) -> Result<(), RunError> {
     for entry in std::fs::read_dir(directory).map_err(fail)? {
         let entry = entry.map_err(fail)?;
         let name = entry.file_name().to_string_lossy().into_owned();
-        if output_names::is_written_by(&Command::Optimize, &name) && !OWN.contains(&name.as_str()) {
-            write_atomically(out.file(&name), |to| {
+        if out.has(&name) && !OWN.contains(&name.as_str()) {
+            write_atomically(out.own(&name)?, |to| {
                 std::io::copy(&mut std::fs::File::open(entry.path())?, to).map(drop)
             })?;
         }

@@ -73,10 +73,10 @@ fn of_member(
     let mut files = Vec::new();
     if let Some(out) = &session.out {
         let stem = member.file("equilibrium_");
-        out.remove_numbered(&stem);
         for k in 0..series.rows.len() {
             files.extend(out.write_state(&format!("{stem}{:03}", k + 1), &series.snapshot(k)?)?);
         }
+        out.remove_numbered(&stem, series.rows.len() + 1);
     }
     let found = series.points();
     let entry = EquilibriaRecord { asked: count, found, starts: starts.into(), newton_iterations: newton.into() };

@@ -8,6 +8,7 @@ use crate::run::solve::equilibrium::{report, show, write};
 use crate::run::solve::half_thickness;
 use nastic_case::analysis::Analysis;
 use nastic_case::inspect::stillness;
+use nastic_language::number::count;
 use nastic_report::record::ResumedRecord;
 use std::mem::take;
 
@@ -48,6 +49,13 @@ pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCh
     let places = checkpoint.places();
     let shown = places.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
     session.console.say(format!("resumed     the motion goes on behind step {shown}"));
+    let repeated = checkpoint.reached().into_iter().zip(&places).map(|(reached, place)| reached - place).max();
+    if let Some(most) = repeated.filter(|most| *most > 0) {
+        let again = count(most, "step");
+        session
+            .console
+            .say(format!("            {again} behind it are in the results already and are computed once more"));
+    }
     session.record.resumed = ResumedRecord { steps: Some(places), ..ResumedRecord::default() };
     run(session, Some(checkpoint), &Analysis::Equilibrium)
 }

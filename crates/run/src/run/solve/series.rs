@@ -146,23 +146,23 @@ impl<'p> Series<'p> {
     pub fn write(&self, chart: &Chart, out: &Directory) -> Result<Vec<String>, RunError> {
         let file = |ending: &str| self.member.file(&format!("{}{ending}", self.name));
         let stem = file("_");
-        out.remove_numbered(&stem);
         let (mut shots, mut states) = (Vec::new(), Vec::new());
         for (k, row) in self.rows.iter().enumerate() {
             let name = format!("{stem}{k:04}");
             states.extend(out.write_state(&name, &self.snapshot(k)?)?);
             shots.push((row.parameter, format!("{name}.vtu")));
         }
+        out.remove_numbered(&stem, self.rows.len());
         let (csv, svg, pvd) = (file(".csv"), file(".svg"), file(".pvd"));
         let text = self.csv();
-        write_atomically(out.file(&csv), |out| out.write_all(text.as_bytes()))?;
+        write_atomically(out.own(&csv)?, |out| out.write_all(text.as_bytes()))?;
         // ParaView wants times that ascend; a path turns back.
         let ascends = shots.windows(2).all(|pair| pair[0].0 < pair[1].0);
         if !ascends {
             shots.iter_mut().enumerate().for_each(|(k, shot)| shot.0 = k as f64);
         }
-        nastic_io::write_pvd(out.file(&pvd), &shots)?;
-        chart.write(out.file(&svg))?;
+        nastic_io::write_pvd(out.own(&pvd)?, &shots)?;
+        chart.write(out.own(&svg)?)?;
         let mut files = vec![csv, svg, pvd];
         files.extend(states);
         Ok(files)

@@ -157,8 +157,7 @@ fn resume_in(session: &mut Session<'_>, optimizer: &dyn Optimizer, directory: Pa
         Err(error) => Err(error),
         Ok((out, checkpoint)) => {
             checkpoint.case.check(&session.problem, &directory)?;
-            session.out = out;
-            session.take_directory(&directory);
+            session.go_on_in(out, &directory)?;
             optimize::resume(session, optimizer, checkpoint.position.filter(|position| !position.is_start()))
         }
     }

@@ -7,7 +7,7 @@ use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::outcome::Outcome;
 use crate::run::resumption;
-use nastic_case::output_names::written_by;
+use nastic_case::output_names::OutputNames;
 use nastic_io::Fingerprint;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
@@ -112,7 +112,7 @@ impl OneRun<'_> {
 
     /// A run that its values make invalid writes nothing; its result says so to those who join the table.
     fn note_refusal(&self, error: &RunError) -> Result<(), RunError> {
-        let out = Directory::claim(self.directory.to_owned(), &written_by(self.command), [self.case])?;
+        let out = Directory::claim(self.directory.to_owned(), OutputNames::of(&[RESULT]), [self.case])?;
         let record = RunRecord {
             command: self.command.name().to_owned(),
             case: Some(self.document.name().to_owned()),
