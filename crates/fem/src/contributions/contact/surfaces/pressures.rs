@@ -10,17 +10,21 @@ use crate::kernels::hyper_dual::Scalar;
 /// Gap, in thicknesses, beyond which a corner does not look at the other surface; less than what gaps are known to.
 const BESIDE: f64 = 2.5;
 
+/// Lengths of facets of the other surface, in own ones, from which on its pressures count for less, and for nothing.
+const COARSE: [f64; 2] = [2.5, 5.0];
+
 /// Pressures at the corners of the facets of both surfaces, per unit of stiffness:
 ///
 /// ```text
 /// L_c = sum_s w_s p_s (Phi_c(x_s) + Phi_c(y_s))                        what samples of either surface press with, at x_s and, on the other one, y_s
 /// P_c                                                                  by these loads, of every surface alone (`Recovery`)
-/// (P_c + sum_s chi(d_s) P(y_s)) / (1 + sum_s chi(d_s))                 over the samples s at the corner
+/// (P_c + sum_d f_cd P_d) / (1 + sum_d f_cd)                            f_cd = chi(d_s) w_cd Phi_d(y_s), s the sample at the corner
 /// ```
 ///
 /// With a stiff layer the pressures of single samples say little, and differ in how they are distributed from surface to surface: where both have samples, the gaps of
 /// all of them cannot be alike, and those in front by a part of the layer carry what others do not. The sums of what either surface bears are right, and the mean of both
-/// takes out most of what differs: `chi` is 1 where the sample is within the layer, and falls to zero where it is 2.5 thicknesses away.
+/// takes out most of what differs: `chi` is 1 where the sample is within the layer, and falls to zero where it is 2.5 thicknesses away. What is much coarser spreads a
+/// small patch over all of a facet: `w_cd` is 1 up to 2.5 times the length of facets, and zero from 5 times on.
 pub(super) struct Pressures<'a> {
     recovery: &'a Recovery,
     samples: Vec<Sample<'a>>,
@@ -28,7 +32,7 @@ pub(super) struct Pressures<'a> {
     own: Vec<f64>,
     /// Samples at corners that are near the other surface.
     beside: Vec<Beside>,
-    /// `1 + sum_s chi(d_s)`
+    /// `1 + sum_d f_cd`
     weights: Vec<f64>,
     /// What is told.
     pub of_corners: Vec<f64>,
@@ -38,7 +42,7 @@ struct Beside {
     sample: usize,
     corner: usize,
     chi: f64,
-    /// Corners of the other surface around its nearest point, with their shares.
+    /// Corners of the other surface around its nearest point, with `w_cd Phi_d(y_s)`.
     at: Vec<(usize, f64)>,
 }
 
@@ -62,15 +66,17 @@ impl<'a> Pressures<'a> {
             }
             let chi = chi(gap, of.thickness);
             if let Some(corner) = sample.corner().filter(|_| chi > 0.0) {
-                beside.push(Beside { sample: number, corner, chi, at });
+                let weighed = |(other, share)| (other, share * recovery.finer(corner, other, of.dim));
+                beside.push(Beside { sample: number, corner, chi, at: at.into_iter().map(weighed).collect() });
             }
         }
         let own = recovery.pressures(&loads);
         let (mut sums, mut weights) = (own.clone(), vec![1.0; own.len()]);
         for beside in &beside {
-            weights[beside.corner] += beside.chi;
-            sums[beside.corner] +=
-                beside.chi * beside.at.iter().map(|(corner, share)| share * own[*corner]).sum::<f64>();
+            for &(corner, share) in &beside.at {
+                weights[beside.corner] += beside.chi * share;
+                sums[beside.corner] += beside.chi * share * own[corner];
+            }
         }
         let of_corners = sums.iter().zip(&weights).map(|(sum, weight)| sum / weight).collect();
         Pressures { recovery, samples, own, beside, weights, of_corners }
@@ -84,8 +90,12 @@ impl<'a> Pressures<'a> {
             if scale == 0.0 {
                 continue;
             }
-            let mut of_slots = self.of_slots(sample, &self.own);
-            of_slots[0] = -self.of_corners[beside.corner];
+            let differs = |other: usize| {
+                self.recovery.finer(beside.corner, other, sample.of.dim)
+                    * (self.own[other] - self.of_corners[beside.corner])
+            };
+            let of_node = |node: &u32| self.recovery.of(*node).iter().map(|(other, part)| part * differs(*other)).sum();
+            let of_slots: Vec<f64> = std::iter::once(0.0).chain(sample.gap.nodes.iter().map(of_node)).collect();
             let by = sample.weighed(u, &of_slots, |gap| chi(gap, sample.of.thickness));
             sample.spread(&by.iter().map(|by| scale * by).collect::<Vec<_>>(), &mut add);
             beside.at.iter().for_each(|&(corner, share)| by_own[corner] += scale * beside.chi * share);
@@ -108,6 +118,15 @@ impl<'a> Pressures<'a> {
         let own = parts.map(|&(node, shape)| shape * self.recovery.at(node, of_corners)).sum();
         let other = sample.gap.nodes.iter().map(|&node| self.recovery.at(node, of_corners));
         std::iter::once(own).chain(other).collect()
+    }
+}
+
+impl Recovery {
+    /// `w_cd`: 1 where the facets around the corner d are no longer than some of those around c.
+    fn finer(&self, c: usize, d: usize, dim: usize) -> f64 {
+        let ratio = self.areas[d] / self.areas[c];
+        let longer = if dim == 3 { ratio.sqrt() } else { ratio };
+        ((COARSE[1] - longer) / (COARSE[1] - COARSE[0])).clamp(0.0, 1.0)
     }
 }
 
