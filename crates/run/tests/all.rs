@@ -3,6 +3,7 @@
 mod advice;
 mod automatic_stages;
 mod balloon;
+mod body_pressures;
 mod catalogue;
 mod cavity_volume;
 mod commands;

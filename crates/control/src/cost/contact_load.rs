@@ -17,8 +17,8 @@ use std::sync::Arc;
 /// j = weight sum_s w_s p_s,        j = weight (1/A sum_s w_s p_s^2q)^(1/2q)
 /// ```
 ///
-/// over the samples s of area w_s (A all of the surface) and pressure p_s; the power mean is never above the largest pressure. Depends on
-/// the displacement, on the pose of the obstacle and on the stiffness. Units: N (N/m in plane strain), Pa. First derivatives alone.
+/// over the samples s of area w_s (A all of the surface) and pressure p_s; the power mean is never above the largest pressure, and between surfaces of bodies
+/// goes over the places and pressures of [`Model::pressures`](nastic_fem::Model::pressures). Depends on the displacement, on the pose of the obstacle and on the stiffness. Units: N (N/m in plane strain), Pa. First derivatives alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactLoad {
     contact: String,
@@ -155,18 +155,19 @@ impl Cost for OnBody {
         };
         let (instant, model) = (Instant::new(at.u, &controls, 1.0), at.solid.model());
         let gone = || ControlError::Cost { what: format!("{}: no contact \"{}\"", self.name, self.of.contact) };
-        let pressing = |by: &dyn Fn(f64) -> [f64; 2]| model.pressing(&instant, &self.of.contact, by).ok_or_else(gone);
-        let (weight, most) = (self.of.weight, Cell::new(0.0_f64));
-        let of_force = pressing(&|p| {
+        let (name, most) = (&self.of.contact, Cell::new(0.0_f64));
+        let of_force = model.pressing(&instant, name, &|p| [p, 1.0]).ok_or_else(gone)??;
+        let pressures = |by: &dyn Fn(f64) -> [f64; 2]| model.pressures(&instant, name, by).ok_or_else(gone);
+        pressures(&|p| {
             most.set(most.get().max(p));
-            [p, 1.0]
+            [p, 0.0]
         })??;
-        let (force, largest) = (of_force.value, most.get());
+        let (weight, force, largest) = (self.of.weight, of_force.value, most.get());
         let (found, value, factor) = match self.of.exponent {
             None => (of_force, weight * force, weight),
             Some(q) => {
                 let (power, scale) = (2 * q as i32, if largest > 0.0 { largest } else { 1.0 });
-                let found = pressing(&|p| {
+                let found = pressures(&|p| {
                     let x = p / scale;
                     [x.powi(power), f64::from(power) * x.powi(power - 1) / scale]
                 })??;

@@ -42,6 +42,21 @@ pub trait Touches {
         into: &mut Sensitivities,
     ) -> Result<f64, Inadmissible>;
 
+    /// The same of the pressures that are told (`largest_pressure`, [`nodal_pressures`](Self::nodal_pressures)), over their places and areas. Those of the samples before an
+    /// obstacle; between surfaces of bodies means, since samples of both sides share what presses unevenly.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    fn add_pressures(
+        &self,
+        at: &Instant,
+        by: &dyn Fn(f64) -> [f64; 2],
+        by_u: &mut [f64],
+        into: &mut Sensitivities,
+    ) -> Result<f64, Inadmissible> {
+        self.add_pressing(at, by, by_u, into)
+    }
+
     /// `sum_s w_s p_s (|v_t| / e)^2q` over the pressures p, areas w and velocities of sliding v_t of the samples within the layer, e the slip speed, at the end
     /// of a step ([`Instant::in_step`]); adds the derivatives by the displacement at fixed velocities, and by the latter and the controls at both ends of
     /// the step. `None` without friction.
@@ -68,7 +83,8 @@ pub trait Touches {
         None
     }
 
-    /// Of every node of the surface the mean pressure of its samples (Pa), by their shares of the node.
+    /// The pressure at every node of the surface (Pa): the mean of its samples, by their shares of the node; between surfaces of bodies the
+    /// one of [`add_pressures`](Self::add_pressures).
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)>;
 }
 

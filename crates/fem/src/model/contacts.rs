@@ -36,7 +36,7 @@ pub struct ContactSum {
 }
 
 impl Model {
-    /// The pressure of contacts on the nodes (Pa), added up; `None` where no contribution touches anything.
+    /// The pressure of contacts at the nodes (Pa), added up; `None` where no contribution touches anything.
     pub fn contact_pressures(&self, at: &Instant) -> Option<Vec<f64>> {
         let mut sums: Option<Vec<f64>> = None;
         let nodes = self.discretization().mesh().points().len();
@@ -63,7 +63,8 @@ impl Model {
         all
     }
 
-    /// `sum_s w_s g(p_s)` over the pressures p of a contact, and its derivatives; `by` gives g and g'. `None` where no contact has that name.
+    /// `sum_s w_s g(p_s)` over the pressures p of the samples of a contact, and its derivatives; `by` gives g and g'. `None` where no contact has that name. Between surfaces of
+    /// bodies the sum of what samples press with says more than how: see [`pressures`](Self::pressures).
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
@@ -73,11 +74,34 @@ impl Model {
         name: &str,
         by: &dyn Fn(f64) -> [f64; 2],
     ) -> Option<Result<Pressing, Inadmissible>> {
+        self.summed(at, name, |touches, at, by_u, into| touches.add_pressing(at, by, by_u, into))
+    }
+
+    /// The same of the pressures that are told, those of [`contact_pressures`](Self::contact_pressures): `sum_c A_c g(P_c)` over their places, with half of
+    /// the areas where two surfaces touch each other.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn pressures(
+        &self,
+        at: &Instant,
+        name: &str,
+        by: &dyn Fn(f64) -> [f64; 2],
+    ) -> Option<Result<Pressing, Inadmissible>> {
+        self.summed(at, name, |touches, at, by_u, into| touches.add_pressures(at, by, by_u, into))
+    }
+
+    fn summed(
+        &self,
+        at: &Instant,
+        name: &str,
+        add: impl Fn(&dyn Touches, &Instant, &mut [f64], &mut Sensitivities) -> Result<f64, Inadmissible>,
+    ) -> Option<Result<Pressing, Inadmissible>> {
         let mut found = None;
         self.each_touching(at, |own, touches, at| {
             if own == name {
                 let (mut by_u, mut into) = (vec![0.0; at.u.len()], Sensitivities::zero(self.controls(), at));
-                let value = touches.add_pressing(at, by, &mut by_u, &mut into);
+                let value = add(touches, at, &mut by_u, &mut into);
                 found = Some(value.map(|value| Pressing { value, by_u, by_controls: into.controls }));
             }
         });

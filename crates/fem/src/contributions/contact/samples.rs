@@ -192,7 +192,7 @@ fn at_centroid(kind: CellKind) -> f64 {
 }
 
 /// The rule of a piece: its points in the coordinates of the facet, and weights by reference area.
-fn rule(kind: CellKind, positions: &[[f64; 3]], corners: &[[f64; 3]]) -> Vec<([f64; 3], f64)> {
+pub(super) fn rule(kind: CellKind, positions: &[[f64; 3]], corners: &[[f64; 3]]) -> Vec<([f64; 3], f64)> {
     let corner_kind = kind.corner_kind();
     let mut of_corners = vec![0.0; corners.len()];
     let mut within = |xi: &[f64; 3]| -> [f64; 3] {

@@ -4,6 +4,7 @@ use super::SurfaceContact;
 use super::edges::Edges;
 use super::gap::Gap;
 use super::point::SurfacePoint;
+use super::recovery::Recovery;
 use super::side::Side;
 use super::simplex::{feature, nearest};
 use crate::contributions::body_energy::BodyEnergy;
@@ -41,6 +42,7 @@ pub(crate) struct BoundSurfaces {
     pub(super) thickness: f64,
     pub(super) sides: Vec<Side>,
     pub(super) edges: Edges,
+    pub(super) recovery: Recovery,
     /// e, with friction.
     pub(super) slip_speed: Option<f64>,
     /// Friction takes its normal forces where the step begins.
@@ -68,6 +70,7 @@ impl BoundSurfaces {
             sides.push(Side::new(disc, (&of.surfaces[1], refine), &own)?);
         }
         let edges = Edges::new(mesh, &sides[sides.len() - 1].pieces, &sides[0].pieces, sides.len() == 1);
+        let recovery = Recovery::new(mesh, &of.surfaces)?;
         let stiff = |facets: &[_]| defaults::stiffness(of.layer.law, body, facets);
         let softer = || Some(stiff(&own)?.min(stiff(&other)?));
         let behind = || format!("{} or {}", of.surfaces[0], of.surfaces[1]);
@@ -104,7 +107,7 @@ impl BoundSurfaces {
         let slip_speed = of.layer.friction.map(|friction| friction.slip_speed);
         let normals = sides.iter().flat_map(|side| normals(side, &rest, mesh.dim())).collect();
         let (name, dim, law, lagged) = (of.name.clone(), mesh.dim(), of.layer.law, of.layer.lagged);
-        Ok(BoundSurfaces { name, dim, law, thickness, sides, edges, slip_speed, lagged, slots, normals })
+        Ok(BoundSurfaces { name, dim, law, thickness, sides, edges, recovery, slip_speed, lagged, slots, normals })
     }
 
     /// Distance at which a gap is zero.

@@ -7,6 +7,8 @@ mod lagged;
 mod moves;
 mod pieces;
 mod point;
+mod pressures;
+mod recovery;
 mod rub;
 mod sample;
 mod side;

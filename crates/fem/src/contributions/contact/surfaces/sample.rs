@@ -1,7 +1,7 @@
 //! [`Sample`]: a sample of a surface with the pieces of the other one that it is near to.
 
 use super::bound::BoundSurfaces;
-use super::gap::{Gap, slope};
+use super::gap::{Foot, Gap, slope};
 use super::side::Side;
 use crate::kernels::hyper_dual::{HyperDual, Scalar};
 use nastic_tensor::Vec3;
@@ -64,6 +64,42 @@ impl Sample<'_> {
         let slope = slope(self.of.law, d, self.of.thickness);
         by.iter_mut().flatten().for_each(|by| *by = *by * slope);
         (d, by)
+    }
+
+    /// The gap, and which shares of what presses there the nodes of the pieces bear.
+    pub fn foot<T: Scalar>(&self, slots: &[[T; 3]]) -> (T, Vec<T>) {
+        let (distance, feet) = self.gap.near(slots[0], &slots[1..self.near_slots()]);
+        let mut shares = vec![T::of(0.0); self.gap.nodes.len()];
+        for Foot { nearest, between, part } in feet {
+            between.iter().zip(nearest.shares).for_each(|(&node, b)| shares[node] = shares[node] + part * b);
+        }
+        (distance - T::of(self.of.apart()), shares)
+    }
+
+    /// The derivatives of `f(d) (c_0 + sum_a q_a c_a)` by the slots of the potential, d the gap, q the shares of the nodes of the pieces, c numbers of the slots.
+    pub fn weighed(&self, u: &[f64], of_slots: &[f64], f: impl Fn(HyperDual) -> HyperDual) -> Vec<Vec3> {
+        let (dim, slots, places) = (self.of.dim, self.near_slots(), self.places(u));
+        let mut by = vec![Vec3::zeros(); slots];
+        for pair in (0..dim * slots).step_by(2) {
+            let along = [unit(dim, slots, pair), unit(dim, slots, pair + 1)];
+            let moved = |slot: usize| -> [HyperDual; 3] {
+                std::array::from_fn(|i| HyperDual([places[slot][i], along[0][slot][i], along[1][slot][i], 0.0]))
+            };
+            let (gap, shares) = self.foot(&(0..slots).map(moved).collect::<Vec<_>>());
+            let first = HyperDual::of(of_slots[0]);
+            let sum = shares.iter().zip(&of_slots[1..]).fold(first, |sum, (q, c)| sum + *q * HyperDual::of(*c));
+            let HyperDual([_, one, two, _]) = f(gap) * sum;
+            by.iter_mut().zip(along[0].iter().zip(&along[1])).for_each(|(by, (a, b))| *by += one * a + two * b);
+        }
+        by
+    }
+
+    /// The corner of facets that it is at.
+    pub fn corner(&self) -> Option<usize> {
+        match self.side.samples.parts(self.gap.sample) {
+            [(node, _)] => self.of.recovery.corner(*node),
+            _ => None,
+        }
     }
 
     /// The gap and the derivative of the potential by its slots, per unit of stiffness.

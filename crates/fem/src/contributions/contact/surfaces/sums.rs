@@ -4,11 +4,11 @@ use super::bound::{BoundSurfaces, FRICTION, STIFFNESS, least};
 use super::gap::slope;
 use super::lagged::LaggedRubbing;
 use super::point::SurfacePoint;
+use super::pressures::Pressures;
 use super::rub::Rub;
 use super::sample::{SHARE, Sample};
 use super::slid::slid;
 use crate::contributions::contact::friction::without_lagged;
-use crate::contributions::contact::samples::Samples;
 use crate::contributions::touches::{Onsets, RigidPose, Sliding, Touch, TouchParameters, Touches};
 use crate::contributions::{Instant, Sensitivities};
 use crate::error::Inadmissible;
@@ -61,9 +61,9 @@ impl Touches for BoundSurfaces {
             touch.area += weight;
             touch.pressing += weight * pressure;
             remaining += weight * pressure * pressed.gap;
-            touch.largest_pressure = touch.largest_pressure.max(pressure);
             carried.add(&sample, at, weight * pressure);
         }
+        touch.largest_pressure = k * Pressures::at(self, &point, at.u).of_corners.into_iter().fold(0.0, f64::max);
         let mut borne = touch.pressing;
         if let Some(friction) = &lagged {
             borne = 0.0;
@@ -118,6 +118,27 @@ impl Touches for BoundSurfaces {
             let along: Vec<Vec3> = pressed.by.iter().map(|by| weight * slope * k * by_gap * by).collect();
             sample.spread(&along, |dof, value| by_u[dof] += value);
         }
+        into.add_control(at, STIFFNESS, by_stiffness);
+        Ok(sum)
+    }
+
+    fn add_pressures(
+        &self,
+        at: &Instant,
+        by: &dyn Fn(f64) -> [f64; 2],
+        by_u: &mut [f64],
+        into: &mut Sensitivities,
+    ) -> Result<f64, Inadmissible> {
+        let (point, k) = (SurfacePoint::new(self, self.gaps(at.u)?), at.control(STIFFNESS));
+        let pressures = Pressures::at(self, &point, at.u);
+        let (mut sum, mut by_stiffness, mut by_pressures) = (0.0, 0.0, Vec::new());
+        for (unit, area) in pressures.of_corners.iter().zip(&self.recovery.areas) {
+            let [value, slope] = if *unit > 0.0 { by(k * unit) } else { [0.0; 2] };
+            sum += SHARE * area * value;
+            by_stiffness += SHARE * area * slope * unit;
+            by_pressures.push(SHARE * area * slope * k);
+        }
+        pressures.add_derivatives(at.u, &by_pressures, |dof, value| by_u[dof] += value);
         into.add_control(at, STIFFNESS, by_stiffness);
         Ok(sum)
     }
@@ -178,14 +199,12 @@ impl Touches for BoundSurfaces {
     }
 
     fn nodal_pressures(&self, at: &Instant) -> Vec<(u32, f64)> {
-        let point = self.gaps(at.u).map(|gaps| SurfacePoint::new(self, gaps));
-        let all: Vec<Sample> = point.iter().flat_map(SurfacePoint::samples).collect();
-        let pressure = |sample: &Sample| at.control(STIFFNESS) * sample.pressed(at.u).pressure[0];
-        let of_sides = self.sides.iter().map(|side| {
-            let own = all.iter().filter(|sample| std::ptr::eq(sample.side, side));
-            (&side.samples, own.map(|sample| (sample.gap.sample, pressure(sample))).collect())
-        });
-        Samples::nodal_means(&of_sides.collect::<Vec<_>>())
+        let k = at.control(STIFFNESS);
+        let pressures = match self.gaps(at.u) {
+            Ok(gaps) => Pressures::at(self, &SurfacePoint::new(self, gaps), at.u).of_corners,
+            Err(_) => vec![0.0; self.recovery.areas.len()],
+        };
+        self.recovery.at_nodes(&pressures).into_iter().map(|(node, unit)| (node, k * unit)).collect()
     }
 }
 
