@@ -32,7 +32,7 @@ pub use field::{Entry, Field, MaterialPoint, combine};
 pub use material::*;
 pub use moduli::Moduli;
 pub use parametrised::{LinearInModuli, Parametrised};
-pub use polyconvex::{Block, Change, Conjugates, ConvexDensity, Curvature};
+pub use polyconvex::{Block, Change, Conjugates, ConvexDensity, Curvature, Partials};
 pub use slot::{Role, Slot, SlotGroup};
 pub use tension_bound::TensionBound;
 pub use term::{Actuation, EnergyTerm, PointBatch, Response, Slots, Want};

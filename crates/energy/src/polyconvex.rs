@@ -19,6 +19,17 @@ pub struct Conjugates {
     pub j: f64,
 }
 
+/// Value, first and second partial derivatives, as far as they are wanted.
+#[derive(Clone, Debug)]
+pub struct Partials {
+    /// The value; 0 where it is not wanted.
+    pub value: f64,
+    /// First partial derivatives.
+    pub first: Option<Conjugates>,
+    /// Second ones; nothing without the first.
+    pub second: Option<Curvature>,
+}
+
 /// Changes of `F`, `H` and `J`, each by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Change {
@@ -166,6 +177,15 @@ pub trait ConvexDensity: Debug + Send + Sync {
     /// Second partial derivatives.
     fn second(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Curvature;
 
+    /// What is wanted of value, first and second partial derivatives: a law that finds something for all of them at once, a spectrum say, overrides it.
+    fn partials(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64, want: Want) -> Partials {
+        Partials {
+            value: if want.energy { self.value(at, f, h, j) } else { 0.0 },
+            first: (want.stress || want.tangent).then(|| self.first(at, f, h, j)),
+            second: want.tangent.then(|| self.second(at, f, h, j)),
+        }
+    }
+
     /// Third partial derivatives along two changes of `F`, `H` and `J`: the second derivative of [`first`](Self::first) along
     /// both, symmetric in them. Second derivatives of a cost ask for it.
     ///
@@ -231,17 +251,16 @@ impl<D: ConvexDensity> EnergyTerm for D {
     fn respond(&self, at: &PointBatch, _m: Slots, want: Want, out: &mut Response) {
         for (q, k) in at.kinematics.iter().enumerate() {
             let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
+            let Partials { value, first, second } = self.partials(place, f, h, j, want);
             if want.energy {
-                out.energy[q] += self.value(place, f, h, j);
+                out.energy[q] += value;
             }
-            if want.stress || want.tangent {
-                let s = self.first(place, f, h, j);
-                if want.stress {
-                    out.stress[q] += s.f + cross(&s.h, f) + h * s.j;
-                }
-                if want.tangent {
-                    add_tangent(&self.second(place, f, h, j), &s, f, h, &mut out.tangent[q]);
-                }
+            let Some(s) = first else { continue };
+            if want.stress {
+                out.stress[q] += s.f + cross(&s.h, f) + h * s.j;
+            }
+            if let Some(second) = second {
+                add_tangent(&second, &s, f, h, &mut out.tangent[q]);
             }
         }
     }
@@ -250,9 +269,10 @@ impl<D: ConvexDensity> EnergyTerm for D {
     fn stress_change(&self, at: &PointBatch, _m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         for (q, (k, g)) in at.kinematics.iter().zip(change).enumerate() {
             let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
-            let s = self.first(place, f, h, j);
+            let found = self.partials(place, f, h, j, Want::TANGENT);
+            let (Some(s), Some(curvature)) = (found.first, found.second) else { continue };
             let a = Change::along(g, f, h);
-            let ds = self.second(place, f, h, j).along(&a);
+            let ds = curvature.along(&a);
             out[q] += ds.f + cross(&ds.h, f) + h * ds.j + cross(&s.h, g) + a.h * s.j;
         }
     }
@@ -269,8 +289,8 @@ impl<D: ConvexDensity> EnergyTerm for D {
             let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
             let (a, b) = (Change::along(ga, f, h), Change::along(gb, f, h));
             let both = Change { f: Mat3::zeros(), h: cross(ga, gb), j: b.h.dot(ga) };
-            let s = self.first(place, f, h, j);
-            let curvature = self.second(place, f, h, j);
+            let found = self.partials(place, f, h, j, Want::TANGENT);
+            let (Some(s), Some(curvature)) = (found.first, found.second) else { continue };
             let third = self.third(place, f, h, j, [&a, &b])?;
             let (by_a, by_b, by_both) = (curvature.along(&a), curvature.along(&b), curvature.along(&both));
             out[q] += third.f + by_both.f + cross(&(third.h + by_both.h), f) + h * (third.j + by_both.j);

@@ -80,6 +80,7 @@ mod solver;
 mod spring;
 mod springs_over_ranks;
 mod stability;
+mod stress_free;
 mod structure;
 mod sums_of_unknowns;
 mod supports;

@@ -9,11 +9,13 @@
 mod cross;
 mod kinematics;
 mod polar;
+mod spectrum;
 mod tangent;
 
 pub use cross::{cofactor, cross};
 pub use kinematics::{Inverted, Kinematics};
 pub use polar::polar_rotation;
+pub use spectrum::SymmetricSpectrum;
 pub use tangent::Tangent;
 
 /// A vector of three components.

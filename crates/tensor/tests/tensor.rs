@@ -1,6 +1,6 @@
 //! The algebra everything constitutive rests on, against definitions written out with permutation symbols.
 
-use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, cofactor, cross, polar_rotation};
+use nastic_tensor::{Kinematics, Mat3, SymmetricSpectrum, Tangent, Vec3, cofactor, cross, polar_rotation};
 
 fn permutation(i: usize, j: usize, k: usize) -> f64 {
     let [i, j, k] = [i as f64, j as f64, k as f64];
@@ -139,4 +139,49 @@ fn the_polar_rotation_is_orthogonal_and_leaves_a_symmetric_stretch() {
     assert_eq!(polar_rotation(&Mat3::zeros()), None);
     assert_eq!(polar_rotation(&-Mat3::identity()), None);
     assert_eq!(polar_rotation(&Mat3::repeat(f64::NAN)), None);
+}
+
+/// `A = Q diag Q^T` with orthonormal Q, to rounding, for eigenvalues far apart, close, coinciding, of either sign.
+#[test]
+fn a_spectrum_is_that_of_its_tensor() {
+    let near = 1.0 + 3e-13;
+    for (k, values) in [
+        [2.0, 0.5, 1.0],
+        [1.0, 1.0, 1.0],
+        [1.0, near, 1.0],
+        [1.0, near, 2.0 - near],
+        [3.0, 3.0, 1e-8],
+        [1e12, 1.0, 1e-12],
+        [-1.0, 0.0, 4.0],
+        [0.0, 0.0, 0.0],
+        [1e-160, 2e-160, 1e-170],
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let turn = polar_rotation(&sample(k)).unwrap_or_else(Mat3::identity);
+        let diagonal = Mat3::from_diagonal(&Vec3::from(values));
+        for a in [diagonal, turn * diagonal * turn.transpose()] {
+            let a = (a + a.transpose()) / 2.0;
+            let found = SymmetricSpectrum::new(&a);
+            let size = values.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+            let again = found.axes * Mat3::from_diagonal(&found.values) * found.axes.transpose();
+            assert!((again - a).norm() <= 4e-15 * size, "{values:?}: {again} {a}");
+            assert!((found.axes.transpose() * found.axes - Mat3::identity()).norm() < 4e-15, "{values:?}");
+            let mut sorted: Vec<f64> = found.values.iter().copied().collect();
+            let mut expected = values.to_vec();
+            sorted.sort_by(f64::total_cmp);
+            expected.sort_by(f64::total_cmp);
+            for (found, expected) in sorted.iter().zip(&expected) {
+                assert!((found - expected).abs() <= 4e-15 * size, "{values:?}: {sorted:?}");
+            }
+        }
+    }
+    // of a positive definite tensor that is scaled, small eigenvalues to rounding of themselves
+    let (scale, inner) =
+        (Mat3::from_diagonal(&Vec3::new(1e6, 1.0, 1e-6)), Mat3::new(2.0, 0.5, 0.3, 0.5, 2.0, 0.4, 0.3, 0.4, 2.0));
+    let least = SymmetricSpectrum::new(&(scale * inner * scale)).values.min();
+    let expected = inner.determinant() / (2.0 * 2.0 - 0.25) * 1e-12;
+    assert!((least / expected - 1.0).abs() < 1e-10, "{least:e} {expected:e}");
+    assert!(SymmetricSpectrum::new(&Mat3::repeat(f64::NAN)).values.iter().all(|x| !x.is_finite()));
 }

@@ -6,7 +6,7 @@ use super::power_trace::{PowerTrace, Spectrum};
 use super::volumetric::volumetric;
 use crate::{
     Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
-    TensionBound, combine,
+    Partials, TensionBound, Want, combine,
 };
 
 /// Ogden's law of N terms in powers of the isochoric principal stretches.
@@ -120,36 +120,49 @@ impl Term {
 
 impl ConvexDensity for Ogden {
     fn value(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> f64 {
-        let mut sum = volumetric(self.bulk.at(at), j)[0];
-        self.each(at, f, h, |term, _, trace| sum += term.scale(j)[0] * trace.value() - 3.0 * term.factor);
-        sum
+        self.partials(at, f, h, j, Want::ENERGY).value
     }
 
     fn first(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Conjugates {
-        let mut by = [Mat3::zeros(), Mat3::zeros()];
-        let mut by_j = volumetric(self.bulk.at(at), j)[1];
-        self.each(at, f, h, |term, of_f, trace| {
-            let scale = term.scale(j);
-            by[usize::from(of_f)] += trace.first() * scale[0];
-            by_j += scale[1] * trace.value();
-        });
-        Conjugates { f: by[1], h: by[0], j: by_j }
+        let found = self.partials(at, f, h, j, Want::STRESS);
+        found.first.unwrap_or(Conjugates { f: Mat3::zeros(), h: Mat3::zeros(), j: 0.0 })
     }
 
     fn second(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64) -> Curvature {
+        let zero = || Curvature::split(Block::Zero, Block::Zero, 0.0);
+        self.partials(at, f, h, j, Want::TANGENT).second.unwrap_or_else(zero)
+    }
+
+    /// With one spectrum of F and one of H.
+    fn partials(&self, at: MaterialPoint, f: &Mat3, h: &Mat3, j: f64, want: Want) -> Partials {
+        let [mut value, mut by_j, mut jj, _] = volumetric(self.bulk.at(at), j);
+        let mut by = [Mat3::zeros(), Mat3::zeros()];
         let mut own: [Option<Box<Tangent>>; 2] = [None, None];
         let mut mixed = [None, None];
-        let mut jj = volumetric(self.bulk.at(at), j)[2];
         self.each(at, f, h, |term, of_f, trace| {
             let (scale, k) = (term.scale(j), usize::from(of_f));
-            let mut curvature = trace.curvature();
-            curvature.0.iter_mut().for_each(|c| *c *= scale[0]);
-            own[k].get_or_insert_with(Box::default).add(&curvature);
-            *mixed[k].get_or_insert_with(Mat3::zeros) += trace.first() * scale[1];
-            jj += scale[2] * trace.value();
+            let of_trace = trace.value();
+            value += scale[0] * of_trace - 3.0 * term.factor;
+            if !(want.stress || want.tangent) {
+                return;
+            }
+            let first = trace.first();
+            by[k] += first * scale[0];
+            by_j += scale[1] * of_trace;
+            if want.tangent {
+                let mut curvature = trace.curvature();
+                curvature.0.iter_mut().for_each(|c| *c *= scale[0]);
+                own[k].get_or_insert_with(Box::default).add(&curvature);
+                *mixed[k].get_or_insert_with(Mat3::zeros) += first * scale[1];
+                jj += scale[2] * of_trace;
+            }
         });
         let [hh, ff] = own.map(|block| block.map_or(Block::Zero, Block::Full));
-        Curvature { ff, hh, jj, fh: Block::Zero, fj: mixed[1], hj: mixed[0] }
+        Partials {
+            value,
+            first: (want.stress || want.tangent).then_some(Conjugates { f: by[1], h: by[0], j: by_j }),
+            second: want.tangent.then_some(Curvature { ff, hh, jj, fh: Block::Zero, fj: mixed[1], hj: mixed[0] }),
+        }
     }
 
     fn third(

@@ -1,6 +1,6 @@
 //! `T(A) = tr (A^T A)^s = sum_i l_i^(2s)` over the singular values of A, with exact derivatives whether these coincide or not.
 
-use nastic_tensor::{Mat3, Tangent, Vec3};
+use nastic_tensor::{Mat3, SymmetricSpectrum, Tangent, Vec3};
 
 /// Eigenvalues `c_i` and eigenvectors `Q` of `C = A^T A`.
 ///
@@ -15,6 +15,8 @@ use nastic_tensor::{Mat3, Tangent, Vec3};
 pub(super) struct Spectrum {
     a: Mat3,
     values: Vec3,
+    /// `ln c_i`, from which all powers are.
+    logs: Vec3,
     vectors: Mat3,
 }
 
@@ -22,21 +24,28 @@ pub(super) struct Spectrum {
 pub(super) struct PowerTrace<'a> {
     of: &'a Spectrum,
     s: f64,
+    /// `c_i^(s-1)`.
+    powers: Vec3,
     /// `g(C)`.
     g: Mat3,
 }
 
 impl Spectrum {
     pub fn new(a: &Mat3) -> Self {
-        let eigen = (a.transpose() * a).symmetric_eigen();
+        let SymmetricSpectrum { values, axes } = SymmetricSpectrum::new(&(a.transpose() * a));
         // Rounding may make a vanishing eigenvalue negative.
-        let least = f64::EPSILON * f64::EPSILON * eigen.eigenvalues.max();
-        Spectrum { a: *a, values: eigen.eigenvalues.map(|c| c.max(least)), vectors: eigen.eigenvectors }
+        let least = f64::EPSILON * f64::EPSILON * values.max();
+        let values = values.map(|c| c.max(least));
+        Spectrum { a: *a, values, logs: values.map(f64::ln), vectors: axes }
     }
 
     pub fn power(&self, s: f64) -> PowerTrace<'_> {
-        let g = self.values.map(|c| s * c.powf(s - 1.0));
-        PowerTrace { of: self, s, g: self.vectors * Mat3::from_diagonal(&g) * self.vectors.transpose() }
+        let powers = match whole_or_half(s - 1.0) {
+            Some([whole, half]) => self.values.map(|c| c.powi(whole) * if half == 1 { c.sqrt() } else { 1.0 }),
+            None => self.logs.map(|log| ((s - 1.0) * log).exp()),
+        };
+        let g = self.vectors * Mat3::from_diagonal(&(powers * s)) * self.vectors.transpose();
+        PowerTrace { of: self, s, powers, g }
     }
 
     /// `A^T B + B^T A` in the eigenbasis.
@@ -53,7 +62,7 @@ impl Spectrum {
 impl PowerTrace<'_> {
     /// `T`.
     pub fn value(&self) -> f64 {
-        self.of.values.iter().map(|c| c.powf(self.s)).sum()
+        self.of.values.dot(&self.powers)
     }
 
     /// `T_A`.
@@ -99,19 +108,36 @@ impl PowerTrace<'_> {
 
     /// `g[c_i, c_j]`.
     fn differences_of_g(&self) -> Mat3 {
-        let c = &self.of.values;
-        let of = |i: usize, j: usize| self.s * first_difference(self.s - 1.0, c[i], c[j]);
+        let (c, p) = (&self.of.values, self.s - 1.0);
+        let of = |i: usize, j: usize| self.s * difference(p, [c[i], c[j]], [self.powers[i], self.powers[j]]);
         let (xy, xz, yz) = (of(0, 1), of(0, 2), of(1, 2));
         Mat3::new(of(0, 0), xy, xz, xy, of(1, 1), yz, xz, yz, of(2, 2))
     }
 }
 
+/// An exponent as a whole number and 0 or 1 halves, if it is that and small: such powers take neither exponential nor logarithm.
+fn whole_or_half(p: f64) -> Option<[i32; 2]> {
+    let twice = 2.0 * p;
+    (twice == twice.round() && twice.abs() <= MOST_HALVES).then(|| {
+        let twice = twice as i32;
+        [twice.div_euclid(2), twice.rem_euclid(2)]
+    })
+}
+
 /// `(x^p - y^p) / (x - y)` of positive numbers, `p x^(p-1)` where they coincide; to rounding wherever they are.
 fn first_difference(p: f64, x: f64, y: f64) -> f64 {
-    let (low, high) = (x.min(y), x.max(y));
+    difference(p, [x, y], [x.powf(p), y.powf(p)])
+}
+
+/// The same with the powers `x^p`, `y^p` at hand: numbers that are far apart lose no more than a digit by their difference.
+fn difference(p: f64, [x, y]: [f64; 2], [of_x, of_y]: [f64; 2]) -> f64 {
+    let (low, high, of_low) = if x <= y { (x, y, of_x) } else { (y, x, of_y) };
     let t = (high - low) / low;
+    if t > 10.0 * NEAR {
+        return (of_x - of_y) / (x - y);
+    }
     let ratio = if t == 0.0 { p } else { (p * t.ln_1p()).exp_m1() / t };
-    low.powf(p - 1.0) * ratio
+    of_low / low * ratio
 }
 
 /// The divided difference of `x^p` over three positive numbers.
@@ -138,6 +164,8 @@ fn second_difference(p: f64, mut x: [f64; 3]) -> f64 {
 
 /// Numbers within this share of their mean go by the series, others by differences, which lose no more than a digit.
 const NEAR: f64 = 0.1;
+/// Largest exponent, in halves, that is taken by products.
+const MOST_HALVES: f64 = 24.0;
 /// Terms of the series: `0.1^20` is below rounding, whatever the power.
 const TERMS: usize = 20;
 

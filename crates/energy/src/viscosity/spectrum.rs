@@ -1,6 +1,6 @@
 //! Functions of symmetric positive definite tensors and their derivatives.
 
-use nastic_tensor::Mat3;
+use nastic_tensor::{Mat3, SymmetricSpectrum};
 
 /// Eigenvalues and eigenvectors of a symmetric tensor.
 #[derive(Debug)]
@@ -11,9 +11,8 @@ pub(super) struct Spectrum {
 
 impl Spectrum {
     pub fn new(a: &Mat3) -> Self {
-        let eigen = a.symmetric_eigen();
-        let values = [eigen.eigenvalues[0], eigen.eigenvalues[1], eigen.eigenvalues[2]];
-        Spectrum { values, axes: eigen.eigenvectors }
+        let SymmetricSpectrum { values, axes } = SymmetricSpectrum::new(a);
+        Spectrum { values: values.into(), axes }
     }
 
     pub fn values(&self) -> &[f64; 3] {
