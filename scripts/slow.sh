@@ -122,6 +122,7 @@ if [ "$quick" = 0 ]; then
   run "nastic-mpi and nastic-petsc on several hosts, where root and Open MPI are" scripts/hosts.sh
   run "nastic-petsc on 1 to 8 ranks, where there is PETSc" scripts/test-petsc.sh
   run "the container recipe, where docker or mmdebstrap is" scripts/test-container.sh
+  NASTIC_SLOW=1 run "pressures between bodies" cargo test --release --workspace --locked --quiet --test all body_pressures::
   NASTIC_SLOW=1 run "adjoints of long motions" cargo test --release --workspace --locked --quiet --test all motion_adjoint::
 fi
 [ "${#failed[@]}" = 0 ] && echo "all as expected" && exit 0
