@@ -37,7 +37,8 @@ pub(in crate::run) fn solve(
     let found = problem.ensemble.observe(&problem.start, &how, &observers, &mut EnsembleWorkspace::default());
     session.console.clear();
     let goes_on = found.as_ref().is_err_and(may_go_on);
-    if goes_on {
+    if goes_on || found.is_ok() {
+        // before results are written: whoever is killed while that is done goes on with no less than is there
         recorder.save();
     }
     // one that could be written earlier is as good
