@@ -28,6 +28,7 @@ pub(in crate::run) fn solve(
             .say(format!("note        {file} of a motion that was stopped is removed: this one begins anew"));
         out.remove(file)?;
     }
+    session.console.phase("motion");
     let began = Instant::now();
     let recorder = Recorder::new(session, from)?;
     let how = Request { accuracy: START_ACCURACY, ..Request::default() };
