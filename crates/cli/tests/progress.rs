@@ -60,9 +60,13 @@ fn a_terminal_shows_phase_step_time_and_what_is_left() {
     find(&lines, &["gradient check: step 20 of 20, t = 0.02 of 0.02 s, "]);
     find(&lines, &["iteration 2 of 3, trial ", ", cost ", " so far", ": step 5 of 20, t = 0.005 of 0.02 s; solving: "]);
 
-    let lines = seen(&place, &["sweep", "case.json", "--command", "solve", "--set", "materials/0/poisson=0.2,0.3"]).unwrap();
+    let lines =
+        seen(&place, &["sweep", "case.json", "--command", "solve", "--set", "materials/0/poisson=0.2,0.3"]).unwrap();
     find(&lines, &["[............] run 1 of 2: poisson=0.2"]);
-    find(&lines, &["[######......] run 2 of 2: poisson=0.3; motion: step 4 of 20, ", " so far, about ", " left; solving: "]);
+    find(
+        &lines,
+        &["[######......] run 2 of 2: poisson=0.3; motion: step 4 of 20, ", " so far, about ", " left; solving: "],
+    );
 }
 
 #[test]
