@@ -25,6 +25,7 @@ use std::io::{IsTerminal, Write, stderr};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 
 /// The program, on one rank of a team or alone.
 pub(crate) struct Program<'c> {
@@ -99,7 +100,9 @@ impl<'c> Program<'c> {
         let (name, running) = (command.name(), &case.running);
         let options = self.options(case, asked);
         let console = self.console(running);
-        self.answer(name, running, run_with(self.catalogue, command, &case.case, &options, &console))
+        let outcome = run_with(self.catalogue, command, &case.case, &options, &console);
+        console.finish();
+        self.answer(name, running, outcome)
     }
 
     fn options(&self, case: &Case, asked: Asked) -> Options {
@@ -141,7 +144,10 @@ impl<'c> Program<'c> {
         };
         let options = self.options(case, Asked { restart: *restart, share: share(*part, *join), ..Asked::default() });
         let asked = run::Sweep { command, warm: *warm };
-        match sweep(self.catalogue, &asked, &case.case, &options, &self.console(&case.running)) {
+        let console = self.console(&case.running);
+        let outcome = sweep(self.catalogue, &asked, &case.case, &options, &console);
+        console.finish();
+        match outcome {
             Ok(outcome) => {
                 if case.running.json && self.leads() {
                     print(&outcome.result);
@@ -164,7 +170,9 @@ impl<'c> Program<'c> {
             cancel: self.cancelled_by_signals(),
             ..Options::default()
         };
-        let outcome = resume(self.catalogue, directory, &options, &self.console(running));
+        let console = self.console(running);
+        let outcome = resume(self.catalogue, directory, &options, &console);
+        console.finish();
         self.answer("resume", running, outcome)
     }
 
@@ -175,7 +183,10 @@ impl<'c> Program<'c> {
             Running { threads: None, strict: false, no_report: true, figure: false, explain: false, quiet, json };
         let arguments::Table { kind, bulk, area, length, laws } = table.clone();
         let table = LoneTable { kind, bulk, area, length, laws };
-        match run::fit_with(data, &table, out.clone(), &self.console(&running)) {
+        let console = self.console(&running);
+        let outcome = run::fit_with(data, &table, out.clone(), &console);
+        console.finish();
+        match outcome {
             Ok(outcome) => {
                 if json {
                     print(&outcome.result);
@@ -222,9 +233,26 @@ impl<'c> Program<'c> {
         if running.quiet || !self.leads() {
             return Console::silent();
         }
-        let console = if running.json { Console::silent() } else { Console::new(Output) };
-        if stderr().is_terminal() { console.with_passing(stderr()) } else { console }
+        with_progress(if running.json { Console::silent() } else { Console::new(Output) })
     }
+}
+
+/// A console that shows on standard error what is done at the moment: on a terminal a line that passes, elsewhere one a minute.
+fn with_progress(console: Console) -> Console {
+    const MINUTE: Duration = Duration::from_secs(60);
+    match stderr().is_terminal() {
+        true => console.with_passing(stderr()).refreshed(),
+        false => console.with_log(stderr(), MINUTE),
+    }
+}
+
+/// Does something that reads or draws results, and shows that while it lasts.
+pub(crate) fn while_shown<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let console = with_progress(Console::silent());
+    console.phase(what);
+    let out = work();
+    console.finish();
+    out
 }
 
 /// Whether all ranks have a part in it; or are told that they have none.
@@ -305,7 +333,7 @@ fn share(part: Option<Part>, join: bool) -> Share {
 
 /// Makes the page of a result directory and says where it is.
 fn on_results(Report { directory, out }: &Report) -> u8 {
-    written(report(directory, out.as_deref()))
+    written(while_shown("making the page", || report(directory, out.as_deref())))
 }
 
 /// Says where a file went, or why there is none.

@@ -1,6 +1,6 @@
 //! `nastic figure`: what may be typed, and what is drawn.
 
-use crate::command::written;
+use crate::command::{while_shown, written};
 use clap::Args;
 use nastic_run::run::{self, FigureRequest};
 use std::path::PathBuf;
@@ -61,7 +61,7 @@ impl Figure {
             paths: self.path.clone(),
             edges: self.edges,
         };
-        written(run::figure(&self.directory, &request, self.out.as_deref()))
+        written(while_shown("drawing", || run::figure(&self.directory, &request, self.out.as_deref())))
     }
 }
 

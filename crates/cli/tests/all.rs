@@ -10,6 +10,8 @@ mod memory;
 mod new;
 mod own_program;
 mod program;
+#[cfg(target_os = "linux")]
+mod progress;
 mod report;
 mod resume;
 mod signals;

@@ -59,6 +59,7 @@ pub use snapshot::StateFields;
 pub use state_bytes::{read_report, read_whole_state, write_report, write_whole_state};
 pub use time::{
     ActuationWork, COSTS as MOTION_COSTS, ControlRate, Instants, Interpolation, KineticEnergy, Knots, MotionFootprint,
-    MotionMemory, MotionObserver, RateLimit, Timeline, TrajectoryContext, TrajectoryCost, TrajectoryPartials, When,
+    MotionMemory, MotionObserver, RateLimit, StepUnderWay, Timeline, TrajectoryContext, TrajectoryCost,
+    TrajectoryPartials, When,
 };
 pub use workspace::ReducedWorkspace;

@@ -29,7 +29,7 @@ use crate::evaluated::{Evaluated, SolvedStates};
 use crate::inner_product::{Metric, inner_product};
 use crate::layout::Layout;
 use crate::map::Space;
-use crate::time::{MotionObserver, Timeline, When};
+use crate::time::{MotionObserver, StepUnderWay, Timeline, When};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Begin, FemError, Progress, Solid, SolveOptions, SolveReport, State};
 use nastic_opt::{InnerProduct, Request};
@@ -101,6 +101,7 @@ pub struct Reduced {
     may_float: bool,
     cancel: Option<Arc<AtomicBool>>,
     progress: Option<SolveProgress>,
+    steps: Option<StepProgress>,
 }
 
 /// What is reported after every Newton iteration.
@@ -110,6 +111,16 @@ struct SolveProgress(Arc<dyn Fn(&Progress) + Send + Sync>);
 impl fmt::Debug for SolveProgress {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str("SolveProgress(..)")
+    }
+}
+
+/// What is reported before every step of a motion.
+#[derive(Clone)]
+struct StepProgress(Arc<dyn Fn(&StepUnderWay) + Send + Sync>);
+
+impl fmt::Debug for StepProgress {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str("StepProgress(..)")
     }
 }
 
@@ -135,6 +146,7 @@ impl Reduced {
             may_float: false,
             cancel: None,
             progress: None,
+            steps: None,
         }
     }
 
@@ -255,6 +267,11 @@ impl Reduced {
     /// Calls `watch` after every Newton iteration of a state solve.
     pub fn watch_solves(&mut self, watch: impl Fn(&Progress) + Send + Sync + 'static) {
         self.progress = Some(SolveProgress(Arc::new(watch)));
+    }
+
+    /// Calls `watch` before every step of a motion, those that are computed again for a derivative excepted.
+    pub fn watch_steps(&mut self, watch: impl Fn(&StepUnderWay) + Send + Sync + 'static) {
+        self.steps = Some(StepProgress(Arc::new(watch)));
     }
 
     /// Computes on one thread: for members of an ensemble, which run side by side.

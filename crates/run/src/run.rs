@@ -30,6 +30,7 @@ mod optimize;
 mod options;
 mod outcome;
 mod output_directory;
+mod progress;
 mod ranks;
 mod report;
 mod resumption;

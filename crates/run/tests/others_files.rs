@@ -56,7 +56,7 @@ fn no_command_on_a_case_replaces_what_nastic_did_not_write() {
             let own = place.path("out").join(&name);
             write(&own, OWN).unwrap();
             refused(place.run_with(command.clone(), &bar(), &Console::silent(), &options_in(&place)), &own);
-            assert_eq!(files(&place.path("out")), [own.clone()], "{}", command.name());
+            assert_eq!(files(&place.path("out")), std::slice::from_ref(&own), "{}", command.name());
             remove_file(own).unwrap();
         }
         // other names are nobody's business

@@ -46,6 +46,25 @@ impl std::io::Write for Watch {
     }
 }
 
+/// Raises a flag once something is shown.
+struct StopAt {
+    cancel: Arc<AtomicBool>,
+    words: &'static str,
+}
+
+impl std::io::Write for StopAt {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if String::from_utf8_lossy(bytes).contains(self.words) {
+            self.cancel.store(true, Ordering::Relaxed);
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
 /// Solves until so many Newton iterations are done; how many there were.
 fn solve(place: &CaseDirectory, case: &str, at: usize) -> (Result<Outcome, RunError>, usize) {
     let options = place.options(&[]);
@@ -203,18 +222,11 @@ fn members_that_have_not_begun_begin_when_the_others_go_on() {
     );
     let (whole, place) = (CaseDirectory::new(), CaseDirectory::new());
     let expected = whole.run(Command::Solve, &two, &[]).unwrap();
-    // on one thread; the first says that it is done when the second begins
+    // on one thread the second has not begun when the first is done
     let cancel = Arc::new(AtomicBool::new(false));
     let options = Options { threads: Some(1), cancel: cancel.clone(), ..place.options(&[]) };
-    let begun = place.path("out/motion_checkpoint.bin");
-    let watch = std::thread::spawn(move || {
-        while !begun.exists() {
-            std::thread::yield_now();
-        }
-        cancel.store(true, Ordering::Relaxed);
-    });
-    let stopped = place.run_with(Command::Solve, &two, &Console::silent(), &options);
-    watch.join().unwrap();
+    let console = Console::silent().with_passing(StopAt { cancel, words: "scenarios: 1 of 2" });
+    let stopped = place.run_with(Command::Solve, &two, &console, &options);
     stopped.unwrap_err();
     let kept = of_states(&place);
     for _ in 0..2 {

@@ -29,7 +29,7 @@ pub use saved::{MemberBlock, SavedMembers, blocks as blocks_of_members};
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
 use crate::reduced::AT_REST;
-use crate::time::MotionObserver;
+use crate::time::{MotionObserver, StepUnderWay};
 use crate::workspace::ReducedWorkspace;
 use blocks::{gather, scatter};
 use nastic_fem::Progress;
@@ -360,6 +360,15 @@ impl Ensemble {
         for member in &mut self.members {
             let (watch, name) = (watch.clone(), member.name.clone());
             member.problem.watch_solves(move |progress| watch(&name, progress));
+        }
+    }
+
+    /// Calls `watch` before every step of every member's motion, with the member's name.
+    pub fn watch_steps(&mut self, watch: impl Fn(&str, &StepUnderWay) + Send + Sync + 'static) {
+        let watch = Arc::new(watch);
+        for member in &mut self.members {
+            let (watch, name) = (watch.clone(), member.name.clone());
+            member.problem.watch_steps(move |step| watch(&name, step));
         }
     }
 

@@ -7,7 +7,7 @@ use crate::constraint::ConstraintPoint;
 use crate::cost::{CostContext, CostPoint, DistanceInTime, FigureKind, StepBegin};
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
-use crate::time::{MotionObserver, TrajectoryContext};
+use crate::time::{MotionObserver, StepUnderWay, TrajectoryContext};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Begin, Controls, Recording, SolveOptions, SolveReport, State, StepTo, Trajectory};
 use nastic_opt::Request;
@@ -87,6 +87,10 @@ impl Reduced {
         }
         for n in done + 1..=motion.timeline.steps() {
             let to = self.step_to(motion, m, n)?;
+            if let Some(steps) = &self.steps {
+                let (of, instants) = (motion.timeline.steps(), motion.timeline.instants());
+                steps.0(&StepUnderWay { done: n - 1, of, time: instants[n], end: motion.timeline.end() });
+            }
             recording.advance(model, &to, options, &mut workspace.solve)?;
             each(n, &recording)?;
         }

@@ -20,7 +20,7 @@ pub use instants::Instants;
 pub use kinetic_energy::KineticEnergy;
 pub use knots::{Interpolation, Knots};
 pub use memory::{MotionFootprint, MotionMemory};
-pub use observer::MotionObserver;
+pub use observer::{MotionObserver, StepUnderWay};
 pub use rate_limit::RateLimit;
 pub(crate) use schedule::Schedule;
 pub use schedule::When;

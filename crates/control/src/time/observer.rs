@@ -3,6 +3,19 @@
 use crate::error::ControlError;
 use nastic_fem::State;
 
+/// A step of a motion that is to be made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StepUnderWay {
+    /// Steps before it.
+    pub done: usize,
+    /// All steps.
+    pub of: usize,
+    /// The instant that it leads to.
+    pub time: f64,
+    /// The last instant.
+    pub end: f64,
+}
+
 /// Called while a motion runs, so that a motion that fails or is stopped leaves what it found, and may go on from there.
 pub trait MotionObserver: Sync {
     /// What an earlier motion of the same problem and control vector reported [`resumable`](Self::resumable): this one goes on from there.

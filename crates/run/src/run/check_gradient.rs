@@ -15,7 +15,7 @@ pub(super) fn check(
     derivative: &[f64],
     workspace: &mut EnsembleWorkspace,
 ) -> Result<Certificate, RunError> {
-    console.pass("checking the gradient");
+    console.phase("gradient check");
     let problem = &session.problem;
     let size = crate::run::gradcheck::size(problem);
     let base = Base { m: &at.m, point: at, derivative, stage: 0 };

@@ -4,6 +4,7 @@ use crate::console::Console;
 use nastic_case::lower::CaseProblem;
 use nastic_control::Finished;
 use nastic_numeric::format::scientific;
+use nastic_report::bar;
 use std::sync::{Arc, Mutex};
 
 /// Who has finished in the present round, and where that is shown.
@@ -37,6 +38,7 @@ impl EnsembleProgress {
             Ok(cost) => format!("cost {}", scientific(cost, 4)),
             Err(_) => "no equilibrium".to_owned(),
         };
-        self.console.pass(format!("{}: {count} of {}, {} has {cost}", self.what, finished.of, finished.name));
+        let (bar, what, of) = (bar(count, finished.of), self.what, finished.of);
+        self.console.pass(format!("{bar} {what}: {count} of {of}, {} has {cost}", finished.name));
     }
 }

@@ -68,7 +68,7 @@ pub fn fit_with(
     doubtful.iter().for_each(|warning| console.say(format!("WARNING     {warning}")));
     let (mut fitted, mut failed): (Vec<Fitted>, Vec<(Law, FitError)>) = (Vec::new(), Vec::new());
     for law in laws {
-        console.pass(format!("fitting {}", law.label()));
+        console.phase(&format!("fitting {}", law.label()));
         let found = fit_law(law, &tests, &options).and_then(|found| Fitted::new(found, &asked, &tests));
         match found {
             Ok(found) => fitted.push(found),

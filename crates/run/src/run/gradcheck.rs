@@ -91,13 +91,13 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true)?;
     session.find_steps()?;
     let began = std::time::Instant::now();
-    session.console.pass("solving at the start control");
+    session.console.phase("solving at the start control");
     let memo = Memo::new(&session.problem.ensemble, &session.problem.start, ACCURACY);
     let memo = memo.map_err(|error| session.evaluation_failed(&error))?;
     let mut tests = Vec::new();
     let blocks = session.problem.ensemble.blocks().iter().zip(&session.problem.controls);
     for (block, field) in blocks {
-        session.console.pass(format!("varying {}", field.name));
+        session.console.phase(&format!("varying {}", field.name));
         let own = block.first..block.first + block.len;
         let taylor = Taylor {
             directions: DIRECTIONS,

@@ -8,10 +8,10 @@ use crate::result::listed::listed;
 use crate::result::target_files::named_targets;
 use crate::result::warning_record::warning_record;
 use crate::result::{checkpoint_file, failure, smoothing};
-use crate::run::ensemble_progress::EnsembleProgress;
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::output_directory::{directory, usual_directory};
+use crate::run::progress;
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
 use nastic_case::lower::{CaseMember, CaseProblem};
@@ -19,7 +19,7 @@ use nastic_case::output_names::OutputNames;
 use nastic_case::part::Share;
 use nastic_case::warning::Warning;
 use nastic_control::{AdaptiveSteps, ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
-use nastic_fem::{Progress, StateError, peak_memory};
+use nastic_fem::{StateError, peak_memory};
 use nastic_io::Fingerprint;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number;
@@ -98,6 +98,7 @@ impl<'c> Session<'c> {
         console: &'c Console,
     ) -> Result<Self, RunError> {
         let began = Instant::now();
+        console.phase("reading");
         let document = Document::open(path)?.with_catalogue(catalogue);
         Self::open_document(command, document, options, console, began)
     }
@@ -166,6 +167,7 @@ impl<'c> Session<'c> {
         console: &'c Console,
     ) -> Result<Self, RunError> {
         let (began, cancel) = (Instant::now(), options.cancel.clone());
+        console.phase("reading");
         let problem = CaseProblem::lower(document, cancel.clone())?;
         let mut session = Self::on(command, problem, cancel, console, began);
         session.settings = settings;
@@ -185,7 +187,7 @@ impl<'c> Session<'c> {
         if command == Command::Optimize {
             problem.refuse_unstable_if_asked();
         }
-        watch(&mut problem, console);
+        progress::watch(&mut problem, console);
         let ordering = problem.ordering.as_secs_f64();
         let mut session = Self {
             command,
@@ -321,6 +323,7 @@ impl<'c> Session<'c> {
     /// Does something, and notes how long it took.
     pub fn timed<T>(&mut self, phase: &'static str, work: impl FnOnce(&mut Self) -> T) -> T {
         let began = Instant::now();
+        self.console.phase(progress::words(phase));
         let out = work(self);
         self.note_time(phase, began.elapsed().as_secs_f64());
         out
@@ -453,19 +456,6 @@ fn start_files(document: &Document) -> Vec<PathBuf> {
     let files =
         case["controls"].as_array().into_iter().flatten().filter_map(|control| control["start"]["file"].as_str());
     files.map(|file| document.resolve(file)).collect()
-}
-
-/// Lets the terminal show how solves go.
-pub(super) fn watch(problem: &mut CaseProblem, console: &Console) {
-    if problem.members().nth(1).is_some() {
-        problem.ensemble.watch(EnsembleProgress::new(problem, console).watcher());
-    } else {
-        let terminal = console.clone();
-        problem.ensemble.watch_solves(move |_, Progress { load, newton, residual, .. }| {
-            let line = format!("solving: load {load:.4}, Newton iteration {newton}, residual {residual:.1e}");
-            terminal.progress(*newton, line);
-        });
-    }
 }
 
 /// Says a warning; whoever asks keeps it.

@@ -214,7 +214,7 @@ impl Work<'_> {
             Err(absent) if !makes => return Err(absent),
             _ => {
                 let runs = self.plan.runs.len();
-                self.console.pass(format!("run {} of {runs}: {}", index + 1, run.directory));
+                self.console.run(index, runs, &run.directory);
                 let options = self.options_of(&directory, set);
                 one.make(&options, &self.console.passing_alone())
             }

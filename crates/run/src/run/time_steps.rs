@@ -1,7 +1,8 @@
 //! Time steps of a case with a tolerance: found before a command solves anything, and held to the tolerance at its end.
 
 use crate::run::error::RunError;
-use crate::run::session::{START_ACCURACY, Session, watch};
+use crate::run::progress::watch;
+use crate::run::session::{START_ACCURACY, Session};
 use nastic_case::lower::{CaseMember, StepsError};
 use nastic_case::warning::{STEP_ERROR, Warning};
 use nastic_control::{AdaptiveSteps, EnsemblePoint, Evaluated, StepError};

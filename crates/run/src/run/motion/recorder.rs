@@ -10,7 +10,7 @@ use crate::run::motion::record::Record;
 use crate::run::motion::table::Table;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseMember, CaseProblem};
-use nastic_control::{AdaptiveSteps, ControlError, MotionObserver, read_whole_state, write_whole_state};
+use nastic_control::{AdaptiveSteps, ControlError, MotionObserver, Timeline, read_whole_state, write_whole_state};
 use nastic_fem::State;
 use nastic_opt::bytes::{Reader, Writer};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -269,7 +269,11 @@ impl MotionObserver for MemberObserver<'_> {
         if self.all.out.is_none() {
             return;
         }
-        lock(&self.all.members[self.index]).note_place(n, bytes());
+        // what is reported of the last state depends on the step that leads there, which is therefore made again
+        let end = self.all.problem.member(self.index).reduced().timeline().map(Timeline::steps);
+        if end != Some(n) {
+            lock(&self.all.members[self.index]).note_place(n, bytes());
+        }
         self.all.save_if_due();
     }
 }

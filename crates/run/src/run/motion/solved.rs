@@ -28,6 +28,7 @@ pub(in crate::run) fn solve(
             .say(format!("note        {file} of a motion that was stopped is removed: this one begins anew"));
         out.remove(file)?;
     }
+    session.console.phase("motion");
     let began = Instant::now();
     let recorder = Recorder::new(session, from)?;
     let how = Request { accuracy: START_ACCURACY, ..Request::default() };
@@ -37,7 +38,8 @@ pub(in crate::run) fn solve(
     let found = problem.ensemble.observe(&problem.start, &how, &observers, &mut EnsembleWorkspace::default());
     session.console.clear();
     let goes_on = found.as_ref().is_err_and(may_go_on);
-    if goes_on {
+    if goes_on || found.is_ok() {
+        // before results are written: whoever is killed while that is done goes on with no less than is there
         recorder.save();
     }
     // one that could be written earlier is as good

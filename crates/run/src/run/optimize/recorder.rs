@@ -157,7 +157,7 @@ impl<'s> Recorder<'s> {
         }
         let table = self.table.unwrap_or_else(|| self.begin_table(&figures));
         self.output.console.say(table.row(trial, &figures, seconds));
-        self.pace.done(trial.trial, trial.iteration);
+        self.pace.done(trial.trial, trial.iteration, trial.cost.filter(|_| trial.accepted));
         if self.output.is_one_of_several() {
             self.output.show(trial.iteration);
         } else {

@@ -61,7 +61,7 @@ pub(super) fn check_products(
 pub(super) fn find(session: &mut Session<'_>, best: &Best<EnsemblePoint>) -> Result<Option<Diagnosis>, RunError> {
     let Some(request) = session.spectrum else { return Ok(None) };
     let domain = domain(session)?;
-    session.console.pass("eigenpairs of the reduced Hessian");
+    session.console.phase("eigenpairs of the reduced Hessian");
     let (mut point, mut workspace) = (best.point.clone(), EnsembleWorkspace::default());
     let options = SpectrumOptions::leading(request.count);
     let found = session.timed("spectrum", |session| {
