@@ -13,9 +13,11 @@ mod cloud;
 mod error;
 mod fingerprint;
 mod gmsh;
+mod grid;
 mod lock;
 mod other_format;
 mod pvd;
+mod source;
 mod vtk;
 mod vtu;
 
@@ -30,7 +32,7 @@ pub use fingerprint::Fingerprint;
 pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
 pub use lock::{DirectoryLock, LockError};
 pub use pvd::write_pvd;
-pub use vtk::read_vtk;
+pub use vtk::{parse_vtk, read_vtk};
 pub use vtu::{
     Entity, FileArray, base64, escape, parse_vtu, read_array, read_lines, read_snapshot, read_vtu, read_vtu_scaled,
     write_lines, write_pvtu, write_vtu,
