@@ -3,8 +3,8 @@
     python foreign.py DIRECTORY
 
 A cube of side 2 with the groups `body` (17), `bottom` (42), `top` (43), a block of two regions, cells of second order. Each line
-printed: file, volume, number of cells, then groups as KIND:NAME=MEASURE (a volume, an area, a number of nodes), and words of a
-note behind `!`.
+printed: file, volume, number of cells, then groups as KIND:NAME=MEASURE (a volume, an area, a number of nodes), words of a note
+behind `!`, names of lost regions behind `?`.
 """
 
 import sys
@@ -74,6 +74,27 @@ for binary in False, True:
     say(f"meshio_42_{binary}.vtk", 8, cells, *tagged)
 meshio.vtu.write(directory / "meshio_lzma.vtu", mesh, compression="lzma")
 say("meshio_lzma.vtu", 8, cells, *tagged)
+
+# --- groups that get lost or padded on the way ---
+tetra = [k for k, block in enumerate(mesh.cells) if block.type == "tetra"]
+physical = [mesh.cell_data["gmsh:physical"][k] for k in tetra]
+solid = meshio.Mesh(mesh.points, [mesh.cells[k] for k in tetra], cell_data={"gmsh:physical": physical}, field_data=mesh.field_data)
+meshio.write(directory / "meshio_41.msh", solid, file_format="gmsh", binary=False)
+say("meshio_41.msh", 8, cells, "region:ungrouped=8", "!no cell bears a group: all are the region \"ungrouped\"", "?body")
+meshio.write(directory / "meshio_22.msh", solid, file_format="gmsh22", binary=False)
+say("meshio_22.msh", 8, cells, "region:body=8", "!group \"top\" (dimension 2) has no elements")
+gmsh.option.setNumber("Mesh.SaveAll", 1)
+gmsh.write(str(directory / "every_22.msh"))
+say("every_22.msh", 8, cells, "region:ungrouped=8", "?body")
+gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+gmsh.write(str(directory / "every_41.msh"))
+say("every_41.msh", 8, cells, *named)
+gmsh.option.setNumber("Mesh.SaveAll", 0)
+gmsh.write(str(directory / "plain.med"))
+gmsh.clear()
+gmsh.open(str(directory / "plain.med"))
+gmsh.write(str(directory / "med.msh"))
+say("med.msh", 8, cells, *named, "!blanks around names of groups dropped: \"corner\", \"bottom\", \"top\", \"body\"")
 
 # --- VTK: a block of 3 x 2 x 2 hexahedra, of regions 1 and 2, and arrays of every kind ---
 points = vtk.vtkPoints()

@@ -42,7 +42,7 @@ fn judge(directory: &Path, line: &str) -> Result<(), String> {
     if mesh.cells().to_string() != words[2] {
         return wrong(format!("{} cells", mesh.cells()));
     }
-    let groups: Vec<&str> = words[3..].iter().filter(|word| !word.starts_with('!')).copied().collect();
+    let groups: Vec<&str> = words[3..].iter().filter(|word| !word.starts_with(['!', '?'])).copied().collect();
     if let Some(missing) = groups.iter().find(|group| !has(&mesh, group)) {
         let names: Vec<_> =
             mesh.regions().keys().chain(mesh.surfaces().keys()).chain(mesh.node_sets().keys()).collect();
@@ -58,6 +58,10 @@ fn judge(directory: &Path, line: &str) -> Result<(), String> {
         if !mesh.notes().iter().any(|own| own.contains(note)) {
             return wrong(format!("no note with {note:?}"));
         }
+    }
+    let lost: Vec<&str> = words[3..].iter().filter_map(|word| word.strip_prefix('?')).collect();
+    if mesh.lost_regions() != lost {
+        return wrong(format!("lost {:?}", mesh.lost_regions()));
     }
     Ok(())
 }

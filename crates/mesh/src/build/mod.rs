@@ -38,6 +38,7 @@ pub(crate) fn build(raw: &RawMesh) -> Result<Mesh, Fault> {
         neighbours,
         node_origin: selection.used,
         cell_origin: selection.origin,
+        lost_regions: groups.lost_regions,
         notes,
     };
     if let Some(count @ 2..) = mesh.pieces().into_iter().max().map(|last| last + 1) {
