@@ -4,7 +4,7 @@
 
 A cube of side 2 with the groups `body` (17), `bottom` (42), `top` (43), a block of two regions, cells of second order. Each line
 printed: file, volume, number of cells, then groups as KIND:NAME=MEASURE (a volume, an area, a number of nodes), words of a note
-behind `!`, names of lost regions behind `?`.
+behind `!`, names of lost regions behind `?`, `+` where there are further groups.
 """
 
 import sys
@@ -95,6 +95,61 @@ gmsh.clear()
 gmsh.open(str(directory / "plain.med"))
 gmsh.write(str(directory / "med.msh"))
 say("med.msh", 8, cells, *named, "!blanks around names of groups dropped: \"corner\", \"bottom\", \"top\", \"body\"")
+
+# --- what messages advise for formats that are not read ---
+gmsh.write(str(directory / "plain.mesh"))
+gmsh.write(str(directory / "plain.bdf"))
+bulk = directory / "plain.bdf"
+# Gmsh leaves out the lines about the data
+bulk.write_text("SOL 101\nCEND\nBEGIN BULK\n" + bulk.read_text() + ("" if "ENDDATA" in bulk.read_text() else "ENDDATA\n"))
+for end in "mesh", "bdf":
+    meshio.write(directory / f"plain_{end}.vtu", meshio.read(directory / f"plain.{end}"))
+    say(f"plain_{end}.vtu", 8, cells, "region:4=8", "surface:2=4", "surface:3=4")
+gmsh.clear()
+gmsh.model.occ.addBox(0, 0, 0, 2, 2, 2)
+gmsh.model.occ.synchronize()
+gmsh.write(str(directory / "box.step"))
+step = (directory / "box.step").read_text()
+assert "SI_UNIT(.MILLI.,.METRE.)" in step
+(directory / "box.step").write_text(step.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
+gmsh.clear()
+gmsh.model.occ.importShapes(str(directory / "box.step"))
+gmsh.model.occ.synchronize()
+for bound in "Min", "Max":
+    gmsh.option.setNumber(f"Mesh.MeshSize{bound}", 1000)
+gmsh.model.mesh.generate(3)
+gmsh.write(str(directory / "box_step.msh"))
+say("box_step.msh", 8e9, len(gmsh.model.mesh.getElements(3)[1][0]))
+for bound in "Min", "Max":
+    gmsh.option.setNumber(f"Mesh.MeshSize{bound}", 1)
+
+# --- Abaqus, by Gmsh: the same mesh as its own format has ---
+def abaqus(name, order, incomplete, dimension, *groups):
+    gmsh.clear()
+    if dimension == 3:
+        gmsh.model.occ.addBox(0, 0, 0, 2, 2, 2)
+    else:
+        gmsh.model.occ.addRectangle(0, 0, 0, 2, 2)
+    gmsh.model.occ.synchronize()
+    gmsh.model.addPhysicalGroup(dimension, [1], 17, "body")
+    gmsh.model.addPhysicalGroup(dimension - 1, [4], 42, "side")
+    if name.startswith("hex"):
+        gmsh.model.mesh.setTransfiniteAutomatic()
+    gmsh.option.setNumber("Mesh.SecondOrderIncomplete", incomplete)
+    gmsh.model.mesh.generate(dimension)
+    gmsh.model.mesh.setOrder(order)
+    gmsh.option.setNumber("Mesh.SaveGroupsOfNodes", 1)
+    for end in "inp", "msh":
+        gmsh.write(str(directory / f"{name}.{end}"))
+    count = sum(len(tags) for tags in gmsh.model.mesh.getElements(dimension)[1])
+    say(f"{name}.inp", f"{name}.msh", count, *groups)
+
+
+for name, order, incomplete in ("tet4", 1, 0), ("tet10", 2, 0), ("hex8", 1, 0), ("hex20", 2, 1), ("hex27", 2, 0):
+    abaqus(name, order, incomplete, 3, "region:body=8", "surface:side=4", "+")
+for name, order, incomplete in ("tri3", 1, 0), ("tri6", 2, 0):
+    abaqus(name, order, incomplete, 2, "region:body=4", "surface:side=2", "+", "!are taken in plane strain")
+gmsh.option.setNumber("Mesh.SecondOrderIncomplete", 0)
 
 # --- VTK: a block of 3 x 2 x 2 hexahedra, of regions 1 and 2, and arrays of every kind ---
 points = vtk.vtkPoints()

@@ -1,4 +1,4 @@
-//! Gmsh and VTU in; VTU and PVD out; point clouds both ways.
+//! Gmsh, VTK and Abaqus in; VTU and PVD out; point clouds both ways.
 //!
 //! ```no_run
 //! let mesh = nastic_io::read_gmsh("meshes/cantilever.msh")?;
@@ -8,6 +8,7 @@
 //! # Ok::<(), nastic_io::ReadError>(())
 //! ```
 
+mod abaqus;
 mod atomic;
 mod cloud;
 mod error;
@@ -25,6 +26,7 @@ use std::path::Path;
 
 use nastic_mesh::Mesh;
 
+pub use abaqus::{parse_abaqus, read_abaqus};
 pub use atomic::write_atomically;
 pub use cloud::{PointCloud, is_cloud, read_cloud, write_cloud};
 pub use error::{At, ReadError, WriteError};
@@ -38,7 +40,7 @@ pub use vtu::{
     write_lines, write_pvtu, write_vtu,
 };
 
-/// Reads a mesh from a `.msh` (Gmsh), `.vtu` or legacy `.vtk` (VTK) file, all lengths multiplied by `scale`.
+/// Reads a mesh from a `.msh` (Gmsh), `.vtu` or legacy `.vtk` (VTK) or `.inp` (Abaqus, CalculiX) file, all lengths multiplied by `scale`.
 ///
 /// # Errors
 ///
@@ -49,6 +51,7 @@ pub fn read_mesh(path: impl AsRef<Path>, scale: f64) -> Result<Mesh, ReadError> 
         "msh" => read_gmsh_scaled(path, scale),
         "vtu" => read_vtu_scaled(path, scale),
         "vtk" => read_vtk(path, scale),
+        "inp" => read_abaqus(path, scale),
         _ => Err(ReadError::Extension { file: path.to_owned() }),
     }
 }

@@ -96,7 +96,7 @@ fn names_of_regions_that_no_cell_bears() {
     for (name, mesh) in [("ungrouped", lost.clone()), ("body", lost.replace("\"body\"", "\"cap\""))] {
         place.write("two.msh", &mesh);
         let outcome = place.run(Command::Check, case, &[]).unwrap_or_else(|error| panic!("{error}"));
-        assert!(codes(&outcome).contains(&"lost_groups"), "{:?}", codes(&outcome));
+        assert!(codes(&outcome).iter().any(|code| code == "lost_groups"), "{:?}", codes(&outcome));
         let told = message(&outcome, "lost_groups");
         assert!(told.ends_with(&format!("but no cell bears one: its regions are \"{name}\"")), "{told}");
     }

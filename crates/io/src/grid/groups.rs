@@ -11,8 +11,8 @@ pub(crate) const REGION: &str = "region:";
 pub(crate) const SURFACE: &str = "surface:";
 /// `nodes:NAME`: nodes.
 pub(crate) const NODES: &str = "nodes:";
-/// Cell arrays that number groups, in files of other programs; the last is that of Gmsh, which has physical tags in spite of its name.
-pub(crate) const TAGS: [&str; 3] = ["region", "gmsh:physical", ENTITIES];
+/// Cell arrays that number groups, in files of other programs: those of meshio, and that of Gmsh, which has physical tags in spite of its name.
+pub(crate) const TAGS: [&str; 6] = ["region", "gmsh:physical", "medit:ref", "nastran:ref", "su2:tag", ENTITIES];
 /// What Gmsh calls the physical tags in VTK files; -1 is no group.
 const ENTITIES: &str = "CellEntityIds";
 /// VTK's array of cells that are not the file's own.
