@@ -2,7 +2,7 @@
 
     python rewrite.py FILE.vtu DIRECTORY
 
-vtk: text, inline, appended; raw and base64; plain and zlib; both byte orders; both header types. meshio: text and
+vtk: text, inline, appended; raw and base64; plain and zlib; both byte orders; both header types; legacy files. meshio: text and
 binary, plain and zlib. Prints the names written.
 """
 
@@ -35,6 +35,17 @@ for mode, raw, zlib, big, wide in itertools.product(["Ascii", "Binary", "Appende
         writer.SetCompressorTypeToNone()
     (writer.SetByteOrderToBigEndian if big else writer.SetByteOrderToLittleEndian)()
     (writer.SetHeaderTypeToUInt64 if wide else writer.SetHeaderTypeToUInt32)()
+    if writer.Write() != 1:
+        sys.exit(f"vtk cannot write {name}")
+    print(name)
+
+for mode, version in itertools.product(["ASCII", "Binary"], [42, 51]):
+    name = f"legacy_{mode}_{version}"
+    writer = vtk.vtkUnstructuredGridWriter()
+    writer.SetInputConnection(reader.GetOutputPort())
+    writer.SetFileName(str(directory / f"{name}.vtk"))
+    getattr(writer, f"SetFileTypeTo{mode}")()
+    writer.SetFileVersion(version)
     if writer.Write() != 1:
         sys.exit(f"vtk cannot write {name}")
     print(name)

@@ -29,6 +29,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &STILL,
     &FREE_FLIGHT,
     &TRUNCATED_FIELD,
+    &LOST_GROUPS,
     &CELL_SHAPE,
     &UNMATCHED_INTERFACE,
     &GRID_RESOLUTION,
@@ -207,6 +208,13 @@ pub const LOCKING: WarningKind = WarningKind {
     advice: "use second-order elements: hex20, hex27 or quad9, below Poisson's ratio 0.499 also tet10 or tri6 (\"element\" of a \
              box; in Gmsh Mesh.ElementOrder = 2); nearly incompressible, \"formulation\": \"mean_dilatation\" (hex8, quad4, tet10, tri6, tet4, \
              tri3) or \"linear_dilatation\" (hex27, quad9, hex20, quad8) in the material",
+};
+
+/// Groups without cells.
+pub const LOST_GROUPS: WarningKind = WarningKind {
+    code: "lost_groups",
+    about: "a mesh file lists names of regions, but none of its cells bears one: the program that wrote it lost the groups",
+    advice: "write it anew: from Gmsh as 4.1, or as 2.2 without Mesh.SaveAll; from meshio with file_format=\"gmsh22\"",
 };
 
 /// Poor cells.

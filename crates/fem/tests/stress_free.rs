@@ -35,8 +35,15 @@ fn a_shift_takes_few_iterations() -> Outcome {
             let state = solid.solve(&controls, &SolveOptions::default())?;
             let dim = solid.mesh().dim();
             let off = state.u.chunks(dim).map(|u| (u[0] + 5.0).abs() + u[1].abs()).fold(0.0, f64::max);
-            println!("{kind} {nu}: {} iterations, residual {:.1e}, off {off:.1e}", state.report.newton, state.report.residual);
-            assert!(off < 1e-9 && state.report.newton <= 5, "{kind}, {nu}: {} iterations, {off:e}", state.report.newton);
+            println!(
+                "{kind} {nu}: {} iterations, residual {:.1e}, off {off:.1e}",
+                state.report.newton, state.report.residual
+            );
+            assert!(
+                off < 1e-9 && state.report.newton <= 5,
+                "{kind}, {nu}: {} iterations, {off:e}",
+                state.report.newton
+            );
             assert!(state.report.residual < 1e-6, "{kind}, {nu}: residual {:e}", state.report.residual);
         }
     }
@@ -56,7 +63,11 @@ fn a_rigid_plug_without_load_stays() -> Outcome {
             .rigid(&RigidBody::new("plug", "hard"))?;
         let state = solid.solve(&solid.controls(), &SolveOptions::default())?;
         let moved = solid.model().nodal(&state.u).iter().fold(0.0, |most: f64, u| most.max(u.abs()));
-        assert!(moved < 1e-12 && state.report.newton <= 5, "{formulation:?}: {} iterations, {moved:e}", state.report.newton);
+        assert!(
+            moved < 1e-12 && state.report.newton <= 5,
+            "{formulation:?}: {} iterations, {moved:e}",
+            state.report.newton
+        );
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Gmsh and VTU in; VTU and PVD out; point clouds both ways.
+//! Gmsh, VTK and Abaqus in; VTU and PVD out; point clouds both ways.
 //!
 //! ```no_run
 //! let mesh = nastic_io::read_gmsh("meshes/cantilever.msh")?;
@@ -8,15 +8,18 @@
 //! # Ok::<(), nastic_io::ReadError>(())
 //! ```
 
+mod abaqus;
 mod atomic;
 mod cloud;
 mod error;
 mod fingerprint;
 mod gmsh;
+mod grid;
 mod lock;
 mod other_format;
 mod own_file;
 mod pvd;
+mod source;
 mod vtk;
 mod vtu;
 mod written;
@@ -25,6 +28,7 @@ use std::path::Path;
 
 use nastic_mesh::Mesh;
 
+pub use abaqus::{parse_abaqus, read_abaqus};
 pub use atomic::write_atomically;
 pub use cloud::{PointCloud, is_cloud, read_cloud, write_cloud};
 pub use error::{At, ReadError, WriteError};
@@ -33,14 +37,14 @@ pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
 pub use lock::{DirectoryLock, LockError};
 pub use own_file::append_to;
 pub use pvd::write_pvd;
-pub use vtk::read_vtk;
+pub use vtk::{parse_vtk, read_vtk};
 pub use vtu::{
     Entity, FileArray, base64, escape, parse_vtu, read_array, read_lines, read_snapshot, read_vtu, read_vtu_scaled,
     write_lines, write_pvtu, write_vtu,
 };
 pub use written::WrittenFiles;
 
-/// Reads a mesh from a `.msh` (Gmsh), `.vtu` or legacy `.vtk` (VTK) file, all lengths multiplied by `scale`.
+/// Reads a mesh from a `.msh` (Gmsh), `.vtu` or legacy `.vtk` (VTK) or `.inp` (Abaqus, CalculiX) file, all lengths multiplied by `scale`.
 ///
 /// # Errors
 ///
@@ -51,6 +55,7 @@ pub fn read_mesh(path: impl AsRef<Path>, scale: f64) -> Result<Mesh, ReadError> 
         "msh" => read_gmsh_scaled(path, scale),
         "vtu" => read_vtu_scaled(path, scale),
         "vtk" => read_vtk(path, scale),
+        "inp" => read_abaqus(path, scale),
         _ => Err(ReadError::Extension { file: path.to_owned() }),
     }
 }

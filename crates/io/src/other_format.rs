@@ -7,7 +7,11 @@ pub(crate) fn advice(file: &Path) -> String {
     let name = file.display();
     let stem = file.with_extension("").display().to_string();
     match extension(file).as_str() {
-        "inp" | "xdmf" | "xmf" | "med" | "bdf" | "nas" | "fem" | "e" | "exo" | "ex2" | "su2" | "mesh" | "avs" => {
+        "mesh" | "bdf" | "nas" | "su2" => format!(
+            "convert it by Python's meshio: `meshio convert {name} {stem}.vtu`; its numbers of groups become the names of regions and surfaces"
+        ),
+        "med" => format!("convert it by Gmsh, which keeps the names of groups: `gmsh {name} -save -o {stem}.msh`"),
+        "xdmf" | "xmf" | "fem" | "e" | "exo" | "ex2" | "avs" => {
             format!(
                 "convert it, for instance by Python's meshio: `meshio convert {name} {stem}.vtu`. That keeps nodes and cells, but not the \
              names of sets: where the case names regions or surfaces, save the mesh from Gmsh as .msh, with physical groups of those names"
@@ -19,15 +23,17 @@ pub(crate) fn advice(file: &Path) -> String {
         "stl" | "obj" | "ply" | "off" => format!(
             "this is a surface, and a body of cells is wanted: fill it by Gmsh, with a script {stem}.geo of the lines `Merge \"{name}\"; \
              Surface Loop(1) = {{1}}; Volume(1) = {{1}}; Physical Volume(\"body\") = {{1}}; Physical Surface(\"skin\") = {{1}};` and \
-             `gmsh -3 {stem}.geo -order 2 -o {stem}.msh`"
+             `gmsh -3 {stem}.geo -order 2 -o {stem}.msh`. Several solids (`gmsh {name}` counts them) want a loop and a volume each: of the others \
+             nothing is meshed, without a word"
         ),
         "step" | "stp" | "iges" | "igs" | "brep" => format!(
             "this is a geometry: mesh it by Gmsh, with a script {stem}.geo of the lines `SetFactory(\"OpenCASCADE\"); Merge \"{name}\"; \
              Physical Volume(\"body\") = {{1}}; Physical Surface(\"clamp\") = {{2}};` (its numbers are shown by `gmsh {name}`) and \
-             `gmsh -3 {stem}.geo -order 2 -o {stem}.msh`"
+             `gmsh -3 {stem}.geo -order 2 -o {stem}.msh`. The mesh is in millimetres, whatever the unit of the geometry: \"mesh\": \
+             {{ \"file\": \"{stem}.msh\", \"scale\": 1e-3 }} in a case in metres"
         ),
         "geo" => format!("this is a script of Gmsh: mesh it by `gmsh -3 {name} -o {stem}.msh` (-2 for plane strain)"),
-        _ => "the name must end in .msh (Gmsh 2.2 or 4.1), .vtu (VTK XML unstructured grid) or .vtk (legacy VTK)"
+        _ => "the name must end in .msh (Gmsh 2.2 or 4.1), .inp (Abaqus, CalculiX), .vtu (VTK XML unstructured grid) or .vtk (legacy VTK)"
             .to_owned(),
     }
 }

@@ -253,3 +253,36 @@ fn the_committed_meshes_are_what_their_scripts_say() {
     assert_eq!((cantilever.points().len(), cantilever.cells()), (525, 40));
     assert_eq!(cantilever.surface("clamp").unwrap().len(), 4);
 }
+
+#[test]
+fn formats_are_numbers_and_names_have_no_blanks_around_them() {
+    let two = std::fs::read_to_string(data("tet4.22a.msh")).unwrap();
+    let four = std::fs::read_to_string(data("tet4.41a.msh")).unwrap();
+    let plain = parse_gmsh("x", two.as_bytes(), 1.0).unwrap();
+    for (text, from, to) in
+        [(&two, "2.2 0 8", "2.000000 0 8"), (&two, "2.2 0 8", "2 0 8"), (&four, "4.1 0 8", "4.100000 0 8")]
+    {
+        assert!(text.contains(from));
+        let read =
+            parse_gmsh("x", text.replacen(from, to, 1).as_bytes(), 1.0).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((read.blocks(), read.surfaces()), (plain.blocks(), plain.surfaces()), "{to}");
+    }
+    for (from, to) in [("2.2 0 8", "1.999 0 8"), ("2.2 0 8", "3.0 0 8"), ("2.2 0 8", "nan 0 8"), ("2.2 0 8", "5.0 0 8")]
+    {
+        let message = parse_gmsh("x", two.replacen(from, to, 1).as_bytes(), 1.0).unwrap_err().to_string();
+        assert!(message.contains(&format!("format {}", &to[..to.len() - 4])), "{message}");
+    }
+    let padded = two.replace("\"clamp\"", &format!("\"{:80}\"", "clamp"));
+    let read = parse_gmsh("x", padded.as_bytes(), 1.0).unwrap();
+    assert_eq!(read.surfaces(), plain.surfaces());
+    assert!(
+        read.notes().contains(&"blanks around names of groups dropped: \"clamp\" (files of MED have them)".to_owned())
+    );
+    let fluent = "(0 \"GAMBIT to Fluent File\")\n(2 3)\n(10 (0 1 8 1 3))\n";
+    let message = parse_gmsh("dir/duct.msh", fluent.as_bytes(), 1.0).unwrap_err().to_string();
+    assert!(
+        message.contains("a mesh of ANSYS Fluent")
+            && message.contains("--input-format ansys dir/duct.msh dir/duct.vtu"),
+        "{message}"
+    );
+}

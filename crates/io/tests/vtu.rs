@@ -353,3 +353,41 @@ fn parts_of_one_time_are_numbered() {
     let parts: Vec<&str> = text.split("part=\"").skip(1).map(|rest| &rest[..1]).collect();
     assert_eq!(parts, ["0", "0", "1", "2", "0"]);
 }
+
+#[test]
+fn compressed_blocks_that_lie_are_refused_before_memory_is_taken() {
+    let block = |unpacked: u64, packed: &[u8]| {
+        let header = [1, unpacked, 0, packed.len() as u64];
+        let header: Vec<u8> = header.iter().flat_map(|number: &u64| number.to_le_bytes()).collect();
+        nastic_io::base64(&header) + &nastic_io::base64(packed)
+    };
+    let file = |compressor: &str, points: &str| {
+        format!(
+            "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" header_type=\"UInt64\" compressor=\"{compressor}\">\
+             <UnstructuredGrid><Piece NumberOfPoints=\"3\" NumberOfCells=\"1\"><Points><DataArray type=\"Float64\" \
+             NumberOfComponents=\"3\" format=\"binary\">{points}</DataArray></Points><Cells>\
+             <DataArray type=\"Int8\" Name=\"connectivity\" format=\"ascii\">0 1 2</DataArray>\
+             <DataArray type=\"Int8\" Name=\"offsets\" format=\"ascii\">3</DataArray>\
+             <DataArray type=\"Int8\" Name=\"types\" format=\"ascii\">5</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>"
+        )
+    };
+    let points: Vec<u8> = [0.0f64, 0., 0., 1., 0., 0., 0., 1., 0.].iter().flat_map(|x| x.to_le_bytes()).collect();
+    // LZ4 of literals alone: 15 in the token and the rest of the length in a byte
+    let literals = [&[0xf0, 72 - 15], points.as_slice()].concat();
+    let sound = file("vtkLZ4DataCompressor", &block(72, &literals));
+    assert_eq!(parse_vtu("lz4.vtu", sound.as_bytes(), 1.0).unwrap().measures().volume, 0.5);
+    for (compressor, unpacked, packed) in [
+        ("vtkLZ4DataCompressor", 1 << 60, literals.as_slice()),
+        ("vtkLZ4DataCompressor", 73, &literals),
+        ("vtkLZ4DataCompressor", 71, &literals),
+        ("vtkLZ4DataCompressor", 72, &literals[..60]),
+        ("vtkLZMADataCompressor", 72, &literals),
+        ("vtkLZMADataCompressor", 72, b"\xfd7zXZ\0\0\x01\x69\x22\xde\x36"),
+    ] {
+        let message =
+            parse_vtu("bad.vtu", file(compressor, &block(unpacked, packed)).as_bytes(), 1.0).unwrap_err().to_string();
+        assert!(message.starts_with("bad.vtu, line 1") && message.contains("data is corrupt"), "{message}");
+    }
+    let message = parse_vtu("bad.vtu", file("vtkOwnCompressor", "").as_bytes(), 1.0).unwrap_err().to_string();
+    assert!(message.contains("compressor \"vtkOwnCompressor\" is not supported"), "{message}");
+}

@@ -67,6 +67,7 @@ pub struct Mesh {
     pub(crate) neighbours: Vec<(Facet, Facet)>,
     pub(crate) node_origin: Vec<u32>,
     pub(crate) cell_origin: Vec<u32>,
+    pub(crate) lost_regions: Vec<String>,
     pub(crate) notes: Vec<String>,
 }
 
@@ -76,7 +77,8 @@ impl Mesh {
     ///
     /// Cells are grouped by kind in order of appearance and keep their order otherwise. The mesh is plane if there are
     /// no volume cells. Cells, surfaces and node sets are named by `raw.names`; a bare tag 7 is called "7", tag 0 means
-    /// no group. Without any group of cells, all of them form the region "body".
+    /// no group. Without any group of cells, all of them form the region "body" ("ungrouped" where `raw.names` has a "body"
+    /// that no cell bears, see [`Mesh::lost_regions`]).
     ///
     /// # Errors
     /// [`MeshError::Faulty`] with the [`Fault`](crate::Fault) found first.
@@ -251,6 +253,11 @@ impl Mesh {
     /// dimension counted.
     pub fn cell_origin(&self) -> &[u32] {
         &self.cell_origin
+    }
+
+    /// Names that the file lists for regions, where no cell bears any of them: its writer lost the groups of elements.
+    pub fn lost_regions(&self) -> &[String] {
+        &self.lost_regions
     }
 
     /// What was mended or looked odd when the mesh was built.

@@ -316,6 +316,7 @@ impl Mesh {
             neighbours: self.neighbours.iter().filter_map(sides).collect(),
             node_origin: nodes.iter().map(|&node| self.node_origin[node as usize]).collect(),
             cell_origin: cells.iter().map(|&cell| self.cell_origin[cell as usize]).collect(),
+            lost_regions: self.lost_regions.clone(),
             notes: self.notes.clone(),
         }
     }

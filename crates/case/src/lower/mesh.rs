@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use crate::lower::problem::CaseProblem;
+use crate::warning::LOST_GROUPS;
 use nastic_language::number::short;
 use nastic_language::schema::{BodyBox, BoxMesh, BoxesMesh, Case, MeshFile, MeshSource, Vector};
 use nastic_language::syntax::At;
@@ -59,7 +60,7 @@ fn given(mesh: &Arc<Mesh>, scale: f64, at: &At, context: &mut Context<'_>) -> Op
         context.complain(&at.key("scale"), "a mesh that is given as arrays has no scale: multiply its points");
         return None;
     }
-    mesh.notes().iter().for_each(|note| context.note(format!("{}: {note}", mesh.name())));
+    look_at_groups(mesh, at, context);
     Some(mesh.clone())
 }
 
@@ -77,8 +78,25 @@ fn make(source: &MeshSource, at: &At, context: &mut Context<'_>) -> Option<Mesh>
             context.take(at, mesh)?
         }
     };
-    mesh.notes().iter().for_each(|note| context.note(format!("{}: {note}", mesh.name())));
+    look_at_groups(&mesh, at, context);
     Some(mesh)
+}
+
+/// Notes what was mended, and warns where the groups of cells were lost.
+fn look_at_groups(mesh: &Mesh, at: &At, context: &mut Context<'_>) {
+    mesh.notes().iter().for_each(|note| context.note(format!("{}: {note}", mesh.name())));
+    if mesh.lost_regions().is_empty() {
+        return;
+    }
+    let quoted = |name: &String| format!("\"{name}\"");
+    let listed = mesh.lost_regions().iter().map(quoted).collect::<Vec<_>>().join(", ");
+    let regions = mesh.regions().keys().map(quoted).collect::<Vec<_>>().join(", ");
+    let name = mesh.name();
+    context.warn(
+        &LOST_GROUPS,
+        at,
+        format!("{name} names the groups of cells {listed}, but no cell bears one: its regions are {regions}"),
+    );
 }
 
 fn read(file: &MeshFile, at: &At, context: &mut Context<'_>) -> Option<Mesh> {

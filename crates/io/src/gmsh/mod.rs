@@ -1,4 +1,4 @@
-//! Gmsh's MSH files, formats 2.2 and 4.1, text and binary.
+//! Gmsh's MSH files, formats 2.0 to 2.2 and 4.1, text and binary.
 //!
 //! Format: <https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format> (4.1) and the section "MSH file format version 2
 //! (Legacy)" there.
@@ -67,6 +67,15 @@ enum Version {
 
 fn raw(file: &Path, bytes: &[u8], scale: f64) -> Result<RawMesh, ReadError> {
     let mut cursor = Cursor::new(file, bytes);
+    // `(0 "a comment")`, `(2 3)`: sections of ANSYS Fluent
+    if bytes.trim_ascii_start().starts_with(b"(") {
+        let stem = file.with_extension("").display().to_string();
+        let advice = format!(
+            "convert it by Python's meshio, with `meshio convert --input-format ansys {} {stem}.vtu`; names of zones are lost",
+            file.display()
+        );
+        return Err(cursor.unsupported("a mesh of ANSYS Fluent, which ends in .msh too,", advice));
+    }
     let mut reader = Reader { scale, ..Reader::default() };
     while let Some(section) = cursor.next_section()? {
         reader.section(&mut cursor, &section)?;
@@ -159,9 +168,10 @@ fn format(cursor: &mut Cursor) -> Result<Version, ReadError> {
             "is it a Gmsh mesh (.msh)? Formats 2.2 and 4.1 are read",
         ));
     };
-    let version = match number {
-        "2.2" => Version::V2,
-        "4.1" => Version::V4,
+    // by value: Netgen writes 2.000000
+    let version = match number.parse::<f64>() {
+        Ok(value) if (2.0..3.0).contains(&value) => Version::V2,
+        Ok(value) if (4.1..5.0).contains(&value) => Version::V4,
         _ => {
             return Err(cursor.unsupported(
                 format!("format {}", number.escape_debug()),
@@ -201,6 +211,7 @@ fn format(cursor: &mut Cursor) -> Result<Version, ReadError> {
 /// `$PhysicalNames`: text in either encoding.
 fn names(cursor: &mut Cursor, mesh: &mut RawMesh) -> Result<(), ReadError> {
     let count = cursor.text_count("physical names", 6)?;
+    let mut padded = Vec::new();
     for _ in 0..count {
         let line = cursor.line()?;
         let parsed = line.split_once('"').and_then(|(numbers, rest)| {
@@ -215,7 +226,14 @@ fn names(cursor: &mut Cursor, mesh: &mut RawMesh) -> Result<(), ReadError> {
                 "write the file again from Gmsh; a name may not hold line breaks",
             ));
         };
-        mesh.name_group(dimension, tag, name);
+        if name.trim() != name {
+            padded.push(format!("\"{}\"", name.trim()));
+        }
+        mesh.name_group(dimension, tag, name.trim());
+    }
+    if !padded.is_empty() {
+        mesh.notes
+            .push(format!("blanks around names of groups dropped: {} (files of MED have them)", padded.join(", ")));
     }
     Ok(())
 }

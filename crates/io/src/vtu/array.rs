@@ -1,10 +1,11 @@
-//! A `DataArray` of VTK: its header, and its numbers in text, base64 or raw bytes, plain or zlib-compressed.
-
-use std::io::Read;
+//! A `DataArray` of VTK: its header, and its numbers in text, base64 or raw bytes, plain or compressed.
 
 use super::base64;
-use super::xml::{Element, Source, brief};
+use super::compressor::Compressor;
+use super::xml::Element;
 use crate::error::ReadError;
+use crate::grid::Numbers;
+use crate::source::{Source, brief};
 
 /// How a file stores binary numbers.
 pub(super) struct Storage<'a> {
@@ -12,36 +13,13 @@ pub(super) struct Storage<'a> {
     big_endian: bool,
     /// Bytes of a length in a header: 4 or 8.
     header: usize,
-    compressed: bool,
+    compressor: Option<Compressor>,
     appended: Option<Appended<'a>>,
 }
 
 struct Appended<'a> {
     raw: bool,
     body: &'a [u8],
-}
-
-/// The numbers of an array.
-#[derive(Clone, Debug)]
-pub(super) enum Numbers {
-    Integers(Vec<i64>),
-    Reals(Vec<f64>),
-}
-
-impl Numbers {
-    pub fn len(&self) -> usize {
-        match self {
-            Numbers::Integers(values) => values.len(),
-            Numbers::Reals(values) => values.len(),
-        }
-    }
-
-    pub fn into_reals(self) -> Vec<f64> {
-        match self {
-            Numbers::Integers(values) => values.into_iter().map(|value| value as f64).collect(),
-            Numbers::Reals(values) => values,
-        }
-    }
 }
 
 /// How long an array must be.
@@ -82,12 +60,11 @@ impl<'a> Storage<'a> {
             Some("UInt64") => 8,
             Some(other) => return Err(unsupported(format!("header_type \"{}\"", brief(other)), "use UInt64")),
         };
-        let compressed = match root.attribute("compressor") {
-            None | Some("") => false,
-            Some("vtkZLibDataCompressor") => true,
-            Some(other) => {
-                return Err(unsupported(format!("compressor \"{}\"", brief(other)), "save with zlib or uncompressed"));
-            }
+        let compressor = match root.attribute("compressor") {
+            None | Some("") => None,
+            Some(name) => Some(Compressor::named(name).ok_or_else(|| {
+                unsupported(format!("compressor \"{}\"", brief(name)), "save with zlib, LZ4, LZMA or uncompressed")
+            })?),
         };
         let appended = match root.child("AppendedData") {
             None => None,
@@ -105,7 +82,7 @@ impl<'a> Storage<'a> {
                 Some(Appended { raw, body })
             }
         };
-        Ok(Self { source, big_endian, header, compressed, appended })
+        Ok(Self { source, big_endian, header, compressor, appended })
     }
 
     /// Number of components per entity.
@@ -219,10 +196,10 @@ impl<'a> Storage<'a> {
     /// The bytes of an array, at most one more than `limit`.
     fn unpack(&self, element: &Element, stream: &mut Stream, limit: Option<u64>) -> Result<Vec<u8>, ReadError> {
         let short = || self.malformed(element, "its binary data ends early or is no base64");
-        if !self.compressed {
+        let Some(compressor) = self.compressor else {
             let length = self.length(stream).ok_or_else(short)?;
             return usize::try_from(length).ok().and_then(|length| stream.take(length)).ok_or_else(short);
-        }
+        };
         let blocks = self.length(stream).ok_or_else(short)?;
         let block_size = self.length(stream).ok_or_else(short)?;
         let last_size = self.length(stream).ok_or_else(short)?;
@@ -236,11 +213,8 @@ impl<'a> Storage<'a> {
             let last = at + 1 == sizes.len() && last_size != 0;
             let unpacked = if last { last_size } else { block_size };
             let left = limit.map_or(unpacked, |limit| limit.saturating_sub(bytes.len() as u64) + 1);
-            let before = bytes.len();
-            let done =
-                flate2::read::ZlibDecoder::new(packed.as_slice()).take(unpacked.min(left)).read_to_end(&mut bytes);
-            if done.is_err() || ((bytes.len() - before) as u64) < unpacked.min(left) {
-                return Err(self.malformed(element, format!("block {at} of its zlib data is corrupt")));
+            if !compressor.unpack(&packed, unpacked, left, &mut bytes) {
+                return Err(self.malformed(element, format!("block {at} of its {compressor} data is corrupt")));
             }
         }
         Ok(bytes)

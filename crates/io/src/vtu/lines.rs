@@ -1,6 +1,6 @@
 //! Lines beside a body to VTU and from it: cells of the type polyline.
 
-use super::read::{Entity, Grid, bytes_of, with_grid};
+use super::read::{Entity, GridFile, bytes_of, with_grid};
 use super::write::{array, integers, reals};
 use crate::atomic::write_atomically;
 use crate::error::{ReadError, WriteError};
@@ -91,7 +91,7 @@ pub fn read_lines(path: impl AsRef<Path>) -> Result<Vec<Polyline>, ReadError> {
 }
 
 /// The lines of a grid, without names.
-fn corners(grid: &Grid<'_>) -> Result<Vec<Polyline>, ReadError> {
+fn corners(grid: &GridFile<'_>) -> Result<Vec<Polyline>, ReadError> {
     let points = grid.node_positions()?;
     let section = grid.section("Cells")?;
     let named = |name: &str| {

@@ -1,11 +1,11 @@
 //! VTK's XML unstructured grids, `.vtu`.
 //!
 //! Format: <https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html>. Read: text, base64 and raw bytes,
-//! inline and appended, plain and zlib, either byte order, one piece. Written: base64, inline, zlib.
+//! inline and appended, plain, zlib, LZ4 and LZMA, either byte order, one piece. Written: base64, inline, zlib.
 
 mod array;
 mod base64;
-mod groups;
+mod compressor;
 mod lines;
 mod parts;
 mod read;

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use nastic_mesh::{NamedArray, Snapshot};
 
-use super::groups::{REGION, SURFACE};
 use super::xml::escape;
 use crate::atomic::write_atomically;
 use crate::error::WriteError;
+use crate::grid::{REGION, SURFACE};
 
 /// Writes the index of parts of a body, each a file of [`write_vtu`](super::write_vtu), which `vtk`, the library below ParaView, opens as one; `files` are relative to the directory of the
 /// index. The arrays of the snapshot of one part say what all of them have: all parts of a [division](nastic_mesh::Mesh::part) have the same groups.

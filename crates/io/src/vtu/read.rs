@@ -3,12 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use nastic_mesh::{CellKind, Mesh, NamedArray, RawMesh, Snapshot};
+use nastic_mesh::{Mesh, NamedArray, Snapshot};
 
-use super::array::{Expect, Numbers, Storage, describe};
-use super::groups;
-use super::xml::{self, Element, Source};
+use super::array::{Expect, Storage, describe};
+use super::xml::{self, Element};
 use crate::error::ReadError;
+use crate::grid::{
+    GHOSTS, Grid, GridArray, GridMesh, LagrangeOrder, ListedCell, Numbers, OTHER_CELLS, REGION, Refused, SURFACE, TAGS,
+    cell, is_group,
+};
+use crate::source::{Source, brief};
 
 /// What an array has one tuple for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +39,8 @@ pub struct FileArray {
 /// Reads the mesh of a VTU file.
 ///
 /// Regions, surfaces and node sets come from the file if [`write_vtu`](crate::write_vtu) made it; else regions (and
-/// surfaces, from cells of one dimension less) bear the tags of an integer cell array `region` or `gmsh:physical`.
+/// surfaces, from cells of one dimension less) bear the tags of an integer cell array `region`, `gmsh:physical` or
+/// `CellEntityIds`. Ghost cells (`vtkGhostType`) are left out.
 ///
 /// # Errors
 ///
@@ -63,7 +68,7 @@ pub fn parse_vtu(file: impl AsRef<Path>, bytes: &[u8], scale: f64) -> Result<Mes
     let file = file.as_ref();
     crate::check_scale(file, scale)?;
     with_grid(file, bytes, |grid| {
-        let mut raw = grid.mesh()?;
+        let mut raw = grid.mesh()?.raw;
         raw.name = file.display().to_string();
         raw.scale(scale);
         Ok(Mesh::build(raw)?)
@@ -79,9 +84,10 @@ pub fn read_snapshot(path: impl AsRef<Path>) -> Result<Snapshot, ReadError> {
     let path = path.as_ref();
     let bytes = bytes_of(path)?;
     with_grid(path, &bytes, |grid| {
-        let mut raw = grid.mesh()?;
+        let GridMesh { mut raw, file_cells } = grid.mesh()?;
         raw.name = path.display().to_string();
         let mesh = Arc::new(Mesh::build(raw)?);
+        let cells: Vec<u32> = mesh.cell_origin().iter().map(|element| file_cells[*element as usize]).collect();
         let in_order = |array: FileArray, order: &[u32]| {
             let rows = order.iter().map(|from| *from as usize * array.components);
             let values = rows.flat_map(|at| array.values[at..at + array.components].iter().copied()).collect();
@@ -92,10 +98,10 @@ pub fn read_snapshot(path: impl AsRef<Path>) -> Result<Snapshot, ReadError> {
             point_data.push(in_order(grid.array(element, Entity::Point)?, mesh.node_origin()));
         }
         for element in grid.cell_arrays() {
-            if groups::repeats_group(grid, element) {
+            if grid.repeats_group(element) {
                 continue;
             }
-            cell_data.push(in_order(grid.array(element, Entity::Cell)?, mesh.cell_origin()));
+            cell_data.push(in_order(grid.array(element, Entity::Cell)?, &cells));
         }
         Ok(Snapshot { mesh, point_data, cell_data, lines: Vec::new(), obstacles: None })
     })
@@ -131,9 +137,10 @@ pub(super) fn bytes_of(path: &Path) -> Result<Vec<u8>, ReadError> {
 }
 
 /// The one grid of a file.
-pub(super) struct Grid<'a> {
+pub(super) struct GridFile<'a> {
     source: Source<'a>,
     pub storage: &'a Storage<'a>,
+    order: LagrangeOrder,
     fields: Option<&'a Element<'a>>,
     piece: &'a Element<'a>,
     points: u64,
@@ -143,14 +150,14 @@ pub(super) struct Grid<'a> {
 pub(super) fn with_grid<T>(
     file: &Path,
     bytes: &[u8],
-    then: impl FnOnce(&Grid) -> Result<T, ReadError>,
+    then: impl FnOnce(&GridFile) -> Result<T, ReadError>,
 ) -> Result<T, ReadError> {
-    let source = Source { file, bytes };
+    let source = Source::new(file, bytes);
     let root = xml::parse(&source)?;
     let fail = |at: &Element, what: &str, advice: &str| source.malformed(at.start, describe(at), what, advice);
     let kind = root.attribute("type").unwrap_or_default();
     if root.name != "VTKFile" || kind != "UnstructuredGrid" {
-        let what = format!("<{}> of type \"{}\" is not an unstructured grid", xml::brief(&root.name), xml::brief(kind));
+        let what = format!("<{}> of type \"{}\" is not an unstructured grid", brief(&root.name), brief(kind));
         return Err(fail(&root, &what, "save as .vtu, VTK XML unstructured grid"));
     }
     let storage = Storage::new(source, &root)?;
@@ -166,29 +173,18 @@ pub(super) fn with_grid<T>(
         text.ok_or_else(|| fail(piece, &format!("{name} is missing or not a number"), "write the file again"))
     };
     let (points, cells) = (count("NumberOfPoints")?, count("NumberOfCells")?);
-    then(&Grid { source, storage: &storage, fields: grid.child("FieldData"), piece, points, cells })
+    let order = lagrange_order(root.attribute("version").unwrap_or_default());
+    then(&GridFile { source, storage: &storage, order, fields: grid.child("FieldData"), piece, points, cells })
 }
 
-/// A cell as the file lists it.
-pub(super) struct ListedCell {
-    /// `None` for a vertex.
-    kind: Option<CellKind>,
-    nodes: Vec<u32>,
+/// By the version of the file, such as "2.3".
+fn lagrange_order(version: &str) -> LagrangeOrder {
+    let (major, minor) = version.trim().split_once('.').unwrap_or((version, "0"));
+    let version = (major.parse::<u32>().unwrap_or(0), minor.parse::<u32>().unwrap_or(0));
+    if version < (2, 1) { LagrangeOrder::Former } else { LagrangeOrder::Present }
 }
 
-impl ListedCell {
-    pub fn dimension(&self) -> usize {
-        self.kind.map_or(0, CellKind::dim)
-    }
-
-    /// Kind and nodes of a face.
-    pub fn face(&self, face: usize) -> Option<(CellKind, Vec<u32>)> {
-        let (kind, local) = self.kind?.faces().get(face)?;
-        Some((*kind, local.iter().map(|at| self.nodes[*at]).collect()))
-    }
-}
-
-impl<'a> Grid<'a> {
+impl<'a> GridFile<'a> {
     pub fn point_arrays(&self) -> impl Iterator<Item = &Element<'a>> {
         self.piece.child("PointData").into_iter().flat_map(|data| data.children_named("DataArray"))
     }
@@ -211,18 +207,38 @@ impl<'a> Grid<'a> {
         Ok(FileArray { entity, name, components: self.storage.components(element)?, values })
     }
 
-    fn mesh(&self) -> Result<RawMesh, ReadError> {
-        let mut mesh = RawMesh { points: self.node_positions()?, ..RawMesh::default() };
-        let cells = self.listed_cells(mesh.points.len())?;
-        let tags = groups::region_tags(self, &cells, &mut mesh)?;
-        for (cell, tags) in cells.iter().zip(&tags) {
-            match cell.kind {
-                Some(kind) => mesh.push(kind, &cell.nodes, tags),
-                None => mesh.vertices.extend(tags.iter().map(|tag| (cell.nodes[0], *tag))),
-            }
-        }
-        groups::surfaces_and_nodes(self, &cells, &mut mesh)?;
-        Ok(mesh)
+    /// Whether a cell array says again what the groups say: `region`, `region:NAME`, `surface:NAME`.
+    fn repeats_group(&self, array: &Element<'_>) -> bool {
+        let name = array.attribute("Name").unwrap_or("");
+        let is_mark = [REGION, SURFACE].iter().any(|prefix| name.starts_with(prefix));
+        let mut names = self.field_arrays().filter_map(|group| group.attribute("Name"));
+        name == "region" && names.any(|group| group.starts_with(REGION)) || is_mark && names.any(|group| group == name)
+    }
+
+    fn mesh(&self) -> Result<GridMesh, ReadError> {
+        let points = self.node_positions()?;
+        let cells = self.listed_cells(points.len())?;
+        let named =
+            |array: &&Element, names: &[&str]| array.attribute("Name").is_some_and(|name| names.contains(&name));
+        let of_cells = |names: &[&str]| {
+            let array = self.cell_arrays().find(|array| named(array, names));
+            array.map(|element| self.placed(element, Expect::Tuples(self.cells))).transpose()
+        };
+        let groups = self.field_arrays().filter(|array| array.attribute("Name").is_some_and(is_group));
+        let groups = groups.map(|element| self.placed(element, Expect::Any)).collect::<Result<_, _>>()?;
+        let (tags, ghosts) = (of_cells(&TAGS)?, of_cells(&[GHOSTS])?);
+        Grid { source: self.source, points, cells, groups, tags, ghosts }.mesh()
+    }
+
+    /// An array with its place.
+    fn placed(&self, element: &Element<'a>, expect: Expect) -> Result<GridArray, ReadError> {
+        Ok(GridArray {
+            name: element.attribute("Name").unwrap_or_default().to_owned(),
+            components: self.storage.components(element)?,
+            numbers: self.storage.read(element, expect)?,
+            section: describe(element),
+            byte: element.start,
+        })
     }
 
     pub fn node_positions(&self) -> Result<Vec<[f64; 3]>, ReadError> {
@@ -256,49 +272,25 @@ impl<'a> Grid<'a> {
             let Some(listed) = end.and_then(|end| nodes.get(start..end)) else {
                 return Err(self.storage.malformed(offsets_at, format!("the offset of cell {cell} is out of order")));
             };
-            let kind = self.kind(types_at, cell, number)?;
-            let wanted = kind.map_or(1, CellKind::nodes);
-            if listed.len() != wanted {
-                let what = format!("cell {cell} has {} nodes, its type {number} needs {wanted}", listed.len());
-                return Err(self.storage.malformed(offsets_at, what));
-            }
             let node = |node: &i64| usize::try_from(*node).ok().filter(|node| *node < points).map(|node| node as u32);
             let Some(listed) = listed.iter().map(node).collect::<Option<Vec<u32>>>() else {
                 let what = format!("cell {cell} names a node outside 0..{points}");
                 return Err(self.storage.malformed(nodes_at, what));
             };
             start += listed.len();
-            cells.push(ListedCell { kind, nodes: listed });
+            let count = listed.len();
+            cells.push(self::cell(number, listed, self.order).map_err(|refused| match refused {
+                Refused::Nodes { wanted } => {
+                    let what = format!("cell {cell} has {count} nodes, its type {number} needs {wanted}");
+                    self.storage.malformed(offsets_at, what)
+                }
+                Refused::Type(name) => {
+                    let what = format!("{name} of VTK type {number} (cell {cell})");
+                    self.source.unsupported(types_at.start, describe(types_at), what, OTHER_CELLS)
+                }
+            })?);
         }
         Ok(cells)
-    }
-
-    fn kind(&self, types: &Element, cell: usize, number: i64) -> Result<Option<CellKind>, ReadError> {
-        if number == 1 {
-            return Ok(None);
-        }
-        let kind = u8::try_from(number).ok().and_then(CellKind::from_vtk);
-        let name = || match number {
-            13 => "the wedge",
-            14 => "the pyramid",
-            26 | 31 | 32 => "the second-order wedge",
-            27 | 37 => "the second-order pyramid",
-            7 | 36 => "the polygon",
-            42 => "the polyhedron",
-            8 | 11 => "the pixel or voxel",
-            35 => "the third-order line",
-            68..=74 => "the Lagrange cell",
-            75..=81 => "the Bezier cell",
-            _ => "a cell",
-        };
-        kind.map(Some).ok_or_else(|| {
-            self.source.unsupported(
-                types.start,
-                describe(types),
-                format!("{} of VTK type {number} (cell {cell})", name()),
-                "use triangles, quadrangles, tetrahedra or hexahedra of first or second order",
-            )
-        })
     }
 
     pub fn integers(&self, element: &Element<'a>, count: u64) -> Result<Vec<i64>, ReadError> {

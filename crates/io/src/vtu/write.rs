@@ -9,10 +9,10 @@ use flate2::write::ZlibEncoder;
 use nastic_mesh::{Mesh, NamedArray, Snapshot};
 
 use super::base64;
-use super::groups::{NODES, REGION, SURFACE};
 use super::xml::escape;
 use crate::atomic::write_atomically;
 use crate::error::WriteError;
+use crate::grid::{NODES, REGION, SURFACE};
 
 /// Writes a mesh with its fields to a VTU file that ParaView, `vtk` and `meshio` read.
 ///

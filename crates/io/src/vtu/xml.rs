@@ -1,12 +1,11 @@
 //! The elements of an XML file that VTK has written, with the raw bytes of appended data, which no XML reader takes. Texts point
 //! into the file.
 
-use std::path::Path;
-
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use crate::error::{At, ReadError};
+use crate::error::ReadError;
+use crate::source::{Source, brief};
 
 /// An element with its attributes, its children and the text between them.
 #[derive(Debug)]
@@ -31,53 +30,6 @@ impl<'a> Element<'a> {
 
     pub fn children_named<'s>(&'s self, name: &'s str) -> impl Iterator<Item = &'s Element<'a>> {
         self.children.iter().filter(move |child| child.name == name)
-    }
-}
-
-/// The file being read: who it is, for messages.
-#[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
-    pub file: &'a Path,
-    pub bytes: &'a [u8],
-}
-
-impl Source<'_> {
-    /// Line of a byte, from one.
-    fn line(&self, byte: usize) -> At {
-        let before = &self.bytes[..byte.min(self.bytes.len())];
-        At::Line(before.iter().filter(|byte| **byte == b'\n').count() as u64 + 1)
-    }
-
-    pub fn malformed(
-        &self,
-        byte: usize,
-        section: impl Into<String>,
-        what: impl Into<String>,
-        advice: impl Into<String>,
-    ) -> ReadError {
-        ReadError::Malformed {
-            file: self.file.to_owned(),
-            section: section.into(),
-            at: self.line(byte),
-            what: what.into(),
-            advice: advice.into(),
-        }
-    }
-
-    pub fn unsupported(
-        &self,
-        byte: usize,
-        section: impl Into<String>,
-        what: impl Into<String>,
-        advice: impl Into<String>,
-    ) -> ReadError {
-        ReadError::Unsupported {
-            file: self.file.to_owned(),
-            section: section.into(),
-            at: self.line(byte),
-            what: what.into(),
-            advice: advice.into(),
-        }
     }
 }
 
@@ -216,11 +168,6 @@ impl<'a> Open<'a> {
         };
         self.source.malformed(byte, section, what, "the file is truncated or no VTK XML file: write it again")
     }
-}
-
-/// The start of a text, printable and short enough for a message.
-pub(super) fn brief(text: &str) -> String {
-    text.chars().take(40).map(|c| if c.is_control() { '?' } else { c }).collect()
 }
 
 /// Text that may stand in an attribute of XML.

@@ -11,7 +11,7 @@ use serde_json::{Value as Json, json};
 /// A mesh: from a file, or generated.
 #[derive(Clone, PartialEq, Debug)]
 pub enum MeshSource {
-    /// Gmsh 2.2 or 4.1, or VTU.
+    /// Gmsh, VTK or Abaqus.
     File(MeshFile),
     /// A box or rectangle from the origin, with region "body" and surfaces "x-", "x+", "y-", ...
     Box(BoxMesh),
@@ -42,7 +42,7 @@ pub struct MeshFile {
 object! {
     /// A mesh from a file, or generated.
     pub struct MeshBlock one of [file, box, boxes] checked by check_scale {
-        /// Gmsh 2.2 or 4.1 (ascii or binary), or VTU; relative to the case.
+        /// Gmsh (.msh), VTK (.vtu, .vtk) or Abaqus (.inp); relative to the case.
         pub file: Option<String>,
         /// Factor from the file's coordinates to the case's unit of length.
         pub scale: Option<f64> as POSITIVE,

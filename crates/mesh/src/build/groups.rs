@@ -12,10 +12,14 @@ pub(super) struct Groups {
     pub regions: BTreeMap<String, Vec<u32>>,
     pub surfaces: BTreeMap<String, Vec<Facet>>,
     pub node_sets: BTreeMap<String, Vec<u32>>,
+    /// See [`Mesh::lost_regions`](crate::Mesh::lost_regions).
+    pub lost_regions: Vec<String>,
 }
 
 /// The region of all cells when the file names none.
 const BODY: &str = "body";
+/// That region where the file lists the name `body` for a group that no cell bears.
+const UNGROUPED: &str = "ungrouped";
 
 pub(super) fn name(
     raw: &RawMesh,
@@ -24,19 +28,40 @@ pub(super) fn name(
     table: &FacetTable,
     notes: &mut Vec<String>,
 ) -> Result<Groups, Fault> {
+    let lost_regions = lost_regions(raw, dim, selection);
     let groups = Groups {
-        regions: regions(raw, dim, selection, notes),
+        regions: regions(raw, dim, selection, &lost_regions, notes),
         surfaces: surfaces(raw, dim, selection, table, notes)?,
         node_sets: node_sets(raw, dim, selection, notes),
+        lost_regions,
     };
     note_empty_names(raw, dim, &groups, notes);
     Ok(groups)
 }
 
-fn regions(raw: &RawMesh, dim: usize, selection: &Selection, notes: &mut Vec<String>) -> BTreeMap<String, Vec<u32>> {
+/// The names listed for regions, if no cell bears any of them.
+fn lost_regions(raw: &RawMesh, dim: usize, selection: &Selection) -> Vec<String> {
+    let listed = || raw.names.iter().filter(|((group, _), name)| *group == dim && !name.trim().is_empty());
+    if listed().any(|((_, tag), _)| selection.groups.contains_key(tag)) {
+        return Vec::new();
+    }
+    listed().map(|(_, name)| name.clone()).collect()
+}
+
+fn regions(
+    raw: &RawMesh,
+    dim: usize,
+    selection: &Selection,
+    lost: &[String],
+    notes: &mut Vec<String>,
+) -> BTreeMap<String, Vec<u32>> {
     let cells = selection.origin.len();
     if selection.groups.is_empty() {
-        return BTreeMap::from([(BODY.to_owned(), (0..cells as u32).collect())]);
+        let name = if lost.iter().any(|name| name == BODY) { UNGROUPED } else { BODY };
+        if !lost.is_empty() {
+            notes.push(format!("no cell bears a group: all are the region \"{name}\""));
+        }
+        return BTreeMap::from([(name.to_owned(), (0..cells as u32).collect())]);
     }
     let mut regions = BTreeMap::<String, Vec<u32>>::new();
     let mut grouped = vec![false; cells];

@@ -15,7 +15,7 @@ use crate::{Fault, Mesh};
 
 pub(crate) fn build(raw: &RawMesh) -> Result<Mesh, Fault> {
     check::check(raw)?;
-    let mut notes = Vec::new();
+    let mut notes = raw.notes.clone();
     let dim = select::dimension(raw).ok_or(Fault::NoCells)?;
     let mut selection = select::select(raw, dim, &mut notes);
     let mut points = select::points(raw, &selection, dim, &mut notes)?;
@@ -38,6 +38,7 @@ pub(crate) fn build(raw: &RawMesh) -> Result<Mesh, Fault> {
         neighbours,
         node_origin: selection.used,
         cell_origin: selection.origin,
+        lost_regions: groups.lost_regions,
         notes,
     };
     if let Some(count @ 2..) = mesh.pieces().into_iter().max().map(|last| last + 1) {

@@ -35,6 +35,8 @@ pub struct RawMesh {
     pub vertices: Vec<(u32, i32)>,
     /// Names of groups by (dimension, tag). A group without a name is called by its tag.
     pub names: BTreeMap<(usize, i32), String>,
+    /// What the reader left out or mended: the first of [`Mesh::notes`](crate::Mesh::notes).
+    pub notes: Vec<String>,
 }
 
 impl RawMesh {

@@ -75,7 +75,7 @@ class Mesh:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str], *, scale: float = 1.0, name: str | None = None) -> Mesh:
-        """A mesh file (Gmsh .msh, .vtu, legacy .vtk), lengths times `scale`. A case may also name the file itself; this gives its arrays."""
+        """A mesh file (Gmsh .msh, .vtu, legacy .vtk, Abaqus .inp), lengths times `scale`. A case may also name the file itself; this gives its arrays."""
         parts = _nastic.read_mesh(Path(path), scale).parts()
         regions = {} if list(parts["regions"]) == ["body"] else parts["regions"]
         return cls(parts["points"], parts["cells"], regions, parts["facets"], parts["nodes"], name=name or Path(path).stem)
