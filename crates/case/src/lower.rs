@@ -54,6 +54,8 @@ mod sweep_plan;
 mod swept;
 mod target_shape;
 mod tension;
+mod test_columns;
+mod test_sheet;
 mod test_stiffness;
 mod test_table;
 mod thinner_layers;
