@@ -35,6 +35,7 @@ mod mesh;
 mod named;
 mod named_cost;
 mod named_groups;
+mod named_part;
 mod obstacle;
 mod obstacle_grid;
 pub mod obstacle_shape;

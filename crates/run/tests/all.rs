@@ -36,6 +36,7 @@ mod motion_constraints;
 mod motions_of_members;
 mod moving_supports;
 mod muscle;
+mod named_parts;
 mod obstacle_grid;
 mod output_directory;
 mod readable_units;
