@@ -38,8 +38,12 @@ pub(super) fn read(file: &Path, content: &[u8]) -> Result<Vec<[f64; 3]>, ReadErr
 
 /// What separates the cells of a line; nothing of blanks.
 fn separator(line: &str) -> Option<char> {
-    let separates = |by: &char| line.contains(*by) && !(*by == '\t' && line.contains(",\t"));
-    [';', '\t', ','].into_iter().find(separates)
+    if line.contains('\t') && !line.contains([';', '"']) && !line.contains(",\t") {
+        // names may have blanks: tabs alone separate them
+        let is_number = |word: &str| word.replace(',', ".").parse::<f64>().is_ok();
+        return if line.split_whitespace().all(is_number) { None } else { Some('\t') };
+    }
+    [';', '\t', ','].into_iter().find(|by| line.contains(*by) && !(*by == '\t' && line.contains(",\t")))
 }
 
 /// What stands between semicolons, tabs, commas or blanks.
