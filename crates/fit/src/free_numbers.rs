@@ -41,6 +41,11 @@ impl Law {
         self.form.numbers.iter().zip(x).map(vanishes).collect()
     }
 
+    /// Whether a free number is a square, above the least value of a parameter.
+    pub(crate) fn has_least(self, k: usize) -> bool {
+        self.form.numbers.get(k).is_some_and(|number| matches!(number.free, Free::Square { .. }))
+    }
+
     /// Where to begin: free numbers, and the signs of powers.
     pub(crate) fn starts(self, random: &mut Random, count: usize) -> Vec<(Vec<f64>, Vec<f64>)> {
         match self.form.starts {

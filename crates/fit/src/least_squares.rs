@@ -265,7 +265,15 @@ impl Problem<'_> {
         };
         let estimate = |(i, name): (usize, &'static str)| {
             let half_width = deviation(i).map(|d| student(free) * d);
-            Estimate { name, unit: self.law.unit(name), value: values[i], deviation: deviation(i), half_width }
+            let at_least = border[i] && self.law.has_least(i);
+            Estimate {
+                name,
+                unit: self.law.unit(name),
+                value: values[i],
+                deviation: deviation(i),
+                half_width,
+                at_least,
+            }
         };
         let parameters = self.law.parameters().into_iter().enumerate().map(estimate).collect();
         let correlation = |i: usize, j: usize| Some(of_values.as_ref()?[(i, j)] / (deviation(i)? * deviation(j)?));

@@ -16,6 +16,8 @@ pub struct Estimate {
     pub deviation: Option<f64>,
     /// Half-width of the 95 % confidence interval, Student's t times the deviation.
     pub half_width: Option<f64>,
+    /// Whether it is the least that the law admits beside its other parameters, and the data ask for less.
+    pub at_least: bool,
 }
 
 /// Information criteria of a fit with n points and k parameters, one more for the variance: the lower the better, comparable among

@@ -49,6 +49,11 @@ fn tables_of_others_are_read() -> Outcome {
         "y;x;quality;z\n2;1;0.9;3\r\n5;4;0.8;6\r\n",
         "\u{feff}\"X\",\"Y\",\"Z\"\n1,2,3\n4,5,6",
         "1,2,3,255\n4,5,6,0\n",
+        "\"Points:0\",\"Points:1\",\"Points:2\",\"u\"\n1,2,3,0\n4,5,6,0\n",
+        "x [mm];y [mm];z [mm]\n1,0;2,0;3,0\n4,0;5,0;6,0\n",
+        "1,0;2,0;3,0\n4,0;5;6,0\n",
+        "X (mm)\tY (mm)\tZ (mm)\n1,0\t2,0\t3,0\n4,0\t5,0\t6,0\n",
+        "1,\t2,\t3\n4,\t5,\t6\n",
     ] {
         assert_eq!(read("a.csv", text.as_bytes())?, wanted, "{text}");
     }
@@ -90,8 +95,12 @@ fn arrays_of_numpy_are_read_in_either_order_and_precision() -> Outcome {
     assert_eq!(read("a.npy", &columns)?, wanted);
     let big: Vec<u8> = [1.5f64, -2.5].iter().flat_map(|x| x.to_be_bytes()).collect();
     assert_eq!(read("a.npy", &npy(&dict(">f8", "False", "(1, 2)"), &big))?, [[1.5, -2.5, 0.0]]);
+    let whole: Vec<u8> = [1i64, 2, 3, 4, 5, 6].iter().flat_map(|x| x.to_le_bytes()).collect();
+    assert_eq!(read("a.npy", &npy(&dict("<i8", "False", "(2, 3)"), &whole))?, wanted);
+    assert_eq!(read("a.npy", &npy(&dict("|u1", "True", "(2, 3)"), &[1, 4, 2, 5, 3, 6]))?, wanted);
+    assert_eq!(read("a.npy", &npy(&dict(">i2", "False", "(1, 2)"), &[0, 7, 255, 255]))?, [[7.0, -1.0, 0.0]]);
     for (content, words) in [
-        (npy(&dict("<i8", "False", "(1, 3)"), &[0; 24]), "an array of \"<i8\""),
+        (npy(&dict("<c16", "False", "(1, 3)"), &[0; 48]), "an array of \"<c16\""),
         (npy(&dict("<f8", "False", "(6,)"), &[0; 48]), "(n, 2) or (n, 3)"),
         (npy(&dict("<f8", "False", "(99999999999, 3)"), &[0; 48]), "of which 6 are there"),
         (rows[..8].to_vec(), "the file ends in it"),

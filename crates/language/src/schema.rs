@@ -31,6 +31,7 @@ mod load_case;
 mod material;
 mod mesh;
 mod named;
+mod named_part;
 mod obstacle;
 mod optimizer;
 mod read;
@@ -65,6 +66,7 @@ pub use load_case::LoadCase;
 pub use material::Material;
 pub use mesh::{BodyBox, BoxMesh, BoxesMesh, MeshFile, MeshSource};
 pub use named::{Element, Method, SchemeName};
+pub use named_part::{NamedRegion, NamedSurface};
 pub use obstacle::{AlignedBox, Capsule, HalfSpace, Obstacle, Outline, Shape, ShapeOrName, Sphere, VectorInTime};
 pub use optimizer::{Metric, Optimizer, Unstable};
 pub use scenario::{

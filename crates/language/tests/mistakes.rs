@@ -21,7 +21,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"optimizer\"",
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
-         mesh, materials, supports, springs, obstacles, contact, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
+         mesh, surfaces, regions, materials, supports, springs, obstacles, contact, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
          linear_solver, probes, expect, output, $schema)",
     );
     one(

@@ -86,6 +86,31 @@ impl Mesh {
         build::build(&raw).map_err(|fault| MeshError::Faulty { mesh: raw.name.clone(), fault: Box::new(fault) })
     }
 
+    /// The same mesh with another surface; one of that name is replaced. Facets that are no faces of cells are left out.
+    #[must_use]
+    pub fn with_surface(mut self, name: impl Into<String>, mut facets: Vec<Facet>) -> Mesh {
+        let cells = self.cells();
+        facets.retain(|facet| {
+            let cell = facet.cell as usize;
+            cell < cells && usize::from(facet.face) < self.cell(cell).kind.faces().len()
+        });
+        facets.sort_unstable();
+        facets.dedup();
+        self.surfaces.insert(name.into(), facets);
+        self
+    }
+
+    /// The same mesh with another region; one of that name is replaced. Numbers that are no cells are left out.
+    #[must_use]
+    pub fn with_region(mut self, name: impl Into<String>, mut cells: Vec<u32>) -> Mesh {
+        let all = self.cells();
+        cells.retain(|cell| (*cell as usize) < all);
+        cells.sort_unstable();
+        cells.dedup();
+        self.regions.insert(name.into(), cells);
+        self
+    }
+
     /// Its file, or "box" or "rectangle".
     pub fn name(&self) -> &str {
         &self.name

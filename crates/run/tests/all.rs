@@ -38,6 +38,7 @@ mod motion_constraints;
 mod motions_of_members;
 mod moving_supports;
 mod muscle;
+mod named_parts;
 mod obstacle_grid;
 mod others_files;
 mod output_directory;

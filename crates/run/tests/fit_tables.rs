@@ -1,6 +1,7 @@
 //! `nastic fit` of tables alone, and of what a testing machine writes: forces and extensions.
-#![allow(clippy::unwrap_used)] // a test may
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
+use crate::common::Heard;
 use nastic_run::console::Console;
 use nastic_run::run::{LoneTable, RunError, fit, fit_with};
 use serde_json::{Value, json};
@@ -106,4 +107,108 @@ fn all_laws_are_drawn() {
     fit_with(&file, &LoneTable { laws: laws.clone(), ..table("3 MPa") }, None, &Console::silent()).unwrap();
     let drawn = fs::read_to_string(directory.path().join("out/bar/fit.svg")).unwrap();
     assert!(laws.iter().all(|law| drawn.contains(&format!(">{law}</text>"))), "{drawn}");
+}
+
+/// What machines export: the same numbers in other words, and one shear modulus.
+#[test]
+fn exports_of_machines_are_read() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("machine.csv");
+    let numbers = |row: &dyn Fn(usize, f64, f64) -> String| -> String {
+        let of = |k: usize| {
+            let l = 1.0 + 0.1 * k as f64;
+            row(k, 1e3 * LENGTH * (l - 1.0), SHEAR * (l - l.powi(-2)) * AREA)
+        };
+        (1..12).map(of).collect()
+    };
+    let comma = |x: f64| format!("{x:?}").replace('.', ",");
+    let plain = |k, x, f| format!("{k},{x:?},{f:?}\n");
+    let stress = |factor: f64, unit: &str| {
+        format!(
+            "Strain [mm/mm],Stress [{unit}]\n{}",
+            numbers(&|_, x, f| format!("{:?},{:?}\n", x / (1e3 * LENGTH), f / AREA * factor))
+        )
+    };
+    let tables = [
+        format!(
+            "\"Time\",\"Extension\",\"Load\"\n\"(s)\",\"(mm)\",\"(N)\"\n{}",
+            numbers(&|k, x, f| format!("\"{k}\",\"{x:?}\",\"{f:?}\"\n"))
+        ),
+        format!(
+            "Results Table 1\n,Specimen label\n1,Gel, soft\n\nTime,Extension,Load\n(sec),(mm),(N)\n{}",
+            numbers(&plain)
+        ),
+        format!(
+            "Time (s)\tExtension (mm)\tLoad (N)\n{}",
+            numbers(&|k, x, f| format!("{k}\t{}\t{}\n", comma(x), comma(f)))
+        ),
+        format!("Zeit;EXTENSION [MM];FORCE [N]\n{}", numbers(&|k, x, f| format!("{k};{};{}\n", comma(x), comma(f)))),
+        format!("reading,extension [mm],force [N],,\n{}", numbers(&|k, x, f| format!("{k},{x:?},{f:?},,\n"))),
+        format!(
+            "reading,Displacement (in),Load (lbf)\n{}",
+            numbers(&|k, x, f| format!("{k},{:?},{:?}\n", x / 25.4, f / 4.4482216152605))
+        ),
+        stress(1e-6, "N/mm^2"),
+        stress(0.0254 * 0.0254 / 4.4482216152605, "psi"),
+    ];
+    for (k, text) in tables.iter().enumerate() {
+        fs::write(&file, text).unwrap();
+        let given = if k < 6 { of_machine() } else { table("3 MPa") };
+        let said = Heard::default();
+        let found = fit_with(&file, &given, None, &Console::new(said.clone()));
+        let found = found.unwrap_or_else(|_| panic!("{text}\n{}", refusal(&file, &given))).result;
+        assert!((shear(&found) / SHEAR - 1.0).abs() < 1e-9, "{text}: {found}");
+        let told = said.text().contains("the column \"Stress\" is taken as nominal stress");
+        assert_eq!(told, k >= 6, "{}", said.text());
+    }
+}
+
+#[test]
+fn tables_that_are_none_are_answered_with_the_line_that_is_wanted() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("machine.csv");
+    fs::write(&file, "Weg,Kraft\n1,2\n").unwrap();
+    let error = refusal(&file, &of_machine());
+    assert!(error.lines().count() == 1 && error.contains("machine.csv:1:1: no column"), "{error}");
+    assert!(error.contains("`stretch,nominal_stress [MPa]` or `extension [mm],force [N]`"), "{error}");
+    // decimal commas between commas: once, with how many more
+    let rows: String = (1..40).map(|k| format!("1,{k},0,{k}\n")).collect();
+    fs::write(&file, format!("stretch,nominal_stress [MPa]\n{rows}")).unwrap();
+    let error = refusal(&file, &table("3 MPa"));
+    assert!(
+        error.lines().count() == 1 && error.contains("decimal commas?") && error.contains("so do 38 more lines"),
+        "{error}"
+    );
+    fs::write(&file, format!("stretch,nominal_stress [MPa]\n1.1,1\n{}", "1.2,x\n".repeat(40))).unwrap();
+    assert_eq!(refusal(&file, &table("3 MPa")).lines().count(), 11);
+    for (option, given) in [
+        ("--area 12 has no unit: write --area \"12 mm^2\"", LoneTable { area: Some("12".to_owned()), ..of_machine() }),
+        (
+            "--length 33 has no unit: write --length \"25 mm\"",
+            LoneTable { length: Some("33".to_owned()), ..of_machine() },
+        ),
+    ] {
+        assert!(refusal(&file, &given).contains(option), "{}", refusal(&file, &given));
+    }
+}
+
+/// A softening that Yeoh's law could follow by parameters alone that it excludes.
+#[test]
+fn a_parameter_at_the_end_of_its_range_is_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("bar.csv");
+    let row = |k: u32| {
+        let l = 1.0 + 0.1 * f64::from(k);
+        let i1 = l * l + 2.0 / l - 3.0;
+        format!("{l:?},{:?}\n", 2.0 * (l - l.powi(-2)) * (1e5 + 2.0 * 1e3 * i1 - 3.0 * 2e3 * i1 * i1))
+    };
+    fs::write(&file, format!("stretch,nominal_stress [Pa]\n{}", (1..12).map(row).collect::<String>())).unwrap();
+    let said = Heard::default();
+    let given = LoneTable { laws: vec!["yeoh".to_owned()], ..table("10 MPa") };
+    fit_with(&file, &given, None, &Console::new(said.clone())).unwrap();
+    assert!(
+        said.text().contains("c20 is the least that the law admits: the data ask for less, which is excluded"),
+        "{}",
+        said.text()
+    );
 }

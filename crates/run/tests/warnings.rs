@@ -91,11 +91,12 @@ fn names_of_regions_that_no_cell_bears() {
     let place = CaseDirectory::new();
     let lost = TWO_CELLS.replace(" 3 2 1 1 ", " 3 2 0 1 ").replace("7 1.52 0.52 0", "7 2 1 0");
     let case = r#"{ "nastic": 1, "mesh": "two.msh",
-        "materials": [ { "law": "neo_hooke", "young": "100 kPa", "poisson": 0.3 } ],
+        "materials": [ { "region": "REGION", "law": "neo_hooke", "young": "100 kPa", "poisson": 0.3 } ],
         "supports": [ { "surface": "left", "fix": ["x", "y"] } ] }"#;
     for (name, mesh) in [("ungrouped", lost.clone()), ("body", lost.replace("\"body\"", "\"cap\""))] {
         place.write("two.msh", &mesh);
-        let outcome = place.run(Command::Check, case, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let case = case.replace("REGION", name);
+        let outcome = place.run(Command::Check, &case, &[]).unwrap_or_else(|error| panic!("{error}"));
         assert!(codes(&outcome).iter().any(|code| code == "lost_groups"), "{:?}", codes(&outcome));
         let told = message(&outcome, "lost_groups");
         assert!(told.ends_with(&format!("but no cell bears one: its regions are \"{name}\"")), "{told}");

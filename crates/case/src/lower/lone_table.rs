@@ -30,6 +30,12 @@ impl LoneTable {
             Err(Diagnostic { file, path, line: 0, column: 0, message }.into())
         };
         let is_table = file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("csv"));
+        // a plain number is of square metres, or metres
+        for (option, value, example) in [("area", &self.area, "12 mm^2"), ("length", &self.length, "25 mm")] {
+            if let Some(value) = value.as_ref().filter(|value| is_table && value.trim().parse::<f64>().is_ok()) {
+                return complain(option, &format!("--{option} {value} has no unit: write --{option} \"{example}\""));
+            }
+        }
         match (is_table, self.bulk.is_some()) {
             (true, true) => Ok(self.around(file)),
             (true, false) => complain(

@@ -1,6 +1,6 @@
 //! Meshes of a case: from files, or generated.
 
-use super::context::Context;
+use super::{context::Context, named_part};
 use crate::lower::problem::CaseProblem;
 use crate::warning::LOST_GROUPS;
 use nastic_language::number::short;
@@ -11,7 +11,13 @@ use std::sync::Arc;
 
 /// The body's mesh.
 pub(super) fn body(case: &Case, context: &mut Context<'_>) -> Option<Arc<Mesh>> {
-    load(&case.mesh, &at(case), context)
+    let mesh = load(&case.mesh, &at(case), context)?;
+    if case.surfaces.is_empty() && case.regions.is_empty() {
+        return Some(mesh);
+    }
+    // by the pointer too: a program may give other arrays under one name
+    let key = format!("{:p} {:?} {:?}", Arc::as_ptr(&mesh), case.surfaces, case.regions);
+    context.mesh(key, |context| named_part::add(&mesh, case, context))
 }
 
 /// Where the body's mesh stands in the case.

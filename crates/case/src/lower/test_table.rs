@@ -1,38 +1,21 @@
 //! Tables of test data: CSV with a line of column names and units, stresses and stretches or the forces and extensions of a specimen.
 
+use super::test_columns::{Column, Columns, EXTENSION, FORCE, STRAIN, Specimen, columns, names, wanted};
+use super::test_sheet::{Line, Sheet, number};
 use super::test_stiffness;
 use nastic_fit::{FitError, Mode, Response, Test};
 use nastic_language::number::short;
-use nastic_language::quantity::{Dimension, Unit};
 use nastic_language::schema::{FitData, FitKind, FitTest};
 use nastic_language::syntax::{Diagnostic, Diagnostics, Document, quoted};
 use std::path::Path;
 
-/// The columns that may stand for a deformation.
-const STRETCH: &[&str] = &["stretch", "strain", EXTENSION];
-const EXTENSION: &str = "extension";
-const SHEAR: &[&str] = &["shear"];
-const RATIO: &[&str] = &["volume_ratio"];
-/// The columns of responses.
-const RESPONSES: [(&str, Response); 5] = [
-    ("nominal_stress", Response::Nominal),
-    ("cauchy_stress", Response::Cauchy),
-    (FORCE, Response::Nominal),
-    ("shear_stress", Response::Shear),
-    ("pressure", Response::Pressure),
-];
-
-const FORCE: &str = "force";
-
-/// What a table of forces and extensions does not say, in SI.
-#[derive(Clone, Copy, Default)]
-struct Specimen {
-    area: Option<f64>,
-    length: Option<f64>,
-}
-
 /// Where something is wrong: line and column from 1, 0 for the file as a whole.
-type Wrong = (usize, usize, String);
+pub(super) type Wrong = (usize, usize, String);
+
+/// Lines that may stand above that of the columns: what a machine says of the specimen.
+const MOST_ABOVE: usize = 200;
+/// Rows that are reported one by one.
+const MOST_WRONG: usize = 10;
 
 /// Strains beyond this, 1000 %, no rubber bears: percent were meant.
 const LARGEST_STRAIN: f64 = 10.0;
@@ -74,7 +57,7 @@ fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Vec<St
         document.complain(&test.at.key("file"), format!("{} cannot be read: {error}", path.display()))
     })?;
     let specimen = Specimen { area: test.area, length: test.length };
-    let Table { response, rows, is_strain, uses } = parse(&text, mode, specimen).map_err(|wrong| {
+    let Table { response, rows, is_strain, uses, taken } = parse(&text, mode, specimen).map_err(|wrong| {
         let report = |(line, column, message)| Diagnostic {
             file: path.display().to_string(),
             path: String::new(),
@@ -104,7 +87,10 @@ fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Vec<St
             short(100.0 * largest)
         )
     });
-    let doubtful: Vec<String> = doubtful.into_iter().collect();
+    let taken = taken.map(|name| {
+        format!("{}: the column {} is taken as nominal stress, force over area at rest", path.display(), quoted(&name))
+    });
+    let doubtful: Vec<String> = doubtful.into_iter().chain(taken).collect();
     let made = Test::new(&name, mode, response, points).map_err(|error| match &error {
         FitError::Point { point, .. } => Diagnostics::from(Diagnostic {
             file: path.display().to_string(),
@@ -135,6 +121,8 @@ struct Table {
     is_strain: bool,
     /// Whether they are forces over an area, and extensions over a length.
     uses: [bool; 2],
+    /// The name of a column of stresses that does not say which.
+    taken: Option<String>,
 }
 
 /// A row that was measured.
@@ -143,175 +131,72 @@ struct Row {
     point: [f64; 2],
 }
 
-/// A column of use: its place, and how a number of it becomes one in SI.
-struct Column<'a> {
-    name: &'a str,
-    index: usize,
-    factor: f64,
-    shift: f64,
-}
-
 fn parse(text: &str, mode: Mode, specimen: Specimen) -> Result<Table, Vec<Wrong>> {
-    let lines = text.trim_start_matches('\u{feff}').lines().enumerate().map(|(k, line)| (k + 1, line));
-    let mut lines = lines.filter(|(_, line)| !line.trim().is_empty() && !line.trim_start().starts_with('#'));
-    let Some((line, head)) = lines.next() else {
-        let example = "stretch,nominal_stress [MPa]";
-        return Err(vec![(0, 0, format!("the table is empty: a line of columns is wanted, as in \"{example}\""))]);
+    let sheet = Sheet::new(text);
+    let above = sheet.lines.iter().take(MOST_ABOVE).position(|line| names(&line.cells(line.separator()), mode));
+    let Some(head) = sheet.lines.get(above.unwrap_or(0)) else {
+        return Err(vec![(
+            0,
+            0,
+            format!("the table is empty: a line of columns is wanted, as in \"{}\"", wanted(mode)[0]),
+        )]);
     };
-    let (x, y, response) = columns(line, head, mode, specimen)?;
-    let named = cells(head).count();
-    let (mut rows, mut wrong) = (Vec::new(), Vec::new());
-    for (line, row) in lines {
-        if let Some((column, _)) = cells(row).nth(named) {
-            wrong.push((line, column, surplus(row, named)));
+    let separator = head.separator();
+    let mut below = sheet.lines[above.unwrap_or(0) + 1..].iter().peekable();
+    let units = below.next_if(|line| is_line_of_units(line, separator)).map(|line| line.cells(separator));
+    let Columns { x, y, response, taken } = columns(head, units.as_deref(), mode, specimen)?;
+    let named = head.cells(separator).len();
+    let (mut rows, mut wrong, mut surpluses) = (Vec::new(), Vec::new(), Vec::new());
+    for line in below {
+        let cells = line.cells(separator);
+        if let Some(cell) = cells.get(named) {
+            surpluses.push((line.number, cell.column, surplus(cells.len(), named, separator)));
             continue;
         }
-        let value = |column: &Column| number(line, row, column.index).map(|v| v * column.factor + column.shift);
+        let value = |column: &Column| {
+            let end = line.text.chars().count() + 1;
+            let cell = cells.get(column.index);
+            let cell = cell.ok_or_else(|| (line.number, end, format!("the row has no column {}", column.index + 1)))?;
+            let what = || format!("{} is no number; leave out rows without one", quoted(&cell.text));
+            let value = number(&cell.text, separator).ok_or_else(|| (line.number, cell.column, what()))?;
+            Ok(value * column.factor + column.shift)
+        };
         match (value(&x), value(&y)) {
-            (Ok(x), Ok(y)) => rows.push(Row { line, point: [x, y] }),
+            (Ok(x), Ok(y)) => rows.push(Row { line: line.number, point: [x, y] }),
             (x, y) => wrong.extend([x, y].into_iter().filter_map(Result::err)),
         }
+    }
+    let more = surpluses.len().saturating_sub(1);
+    if let Some((line, column, what)) = surpluses.into_iter().next() {
+        let more = if more > 0 { format!("; so do {more} more lines") } else { String::new() };
+        wrong.insert(0, (line, column, what + &more));
     }
     if rows.is_empty() && wrong.is_empty() {
         wrong.push((0, 0, "the table has no rows below its line of columns".to_owned()));
     }
-    let is_strain = x.name == "strain" && x.factor == 1.0;
+    let more = wrong.len().saturating_sub(MOST_WRONG);
+    if more > 0 {
+        wrong.truncate(MOST_WRONG);
+        wrong.push((0, 0, format!("and {more} more cells that are no numbers")));
+    }
+    let is_strain = x.name == STRAIN && x.factor == 1.0;
     let uses = [y.name == FORCE, x.name == EXTENSION];
-    if wrong.is_empty() { Ok(Table { response, rows, is_strain, uses }) } else { Err(wrong) }
+    if wrong.is_empty() { Ok(Table { response, rows, is_strain, uses, taken }) } else { Err(wrong) }
+}
+
+/// Below the names: `(s),(mm),(N)`, without a number.
+fn is_line_of_units(line: &Line, separator: char) -> bool {
+    let cells = line.cells(separator);
+    let mut said = cells.iter().filter(|cell| !cell.text.is_empty()).peekable();
+    said.peek().is_some() && said.all(|cell| number(&cell.text, separator).is_none())
 }
 
 /// A decimal comma splits a number into two cells, and the rest of the row moves on by one column.
-fn surplus(row: &str, named: usize) -> String {
-    let comma = if separator(row) == ',' {
-        ": are there decimal commas? Numbers have a point, or semicolons separate the columns"
+fn surplus(cells: usize, named: usize, separator: char) -> String {
+    let comma = if separator == ',' {
+        ": are there decimal commas? Numbers have a point, or semicolons or tabs separate the columns"
     } else {
         ""
     };
-    format!("the row has {} cells, but the line of columns has {named}{comma}", cells(row).count())
-}
-
-fn number(line: usize, row: &str, index: usize) -> Result<f64, Wrong> {
-    let Some((column, cell)) = cells(row).nth(index) else {
-        return Err((line, row.chars().count() + 1, format!("the row has no column {}", index + 1)));
-    };
-    match cell.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err((line, column, format!("{} is no number; leave out rows without one", quoted(cell)))),
-    }
-}
-
-/// Cells with their columns in the line, from 1, without blanks around them.
-fn cells(row: &str) -> impl Iterator<Item = (usize, &str)> {
-    let mut at = 1;
-    row.split(separator(row)).map(move |cell| {
-        let blanks = cell.chars().take_while(|c| c.is_whitespace()).count();
-        let place = at + blanks;
-        at += cell.chars().count() + 1;
-        (place, cell.trim())
-    })
-}
-
-fn separator(row: &str) -> char {
-    if row.contains(';') { ';' } else { ',' }
-}
-
-/// The columns of deformation and response.
-fn columns(
-    line: usize,
-    head: &str,
-    mode: Mode,
-    specimen: Specimen,
-) -> Result<(Column<'_>, Column<'_>, Response), Vec<Wrong>> {
-    let known = match mode {
-        Mode::SimpleShear => SHEAR,
-        Mode::Volumetric => RATIO,
-        _ => STRETCH,
-    };
-    let answers: Vec<&(&str, Response)> = RESPONSES.iter().filter(|(_, response)| mode.takes(*response)).collect();
-    let (mut xs, mut ys, mut wrong) = (Vec::new(), Vec::new(), Vec::new());
-    for (index, (place, cell)) in cells(head).enumerate() {
-        let name = cell.split('[').next().unwrap_or(cell).trim();
-        let answer = answers.iter().find(|(known, _)| *known == name);
-        let is_deformation = known.contains(&name);
-        if answer.is_none() && !is_deformation {
-            continue;
-        }
-        let read = unit_of(cell).and_then(|unit| match answer {
-            Some((_, response)) => {
-                let factor = if name == FORCE { specimen.stress(unit) } else { pressure_unit(unit) };
-                factor.map(|factor| ys.push((name, place, Column { name, index, factor, shift: 0.0 }, *response)))
-            }
-            None => {
-                let numbers = if name == EXTENSION { specimen.stretch(unit) } else { strain_unit(name, unit) };
-                numbers.map(|[factor, shift]| xs.push((name, place, Column { name, index, factor, shift })))
-            }
-        });
-        wrong.extend(read.err().map(|why| (line, place, format!("\"{name}\" {why}"))));
-    }
-    let both = |first: &str, second: &str| {
-        format!("the columns \"{first}\" and \"{second}\" are both there: leave out one, or give it a name of its own")
-    };
-    wrong.extend(xs.windows(2).map(|pair| (line, pair[1].1, both(pair[0].0, pair[1].0))));
-    wrong.extend(ys.windows(2).map(|pair| (line, pair[1].1, both(pair[0].0, pair[1].0))));
-    if wrong.is_empty() {
-        let found: Vec<&str> = cells(head).map(|(_, cell)| cell).collect();
-        let lacks = |names: &[&str]| {
-            let (what, kind) = (names.join("\" or \""), mode.name());
-            (line, 1, format!("no column \"{what}\" for a test of kind \"{kind}\"; found: {}", found.join(", ")))
-        };
-        let names: Vec<&str> = answers.iter().map(|(name, _)| *name).collect();
-        match (xs.pop(), ys.pop()) {
-            (Some((_, _, x)), Some((_, _, y, response))) => return Ok((x, y, response)),
-            (None, _) => wrong.push(lacks(known)),
-            (_, None) => wrong.push(lacks(&names)),
-        }
-    }
-    Err(wrong)
-}
-
-/// What stands in brackets behind the name of a column.
-fn unit_of(cell: &str) -> Result<Option<&str>, String> {
-    let Some((_, unit)) = cell.split_once('[') else { return Ok(None) };
-    let inner = unit.strip_suffix(']').ok_or_else(|| format!("has a bracket that is not closed: {}", quoted(cell)))?;
-    Ok(Some(inner.trim()))
-}
-
-/// Factor and shift from a column of deformations to stretches, amounts of shear and ratios of volumes.
-fn strain_unit(name: &str, unit: Option<&str>) -> Result<[f64; 2], String> {
-    match unit {
-        None | Some("1" | "-" | "") => Ok([1.0, f64::from(name == "strain")]),
-        Some("%") if name == "strain" => Ok([0.01, 1.0]),
-        Some(unit) => Err(format!("is a pure number, not in {}", quoted(unit))),
-    }
-}
-
-impl Specimen {
-    /// Nominal stress per unit of a column of forces: `P = force / area`.
-    fn stress(self, unit: Option<&str>) -> Result<f64, String> {
-        let newton = scale(unit, Dimension::FORCE, "a force", "as in \"force [N]\" (N, mN, kN)")?;
-        let missing = "needs the area at rest of the cross-section: \"area\" of the test, as \"40 mm^2\" (--area of a table alone)";
-        self.area.map(|area| newton / area).ok_or_else(|| missing.to_owned())
-    }
-
-    /// Factor and shift from a column of extensions to stretches: `l = 1 + extension / length`.
-    fn stretch(self, unit: Option<&str>) -> Result<[f64; 2], String> {
-        let metre = scale(unit, Dimension::LENGTH, "a length", "as in \"extension [mm]\" (mm, cm, m)")?;
-        let missing = "needs the length at rest that was extended: \"length\" of the test, as \"33 mm\" (--length of a table alone)";
-        self.length.map(|length| [metre / length, 1.0]).ok_or_else(|| missing.to_owned())
-    }
-}
-
-/// SI per unit of a column that has this dimension.
-fn scale(unit: Option<&str>, dimension: Dimension, what: &str, example: &str) -> Result<f64, String> {
-    let Some(symbol) = unit else { return Err(format!("has no unit: it stands in brackets, {example}")) };
-    match Unit::named(symbol) {
-        Some(unit) if unit.dimension == dimension => Ok(10f64.powi(unit.exponent)),
-        _ => Err(format!("has the unit {}, but {what} is wanted, {example}", quoted(symbol))),
-    }
-}
-
-/// Pa per unit of a column.
-fn pressure_unit(unit: Option<&str>) -> Result<f64, String> {
-    let example = "as in \"nominal_stress [MPa]\" (Pa, kPa, MPa, GPa, bar, mbar)";
-    scale(unit, Dimension::PRESSURE, "a pressure", example)
+    format!("the row has {cells} cells, but the line of columns has {named}{comma}")
 }

@@ -11,8 +11,10 @@ use nastic_mesh::{CellKind, RawMesh};
 /// Keywords that a note lists.
 const MOST_LISTED: usize = 12;
 
-/// How many cells have a face, by its corners.
-type Faces = BTreeMap<Vec<u32>, u32>;
+/// Corners of a face, ascending; `u32::MAX` where there are fewer than four.
+type Corners = [u32; 4];
+/// How many cells have a face.
+type Faces = BTreeMap<Corners, u32>;
 
 impl Reader<'_> {
     /// The mesh of all that was read.
@@ -30,7 +32,10 @@ impl Reader<'_> {
             raw.notes.push(format!("plane stress elements ({}) are taken in plane strain", names.join(", ")));
         }
         let names = Names { model: &self.root, instances: &self.instance_names };
-        let faces = faces(&self.root.elements, dim);
+        // looked up by surfaces without numbers of faces, and by elements that are faces
+        let is_asked = self.root.surfaces.iter().any(|surface| !surface.free.is_empty())
+            || self.root.elements.iter().any(|element| element.kind.dim() < dim);
+        let faces = if is_asked { faces(&self.root.elements, dim) } else { Faces::new() };
         let free = elements(&self.root, dim, &names, &faces, &mut raw);
         surfaces(&self.root, dim, &names, &faces, free, &mut raw);
         node_sets(&self.root, &names, &mut raw);
@@ -62,9 +67,8 @@ impl Names<'_> {
     }
 }
 
-/// Corners of a face, ascending.
-fn corners(kind: CellKind, nodes: &[u32]) -> Vec<u32> {
-    let mut corners = nodes[..kind.corners()].to_vec();
+fn corners(kind: CellKind, nodes: &[u32]) -> Corners {
+    let mut corners = std::array::from_fn(|k| if k < kind.corners() { nodes[k] } else { u32::MAX });
     corners.sort_unstable();
     corners
 }

@@ -9,6 +9,8 @@ pub(super) enum Real {
     U16,
     I32,
     U32,
+    I64,
+    U64,
     F32,
     F64,
 }
@@ -19,7 +21,7 @@ impl Real {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
             Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I64 | Self::U64 | Self::F64 => 8,
         }
     }
 
@@ -39,6 +41,8 @@ impl Real {
             Self::U16 => u16::from_le_bytes(array(bytes, big)?).into(),
             Self::I32 => i32::from_le_bytes(array(bytes, big)?).into(),
             Self::U32 => u32::from_le_bytes(array(bytes, big)?).into(),
+            Self::I64 => i64::from_le_bytes(array(bytes, big)?) as f64,
+            Self::U64 => u64::from_le_bytes(array(bytes, big)?) as f64,
             Self::F32 => f32::from_le_bytes(array(bytes, big)?).into(),
             Self::F64 => f64::from_le_bytes(array(bytes, big)?),
         })

@@ -31,8 +31,9 @@ pub fn is_cloud(path: &Path) -> bool {
 
 /// Reads the points of a `.csv`, `.npy` or `.ply` file, multiplied by `scale`; points of a plane have z = 0.
 ///
-/// * CSV: columns named `x`, `y` and `z`, or without names the first two or three; commas, semicolons or blanks between, `#` before remarks.
-/// * NPY: an array of n rows of two or three numbers, in single or double precision.
+/// * CSV: columns named `x`, `y` and `z` (also `x [mm]`, whose unit is not looked at, or ParaView's `Points:0`), or without names the first two or three; commas, semicolons, tabs or
+///   blanks between, decimal commas where commas separate nothing, `#` before remarks.
+/// * NPY: an array of n rows of two or three numbers, integers or reals.
 /// * PLY: the vertices, ASCII or binary.
 ///
 /// # Errors

@@ -26,13 +26,10 @@ pub(super) fn read(file: &Path, content: &[u8]) -> Result<Vec<[f64; 3]>, ReadErr
     let header = content.get(begin..begin + length).ok_or_else(|| bad(begin, "the file ends in it".to_owned()))?;
     let header = String::from_utf8_lossy(header);
     let kind = after(&header, "'descr':").unwrap_or_default().trim().trim_matches(['\'', '"']).to_owned();
-    let (real, big) = match kind.as_str() {
-        "<f8" => (Real::F64, false),
-        ">f8" => (Real::F64, true),
-        "<f4" => (Real::F32, false),
-        ">f4" => (Real::F32, true),
-        _ => return Err(unsupported(file, "the header", At::Byte(begin as u64), format!("an array of {kind:?}"))),
+    let Some(real) = kind.get(1..).and_then(real) else {
+        return Err(unsupported(file, "the header", At::Byte(begin as u64), format!("an array of {kind:?}")));
     };
+    let big = kind.starts_with('>');
     let shape = header.split("'shape':").nth(1).and_then(|rest| rest.split(['(', ')']).nth(1)).unwrap_or_default();
     let sides: Vec<usize> = shape.split(',').filter_map(|side| side.trim().parse().ok()).collect();
     let [rows, columns @ (2 | 3)] = sides[..] else {
@@ -53,6 +50,23 @@ pub(super) fn read(file: &Path, content: &[u8]) -> Result<Vec<[f64; 3]>, ReadErr
         points[row][column] = bytes.next(real).unwrap_or(f64::NAN);
     }
     Ok(points)
+}
+
+/// By NumPy's letter and number of bytes.
+fn real(kind: &str) -> Option<Real> {
+    Some(match kind {
+        "i1" => Real::I8,
+        "u1" => Real::U8,
+        "i2" => Real::I16,
+        "u2" => Real::U16,
+        "i4" => Real::I32,
+        "u4" => Real::U32,
+        "i8" => Real::I64,
+        "u8" => Real::U64,
+        "f4" => Real::F32,
+        "f8" => Real::F64,
+        _ => return None,
+    })
 }
 
 /// What stands behind a key, up to the next comma.

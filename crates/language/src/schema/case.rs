@@ -12,6 +12,7 @@ use crate::schema::load::Load;
 use crate::schema::load_case::LoadCase;
 use crate::schema::material::Material;
 use crate::schema::mesh::MeshSource;
+use crate::schema::named_part::{NamedRegion, NamedSurface};
 use crate::schema::obstacle::Obstacle;
 use crate::schema::optimizer::Optimizer;
 use crate::schema::read::{Read, Reader};
@@ -34,6 +35,10 @@ object! {
         pub units: Units,
         /// The body.
         pub mesh: MeshSource,
+        /// Surfaces of the body by where they are, of a mesh without groups.
+        pub surfaces: Vec<NamedSurface> = Vec::new(),
+        /// Regions of the body by where they are.
+        pub regions: Vec<NamedRegion> = Vec::new(),
         /// Passive laws, one per region.
         pub materials: Vec<Material>,
         /// What holds the body.

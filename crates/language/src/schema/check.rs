@@ -94,6 +94,8 @@ pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
         title: None,
         units: reader.units,
         mesh: block(reader, "mesh")?,
+        surfaces: list(reader, "surfaces"),
+        regions: list(reader, "regions"),
         materials: list(reader, "materials"),
         supports: list(reader, "supports"),
         springs: list(reader, "springs"),

@@ -104,6 +104,12 @@ fn remarks(one: &Fitted, tests: &[Test]) -> Vec<String> {
     if angle.is_some_and(|angle| angle.value > NEARLY_ACROSS) {
         out.push("both families lie nearly across: are \"along\" and \"across\" exchanged?".to_owned());
     }
+    for parameter in one.fit.parameters.iter().filter(|parameter| parameter.at_least) {
+        out.push(format!(
+            "{} is the least that the law admits: the data ask for less, which is excluded",
+            parameter.name
+        ));
+    }
     if let Some(poisson) = one.poisson().filter(|ratio| *ratio < 0.0) {
         out.push(format!(
             "WARNING: the bulk modulus, {} Pa, is below 2/3 of the shear modulus, {} Pa: Poisson's ratio is negative, {}",
