@@ -87,11 +87,6 @@ fn flat_blocks_press_evenly() {
         let on_faces: Vec<f64> =
             shown.mesh.points().iter().zip(pressures).filter(|(x, _)| between(x)).map(|(_, p)| p / force).collect();
         let (least, most) = on_faces.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), p| (a.min(*p), b.max(*p)));
-        println!(
-            "{element} {cells:?}: {least:.4} to {most:.4} of {} nodes, largest {:.4}",
-            on_faces.len(),
-            largest / force
-        );
         assert!(
             on_faces.len() > cells.iter().sum() && least > 0.98 && most < 1.02,
             "{element} {cells:?}: {least} to {most}"
@@ -172,7 +167,6 @@ fn beside_hertz(dim: usize, fine: [usize; 2], refine: usize) -> f64 {
         3 => (6.0 * 4.0 * force * MODULUS * MODULUS / (PI.powi(3) * RADIUS * RADIUS)).cbrt(),
         _ => (2.0 * force * MODULUS / (PI * RADIUS)).sqrt(),
     };
-    println!("{dim} {fine:?} refine {refine}: {:.4} of Hertz", largest / expected);
     largest / expected
 }
 
