@@ -53,12 +53,12 @@ pub const WARNINGS: &[&WarningKind] = &[
     &BETWEEN_NODES,
     &STEP_ERROR,
     &TIME_STEP,
+    &ENERGY_BALANCE,
     &NO_CONTACT,
     &PENETRATED,
     &THICK_LAYER,
     &STEPS_PER_CONTACT,
     &CREEPS,
-    &ENERGY_BALANCE,
 ];
 
 /// A contact without effect.

@@ -112,7 +112,7 @@ fn check_to(solid: &Solid, scheme: &Scheme, friction: bool, wanted: &Wanted) -> 
 }
 
 fn goes_with(scheme: &Scheme, friction: bool) -> bool {
-    scheme.has_adjoint() && !(friction && scheme.is_linearised())
+    scheme.has_adjoint() && !scheme.extrapolates() && !(friction && scheme.is_linearised())
 }
 
 #[test]

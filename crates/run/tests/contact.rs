@@ -256,7 +256,7 @@ fn contacts_warn_of_what_is_doubtful_in_them() {
     let shallow = with(&shallow, r#""thickness": 0.5"#, r#""thickness": 0.5, "stiffness": "0.5 MPa""#);
     let (_, shallow) = solve(&with(&shallow, r#""lower": "1 MPa""#, r#""lower": "0.1 MPa""#));
     assert_eq!(codes(&shallow), ["thick_layer"], "{}", shallow["warnings"]);
-    let bounce = with(SLIDER, "\"scheme\": \"backward_euler\", ", "");
+    let bounce = with(SLIDER, "\"backward_euler\"", "\"tr_bdf2\"");
     let bounce = with(&bounce, "\"point\": [0, 0, 0]", "\"point\": [0, 0, -5]");
     let (_, bounce) = solve(&with(&bounce, "\"4 ms\"", "\"10 ms\""));
     assert!(codes(&bounce).contains(&"steps_per_contact"), "{}", bounce["warnings"]);

@@ -251,8 +251,11 @@ fn runs_of_a_sweep_are_shared_out() {
     let set = ["materials/0/mu1=90 kPa,100 kPa,110 kPa", "optimizer/max_iterations=2", "title=Bar"];
     let (serial, place) = (CaseDirectory::new(), CaseDirectory::new());
     let asked = Sweep { command: Command::Optimize, warm: false };
+    for place in [&serial, &place] {
+        place.write("case.json", BAR);
+    }
     let of = |place: &CaseDirectory, options: &Options| {
-        let file = place.write("case.json", BAR);
+        let file = place.path("case.json");
         sweep(&Catalogue::standard(), &asked, &file, options, &Console::silent()).unwrap()
     };
     of(&serial, &options(&serial, &set));

@@ -134,8 +134,8 @@ struct Left {
     scale: f64,
     /// The largest on the way.
     forces: f64,
-    /// Relative to the forces at hand or a small share of those that the moduli make, whichever is larger: what is reported.
-    reported: f64,
+    /// Whether an equilibrium with it would be none, by any measure of forces but those on the way.
+    meaningless: bool,
     /// Whether forces are below what rounding makes of moduli, and constraints are held to rounding.
     below_moduli: bool,
     /// Relative residual before the last step.
@@ -153,7 +153,7 @@ impl Left {
         let is_rounding = || self.relative <= ROUNDING || self.below_moduli && !last.apart || noisy();
         self.relative <= self.accuracy
             || self.relative > 0.5 * self.before && is_rounding()
-            || last.tiny && self.reported <= RESOLVED && (resolved() || is_below(RESOLUTION))
+            || last.tiny && !self.meaningless && (resolved() || is_below(RESOLUTION))
     }
 }
 
@@ -225,7 +225,9 @@ impl<'a> Iteration<'a> {
             let below_moduli = relative > ROUNDING
                 && space.norm(&residual[..equations.dofs()]) <= NOISE_OF_MODULI * moduli
                 && equations.constraint_residual(&residual, &now.sums) <= ROUNDING;
-            let left = Left { relative, scale, forces, reported, below_moduli, before, accuracy: limits.accuracy };
+            let meaningless =
+                equations.is_static() && self.leaves(relative * scale, moduli, &last) > RESOLVED && reported > RESOLVED;
+            let left = Left { relative, scale, forces, meaningless, below_moduli, before, accuracy: limits.accuracy };
             if !direction.is_pending() && left.is_equilibrium(&last, |share| self.is_below(share, &residual, &last)) {
                 return Ok(last.curvature);
             }
@@ -292,6 +294,13 @@ impl<'a> Iteration<'a> {
         self.length = taken.length;
         let noisy = self.is_noisy(&step, taken.length, apart);
         Ok((taken.x, taken.now, Reached { curvature: step.curvature, energy: step.scale, apart, noisy, tiny }))
+    }
+
+    /// A residual by a small share of what a strain of 1 takes; where something touches, whose stiffness says nothing of the body, by that of moduli.
+    fn leaves(&self, residual: f64, moduli: f64, last: &Reached) -> f64 {
+        let touches = self.equations.model.touches_something();
+        let force = if touches { moduli } else { moduli.max(last.energy / self.equations.diagonal()) };
+        residual / (LEAST_FORCE * force)
     }
 
     /// Whether the forces left are below so much of those that a strain of order 1 takes.

@@ -7,7 +7,7 @@ use crate::time::force_families::{ForceFamilies, Resultant};
 use crate::time::scheme::Scheme;
 use nalgebra::Vector3;
 use nastic_linear::SparseMatrix;
-use nastic_numeric::vector::{axpy, dot, sub};
+use nastic_numeric::vector::{axpy, sub};
 
 /// Energies of a state of a motion, and what was done and lost since t = 0 (J; in plane strain J/m):
 ///
@@ -195,8 +195,9 @@ impl EnergyLedger {
     /// Adds what a step does.
     fn step(&self, model: &Model, step: &Step, next: &mut EnergyBalance) {
         let du = sub(model.nodal(&step.state.u), model.nodal(&step.before.u));
+        let space = model.unknowns();
         let work = |of: fn(&ForceFamilies) -> &Vec<f64>| -> f64 {
-            let along = |families: &ForceFamilies| dot(&of(families)[..du.len()], &du);
+            let along = |families: &ForceFamilies| space.dot(&of(families)[..du.len()], &du);
             0.5 * (along(step.last) + along(step.found))
         };
         let [pressed, rubbed] = step.work_of_obstacles();
@@ -210,12 +211,13 @@ impl EnergyLedger {
         next.support_work += step.work_of_supports(model, &inertia, &du);
         let gap = next.accounted() - self.balance.accounted();
         let gained = |of: fn(&EnergyBalance) -> f64| of(next) - of(&self.balance);
-        let formula =
-            gained(|b| b.kinetic) - dot(&inertia[..du.len()], &du) + gained(|b| b.elastic) + step.found.dissipated
-                - work(|f| &f.stored)
-                + gained(|b| b.contact)
-                - work(|f| &f.pressing)
-                - pressed;
+        let formula = gained(|b| b.kinetic) - space.dot(&inertia[..du.len()], &du)
+            + gained(|b| b.elastic)
+            + step.found.dissipated
+            - work(|f| &f.stored)
+            + gained(|b| b.contact)
+            - work(|f| &f.pressing)
+            - pressed;
         let scheme = if self.ends_balanced { formula } else { gap };
         next.scheme += scheme;
         next.unbalanced += gap - scheme;

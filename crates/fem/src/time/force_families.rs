@@ -6,7 +6,7 @@ use crate::error::Inadmissible;
 use crate::model::Model;
 use crate::solution::state::State;
 use nastic_linear::SparseMatrix;
-use nastic_numeric::vector::{axpy, dot, sub};
+use nastic_numeric::vector::{axpy, sub};
 use nastic_tensor::Vec3;
 
 const BOTH: Demand = Demand { energy: true, force: true };
@@ -92,7 +92,8 @@ impl ForceFamilies {
         };
         let momentum = state.velocity.as_ref().and_then(|v| Some((v, product(v)?)));
         ForceFamilies {
-            kinetic: momentum.map_or(0.0, |(v, momentum)| 0.5 * dot(v, &momentum)),
+            kinetic: momentum
+                .map_or(0.0, |(v, momentum)| 0.5 * model.unknowns().dot(model.nodal(v), model.nodal(&momentum))),
             elastic: 0.0,
             contact: 0.0,
             dissipated: 0.0,
