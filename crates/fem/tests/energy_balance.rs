@@ -84,7 +84,7 @@ fn a_scheme_adds_to_an_oscillator_what_its_amplification_says() -> Outcome {
             let found = principal(&amplification(&solid, &scheme)?);
             let Some((root, mode)) = found else { continue };
             seen.push(scheme.name());
-            let mut sums = vec![[0.0; 2]; 5];
+            let mut sums = [[0.0; 2]; 5];
             for part in [mode.map(|c| c.re), mode.map(|c| c.im)] {
                 let run = motion(&solid, &scheme, uniform(&solid, part[0], part[1], Some(part[2])), 4, 1.0)?;
                 for (sum, balance) in sums.iter_mut().zip(ledger(&solid, &scheme, &run)?) {

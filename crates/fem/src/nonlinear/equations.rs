@@ -272,10 +272,14 @@ impl<'a> Equations<'a> {
         (residual, relative)
     }
 
-    /// The norm of the forces that the moduli of the body make where it strains by 1: forces have this scale where there are none.
+    /// The norm of the forces that the moduli of the body make where it strains by 1: forces have this scale where there are none. Zero of a body over ranks, which
+    /// sends no message for it.
     pub fn force_of_moduli(&self) -> f64 {
         let Equations { model, .. } = self;
-        model.unknowns().total(model.body.squared_force_of_moduli(&model.rigid_cells())).sqrt()
+        match model.is_over_ranks() {
+            true => 0.0,
+            false => model.body.squared_force_of_moduli(&model.rigid_cells()).sqrt(),
+        }
     }
 
     /// The largest residual of a constraint relative to its own scale; zero without constraints.

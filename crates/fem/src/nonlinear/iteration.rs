@@ -222,7 +222,8 @@ impl<'a> Iteration<'a> {
             let reported = relative * (scale / (LEAST_FORCE * moduli)).min(1.0);
             record(&now.sums, reported, report);
             forces = forces.max(scale);
-            let below_moduli = relative > ROUNDING
+            let below_moduli = moduli > 0.0
+                && relative > ROUNDING
                 && space.norm(&residual[..equations.dofs()]) <= NOISE_OF_MODULI * moduli
                 && equations.constraint_residual(&residual, &now.sums) <= ROUNDING;
             let meaningless =
