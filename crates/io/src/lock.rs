@@ -35,6 +35,12 @@ pub enum LockError {
 }
 
 impl DirectoryLock {
+    /// Whether a program locks or has locked a directory.
+    #[must_use]
+    pub fn is_there(directory: &Path) -> bool {
+        directory.join(NAME).exists()
+    }
+
     /// Locks a directory that exists.
     ///
     /// # Errors

@@ -11,6 +11,7 @@ use crate::solution::options::Progress;
 use crate::solution::state::{SolveReport, State};
 use nastic_linear::LinearError;
 use nastic_linear::solver::Curvature;
+use std::cell::OnceCell;
 
 /// Below this relative residual a step that does not halve it has met the limit of double precision.
 pub(crate) const ROUNDING: f64 = 1e-10;
@@ -212,32 +213,30 @@ impl<'a> Iteration<'a> {
         let (mut before, mut least) = (f64::INFINITY, f64::INFINITY);
         let none = Reached { curvature: Curvature::Positive, energy: 0.0, apart: false, noisy: false, tiny: false };
         let (mut last, mut forces) = (none, 0.0_f64);
-        let (shifted, moduli) = (report.shifted, equations.force_of_moduli());
+        // a pass over the cells, which few iterations ask for
+        let (shifted, of_moduli) = (report.shifted, OnceCell::new());
+        let moduli = || *of_moduli.get_or_init(|| equations.force_of_moduli());
         for iteration in 0..=limits.most {
             if equations.model.unknowns().any(equations.options.cancelled()) {
                 return Err(Stop::Cancelled);
             }
             let space = equations.model.unknowns();
             let scale = space.norm(&now.sums.force_scale[..equations.dofs()]);
-            let reported = relative * (scale / (LEAST_FORCE * moduli)).min(1.0);
-            record(&now.sums, reported, report);
+            record(&now.sums, relative, report);
             forces = forces.max(scale);
-            let below_moduli = moduli > 0.0
-                && relative > ROUNDING
-                && space.norm(&residual[..equations.dofs()]) <= NOISE_OF_MODULI * moduli
-                && equations.constraint_residual(&residual, &now.sums) <= ROUNDING;
-            let meaningless =
-                equations.is_static() && self.leaves(relative * scale, moduli, &last) > RESOLVED && reported > RESOLVED;
+            let stalls = relative > ROUNDING && relative > 0.5 * before;
+            let below_moduli = stalls && self.is_below_moduli(&now.sums, &residual, moduli());
+            let beside_moduli = || relative * (scale / (LEAST_FORCE * moduli())).min(1.0);
+            let odd = last.tiny && equations.is_static() && relative > RESOLVED && beside_moduli() > RESOLVED;
+            let meaningless = odd && self.leaves(relative * scale, moduli(), &last) > RESOLVED;
             let left = Left { relative, scale, forces, meaningless, below_moduli, before, accuracy: limits.accuracy };
             if !direction.is_pending() && left.is_equilibrium(&last, |share| self.is_below(share, &residual, &last)) {
+                if relative > limits.accuracy {
+                    report.residual = beside_moduli();
+                }
                 return Ok(last.curvature);
             }
-            // multipliers may still move where the body does not
-            let unresolved = last.tiny && !last.apart && equations.model.unknowns().multipliers() == 0;
-            let lost = iteration >= limits.lost.0 && report.shifted - shifted >= limits.lost.1;
-            let diverged = limits.diverged.is_finite() && (relative > limits.diverged * least || !relative.is_finite());
-            let creeps = self.short >= limits.creeps.0;
-            if iteration == limits.most || unresolved || lost || diverged || creeps {
+            if self.gives_up((iteration, report.shifted - shifted), relative, least, &last) {
                 return Err(Stop::Slow { residual: relative });
             }
             (before, least) = (relative, relative.min(least));
@@ -295,6 +294,25 @@ impl<'a> Iteration<'a> {
         self.length = taken.length;
         let noisy = self.is_noisy(&step, taken.length, apart);
         Ok((taken.x, taken.now, Reached { curvature: step.curvature, energy: step.scale, apart, noisy, tiny }))
+    }
+
+    /// Whether an iteration that tangents were shifted in so many times leads nowhere.
+    fn gives_up(&self, (iteration, shifts): (usize, usize), relative: f64, least: f64, last: &Reached) -> bool {
+        let limits = &self.limits;
+        // multipliers may still move where the body does not
+        let unresolved = last.tiny && !last.apart && self.equations.model.unknowns().multipliers() == 0;
+        let lost = iteration >= limits.lost.0 && shifts >= limits.lost.1;
+        let diverged = limits.diverged.is_finite() && (relative > limits.diverged * least || !relative.is_finite());
+        let creeps = self.short >= limits.creeps.0;
+        iteration == limits.most || unresolved || lost || diverged || creeps
+    }
+
+    /// Whether forces are below what rounding makes of moduli, and constraints are held to rounding; not over ranks, where nobody asks for it.
+    fn is_below_moduli(&self, now: &Sums, residual: &[f64], moduli: f64) -> bool {
+        let (equations, space) = (self.equations, self.equations.model.unknowns());
+        moduli > 0.0
+            && space.norm(&residual[..equations.dofs()]) <= NOISE_OF_MODULI * moduli
+            && equations.constraint_residual(residual, now) <= ROUNDING
     }
 
     /// A residual by a small share of what a strain of 1 takes; where something touches, whose stiffness says nothing of the body, by that of moduli.

@@ -48,7 +48,13 @@ impl Directory {
             return Err(DirectoryError::Input { file });
         }
         // before anything is written there
-        refuse_others(&path, &names, &WrittenFiles::of(&path)?)?;
+        if let Err(others) = refuse_others(&path, &names, &WrittenFiles::of(&path)?) {
+            // a program at work there writes files behind the list that was just read, and is the reason then
+            if DirectoryLock::is_there(&path) {
+                DirectoryLock::acquire(&path)?;
+            }
+            return Err(others);
+        }
         let mut out = Self::lock(path)?;
         out.take_names(names)?;
         Ok(out)
