@@ -7,6 +7,7 @@ use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostics, Document};
 use nastic_run::console::Console;
 use nastic_run::run::{Options, Outcome, RunError, run};
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
@@ -75,7 +76,26 @@ impl CaseDirectory {
         options: &Options,
     ) -> Result<Outcome, RunError> {
         let file = self.write("case.json", case);
-        run(command, &file, options, console)
+        let before = self.files_in_out();
+        let outcome = run(command, &file, options, console);
+        self.new_files_are_listed(&before);
+        outcome
+    }
+
+    /// Names of all files; no directories and no links.
+    fn files_in_out(&self) -> BTreeSet<String> {
+        let entries = std::fs::read_dir(self.path("out")).into_iter().flatten().flatten();
+        let files = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
+        files.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+    }
+
+    /// Whatever a command wrote, the list of nastic's files names: a program that is killed leaves nothing that the next one takes
+    /// for somebody else's.
+    fn new_files_are_listed(&self, before: &BTreeSet<String>) {
+        let list = std::fs::read_to_string(self.path("out/.written")).unwrap_or_default();
+        for name in self.files_in_out().difference(before).filter(|name| !name.starts_with('.')) {
+            assert!(list.lines().any(|line| line.strip_prefix("+ ") == Some(name)), "{name} is not in the list");
+        }
     }
 
     /// What a command says.

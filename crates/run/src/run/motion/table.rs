@@ -191,7 +191,7 @@ impl Table {
         let put_in = |entries: &[f64; 12]| start + entries[STACKED..EnergyBalance::PHYSICAL].iter().sum::<f64>();
         chart = chart.curve(Curve::line("put in", 3.0, all.iter().map(|(t, entries)| (*t, put_in(entries), true))));
         let name = member.file("energies.svg");
-        chart.write(out.file(&name))?;
+        chart.write(out.own(&name)?)?;
         Ok(Some(name))
     }
 }
