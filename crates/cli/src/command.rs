@@ -361,8 +361,10 @@ fn print_error(error: &RunError) {
     match error {
         RunError::Input(problems) => {
             problems.list().iter().for_each(|problem| complain(&problem.to_string()));
-            if let n @ 2.. = problems.list().len() {
-                complain(&format!("{n} problems"));
+            match problems.list().len() {
+                n if problems.has_more() => complain(&format!("the first {n} problems; there are more")),
+                0 | 1 => {}
+                n => complain(&format!("{n} problems")),
             }
         }
         other => complain(&other.to_string()),

@@ -198,6 +198,17 @@ fn overrides_are_read_like_the_file() {
     assert_eq!(found.list().len(), 2, "{found}");
 }
 
+/// A generated file with a mistake in every line ends at once, and says that there are more.
+#[test]
+fn at_most_a_hundred_problems_are_told() {
+    let keys: String = (0..20_000).map(|k| format!("\"key{k}\": {k},\n")).collect();
+    let document = Document::parse("case.json", &format!("{{\n{keys}{}", &COMPLETE.trim_start()[1..])).unwrap();
+    let found = Case::read(&document).unwrap_err();
+    assert!(found.list().len() == Diagnostics::MOST && found.has_more(), "{}", found.list().len());
+    assert!(found.list()[99].to_string().starts_with("case.json:101:1: key99: unknown key"), "{}", found.list()[99]);
+    assert!(found.to_string().ends_with("\nthere are more problems than these 100"), "{found}");
+}
+
 #[test]
 fn errors_found_later_point_at_the_same_lines() {
     let document = Document::parse("case.json", COMPLETE).unwrap();

@@ -32,7 +32,7 @@ const PRODUCTS: usize = 6;
 impl Model {
     /// Solves `K(u*, m) lambda = rhs`, `lambda = 0` on the supports, for every right-hand side (entries on supports are
     /// ignored). K is taken at the state itself: a factor kept in the workspace is a preconditioner, the residual of K(u*) decides.
-    /// The error is `|lambda - exact| <= 1e-9 |exact|` in the energy norm `|v|^2 = v . K v`, as estimated from the steps of conjugate
+    /// The error is `|lambda - exact| <= 1e-13 |exact|` in the energy norm `|v|^2 = v . K v`, as estimated from the steps of conjugate
     /// gradients; with multigrid, or where K(u*) is indefinite, the relative residual is 1e-11.
     ///
     /// Source: docs/model.md section 6; the adjoint of a cost has `rhs = -dj/du`.

@@ -9,11 +9,14 @@ use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent::Tangent;
-use crate::solution::tangent_systems::{EXACT, SYMMETRIC, TangentSystems, Transposition};
+use crate::solution::tangent_systems::{EXACT, TangentSystems, Transposition};
 use crate::solution::workspace::Workspace;
 use nastic_linear::LinearError;
 use nastic_linear::solver::Accuracy;
 use nastic_numeric::vector::axpy;
+
+/// Of products that iterations with them take.
+const ITERATED: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
 
 /// Directional derivatives of a state and its adjoint by the controls, in two linear solves with the factor that a workspace
 /// keeps, as [`Model::adjoint_with`] uses it, and until double precision ends: with `r(u, m) = 0`, `K = r_u` and `K^T lambda = -j_u`,
@@ -64,13 +67,13 @@ impl<'a> SecondOrder<'a> {
             return Err(crate::FemError::Meaningless { what }.into());
         }
         let again = workspace.comes_again(state, model);
-        Ok(SecondOrder { model, state, how, workspace, again, accuracy: SYMMETRIC, report: SolveReport::default() })
+        Ok(SecondOrder { model, state, how, workspace, again, accuracy: EXACT, report: SolveReport::default() })
     }
 
-    /// The same with solutions as exact as an adjoint, which is what iterations with the products need; they are symmetric to less.
+    /// The same with solutions as exact as iterations with the products need them; the products are symmetric to less.
     #[must_use]
     pub fn for_iterations(self) -> Self {
-        SecondOrder { accuracy: EXACT, ..self }
+        SecondOrder { accuracy: ITERATED, ..self }
     }
 
     /// `du` along v.

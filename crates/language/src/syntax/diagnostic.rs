@@ -41,20 +41,32 @@ impl fmt::Display for Diagnostic {
     }
 }
 
-/// All problems of a case, in the order of its lines; never empty as an error.
+/// The problems of a case, in the order of its lines, at most [`MOST`](Self::MOST) of them; never empty as an error.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Error)]
-pub struct Diagnostics(Vec<Diagnostic>);
+pub struct Diagnostics {
+    list: Vec<Diagnostic>,
+    more: bool,
+}
 
 impl Diagnostics {
+    /// Problems that are told at once: nobody reads more, and a generated file may have a hundred thousand.
+    pub const MOST: usize = 100;
+
     /// In the order of lines, each problem once, at the deepest of its paths.
     #[must_use]
     pub fn new(mut list: Vec<Diagnostic>) -> Self {
         list.sort_by_key(|problem| (problem.line, problem.column));
-        let mut kept: Vec<Diagnostic> = Vec::with_capacity(list.len());
+        let mut kept: Vec<Diagnostic> = Vec::new();
+        let mut more = false;
         for problem in list {
-            if !kept.contains(&problem) {
-                kept.push(problem);
+            if kept.contains(&problem) {
+                continue;
             }
+            if kept.len() == Self::MOST {
+                more = true;
+                break;
+            }
+            kept.push(problem);
         }
         let deeper = |one: &Diagnostic, other: &Diagnostic| {
             let inside = other.path.strip_prefix(&one.path).is_some_and(|rest| rest.starts_with('/'));
@@ -63,19 +75,25 @@ impl Diagnostics {
         let told_deeper: Vec<bool> = kept.iter().map(|one| kept.iter().any(|other| deeper(one, other))).collect();
         let mut told_deeper = told_deeper.into_iter();
         kept.retain(|_| !told_deeper.next().unwrap_or_default());
-        Self(kept)
+        Self { list: kept, more }
     }
 
     /// The problems.
     #[must_use]
     pub fn list(&self) -> &[Diagnostic] {
-        &self.0
+        &self.list
+    }
+
+    /// Whether there are more problems than those of the list.
+    #[must_use]
+    pub fn has_more(&self) -> bool {
+        self.more
     }
 
     /// True if nothing is wrong.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.list.is_empty()
     }
 
     /// `Err(self)` unless empty.
@@ -84,24 +102,27 @@ impl Diagnostics {
     ///
     /// Itself.
     pub fn into_result(self) -> Result<(), Self> {
-        if self.0.is_empty() { Ok(()) } else { Err(self) }
+        if self.list.is_empty() { Ok(()) } else { Err(self) }
     }
 }
 
 impl From<Diagnostic> for Diagnostics {
     fn from(one: Diagnostic) -> Self {
-        Self(vec![one])
+        Self { list: vec![one], more: false }
     }
 }
 
 /// One line per problem.
 impl fmt::Display for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, problem) in self.0.iter().enumerate() {
+        for (i, problem) in self.list.iter().enumerate() {
             if i > 0 {
                 f.write_str("\n")?;
             }
             write!(f, "{problem}")?;
+        }
+        if self.more {
+            write!(f, "\nthere are more problems than these {}", self.list.len())?;
         }
         Ok(())
     }

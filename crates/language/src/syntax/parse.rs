@@ -5,6 +5,8 @@ use crate::syntax::node::{Node, Property, SourcePosition, Value};
 use crate::syntax::path::At;
 use jsonc_parser::common::Ranged;
 use jsonc_parser::{CollectOptions, ParseOptions, ast, parse_to_ast};
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 /// The root node. Comments and trailing commas are allowed, every other liberty is not.
 ///
@@ -64,15 +66,19 @@ impl Reading<'_> {
 
     fn members(&mut self, object: &ast::Object<'_>, at: &At) -> Vec<Property> {
         let mut members: Vec<Property> = Vec::with_capacity(object.properties.len());
+        let mut first_places = HashMap::with_capacity(object.properties.len());
         for property in &object.properties {
             let key = property.name.as_str().to_string();
             let start = property.name.start();
             let own = at.key(&key);
             let node = self.node(&property.value, &own);
-            match members.iter().find(|member| member.key == key) {
-                None => members.push(Property { key, place: self.lines.place(start), node }),
-                Some(first) => {
-                    let line = if let SourcePosition::Text { line, .. } = first.place { line } else { 0 };
+            match first_places.entry(key.clone()) {
+                Entry::Vacant(free) => {
+                    let place = free.insert(self.lines.place(start)).clone();
+                    members.push(Property { key, place, node });
+                }
+                Entry::Occupied(first) => {
+                    let line = if let SourcePosition::Text { line, .. } = first.get() { *line } else { 0 };
                     self.complain(start, &own, format!("this key was given before, in line {line}"));
                 }
             }

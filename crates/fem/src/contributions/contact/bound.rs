@@ -107,17 +107,14 @@ impl BoundContact {
             true => Ok(value),
             false => Err(refuse(format!("its {what} is {value}; it must be positive and finite"))),
         };
-        let thickness =
-            positive("thickness", of.layer.thickness.unwrap_or_else(|| defaults::thickness(mesh, &facets)))?;
+        defaults::check_layer(&of.layer, mesh, &facets).map_err(refuse)?;
+        let thickness = of.layer.thickness.unwrap_or_else(|| defaults::thickness(mesh, &facets));
         let usual = defaults::stiffness(of.layer.law, body, &facets);
         defaults::check_stiffness(of.layer.stiffness, usual).map_err(refuse)?;
         let stiffness = of.layer.stiffness.or(usual).ok_or_else(|| {
             refuse(format!("no passive law behind {} says how stiff the body is: give a stiffness", of.surface))
         })?;
         let stiffness = positive("stiffness", stiffness)?;
-        if of.layer.refine == Some(0) {
-            return Err(refuse("refine is 0; it is 1 or more".to_owned()));
-        }
         let slots = slots(of, stiffness)?;
         let obstacle = rounded(&of.obstacle, thickness).map_err(refuse)?;
         let centre = Vec3::from(of.centre.unwrap_or_else(|| defaults::centre(&obstacle)));

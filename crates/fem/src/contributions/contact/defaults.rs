@@ -1,6 +1,7 @@
 //! What a contact takes where it is not given.
 
 use super::ContactLaw;
+use super::layer::Layer;
 use crate::contributions::body_energy::BodyEnergy;
 use nalgebra::Matrix6;
 use nastic_energy::{PointBatch, Response, Slots, Want};
@@ -12,6 +13,10 @@ use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 const THICKNESS: f64 = 1.0 / 500.0;
 /// Stiffness over that which fits the body, at most.
 const MAX_STIFFNESS_RATIO: f64 = 1e6;
+/// Thickness over the largest coordinate of the surface, at least: positions are rounded to 1e-16 of that, gaps with them.
+const MIN_THICKNESS: f64 = 1e-9;
+/// Pieces of all facets together, at most.
+const MAX_PIECES: f64 = 1e7;
 /// Pieces of a facet's edge, unless more are asked for.
 const MOST_PIECES: usize = 4;
 /// Pieces of a facet's edge at least, before an obstacle whose edges are sharper than half of it.
@@ -51,6 +56,36 @@ pub(super) fn check_stiffness(given: Option<f64>, usual: Option<f64>) -> Result<
              leave it out",
             given / usual,
             MAX_STIFFNESS_RATIO * usual
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// What is wrong with a given thickness or refinement on the facets of a surface.
+pub(super) fn check_layer(layer: &Layer, mesh: &Mesh, facets: &[Facet]) -> Result<(), String> {
+    let nodes = mesh.nodes_of_facets(facets);
+    let farthest = nodes.iter().flat_map(|&node| mesh.points()[node as usize]).fold(0.0, |far: f64, x| far.max(x.abs()));
+    match layer.thickness {
+        Some(given) if !(given > 0.0 && given.is_finite()) => {
+            return Err(format!("its thickness is {given}; it must be positive and finite"));
+        }
+        Some(given) if given < MIN_THICKNESS * farthest => {
+            return Err(format!(
+                "a thickness of {given:e} m is {:.0e} of coordinates up to {farthest:e} m: rounding of positions would decide its forces; take at least {:e} m, or \
+                 leave it out",
+                given / farthest,
+                MIN_THICKNESS * farthest
+            ));
+        }
+        _ => {}
+    }
+    let pieces = |n: usize| (n as f64).powi(mesh.dim() as i32 - 1) * facets.len() as f64;
+    match layer.refine {
+        Some(0) => Err("refine is 0; it is 1 or more".to_owned()),
+        Some(n) if pieces(n) > MAX_PIECES => Err(format!(
+            "a refine of {n} cuts {} facets into {:.0e} pieces, and {MAX_PIECES:.0e} is the most: take a smaller one, or a finer mesh",
+            facets.len(),
+            pieces(n)
         )),
         _ => Ok(()),
     }

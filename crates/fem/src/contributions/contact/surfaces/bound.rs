@@ -60,11 +60,11 @@ impl BoundSurfaces {
             true => Ok(value),
             false => Err(refuse(format!("its {what} is {value}; it must be positive and finite"))),
         };
-        let refine = of.layer.refine.unwrap_or(1);
-        if refine == 0 {
-            return Err(refuse("refine is 0; it is 1 or more".to_owned()));
-        }
         let [own, other] = [mesh.facets_of(&of.surfaces[0])?, mesh.facets_of(&of.surfaces[1])?];
+        for facets in [&own, &other] {
+            defaults::check_layer(&of.layer, mesh, facets).map_err(refuse)?;
+        }
+        let refine = of.layer.refine.unwrap_or(1);
         let mut sides = vec![Side::new(disc, (&of.surfaces[0], refine), &other)?];
         if own != other {
             sides.push(Side::new(disc, (&of.surfaces[1], refine), &own)?);
