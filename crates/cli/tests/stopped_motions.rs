@@ -61,7 +61,8 @@ fn motions_that_are_killed_and_stopped_lose_nothing() {
     let mut random = Random(31);
     println!("seed 31, {duration:.2} s undisturbed");
     let (out, mut done, mut stopped) = (place.path("out"), 0, 0);
-    while done < blows {
+    // on a busy machine blows may come before a program has begun or behind its end: some more then
+    while done < blows || (stopped == 0 && done < 10 * blows) {
         let mut kept = [0, 0];
         // links that go on from one another, until one comes to the end
         for link in 0.. {

@@ -150,6 +150,7 @@ impl Solid {
         let surface = surface.into();
         let nodes = self.nodes_of(&surface)?;
         Arc::make_mut(&mut self.model.supports).prescribe(&surface.to_string(), &nodes, values)?;
+        self.model.supports.check_left(&surface.to_string())?;
         Ok(self)
     }
 
@@ -171,6 +172,7 @@ impl Solid {
             })?;
             Arc::make_mut(&mut self.model.supports).prescribe(name, &[node], value(node, *point))?;
         }
+        self.model.supports.check_left(name)?;
         Ok(self)
     }
 
@@ -349,10 +351,11 @@ impl Solid {
     /// Makes a region a rigid body.
     ///
     /// # Errors
-    /// A region that is unknown, flat or in parts; nodes that something else holds, or of another rigid body; a name that is taken.
+    /// A region that is unknown, flat or in parts; nodes that are moved, held as no simplex can be, or of another rigid body; a name that is taken.
     pub fn rigid(self, body: &RigidBody) -> Result<Self, FemError> {
-        let contribution =
-            self.before_damping("rigid body").and_then(|()| body.on(self.whole_mesh("a rigid body")?))?;
+        let contribution = self
+            .before_damping("rigid body")
+            .and_then(|()| body.on(self.whole_mesh("a rigid body")?, self.supports()))?;
         self.contribution(contribution)
     }
 

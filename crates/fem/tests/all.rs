@@ -72,6 +72,7 @@ mod reference;
 mod regions;
 mod rigid_body;
 mod rigid_equilibria;
+mod rigid_supports;
 mod second_order;
 mod siere;
 mod slender;

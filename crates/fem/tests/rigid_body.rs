@@ -441,7 +441,9 @@ fn what_does_not_go_with_rigid_bodies_is_refused() -> Outcome {
     says(&beam(CellKind::Hex8, 1.0)?.rigid(&RigidBody::new("insert", "none")).unwrap_err(), "none");
     let twice = beam(CellKind::Hex8, 1.0)?.rigid(&insert)?.rigid(&RigidBody::new("other", "hard"));
     says(&twice.unwrap_err(), "belongs to \"other\" and to \"insert\"");
-    says(&beam(CellKind::Hex8, 1.0)?.rigid(&RigidBody::new("all", ["soft", "hard"])).unwrap_err(), "\"x-\" holds node");
+    let moved = beam(CellKind::Hex8, 1.0)?.displace_nodes("tip", &[77], |_, _| [Some(0.1), None, None])?.rigid(&insert);
+    let moved = moved.map(|_| ()).unwrap_err();
+    says(&moved, "\"tip\" moves node 77");
     let held = beam(CellKind::Hex8, 1.0)?.rigid(&insert)?.displace("y-", [None, Some(0.0), None]);
     says(&held.unwrap_err(), "of the rigid body \"insert\"");
     let body = beam(CellKind::Hex8, 1.0)?.rigid(&insert)?;

@@ -2,10 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
+use crate::common::CaseDirectory;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::run::{Exit, Options, run};
-use crate::common::CaseDirectory;
 use std::path::PathBuf;
 
 const CASE: &str = r#"{ "nastic": 1, "units": "mm",

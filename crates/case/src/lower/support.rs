@@ -3,8 +3,10 @@
 use super::context::Context;
 use super::named::attempt;
 use super::named_groups::NamedGroups;
+use crate::warning::INPUT;
 use nastic_fem::{Foundation, Solid};
 use nastic_language::expression::EvaluationError;
+use nastic_language::number::count;
 use nastic_language::schema::{Along, Case, Displacement, Support};
 use nastic_language::syntax::At;
 use nastic_mesh::Mesh;
@@ -27,6 +29,18 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
                 known.and_then(|k| values.get(k)).copied().unwrap_or([None; 3])
             })
         });
+        warn_of_led(solid, &place.names.to_string(), &support.at, context);
+    }
+}
+
+/// A motion leads the nodes that a support holds too, which may not be what was meant.
+fn warn_of_led(solid: &Solid, name: &str, at: &At, context: &mut Context<'_>) {
+    for (motion, _, nodes) in solid.supports().shared_with_motions().filter(|(_, support, _)| *support == name) {
+        let message = format!(
+            "the motion \"{motion}\" has {} of this support too, and leads them in the components that both hold",
+            count(nodes, "node")
+        );
+        context.warn(&INPUT, at, message);
     }
 }
 

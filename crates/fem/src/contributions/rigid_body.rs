@@ -1,11 +1,17 @@
 //! [`RigidBody`]: a region that moves as a rigid body.
 
+mod held;
+mod simplex;
+
+use self::held::Held;
+use self::simplex::{Affine, simplex};
 use super::rotation::vector;
 use super::tied::Tied;
 use super::{
     Constrains, Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sensitivities,
     Sums,
 };
+use crate::discretization::supports::Supports;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
 use nalgebra::DMatrix;
 use nastic_linear::SparseMatrix;
@@ -16,8 +22,6 @@ use nastic_tensor::{Mat3, Vec3, polar_rotation};
 /// The components of the constraints.
 const PLANE: [(usize, usize); 3] = [(0, 0), (1, 1), (0, 1)];
 const SPACE: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-/// Largest slope of an affine function on a simplex, per size of it, that is not flat.
-const FLAT: f64 = 1e8;
 
 /// A region that moves as a rigid body: an object that is grasped, an insert moulded into silicone.
 ///
@@ -30,6 +34,9 @@ const FLAT: f64 = 1e8;
 /// on its surface, act on these, so that momentum and moments are those of the region. The multipliers are the mean second Piola-Kirchhoff stress that
 /// holds it rigid, with the opposite sign. Its law is without effect but for the stiffness that contacts take from it. In steps in time
 /// the constraints hold at the end of each, so that nothing drifts.
+///
+/// Supports may hold components of its nodes at zero: planes of symmetry, hinges, a joint. The corners of the simplex are chosen among the nodes that they hold,
+/// and constraints that they fulfil by themselves are left out.
 ///
 /// Source: Lan et al., Affine Body Dynamics, ACM Trans. Graph. 41 (2022), section 3, for the affine unknowns, with constraints in the place of a stiff
 /// potential; docs/model.md section 4.
@@ -48,8 +55,8 @@ impl RigidBody {
     /// The contribution on a mesh.
     ///
     /// # Errors
-    /// An unknown region, one that is flat.
-    pub(crate) fn on(&self, mesh: &Mesh) -> Result<Rigid, FemError> {
+    /// An unknown region, one that is flat; supports that hold it at other values than zero, or otherwise than at corners of a simplex.
+    pub(crate) fn on(&self, mesh: &Mesh, supports: &Supports) -> Result<Rigid, FemError> {
         let cells = mesh.cells_of(&self.region)?;
         let mut nodes: Vec<u32> = cells.iter().flat_map(|&cell| mesh.cell(cell as usize).nodes.to_vec()).collect();
         nodes.sort_unstable();
@@ -60,7 +67,8 @@ impl RigidBody {
         }
         self.check_connected(mesh, &cells, &nodes)?;
         let place = |node: u32| Vec3::from(mesh.points()[node as usize]);
-        let masters = simplex(&nodes, mesh.dim(), place);
+        let held = |node: u32| (0..mesh.dim()).filter(|&c| supports.holds(node, c)).count();
+        let masters = simplex(&nodes, mesh.dim(), place, held);
         let corners: Vec<Vec3> = masters.iter().map(|&node| place(node)).collect();
         let shapes = Affine::of(&corners, mesh.dim()).ok_or_else(|| {
             let what =
@@ -73,20 +81,23 @@ impl RigidBody {
         let centre = cells.iter().map(moment).sum::<Vec3>() / volume;
         let follow = |node: u32| (node, masters.iter().copied().zip(shapes.at(&place(node))).collect());
         let follows = nodes.iter().filter(|node| !masters.contains(node)).map(|&node| follow(node)).collect();
-        Ok(Rigid {
+        let (held, implied) = Held::of(&masters, &corners, mesh.dim(), supports);
+        let all: &[(usize, usize)] = if mesh.dim() == 2 { &PLANE } else { &SPACE };
+        let rigid = Rigid {
             name: self.name.clone(),
             dim: mesh.dim(),
+            components: all.to_vec(),
+            held,
             centre: shapes.at(&centre),
             gradients: shapes.gradients,
             corners,
-            tied: Tied { masters: masters.clone(), follows },
+            tied: Tied { masters: masters.clone(), implied, follows },
             masters,
             volume,
-        })
+        };
+        rigid.without_fulfilled()
     }
-}
 
-impl RigidBody {
     /// Refuses parts that share no node: they are bodies of their own.
     fn check_connected(&self, mesh: &Mesh, cells: &[u32], nodes: &[u32]) -> Result<(), FemError> {
         let mut sets = DisjointSets::new(mesh.points().len());
@@ -111,64 +122,6 @@ impl RigidBody {
     }
 }
 
-/// The nodes of a simplex that is about as large as a body: the node farthest from their middle, then each time the one farthest from the point, line or plane
-/// of those before; of several the lowest.
-fn simplex(nodes: &[u32], dim: usize, place: impl Fn(u32) -> Vec3) -> Vec<u32> {
-    let middle = nodes.iter().map(|&node| place(node)).sum::<Vec3>() / nodes.len() as f64;
-    let farthest = |distance: &dyn Fn(Vec3) -> f64| {
-        let mut found = (f64::NEG_INFINITY, nodes[0]);
-        for &node in nodes {
-            let d = distance(place(node));
-            // rounding decides nothing
-            if d > found.0 * (1.0 + 1e-9) {
-                found = (d, node);
-            }
-        }
-        found.1
-    };
-    let mut chosen = vec![farthest(&|x| (x - middle).norm())];
-    let (mut origin, mut axes) = (place(chosen[0]), Vec::<Vec3>::new());
-    for _ in 0..dim {
-        let across = |x: Vec3| axes.iter().fold(x - origin, |r, axis| r - axis * axis.dot(&r));
-        let next = farthest(&|x| across(x).norm());
-        let axis = across(place(next)).normalize();
-        chosen.push(next);
-        axes.push(axis);
-        origin = place(chosen[0]);
-    }
-    chosen
-}
-
-/// Affine functions that are one at a corner of a simplex and zero at the others.
-struct Affine {
-    origin: Vec3,
-    values: Vec<f64>,
-    gradients: Vec<Vec3>,
-}
-
-impl Affine {
-    /// `None` of corners in a plane, or in space on a line.
-    fn of(corners: &[Vec3], dim: usize) -> Option<Self> {
-        let origin = corners[0];
-        let size = corners.iter().map(|x| (x - origin).norm()).fold(0.0, f64::max);
-        let row = |i: usize, j: usize| if j == 0 { 1.0 } else { (corners[i][j - 1] - origin[j - 1]) / size };
-        let inverse = DMatrix::from_fn(dim + 1, dim + 1, row).try_inverse()?;
-        if !inverse.iter().all(|entry| entry.abs() < FLAT) {
-            return None;
-        }
-        let gradient = |m: usize| Vec3::from_fn(|j, _| if j < dim { inverse[(j + 1, m)] / size } else { 0.0 });
-        Some(Affine {
-            origin,
-            values: (0..=dim).map(|m| inverse[(0, m)]).collect(),
-            gradients: (0..=dim).map(gradient).collect(),
-        })
-    }
-
-    fn at(&self, x: &Vec3) -> Vec<f64> {
-        self.values.iter().zip(&self.gradients).map(|(value, g)| value + g.dot(&(x - self.origin))).collect()
-    }
-}
-
 /// The contribution of a [`RigidBody`].
 #[derive(Debug)]
 pub(crate) struct Rigid {
@@ -183,14 +136,12 @@ pub(crate) struct Rigid {
     centre: Vec<f64>,
     volume: f64,
     tied: Tied,
+    /// Rows and columns of the components of the constraints, as many as there are.
+    components: Vec<(usize, usize)>,
+    held: Held,
 }
 
 impl Rigid {
-    /// Rows and columns of the components of the constraints, as many as there are.
-    fn components(&self) -> &'static [(usize, usize)] {
-        if self.dim == 2 { &PLANE } else { &SPACE }
-    }
-
     /// The displacement of a node of the simplex in a vector of all.
     fn of_node(&self, u: &[f64], m: usize) -> Vec3 {
         let first = self.dim * self.masters[m] as usize;
@@ -209,7 +160,7 @@ impl Rigid {
     /// V P, P the symmetric matrix of one number for each constraint.
     fn symmetric(&self, of: impl Fn(usize) -> f64) -> Mat3 {
         let mut p = Mat3::zeros();
-        for (k, &(i, j)) in self.components().iter().enumerate() {
+        for (k, &(i, j)) in self.components.iter().enumerate() {
             (p[(i, j)], p[(j, i)]) = (self.volume * of(k), self.volume * of(k));
         }
         p
@@ -228,17 +179,20 @@ impl Rigid {
         let both = a.transpose() * b;
         let half = |(i, j): &(usize, usize)| if i == j { 0.5 } else { 1.0 };
         let of = |at: &(usize, usize)| self.volume * half(at) * 0.5 * (both[*at] + both[(at.1, at.0)]);
-        self.components().iter().map(of).collect()
+        self.components.iter().map(of).collect()
     }
 }
 
 impl Constrains for Rigid {
     fn count(&self) -> usize {
-        self.components().len()
+        self.components.len()
     }
 
     /// The rigid motion nearest to the affine one: its centre stays, F becomes its rotation.
     fn restored(&self, u: &[f64]) -> Option<Vec<(usize, f64)>> {
+        if !self.held.is_empty() {
+            return self.restored_beside_supports(u);
+        }
         let turn = polar_rotation(&self.f(u))?;
         let weighted =
             |of: &dyn Fn(usize) -> Vec3| (0..self.masters.len()).map(|m| of(m) * self.centre[m]).sum::<Vec3>();
@@ -251,9 +205,17 @@ impl Constrains for Rigid {
         Some(nodes.flat_map(place).collect())
     }
 
-    /// Translations, and rotations about the middle of the simplex.
+    /// Translations, and rotations about the middle of the simplex; beside supports those that these let go, and what they hold.
     fn local(&self, at: &Instant) -> Option<(Vec<u32>, DMatrix<f64>)> {
-        let places: Vec<Vec3> = (0..self.masters.len()).map(|m| self.corners[m] + self.of_node(at.u, m)).collect();
+        let motions = self.motions(|m| self.of_node(at.u, m));
+        Some((self.masters.clone(), self.held.let_go(&motions)))
+    }
+}
+
+impl Rigid {
+    /// Rigid motions at a displacement of the corners: changes of their unknowns, by columns.
+    fn motions(&self, displacement: impl Fn(usize) -> Vec3) -> DMatrix<f64> {
+        let places: Vec<Vec3> = (0..self.masters.len()).map(|m| self.corners[m] + displacement(m)).collect();
         let middle = places.iter().sum::<Vec3>() / places.len() as f64;
         let (dim, size) = (self.dim, places.iter().map(|x| (x - middle).norm()).fold(0.0, f64::max));
         let axes = if dim == 2 { vec![Vec3::z()] } else { vec![Vec3::x(), Vec3::y(), Vec3::z()] };
@@ -261,7 +223,7 @@ impl Constrains for Rigid {
             None => f64::from(u8::from(i % dim == j)),
             Some(axis) => axes[axis].cross(&(places[i / dim] - middle))[i % dim] / size,
         };
-        Some((self.masters.clone(), DMatrix::from_fn(dim * places.len(), dim + axes.len(), motion)))
+        DMatrix::from_fn(dim * places.len(), dim + axes.len(), motion)
     }
 }
 

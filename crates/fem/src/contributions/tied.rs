@@ -6,6 +6,8 @@
 pub struct Tied {
     /// Those that are followed, whose unknowns may be mixed with each other where [constraints](crate::Constrains::local) on them are eliminated.
     pub masters: Vec<u32>,
+    /// Components of those that are held because supports hold others.
+    pub implied: Vec<(u32, usize)>,
     /// Nodes that follow, each with those that it follows, which follow none, and their weights.
     pub follows: Vec<(u32, Vec<(u32, f64)>)>,
 }

@@ -68,7 +68,9 @@ impl Solid {
     /// [`Inadmissible`] where u is.
     pub fn nodal_reactions(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
         let at = Instant::of(state);
-        let force = self.model().evaluate(&at, Demand { energy: false, force: true })?.force;
+        let mut force = self.model().evaluate(&at, Demand { energy: false, force: true })?.force;
+        let supports = self.supports();
+        supports.ties().restrict(supports.block, &mut force);
         let (dim, fixed) = (self.mesh().dim(), self.supports().fixed());
         let held = |dof: usize| if fixed[dof] { force[dof] } else { 0.0 };
         let node = |a: usize| (0..3).map(move |c| if c < dim { held(a * dim + c) } else { 0.0 });

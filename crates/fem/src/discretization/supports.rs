@@ -22,6 +22,8 @@ pub struct Supports {
     value: Vec<f64>,
     /// Unknowns whose value is a function of controls, by the name of what drives them; `value` is 0 there.
     driven: BTreeMap<u32, String>,
+    /// Nodes that motions lead though supports hold them, by the names of both.
+    led: BTreeMap<(String, String), BTreeSet<u32>>,
     /// Supported unknowns by the name of the surface or node set, for reactions.
     groups: Vec<(String, Vec<u32>)>,
     /// Nodes that follow others.
@@ -39,6 +41,7 @@ impl Supports {
             fixed: vec![false; dofs],
             value: vec![0.0; dofs],
             driven: BTreeMap::new(),
+            led: BTreeMap::new(),
             groups: vec![],
             ties: Ties::default(),
             tied: BTreeMap::new(),
@@ -82,7 +85,10 @@ impl Supports {
                 return Err(held_and_tied(name, body, node));
             }
             if let Some(driver) = self.driven.get(&(dof as u32)) {
-                return Err(held_twice(driver, name, node as usize));
+                // the motion leads what both hold
+                let driver = driver.clone();
+                self.led(driver, name, node);
+                continue;
             }
             if self.fixed[dof] && self.value[dof] != value {
                 return Err(FemError::SupportConflict {
@@ -99,6 +105,26 @@ impl Supports {
         }
         self.group(name).extend(new);
         Ok(())
+    }
+
+    /// Refuses a support of which motions leave nothing.
+    pub(crate) fn check_left(&self, name: &str) -> Result<(), FemError> {
+        let left = self.groups.iter().any(|(own, dofs)| own == name && !dofs.is_empty());
+        match self.led.iter().find(|((_, support), _)| support == name && !left) {
+            None => Ok(()),
+            Some(((motion, _), nodes)) => {
+                Err(led_wholly(motion, name, nodes.first().copied().unwrap_or_default() as usize))
+            }
+        }
+    }
+
+    fn led(&mut self, motion: String, support: &str, node: u32) {
+        self.led.entry((motion, support.to_owned())).or_default().insert(node);
+    }
+
+    /// Nodes that a motion and a support both hold, which the motion leads in the components that both have: its name, that of the support, how many.
+    pub fn shared_with_motions(&self) -> impl Iterator<Item = (&str, &str, usize)> {
+        self.led.iter().map(|((motion, support), nodes)| (motion.as_str(), support.as_str(), nodes.len()))
     }
 
     /// The unknowns of the supports of a name.
@@ -140,8 +166,8 @@ impl Supports {
         let driven = self.driven.iter().filter_map(|(dof, name)| Some((moved(dof)?, name.clone()))).collect();
         let group = |(name, dofs): &(String, Vec<u32>)| (name.clone(), dofs.iter().filter_map(moved).collect());
         let groups = self.groups.iter().map(group).collect();
-        let (ties, tied) = (self.ties.clone(), self.tied.clone());
-        Supports { dim: self.dim, block, fixed, value, driven, groups, ties, tied }
+        let (ties, tied, led) = (self.ties.clone(), self.tied.clone(), self.led.clone());
+        Supports { dim: self.dim, block, fixed, value, driven, led, groups, ties, tied }
     }
 
     /// Holds unknowns at values that are functions of controls.
@@ -157,12 +183,21 @@ impl Supports {
             if let Some(body) = self.tied.get(&(node as u32)) {
                 return Err(held_and_tied(name, body, node as u32));
             }
-            if self.fixed[dof as usize] {
-                let holds = |(_, group): &&(String, Vec<u32>)| group.contains(&dof);
-                let other = self.groups.iter().find(holds).map_or("", |(other, _)| other);
-                return Err(held_twice(name, other, node));
+            if let Some(other) = self.driven.get(&dof) {
+                let what =
+                    format!("motion \"{name}\" moves node {node}, which \"{other}\" moves too; let one of them go");
+                return Err(FemError::Meaningless { what });
             }
         }
+        for &dof in dofs.iter().filter(|dof| self.fixed[**dof as usize]).collect::<Vec<_>>() {
+            let (node, c) = (dof / self.block as u32, dof as usize % self.block);
+            let support = self.holder(node, c).to_owned();
+            self.groups.iter_mut().for_each(|(_, group)| group.retain(|own| *own != dof));
+            self.value[dof as usize] = 0.0;
+            self.led(name.to_owned(), &support, node);
+        }
+        let supports: BTreeSet<String> = self.led.keys().map(|(_, support)| support.clone()).collect();
+        supports.iter().try_for_each(|support| self.check_left(support))?;
         for &dof in dofs {
             self.fixed[dof as usize] = true;
             self.driven.insert(dof, name.to_owned());
@@ -173,7 +208,7 @@ impl Supports {
 
     /// Lets nodes follow others.
     pub(crate) fn tie(&mut self, name: &str, tied: &Tied) -> Result<(), FemError> {
-        let Tied { masters, follows } = tied;
+        let Tied { masters, implied, follows } = tied;
         let nodes: Vec<u32> = masters.iter().copied().chain(follows.iter().map(|(node, _)| *node)).collect();
         for &node in &nodes {
             if let Some(other) = self.tied.get(&node) {
@@ -182,11 +217,18 @@ impl Supports {
                 );
                 return Err(FemError::Meaningless { what });
             }
-            if let Some(c) = (0..self.dim).find(|c| self.fixed[node as usize * self.block + c]) {
-                let dof = node * self.block as u32 + c as u32;
-                let holds = |(_, group): &&(String, Vec<u32>)| group.contains(&dof);
-                let support = self.groups.iter().find(holds).map_or("", |(support, _)| support);
-                return Err(held_and_tied(support, name, node));
+            if let Some(c) = (0..self.dim).find(|&c| self.holds(node, c) && !self.holds_at_rest(self.dof(node, c))) {
+                return Err(held_and_tied(self.holder(node, c), name, node));
+            }
+        }
+        for (node, c) in implied {
+            self.hold_implied(masters, (*node, *c));
+        }
+        for (node, weights) in follows {
+            for c in 0..self.dim {
+                if self.holds(*node, c) {
+                    self.hand_over(name, (*node, c), weights)?;
+                }
             }
         }
         let count = self.fixed.len() / self.block;
@@ -197,6 +239,55 @@ impl Supports {
         })?;
         self.tied.extend(nodes.iter().map(|&node| (node, name.to_owned())));
         Ok(())
+    }
+
+    /// Holds a component of a corner for the supports that hold it at others.
+    fn hold_implied(&mut self, masters: &[u32], (node, c): (u32, usize)) {
+        let own = self.dof(node, c);
+        let others: Vec<u32> = masters.iter().map(|&other| self.dof(other, c) as u32).collect();
+        self.fixed[own] = true;
+        let holding = self.groups.iter_mut().find(|(_, group)| others.iter().any(|other| group.contains(other)));
+        if let Some((_, group)) = holding {
+            group.push(own as u32);
+        }
+    }
+
+    /// Lets the nodes that a held one follows be held in its place; they have to be so.
+    fn hand_over(&mut self, name: &str, (node, c): (u32, usize), weights: &[(u32, f64)]) -> Result<(), FemError> {
+        let followed: Vec<u32> =
+            weights.iter().filter(|(_, weight)| weight.abs() > ON_TIES).map(|(node, _)| *node).collect();
+        if let Some(free) = followed.iter().find(|master| !self.holds(**master, c)) {
+            let what = format!(
+                "\"{}\" holds {} of node {node} of the rigid body \"{name}\", which follows node {free} that is not held in it: of a rigid body supports \
+                 can hold points, lines or planes of nodes of one simplex (planes of symmetry, a hinge, a joint); let one of them go, or hold it by springs",
+                self.holder(node, c),
+                AXES[c]
+            );
+            return Err(FemError::Meaningless { what });
+        }
+        let (block, own) = (self.block as u32, node * self.block as u32 + c as u32);
+        self.fixed[own as usize] = false;
+        for (_, group) in self.groups.iter_mut().filter(|(_, group)| group.contains(&own)) {
+            group.retain(|dof| *dof != own);
+            group.extend(followed.iter().map(|master| master * block + c as u32));
+        }
+        Ok(())
+    }
+
+    fn dof(&self, node: u32, c: usize) -> usize {
+        node as usize * self.block + c
+    }
+
+    /// Whether a component of the displacement of a node is held.
+    pub fn holds(&self, node: u32, c: usize) -> bool {
+        self.fixed[self.dof(node, c)]
+    }
+
+    /// The name of what holds it.
+    fn holder(&self, node: u32, c: usize) -> &str {
+        let dof = self.dof(node, c) as u32;
+        let holds = |(_, group): &&(String, Vec<u32>)| group.contains(&dof);
+        self.groups.iter().find(holds).map_or("", |(support, _)| support)
     }
 
     /// What a node is tied to others by, if it is.
@@ -281,6 +372,8 @@ impl Supports {
 
     /// Sum over each support's nodes of an internal-force vector: the reactions of the displacement, by support.
     pub fn reactions(&self, force: &[f64]) -> Vec<(String, [f64; 3])> {
+        let mut force = force.to_vec();
+        self.ties.restrict(self.block, &mut force);
         let sum = |dofs: &[u32]| {
             let mut total = [0.0; 3];
             // a component that two supports of one name prescribe counts once
@@ -294,14 +387,17 @@ impl Supports {
     }
 }
 
-fn held_twice(motion: &str, other: &str, node: usize) -> FemError {
-    let what = format!("motion \"{motion}\" moves node {node}, which \"{other}\" holds too; let one of them go");
+fn led_wholly(motion: &str, other: &str, node: usize) -> FemError {
+    let what = format!(
+        "motion \"{motion}\" moves node {node}, which \"{other}\" holds too, as all else that it holds; let one of them go"
+    );
     FemError::Meaningless { what }
 }
 
 fn held_and_tied(support: &str, body: &str, node: u32) -> FemError {
     let what = format!(
-        "\"{support}\" holds node {node} of the rigid body \"{body}\"; let one of them go: hold its surface with a law in the place of \"rigid\", or by a foundation or springs"
+        "\"{support}\" moves node {node} of the rigid body \"{body}\", or came behind it: supports that hold components at zero, added before it, may have nodes of rigid bodies; \
+         else let one of them go: hold its surface with a law in the place of \"rigid\", or by a foundation or springs"
     );
     FemError::Meaningless { what }
 }

@@ -64,7 +64,8 @@ pub(super) fn check_stiffness(given: Option<f64>, usual: Option<f64>) -> Result<
 /// What is wrong with a given thickness or refinement on the facets of a surface.
 pub(super) fn check_layer(layer: &Layer, mesh: &Mesh, facets: &[Facet]) -> Result<(), String> {
     let nodes = mesh.nodes_of_facets(facets);
-    let farthest = nodes.iter().flat_map(|&node| mesh.points()[node as usize]).fold(0.0, |far: f64, x| far.max(x.abs()));
+    let farthest =
+        nodes.iter().flat_map(|&node| mesh.points()[node as usize]).fold(0.0, |far: f64, x| far.max(x.abs()));
     match layer.thickness {
         Some(given) if !(given > 0.0 && given.is_finite()) => {
             return Err(format!("its thickness is {given}; it must be positive and finite"));
