@@ -13,6 +13,7 @@ mod body;
 mod coarse_steps;
 mod constraint;
 mod contact;
+mod contact_doubts;
 mod context;
 mod control;
 mod control_field;

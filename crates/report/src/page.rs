@@ -58,8 +58,8 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
         tables::case(folder.case.as_deref()),
     ]
     .concat();
-    // "</" would end the element.
-    let data = json!({ "view": view, "plots": plots, "fields": fields(result) }).to_string().replace("</", "<\\/");
+    // "</" would end the element, "<!--" before "<script" would let nothing end it
+    let data = json!({ "view": view, "plots": plots, "fields": fields(result) }).to_string().replace('<', "\\u003c");
     let licences = LICENCES.join("\n").replace("-->", "-- >");
     format!(
         r#"<!DOCTYPE html>

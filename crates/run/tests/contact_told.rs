@@ -57,3 +57,22 @@ fn obstacles_and_states_are_called_what_they_are() {
     let (picture, _) = drawn(&with(&alone, wall, ""));
     assert!(picture.contains(">obstacle<"), "{picture}");
 }
+
+/// What can be solved but is hardly meant: told by `check`, before anything is solved.
+#[test]
+fn unusual_contacts_are_told() {
+    let of = |case: &str| CaseDirectory::new().text(Command::Check, case, &[]);
+    assert!(!of(BLOCK).contains("[input]"), "{}", of(BLOCK));
+    let twice = r#", { "name": "again", "surface": "z+", "obstacle": "ball" }, { "name": "side""#;
+    let twice = of(&with(BLOCK, r#", { "name": "side""#, twice));
+    assert!(twice.contains("[input]") && twice.contains("are contacts of the same pair"), "{twice}");
+    let thick = of(&with(BLOCK, r#""name": "side", "#, r#""name": "side", "thickness": 8, "#));
+    assert!(thick.contains("the layer is 8 mm thick and the surface "), "{thick}");
+    let round = of(&with(BLOCK, r#""name": "ball", "#, r#""name": "ball", "rounding": 1, "#));
+    assert!(round.contains("the shape has no edges"), "{round}");
+    let rough =
+        r#""time": { "end": "0.1 s", "step": "10 ms", "scheme": "backward_euler", "start": "rest" }, "obstacles":"#;
+    let rough = with(BLOCK, r#""obstacles":"#, rough);
+    let rough = of(&with(&rough, r#""name": "side", "#, r#""name": "side", "friction": 30, "#));
+    assert!(rough.contains("a coefficient of friction of 30: rubber"), "{rough}");
+}

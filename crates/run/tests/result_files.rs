@@ -193,3 +193,16 @@ fn a_run_from_an_optimum_stops_at_its_absolute_tolerance() {
     let (iterations, why) = again(&format!("optimizer/absolute_tolerance={:e}", 0.1 * norm));
     assert!(iterations > 0, "{why}");
 }
+
+/// Names stand in the page's data, where no sign of theirs may begin or end an element.
+#[test]
+fn names_do_not_break_the_page() {
+    let place = CaseDirectory::new();
+    let named = BAR.replace("\"tension\"", "\"<!--<script>\"");
+    place
+        .run_with(Command::Optimize, &named, &Console::silent(), &Options { figure: true, ..place.options(&SHORT) })
+        .unwrap();
+    let page = std::fs::read_to_string(place.path("out/report.html")).unwrap();
+    assert!(page.contains("\\u003c!--\\u003cscript>"), "the name is in the data");
+    assert!(!page.contains("<!--<script>"));
+}

@@ -29,7 +29,7 @@ pub(crate) fn conclude(
 /// What went wrong takes the place of a result, so that no older one is taken for it.
 fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.finish_clock();
-    session.interrupted |= error.is_lack_of_memory() || matches!(error, RunError::Team(_));
+    session.interrupted |= session.is_cancelled() || error.is_lack_of_memory() || matches!(error, RunError::Team(_));
     session.close(error.exit());
     session.record.error = Some(error.to_string());
     if let RunError::Forward { member, error, file, .. } = error.cause() {
@@ -60,9 +60,11 @@ fn say_effort(session: &Session<'_>) {
 fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, Option<States>), RunError> {
     let mut exit = exit;
     session.finish_clock();
+    // a signal that came while complete results were written has interrupted nothing
+    session.interrupted |= session.is_cancelled() && exit != Exit::Done;
     let expect = &session.problem.case.expect;
     // What was interrupted is not held to its expectations.
-    let expect = if session.is_cancelled() || !session.expect { &Default::default() } else { expect };
+    let expect = if session.interrupted || !session.expect { &Default::default() } else { expect };
     let (checked, missed) = expectation::judge(expect, &session.command, usual, &session.record.to_json()?);
     for miss in &missed {
         session.console.say(format!("MISSED      {miss}"));

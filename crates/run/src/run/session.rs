@@ -317,7 +317,7 @@ impl<'c> Session<'c> {
     pub fn close(&mut self, exit: Exit) {
         self.record.warnings = self.warnings.iter().map(warning_record).collect();
         self.record.exit = Some(exit.code());
-        self.record.interrupted = (self.interrupted || self.is_cancelled()).then_some(true);
+        self.record.interrupted = self.interrupted.then_some(true);
     }
 
     /// Does something, and notes how long it took.
