@@ -137,13 +137,13 @@ impl<'c> Program<'c> {
     }
 
     /// Runs a case for several values.
-    fn on_values(&self, Sweep { case, command, warm, restart, part, join }: &Sweep) -> u8 {
+    fn on_values(&self, Sweep { case, command, warm, quantity, restart, part, join }: &Sweep) -> u8 {
         let command = match command {
             SweptCommand::Optimize => schema::Command::Optimize,
             SweptCommand::Solve => schema::Command::Solve,
         };
         let options = self.options(case, Asked { restart: *restart, share: share(*part, *join), ..Asked::default() });
-        let asked = run::Sweep { command, warm: *warm };
+        let asked = run::Sweep { command, warm: *warm, quantity: quantity.clone() };
         let console = self.console(&case.running);
         let outcome = sweep(self.catalogue, &asked, &case.case, &options, &console);
         console.finish();

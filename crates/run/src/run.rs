@@ -37,6 +37,7 @@ mod resumption;
 mod session;
 mod solve;
 mod spectrum_request;
+mod state_columns;
 mod states;
 mod study;
 mod sweep;
