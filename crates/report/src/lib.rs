@@ -44,7 +44,7 @@ pub use case_name::case_name;
 pub use cloud::cloud;
 pub use compare::{CompareRequest, ComparedPart, compare};
 pub use error::ReportError;
-pub use figure::{FIELD, FigureRequest, figure, tension, uniform_field, with_marks};
+pub use figure::{FIELD, FigureRequest, Frames, figure, tension, uniform_field, with_marks};
 pub use iterates::{Iterates, IteratesError};
 pub use number::duration;
 pub use obstacles_label::obstacles_label;
