@@ -34,6 +34,7 @@ mod plots;
 pub mod record;
 mod scene;
 mod spectrum;
+mod standing;
 mod status;
 mod summary;
 mod surface;
@@ -50,6 +51,7 @@ pub use number::duration;
 pub use obstacles_label::obstacles_label;
 pub use on_trial::OnTrial;
 pub use pace::Pace;
+pub use standing::Standing;
 pub use status::bar;
 pub use sweep::{SweepAxis, SweepRow, SweepTable};
 
