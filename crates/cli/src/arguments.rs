@@ -350,12 +350,12 @@ pub struct Analysis {
     pub half_thickness: bool,
     /// Instead N equilibria with one control going from a value to another: --ramp "air=0 Pa:60 kPa:12"
     ///
-    /// Writes ramp.csv, ramp.svg, ramp.pvd with its snapshots, and result.json with the critical values.
+    /// Writes ramp.csv, ramp.svg, ramp_reactions.svg, ramp_energies.svg, ramp_volumes.svg, ramp.pvd with its snapshots, and result.json with the critical values.
     #[arg(long, value_name = "CONTROL=FROM:TO:N")]
     pub ramp: Option<String>,
     /// Instead the path of equilibria from rest to the start controls and full loads, through limit points
     ///
-    /// Arc-length continuation. Writes path.csv, path.svg (the load-displacement curve), path.pvd with its snapshots,
+    /// Arc-length continuation. Writes path.csv, path.svg (the load-displacement curve), charts as of ramps, path.pvd with its snapshots,
     /// and result.json with limit points and bifurcations.
     #[arg(long)]
     pub path: bool,

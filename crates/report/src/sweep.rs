@@ -48,11 +48,13 @@ impl SweepTable {
         }
     }
 
-    /// Whether the quantity that was asked for is a number of some run; `None` where none was, or no run has any numbers yet. If not, what there is.
+    /// Whether the quantity that was asked for is a number of some run; `None` where none was, or no run has found a state yet. If not, what there is.
     #[must_use]
     pub fn lacks_quantity(&self) -> Option<Vec<String>> {
         let quantity = self.asked.quantity.as_deref()?;
-        let known = chart::known(&self.rows);
+        // one that found no state has few numbers
+        let with_state = self.rows.iter().filter(|row| row.figures.contains_key("min_J"));
+        let known = chart::known(with_state);
         let lacks = !known.is_empty() && !known.contains(&quantity);
         lacks.then(|| known.into_iter().map(str::to_owned).collect())
     }

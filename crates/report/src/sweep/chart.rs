@@ -113,7 +113,7 @@ pub(super) fn usual(command: &str, rows: &[SweepRow]) -> Vec<String> {
 }
 
 /// The paths of all figures that are numbers in some row.
-pub(super) fn known(rows: &[SweepRow]) -> Vec<&str> {
+pub(super) fn known<'r>(rows: impl IntoIterator<Item = &'r SweepRow>) -> Vec<&'r str> {
     let mut known: Vec<&str> = Vec::new();
     for row in rows {
         let numbers = row.figures.iter().filter(|(_, value)| value.is_number()).map(|(path, _)| path.as_str());
