@@ -5,7 +5,7 @@ use crate::error::Inadmissible;
 use crate::model::Model;
 use crate::solution::state::State;
 
-/// Energies that a state has stored (J; in plane strain J/m): those of the same names in the [`EnergyBalance`](crate::time::EnergyBalance) of a motion.
+/// Energies that a state has stored (J; in plane strain J/m): those of the same names in the [`EnergyBalance`](crate::EnergyBalance) of a motion.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct StoredEnergy {
     /// Without controls, by laws, springs, foundations.
