@@ -34,10 +34,16 @@ const MOTION: &[&str] = &[
 const SOLVE: &[&str] = &[
     "ramp.csv",
     "ramp.svg",
+    "ramp_reactions.svg",
+    "ramp_energies.svg",
+    "ramp_volumes.svg",
     "ramp.pvd",
     "ramp_#.vtu",
     "path.csv",
     "path.svg",
+    "path_reactions.svg",
+    "path_energies.svg",
+    "path_volumes.svg",
     "path.pvd",
     "path_#.vtu",
     "equilibrium_#.vtu",
@@ -64,7 +70,16 @@ const OPTIMIZE: &[&str] = &[
 /// Of `fit`.
 pub const FIT: &[&str] = &["fit.json", "fit.html", "fit.svg", "fit_*.svg"];
 /// Of `sweep`.
-pub const SWEEP: &[&str] = &["sweep.html", "sweep.csv", "sweep.json", "sweep.svg", "sweep.pvd", "*_sweep.pvd"];
+pub const SWEEP: &[&str] = &[
+    "sweep.html",
+    "sweep.csv",
+    "sweep_table.csv",
+    "sweep_table.tex",
+    "sweep.json",
+    "sweep.svg",
+    "sweep.pvd",
+    "*_sweep.pvd",
+];
 
 /// The names that files of a command may have in its directory.
 #[derive(Clone, Debug, Default)]

@@ -71,7 +71,8 @@ pub enum Command {
     /// Commas outside of brackets, braces, parentheses and quotes stand between values: --set materials/0/young="90 kPa,110 kPa",
     /// --set actuation/0/direction=[1,0,0],[0,1,0]. Several such options mean all combinations; an option with one value is fixed.
     /// Each run has a directory of its own, NAME=VALUE in that of the results, with all its files; beside them are written sweep.html
-    /// (a page), sweep.csv (a row per run), sweep.json, sweep.svg and sweep.pvd (the optima, for ParaView). A run that fails is a row; the exit code is
+    /// (a page), sweep.csv (a row per run), sweep_table.csv and sweep_table.tex (what the chart shows, for papers), sweep.json, sweep.svg and sweep.pvd (the optima, for
+    /// ParaView). Where meshes are swept, the table has differences to the finest and the observed order. A run that fails is a row; the exit code is
     /// that of the worst. Ctrl-C or SIGTERM ends the run at hand and the sweep. What the case expects is left aside.
     ///
     /// A run whose finished result is there, of the same case, command and version of the program, is kept; one that was interrupted goes on from
@@ -193,6 +194,10 @@ pub struct Sweep {
     /// Start every optimisation after the first from the controls of the last one before that has some
     #[arg(long)]
     pub warm: bool,
+    /// What the chart and the table show, by its path in result.json: energy/elastic, probes/tip/displacement/2, .. [default: cost, distances and
+    /// controls of optimisations, distances of solves, else displacements of probes, or the elastic energy]
+    #[arg(long, value_name = "PATH")]
+    pub quantity: Option<String>,
     /// Begin anew: keep no finished run, and replace checkpoints of interrupted ones and those that cannot be read
     #[arg(long, conflicts_with = "join")]
     pub restart: bool,
@@ -345,12 +350,12 @@ pub struct Analysis {
     pub half_thickness: bool,
     /// Instead N equilibria with one control going from a value to another: --ramp "air=0 Pa:60 kPa:12"
     ///
-    /// Writes ramp.csv, ramp.svg, ramp.pvd with its snapshots, and result.json with the critical values.
+    /// Writes ramp.csv, ramp.svg, ramp_reactions.svg, ramp_energies.svg, ramp_volumes.svg, ramp.pvd with its snapshots, and result.json with the critical values.
     #[arg(long, value_name = "CONTROL=FROM:TO:N")]
     pub ramp: Option<String>,
     /// Instead the path of equilibria from rest to the start controls and full loads, through limit points
     ///
-    /// Arc-length continuation. Writes path.csv, path.svg (the load-displacement curve), path.pvd with its snapshots,
+    /// Arc-length continuation. Writes path.csv, path.svg (the load-displacement curve), charts as of ramps, path.pvd with its snapshots,
     /// and result.json with limit points and bifurcations.
     #[arg(long)]
     pub path: bool,

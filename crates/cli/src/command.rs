@@ -137,13 +137,13 @@ impl<'c> Program<'c> {
     }
 
     /// Runs a case for several values.
-    fn on_values(&self, Sweep { case, command, warm, restart, part, join }: &Sweep) -> u8 {
+    fn on_values(&self, Sweep { case, command, warm, quantity, restart, part, join }: &Sweep) -> u8 {
         let command = match command {
             SweptCommand::Optimize => schema::Command::Optimize,
             SweptCommand::Solve => schema::Command::Solve,
         };
         let options = self.options(case, Asked { restart: *restart, share: share(*part, *join), ..Asked::default() });
-        let asked = run::Sweep { command, warm: *warm };
+        let asked = run::Sweep { command, warm: *warm, quantity: quantity.clone() };
         let console = self.console(&case.running);
         let outcome = sweep(self.catalogue, &asked, &case.case, &options, &console);
         console.finish();
@@ -247,10 +247,10 @@ fn with_progress(console: Console) -> Console {
 }
 
 /// Does something that reads or draws results, and shows that while it lasts.
-pub(crate) fn while_shown<T>(what: &str, work: impl FnOnce() -> T) -> T {
+pub(crate) fn while_shown<T>(what: &str, work: impl FnOnce(&Console) -> T) -> T {
     let console = with_progress(Console::silent());
     console.phase(what);
-    let out = work();
+    let out = work(&console);
     console.finish();
     out
 }
@@ -333,7 +333,7 @@ fn share(part: Option<Part>, join: bool) -> Share {
 
 /// Makes the page of a result directory and says where it is.
 fn on_results(Report { directory, out }: &Report) -> u8 {
-    written(while_shown("making the page", || report(directory, out.as_deref())))
+    written(while_shown("making the page", |_| report(directory, out.as_deref())))
 }
 
 /// Says where a file went, or why there is none.

@@ -72,7 +72,7 @@ impl Compare {
     /// Compares and says what was found; the exit code.
     pub fn run(&self) -> u8 {
         let request = CompareRequest { part: self.part.part(), scale: self.scale };
-        let found = while_shown("comparing", || nastic_report::compare(&self.a, &self.b, &request));
+        let found = while_shown("comparing", |_| nastic_report::compare(&self.a, &self.b, &request));
         answered(found.map_err(Into::into), |found| {
             let text = match self.json {
                 true => serde_json::to_string_pretty(&found).unwrap_or_default() + "\n",
@@ -89,7 +89,7 @@ impl Cloud {
     pub fn run(&self) -> u8 {
         let part = self.part.part();
         let of = |state: Option<&str>, file: &Path| {
-            let cloud = while_shown("taking points", || nastic_report::cloud(&self.directory, state, &part))?;
+            let cloud = while_shown("taking points", |_| nastic_report::cloud(&self.directory, state, &part))?;
             keep_results(&self.directory, file)?;
             write_cloud(file, &cloud)?;
             Ok(file.to_owned())

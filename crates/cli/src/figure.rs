@@ -11,7 +11,7 @@ pub struct Figure {
     /// The output directory of solve, modes, optimize or resume
     #[arg(value_name = "DIR")]
     pub directory: PathBuf,
-    /// Where to put it, PNG or SVG by the ending [default: figure.png in DIR]
+    /// Where to put it, PNG or SVG by the ending [default: figure.png in DIR]; with --frames the directory of them all [default: DIR]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// The state, by the name of its file: start, optimum, motion_0040, iteration_0010, ..
@@ -43,6 +43,15 @@ pub struct Figure {
     /// Draw the edges of elements
     #[arg(long)]
     pub edges: bool,
+    /// All states of a motion, ramp, path or optimisation, one after the other: frame_0000.png, .. and the animated frames.gif
+    ///
+    /// They have one view, one scale and one range of colours. --state names the series: motion, ramp, path, iteration [default: the first of these that
+    /// there is]
+    #[arg(long)]
+    pub frames: bool,
+    /// Frames in a second of frames.gif, 1 to 50
+    #[arg(long, value_name = "N", requires = "frames", default_value = "10", value_parser = clap::value_parser!(u8).range(1..=50))]
+    pub fps: u8,
 }
 
 impl Figure {
@@ -61,7 +70,14 @@ impl Figure {
             paths: self.path.clone(),
             edges: self.edges,
         };
-        written(while_shown("drawing", || run::figure(&self.directory, &request, self.out.as_deref())))
+        let (directory, out) = (&self.directory, self.out.as_deref());
+        written(while_shown("drawing", |console| match self.frames {
+            false => run::figure(directory, &request, out),
+            true => {
+                let drawn = |done: usize, of: usize| console.step(done.min(of - 1), of, "");
+                run::frames(directory, &request, out, f64::from(self.fps), &drawn)
+            }
+        }))
     }
 }
 

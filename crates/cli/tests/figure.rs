@@ -111,10 +111,79 @@ fn motions_have_instants_and_paths() {
     let solved = place.nastic(&["solve", &case, "--out", "out", "--quiet", "--set", "expect={}"]);
     assert_eq!(code(&solved), 0, "{}", text(&solved.stderr));
     let svg = figure(&place, &["--path", "tip"]);
-    assert!(svg.contains(">path of tip</text>") && svg.contains(">start</text>") && svg.contains(">t = "), "legend");
+    // the glass is the first instant; start.vtu, the end of the motion, is not called a start
+    assert!(svg.contains(">path of tip</text>") && svg.contains(">t = 0 s</text>") && !svg.contains(">start</text>"));
+    let end = figure(&place, &["--state", "start"]);
+    assert!(end.contains(">end of the motion</text>") && !end.contains(">equilibrium</text>"), "{end}");
     let first = figure(&place, &["--state", "motion_0001.vtu", "--behind", "motion_0000,target"]);
     assert!(first.contains(">t = 0 s</text>") && first.contains(">t = 0.01 s</text>"), "{first}");
     assert!(refusal(&place, &["--path", "top"]).contains("there is no probe \"top\"; there is: tip"));
+}
+
+/// Pixels of a PNG, three bytes each, with its width and height.
+fn pixels(file: &Path) -> (Vec<u8>, usize, usize) {
+    let file = std::io::BufReader::new(std::fs::File::open(file).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    (bytes, info.width as usize, info.height as usize)
+}
+
+/// The part of pixels within columns and rows.
+fn part((bytes, width, _): &(Vec<u8>, usize, usize), columns: [usize; 2], rows: [usize; 2]) -> Vec<u8> {
+    let row = |y: usize| bytes[3 * (y * width + columns[0])..3 * (y * width + columns[1])].to_vec();
+    (rows[0]..rows[1]).flat_map(row).collect()
+}
+
+/// The clamp does not move: where it is drawn, the scale of lengths, the axes and the colour bar are the same in every frame, the tip is not.
+#[test]
+fn frames_of_a_motion_share_view_and_range() {
+    let place = CaseDirectory::new("{}");
+    let case = shipped("flick.json");
+    let solved = place.nastic(&["solve", &case, "--out", "out", "--quiet", "--set", "expect={}"]);
+    assert_eq!(code(&solved), 0, "{}", text(&solved.stderr));
+    let asked = ["figure", "out", "--frames", "--field", "mises", "--size", "800x500", "--fps", "20"];
+    let drawn = place.nastic(&asked);
+    assert_eq!(code(&drawn), 0, "{}", text(&drawn.stderr));
+    assert_eq!(text(&drawn.stdout).trim(), "out/frames.gif");
+    let frame = |k: usize| place.path("out").join(format!("frame_{k:04}.png"));
+    let states = (0..).take_while(|k| place.path(&format!("out/motion_{k:04}.vtu")).exists()).count();
+    assert!(states > 3 && frame(states - 1).exists() && !frame(states).exists());
+    let all: Vec<_> = (0..states).map(|k| pixels(&frame(k))).collect();
+    let [width, height] = [800, 500];
+    assert!(all.iter().all(|(_, w, h)| [*w, *h] == [width, height]));
+    // the bar with its numbers, and the axes: the right margin; the ruler: left of the axes, below the body
+    let margins = |image: &_| {
+        let (bar, ruler) = (part(image, [690, width], [0, height]), part(image, [550, 690], [440, height]));
+        [bar, ruler].concat()
+    };
+    assert!(margins(&all[0]).iter().any(|byte| *byte < 128), "something stands there");
+    for (k, image) in all.iter().enumerate().skip(1) {
+        assert!(margins(image) == margins(&all[0]), "the margins of frame {k}");
+        assert!(image.0 != all[0].0, "frame {k} shows another state");
+    }
+    // as an animated picture
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::Indexed);
+    let file = std::fs::File::open(place.path("out/frames.gif")).unwrap();
+    let mut decoder = options.read_info(file).unwrap();
+    let mut frames = 0;
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        assert_eq!((frame.width, frame.height, frame.delay), (800, 500, 5));
+        frames += 1;
+    }
+    assert_eq!((frames, decoder.repeat()), (states, gif::Repeat::Infinite));
+    // again with the same bytes, fewer states leave no frame of more, and what is not nastic's stays
+    let first = std::fs::read(place.path("out/frames.gif")).unwrap();
+    assert_eq!(code(&place.nastic(&asked)), 0);
+    assert!(std::fs::read(place.path("out/frames.gif")).unwrap() == first);
+    std::fs::create_dir(place.path("mine")).unwrap();
+    std::fs::write(place.path("mine/frame_0001.png"), "mine").unwrap();
+    let refused = place.nastic(&[&asked[..], &["--out", "mine"]].concat());
+    assert_eq!(code(&refused), 2, "{}", text(&refused.stderr));
+    assert_eq!(std::fs::read_to_string(place.path("mine/frame_0001.png")).unwrap(), "mine");
+    let none = refusal(&place, &["--frames", "--state", "ramp"]);
+    assert!(none.contains("there is no series of states \"ramp\"; there is: motion"), "{none}");
 }
 
 /// The numbers of a column of `motion.csv`.
@@ -163,7 +232,7 @@ fn targets_that_move_are_dashed_beside_what_follows_them() {
     assert!(refusal(&place, &["--path", "top"]).contains("there is no probe \"top\"; there is: tip, circle"));
 }
 
-/// Ramps have no pressures of chambers: their figures show the displacement. A run that fails says why, not that there is nothing to draw.
+/// Ramps have pressures of chambers. A run that fails says why, not that there is nothing to draw.
 #[test]
 fn runs_without_a_usual_figure_end_as_they_would() {
     let place = CaseDirectory::new("{}");
@@ -174,7 +243,7 @@ fn runs_without_a_usual_figure_end_as_they_would() {
     let last = figure(&place, &[]);
     assert!(last.contains(">air.volume = 1e-7 m^3</text>") || last.contains(">air.volume = 100 mm^3</text>"), "{last}");
     let svg = std::fs::read_to_string(place.path("out/figure.svg")).unwrap();
-    assert!(svg.contains("displacement") && !svg.contains("pressure"), "{svg}");
+    assert!(svg.contains(">pressure [") && !svg.contains("displacement"), "{svg}");
     let place = CaseDirectory::new(BAR);
     let wild = ["solve", "case.json", "--out", "out", "--quiet", "--figure", "--set", "controls/0/start=1e9"];
     let failed = place.nastic(&[&wild[..], &["--set", "controls/0/upper=1e10"]].concat());

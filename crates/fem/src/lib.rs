@@ -36,7 +36,7 @@ pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::rigid_motions::FreeMotion;
 pub use discretization::supports::{AXES, Supports};
 pub use error::{Cause, FemError, Inadmissible, InvertedAt, MeetingGuides, SecondDerivativeError, StateError};
-pub use model::{ContactSum, Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing};
+pub use model::{ContactSum, Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing, StoredEnergy};
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };

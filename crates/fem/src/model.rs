@@ -10,6 +10,7 @@ mod point;
 mod prescribed;
 mod products;
 mod restricted;
+mod stored_energy;
 
 use crate::contributions::body_energy::BodyEnergy;
 use crate::contributions::body_energy::driving::Driving;
@@ -34,6 +35,7 @@ pub use contacts::{ContactSum, Pressing};
 pub use features::Feature;
 pub use fields::DISPLACEMENT;
 pub use point::ModelPoint;
+pub use stored_energy::StoredEnergy;
 
 /// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
 ///

@@ -168,7 +168,8 @@ pub enum Fault {
     },
     /// A cell whose Jacobian changes sign: no renumbering of its nodes mends that.
     #[error(
-        "{kind} {cell} is folded: its Jacobian runs from {lowest:e} to {highest:e}; check the order of its nodes, or refine and smooth the mesh there"
+        "{kind} {cell} is folded: its Jacobian runs from {lowest:e} to {highest:e}; check the order of its nodes, or refine and smooth the mesh there{}",
+        untangled(*.kind)
     )]
     Folded {
         /// The cell.
@@ -241,6 +242,14 @@ pub enum Fault {
         /// Its kind.
         kind: CellKind,
     },
+}
+
+/// What helps curved cells that are folded, whose midside nodes a mesh generator put onto the surface.
+fn untangled(kind: CellKind) -> &'static str {
+    match kind.order() {
+        1 => "",
+        _ => "; Gmsh untangles curved cells: -setnumber Mesh.HighOrderOptimize 2",
+    }
 }
 
 /// Six faces per cell still count in 32 bits.

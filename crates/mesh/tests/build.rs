@@ -266,13 +266,17 @@ fn folded_cells_are_refused() {
     let mut raw = RawMesh::new("two.msh");
     raw.points = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
     raw.push(CellKind::Quad4, &[0, 1, 2, 3], &[]);
-    assert!(matches!(fault(raw), Fault::Folded { cell: 0, kind: CellKind::Quad4, .. }));
+    let found = fault(raw);
+    assert!(matches!(found, Fault::Folded { cell: 0, kind: CellKind::Quad4, .. }));
+    assert!(!found.to_string().contains("HighOrderOptimize"), "a cell of straight edges is not curved");
     // A midside node pulled past a corner.
     let mut raw = RawMesh::new("two.msh");
     raw.points = CellKind::Tet10.reference_nodes().to_vec();
     raw.points[4] = [1.9, 0.0, 0.0];
     raw.push(CellKind::Tet10, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9], &[]);
-    assert!(matches!(fault(raw), Fault::Folded { .. }));
+    let found = fault(raw);
+    assert!(matches!(found, Fault::Folded { .. }));
+    assert!(found.to_string().ends_with("Gmsh untangles curved cells: -setnumber Mesh.HighOrderOptimize 2"), "{found}");
 }
 
 #[test]

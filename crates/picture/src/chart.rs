@@ -29,6 +29,8 @@ pub struct Chart {
     axes: [String; 2],
     curves: Vec<Curve>,
     lines: Vec<(f64, String)>,
+    /// What stands at places of the x axis in the place of numbers.
+    names: Vec<(f64, String)>,
     dots: Vec<([f64; 2], String)>,
 }
 
@@ -66,7 +68,14 @@ impl Chart {
     /// An empty chart with the names of its axes.
     pub fn new(title: &str, x: &str, y: &str) -> Self {
         let axes = [x, y].map(str::to_owned);
-        Self { title: title.to_owned(), axes, curves: Vec::new(), lines: Vec::new(), dots: Vec::new() }
+        Self {
+            title: title.to_owned(),
+            axes,
+            curves: Vec::new(),
+            lines: Vec::new(),
+            names: Vec::new(),
+            dots: Vec::new(),
+        }
     }
 
     /// Adds a curve; after twelve the colours repeat. One without a name goes on with the one before: it has its colour, and no entry in the legend.
@@ -83,6 +92,12 @@ impl Chart {
     /// Adds a vertical line with a name.
     pub fn mark(mut self, x: f64, label: &str) -> Self {
         self.lines.push((x, label.to_owned()));
+        self
+    }
+
+    /// Names a place of the x axis, which then has names alone and no numbers.
+    pub fn name(mut self, x: f64, label: &str) -> Self {
+        self.names.push((x, label.to_owned()));
         self
     }
 
@@ -218,6 +233,17 @@ impl Axis {
     }
 }
 
+/// The beginning of a name that has room.
+fn fitting(name: &str, room: f64) -> String {
+    let is_short = |text: &str| text::width(text, 24.0) + 12.0 <= room;
+    if is_short(name) {
+        return name.to_owned();
+    }
+    let letters: Vec<char> = name.chars().collect();
+    let begins = (1..letters.len()).rev().map(|count| letters[..count].iter().collect::<String>() + "..");
+    begins.into_iter().find(|text| is_short(text)).unwrap_or_default()
+}
+
 struct Drawing {
     x: Axis,
     y: Axis,
@@ -245,10 +271,13 @@ impl Drawing {
         let [left, right, top, bottom] = self.field;
         let grid = Colour([214, 218, 224]);
         self.text([48.0, 56.0], Anchor::Start, true, Colour::INK, &chart.title);
-        for x in ticks(self.x.low, self.x.high) {
+        let numbers = || ticks(self.x.low, self.x.high).into_iter().map(|x| (x, number(x))).collect();
+        let names: Vec<(f64, String)> = if chart.names.is_empty() { numbers() } else { chart.names.clone() };
+        let room = (right - left) / names.len().max(1) as f64;
+        for (x, name) in names {
             let [at, _] = self.place(x, self.y.low);
             self.line([at, top], [at, bottom], 1.0, grid);
-            self.text([at, bottom + 28.0], Anchor::Middle, false, Colour::INK, &number(x));
+            self.text([at, bottom + 28.0], Anchor::Middle, false, Colour::INK, &fitting(&name, room));
         }
         for y in ticks(self.y.low, self.y.high) {
             let [_, at] = self.place(self.x.low, y);

@@ -193,15 +193,38 @@ impl Layout {
         let right = self.size[0] - 40.0 * u;
         // Above the bar, kept inside the picture.
         let wide = super::text::width(&label, 24.0 * u);
-        self.text([right.min(low[0] + wide), low[1] - 32.0 * u], Anchor::End, 24.0, false, Colour::INK, &label);
+        self.text([right.min(low[0] + wide), low[1] - 40.0 * u], Anchor::End, 24.0, false, Colour::INK, &label);
         self.gradient(low, high, bar, true);
-        self.outline(low, high, MUTED);
+        self.bar_outline(low, high, bar);
         let (from, to) = (bar.map.low * factor, bar.map.high * factor);
         for tick in with_ends(ticks(from, to), from, to) {
             let share = if to > from { (tick - from) / (to - from) } else { 0.5 };
             let y = high[1] + (low[1] - high[1]) * share;
             self.line([high[0], y], [high[0] + 8.0 * u, y], 1.5, MUTED);
             self.text([high[0] + 16.0 * u, y], Anchor::Start, 20.0, false, Colour::INK, &number(tick));
+        }
+    }
+
+    /// The outline of the bar, with a point at an end beyond which there are values: these have the colour of the end.
+    fn bar_outline(&mut self, low: [f64; 2], high: [f64; 2], bar: &Bar) {
+        let tip = 22.0 * self.unit;
+        let [below, above] = bar.beyond;
+        let middle = 0.5 * (low[0] + high[0]);
+        let mut corners = vec![low];
+        if above {
+            let points = vec![low, [middle, low[1] - tip], [high[0], low[1]]];
+            self.marks.push(Mark::Polygon { points, colour: bar.map.colour(bar.map.high), opacity: 1.0 });
+            corners.push([middle, low[1] - tip]);
+        }
+        corners.extend([[high[0], low[1]], high]);
+        if below {
+            let points = vec![[low[0], high[1]], [middle, high[1] + tip], high];
+            self.marks.push(Mark::Polygon { points, colour: bar.map.colour(bar.map.low), opacity: 1.0 });
+            corners.push([middle, high[1] + tip]);
+        }
+        corners.push([low[0], high[1]]);
+        for k in 0..corners.len() {
+            self.line(corners[k], corners[(k + 1) % corners.len()], 1.5, MUTED);
         }
     }
 

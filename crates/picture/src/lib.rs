@@ -9,10 +9,13 @@ mod chart;
 mod check;
 mod clip;
 mod colour;
+mod colour_range;
 mod face;
+mod film;
 mod frame;
 mod layer;
 mod paint;
+mod palette;
 mod path;
 mod png;
 mod polylines;
@@ -20,6 +23,7 @@ mod raster;
 mod scene;
 mod shade;
 mod sheet;
+mod survey;
 mod svg;
 mod tessellation;
 mod text;
@@ -33,10 +37,13 @@ use nastic_mesh::{Mesh, Snapshot};
 
 pub use chart::{Chart, Curve};
 pub use colour::Colour;
+pub use colour_range::ColourRange;
 pub use face::{Face, FacePattern};
+pub use film::Film;
 use nastic_io::WriteError;
 use path::NamedPath;
 pub use sheet::Sheet;
+pub use survey::Survey;
 
 /// Several bodies seen from one place.
 ///
@@ -66,6 +73,8 @@ pub struct Picture {
     paths: Vec<NamedPath>,
     vectors: Vec<(String, Colour, [f64; 3])>,
     is_plain: bool,
+    /// What decides view and scale, in the place of what is drawn.
+    framed: Vec<[f64; 3]>,
 }
 
 /// Where the eye is.
@@ -98,6 +107,8 @@ pub struct Field {
     unit: String,
     values: FieldValues,
     range: Option<(f64, f64)>,
+    /// Whether values of other pictures lie beyond.
+    beyond: [bool; 2],
 }
 
 #[derive(Clone, Debug)]
@@ -109,15 +120,28 @@ enum FieldValues {
 impl Field {
     /// One value per node of the mesh.
     pub fn at_nodes(name: &str, unit: &str, values: Vec<f64>) -> Self {
-        Self { name: name.to_owned(), unit: unit.to_owned(), values: FieldValues::Nodes(values), range: None }
+        Self {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            values: FieldValues::Nodes(values),
+            range: None,
+            beyond: [false; 2],
+        }
     }
 
     /// One value per cell of the mesh.
     pub fn at_cells(name: &str, unit: &str, values: Vec<f64>) -> Self {
-        Self { name: name.to_owned(), unit: unit.to_owned(), values: FieldValues::Cells(values), range: None }
+        Self {
+            name: name.to_owned(),
+            unit: unit.to_owned(),
+            values: FieldValues::Cells(values),
+            range: None,
+            beyond: [false; 2],
+        }
     }
 
-    /// Fixes the range of the colour bar, for pictures that are to be compared; otherwise it is that of the values.
+    /// Fixes the range of the colour bar, for pictures that are to be compared; otherwise it is that of the values, or where a hundredth of the area at
+    /// either end makes that wider by half, the range without it. The bar is pointed at an end beyond which there are values.
     pub fn range(mut self, low: f64, high: f64) -> Self {
         self.range = Some((low, high));
         self
@@ -243,6 +267,7 @@ impl Picture {
             paths: Vec::new(),
             vectors: Vec::new(),
             is_plain: false,
+            framed: Vec::new(),
         }
     }
 
@@ -287,6 +312,23 @@ impl Picture {
     /// Chooses the view.
     pub fn view(mut self, view: View) -> Self {
         self.view = view;
+        self
+    }
+
+    /// Gives it the view, the scale and the range of colours of all pictures of a survey; a range that a field has stays.
+    pub fn surveyed(mut self, survey: &Survey) -> Self {
+        self.framed = survey.points().to_vec();
+        for body in &mut self.bodies {
+            if let Appearance::Field(field) = &mut body.appearance {
+                match (field.range, survey.colours()) {
+                    (Some((low, high)), _) => field.beyond = survey.values().beyond(low, high),
+                    (None, Some(ColourRange { low, high, beyond })) => {
+                        (field.range, field.beyond) = (Some((low, high)), beyond);
+                    }
+                    (None, None) => {}
+                }
+            }
+        }
         self
     }
 

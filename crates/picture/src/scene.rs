@@ -4,6 +4,7 @@ use super::camera::Camera;
 use super::check::check;
 use super::clip::{self, Plane};
 use super::colour::{Colour, ColourMap};
+use super::colour_range::{ColourRange, ColourValues};
 use super::face::Face;
 use super::shade::Ground;
 use super::tessellation::{Surface, SurfaceEdge, SurfacePoint};
@@ -61,6 +62,8 @@ pub(super) struct Bar {
     pub name: String,
     pub unit: String,
     pub map: ColourMap,
+    /// Whether there are values below its lower end, and above the upper one.
+    pub beyond: [bool; 2],
 }
 
 /// Everything that is drawn with depth, and what the frame needs to know.
@@ -87,15 +90,7 @@ impl Scene {
     pub fn new(picture: &Picture) -> Result<Self, String> {
         check(picture)?;
         let drawn = |body: &Body, node: usize| body.part.as_ref().is_none_or(|marked| marked[node]);
-        let of = |body: &'_ Body| -> Vec<V3> {
-            let own = body.positions.iter().enumerate().filter(|(node, _)| drawn(body, *node));
-            let kept = |at: &V3| plane_of(body).map_or(*at, |plane| plane.kept(*at));
-            own.map(|(_, at)| kept(at))
-                .chain(body.polylines.iter().flat_map(|(_, points)| points.iter().copied()))
-                .collect()
-        };
-        let paths = picture.paths.iter().flat_map(|path| path.points.iter().copied());
-        let all: Vec<V3> = picture.bodies.iter().flat_map(of).chain(paths).collect();
+        let all = if picture.framed.is_empty() { seen_points(picture) } else { picture.framed.clone() };
         let plane = picture.bodies.iter().all(|body| body.mesh.dim() == 2) && all.iter().all(|p| p[2] == 0.0);
         let camera = Camera::new(picture.view, plane, &all)?;
         let bar = bar(picture);
@@ -190,6 +185,20 @@ impl Scene {
     }
 }
 
+/// The points of everything that is drawn.
+pub(super) fn seen_points(picture: &Picture) -> Vec<V3> {
+    let of = |body: &'_ Body| -> Vec<V3> {
+        let drawn = |node: usize| body.part.as_ref().is_none_or(|marked| marked[node]);
+        let own = body.positions.iter().enumerate().filter(|(node, _)| drawn(*node));
+        let kept = |at: &V3| plane_of(body).map_or(*at, |plane| plane.kept(*at));
+        own.map(|(_, at)| kept(at))
+            .chain(body.polylines.iter().flat_map(|(_, points)| points.iter().copied()))
+            .collect()
+    };
+    let paths = picture.paths.iter().flat_map(|path| path.points.iter().copied());
+    picture.bodies.iter().flat_map(of).chain(paths).collect()
+}
+
 fn darker(colour: Colour) -> Colour {
     Colour(colour.0.map(|byte| (f64::from(byte) * 0.68) as u8))
 }
@@ -203,15 +212,27 @@ fn bar(picture: &Picture) -> Option<Bar> {
             .filter_map(|body| if let Appearance::Field(field) = &body.appearance { Some(field) } else { None })
     };
     let first = fields().next()?;
+    let mut values = ColourValues::default();
+    picture.bodies.iter().for_each(|body| values.add(body));
     let given = fields().find_map(|field| field.range);
-    let values = fields().flat_map(|field| field.values().iter().copied()).filter(|value| value.is_finite());
-    let found = values.fold((f64::MAX, f64::MIN), |(low, high), value| (low.min(value), high.max(value)));
-    let (low, high) = given.unwrap_or(found);
+    let (range, of_others) = match given {
+        Some((low, high)) => {
+            let beyond = values.beyond(low, high);
+            (ColourRange { low, high, beyond }, fields().fold([false; 2], |all, field| either(all, field.beyond)))
+        }
+        None => (values.range().unwrap_or(ColourRange { low: 0.0, high: 0.0, beyond: [false; 2] }), [false; 2]),
+    };
+    let ColourRange { low, high, beyond } = range;
     let (low, high) = if low <= high && low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 0.0) };
     // rounding is no field
     let is_uniform = given.is_none() && high - low <= 1e-6 * low.abs().max(high.abs());
     let (low, high) = if is_uniform { (0.5 * (low + high), 0.5 * (low + high)) } else { (low, high) };
-    Some(Bar { name: first.name.clone(), unit: first.unit.clone(), map: ColourMap::over(low, high) })
+    let beyond = either(beyond, of_others);
+    Some(Bar { name: first.name.clone(), unit: first.unit.clone(), map: ColourMap::over(low, high), beyond })
+}
+
+fn either(a: [bool; 2], b: [bool; 2]) -> [bool; 2] {
+    [a[0] || b[0], a[1] || b[1]]
 }
 
 /// The plane that a body is cut by; its normal was checked.

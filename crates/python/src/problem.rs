@@ -1,7 +1,7 @@
 //! The cost as a function of the control vector.
 
 use crate::error;
-use crate::interrupt::{TrialLine, interruptible, send_line};
+use crate::interrupt::{Callbacks, TrialLine, interruptible, send_line};
 use crate::mesh::{Mesh, arrays};
 use crate::run::document;
 use crate::states::fields;
@@ -122,7 +122,8 @@ impl History {
 impl Problem {
     /// Works on the history without the interpreter lock.
     fn at<T: Send>(&self, py: Python<'_>, work: impl FnOnce(&mut History) -> Result<T, Failed> + Send) -> PyResult<T> {
-        let done = interruptible(py, &self.cancel, self.callback.as_ref(), move |lines| {
+        let callbacks = Callbacks { trial: self.callback.as_ref(), progress: None };
+        let done = interruptible(py, &self.cancel, callbacks, move |lines| {
             // A panic leaves a history that is whole: its fields are replaced one by one, the point first.
             let mut history = self.history.lock().unwrap_or_else(PoisonError::into_inner);
             let history: &mut History = &mut history;

@@ -1,7 +1,7 @@
 //! The commands on cases that Python holds.
 
 use crate::error;
-use crate::interrupt::{interruptible, send_line};
+use crate::interrupt::{Callbacks, TrialLine, interruptible, send_line, tell};
 use crate::mesh::Mesh;
 use crate::states::States;
 use nastic_language::catalogue::Catalogue;
@@ -14,7 +14,8 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex};
+use std::sync::mpsc::Sender;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// A case file as JSON text, without comments.
 #[pyfunction]
@@ -47,7 +48,7 @@ pub(crate) fn document(
 
 /// Runs a command: exit code, result as JSON text, what was said, and the states that were found.
 #[pyfunction]
-#[pyo3(signature = (command, name, case, meshes, *, asked, out, threads, report, restart, figure, callback))]
+#[pyo3(signature = (command, name, case, meshes, *, asked, out, threads, report, restart, figure, callback, progress))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn run(
     py: Python<'_>,
@@ -62,6 +63,7 @@ pub(crate) fn run(
     restart: bool,
     figure: bool,
     callback: Option<Py<PyAny>>,
+    progress: Option<Py<PyAny>>,
 ) -> PyResult<(u8, String, String, Option<States>)> {
     let command = match command {
         "check" => Command::Check,
@@ -87,8 +89,9 @@ pub(crate) fn run(
         cancel: cancel.clone(),
         ..Options::default()
     };
-    let is_told = callback.is_some();
-    let ran = interruptible(py, &cancel, callback.as_ref(), move |lines| {
+    let callbacks = Callbacks { trial: callback.as_ref(), progress: progress.as_ref() };
+    let [is_told, is_watched] = [callback.is_some(), progress.is_some()];
+    let ran = interruptible(py, &cancel, callbacks, move |lines| {
         let on_trial = match is_told {
             true => {
                 let lines = lines.clone();
@@ -96,7 +99,12 @@ pub(crate) fn run(
             }
             false => OnTrial::default(),
         };
-        run_document(command, document, &Options { on_trial, ..options }, &console)
+        let listener = Listener(Arc::new(Mutex::new(is_watched.then_some(lines))));
+        let console = if is_watched { listener.watch(console) } else { console };
+        let ran = run_document(command, document, &Options { on_trial, ..options }, &console);
+        // the states that are handed back hold the console
+        listener.leave();
+        ran
     })?;
     let (outcome, states) = ran.map_err(|problem| error::of_run(py, &problem))?;
     Ok((outcome.exit.code(), outcome.result.to_string(), said.text(), states.map(|states| States { states })))
@@ -165,6 +173,25 @@ pub(crate) fn figure(
     let asked = FigureRequest { state, field, range, view, clip, size, behind, paths, edges };
     let drawn = py.detach(|| nastic_run::run::figure(&directory, &asked, Some(&file)));
     drawn.map(|_| ()).map_err(|problem| error::of_run(py, &problem))
+}
+
+/// Where it is told how far a command is, until it has ended.
+#[derive(Clone)]
+struct Listener(Arc<Mutex<Option<Sender<TrialLine>>>>);
+
+impl Listener {
+    fn watch(&self, console: Console) -> Console {
+        let listener = self.clone();
+        console.watched(move |standing| {
+            if let Some(to) = &*listener.0.lock().unwrap_or_else(PoisonError::into_inner) {
+                tell(to, serde_json::to_string(standing).unwrap_or_default());
+            }
+        })
+    }
+
+    fn leave(&self) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+    }
 }
 
 /// What a command said.

@@ -1,6 +1,7 @@
 //! Terminal output while a command runs.
 
 use crate::pace::Pace;
+use crate::standing::Standing;
 use crate::status::Status;
 use std::fmt;
 use std::io::Write;
@@ -22,6 +23,15 @@ pub struct Console {
     /// When the last line was said, and how long none has to be until a line about a solve is.
     last_line: Arc<Mutex<Instant>>,
     silence: Duration,
+    /// Who is told how far the command is.
+    watcher: Option<Watcher>,
+}
+
+/// Who is told how far a command is, and when that was done last.
+#[derive(Clone)]
+struct Watcher {
+    tell: Arc<dyn Fn(&Standing) + Send + Sync>,
+    told: Arc<Mutex<Option<Instant>>>,
 }
 
 /// A line whose control characters, of a title say, are shown and not obeyed.
@@ -37,6 +47,8 @@ const SILENCE: Duration = Duration::from_secs(5);
 const REFRESHED: Duration = Duration::from_secs(1);
 /// How often it is looked whether the console is still there.
 const LOOKED: Duration = Duration::from_millis(100);
+/// Between two looks of a watcher, but for phases, steps and iterations.
+const WATCHED: Duration = Duration::from_millis(100);
 
 type Sink = Arc<Mutex<Option<Box<dyn Write + Send>>>>;
 
@@ -57,6 +69,7 @@ impl Console {
             without_solves: Arc::default(),
             last_line: Arc::new(Mutex::new(Instant::now())),
             silence: SILENCE,
+            watcher: None,
         }
     }
 
@@ -70,6 +83,29 @@ impl Console {
     pub fn with_passing(mut self, terminal: impl Write + Send + 'static) -> Self {
         self.passing = Arc::new(Mutex::new(Some(Box::new(terminal))));
         self
+    }
+
+    /// With somebody who is told how far the command is: where a phase, a step or an iteration begins, and within a solve ten times a second at most. No
+    /// result depends on it.
+    #[must_use]
+    pub fn watched(mut self, tell: impl Fn(&Standing) + Send + Sync + 'static) -> Self {
+        self.watcher = Some(Watcher { tell: Arc::new(tell), told: Arc::default() });
+        self
+    }
+
+    /// Tells the watcher; of what happens often not always.
+    fn tell(&self, is_often: bool) {
+        let Some(watcher) = &self.watcher else { return };
+        {
+            let mut told = guard(&watcher.told);
+            if is_often && told.is_some_and(|told| told.elapsed() < WATCHED) {
+                return;
+            }
+            *told = Some(Instant::now());
+        }
+        let standing = guard(&self.status).standing();
+        // nothing is held while others work
+        (watcher.tell)(&standing);
     }
 
     /// With lines about a solve, where there is no terminal, after another time of silence than five seconds.
@@ -117,18 +153,28 @@ impl Console {
     /// Another phase of a command begins: it is shown when it takes long.
     pub fn phase(&self, what: &str) {
         guard(&self.status).enter(what);
+        self.tell(false);
     }
 
     /// So many runs of a sweep are done, and the next has this name.
     pub fn run(&self, done: usize, of: usize, what: impl fmt::Display) {
         guard(&self.status).run(done, of, printable(&what));
         self.show("");
+        self.tell(false);
     }
 
     /// So many steps of a motion are done, and the next leads to this instant.
     pub fn step(&self, done: usize, of: usize, what: impl fmt::Display) {
         if !self.without_solves.load(Ordering::Relaxed) {
             guard(&self.status).step(done, of, printable(&what));
+            self.tell(false);
+        }
+    }
+
+    /// The next step of a motion leads to this instant, towards this end.
+    pub fn instant(&self, time: f64, end: f64) {
+        if !self.without_solves.load(Ordering::Relaxed) {
+            guard(&self.status).at(time, end);
         }
     }
 
@@ -164,6 +210,7 @@ impl Console {
             self.say(format!("            {line}"));
         }
         guard(&self.status).line = printable(&line);
+        self.tell(true);
     }
 
     fn has_been_silent(&self) -> bool {
@@ -193,11 +240,13 @@ impl Console {
             status.to_string()
         };
         write_passing(&self.passing, &shown);
+        self.tell(true);
     }
 
     /// Shows how far an optimisation is; `None` when it ended.
     pub fn set_pace(&self, pace: Option<Pace>) {
         guard(&self.status).pace = pace;
+        self.tell(false);
     }
 
     /// Takes a passing line away.

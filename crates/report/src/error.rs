@@ -54,8 +54,8 @@ pub enum ReportError {
     },
     /// Pressures are known of the states that the result speaks of.
     #[error(
-        "the pressure of chamber \"{chamber}\" in the state \"{state}\" is not known: results have that of the optimum, of an equilibrium and of \
-         the instants of a motion; choose such a state, or another field by --field"
+        "the pressure of chamber \"{chamber}\" in the state \"{state}\" is not known: results have that of the optimum, of an equilibrium, of \
+         ramps and of the instants of a motion; choose such a state, or another field by --field"
     )]
     NoPressure {
         /// The chamber.

@@ -3,11 +3,13 @@
 mod behind;
 mod chambers;
 mod fields;
+mod frames;
 mod lumen;
 mod marks;
 mod paths;
 mod state;
 
+pub use frames::Frames;
 pub use marks::{FIELD, tension, uniform_field, with_marks};
 
 use crate::error::ReportError;
@@ -48,7 +50,10 @@ pub struct FigureRequest {
 /// [`ReportError`]: no results, or a state, field or probe that they do not have.
 pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, ReportError> {
     let folder = ResultFolder::open(directory)?;
-    let state = State::find(&folder, request.state.as_deref())?;
+    compose(&folder, &State::find(&folder, request.state.as_deref())?, request)
+}
+
+fn compose(folder: &ResultFolder, state: &State<'_>, request: &FigureRequest) -> Result<Picture, ReportError> {
     let mut picture = Picture::new(&state.label).plain().length_unit(&folder.result.units.length);
     if let Some([width, height]) = request.size {
         picture = picture.size(width, height);
@@ -56,24 +61,24 @@ pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, Repo
     if let Some(direction) = request.view {
         picture = picture.view(View::From(direction));
     }
-    let field = fields::shown(&folder, &state, request.field.as_deref())?;
+    let field = fields::shown(folder, state, request.field.as_deref())?;
     // the body itself is glass around its chambers: a start of glass behind it could not be told from it
     let target = ["target".to_owned()];
     let is_glass = matches!(field, Shown::Chambers) && state.shot.mesh.dim() == 3;
     let behind = request.behind.as_deref().or(is_glass.then_some(&target));
-    for body in behind::bodies(&folder, &state, behind)? {
+    for body in behind::bodies(folder, state, behind)? {
         picture = picture.body(body);
     }
     if let Some(field) = uniform_field(&state.shot) {
         picture = picture.vector("field", FIELD, field);
     }
-    for body in bodies(&folder, &state, field, request)? {
+    for body in bodies(folder, state, field, request)? {
         picture = picture.body(body);
     }
-    let targets = paths::moving_targets(&folder, &state)?;
-    let shown = if request.paths.is_empty() { paths::usual(&state, &folder, &targets) } else { request.paths.clone() };
+    let targets = paths::moving_targets(folder, state)?;
+    let shown = if request.paths.is_empty() { paths::usual(state, folder, &targets) } else { request.paths.clone() };
     for (k, name) in shown.iter().enumerate() {
-        let points = paths::of(&folder, &state, name)?;
+        let points = paths::of(folder, state, name)?;
         picture = picture.path(&format!("path of {name}"), path_colour(k), points);
     }
     let with_targets = behind::with_targets(behind);

@@ -24,6 +24,11 @@ impl Pace {
         Self { began: Instant::now(), before: None, iteration: 0, trial: 0, cost: None, most }
     }
 
+    /// Iterations that are done, their limit, the trial under way, and the cost of the last accepted one.
+    pub(crate) fn counts(&self) -> (usize, usize, usize, Option<f64>) {
+        (self.iteration, self.most, self.trial, self.cost)
+    }
+
     /// A trial ended; with its cost, where it was accepted.
     pub fn done(&mut self, trial: usize, iteration: usize, cost: Option<f64>) {
         self.before.get_or_insert(iteration);

@@ -32,6 +32,18 @@ const PROGRAM: [&str; 12] = [
     include_str!("../assets/main.js"),
 ];
 
+/// Charts of ramps and paths.
+const SERIES: [&str; 8] = [
+    "ramp.svg",
+    "ramp_reactions.svg",
+    "ramp_energies.svg",
+    "ramp_volumes.svg",
+    "path.svg",
+    "path_reactions.svg",
+    "path_energies.svg",
+    "path_volumes.svg",
+];
+
 /// The whole page.
 pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
     let result = &folder.result;
@@ -45,7 +57,7 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
         section("shape", "Shape", &shape(&view, scene)),
         section("convergence", "Plots", &plot_places(&plots)),
         section("motion", "Over the time", &drawings(folder, &["motion.svg", "energies.svg", "controls.svg"])),
-        section("curves", "Equilibria along the path", &drawings(folder, &["ramp.svg", "path.svg"])),
+        section("curves", "Equilibria along the path", &drawings(folder, &SERIES)),
         tables::events(result),
         tables::states(result),
         tables::members(result),
@@ -123,9 +135,13 @@ fn plot_places(plots: &[Value]) -> String {
     format!("<div class=\"plots\">\n{}</div>\n", (0..plots.len()).map(place).collect::<String>())
 }
 
-/// The charts whose names end so, as the run drew them.
-fn drawings(folder: &ResultFolder, endings: &[&str]) -> String {
-    let drawn = folder.result.files.iter().flatten().filter(|file| endings.iter().any(|ending| file.ends_with(ending)));
+/// The charts of these names of every member, as the run drew them.
+fn drawings(folder: &ResultFolder, names: &[&str]) -> String {
+    let members = folder.result.members.iter().flatten();
+    let stems: Vec<&str> = members.map(|member| member.stem.as_str()).chain([""]).collect();
+    let is_one =
+        |file: &&String| stems.iter().any(|stem| file.strip_prefix(stem).is_some_and(|own| names.contains(&own)));
+    let drawn = folder.result.files.iter().flatten().filter(is_one);
     let figure = |file: &String| {
         let text = folder.text(file).ok().flatten()?;
         let start = text.find("<svg")?;

@@ -76,8 +76,8 @@ pub use optimum_record::{
 };
 pub use rigid_motion::RigidMotion;
 pub use run_record::{
-    ExpectRecord, MemberRecord, MissRecord, ReachedRecord, RunRecord, SmoothingRecord, UnitsRecord, VersionsRecord,
-    WarningRecord,
+    DiscretizationRecord, ExpectRecord, MemberRecord, MissRecord, ReachedRecord, RunRecord, SmoothingRecord,
+    UnitsRecord, VersionsRecord, WarningRecord,
 };
 pub use series_record::{
     EquilibriaRecord, JumpRecord, ModesRecord, ModesUnits, PointRecord, SeriesRecord, VibrationInSteps,
@@ -85,9 +85,9 @@ pub use series_record::{
 pub use spectrum_record::{EigenvectorsRecord, SpectrumRecord};
 pub use state_record::{
     CostRecord, HausdorffRecord, IntersectionRecord, MeasureRecord, ProbeRecord, ProbesRecord, RiskRecord, StateRecord,
-    UncountedRecord,
+    StoredEnergyRecord, UncountedRecord,
 };
-pub use sweep_record::{SweepRecord, SweepRunRecord, SweptRecord};
+pub use sweep_record::{ConvergenceRecord, SweepRecord, SweepRunRecord, SweptRecord};
 pub use time_record::{EnergiesRecord, EnergyBalanceRecord, EnergyRecord, StepErrorRecord, TimeRecord};
 pub use trial_record::TrialRecord;
 

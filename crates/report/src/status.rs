@@ -2,6 +2,7 @@
 
 use crate::number::duration;
 use crate::pace::Pace;
+use crate::standing::Standing;
 use std::time::{Duration, Instant};
 
 /// Characters of a bar.
@@ -44,6 +45,8 @@ pub(crate) struct Status {
     pub pace: Option<Pace>,
     /// Steps of a motion.
     steps: Option<Parts>,
+    /// The instant that the step under way leads to, and the end of the motion.
+    instant: Option<[f64; 2]>,
     /// About the solve under way.
     pub line: String,
     /// How many lines are being said.
@@ -55,14 +58,15 @@ pub(crate) struct Status {
 impl Default for Status {
     fn default() -> Self {
         let (phase, line) = (String::new(), String::new());
-        Self { began: Instant::now(), phase, runs: None, pace: None, steps: None, line, speaking: 0, ended: false }
+        let began = Instant::now();
+        Self { began, phase, runs: None, pace: None, steps: None, instant: None, line, speaking: 0, ended: false }
     }
 }
 
 impl Status {
     /// Another phase begins.
     pub fn enter(&mut self, phase: &str) {
-        (self.phase, self.steps, self.line) = (phase.to_owned(), None, String::new());
+        (self.phase, self.steps, self.instant, self.line) = (phase.to_owned(), None, None, String::new());
     }
 
     /// So many runs of a sweep are done, and the next has this name.
@@ -76,6 +80,29 @@ impl Status {
         let before = self.steps.as_ref().filter(|steps| steps.of == of && steps.done <= done);
         let (began, from) = before.map_or((Instant::now(), done), |steps| (steps.began, steps.from));
         self.steps = Some(Parts { began, from, done, of, what });
+    }
+
+    /// The step under way leads to this instant of a motion with this end.
+    pub fn at(&mut self, time: f64, end: f64) {
+        self.instant = Some([time, end]);
+    }
+
+    /// The same as values.
+    pub fn standing(&self) -> Standing {
+        let pace = self.pace.as_ref().map(Pace::counts);
+        Standing {
+            phase: self.phase.clone(),
+            seconds: self.began.elapsed().as_secs_f64(),
+            step: self.steps.as_ref().map(|steps| steps.done),
+            steps: self.steps.as_ref().map(|steps| steps.of),
+            time: self.instant.map(|[time, _]| time),
+            end: self.instant.map(|[_, end]| end),
+            iteration: pace.map(|(iteration, ..)| iteration),
+            iterations: pace.map(|(_, most, ..)| most),
+            trial: pace.map(|(_, _, trial, _)| trial),
+            cost: pace.and_then(|(.., cost)| cost),
+            line: self.line.clone(),
+        }
     }
 
     /// Since when it is shown.

@@ -154,6 +154,9 @@ fn a_cavity_may_be_bounded_by_several_surfaces() {
         "actuation": [ { "name": "air", "kind": "cavity", "surface": ["y-", "y+", "z-", "z+"], "pressure": 1 } ] }"#;
     let found = common::problems(text);
     assert!(found.contains("surface \"y-, y+, z-, z+\" of cavity \"air\" is open at 8 edges"), "{found}");
+    for place in ["4 around (0, 0.5, 0.5)", "4 around (1, 0.5, 0.5)"] {
+        assert!(found.contains(place), "{place}: {found}");
+    }
 }
 
 #[test]

@@ -130,7 +130,7 @@ fn sweeps_fits_pages_and_figures_replace_nothing_of_others() {
 
     let swept = place.path("swept");
     let case = place.write("case.json", &bar());
-    let how = Sweep { command: Command::Solve, warm: false };
+    let how = Sweep { command: Command::Solve, warm: false, quantity: None };
     let sweep_there = || {
         let options = Options { out: Some(swept.clone()), ..place.options(&["materials/0/mu1=90 kPa,110 kPa"]) };
         sweep(&Catalogue::standard(), &how, &case, &options, &Console::silent())

@@ -310,7 +310,7 @@ fn a_sweep_goes_on_with_a_motion_that_was_stopped() {
     };
     let both = |restart: bool| {
         let options = Options { restart, ..place.options(&["materials/0/young=1e6,2e6"]) };
-        let (heard, how) = (Heard::default(), Sweep { command: Command::Solve, warm: false });
+        let (heard, how) = (Heard::default(), Sweep { command: Command::Solve, warm: false, quantity: None });
         let (file, console) = (place.path("case.json"), Console::new(heard.clone()));
         let found = sweep(&Catalogue::standard(), &how, &file, &options, &console).unwrap();
         (found, heard.text())

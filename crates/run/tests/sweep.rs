@@ -14,8 +14,8 @@ use serde_json::Value;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 
-const OPTIMIZE: Sweep = Sweep { command: Command::Optimize, warm: false };
-const SOLVE: Sweep = Sweep { command: Command::Solve, warm: false };
+const OPTIMIZE: Sweep = Sweep { command: Command::Optimize, warm: false, quantity: None };
+const SOLVE: Sweep = Sweep { command: Command::Solve, warm: false, quantity: None };
 
 fn sweep_with(
     place: &CaseDirectory,
@@ -181,7 +181,7 @@ fn what_cannot_be_swept_is_refused_before_anything_is_written() {
         (&OPTIMIZE, "materials/0/mu1=1", "no option has several values"),
         (&OPTIMIZE, "materials/0/mu1=50,100 kPa", "a unit belongs to the value before it alone"),
         (&OPTIMIZE, "matter/0/mu1=1,2", "matter"),
-        (&Sweep { command: Command::Check, warm: false }, "materials/0/mu1=1,2", "not \"check\""),
+        (&Sweep { command: Command::Check, warm: false, quantity: None }, "materials/0/mu1=1,2", "not \"check\""),
         (&Sweep { warm: true, ..SOLVE }, "materials/0/mu1=1,2", "--warm"),
         (&Sweep { warm: true, ..OPTIMIZE }, "controls/0/start=1,2", "--warm"),
     ] {

@@ -13,8 +13,8 @@ use serde_json::Value;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-const SOLVE: Sweep = Sweep { command: Command::Solve, warm: false };
-const WARM: Sweep = Sweep { command: Command::Optimize, warm: true };
+const SOLVE: Sweep = Sweep { command: Command::Solve, warm: false, quantity: None };
+const WARM: Sweep = Sweep { command: Command::Optimize, warm: true, quantity: None };
 
 /// A hexahedron, for Gmsh.
 const BRICK: &str = r#"$MeshFormat
@@ -93,7 +93,7 @@ fn a_run_is_kept_if_case_files_command_and_version_are_the_same() {
     std::fs::write(place.path("box.msh"), mesh.to_owned() + other).unwrap();
     assert_eq!(kept(&fixed, &SOLVE), 0, "another mesh");
     assert_eq!(kept(&Options { restart: true, ..fixed.clone() }, &SOLVE), 0, "begun anew");
-    assert_eq!(kept(&fixed, &Sweep { command: Command::Optimize, warm: false }), 0, "another command");
+    assert_eq!(kept(&fixed, &Sweep { command: Command::Optimize, warm: false, quantity: None }), 0, "another command");
 }
 
 /// The exit code of a kept run is that under the options at hand.

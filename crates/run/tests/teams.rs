@@ -250,7 +250,7 @@ fn a_member_without_an_equilibrium_on_the_last_rank_is_named_with_it() {
 fn runs_of_a_sweep_are_shared_out() {
     let set = ["materials/0/mu1=90 kPa,100 kPa,110 kPa", "optimizer/max_iterations=2", "title=Bar"];
     let (serial, place) = (CaseDirectory::new(), CaseDirectory::new());
-    let asked = Sweep { command: Command::Optimize, warm: false };
+    let asked = Sweep { command: Command::Optimize, warm: false, quantity: None };
     for place in [&serial, &place] {
         place.write("case.json", BAR);
     }
@@ -271,7 +271,7 @@ fn runs_of_a_sweep_are_shared_out() {
 #[test]
 fn all_ranks_of_a_sweep_end_with_the_code_of_the_first() {
     let ends = |set: &[&str], strict: bool, before: &dyn Fn(&CaseDirectory)| {
-        let (place, asked) = (CaseDirectory::new(), Sweep { command: Command::Optimize, warm: false });
+        let (place, asked) = (CaseDirectory::new(), Sweep { command: Command::Optimize, warm: false, quantity: None });
         let file = place.write("case.json", BAR);
         before(&place);
         let options = Options { strict, ..options(&place, set) };
@@ -301,7 +301,7 @@ fn what_one_rank_does_is_refused_on_several() {
         assert!(found.iter().all(|found| matches!(found, Err(RunError::OneRank { ranks: 2, .. }))), "{found:?}");
         assert!(!place.path("out").exists());
     }
-    let asked = Sweep { command: Command::Optimize, warm: false };
+    let asked = Sweep { command: Command::Optimize, warm: false, quantity: None };
     let set = ["materials/0/mu1=90 kPa,100 kPa"];
     for share in [nastic_run::run::Share::Part("1/2".parse().unwrap()), nastic_run::run::Share::Join] {
         let of = |options: &Options| sweep(&Catalogue::standard(), &asked, &file, options, &Console::silent());

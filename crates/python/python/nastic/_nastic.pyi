@@ -23,6 +23,7 @@ def run(
     restart: bool,
     figure: bool,
     callback: Callable[[str], None] | None,
+    progress: Callable[[str], None] | None,
 ) -> tuple[int, str, str, States | None]: ...
 def read_mesh(path: Path, scale: float) -> Mesh: ...
 def compare(

@@ -14,6 +14,7 @@ from . import _nastic
 from .errors import CaseError, GradientError, SolveError
 from .mesh import Mesh
 from .problem import Problem
+from .progress import Callback, listener
 from .result import Result
 
 #: Exit codes of the program that are errors here (docs/results.md).
@@ -29,6 +30,10 @@ class Case(dict[str, Any]):
     Commands work on the case as it is when they are called, release the interpreter lock and are ended by Ctrl-C. They write nothing,
     unless `out` names a directory, which then holds the files of docs/results.md. `threads`: their number, all processors if None; results
     do not depend on it. They raise CaseError (with all problems found), SolveError, OutputError.
+
+    `progress`: how far they are as a bar of tqdm: True, False, or None for a bar where standard error is a terminal and tqdm is installed.
+    `callback` of all but `optimize` is called with the same as a dictionary, when a phase or a step begins and at most ten times a second within one:
+    `phase`, `seconds`, `line` (about the solve under way), of motions `step`, `steps`, `time`, `end`. An exception in it ends the command.
     """
 
     def __init__(
@@ -65,6 +70,8 @@ class Case(dict[str, Any]):
         threads: int | None = None,
         report: bool = True,
         figure: bool = False,
+        callback: Callback | None = None,
+        progress: bool | None = None,
     ) -> Result:
         """The equilibrium at the start controls, or the motion; or, as `nastic solve` with the option of that name, one of:
 
@@ -77,7 +84,7 @@ class Case(dict[str, Any]):
         asked = [(key, str(value)) for key, value in given.items() if value is not None and value is not False]
         if len(asked) > 1:
             raise CaseError(f"solve does one of these at a time, and {' and '.join(key for key, _ in asked)} were given")
-        return self._run("solve", out, threads, report=report, figure=figure, asked=asked[0] if asked else None)
+        return self._run("solve", out, threads, report=report, figure=figure, asked=asked[0] if asked else None, told=(callback, progress))
 
     def modes(
         self,
@@ -87,16 +94,26 @@ class Case(dict[str, Any]):
         out: str | os.PathLike[str] | None = None,
         threads: int | None = None,
         report: bool = True,
+        callback: Callback | None = None,
+        progress: bool | None = None,
     ) -> Result:
         """The lowest frequencies and shapes of small vibrations about the equilibrium at the start controls, or about the undeformed body.
 
         `result["modes"]` has the frequencies in Hz; `point_data["mode_1"]`, .. the shapes, where `out` was given in its start.vtu.
         """
-        return self._run("modes", out, threads, report=report, asked=("undeformed" if undeformed else "modes", str(count)))
+        asked = ("undeformed" if undeformed else "modes", str(count))
+        return self._run("modes", out, threads, report=report, asked=asked, told=(callback, progress))
 
-    def gradient(self, *, out: str | os.PathLike[str] | None = None, threads: int | None = None) -> Result:
+    def gradient(
+        self,
+        *,
+        out: str | os.PathLike[str] | None = None,
+        threads: int | None = None,
+        callback: Callback | None = None,
+        progress: bool | None = None,
+    ) -> Result:
         """Cost and gradient at the start controls, with a short check by differences; GradientError if that fails."""
-        return self._run("gradient", out, threads)
+        return self._run("gradient", out, threads, told=(callback, progress))
 
     def optimize(
         self,
@@ -107,6 +124,7 @@ class Case(dict[str, Any]):
         report: bool = True,
         restart: bool = False,
         figure: bool = False,
+        progress: bool | None = None,
     ) -> Result:
         """The best control. Stopping before convergence is no error: see `Result.converged`.
 
@@ -122,7 +140,9 @@ class Case(dict[str, Any]):
             if callback is not None:
                 callback(copy.copy(trial))
 
-        return self._run("optimize", out, threads, report=report, restart=restart, figure=figure, history=history, callback=told)
+        return self._run(
+            "optimize", out, threads, report=report, restart=restart, figure=figure, history=history, callback=told, told=(None, progress)
+        )
 
     def problem(
         self,
@@ -180,19 +200,22 @@ class Case(dict[str, Any]):
         asked: tuple[str, str] | None = None,
         history: list[dict[str, Any]] | None = None,
         callback: Callable[[str], None] | None = None,
+        told: tuple[Callback | None, bool | None] = (None, False),
     ) -> Result:
         out = None if out is None else Path(out)
-        code, text, log, states = _nastic.run(
-            command,
-            *self._document(),
-            asked=asked,
-            out=out,
-            threads=threads,
-            report=report,
-            restart=restart,
-            figure=figure,
-            callback=callback,
-        )
+        with listener(*told) as progress:
+            code, text, log, states = _nastic.run(
+                command,
+                *self._document(),
+                asked=asked,
+                out=out,
+                threads=threads,
+                report=report,
+                restart=restart,
+                figure=figure,
+                callback=callback,
+                progress=progress,
+            )
         result = Result._of(json.loads(text), log, out, history or [], states)
         if code == _FORWARD_FAILED:
             raise SolveError(result.result.get("error", "no equilibrium was found"), result=result)

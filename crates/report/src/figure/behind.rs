@@ -16,13 +16,12 @@ pub(super) fn bodies(
 ) -> Result<Vec<Body>, ReportError> {
     let mut out = Vec::new();
     let stem = shown.stem();
-    let start = [format!("{stem}start"), format!("{stem}motion_0000")];
-    let usual = || start.iter().find(|name| folder.wrote(&format!("{name}.vtu"))).filter(|name| **name != shown.name);
-    let names: Vec<String> = wanted.map_or_else(|| usual().cloned().into_iter().collect(), <[String]>::to_vec);
+    let usual = || begin(folder, shown).filter(|name| *name != shown.name);
+    let names: Vec<String> = wanted.map_or_else(|| usual().into_iter().collect(), <[String]>::to_vec);
     let states: Vec<&String> = names.iter().filter(|name| *name != "target").collect();
     for (k, name) in states.iter().enumerate() {
         let ghost = State::find(folder, Some(name.as_str()))?;
-        let label = if wanted.is_none() { "start".to_owned() } else { state::label(folder, stem, &ghost.name)? };
+        let label = state::label(folder, stem, &ghost.name)?;
         out.push(Body::of(&label, &ghost.shot).appearance(Appearance::Glass(grey(k, states.len()))));
     }
     let with_target = with_targets(wanted);
@@ -41,6 +40,20 @@ pub(super) fn bodies(
         );
     }
     Ok(out)
+}
+
+/// Where what is shown began: a motion, ramp or path at its first state, an optimum at the start controls.
+fn begin(folder: &ResultFolder, shown: &State<'_>) -> Option<String> {
+    let stem = shown.stem();
+    let own = shown.name.strip_prefix(stem).unwrap_or(&shown.name);
+    // those of an optimisation have motions too, of the optimum
+    let of_series = ["motion", "ramp", "path"].into_iter().find(|series| own.starts_with(series));
+    let first = |series: &str| state::first_of(folder, stem, series);
+    let start = format!("{stem}start");
+    match of_series {
+        Some(series) => first(series),
+        None => first("motion").or_else(|| folder.wrote(&format!("{start}.vtu")).then_some(start)),
+    }
 }
 
 /// The k-th of some states behind: the later, the darker.

@@ -36,10 +36,17 @@ pub(super) fn names(folder: &ResultFolder) -> Vec<String> {
     all(folder).into_iter().map(|chamber| chamber.name).collect()
 }
 
-/// Whether there are chambers, and the results have all their pressures in this state: those of ramps and kept iterations they have not.
+/// Whether there are chambers, and the results have all their pressures in this state: those of paths and kept iterations they have not.
 pub(super) fn are_known(folder: &ResultFolder, state: &State<'_>) -> bool {
     let names = names(folder);
     !names.is_empty() && names.iter().all(|name| pressure(folder, state, name).is_ok())
+}
+
+/// The pressures of all chambers in a state, from zero.
+pub(super) fn range(folder: &ResultFolder, state: &State<'_>) -> Result<[f64; 2], ReportError> {
+    let pressures: Vec<f64> =
+        names(folder).iter().map(|name| pressure(folder, state, name)).collect::<Result<_, _>>()?;
+    Ok(pressures.into_iter().fold([0.0, 0.0], |[low, high]: [f64; 2], p| [low.min(p), high.max(p)]))
 }
 
 /// One body for the walls of each chamber, all on one scale from zero.
@@ -76,12 +83,18 @@ pub(super) fn bodies(
     Ok(found.into_iter().map(body).collect())
 }
 
-/// The pressure of a chamber in the state that is shown: what the result says of it, of an instant what `motion.csv` does.
+/// The pressure of a chamber in the state that is shown: what the result says of it or of the ramp's equilibrium, of an instant what `motion.csv` does.
 fn pressure(folder: &ResultFolder, state: &State<'_>, chamber: &str) -> Result<f64, ReportError> {
     let stem = state.stem();
     let own = state.name.strip_prefix(stem).unwrap_or(&state.name);
     if own.starts_with("motion_") {
         return paths::at_instant(folder, state, &format!("{chamber}.{PRESSURE}"));
+    }
+    let row = own.strip_prefix("ramp_").and_then(|number| number.parse::<usize>().ok());
+    if let (Some(row), Some(ramp)) = (row, state.record.and_then(|record| record.ramp.as_ref())) {
+        let values = ramp.points.get(row).and_then(|point| point.state.contributions.get(chamber));
+        let known = values.and_then(|values| number_of(values, PRESSURE));
+        return known.ok_or_else(|| ReportError::NoPressure { chamber: chamber.to_owned(), state: state.name.clone() });
     }
     // the result speaks of the optimum, or of the equilibrium of a solve
     let is_reported = own == "optimum" || own == "start" && !folder.wrote(&format!("{stem}optimum.vtu"));

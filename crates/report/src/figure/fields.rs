@@ -24,14 +24,24 @@ pub(super) const PRESSURE: &str = "pressure";
 const NONE: &str = "none";
 const AXES: &str = "xyz";
 
-/// The field of that name; without a name the first controlled field that differs over the body, chambers, or the displacement.
+/// The name of the field that is shown: the one that is asked for, else the first controlled field that differs over the body, chambers, or the displacement.
+pub(super) fn chosen(folder: &ResultFolder, state: &State<'_>, name: Option<&str>) -> String {
+    let usual = || controlled(folder, state).unwrap_or_else(|| DISPLACEMENT.to_owned());
+    name.map_or_else(usual, str::to_owned)
+}
+
+/// Whether that of a name is the pressure of chambers.
+pub(super) fn is_of_chambers(folder: &ResultFolder, name: &str) -> bool {
+    name == PRESSURE && !chambers::names(folder).is_empty()
+}
+
+/// The field of that name, or without a name of the one that is [chosen].
 pub(super) fn shown(folder: &ResultFolder, state: &State<'_>, name: Option<&str>) -> Result<Shown, ReportError> {
     let has_chambers = !chambers::names(folder).is_empty();
-    let name = match name {
-        Some(NONE) => return Ok(Shown::Nothing),
-        Some(name) => name.to_owned(),
-        None => controlled(folder, state).unwrap_or_else(|| DISPLACEMENT.to_owned()),
-    };
+    let name = chosen(folder, state, name);
+    if name == NONE {
+        return Ok(Shown::Nothing);
+    }
     if name == PRESSURE && has_chambers {
         return Ok(Shown::Chambers);
     }
@@ -47,7 +57,7 @@ pub(super) fn shown(folder: &ResultFolder, state: &State<'_>, name: Option<&str>
     for (arrays, at_nodes) in [(&shot.point_data, true), (&shot.cell_data, false)] {
         if let Some((array, values)) = arrays.iter().find_map(|array| Some((array, values(array, &name)?))) {
             let (label, unit) = match beyond_the_page(&folder.result.units, &array.name) {
-                Some((known, unit)) => (part_of(known, &name, &array.name), unit.to_owned()),
+                Some((known, unit)) => (part_of(known, &name, &array.name), unit),
                 None => {
                     let (known, unit) = text(&texts, &array.name);
                     (if name == array.name { known } else { name.clone() }, unit)
@@ -111,17 +121,20 @@ fn length(vector: &[f64]) -> f64 {
 }
 
 /// Arrays that the page does not show: what they are called in a figure, and their units.
-fn beyond_the_page<'a>(units: &'a UnitsRecord, array: &str) -> Option<(&'static str, &'a str)> {
-    Some(match array {
+fn beyond_the_page(units: &UnitsRecord, array: &str) -> Option<(&'static str, String)> {
+    let (name, unit) = match array {
+        "contact_pressure" => ("contact pressure", &units.pressure),
+        "velocity" => return Some(("velocity", format!("{}/{}", units.length, units.time))),
         "displacement" => ("displacement", &units.length),
         "target_distance" => ("distance from the target", &units.length),
         "reaction" => ("force of the supports", &units.force),
         "nodal_mises" => ("von Mises stress", &units.pressure),
         "cauchy_stress" | "nodal_cauchy_stress" => ("Cauchy stress", &units.pressure),
         "P" => ("first Piola-Kirchhoff stress", &units.pressure),
-        "green_strain" => ("Green-Lagrange strain", ""),
+        "green_strain" => return Some(("Green-Lagrange strain", String::new())),
         _ => return None,
-    })
+    };
+    Some((name, unit.clone()))
 }
 
 /// The name of a component, or of a length.

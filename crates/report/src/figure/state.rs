@@ -17,7 +17,7 @@ pub(crate) struct State<'a> {
     pub record: Option<&'a StateRecord>,
 }
 
-/// What states are called whose files end so, the first of a result before the others.
+/// What states of equilibria are called whose files end so, the first of a result before the others.
 const LABELS: [(&str, &str); 3] = [("optimum", "optimum"), ("failure", "last state"), ("start", "equilibrium")];
 
 impl<'a> State<'a> {
@@ -54,7 +54,7 @@ impl<'a> State<'a> {
 }
 
 /// All states that the run wrote: not targets, obstacles, lines.
-fn names(folder: &ResultFolder) -> Vec<String> {
+pub(super) fn names(folder: &ResultFolder) -> Vec<String> {
     let members = || folder.result.members.iter().flatten();
     let is_shape =
         |file: &str| members().any(|member| member.targets.iter().chain(&member.obstacles).any(|own| own == file));
@@ -67,6 +67,16 @@ fn names(folder: &ResultFolder) -> Vec<String> {
     let kept = iterations.flat_map(|files| files.unwrap_or_default());
     names.extend(kept.filter_map(|(file, _)| file.strip_suffix(".vtu").map(str::to_owned)));
     names
+}
+
+/// The first state of a motion, a ramp or a path.
+pub(super) fn first_of(folder: &ResultFolder, stem: &str, series: &str) -> Option<String> {
+    let name = format!("{stem}{series}_0000");
+    folder.wrote(&format!("{name}.vtu")).then_some(name)
+}
+
+fn first_instant(folder: &ResultFolder, stem: &str) -> Option<String> {
+    first_of(folder, stem, "motion")
 }
 
 /// The optimum, else the last instant of a motion, else the last equilibrium of a ramp or a path, else the equilibrium.
@@ -105,6 +115,16 @@ pub(super) fn label(folder: &ResultFolder, stem: &str, name: &str) -> Result<Str
         return Ok(format!("{control} = {} {}", short(value), ramp.unit.as_deref().unwrap_or_default()));
     }
     let has_optimum = folder.wrote(&format!("{stem}optimum.vtu"));
+    if first_instant(folder, stem).is_some() {
+        // states without a number are ends of motions
+        return Ok(match own {
+            "optimum" => "end of the motion at the optimum".to_owned(),
+            "start" if has_optimum => "end of the motion at the start controls".to_owned(),
+            "start" => "end of the motion".to_owned(),
+            "failure" => "last state".to_owned(),
+            other => other.replace('_', " "),
+        });
+    }
     Ok(match LABELS.iter().find(|(known, _)| *known == own) {
         Some(("start", _)) if has_optimum => "start".to_owned(),
         Some((_, label)) => (*label).to_owned(),

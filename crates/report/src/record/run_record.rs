@@ -28,6 +28,8 @@ records! {
         versions: VersionsRecord,
         /// Units of all numbers but those of modes, which are in SI.
         units: UnitsRecord,
+        /// The size of the problem.
+        discretization: Option<DiscretizationRecord>,
         /// Number of threads, on which nothing else depends but `seconds` and `peak_memory`.
         threads: Option<usize>,
         /// What was mended in meshes; cells and size of obstacles from meshes.
@@ -97,6 +99,18 @@ records! {
         field: String,
         /// Of stresses.
         pressure: String,
+    }
+
+    /// The size of a problem.
+    DiscretizationRecord {
+        /// 2 or 3.
+        dimensions: usize,
+        /// Cells.
+        cells: usize,
+        /// Nodes.
+        nodes: usize,
+        /// Displacement components.
+        unknowns: usize,
     }
 
     /// The exponents of a stage.

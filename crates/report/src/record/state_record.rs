@@ -40,6 +40,8 @@ records! {
         residual: Number,
         /// Total potential; of a motion that of passive laws, actuations and loads at its end.
         potential: Number,
+        /// Of an equilibrium: energies that it has stored. Those of a motion are in `time.energy_balance`.
+        energy: Option<StoredEnergyRecord>,
         /// By name, or by load case and name.
         probes: Option<ByName<ProbesRecord>>,
         /// By contribution what it reports: `pressure` and `volume` of a chamber (the part that is modelled), `tension` and `length` of a tendon, what a contact carries.
@@ -102,6 +104,14 @@ records! {
         total: Number,
         /// By name; of scenarios their expected values.
         terms: Numbers,
+    }
+
+    /// Energies that an equilibrium has stored.
+    StoredEnergyRecord {
+        /// Stored without controls by laws, springs and foundations.
+        elastic: Number,
+        /// Stored in the layers of contacts.
+        contact: Number,
     }
 
     /// Measures of risk of the scenarios' costs.

@@ -1,9 +1,10 @@
 //! A sweep as a page: its chart, and its runs with their pages.
 
 use super::SweepTable;
-use crate::html::{escape, paragraph, section};
+use crate::html::{escape, paragraph, section, table};
 use crate::number::short;
 use crate::plain_page::{drawing, plain_page};
+use crate::record::{ConvergenceRecord, Number};
 use crate::sweep::row::SweepRow;
 use serde_json::Value;
 
@@ -23,6 +24,7 @@ impl SweepTable {
         let body = [
             section("swept", "What is swept", &words),
             section("chart", "Chart", &svg.map(drawing).unwrap_or_default()),
+            section("convergence", "Convergence over meshes", &self.converging()),
             section("runs", "Runs", &self.runs()),
         ];
         plain_page(&self.title, &format!("{} of {}", asked.command, asked.case), &body.concat())
@@ -45,9 +47,26 @@ impl SweepTable {
         )
     }
 
+    /// Differences to the finest mesh, and orders; nothing where no meshes are swept.
+    fn converging(&self) -> String {
+        let Some((figure, records)) = self.convergence() else { return String::new() };
+        let row = |one: &ConvergenceRecord| {
+            let text = |value: Number| value.map_or_else(|| "–".to_owned(), short);
+            let numbers = [one.value, one.difference, one.relative_difference, one.order].map(text);
+            let size = [one.run.clone(), one.cells.to_string(), one.unknowns.to_string()];
+            size.into_iter().chain(numbers).collect()
+        };
+        let label = figure.label();
+        let difference = "difference to the finest";
+        let head = ["run", "cells", "unknowns", &label, difference, "relative difference", "observed order"];
+        let rows: Vec<Vec<String>> = records.iter().map(row).collect();
+        table(&head, &rows)
+            + &paragraph("The order is that of this mesh and the two before it; sweep_table.tex has this table.")
+    }
+
     /// The numbers of the chart, and what else tells runs from each other at a glance.
     fn figures_shown(&self) -> Vec<String> {
-        let mut out: Vec<String> = super::chart::figures(&self.rows).into_iter().map(str::to_owned).collect();
+        let mut out: Vec<String> = self.figures().into_iter().map(|figure| figure.path).collect();
         for more in ["min_J", "iterations", "newton_iterations"] {
             if self.rows.iter().any(|row| row.figures.contains_key(more)) {
                 out.push(more.to_owned());

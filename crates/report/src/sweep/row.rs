@@ -1,6 +1,6 @@
 //! [`SweepRow`]: one run of a sweep as a row of its table.
 
-use crate::record::{MemberRecord, RunRecord, SweepRunRecord};
+use crate::record::{DiscretizationRecord, MemberRecord, RunRecord, SweepRunRecord, UnitsRecord};
 use serde_json::{Map, Value};
 
 /// What one run of a sweep found.
@@ -21,12 +21,18 @@ pub struct SweepRow {
     pub warnings: Vec<String>,
     /// Numbers of its result by their paths there, as in `expect`.
     pub figures: Map<String, Value>,
+    /// The size of its problem, where it came to have one.
+    pub discretization: Option<DiscretizationRecord>,
+    /// Units of its figures.
+    pub units: UnitsRecord,
+    /// Units of its controls, by name.
+    pub control_units: Vec<(String, String)>,
     /// What the names of its files begin with: of every load case's first scenario, and without the scenario.
     pub stems: Vec<(String, String)>,
 }
 
 /// Entries of a result that a table shows, of a plain case or of all members together.
-const SHOWN: [&str; 16] = [
+const SHOWN: [&str; 18] = [
     "cost",
     "hausdorff",
     "tracking",
@@ -38,6 +44,8 @@ const SHOWN: [&str; 16] = [
     "failed_solves",
     "newton_iterations",
     "min_J",
+    "energy",
+    "potential",
     "inertia",
     "controls",
     "probes",
@@ -45,7 +53,7 @@ const SHOWN: [&str; 16] = [
     "reactions",
 ];
 /// Those of each load case.
-const OF_CASES: [&str; 5] = ["cost", "hausdorff", "tracking", "probes", "contributions"];
+const OF_CASES: [&str; 7] = ["cost", "hausdorff", "tracking", "energy", "potential", "probes", "contributions"];
 /// What is left out of them: descriptions, and what follows from the rest.
 const LEFT_OUT: [&str; 10] =
     ["array", "slot", "space", "grid", "unit", "unknowns", "lower", "upper", "point", "position"];
@@ -59,6 +67,8 @@ impl SweepRow {
         (exit, error): (u8, Option<String>),
         record: RunRecord,
     ) -> Self {
+        let controls = record.controls.iter().flatten();
+        let control_units = controls.filter_map(|(name, own)| Some((name.clone(), own.unit.clone()?))).collect();
         let figures = record.to_json().map(|result| figures(&result)).unwrap_or_default();
         let mut warnings: Vec<String> = record.warnings.into_iter().map(|warning| warning.code).collect();
         warnings.sort_unstable();
@@ -72,6 +82,9 @@ impl SweepRow {
             error: error.or(record.error),
             warnings,
             figures,
+            discretization: record.discretization,
+            units: record.units,
+            control_units,
             stems: stems(record.members.as_deref().unwrap_or_default()),
         }
     }

@@ -3,9 +3,10 @@
 use crate::result::member_report::MemberReport;
 use nastic_case::lower::{CaseMember, LocatedProbe};
 use nastic_control::{ControlError, CostPoint, DistanceInTime, FigureKind};
-use nastic_fem::{Demand, Inadmissible, Instant, SolveReport, State};
+use nastic_fem::{Demand, Inadmissible, Instant, SolveReport, State, StoredEnergy};
 use nastic_report::record::{
-    ByName, CostRecord, HausdorffRecord, Number, Numbers, ProbeRecord, ProbesRecord, StateRecord, numbers,
+    ByName, CostRecord, HausdorffRecord, Number, Numbers, ProbeRecord, ProbesRecord, StateRecord, StoredEnergyRecord,
+    numbers,
 };
 use std::sync::Arc;
 
@@ -115,7 +116,17 @@ pub(crate) fn forces(member: CaseMember<'_>, before: Option<&State>, state: &Sta
 
 /// The same for results.
 pub(crate) fn reactions(member: CaseMember<'_>, before: Option<&State>, state: &State) -> ByName<Vec<Number>> {
-    forces(member, before, state).into_iter().map(|(name, force)| (name, numbers(&force))).collect()
+    named(&forces(member, before, state))
+}
+
+/// Forces by the names of supports.
+pub(crate) fn named(forces: &[(String, [f64; 3])]) -> ByName<Vec<Number>> {
+    forces.iter().map(|(name, force)| (name.clone(), numbers(force))).collect()
+}
+
+/// Stored energies for results.
+pub(crate) fn energy(stored: StoredEnergy) -> StoredEnergyRecord {
+    StoredEnergyRecord { elastic: stored.elastic.into(), contact: stored.contact.into() }
 }
 
 /// By contribution what it reports.
@@ -151,11 +162,12 @@ pub(crate) fn shape(member: CaseMember<'_>, state: &State) -> StateRecord {
     }
 }
 
-/// The same with the reactions of equilibria; those of a motion are known where its steps are.
+/// The same with the reactions and the stored energies of equilibria; those of a motion are known where its steps are.
 pub(crate) fn state(member: CaseMember<'_>, state: &State) -> StateRecord {
     let is_equilibrium = member.reduced().timeline().is_none();
     let reactions = is_equilibrium.then(|| reactions(member, None, state));
-    StateRecord { reactions, ..shape(member, state) }
+    let stored = if is_equilibrium { member.solid().model().stored_energy(state).ok() } else { None };
+    StateRecord { reactions, energy: stored.map(energy), ..shape(member, state) }
 }
 
 /// Puts what it took into a state's entries.

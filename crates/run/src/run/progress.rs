@@ -35,6 +35,7 @@ pub(super) fn watch(problem: &mut CaseProblem, console: &Console) {
     });
     let (terminal, unit) = (console.clone(), problem.units().time().symbol);
     problem.ensemble.watch_steps(move |_, StepUnderWay { done, of, time, end }| {
+        terminal.instant(*time, *end);
         terminal.step(*done, *of, format!("t = {} of {} {unit}", short(*time), short(*end)));
     });
 }

@@ -45,7 +45,7 @@ pub fn figure(directory: &Path, request: &FigureRequest, file: Option<&Path>) ->
 }
 
 /// Where a file goes that is made of a result folder: the one that is named, or one of this name there, if nastic may write it.
-fn place(directory: &Path, named: Option<&Path>, name: &str) -> Result<PathBuf, RunError> {
+pub(super) fn place(directory: &Path, named: Option<&Path>, name: &str) -> Result<PathBuf, RunError> {
     if let Some(named) = named {
         keep_results(directory, named)?;
         return Ok(named.to_owned());

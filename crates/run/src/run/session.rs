@@ -28,7 +28,7 @@ use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostics, Document};
 use nastic_opt::{Budget, Failed, Objective, Request};
 use nastic_report::OnTrial;
-use nastic_report::record::{RunRecord, StateRecord, UnitsRecord, VersionsRecord};
+use nastic_report::record::{DiscretizationRecord, RunRecord, StateRecord, UnitsRecord, VersionsRecord};
 use nastic_team::Team;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -258,8 +258,15 @@ impl<'c> Session<'c> {
         for line in smoothing::automatic(&self.problem) {
             self.console.say(format!("stages      {line}"));
         }
+        let discretization = DiscretizationRecord {
+            dimensions: mesh.dim(),
+            cells: mesh.cells(),
+            nodes: mesh.points().len(),
+            unknowns: dofs,
+        };
         self.record = RunRecord {
             command: command.to_owned(),
+            discretization: Some(discretization),
             case: Some(path),
             title: title.into(),
             case_hash: hash,

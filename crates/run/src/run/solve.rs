@@ -12,6 +12,7 @@ mod ramp;
 mod ramp_failure;
 mod ramp_jumps;
 mod series;
+mod series_charts;
 
 pub(super) use crate::run::solve::moving::resume;
 

@@ -19,6 +19,7 @@ use nastic_case::part::{Part, Share};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number::count;
 use nastic_language::schema::Command;
+use nastic_language::syntax::{Diagnostic, Diagnostics};
 use nastic_report::{SweepRow, SweepTable};
 use nastic_team::{broadcast, exchange};
 use serde_json::Value;
@@ -32,6 +33,8 @@ pub struct Sweep {
     pub command: Command,
     /// Whether an optimisation starts from the controls of the last one before it that has some. The first starts as the case says.
     pub warm: bool,
+    /// What the chart shows, by its path in results; unless it is given what is usual for the command.
+    pub quantity: Option<String>,
 }
 
 /// What a sweep found.
@@ -165,6 +168,7 @@ impl Work<'_> {
                 Ok((row, origin)) => {
                     tally.add(origin);
                     self.add(row, origin);
+                    self.check_quantity()?;
                     if origin != Origin::Kept {
                         // After every run, so that what was found is kept however the sweep ends.
                         self.write()?;
@@ -247,6 +251,14 @@ impl Work<'_> {
         self.table.rows.push(row);
     }
 
+    /// The first run tells whether results have what is to be shown: before all others are made.
+    fn check_quantity(&self) -> Result<(), RunError> {
+        let (Some(quantity), Some(known)) = (&self.sweep.quantity, self.table.lacks_quantity()) else { return Ok(()) };
+        let message = format!("\"{quantity}\" is no number of these results; there are: {}", known.join(", "));
+        let file = "--quantity".to_owned();
+        Err(Diagnostics::from(Diagnostic { file, path: String::new(), line: 0, column: 0, message }).into())
+    }
+
     fn exit(&self) -> Exit {
         if self.table.missing.is_empty() { self.worst } else { self.worst.worst(Exit::NotConverged) }
     }
@@ -288,7 +300,7 @@ impl Work<'_> {
                 console.say(format!("part {part:<7}{tally}; --join makes the table when all parts are done"));
             }
             Share::Whole | Share::Join => {
-                let files = "sweep.html, sweep.csv, sweep.json, sweep.svg, sweep.pvd";
+                let files = "sweep.html, sweep.csv, sweep_table.csv, sweep_table.tex, sweep.json, sweep.svg, sweep.pvd";
                 console.say(format!("results     {}: {files}", self.out.display()));
             }
         }

@@ -1,7 +1,7 @@
 //! [`Enclosed`]: the volume behind a surface as a sum over its facets and lids.
 
 use super::Cavity;
-use super::rim::{ON_PLANE, Plane, RimEdge, open_edges, rims};
+use super::rim::{ON_PLANE, Plane, RimEdge, open_edges, places, rims};
 use super::triple_product::{Term, Volume};
 use crate::discretization::supports::Supports;
 use crate::error::FemError;
@@ -63,11 +63,12 @@ impl Enclosed {
         let open = open_edges(mesh, &surface, &planes);
         if !open.is_empty() && !cavity.lid && !cavity.open {
             let what = format!(
-                "surface \"{}\" of cavity \"{}\" is open at {} edges; close it by a lid, or name the planes of symmetry on \
-                 which it ends, or, where the supports hold its rim, say that it is \"open\"",
+                "surface \"{}\" of cavity \"{}\" is open at {} edges, {}; name the surfaces that are missing there, close it by a lid, or \
+                 name the planes of symmetry on which it ends, or, where the supports hold its rim, say that it is \"open\"",
                 cavity.surface,
                 cavity.name,
-                open.len()
+                open.len(),
+                places(mesh, open)
             );
             return Err(FemError::Meaningless { what });
         }

@@ -3,6 +3,7 @@
 use crate::error::FemError;
 use nastic_mesh::{Facet, Mesh};
 use nastic_numeric::DisjointSets;
+use nastic_numeric::format::short;
 use std::collections::BTreeMap;
 
 /// A plane of symmetry, across an axis.
@@ -74,6 +75,23 @@ fn edges_of(kind: nastic_mesh::CellKind, nodes: &[u32]) -> Vec<RimEdge> {
         RimEdge { nodes: edge, end: true }
     };
     kind.edges().iter().enumerate().map(edge).collect()
+}
+
+/// Where a surface is open, for people: `4 around (1, 0.5, 0.5), 4 around (0, 0.5, 0.5)`.
+pub(super) fn places(mesh: &Mesh, open: Vec<RimEdge>) -> String {
+    const NAMED: usize = 4;
+    let rims = rims(open, mesh.dim() == 2);
+    let place = |rim: &Vec<RimEdge>| {
+        let nodes: Vec<u32> = rim.iter().flat_map(|edge| edge.nodes.iter().copied()).collect();
+        let middle = |axis: usize| {
+            let sum: f64 = nodes.iter().map(|node| mesh.points()[*node as usize][axis]).sum();
+            short(sum / nodes.len() as f64)
+        };
+        format!("{} around ({}, {}, {})", rim.len(), middle(0), middle(1), middle(2))
+    };
+    let more = rims.len().saturating_sub(NAMED);
+    let rest = if more > 0 { format!(" and {more} more rims") } else { String::new() };
+    rims.iter().take(NAMED).map(place).collect::<Vec<_>>().join(", ") + &rest
 }
 
 /// Edges that hang together, rim by rim.

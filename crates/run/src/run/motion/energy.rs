@@ -1,6 +1,7 @@
 //! The balance of energy of a motion in results, and what deserves attention in it.
 
-use crate::run::motion::table::{ENERGY, Table};
+use crate::run::motion::table::Table;
+use crate::run::state_columns::ENERGY;
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::{ENERGY_BALANCE, Warning};
 use nastic_fem::EnergyBalance;

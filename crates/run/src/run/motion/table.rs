@@ -4,17 +4,14 @@ use crate::result::files::Directory;
 use crate::result::summary;
 use crate::result::title::title;
 use crate::run::error::RunError;
+use crate::run::state_columns::{AXES, BALANCE, Column, ENERGY, csv, probe_values, reaction_values};
 use nastic_case::lower::CaseMember;
 use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{EnergyBalance, Instant, State, TimeStep, Touch};
-use nastic_language::quantity::Dimension;
 use nastic_picture::{Chart, Curve};
-use nastic_report::csv::column;
 
 /// Curves of a chart: colours that it has.
 const CURVES: usize = 12;
-const AXES: [&str; 3] = ["x", "y", "z"];
-pub(super) const ENERGY: Dimension = Dimension::of(1, 1, 0, 0);
 
 /// Columns of every table.
 pub(super) const KINETIC_ENERGY: usize = 1;
@@ -24,26 +21,22 @@ pub(super) const MIN_J: usize = 3;
 /// Entries of the balance of energy that are energies or losses.
 const STACKED: usize = 5;
 
-/// What the columns of the balance of energy begin with.
-const BALANCE: &str = "energy.";
-
 /// Columns of a table of a motion, one row for every step.
 pub(crate) struct Table {
-    names: Vec<String>,
-    units: Vec<String>,
+    columns: Vec<Column>,
     pub rows: Vec<Vec<f64>>,
 }
 
 impl Table {
     /// How many columns it has.
     pub fn columns(&self) -> usize {
-        self.names.len()
+        self.columns.len()
     }
 
     /// The number of the column of a name, of what contributions report.
     pub fn column(&self, name: &str) -> Option<usize> {
         let contribution = format!("contributions.{name}");
-        self.names.iter().position(|known| *known == contribution || known == name)
+        self.columns.iter().position(|known| known.name == contribution || known.name == name)
     }
 
     /// Without rows.
@@ -56,38 +49,27 @@ impl Table {
             ("min_J", ""),
             ("newton_iterations", ""),
         ];
-        let mut columns: Vec<(String, String)> = first.map(|(name, unit)| (name.to_owned(), unit.to_owned())).into();
-        for probe in &member.problem().probes {
-            let axes = AXES.iter().take(member.mesh().dim());
-            columns.extend(axes.map(|axis| (format!("{}.{axis}", probe.name), units.length().symbol.to_owned())));
-        }
+        let mut columns: Vec<Column> = first.map(|(name, unit)| Column::new(name, unit)).into();
+        columns.extend(Column::of_probes(member));
         for (block, field) in member.fields().filter(|(block, _)| is_uniform(block)) {
             let name = |c: usize| match block.components {
                 1 => field.array.clone(),
                 _ => format!("{}.{}", field.array, AXES[c]),
             };
-            columns.extend((0..block.components).map(|c| (name(c), field.unit.clone())));
+            columns.extend((0..block.components).map(|c| Column::new(name(c), &field.unit)));
         }
-        for (name, what, _) in quantities(member, None, state) {
-            let name = format!("{name}.{what}");
-            let known = columns.iter().any(|(known, _)| *known == name);
-            columns.push((if known { format!("contributions.{name}") } else { name }, String::new()));
-        }
-        for (name, _) in summary::forces(member, None, state) {
-            let axes = AXES.iter().take(member.mesh().dim());
-            columns.extend(axes.map(|axis| (format!("reactions.{name}.{axis}"), units.force().symbol.to_owned())));
-        }
+        columns.extend(Column::of_quantities(&quantities(member, None, state), &columns));
+        columns.extend(Column::of_reactions(member, &summary::forces(member, None, state)));
         for (name, wanted) in aimed(member) {
-            let axes = AXES.iter().enumerate().take(member.mesh().dim());
-            let unit = || units.length().symbol.to_owned();
-            columns.extend(axes.clone().map(|(_, axis)| (format!("{name}.position.{axis}"), unit())));
-            let wanted = axes.filter(|(k, _)| wanted[*k]);
-            columns.extend(wanted.map(|(_, axis)| (format!("{name}.target.{axis}"), unit())));
+            let unit = units.length().symbol;
+            columns.extend(Column::along_axes(member, &format!("{name}.position"), unit));
+            let targets = Column::along_axes(member, &format!("{name}.target"), unit).into_iter().zip(wanted);
+            columns.extend(targets.filter_map(|(column, is_wanted)| is_wanted.then_some(column)));
         }
         // behind all others, and none is there twice: the kinetic energy stands at the front
-        columns.extend(EnergyBalance::NAMES.iter().skip(1).map(|name| (format!("{BALANCE}{name}"), energy.clone())));
-        let (names, units) = columns.into_iter().unzip();
-        Self { names, units, rows: vec![] }
+        let balance = EnergyBalance::NAMES.iter().skip(1);
+        columns.extend(balance.map(|name| Column::new(format!("{BALANCE}{name}"), &energy)));
+        Self { columns, rows: vec![] }
     }
 
     /// The row of a state, under the control vector m of the motion, and from where the step led there.
@@ -101,15 +83,13 @@ impl Table {
         let (report, [kinetic, potential]) = (&state.report, energies(member, state));
         let mut row = vec![state.time, kinetic, potential, report.min_j, report.newton as f64];
         let dim = member.mesh().dim();
-        for probe in &member.problem().probes {
-            row.extend_from_slice(&probe.displacement(&state.u, dim)[..dim]);
-        }
+        row.extend(probe_values(member, state));
         let m = member.layout().at(m, state.time)?;
         for block in member.reduced().layout_of_instant().blocks().iter().filter(|block| is_uniform(block)) {
             row.extend_from_slice(block.of(&m));
         }
         row.extend(quantities(member, before, state).into_iter().map(|(.., value)| value));
-        row.extend(summary::forces(member, before, state).iter().flat_map(|(_, force)| &force[..dim]));
+        row.extend(reaction_values(member, &summary::forces(member, before, state)));
         let aims = member.reduced().aims(self.rows.len(), &state.u);
         for ((_, wanted), (_, aim)) in aimed(member).iter().zip(&aims) {
             row.extend_from_slice(&aim.position[..dim]);
@@ -133,11 +113,7 @@ impl Table {
     }
 
     pub fn csv(&self) -> String {
-        let mut text = self.names.iter().map(|name| column(name)).collect::<Vec<_>>().join(",") + "\n";
-        for row in &self.rows {
-            text += &(row.iter().map(|x| format!("{x:?}")).collect::<Vec<_>>().join(",") + "\n");
-        }
-        text
+        csv(&self.columns, self.rows.iter().map(|row| row.iter().map(|x| format!("{x:?}")).collect()))
     }
 
     /// Charts over the time: displacements of probes, energies, controls.
@@ -152,8 +128,8 @@ impl Table {
         ];
         let mut files = Vec::new();
         for (file, what, columns) in parts.into_iter().filter(|(.., columns)| !columns.is_empty()) {
-            let unit = &self.units[columns.start];
-            let same = columns.clone().all(|c| self.units[c] == *unit);
+            let unit = &self.columns[columns.start].unit;
+            let same = columns.clone().all(|c| self.columns[c].unit == *unit);
             let upwards = if same { format!("{what} ({unit})") } else { what.to_owned() };
             let heading = match columns.len() {
                 more if more > CURVES => {
@@ -161,9 +137,10 @@ impl Table {
                 }
                 _ => title(member),
             };
-            let mut chart = Chart::new(&heading, &format!("t ({})", self.units[0]), &upwards);
+            let mut chart = Chart::new(&heading, &format!("t ({})", self.columns[0].unit), &upwards);
             for c in columns.take(CURVES) {
-                let label = if same { self.names[c].clone() } else { format!("{} ({})", self.names[c], self.units[c]) };
+                let Column { name, unit } = &self.columns[c];
+                let label = if same { name.clone() } else { format!("{name} ({unit})") };
                 chart = chart.curve(Curve::new(&label, self.rows.iter().map(|row| (row[0], row[c], true))));
             }
             let name = member.file(file);
@@ -179,7 +156,8 @@ impl Table {
         let all: Vec<(f64, [f64; 12])> = self.balances().map(|(t, balance)| (t, balance.entries())).collect();
         let Some((_, first)) = all.first() else { return Ok(None) };
         let unit = member.problem().units().label(ENERGY);
-        let mut chart = Chart::new(&title(member), &format!("t ({})", self.units[0]), &format!("energy ({unit})"));
+        let mut chart =
+            Chart::new(&title(member), &format!("t ({})", self.columns[0].unit), &format!("energy ({unit})"));
         let mut below = vec![0.0; all.len()];
         for k in (0..STACKED).filter(|k| all.iter().any(|(_, entries)| entries[*k] != 0.0)) {
             below.iter_mut().zip(&all).for_each(|(sum, (_, entries))| *sum += entries[k]);

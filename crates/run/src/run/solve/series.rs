@@ -5,15 +5,15 @@ use crate::result::inspection::Inspection;
 use crate::result::title::title;
 use crate::result::{snapshot, summary};
 use crate::run::error::RunError;
+use crate::run::state_columns::{BALANCE, Column, csv, probe_values, reaction_values};
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::Warning;
 use nastic_control::{ControlError, StateFields};
-use nastic_fem::{Instant, State};
+use nastic_fem::{Instant, State, StoredEnergy};
 use nastic_io::write_atomically;
 use nastic_language::number::short;
 use nastic_mesh::Snapshot;
 use nastic_picture::{Chart, Curve};
-use nastic_report::csv::column;
 use nastic_report::record::{PointRecord, StateRecord};
 use rayon::prelude::*;
 
@@ -27,6 +27,8 @@ pub(super) struct Series<'p> {
     pub rows: Vec<Row>,
     /// What was found in each row, once they were inspected.
     found: Vec<Inspection>,
+    /// What each row carries, once they were inspected.
+    pub(super) carried: Vec<Carried>,
 }
 
 /// One equilibrium.
@@ -41,6 +43,12 @@ pub(super) struct Row {
     pub newton: usize,
 }
 
+/// Forces of supports and stored energies of an equilibrium.
+pub(super) struct Carried {
+    pub forces: Vec<(String, [f64; 3])>,
+    pub energy: Option<StoredEnergy>,
+}
+
 /// A number of every state that is drawn.
 struct Drawn {
     name: String,
@@ -51,11 +59,11 @@ struct Drawn {
 /// Columns of values that the terminal shows.
 const SHOWN: usize = 6;
 /// A component that moves less than this share of the one that moves most is not drawn.
-const MOVES: f64 = 0.02;
+pub(super) const MOVES: f64 = 0.02;
 
 impl<'p> Series<'p> {
     pub fn new(member: CaseMember<'p>, name: &'static str, parameter: (String, String)) -> Self {
-        Self { member, name, parameter, rows: Vec::new(), found: Vec::new() }
+        Self { member, name, parameter, rows: Vec::new(), found: Vec::new(), carried: Vec::new() }
     }
 
     /// Looks into the rows. What deserves attention is reported once for each kind, with the first row that has it.
@@ -63,6 +71,11 @@ impl<'p> Series<'p> {
         let member = self.member;
         let look = |row: &Row| Inspection::of_counted(member, &row.state, row.negative);
         self.found = self.rows.par_iter().with_max_len(1).map(look).collect();
+        let carried = |row: &Row| Carried {
+            forces: summary::forces(member, None, &row.state),
+            energy: member.solid().model().stored_energy(&row.state).ok(),
+        };
+        self.carried = self.rows.par_iter().with_max_len(1).map(carried).collect();
         let mut shown: Vec<(Warning, usize)> = Vec::new();
         for (row, found) in self.rows.iter().zip(&self.found) {
             let at = format!("{} at {}", self.name, short(row.parameter));
@@ -87,24 +100,18 @@ impl<'p> Series<'p> {
         snapshot::inspected(self.member, &StateFields::new(&row.state, &row.m), self.found.get(index))
     }
 
-    /// Names of what every equilibrium has: components of probes, then what contributions report.
-    fn columns(&self) -> Vec<String> {
-        let problem = self.member.problem();
-        let axes = ["x", "y", "z"].into_iter().take(self.member.mesh().dim());
-        let of =
-            |probe: &nastic_case::lower::LocatedProbe| axes.clone().map(|c| format!("{}.{c}", probe.name)).collect();
-        let mut names: Vec<String> = problem.probes.iter().flat_map(|probe| -> Vec<String> { of(probe) }).collect();
+    /// What every equilibrium has: components of probes, then what contributions report.
+    pub(super) fn columns(&self) -> Vec<Column> {
+        let mut columns = Column::of_probes(self.member);
         let rest = self.member.solid().rest();
         // The parameter may be the added volume, `air.volume`.
-        let column = |name: String| if name == self.parameter.0 { format!("contributions.{name}") } else { name };
-        names.extend(self.quantities(&rest).into_iter().map(|(name, what, _)| column(format!("{name}.{what}"))));
-        names
+        let parameter = Column::new(&self.parameter.0, &self.parameter.1);
+        columns.extend(Column::of_quantities(&self.quantities(&rest), &[parameter]));
+        columns
     }
 
-    fn values(&self, state: &State) -> Vec<f64> {
-        let dim = self.member.mesh().dim();
-        let probes = self.member.problem().probes.iter();
-        let mut values: Vec<f64> = probes.flat_map(|probe| probe.displacement(&state.u, dim)[..dim].to_vec()).collect();
+    pub(super) fn values(&self, state: &State) -> Vec<f64> {
+        let mut values = probe_values(self.member, state);
         values.extend(self.quantities(state).into_iter().map(|(.., value)| value));
         values
     }
@@ -116,14 +123,14 @@ impl<'p> Series<'p> {
 
     /// The head of the table.
     pub fn header(&self) -> String {
-        let values = self.columns().iter().take(SHOWN).map(|name| format!(" {name:>13}")).collect::<String>();
+        let values = self.columns().iter().take(SHOWN).map(|own| format!(" {:>13}", own.name)).collect::<String>();
         format!("{:>14}{values} {:>13} {:>8} {:>8} {:>6}", self.parameter.0, "potential", "min J", "negative", "newton")
     }
 
     /// One line of the table.
     pub fn line(&self, row: &Row) -> String {
         let columns = self.values(&row.state).into_iter().zip(self.columns()).take(SHOWN);
-        let value = |(x, name): (f64, String)| format!(" {:>1$}", short(x), name.chars().count().max(13));
+        let value = |(x, own): (f64, Column)| format!(" {:>1$}", short(x), own.name.chars().count().max(13));
         let values = columns.map(value).collect::<String>();
         let negative = row.negative.map_or_else(|| "-".to_owned(), |n| n.to_string());
         let (potential, min_j) = (short(row.state.report.energy), format!("{:.4}", row.state.report.min_j));
@@ -133,16 +140,18 @@ impl<'p> Series<'p> {
 
     /// Every row with all its numbers.
     pub fn points(&self) -> Vec<PointRecord> {
-        let of = |row: &Row| {
+        let of = |(row, carried): (&Row, &Carried)| {
             let (inertia, newton_iterations) = (row.negative.into(), Some(row.newton));
-            let state = StateRecord { inertia, newton_iterations, ..summary::shape(self.member, &row.state) };
+            let (reactions, energy) = (Some(summary::named(&carried.forces)), carried.energy.map(summary::energy));
+            let shape = summary::shape(self.member, &row.state);
+            let state = StateRecord { inertia, newton_iterations, reactions, energy, ..shape };
             let restarts = Some(row.state.report.restarts);
             PointRecord { value: row.parameter.into(), restarts, state, ..PointRecord::default() }
         };
-        self.rows.iter().map(of).collect()
+        self.rows.iter().zip(&self.carried).map(of).collect()
     }
 
-    /// Writes `NAME.csv`, `NAME.svg`, `NAME.pvd` and a snapshot of every row; the names of the files.
+    /// Writes `NAME.csv`, `NAME.svg`, `NAME_reactions.svg` .., `NAME.pvd` and a snapshot of every row; the names of the files.
     pub fn write(&self, chart: &Chart, out: &Directory) -> Result<Vec<String>, RunError> {
         let file = |ending: &str| self.member.file(&format!("{}{ending}", self.name));
         let stem = file("_");
@@ -163,24 +172,32 @@ impl<'p> Series<'p> {
         }
         nastic_io::write_pvd(out.own(&pvd)?, &shots)?;
         chart.write(out.own(&svg)?)?;
-        let mut files = vec![csv, svg, pvd];
+        let mut files = vec![csv, svg];
+        files.extend(self.write_charts(out)?);
+        files.push(pvd);
         files.extend(states);
         Ok(files)
     }
 
     fn csv(&self) -> String {
-        let head = [column(&self.parameter.0)].into_iter().chain(self.columns().into_iter().map(|name| column(&name)));
-        let head = head.chain(["min_J", "negative_pivots", "potential", "newton_iterations"].map(str::to_owned));
-        let mut text = head.collect::<Vec<_>>().join(",") + "\n";
-        for row in &self.rows {
+        let mut columns = vec![Column::new(&self.parameter.0, &self.parameter.1)];
+        columns.extend(self.columns());
+        columns
+            .extend(["min_J", "negative_pivots", "potential", "newton_iterations"].map(|name| Column::new(name, "")));
+        columns
+            .extend(self.carried.first().map_or_else(Vec::new, |row| Column::of_reactions(self.member, &row.forces)));
+        columns.extend(self.energies().map(|(name, _)| Column::new(format!("{BALANCE}{name}"), "")));
+        let row = |(k, row): (usize, &Row)| {
             let numbers = [row.parameter].into_iter().chain(self.values(&row.state)).map(|x| format!("{x:?}"));
             let report = &row.state.report;
             let negative = row.negative.map_or_else(String::new, |n| n.to_string());
             let rest =
                 [format!("{:?}", report.min_j), negative, format!("{:?}", report.energy), row.newton.to_string()];
-            text += &(numbers.chain(rest).collect::<Vec<_>>().join(",") + "\n");
-        }
-        text
+            let forces = self.carried.get(k).map_or_else(Vec::new, |own| reaction_values(self.member, &own.forces));
+            let more = forces.into_iter().chain(self.energies().map(|(_, of)| of(&self.carried[k])));
+            numbers.chain(rest).chain(more.map(|x| format!("{x:?}"))).collect()
+        };
+        csv(&columns, self.rows.iter().enumerate().map(row))
     }
 
     /// What is drawn of every row: the columns of components of probes that move; none of them: the largest
@@ -188,7 +205,7 @@ impl<'p> Series<'p> {
     fn drawn(&self) -> Vec<Drawn> {
         let probes = self.member.problem().probes.len() * self.member.mesh().dim();
         let columns = self.columns().into_iter().take(probes).enumerate();
-        let columns: Vec<Drawn> = columns.map(|(column, name)| Drawn { name, column: Some(column) }).collect();
+        let columns: Vec<Drawn> = columns.map(|(column, own)| Drawn { name: own.name, column: Some(column) }).collect();
         let range = |drawn: &Drawn| {
             let values = self.rows.iter().map(|row| self.value(&row.state, drawn));
             let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
@@ -222,10 +239,9 @@ impl<'p> Series<'p> {
     /// The chart of displacements: over the parameter, or the parameter over them. Unstable equilibria are dashed.
     pub fn chart(&self, parameter_upwards: bool) -> Chart {
         let length = self.member.problem().units().length().symbol;
-        let (name, unit) = &self.parameter;
-        let parameter = if unit.is_empty() { name.clone() } else { format!("{name} ({unit})") };
+        let parameter = self.axis();
         let displacement = format!("displacement ({length})");
-        let heading = format!("{}: {}", title(self.member), self.name);
+        let heading = self.heading();
         let mut chart = match parameter_upwards {
             true => Chart::new(&heading, &displacement, &parameter),
             false => Chart::new(&heading, &parameter, &displacement),
@@ -238,5 +254,17 @@ impl<'p> Series<'p> {
             chart = chart.curve(Curve::new(&drawn.name, self.rows.iter().map(point)));
         }
         chart
+    }
+
+    pub(super) fn heading(&self) -> String {
+        format!("{}: {}", title(self.member), self.name)
+    }
+
+    /// What the axis of the parameter is called.
+    pub(super) fn axis(&self) -> String {
+        match &self.parameter {
+            (name, unit) if unit.is_empty() => name.clone(),
+            (name, unit) => format!("{name} ({unit})"),
+        }
     }
 }

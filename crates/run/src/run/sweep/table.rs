@@ -23,6 +23,7 @@ pub(super) fn table(plan: &SweepPlan, sweep: &Sweep, case: &Path) -> SweepTable 
         fixed: fixed.into_iter().map(|one| one.setting(0)).collect(),
         warm: sweep.warm,
         planned: plan.runs.len(),
+        quantity: sweep.quantity.clone(),
         ..SweepRecord::default()
     };
     SweepTable {
