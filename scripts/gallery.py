@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""The page of all shipped cases, each with its picture and its numbers, from the results of scripts/slow.sh.
+"""The page of all shipped cases and templates, each with its picture and its numbers, from the results of scripts/slow.sh.
 
-python3 scripts/gallery.py RESULTS BOOK     RESULTS holds case_NAME/result.json; BOOK gets gallery.md and gallery/NAME.png
+python3 scripts/gallery.py RESULTS BOOK     RESULTS holds case_NAME/result.json, template_NAME/result.json; BOOK gets gallery.md and gallery/NAME.png
 """
 
 import json
@@ -14,12 +14,12 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 
 
 def about(case):
-    """Title and first comment of a case file."""
+    """Title and first paragraph of the first comment of a case file."""
     text = case.read_text()
     title = re.search(r'"title": "(.+?)"', text)
     comment = []
-    for line in text.splitlines()[1:]:
-        if not line.strip().startswith("//"):
+    for line in text.removeprefix("{\n").splitlines():
+        if not line.strip().startswith("//") or line.strip() == "//":
             break
         comment.append(line.strip().lstrip("/ "))
     return (title.group(1) if title else case.stem), " ".join(comment)
@@ -49,20 +49,24 @@ def main():
     pictures = book / "gallery"
     shutil.rmtree(pictures, ignore_errors=True)
     pictures.mkdir(parents=True)
-    page = ["# Gallery", "", "Every shipped case with its picture and its numbers, as `scripts/slow.sh` ran it.", ""]
+    page = ["# Gallery", "", "Every shipped case and every template with its picture and its numbers, as `scripts/slow.sh` ran it.", ""]
     missing = []
-    for case in sorted((ROOT / "examples/cases").glob("*.json")):
+    cases = [(case, f"case_{case.stem}", f"Case: [{case.stem}.json](../../examples/cases/{case.name}).")
+             for case in sorted((ROOT / "examples/cases").glob("*.json"))]
+    cases += [(case, f"template_{case.stem}", f"`nastic new NAME --template {case.stem}`.")
+              for case in sorted((ROOT / "crates/language/templates").glob("*.json"))]
+    for case, name, whence in cases:
         title, text = about(case)
-        folder = results / f"case_{case.stem}"
+        folder = results / name
         if not (folder / "result.json").exists():
-            missing.append(case.stem)
+            missing.append(name)
             continue
         result = json.loads((folder / "result.json").read_text())
-        page += [f"## {title}", "", text, "", numbers(result), "", f"Case: [{case.stem}.json](../../examples/cases/{case.name}).", ""]
+        page += [f"## {title}", "", text, "", numbers(result), "", whence, ""]
         picture = folder / "picture.png"
         if picture.exists():
-            shutil.copy(picture, pictures / f"{case.stem}.png")
-            page += [f"![{title}](gallery/{case.stem}.png)", ""]
+            shutil.copy(picture, pictures / f"{name}.png")
+            page += [f"![{title}](gallery/{name}.png)", ""]
     if missing:
         page += [f"Not run for this page: {', '.join(missing)}.", ""]
         print(f"gallery: not run for this page: {', '.join(missing)}")

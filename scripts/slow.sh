@@ -14,7 +14,7 @@ quick=0
 out=target/slow
 failed=()
 # A run that was cut short left checkpoints, which an optimisation does not replace unasked.
-rm -rf "$out"/case_*
+rm -rf "$out"/case_* "$out"/new_* "$out"/template_*
 mkdir -p "$out"
 
 # Longer than 15 s; the others are run by --quick too. What crawler and flick show in small is in grasp, shaken and the tests of motions and contact.
@@ -65,6 +65,12 @@ case_met() { # NAME
   [ "$1" != arch ] || target/release/nastic solve "$file" --path --quiet --out "$out/case_arch_path"
 }
 
+# What `nastic new` writes, optimised: for the gallery.
+template_met() { # NAME
+  target/release/nastic new "$out/new_$1" --template "$1" >/dev/null || return
+  target/release/nastic optimize "$out/new_$1/new_$1.json" --quiet --out "$out/template_$1"
+}
+
 # The number that stands after the last occurrence of a text, held between two bounds.
 between() { # FILE TEXT LEAST MOST
   awk -v text="$2" -v least="$3" -v most="$4" '
@@ -101,12 +107,23 @@ for file in examples/cases/*.json; do
   [ "$quick" = 1 ] && { is_in "$name" "${slow_cases[@]}" || is_tested_case "$name"; } && continue
   run "case $name" case_met "$name"
 done
+if [ "$quick" = 0 ]; then
+  for file in crates/language/templates/*.json; do
+    name=$(basename "$file" .json)
+    run "template $name" template_met "$name"
+  done
+fi
 for file in examples/*.rs; do
   name=$(basename "$file" .rs)
   [ "$quick" = 1 ] && { is_in "$name" "${slow_examples[@]}" || is_tested_example "$name"; } && continue
   run "example $name" example_met "$name"
 done
+# Random problems of contact against an independent judge: two of each family, or all.
+battery() { cargo bench --workspace --locked --quiet --bench contact_battery -- "$@"; }
+run "24 random problems of contact" battery count=2 failures=1
 if [ "$quick" = 0 ]; then
+  run "420 random problems of contact" battery count=35 failures=1
+  run "every check of their judge fails where an answer is wrong" battery spoil=1 count=3
   # Optimisations killed at random moments; the tests do it 10 times.
   NASTIC_KILLS=30 run "30 kills and stops of motions" cargo test --release --workspace --locked --quiet --test all stopped_motions::
   NASTIC_KILLS=200 run "200 kills of each kind of case" cargo test --release --workspace --locked --quiet --test all resume::

@@ -6,7 +6,8 @@ use crate::common;
 
 use common::{BAR, CaseDirectory, code, text};
 
-const TEMPLATES: [&str; 5] = ["finger", "chamber", "gripper", "magnet", "robust"];
+const TEMPLATES: [&str; 8] =
+    ["finger", "chamber", "gripper", "grasp_3d", "tendon_finger", "fiber_reinforced", "magnet", "robust"];
 
 #[test]
 fn every_template_checks_without_a_warning() {
@@ -29,15 +30,17 @@ fn every_template_checks_without_a_warning() {
 #[test]
 fn templates_optimise_without_a_warning() {
     let place = CaseDirectory::new(BAR);
-    for name in ["finger", "gripper", "magnet", "robust"] {
+    for name in TEMPLATES.into_iter().filter(|name| *name != "chamber") {
         assert_eq!(code(&place.nastic(&["new", name, "--template", name])), 0);
         let case = format!("{name}/{name}.json");
-        let output = place.nastic(&["optimize", &case, "--strict", "--no-report", "--json"]);
+        let out = format!("out_{name}");
+        let output = place.nastic(&["optimize", &case, "--strict", "--no-report", "--json", "--out", &out]);
         assert_eq!(code(&output), 0, "{name}: {}{}", text(&output.stdout), text(&output.stderr));
         let result: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let cost = |at: &serde_json::Value| at["cost"]["total"].as_f64().unwrap();
         let (from, to) = (cost(&result["start"]), cost(&result));
         assert!(to < 0.5 * from && result["converged"] == true, "{name}: {from} {to}");
+        assert!(place.path(&out).join("picture.png").exists(), "{name}: no picture");
     }
     assert_eq!(code(&place.nastic(&["new", "air", "--template", "chamber"])), 0);
     let set = ["--set", "optimizer/max_iterations=1"];
@@ -60,5 +63,5 @@ fn nothing_is_replaced() {
     assert_eq!(code(&output), 7, "{}", text(&output.stderr));
     let output = place.nastic(&["new", "other", "--template", "hand"]);
     assert_eq!(code(&output), 2);
-    assert!(text(&output.stderr).contains("finger, chamber, gripper, magnet, robust"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("finger, chamber, gripper, grasp_3d, tendon_finger, fiber_reinforced, magnet, robust"), "{}", text(&output.stderr));
 }

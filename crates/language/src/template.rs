@@ -38,6 +38,24 @@ pub const TEMPLATES: &[Template] = &[
         files: &[],
     },
     Template {
+        name: "grasp_3d",
+        about: "a tendon finger grasps a block in space and lifts it by friction: the tension in time",
+        case: include_str!("../templates/grasp_3d.json"),
+        files: &[],
+    },
+    Template {
+        name: "tendon_finger",
+        about: "a finger with a flexor and an extensor: the tensions that bring its end to a target",
+        case: include_str!("../templates/tendon_finger.json"),
+        files: &[],
+    },
+    Template {
+        name: "fiber_reinforced",
+        about: "an inflated tube wound with fibres: the pressure that turns its end",
+        case: include_str!("../templates/fiber_reinforced.json"),
+        files: &[("tube.msh", include_bytes!("../templates/tube.msh"))],
+    },
+    Template {
         name: "magnet",
         about: "a magnetic strip: remanence and field that lift its end",
         case: include_str!("../templates/magnet.json"),
