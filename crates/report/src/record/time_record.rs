@@ -84,7 +84,7 @@ records! {
         scheme_by: String,
         /// The largest difference of two values of an energy, work or loss over the motion; of the kinetic energy its largest value.
         span: Number,
-        /// The most that the scheme added between two instants.
+        /// The most that the scheme added between two instants, with what losses gave back that fell.
         added: Number,
         /// The most that it took.
         taken: Number,

@@ -44,9 +44,22 @@ impl Found {
         let span = bounds.iter().map(|[least, most]| most - least).fold(0.0, f64::max);
         let size = bounds.iter().flatten().map(|entry| entry.abs()).fold(0.0, f64::max);
         let shares: Vec<(f64, f64)> = table.balances().map(|(t, balance)| (t, balance.scheme)).collect();
-        let (added, taken) = (largest_rise(&shares, 1.0), largest_rise(&shares, -1.0));
+        let (added, taken) = (largest_rise(&created(table), 1.0), largest_rise(&shares, -1.0));
         Some(Found { last, span: span.max(MIN_SPAN * size), added, taken })
     }
+}
+
+/// What the scheme adds, and what losses give back: one that falls, as friction by the velocity of a scheme of several steps may, is energy from nowhere too.
+fn created(table: &Table) -> Vec<(f64, f64)> {
+    let (mut before, mut returned) = (None::<EnergyBalance>, 0.0);
+    let entry = |(t, balance): (f64, EnergyBalance)| {
+        if let Some(before) = before.replace(balance) {
+            returned += (before.friction_loss - balance.friction_loss).max(0.0);
+            returned += (before.viscous_loss - balance.viscous_loss).max(0.0);
+        }
+        (t, balance.scheme + returned)
+    };
+    table.balances().map(entry).collect()
 }
 
 /// The largest rise of a sequence, times a sign, from any instant to a later one.
