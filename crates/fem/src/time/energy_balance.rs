@@ -16,14 +16,15 @@ use nastic_numeric::vector::{axpy, sub};
 ///     = their values at t = 0 + load_work + pressure_work + drive_work + support_work + obstacle_work + scheme + unbalanced
 /// ```
 ///
-/// Works and losses of a step are those of the mean of the forces at its two ends over the change of the displacement.
+/// Works and losses of a step are those of the mean of the forces at its two ends over the change of the displacement; the loss by friction that of its
+/// forces at the end, which oppose the motion of the step where those before may have opposed another one.
 /// `scheme` is what the time scheme adds (above zero) or takes. Of schemes whose ends are equilibria of inertia and forces it is
 ///
 /// ```text
-/// dT - (M a_n + M a_{n+1})/2 . du + dE - (f_n + f_{n+1})/2 . du
+/// dT - (M a_n + M a_{n+1})/2 . du + dE - (f_n + f_{n+1})/2 . du + (r_{n+1} - r_n)/2 . du
 /// ```
 ///
-/// with f the forces of what stores the energy E, and `unbalanced`, which the residuals that solves leave make, is zero to their accuracy. Of others
+/// with f the forces of what stores the energy E, r those of friction, and `unbalanced`, which the residuals that solves leave make, is zero to their accuracy. Of others
 /// `scheme` is the remainder that closes the sum.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct EnergyBalance {
@@ -200,9 +201,10 @@ impl EnergyLedger {
             let along = |families: &ForceFamilies| space.dot(&of(families)[..du.len()], &du);
             0.5 * (along(step.last) + along(step.found))
         };
-        let [pressed, rubbed] = step.work_of_obstacles();
+        let [pressed, rubbed, rubbed_last] = step.work_of_obstacles();
+        let lost = space.dot(&step.found.friction[..du.len()], &du) + rubbed_last;
         next.viscous_loss += step.found.dissipated + work(|f| &f.damping);
-        next.friction_loss += work(|f| &f.friction) + rubbed;
+        next.friction_loss += lost;
         next.load_work -= work(|f| &f.loads);
         next.pressure_work -= work(|f| &f.pressures);
         next.drive_work -= work(|f| &f.drives);
@@ -217,7 +219,9 @@ impl EnergyLedger {
             - work(|f| &f.stored)
             + gained(|b| b.contact)
             - work(|f| &f.pressing)
-            - pressed;
+            - pressed
+            + lost
+            - (work(|f| &f.friction) + rubbed);
         let scheme = if self.ends_balanced { formula } else { gap };
         next.scheme += scheme;
         next.unbalanced += gap - scheme;
@@ -261,15 +265,16 @@ struct Step<'a> {
 }
 
 impl Step<'_> {
-    /// By what presses and by friction.
-    fn work_of_obstacles(&self) -> [f64; 2] {
-        let (mut pressed, mut rubbed) = (0.0, 0.0);
+    /// By what presses, by friction, and by friction as at the end of the step.
+    fn work_of_obstacles(&self) -> [f64; 3] {
+        let (mut pressed, mut rubbed, mut rubbed_last) = (0.0, 0.0, 0.0);
         for (last, here) in self.last.obstacles.iter().zip(&self.found.obstacles) {
             let way = last.pose.way(&here.pose);
             pressed += mean_work(way, &last.pressing, &here.pressing);
             rubbed += mean_work(way, &last.friction, &here.friction);
+            rubbed_last += mean_work(way, &here.friction, &here.friction);
         }
-        [pressed, rubbed]
+        [pressed, rubbed, rubbed_last]
     }
 
     /// Of reactions where supports hold the body.

@@ -26,7 +26,7 @@ object! {
         pub slip_speed: Option<f64> as POSITIVE_VELOCITY,
         /// Friction takes the normal forces of the instant before: cheaper steps, but a hold whose forces grow slips. For comparison.
         pub lagged: bool = false,
-        /// Samples of each facet as of so many pieces squared; 1 to 4 as the obstacle's width and edges ask for if left out, 1 between surfaces.
+        /// Samples of each facet as of so many pieces squared; 1 to 4 as the obstacle's width and edges ask for if left out, between surfaces 2 in space and 1 in the plane.
         pub refine: Option<u64> as POSITIVE,
     }
 }

@@ -56,7 +56,7 @@ macro_rules! layer_methods {
             self
         }
 
-        /// Samples of each facet as of `refine^2` pieces. If not given, between surfaces 1, and before an obstacle of each facet as many (4 at most) as leave its samples no
+        /// Samples of each facet as of `refine^2` pieces. If not given, between surfaces 2 in space, where edges that cross between samples carry nothing, and 1 in the plane, and before an obstacle of each facet as many (4 at most) as leave its samples no
         /// further apart than half of its least width, two at least where its edges are sharper than half of the facet: a sphere of radius R enters by
         /// `h^2/(8 R)` where they are h apart, and [`Touch::between`](crate::Touch::between) tells what is inside between them.
         #[must_use]

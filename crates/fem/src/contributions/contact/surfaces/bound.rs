@@ -19,6 +19,9 @@ use nastic_tensor::Vec3;
 /// Slots.
 pub(super) const STIFFNESS: usize = 0;
 pub(super) const FRICTION: usize = 1;
+/// Pieces of the edge of a facet in space, unless another number is asked for. Samples carry all, also where edges of both surfaces cross: with one piece
+/// 22 of 105 random pairs of blocks, slots and collisions ended there, with two 1.
+const PIECES_IN_SPACE: usize = 2;
 /// Distance at which surfaces begin to be inside each other, in thicknesses.
 const APART: f64 = 2.0;
 /// Largest default thickness as a share of the distance at rest.
@@ -64,7 +67,7 @@ impl BoundSurfaces {
         for facets in [&own, &other] {
             defaults::check_layer(&of.layer, mesh, facets).map_err(refuse)?;
         }
-        let refine = of.layer.refine.unwrap_or(1);
+        let refine = of.layer.refine.unwrap_or(if mesh.dim() == 3 { PIECES_IN_SPACE } else { 1 });
         let mut sides = vec![Side::new(disc, (&of.surfaces[0], refine), &other)?];
         if own != other {
             sides.push(Side::new(disc, (&of.surfaces[1], refine), &own)?);
