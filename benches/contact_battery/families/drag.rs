@@ -33,12 +33,7 @@ pub fn dragged(random: &mut Random) -> Result<Problem, Failure> {
     let depth = between(random, 0.02, 0.1) * height;
     let way = between(random, 0.1, 0.5);
     let at = |across: f64, up: f64| place(kind, across, 0.3, up);
-    let radius = between(random, 0.5, 1.5);
-    let shape = match pick(random, &["plane", "sphere", "solid"]) {
-        "plane" => Shape::HalfSpace { point: at(0.0, -0.01), normal: place(kind, 0.0, 0.0, 1.0) },
-        "sphere" => Shape::Ball { center: at(between(random, 0.3, 0.7), -0.01 - radius), radius },
-        _ => Shape::Meshed { low: place(kind, -4.0, -4.0, -1.0), high: place(kind, 5.0, 5.0, -0.03), rounding: 0.02 },
-    };
+    let shape = ground(random, kind);
     let centre = at(0.5, -1.0);
     let contact = Contact::of("ground", bottom, shape.obstacle(kind.dim())?).about(centre.into());
     let mut solid = stuff.on(Solid::new(mesh)?, "body")?.motion(MovingSupport::of("top", top))?;
@@ -79,4 +74,15 @@ pub fn dragged(random: &mut Random) -> Result<Problem, Failure> {
     facts.touching.push(Touching { name: "ground".into(), surface: bottom.into(), shape, centre });
     facts.chamber = hollow.then(|| Chamber { name: "room".into(), surface: "wall".into(), by_volume });
     Ok(Problem { about, solid, facts, task })
+}
+
+/// A plane, a sphere or a meshed box just below.
+fn ground(random: &mut Random, kind: CellKind) -> Shape {
+    let at = |across: f64, up: f64| place(kind, across, 0.3, up);
+    let radius = between(random, 0.5, 1.5);
+    match pick(random, &["plane", "sphere", "solid"]) {
+        "plane" => Shape::HalfSpace { point: at(0.0, -0.01), normal: place(kind, 0.0, 0.0, 1.0) },
+        "sphere" => Shape::Ball { center: at(between(random, 0.3, 0.7), -0.01 - radius), radius },
+        _ => Shape::Meshed { low: place(kind, -4.0, -4.0, -1.0), high: place(kind, 5.0, 5.0, -0.03), rounding: 0.02 },
+    }
 }

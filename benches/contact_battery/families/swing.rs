@@ -48,7 +48,7 @@ pub fn swinging(random: &mut Random) -> Result<Problem, Failure> {
     // of a cantilever's first mode, and of a wave along the bar
     let wave = (stuff.young / density).sqrt();
     let period = if tumbles { 2.0 * length / wave * 10.0 } else { 6.2 * length * length / (thick * wave) };
-    let spin = if tumbles { between(random, 0.2, 2.0) / period * 6.28 } else { 0.0 };
+    let spin = if tumbles { between(random, 0.2, 2.0) / period * std::f64::consts::TAU } else { 0.0 };
     let at_middle = place(kind, 0.5 * length, 0.5 * thick, 0.5 * thick);
     let axis = if kind.dim() == 2 { Vec3::z() } else { Vec3::new(0.1, 1.0, 0.3).normalize() };
     let turns = |x: &[f64; 3]| spin * axis.cross(&(Vec3::from(*x) - at_middle));

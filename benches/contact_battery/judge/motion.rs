@@ -44,7 +44,7 @@ fn rates(scene: &Scene, solved: &Solved, scheme: &Scheme, found: &mut Found) {
         let (v, a) = (field(&states[n].velocity), field(&states[n].acceleration));
         let (u, before) = (&states[n].u[..dofs], &states[n - 1].u[..dofs]);
         let old = field(&states[n - 1].velocity);
-        // rounding of places in a quotient of first order, of velocities and places in one of second order
+        // rounding of places in a quotient counts, of second order too: the program makes accelerations of places
         let rounding = 1e-6 * scene.size() / h;
         let slow = largest(&v) + rounding;
         let off = |formula: &dyn Fn(usize) -> f64, of: &[f64], size: f64| {
@@ -53,13 +53,17 @@ fn rates(scene: &Scene, solved: &Solved, scheme: &Scheme, found: &mut Found) {
         match scheme.name() {
             "backward_euler" => {
                 found.add("velocity of backward_euler", off(&|i| (u[i] - before[i]) / h, &v, slow), RATES);
-                let size = largest(&a) + 1e-3 * slow / h;
+                let size = largest(&a) + 1e-3 * largest(&v) / h + rounding / h;
                 found.add("acceleration of backward_euler", off(&|i| (v[i] - old[i]) / h, &a, size), RATES);
             }
             "bdf2" if n > 1 => {
                 let older = field(&states[n - 2].velocity);
                 let formula = |i: usize| (1.5 * v[i] - 2.0 * old[i] + 0.5 * older[i]) / h;
-                found.add("acceleration of bdf2", off(&formula, &a, largest(&a) + 1e-3 * slow / h), RATES);
+                found.add(
+                    "acceleration of bdf2",
+                    off(&formula, &a, largest(&a) + 1e-3 * largest(&v) / h + rounding / h),
+                    RATES,
+                );
             }
             _ => {}
         }

@@ -63,5 +63,10 @@ fn nothing_is_replaced() {
     assert_eq!(code(&output), 7, "{}", text(&output.stderr));
     let output = place.nastic(&["new", "other", "--template", "hand"]);
     assert_eq!(code(&output), 2);
-    assert!(text(&output.stderr).contains("finger, chamber, gripper, grasp_3d, tendon_finger, fiber_reinforced, magnet, robust"), "{}", text(&output.stderr));
+    assert!(
+        text(&output.stderr)
+            .contains("finger, chamber, gripper, grasp_3d, tendon_finger, fiber_reinforced, magnet, robust"),
+        "{}",
+        text(&output.stderr)
+    );
 }
