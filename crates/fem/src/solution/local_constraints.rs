@@ -46,7 +46,12 @@ impl Elimination {
             of.nodes.iter().flat_map(|&node| (0..dim).map(move |i| dim * node as usize + i)).collect();
         let (n, count) = (dofs.len(), of.count);
         let g = DMatrix::from_fn(n, count, |i, k| columns[of.first + k][dofs[i]]);
-        let all = DMatrix::from_fn(n, n, |i, j| if j < count { g[(i, j)] } else { of.free[(i, j - count)] });
+        let mut all = DMatrix::from_fn(n, n, |i, j| if j < count { g[(i, j)] } else { of.free[(i, j - count)] });
+        // the largest columns would leave their rounding in what supports hold
+        all.column_iter_mut().for_each(|mut column| {
+            let size = column.norm();
+            column /= if size > 0.0 { size } else { 1.0 };
+        });
         let basis = all.qr().q();
         let q = DMatrix::from_fn(n, n, |i, j| basis[(i, (j + count) % n)]);
         let gradients = basis.columns(0, count).transpose() * g;

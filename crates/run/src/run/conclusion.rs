@@ -41,6 +41,10 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
             session.record.failure = one.map(|one| failure::record(one, state)).unwrap_or_default();
         }
     }
+    // one that goes on and was stopped before it had anything of its own leaves what was found before
+    if matches!(error, RunError::Cancelled) && session.record.resumed.iteration.is_some() {
+        return;
+    }
     // The error itself is what the caller hears of.
     let _ = report::write_result(&mut session);
 }

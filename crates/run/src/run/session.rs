@@ -411,8 +411,11 @@ impl<'c> Session<'c> {
         usual_directory(&self.problem)
     }
 
-    /// The error of a checkpoint that is whole but not of this case.
+    /// The error of a checkpoint that is whole but not of this case, unless the reading of it was cancelled.
     pub fn unfit_checkpoint(&self, what: &str) -> RunError {
+        if self.is_cancelled() {
+            return RunError::Cancelled;
+        }
         let file = self.out.as_ref().map(|out| out.file(checkpoint_file::NAME)).unwrap_or_default();
         CheckpointError::Content { file, what: what.to_owned() }.into()
     }

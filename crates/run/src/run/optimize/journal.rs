@@ -23,6 +23,8 @@ pub(super) struct Journal {
     console: Console,
     case: CaseRecord,
     history: Option<History>,
+    /// Lines of an earlier program, until the first new one: the file that it left stays so long.
+    earlier: Option<Vec<u8>>,
     /// Whether the lines of a round are written when it has ended: those of other ranks are not known before.
     at_the_end: bool,
     record: checkpoint::Record,
@@ -99,6 +101,7 @@ impl Journal {
             console: session.console.clone(),
             case: CaseRecord::of(&session.problem, &session.settings),
             history: None,
+            earlier: None,
             at_the_end: session.team_of_starts().is_some(),
             record: checkpoint::Record::default(),
             shared: session.team_of_members().map(|team| (team, session.own_out.clone())),
@@ -110,8 +113,16 @@ impl Journal {
         }
     }
 
-    /// Begins `history.jsonl` with lines of an earlier program, if any.
+    /// Begins `history.jsonl` with lines of an earlier program, if any, behind which new ones come.
     pub fn open_history(&mut self, text: Vec<u8>) -> Result<(), RunError> {
+        if self.written.is_none() {
+            return self.create_history(text);
+        }
+        self.earlier = Some(text);
+        Ok(())
+    }
+
+    fn create_history(&mut self, text: Vec<u8>) -> Result<(), RunError> {
         self.history = match &self.out {
             Some(out) => Some(History::create(&out.own("history.jsonl")?, text)?),
             None => None,
@@ -133,6 +144,9 @@ impl Journal {
 
     /// Adds lines that another rank or an earlier program made.
     pub fn add_recorded(&mut self, lines: &[u8]) {
+        if let Some(Err(error)) = self.earlier.take().map(|text| self.create_history(text)) {
+            self.note(error);
+        }
         if let Some(Err(error)) = self.history.as_mut().map(|history| history.add(lines)) {
             // The file is written once more at the end, which then has the last word.
             self.say(&error.into());
@@ -147,7 +161,7 @@ impl Journal {
         best: Option<Parted>,
         starts: &[StartRun],
     ) {
-        let history = self.history.as_ref().map_or(0, |history| history.text().len());
+        let history = self.history_text().len();
         self.record = checkpoint::Record {
             gradient_check: gradient_check.clone(),
             round,
@@ -220,8 +234,7 @@ impl Journal {
     }
 
     fn content(&self, blocks: Option<&blocks::Blocks>) -> Vec<u8> {
-        let history = self.history.as_ref().map_or(&[] as &[u8], History::text);
-        self.record.to_bytes(&self.case, history, blocks)
+        self.record.to_bytes(&self.case, self.history_text(), blocks)
     }
 
     /// Notes another file that could not be written.
@@ -237,11 +250,28 @@ impl Journal {
         self.written
     }
 
+    fn history_text(&self) -> &[u8] {
+        let earlier = self.earlier.as_deref().unwrap_or_default();
+        self.history.as_ref().map_or(earlier, History::text)
+    }
+
+    /// Whether the file that is there begins with these lines.
+    fn is_kept(&self, text: &[u8]) -> bool {
+        let there = self.out.as_ref().and_then(|out| std::fs::read(out.file("history.jsonl")).ok());
+        there.is_some_and(|there| there.starts_with(text))
+    }
+
     /// Ends `history.jsonl`.
     ///
     /// # Errors
     /// What could not be written, if anything.
     pub fn finish(&mut self) -> Result<(), RunError> {
+        // without a line of its own it leaves those that are there, which go further than the checkpoint
+        if let Some(text) = self.earlier.take()
+            && !self.is_kept(&text)
+        {
+            self.create_history(text)?;
+        }
         self.history.take().map_or(Ok(()), History::finish)?;
         self.failed.take().or(self.unsaved.take()).map_or(Ok(()), Err)
     }
