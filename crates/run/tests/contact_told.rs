@@ -66,6 +66,9 @@ fn unusual_contacts_are_told() {
     let twice = r#", { "name": "again", "surface": "z+", "obstacle": "ball" }, { "name": "side""#;
     let twice = of(&with(BLOCK, r#", { "name": "side""#, twice));
     assert!(twice.contains("[input]") && twice.contains("are contacts of the same pair"), "{twice}");
+    let overlapping = r#", { "name": "again", "surface": ["z+", "y-"], "obstacle": "ball" }, { "name": "side""#;
+    let overlapping = of(&with(BLOCK, r#", { "name": "side""#, overlapping));
+    assert!(overlapping.contains("are contacts of the same pair"), "{overlapping}");
     let thick = of(&with(BLOCK, r#""name": "side", "#, r#""name": "side", "thickness": 8, "#));
     assert!(thick.contains("the layer is 8 mm thick and the surface "), "{thick}");
     let round = of(&with(BLOCK, r#""name": "ball", "#, r#""name": "ball", "rounding": 1, "#));

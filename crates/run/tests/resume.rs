@@ -291,9 +291,6 @@ fn an_interrupted_run_says_how_to_go_on() {
     assert!(matches!(error, RunError::Cancelled) && error.exit() == Exit::NotConverged);
     assert_eq!(go_on(&place, 2, &Console::silent()).unwrap().result["resumed"]["iteration"], 0);
     interrupt(&place, BAR, &SHORT, 11).unwrap();
-    let history = || std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
-    let lines = history();
-    assert!(lines.lines().count() > 4, "more than the checkpoint has: {lines}");
     let cancel = Arc::new(AtomicBool::new(true));
     resume(
         &Catalogue::standard(),
@@ -305,7 +302,6 @@ fn an_interrupted_run_says_how_to_go_on() {
     let described = heard.text();
     assert!(described.contains(&format!("to go on    nastic resume {}/out\n", name(&place))), "{described}");
     assert!(described.contains("from iteration 3, with the result of a run without interruption"), "{described}");
-    assert_eq!(history(), lines, "it had none of its own");
 }
 
 /// The way on that a run suggests whose iterations were used up.

@@ -5,6 +5,8 @@ use crate::warning::INPUT;
 use nastic_language::number::short;
 use nastic_language::schema::{Case, Contact, Shape};
 use nastic_language::syntax::quoted;
+use nastic_mesh::{GroupNames, Mesh};
+use std::collections::BTreeSet;
 
 /// Coefficient of friction above which nothing is known: rubber on rubber or on rough glass has 1 to 2.
 const ROUGHEST: f64 = 2.0;
@@ -12,7 +14,7 @@ const ROUGHEST: f64 = 2.0;
 const THICKEST: f64 = 0.1;
 
 /// Warns of a contact of a surface whose diagonal is `size`.
-pub(super) fn warn(case: &Case, contact: &Contact, size: f64, context: &mut Context<'_>) {
+pub(super) fn warn(case: &Case, (contact, mesh): (&Contact, &Mesh), size: f64, context: &mut Context<'_>) {
     if let Some(friction) = contact.friction.filter(|friction| *friction > ROUGHEST) {
         let message = format!("a coefficient of friction of {}: rubber on rubber has 1 to 2", short(friction));
         context.warn(&INPUT, &contact.at.key("friction"), message);
@@ -27,9 +29,9 @@ pub(super) fn warn(case: &Case, contact: &Contact, size: f64, context: &mut Cont
         context.warn(&INPUT, &contact.at.key("thickness"), message);
     }
     let before = case.contact.iter().take_while(|other| other.at != contact.at);
-    if let Some(other) = before.into_iter().find(|other| is_of_the_same(contact, other)) {
+    if let Some(other) = before.into_iter().find(|other| is_of_the_same(mesh, contact, other)) {
         let message = format!(
-            "{} and {} are contacts of the same pair, which acts with the force of both",
+            "{} and {} are contacts of the same pair, or have a part of it in common, which acts with the force of both",
             quoted(&contact.name()),
             quoted(&other.name())
         );
@@ -43,10 +45,19 @@ pub(super) fn warn(case: &Case, contact: &Contact, size: f64, context: &mut Cont
     }
 }
 
-fn is_of_the_same(one: &Contact, other: &Contact) -> bool {
-    let pair = |contact: &Contact| (contact.surface.clone(), contact.with.clone());
-    let swapped =
-        one.with.as_ref().is_some_and(|with| (Some(&one.surface), with) == (other.with.as_ref(), &other.surface));
-    let same_obstacle = one.with.is_none() && other.with.is_none() && one.obstacle == other.obstacle;
-    (same_obstacle || one.with.is_some()) && pair(one) == pair(other) || swapped
+/// Whether both have facets of the same two sides, whatever their names and order.
+fn is_of_the_same(mesh: &Mesh, one: &Contact, other: &Contact) -> bool {
+    let common = |a: &GroupNames, b: &GroupNames| {
+        let [a, b] = [a, b].map(|names| mesh.facets_of(names).unwrap_or_default());
+        let b: BTreeSet<_> = b.iter().map(|facet| (facet.cell, facet.face)).collect();
+        a.iter().any(|facet| b.contains(&(facet.cell, facet.face)))
+    };
+    match (&one.with, &other.with) {
+        (None, None) => one.obstacle == other.obstacle && common(&one.surface, &other.surface),
+        (Some(with), Some(other_with)) => {
+            common(&one.surface, &other.surface) && common(with, other_with)
+                || common(&one.surface, other_with) && common(with, &other.surface)
+        }
+        _ => false,
+    }
 }

@@ -52,7 +52,10 @@ pub(super) fn check_bounds(case: &Case, controls: &[ControlField], solid: &Solid
 /// Young's moduli of silicones, gels and tissue, 1 kPa to 20 MPa, in Pa; the ends are among them whatever the rounding.
 pub(super) const SOFT: std::ops::RangeInclusive<f64> = 0.999e3..=2.001e7;
 
-/// Materials softer than any silicone, and bodies of which no part is soft: mostly kPa and Pa were mixed.
+/// Young's modulus, Pa, above that of all metals (tungsten has 4.1e11) and of what else bodies are made of.
+const HARDEST: f64 = 4.5e11;
+
+/// Materials softer than any silicone or harder than any metal, and bodies of which no part is soft: mostly kPa and Pa were mixed.
 pub(super) fn check_moduli(case: &Case, solid: &Solid, context: &mut Context<'_>) {
     let points = solid.discretization().points_of_cells();
     let young = |cell: &u32| {
@@ -67,7 +70,8 @@ pub(super) fn check_moduli(case: &Case, solid: &Solid, context: &mut Context<'_>
     let stiff = moduli.iter().all(|young| young.is_some_and(|young| young > *SOFT.end()));
     // a reinforcement adds to the law of a matrix, which is looked at
     for (material, young) in case.materials.iter().zip(&moduli).filter(|(material, _)| !material.law.reinforcing) {
-        let Some(young) = young.filter(|young| stiff || young < SOFT.start()) else { continue };
+        let unusual = |young: &f64| stiff || young < SOFT.start() || *young > HARDEST;
+        let Some(young) = young.filter(unusual) else { continue };
         let message = format!(
             "Young's modulus is {} Pa where silicones, gels and tissue have 1 kPa to 20 MPa{}",
             short(young),

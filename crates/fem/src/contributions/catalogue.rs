@@ -287,7 +287,8 @@ pub const CATALOGUE: &[Entry] = &[
         example: || {
             let both = ["lower", "upper"];
             let contact = SurfaceContact::between("friction of surfaces by the log law", both, both).friction(1e3, 9e3);
-            bodies()?.surface_contact(contact.thickness(0.2).stiffness(2e3).law(ContactLaw::Log))
+            // as above
+            bodies()?.surface_contact(contact.thickness(0.2).stiffness(2e3).law(ContactLaw::Log).refine(1))
         },
     },
     Entry { name: "rigid body", form: None, example: || loose()?.rigid(&RigidBody::new("rigid body", "body")) },

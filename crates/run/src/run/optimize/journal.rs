@@ -255,21 +255,12 @@ impl Journal {
         self.history.as_ref().map_or(earlier, History::text)
     }
 
-    /// Whether the file that is there begins with these lines.
-    fn is_kept(&self, text: &[u8]) -> bool {
-        let there = self.out.as_ref().and_then(|out| std::fs::read(out.file("history.jsonl")).ok());
-        there.is_some_and(|there| there.starts_with(text))
-    }
-
     /// Ends `history.jsonl`.
     ///
     /// # Errors
     /// What could not be written, if anything.
     pub fn finish(&mut self) -> Result<(), RunError> {
-        // without a line of its own it leaves those that are there, which go further than the checkpoint
-        if let Some(text) = self.earlier.take()
-            && !self.is_kept(&text)
-        {
+        if let Some(text) = self.earlier.take() {
             self.create_history(text)?;
         }
         self.history.take().map_or(Ok(()), History::finish)?;
