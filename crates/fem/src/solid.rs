@@ -1,6 +1,5 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
-use crate::adjoint::Adjoint;
 use crate::contributions::body_energy::formulation::Formulation;
 use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
 use crate::contributions::inertia::BodyInertia;
@@ -10,17 +9,15 @@ use crate::contributions::{
     Tendon,
 };
 use crate::discretization::{Discretization, quadrature_points::QuadraturePoints, supports::Supports};
-use crate::error::{FemError, StateError};
+use crate::error::FemError;
 use crate::model::Model;
-use crate::solution::modes::Modes;
-use crate::solution::options::SolveOptions;
-use crate::solution::state::State;
-use crate::solution::workspace::Workspace;
 use nastic_energy::{Actuation, EnergyTerm};
 use nastic_linear::SolverFactory;
 use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
 use std::sync::Arc;
+
+mod solving;
 
 /// A body that can be solved: find u with `u = u_D` on the supports such that
 /// `int P(F(u), m) : grad v dX = int b . v dX + int t . v dA` for all admissible v.
@@ -425,77 +422,5 @@ impl Solid {
         let space = self.model.unknowns().clone();
         let added = self.contribution(contribution);
         crate::parted::all_accept(space.share().map(AsRef::as_ref), added)
-    }
-
-    /// [`Model::solve`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn solve(&self, controls: &Controls, how: &SolveOptions) -> Result<State, StateError> {
-        self.model.solve(controls, how)
-    }
-
-    /// [`Model::solve_with`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn solve_with(
-        &self,
-        controls: &Controls,
-        how: &SolveOptions,
-        workspace: &mut Workspace,
-    ) -> Result<State, StateError> {
-        self.model.solve_with(controls, how, workspace)
-    }
-
-    /// [`Model::adjoint`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn adjoint(&self, state: &State, rhs: &[&[f64]], how: &SolveOptions) -> Result<Adjoint, StateError> {
-        self.model.adjoint(state, rhs, how)
-    }
-
-    /// [`Model::adjoint_with`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn adjoint_with(
-        &self,
-        state: &State,
-        rhs: &[&[f64]],
-        how: &SolveOptions,
-        workspace: &mut Workspace,
-    ) -> Result<Adjoint, StateError> {
-        self.model.adjoint_with(state, rhs, how, workspace)
-    }
-
-    /// [`Model::negative_pivots`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn negative_pivots(&self, state: &State) -> Result<usize, StateError> {
-        self.model.negative_pivots(state)
-    }
-
-    /// [`Model::negative_pivots_by`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn negative_pivots_by(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
-        self.model.negative_pivots_by(state, how)
-    }
-
-    /// [`Model::modes`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
-        self.model.modes(state, count, how)
-    }
-
-    /// [`Model::rest`], and with the designs of controls [`Model::rest_under`].
-    pub fn rest(&self) -> State {
-        self.model.rest()
     }
 }
