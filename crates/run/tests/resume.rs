@@ -4,12 +4,12 @@
 
 use crate::common;
 
-use common::{BAR, CaseDirectory, Heard, with};
+use common::{BAR, CaseDirectory, DRIVEN, Heard, with};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_run::console::Console;
 use nastic_run::result::CheckpointError;
-use nastic_run::run::{Exit, Options, Outcome, RunError, resume};
+use nastic_run::run::{Exit, OnTrial, Options, Outcome, RunError, resume};
 use serde_json::Value;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -278,6 +278,39 @@ fn what_was_resumed_can_be_resumed_again() {
     // One that has ended is only ended again.
     go_on(&place, 2, &Console::silent()).unwrap();
     assert_same(&place, &whole, "resumed after its end");
+}
+
+/// Who stops a run again before it has come as far as the one before loses nothing of what that had found.
+#[test]
+fn what_was_found_stays_when_a_resumed_run_is_stopped_early() {
+    let (whole, place) = (CaseDirectory::new(), CaseDirectory::new());
+    whole.run(Command::Optimize, BAR, &SHORT).unwrap();
+    let found = interrupt_at(&place, BAR, &SHORT, ("   5   ", 1)).unwrap();
+    let iterations = |outcome: &Outcome| outcome.result["iterations"].as_u64().unwrap();
+    assert_eq!(iterations(&found), 5);
+    let before = content(&place);
+    let cancel = Arc::new(AtomicBool::new(false));
+    let heard = Heard::default();
+    let options = Options { cancel: cancel.clone(), ..Options::default() };
+    let on_trial = OnTrial::call(move |_| cancel.store(true, Ordering::Relaxed));
+    let options = Options { on_trial, ..options };
+    let again = resume(&Catalogue::standard(), &place.path("out"), &options, &Console::new(heard.clone())).unwrap();
+    assert_eq!(iterations(&again), 4, "{}", heard.text());
+    assert!(heard.text().contains("stopped before iteration 5, of which the results there are: they stay"));
+    assert_eq!(format!("{before:?}"), format!("{:?}", content(&place)));
+    go_on(&place, 2, &Console::silent()).unwrap();
+    assert_same(&place, &whole, "stopped early");
+}
+
+/// A checkpoint is written before its turn where iterations are dear.
+#[test]
+fn dear_iterations_are_kept_before_their_turn() {
+    let place = CaseDirectory::new();
+    let set = ["optimizer/max_iterations=8", "optimizer/tolerance=1e-12"];
+    let found = interrupt_at(&place, DRIVEN, &set, ("   7   ", 1)).unwrap();
+    assert_eq!(found.result["iterations"], 7);
+    let resumed = go_on(&place, 2, &Console::silent()).unwrap().result["resumed"].clone();
+    assert!(resumed["iteration"].as_u64() >= Some(1), "{resumed}");
 }
 
 #[test]

@@ -10,7 +10,7 @@ use crate::solution::state::State;
 use crate::solution::workspace::Workspace;
 
 impl Solid {
-    /// [`Model::solve`].
+    /// [`Model::solve`](crate::Model::solve).
     ///
     /// # Errors
     /// As there.
@@ -18,7 +18,7 @@ impl Solid {
         self.model.solve(controls, how)
     }
 
-    /// [`Model::solve_with`].
+    /// [`Model::solve_with`](crate::Model::solve_with).
     ///
     /// # Errors
     /// As there.
@@ -31,7 +31,7 @@ impl Solid {
         self.model.solve_with(controls, how, workspace)
     }
 
-    /// [`Model::adjoint`].
+    /// [`Model::adjoint`](crate::Model::adjoint).
     ///
     /// # Errors
     /// As there.
@@ -39,7 +39,7 @@ impl Solid {
         self.model.adjoint(state, rhs, how)
     }
 
-    /// [`Model::adjoint_with`].
+    /// [`Model::adjoint_with`](crate::Model::adjoint_with).
     ///
     /// # Errors
     /// As there.
@@ -53,7 +53,7 @@ impl Solid {
         self.model.adjoint_with(state, rhs, how, workspace)
     }
 
-    /// [`Model::negative_pivots`].
+    /// [`Model::negative_pivots`](crate::Model::negative_pivots).
     ///
     /// # Errors
     /// As there.
@@ -61,7 +61,7 @@ impl Solid {
         self.model.negative_pivots(state)
     }
 
-    /// [`Model::negative_pivots_by`].
+    /// [`Model::negative_pivots_by`](crate::Model::negative_pivots_by).
     ///
     /// # Errors
     /// As there.
@@ -69,7 +69,7 @@ impl Solid {
         self.model.negative_pivots_by(state, how)
     }
 
-    /// [`Model::modes`].
+    /// [`Model::modes`](crate::Model::modes).
     ///
     /// # Errors
     /// As there.
@@ -77,7 +77,7 @@ impl Solid {
         self.model.modes(state, count, how)
     }
 
-    /// [`Model::rest`], and with the designs of controls [`Model::rest_under`].
+    /// [`Model::rest`](crate::Model::rest), and with the designs of controls [`Model::rest_under`](crate::Model::rest_under).
     pub fn rest(&self) -> State {
         self.model.rest()
     }

@@ -168,7 +168,8 @@ fn conclude(
     session.warnings.append(&mut starts.warnings);
     ran?;
     let written = journal.lock().written();
-    let unwritten = journal.lock().finish();
+    let behind = starts.interrupted && journal.lock().is_behind();
+    let unwritten = journal.lock().finish(starts.interrupted);
     session.interrupted = starts.interrupted;
     let resumable = written.filter(|_| starts.interrupted);
     let minima = minima::warn_of_minima(session, &mut starts);
@@ -176,6 +177,8 @@ fn conclude(
     if starts.entries.len() > 1 {
         session.record.optimum.minima = Some(minima);
     }
+    let found_before = if behind { outcome::found_before(session) } else { None };
+    session.leaves_results = found_before >= Some(ended.best.counts.iterations);
     let done = ended.best.stop.is_converged() && !starts.interrupted;
     let exit = if done { Exit::Done } else { Exit::NotConverged };
     if session.team_of_starts().is_some() && !session.leads() {
@@ -203,6 +206,10 @@ fn conclude(
         outcome::say_how_to_resume(session, written);
     }
     let found = reported?;
+    if let Some(iteration) = found_before.filter(|_| session.leaves_results) {
+        let stays = format!("stopped before iteration {iteration}, of which the results there are: they stay");
+        session.console.say(format!("{:<12}{stays}", ""));
+    }
     outcome::show(session, ended, found);
     if let Some(why) = starts.aborted {
         session.console.say(format!("failed      {why}"));

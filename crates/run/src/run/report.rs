@@ -80,7 +80,7 @@ pub fn keep_results(directory: &Path, file: &Path) -> Result<(), RunError> {
 
 /// Writes `case.json` and `result.json`, and the page if there is one to be.
 pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
-    let Some(out) = session.out.clone() else { return Ok(()) };
+    let Some(out) = session.out.clone().filter(|_| !session.leaves_results) else { return Ok(()) };
     let is_shown = matches!(session.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
     let with_page = session.report && is_shown && session.command != Command::Gradient;
     // a run that failed has nothing for print, and its own error to tell

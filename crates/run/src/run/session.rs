@@ -74,6 +74,8 @@ pub(super) struct Session<'c> {
     pub ended: bool,
     /// Whether something ended the command that has nothing to do with the case: a stop that was requested, a lack of memory.
     pub interrupted: bool,
+    /// Whether results of an earlier program, which went further, stay.
+    pub leaves_results: bool,
     /// Called for every trial of an optimisation.
     pub on_trial: OnTrial,
     /// The states that were found.
@@ -208,6 +210,7 @@ impl<'c> Session<'c> {
             expect: true,
             ended: false,
             interrupted: false,
+            leaves_results: false,
             on_trial: OnTrial::default(),
             shown: None,
             steps: Vec::new(),

@@ -23,8 +23,8 @@ pub(super) struct Journal {
     console: Console,
     case: CaseRecord,
     history: Option<History>,
-    /// Lines of an earlier program, until the first new one: the file that it left stays so long.
-    earlier: Option<Vec<u8>>,
+    /// What an earlier program left, until a line comes that it has not: the file stays as it is so long.
+    earlier: Option<Earlier>,
     /// Whether the lines of a round are written when it has ended: those of other ranks are not known before.
     at_the_end: bool,
     record: checkpoint::Record,
@@ -44,6 +44,14 @@ pub(super) struct Journal {
 /// A journal to which starts that run side by side write.
 #[derive(Clone)]
 pub(super) struct SharedJournal(Arc<Mutex<Journal>>);
+
+/// A history that goes further than the checkpoint.
+struct Earlier {
+    /// Its lines up to the checkpoint, and those that were made again since.
+    text: Vec<u8>,
+    /// How many more it has.
+    ahead: usize,
+}
 
 /// A checkpoint on disk.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -118,8 +126,16 @@ impl Journal {
         if self.written.is_none() {
             return self.create_history(text);
         }
-        self.earlier = Some(text);
+        let there = self.out.as_ref().and_then(|out| std::fs::read(out.file("history.jsonl")).ok());
+        let beyond = there.as_ref().and_then(|there| there.strip_prefix(text.as_slice()));
+        let Some(beyond) = beyond else { return self.create_history(text) };
+        self.earlier = Some(Earlier { ahead: lines_in(beyond), text });
         Ok(())
+    }
+
+    /// Whether an earlier program had gone further than this one has come so far.
+    pub fn is_behind(&self) -> bool {
+        self.earlier.as_ref().is_some_and(|earlier| earlier.ahead > 0)
     }
 
     fn create_history(&mut self, text: Vec<u8>) -> Result<(), RunError> {
@@ -144,7 +160,14 @@ impl Journal {
 
     /// Adds lines that another rank or an earlier program made.
     pub fn add_recorded(&mut self, lines: &[u8]) {
-        if let Some(Err(error)) = self.earlier.take().map(|text| self.create_history(text)) {
+        if let Some(earlier) = &mut self.earlier
+            && let Some(ahead) = earlier.ahead.checked_sub(lines_in(lines))
+        {
+            earlier.text.extend(lines);
+            earlier.ahead = ahead;
+            return;
+        }
+        if let Some(Err(error)) = self.earlier.take().map(|earlier| self.create_history(earlier.text)) {
             self.note(error);
         }
         if let Some(Err(error)) = self.history.as_mut().map(|history| history.add(lines)) {
@@ -251,17 +274,19 @@ impl Journal {
     }
 
     fn history_text(&self) -> &[u8] {
-        let earlier = self.earlier.as_deref().unwrap_or_default();
+        let earlier = self.earlier.as_ref().map(|earlier| earlier.text.as_slice()).unwrap_or_default();
         self.history.as_ref().map_or(earlier, History::text)
     }
 
-    /// Ends `history.jsonl`.
+    /// Ends `history.jsonl`. `interrupted`: lines of an earlier program that go further stay.
     ///
     /// # Errors
     /// What could not be written, if anything.
-    pub fn finish(&mut self) -> Result<(), RunError> {
-        if let Some(text) = self.earlier.take() {
-            self.create_history(text)?;
+    pub fn finish(&mut self, interrupted: bool) -> Result<(), RunError> {
+        if !(interrupted && self.is_behind())
+            && let Some(earlier) = self.earlier.take()
+        {
+            self.create_history(earlier.text)?;
         }
         self.history.take().map_or(Ok(()), History::finish)?;
         self.failed.take().or(self.unsaved.take()).map_or(Ok(()), Err)
@@ -274,4 +299,8 @@ impl Journal {
         };
         self.console.say(format!("WARNING     {error}; the optimisation goes on and will end with exit code 7{kept}"));
     }
+}
+
+fn lines_in(text: &[u8]) -> usize {
+    text.iter().filter(|byte| **byte == b'\n').count()
 }

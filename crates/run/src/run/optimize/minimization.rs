@@ -68,7 +68,6 @@ pub(crate) fn minimize<'s>(
     mut saved: Option<usize>,
     (limit, halt): (usize, &AtomicBool),
 ) -> Minimized {
-    let every = session.problem.case.output.checkpoint;
     let stop = loop {
         let done = run.progress().counts.iterations;
         if halt.load(Ordering::Relaxed) {
@@ -78,7 +77,7 @@ pub(crate) fn minimize<'s>(
             let state = Box::new(run.checkpoint());
             return Minimized::Paused(state, recorder.finish());
         }
-        if every > 0 && done.is_multiple_of(every) && saved != Some(done) {
+        if recorder.is_checkpoint_due(done) && saved != Some(done) {
             // The workspace goes whether the file can be written or not: bits do not depend on disks.
             let state = run.checkpoint();
             recorder.save(&state);

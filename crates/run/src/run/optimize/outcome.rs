@@ -119,6 +119,22 @@ fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
     format!("{end}; cost {}{distance}{}", short(best.cost), session.warned())
 }
 
+/// At which iteration the program before was interrupted whose results lie there.
+pub(super) fn found_before(session: &Session<'_>) -> Option<usize> {
+    let text = std::fs::read(session.out.as_ref()?.file("result.json")).ok()?;
+    let earlier: Interrupted = serde_json::from_slice(&text).ok()?;
+    earlier.iterations.filter(|_| earlier.interrupted && earlier.command == session.command.name())
+}
+
+/// What an earlier result says of itself.
+#[derive(Default, serde::Deserialize)]
+#[serde(default)]
+struct Interrupted {
+    command: String,
+    interrupted: bool,
+    iterations: Option<usize>,
+}
+
 /// Keeps the best states for whoever runs the command.
 pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: Vec<Inspection>) {
     let FinishedRun { start, best, .. } = ended;
@@ -228,7 +244,7 @@ fn write(
     (found, records): (&[Inspection], &[motion::Record]),
     (best_start, starts): (usize, usize),
 ) -> Result<(), RunError> {
-    let Some(out) = session.out.clone() else { return Ok(()) };
+    let Some(out) = session.out.clone().filter(|_| !session.leaves_results) else { return Ok(()) };
     let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
     // first the numbers of a motion, which nothing else holds
     let of_motion = motion::write(problem, records, &out)?;

@@ -24,6 +24,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+/// Newton iterations, of all members together, after which a checkpoint is written before its turn. Counted, never timed: what is kept
+/// between iterations goes at a checkpoint, so that its place decides on bits.
+const NEWTON_BETWEEN_CHECKPOINTS: usize = 200;
+
 /// Called for every trial.
 pub(super) struct Recorder<'s> {
     problem: &'s CaseProblem,
@@ -44,6 +48,8 @@ pub(super) struct Recorder<'s> {
     moved_start: Option<Vec<u8>>,
     /// Newton iterations of the members up to the last checkpoint, and evaluations since then.
     counted: (Vec<usize>, usize),
+    /// Newton iterations of evaluations since the last checkpoint: every rank knows these.
+    newton_since: usize,
     /// Whether what belongs to the last accepted trial was not found because the run is cancelled.
     broken_off: bool,
     last: Instant,
@@ -72,6 +78,7 @@ impl<'s> Recorder<'s> {
             before: None,
             moved_start: None,
             counted: (vec![0; problem.members().count()], 0),
+            newton_since: 0,
             broken_off: false,
             last: Instant::now(),
             pace: Pace::new(problem.case.optimizer.max_iterations),
@@ -91,6 +98,12 @@ impl<'s> Recorder<'s> {
         self.before = Some(Before::new(point));
     }
 
+    /// Whether a checkpoint is due behind so many iterations: by the schedule, and where iterations are dear before that.
+    pub fn is_checkpoint_due(&self, iterations: usize) -> bool {
+        let every = self.problem.case.output.checkpoint;
+        every > 0 && (iterations.is_multiple_of(every) || self.newton_since >= NEWTON_BETWEEN_CHECKPOINTS)
+    }
+
     /// Shares the members out anew by what they took since the last checkpoint; the start as it is then, if any member moves. `kept`: the points that are
     /// to be loaded again.
     pub fn moved_members(
@@ -98,6 +111,7 @@ impl<'s> Recorder<'s> {
         session: &Session<'_>,
         kept: &[&EnsemblePoint],
     ) -> Option<Result<EnsemblePoint, RunError>> {
+        self.newton_since = 0;
         let now: Vec<usize> = self.trials.work.iter().map(|work| work.newton).collect();
         let since: Vec<usize> = now.iter().zip(&self.counted.0).map(|(now, before)| now - before).collect();
         let (_, solves) = std::mem::replace(&mut self.counted, (now, 0));
@@ -144,7 +158,10 @@ impl<'s> Recorder<'s> {
         let seconds = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
         if let Some(point) = trial.point.filter(|_| !trial.reason.is_revaluation()) {
-            self.trials.work.iter_mut().zip(point.work()).for_each(|(work, own)| work.add_work(&own));
+            self.trials.work.iter_mut().zip(point.work()).for_each(|(work, own)| {
+                self.newton_since += own.newton;
+                work.add_work(&own);
+            });
             self.counted.1 += 1;
         } else if let (None, Some(newton), Some(first)) =
             (trial.cost, trial.summary.get("newton"), self.trials.work.first_mut())
@@ -272,7 +289,7 @@ fn stem(problem: &CaseProblem, index: usize) -> String {
 /// Writes `iterates.bin` of a start that has ended.
 pub(super) fn write_iterates(session: &Session<'_>, index: usize, trials: &RunTrials, journal: &SharedJournal) {
     let (Some(out), problem) = (&session.own_out, &session.problem) else { return };
-    if !session.writes_start(index) {
+    if !session.writes_start(index) || journal.lock().is_behind() {
         return;
     }
     for (member, kept) in problem.leads().zip(&trials.iterates) {
