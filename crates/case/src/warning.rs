@@ -193,7 +193,7 @@ pub const BREAKDOWN: WarningKind = WarningKind {
 /// Bounds far beyond the material.
 pub const BOUNDS: WarningKind = WarningKind {
     code: "bounds",
-    about: "the bounds of a control reach far beyond the stiffness of the material",
+    about: "a load, a pressure or the bounds of a control reach far beyond the stiffness of the material",
     advice: "",
 };
 

@@ -75,6 +75,32 @@ fn electric_fields_beyond_any_breakdown() {
     assert!(beyond.contains("it reaches 3e+10 V/m") && beyond.contains("3e+07 V/m would be usual"), "{beyond}");
 }
 
+/// Plain numbers under millimetres, a bulk modulus in kPa beside one in Pa.
+#[test]
+fn pressures_and_moduli_in_another_unit() {
+    let pushed = |load: &str| bar_with(&format!(r#", "loads": [ {load} ]"#));
+    let traction = |value: &str| pushed(&format!(r#"{{ "surface": "x+", "traction": [{value}, 0, 0] }}"#));
+    expect(&traction("\"5 GPa\""), Some(["[bounds]", "25000 times Young's modulus of the stiffest"]));
+    expect(&traction("\"5 GPa * Y / (10 mm)\""), Some(["[bounds]", "times Young's modulus of the stiffest"]));
+    expect(&traction("\"5 kPa\""), None);
+    let force = |value: &str| pushed(&format!(r#"{{ "region": "body", "body_force": [{value}, 0, 0] }}"#));
+    expect(&force("1e3"), Some(["[bounds]", "over the size of the body this force is"]));
+    expect(&force("1e-5"), None);
+    let turgor = |value: &str| {
+        bar_with(&format!(
+            r#", "actuation": [ {{ "name": "water", "kind": "turgor", "region": "body", "pressure": {value} }} ]"#
+        ))
+    };
+    assert!(warnings(&turgor("\"40 MPa\"")).contains("it reaches 40 MPa, 200 times"));
+    assert!(!warnings(&turgor("\"40 kPa\"")).contains("[bounds]"));
+    let gent = |bulk: &str| {
+        let law = format!(r#""law": "gent", "mu": "80 kPa", "jm": 60, "bulk": "{bulk}""#);
+        with(&bar_with(""), r#""law": "neo_hooke", "young": "0.2 MPa", "poisson": 0.3"#, &law)
+    };
+    expect(&gent("4 kPa"), Some(["[units]", "Poisson's ratio at small strains is -0.8043"]));
+    expect(&gent("60 kPa"), None);
+}
+
 /// In N/m^3 under millimetres, in metres under millimetres.
 #[test]
 fn foundations_and_springs_in_another_unit() {

@@ -99,3 +99,15 @@ fn the_elastic_energy_is_the_work_of_what_moves_the_body() {
     let last = &result["ramp"]["points"][40]["energy"]["elastic"];
     assert_eq!(last.as_f64(), Some(energy[40]), "{result:#}");
 }
+
+/// Where a ramp ends far outside of what its control may be that is said before hours of solves.
+#[test]
+fn an_end_in_another_unit() {
+    let warned = |ramp_to: &str| {
+        let place = CaseDirectory::new();
+        let options = Options { analysis: Analysis::Ramp(format!("muscle=0 Pa:{ramp_to}:2")), ..place.options(&[]) };
+        let result = place.run_with(Command::Solve, LOADED, &Console::silent(), &options).unwrap().result;
+        result["warnings"].as_array().unwrap().iter().any(|warning| warning["code"] == "bounds")
+    };
+    assert!(warned("-20 MPa") && !warned("-20 kPa"));
+}

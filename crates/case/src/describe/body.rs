@@ -3,7 +3,7 @@
 use super::line::{Line, line};
 use super::parameters::{catalogue_of, parameters};
 use super::time;
-use crate::lower::CaseProblem;
+use crate::lower::{CaseProblem, Elastic};
 use nastic_language::number::{count, grouped, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::Material;
@@ -90,10 +90,26 @@ pub fn materials(problem: &CaseProblem) -> Vec<Line> {
         let formulation = formulation + &patches(problem, material);
         let formulation = formulation + if material.rigid { "; rigid" } else { "" };
         let (region, law) = (&material.region, material.law);
-        let inertia = time::inertia(material, units);
+        let inertia = at_rest(problem, material) + &time::inertia(material, units);
         line("materials", format!("{region}: {} ({}); {values}{formulation}{inertia}", law.name, law.about))
     };
     problem.case.materials.iter().map(of).collect()
+}
+
+/// Young's modulus and Poisson's ratio at small strains of all that acts on the first cell of the region.
+fn at_rest(problem: &CaseProblem, material: &Material) -> String {
+    let (solid, unit) = (problem.solid(), problem.units().label(Dimension::PRESSURE));
+    let first = solid.mesh().cells_of(&material.region).ok().and_then(|cells| cells.first().copied());
+    let elastic = first.filter(|_| !material.rigid).and_then(|cell| {
+        let point = solid.discretization().points_of_cells()[cell as usize].0;
+        Elastic::of(solid, cell as usize, point)
+    });
+    elastic.map_or_else(String::new, |elastic| {
+        let [young, poisson] = [elastic.young(), elastic.poisson()]
+            .map(|value| format!("{value:.4e}").parse().unwrap_or(value))
+            .map(short);
+        format!("; at small strains Young's modulus {young} {unit}, Poisson's ratio {poisson}")
+    })
 }
 
 /// The patches that the formulation of a material takes together; nothing where it takes cells by themselves.

@@ -5,13 +5,14 @@ use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, complain_of_law};
 use super::tension::beyond_limit;
-use super::{coarse_steps, magnitude, named_groups};
+use super::{coarse_steps, magnitude, named_groups, pressures};
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
 use nastic_energy::{Dielectric, MaterialPoint, Turgor};
 use nastic_fem::Solid;
 use nastic_language::expression::{Formula, dimension_of};
+use nastic_language::quantity::Dimension;
 use nastic_language::schema::{
     Actuation, Beginning, Case, Fixed, Input, Means, Parameter as Number, Time, VectorField, vector_at,
 };
@@ -166,6 +167,9 @@ fn fix_slot(
     if let Some(dimension) = dimension_of(controllable[index].slots[first].unit) {
         let largest = longest(&first_values);
         magnitude::check_field((dimension, key), (largest, "it reaches"), (&at, context));
+        if dimension == Dimension::PRESSURE {
+            pressures::check_given(largest, reduced.solid(), (&at, context));
+        }
     }
     if let (Some(limit), [values]) = (reduced.solid().body().fiber_limit(index), first_values.as_slice()) {
         let most = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -246,6 +250,10 @@ pub(super) fn fix_in_time(
         let slot = &reduced.solid().model().controllable()[index].slots[first];
         if let Some(dimension) = dimension_of(slot.unit) {
             magnitude::check_field_in_time((dimension, slot.group), &each, (at, context));
+            if dimension == Dimension::PRESSURE {
+                let largest = each.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max);
+                pressures::check_given(largest, reduced.solid(), (at, context));
+            }
         }
         let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let all = each.iter().map(|values| most(values)).fold(f64::NEG_INFINITY, f64::max);
@@ -290,6 +298,10 @@ pub(super) fn fix_number(
     if only_pulls && constants.iter().any(|constant| *constant < 0.0) {
         context.complain(at, must_pull(key));
         return None;
+    }
+    if dimension_of(unit) == Some(Dimension::PRESSURE) {
+        let largest = constants.iter().map(|value| value.abs()).fold(0.0, f64::max);
+        pressures::check_given(largest, reduced.solid(), (at, context));
     }
     let reduced = constants.iter().enumerate().try_fold(reduced, |reduced, (component, constant)| {
         let fixed = reduced.fix(index, slot + component, &[*constant]);

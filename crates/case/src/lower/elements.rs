@@ -23,7 +23,7 @@ const NOTABLE: f64 = 1.3;
 
 /// Small-strain moduli of all materials of a cell together, in the case's units.
 #[derive(Clone, Copy)]
-pub(super) struct Elastic {
+pub(crate) struct Elastic {
     bulk: f64,
     shear: f64,
 }
@@ -37,6 +37,16 @@ impl Elastic {
             sum = Self { bulk: sum.bulk + moduli.bulk(), shear: sum.shear + moduli.mu_t };
         }
         (sum.shear > 0.0).then_some(sum)
+    }
+
+    /// K, in the case's units.
+    pub fn bulk(self) -> f64 {
+        self.bulk
+    }
+
+    /// mu, in the case's units.
+    pub fn shear(self) -> f64 {
+        self.shear
     }
 
     /// nu = (3 K - 2 mu) / (2 (3 K + mu))

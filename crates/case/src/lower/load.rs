@@ -4,7 +4,7 @@ use super::actuation::{fix_in_time, uses_time};
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::attempt;
-use super::named_groups;
+use super::{named_groups, pressures};
 use nastic_control::Reduced;
 use nastic_fem::{QuadraturePoints, Solid, VaryingLoad};
 use nastic_language::schema::{Case, Fixed, Load, VectorField};
@@ -30,12 +30,20 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         }
         match (field.constant().map(Vec3::from), &load.surface, &load.region) {
             (Some(constant), Some(names), _) => {
+                pressures::check_given(constant.norm(), solid, (&at, context));
                 attempt(solid, &load.at, context, |solid| solid.traction(names, constant));
             }
             (Some(constant), None, Some(names)) => {
+                pressures::check_body_force(constant.norm(), solid, (&at, context));
                 attempt(solid, &load.at, context, |solid| solid.body_force(names, constant));
             }
-            _ => add_sampled(case, &sampling, field, &at, solid, context),
+            (_, surface, _) => {
+                let Some(largest) = add_sampled(case, &sampling, field, &at, solid, context) else { continue };
+                match surface {
+                    Some(_) => pressures::check_given(largest, solid, (&at, context)),
+                    None => pressures::check_body_force(largest, solid, (&at, context)),
+                }
+            }
         }
     }
 }
@@ -95,7 +103,7 @@ fn sampling(load: &Load, mesh: &Mesh, context: &mut Context<'_>) -> Option<Quadr
     context.take(&load.at, sampling)
 }
 
-/// The nodal force of a density at the points of a sampling.
+/// The nodal force of a density at the points of a sampling; its largest value, `None` after a complaint.
 fn add_sampled(
     case: &Case,
     sampling: &QuadraturePoints,
@@ -103,17 +111,18 @@ fn add_sampled(
     at: &At,
     solid: &mut Solid,
     context: &mut Context<'_>,
-) {
+) -> Option<f64> {
     let mesh = solid.mesh().clone();
-    let Some(values) = SamplePoints::of(case, &mesh, sampling).vectors(density, at, context) else { return };
+    let values = SamplePoints::of(case, &mesh, sampling).vectors(density, at, context)?;
     let dim = mesh.dim();
     if dim == 2 && values.iter().any(|v| v.z != 0.0) {
         context.complain(at, NO_Z);
-        return;
+        return None;
     }
     let weighted = values.iter().zip(sampling.weights());
     let weighted: Vec<f64> = weighted.flat_map(|(v, w)| (0..dim).map(move |i| w * v[i])).collect();
     let mut force = vec![0.0; solid.discretization().dofs()];
     sampling.spread(&weighted, dim, &mut force);
     attempt(solid, at, context, |solid| solid.nodal_force(&force));
+    values.iter().map(|v| v.norm()).reduce(f64::max)
 }

@@ -8,8 +8,8 @@ use crate::lower::scenario::Scenario;
 use crate::lower::target_shape::TargetShape;
 use crate::lower::variant::Variant;
 use crate::lower::{
-    body, constraint, control, cost, elements, magnitude, mesh, probe, scenario, sizes, slack, start, survey, tension,
-    time_table, variant, weight,
+    body, constraint, control, cost, elements, magnitude, mesh, pressures, probe, scenario, sizes, slack, start,
+    survey, tension, time_table, variant, weight,
 };
 use crate::warning::Warning;
 use nastic_control::{Ensemble, EnsembleError, LoadCase, Reduced};
@@ -143,7 +143,7 @@ fn members(
     context.found.absorb(variants.iter().map(|variant| variant.name.clone()).zip(found).collect());
     let Built { bodies, targets, controls } = built?;
     if let Some(body) = bodies.first() {
-        sizes::check_bounds(case, &controls.controls, body.solid(), context);
+        pressures::check_bounds(case, &controls.controls, body.solid(), context);
         magnitude::check_controls(case, &controls.controls, context);
     }
     if context.is_sound() {
@@ -177,6 +177,7 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
         if let Some(Some(body)) = bodies.last() {
             elements::check(&variant.case, body.solid(), context);
             sizes::check_moduli(&variant.case, body.solid(), context);
+            sizes::check_poissons_ratios(&variant.case, body.solid(), context);
             sizes::check_springs(&variant.case, body.solid(), context);
             slack::check(&variant.case, body.solid(), context);
             weight::check(&variant.case, body.solid(), context);

@@ -3,13 +3,12 @@
 use super::context::Context;
 use super::elements::Elastic;
 use super::magnitude;
-use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::target_shape::TargetShape;
-use crate::warning::{BOUNDS, UNITS};
+use crate::warning::UNITS;
 use nastic_fem::{Instant, Solid};
 use nastic_language::number::{count, short};
 use nastic_language::quantity::{Dimension, Units};
-use nastic_language::schema::{Case, Contact, Cost, Material, MeshSource, Shape, ShapeOrName};
+use nastic_language::schema::{Case, Cost, Material, MeshSource, Shape, ShapeOrName};
 use nastic_language::syntax::At;
 use nastic_mesh::Mesh;
 
@@ -19,35 +18,6 @@ const LARGE: f64 = 10.0;
 const APART: f64 = 50.0;
 /// The same of obstacles, which may be a bead or the floor.
 const OBSTACLE_APART: f64 = 100.0;
-
-/// Bounds of a control in units of pressure that exceed Young's modulus this many times were hardly meant.
-const STIFF: f64 = 10.0;
-
-/// Bounds of tensions and pressures far beyond the stiffest material.
-pub(super) fn check_bounds(case: &Case, controls: &[ControlField], solid: &Solid, context: &mut Context<'_>) {
-    let unit = context.units.label(Dimension::PRESSURE);
-    let points = solid.discretization().points_of_cells();
-    let young = |(cell, (point, _)): (usize, &(usize, usize))| Elastic::of(solid, cell, *point).map(Elastic::young);
-    let Some(moduli) = points.iter().enumerate().map(young).collect::<Option<Vec<f64>>>() else { return };
-    let stiffest = moduli.into_iter().fold(0.0, f64::max);
-    // the stiffness of a contact is a multiple of the body's
-    let of_contacts: Vec<String> = case.contact.iter().flat_map(Contact::slots).map(|(name, _)| name).collect();
-    let is_of_contact = |field: &ControlField| {
-        case.controls.iter().any(|control| control.at == field.at && of_contacts.contains(&control.of))
-    };
-    for field in controls.iter().filter(|field| field.unit == unit && !is_of_contact(field)) {
-        let Admitted::Between { lower, upper } = field.admitted else { continue };
-        let most = [lower, upper].into_iter().map(f64::abs).filter(|bound| bound.is_finite()).fold(0.0, f64::max);
-        if most > STIFF * stiffest {
-            let message = format!(
-                "the bounds reach {most:.3e} {unit}, {:.0} times Young's modulus of the stiffest material \
-                 ({stiffest:.3e} {unit}): is the unit right? Solves will fail on the way there",
-                most / stiffest
-            );
-            context.warn(&BOUNDS, &field.at, message);
-        }
-    }
-}
 
 /// Young's moduli of silicones, gels and tissue, 1 kPa to 20 MPa, in Pa; the ends are among them whatever the rounding.
 pub(super) const SOFT: std::ops::RangeInclusive<f64> = 0.999e3..=2.001e7;
@@ -78,6 +48,32 @@ pub(super) fn check_moduli(case: &Case, solid: &Solid, context: &mut Context<'_>
             magnitude::likely(young, &SOFT, "Pa")
         );
         context.warn(&UNITS, &material.at, message);
+    }
+}
+
+/// Poisson's ratios below this are no rounding of zero.
+const NEGATIVE: f64 = -1e-2;
+
+/// Materials that grow thicker when they are pulled: mostly a bulk modulus in another unit than the others.
+pub(super) fn check_poissons_ratios(case: &Case, solid: &Solid, context: &mut Context<'_>) {
+    let points = solid.discretization().points_of_cells();
+    let unit = context.units.label(Dimension::PRESSURE);
+    for material in case.materials.iter().filter(|material| !material.law.reinforcing) {
+        let Ok(cells) = solid.mesh().cells_of(&material.region) else { continue };
+        let elastic = |cell: &u32| Elastic::of(solid, *cell as usize, points[*cell as usize].0);
+        let Some(least) = cells.iter().filter_map(elastic).min_by(|a, b| a.poisson().total_cmp(&b.poisson())) else {
+            continue;
+        };
+        if least.poisson() < NEGATIVE {
+            let message = format!(
+                "Poisson's ratio at small strains is {}: the bulk modulus, {} {unit}, is below 2/3 of the shear modulus, {} {unit}. Silicones \
+                 have 0.45 to 0.5, foams 0 to 0.3: is the bulk modulus in the unit of the others?",
+                short((1e4 * least.poisson()).round() / 1e4),
+                short(least.bulk()),
+                short(least.shear())
+            );
+            context.warn(&UNITS, &material.at, message);
+        }
     }
 }
 

@@ -6,8 +6,8 @@ use crate::run::session::Session;
 use crate::run::solve::ramp_failure::RampFailure;
 use crate::run::solve::ramp_jumps::jumps;
 use crate::run::solve::series::{Row, Series};
-use nastic_case::lower::{CaseMember, ControlField};
-use nastic_case::warning::Warning;
+use nastic_case::lower::{CaseMember, ControlField, doubt_of_ramp};
+use nastic_case::warning::{BOUNDS, Warning};
 use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{Progress, Ramp, RampPoint, SolveOptions, StateError, Workspace};
 use nastic_language::expression::{Formula, dimension_of};
@@ -48,6 +48,7 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
     let mut files = Vec::new();
     let mut exit = Exit::Done;
     for index in owners {
+        asked.doubt(session, index);
         let (entry, own, failure, warnings) = session.timed("solve", |session| asked.of_member(session, index))?;
         warnings.into_iter().for_each(|warning| session.warn(warning));
         session.entries_of(index).ramp = Some(entry);
@@ -103,6 +104,17 @@ impl Asked {
         self.from.check(dimension)?;
         self.to.check(dimension)?;
         Ok([&self.from, &self.to].map(|end| end.constant().unwrap_or(f64::NAN)))
+    }
+
+    /// Warns, before anything is solved, of an end that was hardly meant.
+    fn doubt(&self, session: &mut Session<'_>, index: usize) {
+        let member = session.problem.member(index);
+        let Some((block, field)) = self.field(member) else { return };
+        let Ok(ends) = self.ends(block) else { return };
+        let farthest = if ends[0].abs() > ends[1].abs() { ends[0] } else { ends[1] };
+        if let Some(why) = doubt_of_ramp(field, farthest, member.solid(), *session.problem.units()) {
+            session.warn(Warning::new(&BOUNDS, why));
+        }
     }
 
     /// The result's entry, the files, where it failed, and what deserves attention.
