@@ -148,18 +148,23 @@ fn exports_of_machines_are_read() {
             "reading,Displacement (in),Load (lbf)\n{}",
             numbers(&|k, x, f| format!("{k},{:?},{:?}\n", x / 25.4, f / 4.4482216152605))
         ),
+        format!("Standardweg (mm);Standardkraft (N)\n{}", numbers(&|_, x, f| format!("{};{}\n", comma(x), comma(f)))),
+        format!(
+            "\"Time (s)\",\"Extension (mm)\",\"Load (N)\"\n{}",
+            numbers(&|k, x, f| format!("\"{k}\",\"{}\",\"{}\"\n", comma(x), comma(f)))
+        ),
         stress(1e-6, "N/mm^2"),
         stress(0.0254 * 0.0254 / 4.4482216152605, "psi"),
     ];
     for (k, text) in tables.iter().enumerate() {
         fs::write(&file, text).unwrap();
-        let given = if k < 6 { of_machine() } else { table("3 MPa") };
+        let given = if k < 8 { of_machine() } else { table("3 MPa") };
         let said = Heard::default();
         let found = fit_with(&file, &given, None, &Console::new(said.clone()));
         let found = found.unwrap_or_else(|_| panic!("{text}\n{}", refusal(&file, &given))).result;
         assert!((shear(&found) / SHEAR - 1.0).abs() < 1e-9, "{text}: {found}");
         let told = said.text().contains("the column \"Stress\" is taken as nominal stress");
-        assert_eq!(told, k >= 6, "{}", said.text());
+        assert_eq!(told, k >= 8, "{}", said.text());
     }
 }
 
@@ -167,7 +172,7 @@ fn exports_of_machines_are_read() {
 fn tables_that_are_none_are_answered_with_the_line_that_is_wanted() {
     let directory = tempfile::tempdir().unwrap();
     let file = directory.path().join("machine.csv");
-    fs::write(&file, "Weg,Kraft\n1,2\n").unwrap();
+    fs::write(&file, "Droga,Sila\n1,2\n").unwrap();
     let error = refusal(&file, &of_machine());
     assert!(error.lines().count() == 1 && error.contains("machine.csv:1:1: no column"), "{error}");
     assert!(error.contains("`stretch,nominal_stress [MPa]` or `extension [mm],force [N]`"), "{error}");
@@ -190,6 +195,67 @@ fn tables_that_are_none_are_answered_with_the_line_that_is_wanted() {
     ] {
         assert!(refusal(&file, &given).contains(option), "{}", refusal(&file, &given));
     }
+}
+
+/// The text of spreadsheets, by its mark, and of machines that know no UTF-8.
+#[test]
+fn other_encodings_are_read() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("bar.csv");
+    let text = rows(false).replace("reading", "Pr\u{fc}fung");
+    let utf16 = |mark: u16, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
+        std::iter::once(mark).chain(text.encode_utf16()).flat_map(bytes).collect()
+    };
+    let latin: Vec<u8> = text.chars().map(|letter| u8::try_from(letter).unwrap()).collect();
+    for bytes in [utf16(0xfeff, u16::to_le_bytes), utf16(0xfeff, u16::to_be_bytes), latin] {
+        fs::write(&file, bytes).unwrap();
+        let found = fit_with(&file, &table("3 MPa"), None, &Console::silent()).unwrap().result;
+        assert!((shear(&found) / SHEAR - 1.0).abs() < 1e-9, "{found}");
+    }
+}
+
+/// `1,207` among `941` is 1207 or 1.207; where all have decimals it is one.
+#[test]
+fn commas_that_may_separate_thousands_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("bar.csv");
+    fs::write(&file, "stretch;nominal_stress [kPa]\n1,1;320\n1,2;598\n1,3;941\n1,4;1,207\n").unwrap();
+    let error = refusal(&file, &table("3 MPa"));
+    assert!(error.contains("bar.csv:5:5: \"1,207\" may be 1207 or 1.207"), "{error}");
+    let of = |k: u32| {
+        let l = 1.0 + 0.1 * f64::from(k);
+        format!("{l:.3};{:.3}\n", 60.0 * (l - l.powi(-2))).replace('.', ",")
+    };
+    let decimals: String = (1..12).map(of).collect();
+    fs::write(&file, format!("stretch;nominal_stress [kPa]\n{decimals}")).unwrap();
+    let found = fit_with(&file, &table("3 MPa"), None, &Console::silent()).unwrap().result;
+    assert!((shear(&found) / SHEAR - 1.0).abs() < 1e-3, "{found}");
+}
+
+/// What a law cannot have: a stress at rest, two branches.
+#[test]
+fn offsets_and_unloading_are_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("bar.csv");
+    let of = |k: u32, offset: f64| {
+        let l = 1.0 + 0.1 * f64::from(k);
+        format!("{l},{}\n", SHEAR * (l - l.powi(-2)) + offset)
+    };
+    let said = |rows: String| {
+        fs::write(&file, format!("stretch,nominal_stress [Pa]\n{rows}")).unwrap();
+        let heard = Heard::default();
+        fit_with(&file, &table("3 MPa"), None, &Console::new(heard.clone())).unwrap();
+        let text = heard.text();
+        [
+            text.contains("the stress is 12000 Pa at rest, 10 % of the largest"),
+            text.contains("the specimen is unloaded once"),
+        ]
+    };
+    let up = |offset: f64| (0..12).map(|k| of(k, offset)).collect::<String>();
+    let down: String = (0..12).rev().map(|k| of(k, -5e3)).collect();
+    assert_eq!(said(up(0.0)), [false, false]);
+    assert_eq!(said(up(12e3)), [true, false]);
+    assert_eq!(said(up(0.0) + &down), [false, true]);
 }
 
 /// A softening that Yeoh's law could follow by parameters alone that it excludes.

@@ -34,13 +34,20 @@ const ALIASES: &[(&str, &str)] = &[
     ("tensile_strain", STRAIN),
     ("engineering_strain", STRAIN),
     ("nominal_strain", STRAIN),
-    (UNSAID, "nominal_stress"),
+    ("stress", "nominal_stress"),
     ("tensile_stress", "nominal_stress"),
     ("engineering_stress", "nominal_stress"),
     ("true_stress", "cauchy_stress"),
+    ("kraft", FORCE),
+    ("standardkraft", FORCE),
+    ("weg", EXTENSION),
+    ("standardweg", EXTENSION),
+    ("traversenweg", EXTENSION),
+    ("dehnung", STRAIN),
+    ("spannung", "nominal_stress"),
 ];
-/// It does not say of which area.
-const UNSAID: &str = "stress";
+/// They do not say of which area.
+const UNSAID: [&str; 2] = ["stress", "spannung"];
 
 /// Units of machines that cases do not know, in SI.
 const UNITS_OF_MACHINES: &[(&str, Dimension, f64)] = &[
@@ -163,7 +170,10 @@ pub(super) fn columns(
     if wrong.is_empty() {
         match (xs.pop(), ys.pop()) {
             (Some((_, x)), Some((cell, y, response))) => {
-                let taken = bare(&cell.text).eq_ignore_ascii_case(UNSAID).then(|| bare(&cell.text).to_owned());
+                let taken = UNSAID
+                    .iter()
+                    .any(|own| bare(&cell.text).eq_ignore_ascii_case(own))
+                    .then(|| bare(&cell.text).to_owned());
                 return Ok(Columns { x, y, response, taken });
             }
             (None, _) => wrong.push((line, 1, lacks(deformations(mode), &cells, mode))),

@@ -57,9 +57,22 @@ impl Line<'_> {
     }
 }
 
-/// A finite number; with a decimal comma where commas do not separate cells.
-pub(super) fn number(text: &str, separator: char) -> Option<f64> {
+/// A finite number; a comma that separates no cells is a decimal one.
+pub(super) fn number(text: &str) -> Option<f64> {
     let point = text.replace(',', ".");
-    let text = if separator != ',' && text.matches(',').count() == 1 && !text.contains('.') { &point } else { text };
+    let text = if text.matches(',').count() == 1 && !text.contains('.') { &point } else { text };
     text.parse().ok().filter(|number: &f64| number.is_finite())
+}
+
+/// The text of a file in UTF-8, in UTF-16 with its mark, else in Latin-1, as machines with names in other languages write it.
+pub(super) fn decoded(bytes: Vec<u8>) -> String {
+    let utf16 = |unit: fn([u8; 2]) -> u16| {
+        let units = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+        char::decode_utf16(units).map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).collect()
+    };
+    match bytes.get(..2) {
+        Some([0xff, 0xfe]) => utf16(u16::from_le_bytes),
+        Some([0xfe, 0xff]) => utf16(u16::from_be_bytes),
+        _ => String::from_utf8(bytes).unwrap_or_else(|error| error.as_bytes().iter().map(|b| char::from(*b)).collect()),
+    }
 }

@@ -1,8 +1,8 @@
 //! Tables of test data: CSV with a line of column names and units, stresses and stretches or the forces and extensions of a specimen.
 
 use super::test_columns::{Column, Columns, EXTENSION, FORCE, STRAIN, Specimen, columns, names, wanted};
-use super::test_sheet::{Line, Sheet, number};
-use super::test_stiffness;
+use super::test_sheet::{Cell, Line, Sheet, decoded, number};
+use super::{test_course, test_stiffness, thousands};
 use nastic_fit::{FitError, Mode, Response, Test};
 use nastic_language::number::short;
 use nastic_language::schema::{FitData, FitKind, FitTest};
@@ -53,9 +53,10 @@ fn mode(test: &FitTest) -> Mode {
 /// Reads the table of a test, and what deserves attention in it.
 fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Vec<String>), Diagnostics> {
     let path = document.resolve(&test.file);
-    let text = std::fs::read_to_string(&path).map_err(|error| {
+    let bytes = std::fs::read(&path).map_err(|error| {
         document.complain(&test.at.key("file"), format!("{} cannot be read: {error}", path.display()))
     })?;
+    let text = decoded(bytes);
     let specimen = Specimen { area: test.area, length: test.length };
     let Table { response, rows, is_strain, uses, taken } = parse(&text, mode, specimen).map_err(|wrong| {
         let report = |(line, column, message)| Diagnostic {
@@ -109,8 +110,10 @@ fn read(document: &Document, test: &FitTest, mode: Mode) -> Result<(Test, Vec<St
     };
     let made = made.weighted(test.weight);
     let made = made.map_err(|error| document.complain(&test.at.key("weight"), error.to_string()))?;
-    let stiffness = test_stiffness::doubtful(&made, &path.display().to_string());
-    Ok((made, doubtful.into_iter().chain(stiffness).collect()))
+    let file = path.display().to_string();
+    let found = test_stiffness::doubtful(&made, &file).into_iter().chain(test_course::doubtful(&made, &file));
+    let doubtful = doubtful.into_iter().chain(found).collect();
+    Ok((made, doubtful))
 }
 
 /// What a table holds.
@@ -147,7 +150,8 @@ fn parse(text: &str, mode: Mode, specimen: Specimen) -> Result<Table, Vec<Wrong>
     let Columns { x, y, response, taken } = columns(head, units.as_deref(), mode, specimen)?;
     let named = head.cells(separator).len();
     let (mut rows, mut wrong, mut surpluses) = (Vec::new(), Vec::new(), Vec::new());
-    for line in below {
+    let rows_of: Vec<&Line> = below.collect();
+    for line in &rows_of {
         let cells = line.cells(separator);
         if let Some(cell) = cells.get(named) {
             surpluses.push((line.number, cell.column, surplus(cells.len(), named, separator)));
@@ -158,7 +162,7 @@ fn parse(text: &str, mode: Mode, specimen: Specimen) -> Result<Table, Vec<Wrong>
             let cell = cells.get(column.index);
             let cell = cell.ok_or_else(|| (line.number, end, format!("the row has no column {}", column.index + 1)))?;
             let what = || format!("{} is no number; leave out rows without one", quoted(&cell.text));
-            let value = number(&cell.text, separator).ok_or_else(|| (line.number, cell.column, what()))?;
+            let value = number(&cell.text).ok_or_else(|| (line.number, cell.column, what()))?;
             Ok(value * column.factor + column.shift)
         };
         match (value(&x), value(&y)) {
@@ -166,6 +170,8 @@ fn parse(text: &str, mode: Mode, specimen: Specimen) -> Result<Table, Vec<Wrong>
             (x, y) => wrong.extend([x, y].into_iter().filter_map(Result::err)),
         }
     }
+    let body: Vec<(usize, Vec<Cell>)> = rows_of.iter().map(|line| (line.number, line.cells(separator))).collect();
+    wrong.extend([x.index, y.index].into_iter().filter_map(|index| thousands::doubt(&body, index)));
     let more = surpluses.len().saturating_sub(1);
     if let Some((line, column, what)) = surpluses.into_iter().next() {
         let more = if more > 0 { format!("; so do {more} more lines") } else { String::new() };
@@ -188,7 +194,7 @@ fn parse(text: &str, mode: Mode, specimen: Specimen) -> Result<Table, Vec<Wrong>
 fn is_line_of_units(line: &Line, separator: char) -> bool {
     let cells = line.cells(separator);
     let mut said = cells.iter().filter(|cell| !cell.text.is_empty()).peekable();
-    said.peek().is_some() && said.all(|cell| number(&cell.text, separator).is_none())
+    said.peek().is_some() && said.all(|cell| number(&cell.text).is_none())
 }
 
 /// A decimal comma splits a number into two cells, and the rest of the row moves on by one column.
