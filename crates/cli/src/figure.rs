@@ -22,7 +22,7 @@ pub struct Figure {
     #[arg(long, value_name = "NAME")]
     pub field: Option<String>,
     /// Ends of the colour bar, so that figures can be compared
-    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = numbers::<2>)]
+    #[arg(long, value_name = "LOW,HIGH", allow_hyphen_values = true, value_parser = range)]
     pub range: Option<[f64; 2]>,
     /// Direction from the body to the eye [default: across the plane in which the body bends]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = numbers::<3>)]
@@ -86,6 +86,12 @@ fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let parts = text.split(',').map(|part| part.trim().parse::<f64>().ok().filter(|number| number.is_finite()));
     let found = parts.collect::<Option<Vec<f64>>>().and_then(|numbers| <[f64; N]>::try_from(numbers).ok());
     found.ok_or_else(|| format!("{N} numbers with commas between are needed, as {}", ["0", "1", "0.5"][..N].join(",")))
+}
+
+/// The ends of a colour bar.
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let [low, high] = numbers::<2>(text)?;
+    if low < high { Ok([low, high]) } else { Err(format!("the first end is the lower one: {high},{low}")) }
 }
 
 /// The plane beyond which the body is cut away: its normal points there.

@@ -53,6 +53,11 @@ fn a_figure_shows_a_state_and_nothing_of_the_run() {
     assert!(refusal(&place, &["--field", "presure"]).contains("there is: |u|, none, |displacement| displacement.x .."));
     assert!(refusal(&place, &["--path", "tip"]).contains("this run wrote no motion.csv"));
     assert!(refusal(&place, &["--clip", "x=3"]).contains("a plane is what is kept"));
+    for (plane, keeps) in [("x<1", "all"), ("x>1", "nothing"), ("0,0,2<-1", "nothing")] {
+        let error = refusal(&place, &["--clip", plane]);
+        assert!(error.contains(&format!("this plane leaves {keeps} of the body")), "{error}");
+    }
+    assert!(refusal(&place, &["--range", "5,1"]).contains("the first end is the lower one: 1,5"));
     assert!(refusal(&place, &["--size", "3x3"]).contains("320x200"));
     assert!(refusal(&place, &["--range", "3"]).contains("2 numbers"));
     let output = place.nastic(&["figure", "out", "--out", "a.jpg"]);

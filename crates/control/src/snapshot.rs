@@ -77,8 +77,10 @@ impl Reduced {
             (self.at_instant(fields.m, t)?, fields.gradient.map(|gradient| self.at_instant(gradient, t)).transpose()?);
         let mesh = self.solid().mesh();
         let mut shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, self.vectors(&fields.state.u))?;
-        if let Some(velocity) = &fields.state.velocity {
-            shot = shot.with_points("velocity", 3, self.vectors(velocity))?;
+        // a motion that begins at rest, so that all its states have the same arrays
+        let at_rest = || self.timeline().map(|_| vec![0.0; fields.state.u.len()]);
+        if let Some(velocity) = fields.state.velocity.as_deref().cloned().or_else(at_rest) {
+            shot = shot.with_points("velocity", 3, self.vectors(&velocity))?;
         }
         if let Some(adjoint) = fields.adjoint {
             shot = shot.with_points("adjoint", 3, self.vectors(adjoint))?;

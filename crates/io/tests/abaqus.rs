@@ -56,6 +56,17 @@ fn sets_become_regions_surfaces_and_node_sets() {
     }
 }
 
+/// meshio lists Gmsh's entities as a set, by numbers that are none of elements.
+#[test]
+fn sets_of_meshio_that_are_none_are_left_out() {
+    let mesh = read(
+        &TWO_CUBES.replace("*NSET, NSET=loose", "*ELSET, ELSET=gmsh:bounding_entities\n-1, 7\n2\n*NSET, NSET=loose"),
+    );
+    assert!(mesh.cells() == 2 && mesh.regions().keys().all(|name| !name.contains("gmsh")));
+    let notes = mesh.notes().join("\n");
+    assert!(notes.contains("the set \"gmsh:bounding_entities\" lists no elements"), "{notes}");
+}
+
 /// A cube whose instances are moved, and turned about a line.
 const PARTS: &str = "*PART, NAME=Cube\n*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n5,0,0,1\n6,1,0,1\n7,1,1,1\n8,0,1,1\n\
  *ELEMENT, TYPE=C3D8, ELSET=solid\n1,1,2,3,4,5,6,7,8\n*NSET, NSET=foot\n1,2,3,4\n*SURFACE, NAME=face\nsolid, S4\n*END PART\n\

@@ -1,5 +1,6 @@
 //! [`ReportError`]: why a folder gives no page, figure or comparison.
 
+use crate::number::short;
 use nastic_io::ReadError;
 use nastic_mesh::MeshError;
 use nastic_mesh::spatial::SpatialError;
@@ -63,6 +64,25 @@ pub enum ReportError {
         /// The state.
         state: String,
     },
+    /// A plane that cuts nothing.
+    #[error(
+        "this plane leaves {keeps} of the body: {} is between {} and {} {unit} in it, the plane at {}",
+        named(*normal), short(*least), short(*most), short(*offset)
+    )]
+    Plane {
+        /// What of the body it leaves.
+        keeps: &'static str,
+        /// Its normal.
+        normal: [f64; 3],
+        /// Where it is along that.
+        offset: f64,
+        /// The first that the body has of it.
+        least: f64,
+        /// The last.
+        most: f64,
+        /// The unit of length.
+        unit: String,
+    },
     /// Nothing that can be compared.
     #[error(
         "{} is no shape: nastic compare takes result directories, states of them (DIR/NAME), .vtu, .msh and .vtk files, point clouds (.csv, .npy, .ply)",
@@ -102,4 +122,13 @@ impl ReportError {
     pub(crate) fn of_result(error: serde_json::Error) -> Self {
         Self::Content { file: "result.json".into(), what: error.to_string() }
     }
+}
+
+/// `x`, `-z`, `(1, 0, 1) . x`
+fn named(normal: [f64; 3]) -> String {
+    let of = |axis: usize, sign: f64| (0..3).all(|i| normal[i] == if i == axis { sign } else { 0.0 });
+    let axes = ["x", "y", "z"].into_iter().enumerate();
+    let known = axes.flat_map(|(i, name)| [(of(i, 1.0), name.to_owned()), (of(i, -1.0), format!("-{name}"))]);
+    let [x, y, z] = normal.map(short);
+    known.into_iter().find(|(is, _)| *is).map_or_else(|| format!("({x}, {y}, {z}) . x"), |(_, name)| name)
 }

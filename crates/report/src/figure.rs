@@ -15,6 +15,7 @@ pub use marks::{FIELD, tension, uniform_field, with_marks};
 use crate::error::ReportError;
 use crate::folder::ResultFolder;
 use fields::Shown;
+use nastic_mesh::Snapshot;
 use nastic_picture::{Appearance, Body, Colour, Picture, View};
 use paths::TargetPath;
 pub(crate) use state::State;
@@ -47,10 +48,30 @@ pub struct FigureRequest {
 /// The picture of a state.
 ///
 /// # Errors
-/// [`ReportError`]: no results, or a state, field or probe that they do not have.
+/// [`ReportError`]: no results, a state, field or probe that they do not have, or a plane that does not cut the body.
 pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, ReportError> {
     let folder = ResultFolder::open(directory)?;
-    compose(&folder, &State::find(&folder, request.state.as_deref())?, request)
+    let state = State::find(&folder, request.state.as_deref())?;
+    if let Some(plane) = request.clip {
+        check_plane(plane, &state.shot, &folder.result.units.length)?;
+    }
+    compose(&folder, &state, request)
+}
+
+/// A plane cuts the displaced body: one beside it would leave all or nothing without a word.
+fn check_plane((normal, offset): ([f64; 3], f64), shot: &Snapshot, unit: &str) -> Result<(), ReportError> {
+    let u = shot.point_array("displacement");
+    let along = |(node, x): (usize, &[f64; 3])| -> f64 {
+        let moved = |i: usize| x[i] + u.and_then(|u| u.values.get(node * u.components + i)).copied().unwrap_or(0.0);
+        (0..3).map(|i| normal[i] * moved(i)).sum()
+    };
+    let all = || shot.mesh.points().iter().enumerate().map(along);
+    let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
+    if least < offset && offset < most {
+        return Ok(());
+    }
+    let keeps = if offset >= most { "all" } else { "nothing" };
+    Err(ReportError::Plane { keeps, normal, offset, least, most, unit: unit.to_owned() })
 }
 
 fn compose(folder: &ResultFolder, state: &State<'_>, request: &FigureRequest) -> Result<Picture, ReportError> {

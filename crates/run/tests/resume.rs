@@ -69,6 +69,24 @@ fn interrupt_on(
     place.run_with(Command::Optimize, case, &Console::new(watch), &options)
 }
 
+/// Optimises until an iteration was made.
+fn interrupt_behind(place: &CaseDirectory, case: &str, set: &[&str], iteration: usize) -> Outcome {
+    let options = place.options(set);
+    let options = Options { on_trial: stop_behind(&options, iteration), ..options };
+    let outcome = place.run_with(Command::Optimize, case, &Console::silent(), &options).unwrap();
+    assert_eq!(outcome.result["iterations"], iteration);
+    outcome
+}
+
+fn stop_behind(options: &Options, iteration: usize) -> OnTrial {
+    let cancel = options.cancel.clone();
+    OnTrial::call(move |trial| {
+        if trial.accepted && trial.iteration == iteration {
+            cancel.store(true, Ordering::Relaxed);
+        }
+    })
+}
+
 fn go_on(place: &CaseDirectory, threads: usize, console: &Console) -> Result<Outcome, RunError> {
     resume(
         &Catalogue::standard(),
@@ -285,17 +303,13 @@ fn what_was_resumed_can_be_resumed_again() {
 fn what_was_found_stays_when_a_resumed_run_is_stopped_early() {
     let (whole, place) = (CaseDirectory::new(), CaseDirectory::new());
     whole.run(Command::Optimize, BAR, &SHORT).unwrap();
-    let found = interrupt_at(&place, BAR, &SHORT, ("   5   ", 1)).unwrap();
-    let iterations = |outcome: &Outcome| outcome.result["iterations"].as_u64().unwrap();
-    assert_eq!(iterations(&found), 5);
+    interrupt_behind(&place, BAR, &SHORT, 5);
     let before = content(&place);
-    let cancel = Arc::new(AtomicBool::new(false));
     let heard = Heard::default();
-    let options = Options { cancel: cancel.clone(), ..Options::default() };
-    let on_trial = OnTrial::call(move |_| cancel.store(true, Ordering::Relaxed));
-    let options = Options { on_trial, ..options };
+    let options = Options::default();
+    let options = Options { on_trial: stop_behind(&options, 4), ..options };
     let again = resume(&Catalogue::standard(), &place.path("out"), &options, &Console::new(heard.clone())).unwrap();
-    assert_eq!(iterations(&again), 4, "{}", heard.text());
+    assert_eq!(again.result["iterations"], 4, "{}", heard.text());
     assert!(heard.text().contains("stopped before iteration 5, of which the results there are: they stay"));
     assert_eq!(format!("{before:?}"), format!("{:?}", content(&place)));
     go_on(&place, 2, &Console::silent()).unwrap();
@@ -307,8 +321,7 @@ fn what_was_found_stays_when_a_resumed_run_is_stopped_early() {
 fn dear_iterations_are_kept_before_their_turn() {
     let place = CaseDirectory::new();
     let set = ["optimizer/max_iterations=8", "optimizer/tolerance=1e-12"];
-    let found = interrupt_at(&place, DRIVEN, &set, ("   7   ", 1)).unwrap();
-    assert_eq!(found.result["iterations"], 7);
+    interrupt_behind(&place, DRIVEN, &set, 7);
     let resumed = go_on(&place, 2, &Console::silent()).unwrap().result["resumed"].clone();
     assert!(resumed["iteration"].as_u64() >= Some(1), "{resumed}");
 }

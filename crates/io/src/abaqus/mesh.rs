@@ -159,6 +159,9 @@ fn notes(found: &Found) -> Vec<String> {
     for (name, count) in &found.unknown {
         notes.push(format!("{count} members of the set \"{name}\" are not in the file"));
     }
+    for name in &found.foreign {
+        notes.push(format!("the set \"{name}\" lists no elements of the file, but entities of Gmsh: not read"));
+    }
     if !found.surfaces.is_empty() {
         let names: Vec<&str> = found.surfaces.iter().map(String::as_str).collect();
         notes.push(format!("surfaces of other kinds than ELEMENT and NODE are not read: {}", names.join(", ")));

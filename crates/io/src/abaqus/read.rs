@@ -51,6 +51,8 @@ pub(super) struct Found {
     pub unknown: BTreeMap<String, usize>,
     /// Surfaces of kinds that are not read.
     pub surfaces: BTreeSet<String>,
+    /// Sets whose numbers are those of another program.
+    pub foreign: BTreeSet<String>,
     pub includes: Vec<String>,
 }
 

@@ -7,11 +7,20 @@ use super::read::{MOST_MEMBERS, Reader};
 use crate::error::ReadError;
 use crate::source::brief;
 
+/// A set that meshio (5.3) writes of a mesh of Gmsh.
+const MESHIO_ENTITIES: &str = "gmsh:bounding_entities";
+
 impl Reader<'_> {
     /// `*NSET` and `*ELSET`.
     pub fn set(&mut self, keyword: &Keyword, of_nodes: bool) -> Result<(), ReadError> {
         self.listed_here(keyword)?;
         let name = self.named(keyword, if of_nodes { "NSET" } else { "ELSET" })?;
+        if name.eq_ignore_ascii_case(MESHIO_ENTITIES) {
+            // its numbers are those of Gmsh's entities, some of them negative, and of no elements
+            while self.lines.data().is_some() {}
+            self.found.foreign.insert(name.to_owned());
+            return Ok(());
+        }
         let scope = self.scope(keyword)?;
         let mut members = Vec::new();
         while let Some(words) = self.lines.data() {

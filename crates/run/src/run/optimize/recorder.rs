@@ -289,7 +289,8 @@ fn stem(problem: &CaseProblem, index: usize) -> String {
 /// Writes `iterates.bin` of a start that has ended.
 pub(super) fn write_iterates(session: &Session<'_>, index: usize, trials: &RunTrials, journal: &SharedJournal) {
     let (Some(out), problem) = (&session.own_out, &session.problem) else { return };
-    if !session.writes_start(index) || journal.lock().is_behind() {
+    // one that is stopped before it has come as far as an earlier one leaves what that kept
+    if !session.writes_start(index) || session.is_cancelled() && journal.lock().is_behind() {
         return;
     }
     for (member, kept) in problem.leads().zip(&trials.iterates) {
