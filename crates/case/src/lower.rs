@@ -51,6 +51,7 @@ mod sizes;
 mod slack;
 mod spring;
 mod start;
+mod strides;
 mod support;
 mod survey;
 mod sweep_plan;

@@ -94,3 +94,45 @@ fn mistakes_are_told() {
     let error = format!("{:?}", outcome.map(|outcome| outcome.result.to_string()));
     assert!(error.contains("leaves none of its reference volume"), "{error}");
 }
+
+/// A quarter of a tube, by the cell around its chamber.
+fn tube() -> String {
+    let cells = 8;
+    let mut text = "*NODE\n".to_owned();
+    for k in 0..=cells {
+        let (y, x) = (std::f64::consts::FRAC_PI_2 * f64::from(k) / f64::from(cells)).sin_cos();
+        for (layer, radius) in [(1, 1.0), (2, 1.3)] {
+            text += &format!("{},{:.9},{:.9}\n", 2 * k + layer, radius * x, radius * y);
+        }
+    }
+    text += "*ELEMENT, TYPE=CPE4, ELSET=body\n";
+    (0..cells).for_each(|k| text += &format!("{},{},{},{},{}\n", k + 1, 2 * k + 1, 2 * k + 2, 2 * k + 4, 2 * k + 3));
+    text + "*SURFACE, NAME=inner\nbody, S4\n*SURFACE, NAME=low\n1, S1\n*SURFACE, NAME=left\n8, S3\n"
+}
+
+/// Who pumps a chamber to many times its volume is told that it has ballooned.
+#[test]
+fn chambers_that_have_ballooned_are_told() {
+    let case = |volume: &str| {
+        format!(
+            r#"{{ "nastic": 1, "mesh": "tube.inp",
+            "materials": [ {{ "region": "body", "law": "neo_hooke", "young": "0.1 MPa", "poisson": 0.3 }} ],
+            "supports": [ {{ "surface": "low", "fix": ["y"] }}, {{ "surface": "left", "fix": ["x"] }} ],
+            "actuation": [ {{ "name": "air", "kind": "cavity", "surface": "inner", "symmetry": ["low", "left"], "volume": {volume} }} ] }}"#
+        )
+    };
+    for (volume, told) in [("4.0", false), ("9.0", true)] {
+        let place = CaseDirectory::new();
+        std::fs::create_dir_all(place.path("cases")).unwrap();
+        for at in ["tube.inp", "cases/tube.inp"] {
+            std::fs::write(place.path(at), tube()).unwrap();
+        }
+        let result = place.run(Command::Solve, &case(volume), &[]).unwrap().result;
+        let found = common::messages(&result, "extreme_deformation");
+        assert_eq!(
+            found.iter().any(|what| what.contains("chamber \"air\" has 13 times its volume at rest")),
+            told,
+            "{found:?}"
+        );
+    }
+}

@@ -225,3 +225,34 @@ fn a_body_that_hardly_moves() {
     // at rest nothing acts
     assert!(messages(&solve(&bar_with("")), "still").is_empty());
 }
+
+/// Obstacles that race, or that are in the body before any contact has seen them; poses that no solve takes are found before any.
+#[test]
+fn poses_that_are_hardly_meant() {
+    let ball = |pose: &str, more: &str| {
+        bar_with(&format!(
+            r#", "obstacles": [ {{ "name": "ball", "shape": {{ "sphere": {{ "center": [15, 2, -3], "radius": 2 }} }}{pose} }} ],
+            "contact": [ {{ "surface": "z-", "obstacle": "ball" }} ]{more}"#
+        ))
+    };
+    let time = |step: &str| format!(r#", "time": {{ "end": "20 ms", "step": "{step}", "start": "rest" }}"#);
+    let moves = |way: &str, step: &str| {
+        warnings(&ball(&format!(r#", "translation": [0, "{way} * t / (20 ms)", 0]"#), &time(step)))
+    };
+    assert!(!moves("8 mm", "2 ms").contains("it moves"), "{}", moves("8 mm", "2 ms"));
+    assert!(moves("8 mm", "10 ms").contains("4 mm within one time step"), "{}", moves("8 mm", "10 ms"));
+    assert!(moves("400 mm", "0.01 ms").contains("it moves with 20 m/s"));
+    let flies = |speed: &str| {
+        warnings(&ball(
+            "",
+            &format!(
+                r#", "time": {{ "end": "1 ms", "step": "0.1 ms", "start": "rest", "velocity": [0, 0, "{speed}"] }}"#
+            ),
+        ))
+    };
+    let free = |speed: &str| flies(speed).contains("it begins with");
+    assert!(free("30 m/s") && !free("1 m/s"));
+    let place = CaseDirectory::new();
+    let error = place.run(Command::Check, &ball(r#", "rotation": [0, 0, 90]"#, ""), &[]).unwrap_err().to_string();
+    assert!(error.contains("obstacles/0: contact") && error.contains("rotations are in radians"), "{error}");
+}

@@ -4,6 +4,7 @@ use super::context::Context;
 use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, complain_of_law};
+use super::strides::Course;
 use super::tension::beyond_limit;
 use super::{coarse_steps, magnitude, named_groups, pressures};
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
@@ -254,6 +255,12 @@ pub(super) fn fix_in_time(
                 let largest = each.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max);
                 pressures::check_given(largest, reduced.solid(), (at, context));
             }
+        }
+        if slot.group == "translation" {
+            let solid = reduced.solid().clone();
+            let moved: Vec<f64> = each.iter().filter_map(|values| values.first().copied()).collect();
+            let obstacles = at.as_str().starts_with("obstacles/");
+            Course { mesh: solid.mesh(), at, context }.check(&instants, &moved, obstacles);
         }
         let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let all = each.iter().map(|values| most(values)).fold(f64::NEG_INFINITY, f64::max);

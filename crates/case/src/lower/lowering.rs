@@ -15,7 +15,7 @@ use crate::warning::Warning;
 use nastic_control::{Ensemble, EnsembleError, LoadCase, Reduced};
 use nastic_fem::Discretization;
 use nastic_language::schema::{Case, Reading};
-use nastic_language::syntax::{At, Diagnostic, Diagnostics, Document};
+use nastic_language::syntax::{At, Diagnostic, Diagnostics, Document, quoted};
 use serde_json::{Map, Value};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -153,8 +153,24 @@ fn members(
         return None;
     }
     let (ensemble, labels) = join(case, &scenarios, variants, bodies, targets, cancel, context)?;
+    for (member, label) in ensemble.members().iter().zip(&labels) {
+        let start = ensemble.local(member, &controls.start).unwrap_or_default();
+        if let Err(error) = member.problem().check_own_controls(&start) {
+            context.complain(&at_of_moved(&label.case, &error.to_string()), error.to_string());
+            return None;
+        }
+    }
     let differences = scenarios.into_iter().map(|scenario| scenario.values).collect();
     Some(Lowered { ensemble, labels, differences, controls, probes, ordering })
+}
+
+/// The block of the obstacle, or of the actuation, that a message names.
+fn at_of_moved(case: &Case, message: &str) -> At {
+    let says = |name: &str| message.contains(&quoted(name));
+    let touched = case.contact.iter().find(|contact| says(&contact.name()));
+    let obstacle = touched.and_then(|contact| case.obstacles.iter().find(|own| contact.is_on(&own.name)));
+    let moved = case.actuation.iter().find(|actuation| says(&actuation.name));
+    obstacle.map(|own| own.at.clone()).or(moved.map(|own| own.at.clone())).unwrap_or_else(At::root)
 }
 
 /// The members before they are joined.

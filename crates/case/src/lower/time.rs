@@ -2,6 +2,7 @@
 
 use super::array::{self, Entity};
 use super::context::Context;
+use super::strides::Course;
 use nastic_control::{Counts, Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
 use nastic_fem::{Checkpoints, Feature, Solid, State};
 use nastic_language::number::short;
@@ -109,6 +110,12 @@ fn velocity(case: &Case, solid: &Solid, context: &mut Context<'_>) -> Option<Vec
     if dim == 2 && values.iter().any(|v| v[2] != 0.0) {
         context.complain(&at, "a velocity in plane strain has no z component");
         return None;
+    }
+    let fastest = values.iter().map(|v| v.iter().map(|v| v * v).sum::<f64>().sqrt()).fold(0.0, f64::max);
+    let mut course = Course { mesh, at: &at, context };
+    course.check_speed(fastest, "it begins with");
+    if !case.contact.is_empty() {
+        course.check_stride(fastest * time.step.unwrap_or(0.0), "the body moves, at first,");
     }
     let mut flat: Vec<f64> = values.iter().flat_map(|v| v[..dim].to_vec()).collect();
     (0..flat.len()).filter(|dof| solid.supports().holds_still(*dof)).for_each(|dof| flat[dof] = 0.0);

@@ -126,6 +126,9 @@ fn columns(text: &str, names: &[&str]) -> Result<Vec<Vec<(f64, f64)>>, String> {
     let head: Vec<&str> = head.split(',').map(|name| name.trim().trim_matches('"')).collect();
     let place = |name: &str| {
         let known = || format!("no column {}; it has: {}", quoted(name), head.join(", "));
+        if head.iter().filter(|column| **column == name).count() > 1 {
+            return Err(format!("two columns are called {}: leave out one, or name it differently", quoted(name)));
+        }
         head.iter().position(|column| *column == name).ok_or_else(known)
     };
     let (t, wanted) = (place("t")?, names.iter().map(|name| place(name)).collect::<Result<Vec<_>, _>>()?);

@@ -9,7 +9,7 @@ use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::time::{MotionObserver, StepUnderWay, TrajectoryContext};
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{Begin, Controls, Recording, SolveOptions, SolveReport, State, StepTo, Trajectory};
+use nastic_fem::{Begin, Controls, Recording, SolveOptions, SolveReport, State, StateError, StepTo, Trajectory};
 use nastic_opt::Request;
 use std::sync::Arc;
 
@@ -26,6 +26,23 @@ impl Reduced {
         let mut fixed = self.layout.fixed().clone();
         motion.fixed.iter().try_for_each(|values| values.put(n, &mut fixed))?;
         motion.layout.to_points_over(fixed, &self.layout.at(m, motion.timeline.instants()[n])?)
+    }
+
+    /// Whether what moves supports and obstacles may be what it is at m, of a motion at all its instants, as every solve asks: before any is made.
+    ///
+    /// # Errors
+    /// The first that may not; controls of the wrong length.
+    pub fn check_own_controls(&self, m: &[f64]) -> Result<(), ControlError> {
+        self.layout.check(m)?;
+        let check =
+            |controls: Controls| Ok(self.solid.model().check_own_controls(&controls).map_err(StateError::from)?);
+        match &self.motion {
+            None => check(self.layout.to_points(m)?),
+            Some(motion) => {
+                let steps = motion.timeline.instants().len();
+                (0..steps).try_for_each(|n| check(self.controls_at(motion, m, n)?))
+            }
+        }
     }
 
     /// The motion at m.

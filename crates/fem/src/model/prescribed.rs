@@ -119,8 +119,11 @@ impl Model {
         }
     }
 
-    /// Asks every contribution whether its controls may be what they are.
-    pub(crate) fn check_own_controls(&self, controls: &Controls) -> Result<(), FemError> {
+    /// Asks every contribution whether its controls may be what they are, as every solve does.
+    ///
+    /// # Errors
+    /// [`FemError::Meaningless`]: a pose beyond the plane of a plane body, say.
+    pub fn check_own_controls(&self, controls: &Controls) -> Result<(), FemError> {
         let own = self.others.iter().filter(|contribution| !contribution.slots().is_empty());
         own.zip(self.body.actuations().len()..)
             .try_for_each(|(contribution, block)| contribution.check_controls(controls.values(block)))

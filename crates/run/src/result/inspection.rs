@@ -6,7 +6,7 @@ use nastic_case::warning::{
     BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
 };
 use nastic_control::EnsemblePoint;
-use nastic_fem::{FreeMotion, PointPeak, SolveOptions, State, StateError};
+use nastic_fem::{FreeMotion, Instant, PointPeak, SolveOptions, State, StateError};
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_mesh::Mesh;
@@ -20,6 +20,9 @@ const POOR: f64 = 0.05;
 
 /// Displacements of so many times the body's diagonal stretch it as much.
 const FAR: f64 = 3.0;
+
+/// Chambers with so many times their volume have walls more than twice as long.
+const BALLOONED: f64 = 10.0;
 
 /// What was found in the state of one member.
 #[derive(Debug, Clone)]
@@ -36,6 +39,8 @@ pub(crate) struct Inspection {
     distorted: (usize, Option<(u32, f64)>),
     /// A displacement beyond any material.
     far: Option<String>,
+    /// Chambers that have grown beyond what their walls bear.
+    ballooned: Vec<String>,
     /// A compression beyond any; that of a motion is said of all instants together.
     compression: Option<Warning>,
     /// True electric fields beyond the breakdown strength.
@@ -111,6 +116,7 @@ impl Inspection {
             intersection,
             distorted: (distorted.len(), lowest),
             far: far(member, state),
+            ballooned: ballooned(member, state),
             compression: match member.reduced().timeline() {
                 None => compression(member, state.report.min_j, None),
                 Some(_) => None,
@@ -155,7 +161,8 @@ impl Inspection {
                 format!("{count} cells have a scaled Jacobian below {POOR}, the lowest is {lowest:.3} (cell {cell})");
             out.push(Warning::new(&CELL_SHAPE, message));
         }
-        out.extend(self.far.as_ref().map(|far| Warning::new(&EXTREME_DEFORMATION, far.clone())));
+        let extreme = self.far.iter().chain(&self.ballooned);
+        out.extend(extreme.map(|what| Warning::new(&EXTREME_DEFORMATION, what.clone())));
         out.extend(self.compression.clone());
         out.extend(self.breakdowns.iter().map(|found| Warning::new(&BREAKDOWN, found.clone())));
         out.extend(self.contacts.iter().cloned());
@@ -200,6 +207,23 @@ fn far(member: CaseMember<'_>, state: &State) -> Option<String> {
 }
 
 /// Penetrations and thick layers, of an equilibrium.
+/// Chambers of many times their volume.
+fn ballooned(member: CaseMember<'_>, state: &State) -> Vec<String> {
+    let Ok(all) = member.solid().model().quantities(&Instant::of(state)) else { return Vec::new() };
+    let of = |(name, what, volume): &(String, &str, f64)| {
+        let rest = all.iter().find(|(own, other, _)| own == name && *other == "reference_volume")?.2;
+        let times = volume / rest;
+        (*what == "volume" && rest > 0.0 && times > BALLOONED).then(|| {
+            format!(
+                "chamber \"{name}\" has {} times its volume at rest: unless its walls lie on each other at rest it has ballooned, behind the largest \
+                 pressure that it bears. A ramp of its volume (\"{name}.volume\") shows where that is",
+                short(times.round())
+            )
+        })
+    };
+    all.iter().filter_map(of).collect()
+}
+
 fn contacts(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
     if member.reduced().timeline().is_some() {
         return Vec::new();
