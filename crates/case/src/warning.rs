@@ -59,6 +59,7 @@ pub const WARNINGS: &[&WarningKind] = &[
     &THICK_LAYER,
     &STEPS_PER_CONTACT,
     &CREEPS,
+    &FEW_FACETS,
 ];
 
 /// A contact without effect.
@@ -66,6 +67,13 @@ pub const NO_CONTACT: WarningKind = WarningKind {
     code: "no_contact",
     about: "a contact never acts: the body does not come near the obstacle",
     advice: "see the picture; check the place of the obstacle, its pose and the surface, or leave the contact out",
+};
+
+/// A pressure of few facets.
+pub const FEW_FACETS: WarningKind = WarningKind {
+    code: "few_facets",
+    about: "a contact whose largest pressure is a cost or a constraint acts on two facets or fewer: the pressure is one of the mesh",
+    advice: "refine the surface where it touches, or take its force (\"contact_force\")",
 };
 
 /// A body inside an obstacle.

@@ -186,6 +186,23 @@ fn force_and_pressure_of_a_contact_are_costs_and_bounds() {
     assert!(problems(&wrong).contains("no contact \"dint\"; \"dent\""), "{}", problems(&wrong));
 }
 
+/// A largest pressure that one facet carries is one of the mesh; whether anybody asks for it or not.
+#[test]
+fn a_pressure_of_few_facets_is_told() {
+    let asked = with(
+        INDENTED,
+        r#"{ "kind": "position", "point": [10, 10, 10], "target": { "z": 8 } }"#,
+        r#"{ "kind": "contact_pressure", "contact": "dent" }"#,
+    );
+    let told = |case: &str, deep: &str| {
+        let found = solve(&with(case, r#""start": 1.5"#, deep)).1;
+        common::messages(&found, "few_facets")
+    };
+    let shallow = told(&asked, r#""start": 0.1"#);
+    assert!(shallow.len() == 1 && shallow[0].contains("its largest pressure is one of the mesh"), "{shallow:?}");
+    assert!(told(INDENTED, r#""start": 0.1"#).is_empty());
+}
+
 #[test]
 fn an_obstacle_that_moves_is_written_at_every_instant() {
     let moving = with(SLIDER, r#""floor", "shape""#, r#""floor", "translation": [0, 0, "1 mm * t / (1 s)"], "shape""#);

@@ -1,10 +1,11 @@
 //! What the contacts of an equilibrium carry, and what deserves attention in them.
 
 use crate::lower::CaseMember;
-use crate::warning::{BETWEEN_NODES, PENETRATED, THICK_LAYER, Warning};
+use crate::warning::{BETWEEN_NODES, FEW_FACETS, PENETRATED, THICK_LAYER, Warning};
 use nastic_fem::{Instant, State, Touch, TouchParameters};
 use nastic_language::number::{quantity, short, vector};
 use nastic_language::quantity::Dimension;
+use nastic_language::schema::{Cost, TermValue};
 
 /// Above this share of the approach the mean gap that remains makes a layer thick.
 const THICK: f64 = 0.05;
@@ -52,6 +53,38 @@ pub fn between(member: CaseMember<'_>, name: &str, (depth, approach): (f64, f64)
     Warning::new(&BETWEEN_NODES, message)
 }
 
+/// Facets of the contact's surface, of a mean size, on which a pressure is one of the mesh.
+const FEW: f64 = 2.0;
+
+/// What is said of a contact that touches over so large an area, if its largest pressure is a cost or a constraint.
+pub fn few_facets(member: CaseMember<'_>, name: &str, area: f64, at: &str) -> Option<Warning> {
+    let case = member.case();
+    let bounded = case.constraints.iter().filter_map(|constraint| constraint.cost.as_ref());
+    let of_it = |cost: &Cost| match cost {
+        Cost::Term(term) => {
+            let is_of_it = |value: &TermValue| matches!(value, TermValue::Contact(of) if of == name);
+            term.form.name == "contact_pressure" && term.values.values().any(is_of_it)
+        }
+        _ => false,
+    };
+    if !case.costs.iter().chain(bounded).any(of_it) {
+        return None;
+    }
+    let contact = case.contact.iter().find(|contact| contact.name() == name)?;
+    let facets = member.mesh().facets_of(&contact.surface).ok()?;
+    let mean = member.mesh().area(&facets) / facets.len() as f64;
+    let touched = area / mean;
+    (touched > 0.0 && touched < FEW).then(|| {
+        let touched = short((10.0 * touched).round() / 10.0);
+        Warning::new(
+            &FEW_FACETS,
+            format!(
+                "contact \"{name}\" acts on the area of {touched} facets{at}: its largest pressure is one of the mesh"
+            ),
+        )
+    })
+}
+
 /// What deserves attention in the contacts of an equilibrium.
 pub fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
     let of = |value: f64| quantity(value, Dimension::LENGTH, member.problem().units());
@@ -60,6 +93,7 @@ pub fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
         if touch.sunk > 0.0 {
             out.push(penetrated(member, &name, touch.sunk, &format!("at {}", vector(&touch.deepest))));
         }
+        out.extend(few_facets(member, &name, touch.area, ""));
         if touch.mean_gap.abs() > THICK * touch.approach && touch.approach > 0.0 {
             let (gap, approach) = (of(touch.mean_gap), of(touch.approach));
             let share = short((100.0 * touch.mean_gap.abs() / touch.approach).round());

@@ -93,6 +93,8 @@ struct History {
     gap: (f64, f64),
     /// The smallest between samples, and when.
     between: (f64, f64),
+    /// The largest pressure, the area at that instant, and when.
+    pressed: [f64; 3],
 }
 
 impl History {
@@ -101,7 +103,7 @@ impl History {
         let none = (f64::INFINITY, 0.0);
         let mut history = History { gap: none, between: none, ..Self::default() };
         let (Some(area), Some(gap)) = (column("area"), column("smallest_gap")) else { return history };
-        let between = column("gap_between");
+        let (between, pressure) = (column("gap_between"), column("largest_pressure"));
         let slides = sliding.and_then(|_| Some((column("sticking")?, column("sliding_speed")?)));
         let (mut begun, mut before) = (None, None::<f64>);
         for (n, row) in table.rows.iter().enumerate() {
@@ -109,6 +111,9 @@ impl History {
             history.acted |= touches;
             if row[gap] < history.gap.0 {
                 history.gap = (row[gap], t);
+            }
+            if let Some(pressure) = pressure.filter(|&pressure| row[pressure] > history.pressed[0]) {
+                history.pressed = [row[pressure], row[area], t];
             }
             if let Some(between) = between.filter(|&between| row[between] < history.between.0) {
                 history.between = (row[between], t);
@@ -156,6 +161,8 @@ impl History {
             let message = format!("contact \"{name}\": a touch that ends {} lasts {steps}", at(t));
             out.push(Warning::new(&STEPS_PER_CONTACT, message));
         }
+        let [_, area, when] = self.pressed;
+        out.extend(touches::few_facets(member, name, area, &format!(" when it presses most, {}", at(when))));
         if self.creep > CREEP * member.mesh().diagonal() {
             let creep = length(self.creep);
             let message = format!("contact \"{name}\" creeps by {creep} while it sticks, at most below its slip speed");
