@@ -16,7 +16,7 @@ fn case(drive: &str, controls: &str) -> String {
         r#"{{ "nastic": 1, "title": "finger", "mesh": "{mesh}",
         "materials": [ {{ "region": "body", "law": "neo_hooke", "young": "0.6 MPa", "poisson": 0.4 }} ],
         "supports": [ {{ "surface": "clamp", "fix": ["x", "y", "z"] }}, {{ "surface": "middle", "fix": ["y"] }} ],
-        "actuation": [ {{ "name": "air", "kind": "cavity", "surface": "chamber", "symmetry": ["middle"]{drive} }} ],
+        "actuation": [ {{ "name": "air", "kind": "cavity", "surface": "chamber", "symmetry": "middle"{drive} }} ],
         "controls": [ {controls} ],
         "costs": [ {{ "kind": "tracking", "surface": "tip", "target": ["X", "Y", "Z - 0.01"] }}, {{ "kind": "pump_work" }} ] }}"#
     )

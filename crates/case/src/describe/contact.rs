@@ -79,9 +79,10 @@ pub fn rigid_bodies(problem: &CaseProblem) -> Vec<Line> {
         return vec![];
     }
     let unknowns = if problem.mesh().dim() == 2 { 3 } else { 6 };
+    let held = if problem.case.supports.is_empty() { "" } else { ", less what supports hold" };
     let number = match bodies.len() {
-        1 => format!("1 rigid body of {unknowns} unknowns, translation and rotation"),
-        n => format!("{n} rigid bodies of {unknowns} unknowns each, translation and rotation"),
+        1 => format!("1 rigid body of {unknowns} unknowns, translation and rotation{held}"),
+        n => format!("{n} rigid bodies of {unknowns} unknowns each, translation and rotation{held}"),
     };
     let body = |material: &&Material| {
         let mass = mass(problem, material).map_or_else(|| "without a mass".to_owned(), |mass| format!("mass {mass}"));

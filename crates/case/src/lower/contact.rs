@@ -20,7 +20,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let mesh = solid.mesh().clone();
         let facets = named_groups::facets(&mesh, &contact.surface, &contact.at.key("surface"), context);
         let Some(facets) = facets else { continue };
-        contact_doubts::warn(case, (contact, &mesh), diagonal(&mesh, &contact.surface), context);
+        contact_doubts::warn(case, (contact, solid), diagonal(&mesh, &contact.surface), context);
         if let Some(with) = &contact.with {
             if named_groups::facets(&mesh, with, &contact.at.key("with"), context).is_some() {
                 let built = between(case, (contact, with), &mesh);

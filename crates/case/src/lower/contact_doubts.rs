@@ -1,8 +1,11 @@
 //! Contacts that can be solved but are hardly meant.
 
 use super::context::Context;
+use super::pressures;
 use crate::warning::INPUT;
+use nastic_fem::Solid;
 use nastic_language::number::short;
+use nastic_language::quantity::Dimension;
 use nastic_language::schema::{Case, Contact, Shape};
 use nastic_language::syntax::quoted;
 use nastic_mesh::{GroupNames, Mesh};
@@ -13,8 +16,24 @@ const ROUGHEST: f64 = 2.0;
 /// Thickness of a layer, as a share of the diagonal of the surface, above which it is no layer: left out it is 1/500.
 const THICKEST: f64 = 0.1;
 
+/// Share of Young's modulus of the softest material below which a contact gives way before the body does.
+const SOFTEST: f64 = 0.1;
+
 /// Warns of a contact of a surface whose diagonal is `size`.
-pub(super) fn warn(case: &Case, (contact, mesh): (&Contact, &Mesh), size: f64, context: &mut Context<'_>) {
+pub(super) fn warn(case: &Case, (contact, solid): (&Contact, &Solid), size: f64, context: &mut Context<'_>) {
+    let mesh = solid.mesh();
+    let young = pressures::softest(solid);
+    if let (Some(stiffness), Some(young)) = (contact.stiffness, young)
+        && stiffness < SOFTEST * young
+    {
+        let unit = context.units.label(Dimension::PRESSURE);
+        let message = format!(
+            "the pressure that closes the gap, {} {unit}, is below a tenth of Young's modulus of the softest material, {young:.3e} {unit}: the \
+             surfaces go through each other before the body gives way; left out it follows from the body",
+            short(stiffness)
+        );
+        context.warn(&INPUT, &contact.at.key("stiffness"), message);
+    }
     if let Some(friction) = contact.friction.filter(|friction| *friction > ROUGHEST) {
         let message = format!("a coefficient of friction of {}: rubber on rubber has 1 to 2", short(friction));
         context.warn(&INPUT, &contact.at.key("friction"), message);

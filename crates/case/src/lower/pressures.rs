@@ -30,9 +30,20 @@ fn far_beyond(pressure: f64, solid: &Solid, units: Units) -> Option<String> {
 
 /// Young's modulus of the stiffest material; `None` where a law does not give its moduli.
 fn stiffest(solid: &Solid) -> Option<f64> {
+    extreme(solid, f64::max)
+}
+
+/// The same of the softest.
+pub(super) fn softest(solid: &Solid) -> Option<f64> {
+    extreme(solid, f64::min)
+}
+
+fn extreme(solid: &Solid, of: impl Fn(f64, f64) -> f64) -> Option<f64> {
     let points = solid.discretization().points_of_cells();
     let young = |(cell, (point, _)): (usize, &(usize, usize))| Elastic::of(solid, cell, *point).map(Elastic::young);
-    points.iter().enumerate().map(young).try_fold(0.0, |most: f64, young| Some(most.max(young?)))
+    let mut all = points.iter().enumerate().map(young);
+    let first = all.next()??;
+    all.try_fold(first, |found, young| Some(of(found, young?)))
 }
 
 /// Bounds of tensions and pressures.

@@ -226,7 +226,9 @@ fn read_contribution(
                 names.iter().flat_map(GroupNames::iter).map(str::to_owned).collect()
             }
             KeyKind::Surfaces => {
-                reader.key::<Vec<String>>(node, at, key.name, key.about, Want::ANY, Some(vec![])).unwrap_or_default()
+                let names: Option<Option<GroupNames>> =
+                    reader.key(node, at, key.name, key.about, Want::ANY, Some(None));
+                names.flatten().iter().flat_map(GroupNames::iter).map(str::to_owned).collect()
             }
             KeyKind::Flag => {
                 let flag = reader.key::<bool>(node, at, key.name, key.about, Want::ANY, Some(false));
@@ -284,8 +286,9 @@ fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Defini
     for key in form.keys {
         let schema = match key.kind {
             KeyKind::Surface => described_text(key.about),
-            KeyKind::Union => annotated(GroupNames::schema(Want::ANY, definitions), key.about, None),
-            KeyKind::Surfaces => json!({ "description": key.about, "type": "array", "items": { "type": "string" } }),
+            KeyKind::Union | KeyKind::Surfaces => {
+                annotated(GroupNames::schema(Want::ANY, definitions), key.about, None)
+            }
             KeyKind::Flag => json!({ "description": key.about, "type": "boolean", "default": false }),
             KeyKind::Points => annotated(BodyPoints::schema(Want::LENGTH, definitions), key.about, None),
             KeyKind::Components => annotated(Fix::schema(Want::ANY, definitions), key.about, None),
