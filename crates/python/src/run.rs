@@ -152,14 +152,15 @@ pub(crate) fn fit(py: Python<'_>, data: PathBuf, out: PathBuf) -> PyResult<(u8, 
     Ok((found.exit.code(), found.result.to_string(), said.text()))
 }
 
-/// Draws a state of a result directory for print.
+/// Draws a state of a result directory for print, or with so many frames in a second all of a series, to a directory; where it is.
 #[pyfunction]
-#[pyo3(signature = (directory, file, *, state, field, range, view, clip, size, behind, paths, edges))]
+#[pyo3(signature = (directory, file, *, frames, state, field, range, view, clip, size, behind, paths, edges))]
 #[allow(clippy::too_many_arguments)] // all but the first two by name, from one place
 pub(crate) fn figure(
     py: Python<'_>,
     directory: PathBuf,
     file: PathBuf,
+    frames: Option<f64>,
     state: Option<String>,
     field: Option<String>,
     range: Option<[f64; 2]>,
@@ -169,10 +170,13 @@ pub(crate) fn figure(
     behind: Option<Vec<String>>,
     paths: Vec<String>,
     edges: bool,
-) -> PyResult<()> {
+) -> PyResult<PathBuf> {
     let asked = FigureRequest { state, field, range, view, clip, size, behind, paths, edges };
-    let drawn = py.detach(|| nastic_run::run::figure(&directory, &asked, Some(&file)));
-    drawn.map(|_| ()).map_err(|problem| error::of_run(py, &problem))
+    let drawn = py.detach(|| match frames {
+        None => nastic_run::run::figure(&directory, &asked, Some(&file)),
+        Some(per_second) => nastic_run::run::frames(&directory, &asked, Some(&file), per_second, &|_, _| ()),
+    });
+    drawn.map_err(|problem| error::of_run(py, &problem))
 }
 
 /// Where it is told how far a command is, until it has ended.

@@ -58,6 +58,14 @@ def test_figures_and_plots(bar, tmp_path):
     assert "displacement |u|" in drawn.read_text() and "target" not in drawn.read_text()
     with pytest.raises(nastic.Error, match="there is no field \"q\""):
         best.figure(field="q")
+    bar["output"] = {"every": 1}
+    film = bar.optimize(out=tmp_path / "film").frames(tmp_path / "frames", series="iteration", field="|u|", size=(320, 200))
+    assert film == tmp_path / "frames" / "frames.gif" and film.read_bytes().startswith(b"GIF89a")
+    assert (tmp_path / "frames" / "frame_0002.png").exists()
+    with pytest.raises(nastic.Error, match="there is no series of states \"motion\""):
+        best.frames(series="motion")
+    with pytest.raises(nastic.Error, match="fps is from 1 to 50"):
+        best.frames(fps=0.0)
     with pytest.raises(nastic.Error, match="out="):
         bar.solve().figure()
     matplotlib = pytest.importorskip("matplotlib", reason="matplotlib is not installed")

@@ -37,6 +37,7 @@ def figure(
     directory: Path,
     file: Path,
     *,
+    frames: float | None,
     state: str | None,
     field: str | None,
     range: tuple[float, float] | None,
@@ -46,7 +47,7 @@ def figure(
     behind: list[str] | None,
     paths: list[str],
     edges: bool,
-) -> None: ...
+) -> Path: ...
 @final
 class Mesh:
     def __new__(

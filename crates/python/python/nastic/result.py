@@ -197,9 +197,10 @@ class Result:
         if self.directory is None:
             raise Error("a figure is drawn from the files of a run: give the command an out=\"DIRECTORY\"")
         target = self.directory / "figure.png" if file is None else Path(file)
-        _nastic.figure(
+        return _nastic.figure(
             self.directory,
             target,
+            frames=None,
             state=state,
             field=field,
             range=range,
@@ -210,7 +211,45 @@ class Result:
             paths=paths or [],
             edges=edges,
         )
-        return target
+
+    def frames(
+        self,
+        directory: str | os.PathLike[str] | None = None,
+        *,
+        fps: float = 10.0,
+        series: str | None = None,
+        field: str | None = None,
+        range: tuple[float, float] | None = None,
+        view: tuple[float, float, float] | None = None,
+        clip: tuple[tuple[float, float, float], float] | None = None,
+        size: tuple[int, int] | None = None,
+        behind: list[str] | None = None,
+        paths: list[str] | None = None,
+        edges: bool = False,
+    ) -> Path:
+        """Draws all states of a motion, ramp, path or optimisation with one view, scale and range of colours, as `nastic figure --frames` does, of a run
+        with `out`: frame_0000.png .. and frames.gif there unless `directory` names another place; where the GIF is.
+
+        `series`: motion, ramp, path or iteration; the first of these that there is. `fps`: frames in a second, 1 to 50. The others as of `figure`.
+        """
+        if self.directory is None:
+            raise Error("frames are drawn from the files of a run: give the command an out=\"DIRECTORY\"")
+        if not 1.0 <= fps <= 50.0:
+            raise Error(f"fps is from 1 to 50, not {fps}")
+        return _nastic.figure(
+            self.directory,
+            self.directory if directory is None else Path(directory),
+            frames=fps,
+            state=series,
+            field=field,
+            range=range,
+            view=view,
+            clip=clip,
+            size=size,
+            behind=behind,
+            paths=paths or [],
+            edges=edges,
+        )
 
     def plot(self) -> Any:
         """A `matplotlib` figure: the picture of the states, and of an optimisation the costs of its trials beside it."""
