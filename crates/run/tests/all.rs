@@ -11,6 +11,7 @@ mod common;
 mod constraints;
 mod contact;
 mod contact_costs;
+mod contact_doubts;
 mod contact_told;
 mod damaged_checkpoints;
 mod determination;

@@ -14,7 +14,7 @@ use nastic_run::run::{Analysis, GradientTest, Options};
 use serde_json::Value;
 
 /// A block of 4 g above a floor, which nothing but the floor holds in z.
-const BLOCK: &str = r#"{ "nastic": 1, "units": "mm",
+pub const BLOCK: &str = r#"{ "nastic": 1, "units": "mm",
   "mesh": { "box": { "size": [20, 20, 10], "cells": [2, 2, 1], "element": "hex8" } },
   "materials": [ { "region": "body", "law": "neo_hooke", "young": "0.1 MPa", "poisson": 0.3, "density": "1000 kg/m^3" } ],
   "supports": [ { "surface": "x-", "fix": ["x"] }, { "surface": "y-", "fix": ["y"] } ],
@@ -24,7 +24,7 @@ const BLOCK: &str = r#"{ "nastic": 1, "units": "mm",
   "probes": [ { "name": "corner", "point": [20, 20, 0] } ] }"#;
 
 /// The same, free, pushed along a floor with friction by another weight.
-const SLIDER: &str = r#"{ "nastic": 1, "units": "mm",
+pub const SLIDER: &str = r#"{ "nastic": 1, "units": "mm",
   "mesh": { "box": { "size": [20, 20, 10], "cells": [2, 2, 1], "element": "hex8" } },
   "materials": [ { "region": "body", "law": "neo_hooke", "young": "0.1 MPa", "poisson": 0.3, "density": "1000 kg/m^3" } ],
   "loads": [ { "gravity": ["4 m/s^2", 0, "-10 m/s^2"] } ],
@@ -34,7 +34,7 @@ const SLIDER: &str = r#"{ "nastic": 1, "units": "mm",
   "probes": [ { "name": "corner", "point": [20, 20, 10] } ] }"#;
 
 /// A bar that a ball indents, whose place and stiffness are controls.
-const INDENTED: &str = r#"{ "nastic": 1, "units": "mm",
+pub const INDENTED: &str = r#"{ "nastic": 1, "units": "mm",
   "mesh": { "box": { "size": [20, 20, 10], "cells": [4, 4, 2], "element": "hex8" } },
   "materials": [ { "region": "body", "law": "neo_hooke", "young": "0.1 MPa", "poisson": 0.3 } ],
   "supports": [ { "surface": "z-", "fix": "all" } ],
@@ -44,13 +44,13 @@ const INDENTED: &str = r#"{ "nastic": 1, "units": "mm",
                 { "of": "dent.stiffness", "space": "uniform", "lower": "1 MPa", "upper": "20 MPa" } ],
   "costs": [ { "kind": "position", "point": [10, 10, 10], "target": { "z": 8 } } ] }"#;
 
-fn solve(case: &str) -> (CaseDirectory, Value) {
+pub fn solve(case: &str) -> (CaseDirectory, Value) {
     let place = CaseDirectory::new();
     let found = place.run(Command::Solve, case, &[]).unwrap_or_else(|error| panic!("{error}")).result;
     (place, found)
 }
 
-fn number(found: &Value, path: &str) -> f64 {
+pub fn number(found: &Value, path: &str) -> f64 {
     find(found, path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {found}"))
 }
 
@@ -186,23 +186,6 @@ fn force_and_pressure_of_a_contact_are_costs_and_bounds() {
     assert!(problems(&wrong).contains("no contact \"dint\"; \"dent\""), "{}", problems(&wrong));
 }
 
-/// A largest pressure that one facet carries is one of the mesh; whether anybody asks for it or not.
-#[test]
-fn a_pressure_of_few_facets_is_told() {
-    let asked = with(
-        INDENTED,
-        r#"{ "kind": "position", "point": [10, 10, 10], "target": { "z": 8 } }"#,
-        r#"{ "kind": "contact_pressure", "contact": "dent" }"#,
-    );
-    let told = |case: &str, deep: &str| {
-        let found = solve(&with(case, r#""start": 1.5"#, deep)).1;
-        common::messages(&found, "few_facets")
-    };
-    let shallow = told(&asked, r#""start": 0.1"#);
-    assert!(shallow.len() == 1 && shallow[0].contains("its largest pressure is one of the mesh"), "{shallow:?}");
-    assert!(told(INDENTED, r#""start": 0.1"#).is_empty());
-}
-
 #[test]
 fn an_obstacle_that_moves_is_written_at_every_instant() {
     let moving = with(SLIDER, r#""floor", "shape""#, r#""floor", "translation": [0, 0, "1 mm * t / (1 s)"], "shape""#);
@@ -251,65 +234,6 @@ fn mistakes_get_answers() {
     let table = with(&table, r#""supports": ["#, r#""supports": [ { "surface": "z-", "fix": ["z"] }, "#);
     let table = with(&table, r#""floor", "shape""#, r#""floor", "translation": [0, 0, 1], "shape""#);
     assert!(warnings(&table).contains("no contact touches \"floor\""), "{}", warnings(&table));
-}
-
-fn codes(found: &Value) -> Vec<&str> {
-    found["warnings"].as_array().unwrap().iter().map(|warning| warning["code"].as_str().unwrap()).collect()
-}
-
-#[test]
-fn contacts_warn_of_what_is_doubtful_in_them() {
-    let held = with(
-        BLOCK,
-        r#""surface": "y-", "fix": ["y"] }"#,
-        r#""surface": "y-", "fix": ["y"] }, { "surface": "z+", "fix": ["z"] }"#,
-    );
-    let (_, far) = solve(&held);
-    assert_eq!(codes(&far), ["no_contact"], "{}", far["warnings"]);
-    let soft = with(BLOCK, r#""obstacle": "floor""#, r#""obstacle": "floor", "stiffness": "50 Pa""#);
-    let (_, soft) = solve(&soft);
-    assert_eq!(codes(&soft), ["input", "penetrated"], "{}", soft["warnings"]);
-    let shallow = with(INDENTED, r#""start": 1.5"#, r#""start": 0.2"#);
-    let shallow = with(&shallow, r#""thickness": 0.5"#, r#""thickness": 0.5, "stiffness": "0.5 MPa""#);
-    let (_, shallow) = solve(&with(&shallow, r#""lower": "1 MPa""#, r#""lower": "0.1 MPa""#));
-    assert_eq!(codes(&shallow), ["thick_layer"], "{}", shallow["warnings"]);
-    let bounce = with(SLIDER, "\"backward_euler\"", "\"tr_bdf2\"");
-    let bounce = with(&bounce, "\"point\": [0, 0, 0]", "\"point\": [0, 0, -5]");
-    let (_, bounce) = solve(&with(&bounce, "\"4 ms\"", "\"10 ms\""));
-    assert!(codes(&bounce).contains(&"steps_per_contact"), "{}", bounce["warnings"]);
-    let creeps = with(&with(SLIDER, r#""friction": 0.3"#, r#""friction": 0.42"#), "\"1 mm/s\"", "\"20 mm/s\"");
-    let (_, creeps) = solve(&creeps);
-    assert_eq!(codes(&creeps), ["creeps"], "{}", creeps["warnings"]);
-}
-
-/// A punch whose edges lie between nodes, in an equilibrium and in a motion; more samples see more of them. A ball has none.
-#[test]
-fn edges_between_samples_are_told() {
-    let punch = with(
-        INDENTED,
-        r#""sphere": { "center": [10, 10, 25], "radius": 15 }"#,
-        r#""box": { "low": [4, 4, 10], "high": [16, 16, 20] }"#,
-    );
-    let punch = with(&punch, r#""thickness": 0.5"#, r#""thickness": 0.05, "refine": 1"#);
-    let (_, found) = solve(&punch);
-    let told = found["warnings"].as_array().unwrap().iter().find(|warning| warning["code"] == "between_nodes");
-    let message = told.unwrap_or_else(|| panic!("{}", found["warnings"]))["message"].as_str().unwrap();
-    assert!(message.contains("between its samples the body is") && message.contains("% of the 1.5 mm"), "{message}");
-    let depth = -number(&found, "contributions/dent/gap_between");
-    let gap = number(&found, "contributions/dent/smallest_gap");
-    assert!(depth > 0.15 && gap > -0.01 * depth, "{depth}, {gap}");
-    let (_, seen) = solve(&with(&punch, r#""refine": 1"#, r#""refine": 4"#));
-    let (_, round) = solve(INDENTED);
-    assert!(!codes(&round).contains(&"between_nodes"), "{}", round["warnings"]);
-    assert!(number(&seen, "contributions/dent/gap_between") > -0.5 * depth);
-
-    let moved = with(&punch, r#""translation": [0.5, 0, 0]"#, r#""translation": [0.5, 0, "-3 mm * t / 1 s"]"#);
-    let begin = moved.find(r#""controls""#).unwrap();
-    let moved = format!(r#"{}"time": {{ "end": 1, "step": 0.25, "scheme": "quasi_static" }} }}"#, &moved[..begin]);
-    let (_, moved) = solve(&moved);
-    let told = moved["warnings"].as_array().unwrap().iter().find(|warning| warning["code"] == "between_nodes");
-    let message = told.unwrap_or_else(|| panic!("{}", moved["warnings"]))["message"].as_str().unwrap();
-    assert!(message.contains("at t = 1 s"), "{message}");
 }
 
 #[test]
