@@ -15,7 +15,7 @@ pub(super) fn doubtful(test: &Test, file: &str) -> Vec<String> {
     // shear begins at 0, stretches and ratios of volumes at 1
     let rest = if matches!(test.mode, nastic_fit::Mode::SimpleShear) { 0.0 } else { 1.0 };
     let points: Vec<[f64; 2]> = test.points.iter().map(|[x, y]| [x - rest, *y]).collect();
-    [offset(&points), unloads(&points).map(|count| cycles(count))]
+    [offset(&points), unloads(&points).map(cycles)]
         .into_iter()
         .flatten()
         .map(|what| format!("{file}: {what}"))
