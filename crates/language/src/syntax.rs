@@ -12,6 +12,7 @@ mod quote;
 
 pub use diagnostic::{Diagnostic, Diagnostics};
 pub use document::Document;
+pub use nearest::nearest;
 pub use node::{Node, Property, SourcePosition, Value};
 pub use path::At;
 pub use quote::quoted;

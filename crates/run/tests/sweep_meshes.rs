@@ -86,6 +86,15 @@ fn meshes_have_names_on_the_axis_and_no_cost_of_a_solve_is_drawn() {
     assert!(page.contains("Convergence over meshes") && page.contains("difference to the finest"), "{page}");
 }
 
+/// What no results have is refused before any run.
+#[test]
+fn a_quantity_of_no_results_makes_no_run() {
+    let place = CaseDirectory::new();
+    let error = swept(&place, Some("enery/elastic"), &[CELLS]).unwrap_err().to_string();
+    assert!(error.contains("--quantity: results have no \"enery\": did you mean \"energy\"?"), "{error}");
+    assert!(!place.path("out").exists());
+}
+
 #[test]
 fn the_quantity_is_of_the_users_choice() {
     let place = CaseDirectory::new();
@@ -99,7 +108,7 @@ fn the_quantity_is_of_the_users_choice() {
     assert!(csv.starts_with(&format!("materials/0/young,{tip} (m)\n90 kPa,")), "{csv}");
     // one that there is not is refused behind the first run, with those that there are
     let other = CaseDirectory::new();
-    let refused = swept(&other, Some("tip"), &[values]).unwrap_err();
+    let refused = swept(&other, Some("probes/tipp/displacement/0"), &[values]).unwrap_err();
     assert_eq!(refused.exit(), Exit::BadInput);
     assert!(refused.to_string().contains(tip), "{refused}");
     assert!(!other.path("out/young=110_kPa").exists());

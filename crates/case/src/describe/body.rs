@@ -96,8 +96,11 @@ pub fn materials(problem: &CaseProblem) -> Vec<Line> {
     problem.case.materials.iter().map(of).collect()
 }
 
-/// Young's modulus and Poisson's ratio at small strains of all that acts on the first cell of the region.
+/// Young's modulus and Poisson's ratio at small strains of all that acts on the first cell of the region, where they are not what is given.
 fn at_rest(problem: &CaseProblem, material: &Material) -> String {
+    if material.parameters.contains_key("young") {
+        return String::new();
+    }
     let (solid, unit) = (problem.solid(), problem.units().label(Dimension::PRESSURE));
     let first = solid.mesh().cells_of(&material.region).ok().and_then(|cells| cells.first().copied());
     let elastic = first.filter(|_| !material.rigid).and_then(|cell| {

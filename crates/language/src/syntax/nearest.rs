@@ -10,7 +10,8 @@ pub(crate) fn clause(wrong: &str, known: &[&str]) -> String {
 }
 
 /// The known name with the fewest single-letter changes of those that may have been meant; the first of several.
-pub(crate) fn nearest<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
+#[must_use]
+pub fn nearest<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
     known.iter().filter(|name| is_near(wrong, name)).min_by_key(|name| distance(wrong, name)).copied()
 }
 

@@ -19,7 +19,8 @@ use nastic_case::part::{Part, Share};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number::count;
 use nastic_language::schema::Command;
-use nastic_language::syntax::{Diagnostic, Diagnostics};
+use nastic_language::syntax::{Diagnostic, Diagnostics, nearest};
+use nastic_report::record::RunRecord;
 use nastic_report::{SweepRow, SweepTable};
 use nastic_team::{broadcast, exchange};
 use serde_json::Value;
@@ -114,6 +115,7 @@ fn make(
     console: &Console,
 ) -> Result<SweepOutcome, RunError> {
     let plan = SweepPlan::read(catalogue, (&sweep.command, sweep.warm), case, &options.set)?;
+    check_quantity(sweep.quantity.as_deref())?;
     let own = || directory_of(&plan.document, plan.document.json()["output"]["directory"].as_str());
     let out = options.out.clone().unwrap_or_else(own);
     // Who writes the table holds the lock of its directory; parts hold those of their runs alone.
@@ -130,6 +132,28 @@ fn make(
     work.run()?;
     let result = serde_json::to_value(work.table.record()).unwrap_or_default(); // records have keys that are texts
     Ok(SweepOutcome { exit: work.exit(), result })
+}
+
+/// Refuses a quantity that no results have, before any run; those of the first tell the rest.
+fn check_quantity(quantity: Option<&str>) -> Result<(), RunError> {
+    let Some(quantity) = quantity else { return Ok(()) };
+    let schema = RunRecord::schema();
+    let known: Vec<&str> =
+        schema["properties"].as_object().into_iter().flat_map(|keys| keys.keys()).map(String::as_str).collect();
+    let first = quantity.split('/').next().unwrap_or_default();
+    if known.contains(&first) {
+        return Ok(());
+    }
+    let meant = nearest(first, &known).map_or_else(
+        || "a path is probes/NAME/displacement/2, energy/elastic ..; nastic schema --results has all".to_owned(),
+        |name| format!("did you mean \"{name}\"?"),
+    );
+    Err(wrong_quantity(format!("results have no \"{first}\": {meant}")))
+}
+
+fn wrong_quantity(message: String) -> RunError {
+    Diagnostics::from(Diagnostic { file: "--quantity".to_owned(), path: String::new(), line: 0, column: 0, message })
+        .into()
 }
 
 /// A sweep under way.
@@ -254,9 +278,7 @@ impl Work<'_> {
     /// The first run tells whether results have what is to be shown: before all others are made.
     fn check_quantity(&self) -> Result<(), RunError> {
         let (Some(quantity), Some(known)) = (&self.sweep.quantity, self.table.lacks_quantity()) else { return Ok(()) };
-        let message = format!("\"{quantity}\" is no number of these results; there are: {}", known.join(", "));
-        let file = "--quantity".to_owned();
-        Err(Diagnostics::from(Diagnostic { file, path: String::new(), line: 0, column: 0, message }).into())
+        Err(wrong_quantity(format!("\"{quantity}\" is no number of these results; there are: {}", known.join(", "))))
     }
 
     fn exit(&self) -> Exit {
