@@ -64,6 +64,14 @@ pub enum ReportError {
         /// The state.
         state: String,
     },
+    /// Ends of a colour bar that leave nothing between them.
+    #[error("a range of colours goes from a lower to a higher end, not from {low} to {high}")]
+    Range {
+        /// The first end.
+        low: f64,
+        /// The second.
+        high: f64,
+    },
     /// A plane that cuts nothing.
     #[error(
         "this plane leaves {keeps} of the body: {} is between {} and {} {unit} in it, the plane at {}",
@@ -124,11 +132,11 @@ impl ReportError {
     }
 }
 
-/// `x`, `-z`, `(1, 0, 1) . x`
+/// `x`, `(1, 0, 1) . x`
 fn named(normal: [f64; 3]) -> String {
     let of = |axis: usize, sign: f64| (0..3).all(|i| normal[i] == if i == axis { sign } else { 0.0 });
     let axes = ["x", "y", "z"].into_iter().enumerate();
-    let known = axes.flat_map(|(i, name)| [(of(i, 1.0), name.to_owned()), (of(i, -1.0), format!("-{name}"))]);
     let [x, y, z] = normal.map(short);
-    known.into_iter().find(|(is, _)| *is).map_or_else(|| format!("({x}, {y}, {z}) . x"), |(_, name)| name)
+    let known = axes.filter(|(i, _)| of(*i, 1.0)).map(|(_, name)| name.to_owned()).next();
+    known.unwrap_or_else(|| format!("({x}, {y}, {z}) . x"))
 }

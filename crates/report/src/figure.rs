@@ -59,7 +59,7 @@ pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, Repo
 }
 
 /// A plane cuts the displaced body: one beside it would leave all or nothing without a word.
-fn check_plane((normal, offset): ([f64; 3], f64), shot: &Snapshot, unit: &str) -> Result<(), ReportError> {
+pub(crate) fn check_plane((normal, offset): ([f64; 3], f64), shot: &Snapshot, unit: &str) -> Result<(), ReportError> {
     let u = shot.point_array("displacement");
     let along = |(node, x): (usize, &[f64; 3])| -> f64 {
         let moved = |i: usize| x[i] + u.and_then(|u| u.values.get(node * u.components + i)).copied().unwrap_or(0.0);
@@ -71,10 +71,24 @@ fn check_plane((normal, offset): ([f64; 3], f64), shot: &Snapshot, unit: &str) -
         return Ok(());
     }
     let keeps = if offset >= most { "all" } else { "nothing" };
-    Err(ReportError::Plane { keeps, normal, offset, least, most, unit: unit.to_owned() })
+    // told in the direction of the axis
+    let negative = normal.iter().all(|n| *n <= 0.0);
+    let told = |value: f64| if negative { 0.0 - value } else { value };
+    let (least, most) = if negative { (told(most), told(least)) } else { (least, most) };
+    Err(ReportError::Plane {
+        keeps,
+        normal: normal.map(told),
+        offset: told(offset),
+        least,
+        most,
+        unit: unit.to_owned(),
+    })
 }
 
 fn compose(folder: &ResultFolder, state: &State<'_>, request: &FigureRequest) -> Result<Picture, ReportError> {
+    if let Some([low, high]) = request.range.filter(|[low, high]| low >= high) {
+        return Err(ReportError::Range { low, high });
+    }
     let mut picture = Picture::new(&state.label).plain().length_unit(&folder.result.units.length);
     if let Some([width, height]) = request.size {
         picture = picture.size(width, height);

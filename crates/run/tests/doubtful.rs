@@ -241,6 +241,12 @@ fn poses_that_are_hardly_meant() {
     };
     assert!(!moves("8 mm", "2 ms").contains("it moves"), "{}", moves("8 mm", "2 ms"));
     assert!(moves("8 mm", "10 ms").contains("4 mm within one time step"), "{}", moves("8 mm", "10 ms"));
+    let floor = ball("", "").replace(
+        r#"{ "sphere": { "center": [15, 2, -3], "radius": 2 } }"#,
+        r#"{ "half_space": { "point": [0, 0, -3], "normal": [0, 0, 1] } }, "translation": [0, "90 mm * t / (20 ms)", 0]"#,
+    );
+    let belt = warnings(&with(&floor, r#", "obstacles""#, &format!(r#"{}, "obstacles""#, time("10 ms"))));
+    assert!(!belt.contains("it moves"), "{belt}");
     assert!(moves("400 mm", "0.01 ms").contains("it moves with 20 m/s"));
     let flies = |speed: &str| {
         warnings(&ball(

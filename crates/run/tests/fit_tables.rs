@@ -222,6 +222,13 @@ fn commas_that_may_separate_thousands_are_refused() {
     fs::write(&file, "stretch;nominal_stress [kPa]\n1,1;320\n1,2;598\n1,3;941\n1,4;1,207\n").unwrap();
     let error = refusal(&file, &table("3 MPa"));
     assert!(error.contains("bar.csv:5:5: \"1,207\" may be 1207 or 1.207"), "{error}");
+    // between quotes, with points elsewhere or not
+    fs::write(&file, "stretch,nominal_stress [kPa]\n\"1\",\"0\"\n\"1.2\",\"1,517\"\n\"1.3\",\"2,125\"\n").unwrap();
+    let error = refusal(&file, &table("3 MPa"));
+    assert!(error.contains("bar.csv:3:7: \"1,517\" may be 1517 or 1.517"), "{error}");
+    // the other column settles it
+    fs::write(&file, "stretch;nominal_stress [kPa]\n1;0,00\n1,125;20,09\n1,375;50,77\n1,5;63,33\n").unwrap();
+    assert!(fit_with(&file, &table("3 MPa"), None, &Console::silent()).is_ok());
     let of = |k: u32| {
         let l = 1.0 + 0.1 * f64::from(k);
         format!("{l:.3};{:.3}\n", 60.0 * (l - l.powi(-2))).replace('.', ",")
@@ -256,6 +263,8 @@ fn offsets_and_unloading_are_told() {
     assert_eq!(said(up(0.0)), [false, false]);
     assert_eq!(said(up(12e3)), [true, false]);
     assert_eq!(said(up(0.0) + &down), [false, true]);
+    // one loading behind the other is no unloading
+    assert_eq!(said(up(0.0) + &up(-2e3)), [false, false]);
 }
 
 /// A softening that Yeoh's law could follow by parameters alone that it excludes.

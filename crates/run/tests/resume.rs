@@ -302,18 +302,25 @@ fn what_was_resumed_can_be_resumed_again() {
 #[test]
 fn what_was_found_stays_when_a_resumed_run_is_stopped_early() {
     let (whole, place) = (CaseDirectory::new(), CaseDirectory::new());
-    whole.run(Command::Optimize, BAR, &SHORT).unwrap();
-    interrupt_behind(&place, BAR, &SHORT, 5);
+    let set: Vec<&str> = SHORT.iter().copied().chain(["output/every=1"]).collect();
+    whole.run(Command::Optimize, BAR, &set).unwrap();
+    interrupt_behind(&place, BAR, &set, 5);
     let before = content(&place);
     let heard = Heard::default();
     let options = Options::default();
     let options = Options { on_trial: stop_behind(&options, 4), ..options };
     let again = resume(&Catalogue::standard(), &place.path("out"), &options, &Console::new(heard.clone())).unwrap();
     assert_eq!(again.result["iterations"], 4, "{}", heard.text());
-    assert!(heard.text().contains("stopped before iteration 5, of which the results there are: they stay"));
+    assert!(heard.text().contains("stopped before it had come as far as the program before, whose results stay"));
     assert_eq!(format!("{before:?}"), format!("{:?}", content(&place)));
     go_on(&place, 2, &Console::silent()).unwrap();
     assert_same(&place, &whole, "stopped early");
+    // nor of one that had ended
+    let before = content(&place);
+    let options = Options::default();
+    let options = Options { on_trial: stop_behind(&options, 4), ..options };
+    resume(&Catalogue::standard(), &place.path("out"), &options, &Console::silent()).unwrap();
+    assert_eq!(format!("{before:?}"), format!("{:?}", content(&place)));
 }
 
 /// A checkpoint is written before its turn where iterations are dear.

@@ -96,17 +96,19 @@ pub fn materials(problem: &CaseProblem) -> Vec<Line> {
     problem.case.materials.iter().map(of).collect()
 }
 
-/// Young's modulus and Poisson's ratio at small strains of all that acts on the first cell of the region, where they are not what is given.
+/// Young's modulus and Poisson's ratio at small strains of all that acts on the region, where they are not what is given, are the same in all of it, and no law
+/// has fibres.
 fn at_rest(problem: &CaseProblem, material: &Material) -> String {
-    if material.parameters.contains_key("young") {
+    if material.parameters.contains_key("young") || material.rigid || material.law.reinforcing {
         return String::new();
     }
     let (solid, unit) = (problem.solid(), problem.units().label(Dimension::PRESSURE));
-    let first = solid.mesh().cells_of(&material.region).ok().and_then(|cells| cells.first().copied());
-    let elastic = first.filter(|_| !material.rigid).and_then(|cell| {
-        let point = solid.discretization().points_of_cells()[cell as usize].0;
-        Elastic::of(solid, cell as usize, point)
-    });
+    let (cells, points) =
+        (solid.mesh().cells_of(&material.region).unwrap_or_default(), solid.discretization().points_of_cells());
+    let isotropic = |cell: usize| Elastic::isotropic(solid, cell, points[cell].0);
+    let first = cells.first().and_then(|cell| isotropic(*cell as usize));
+    let same = |one: Elastic| first.is_some_and(|first| (one.young() / first.young() - 1.0).abs() < 1e-9);
+    let elastic = first.filter(|_| cells.iter().all(|cell| isotropic(*cell as usize).is_some_and(same)));
     elastic.map_or_else(String::new, |elastic| {
         let [young, poisson] = [elastic.young(), elastic.poisson()]
             .map(|value| format!("{value:.4e}").parse().unwrap_or(value))

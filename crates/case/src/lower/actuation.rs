@@ -12,7 +12,7 @@ use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
 use nastic_energy::{Dielectric, MaterialPoint, Turgor};
 use nastic_fem::Solid;
-use nastic_language::expression::{Formula, dimension_of};
+use nastic_language::expression::{EvaluationError, Formula, dimension_of};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{
     Actuation, Beginning, Case, Fixed, Input, Means, Parameter as Number, Time, VectorField, vector_at,
@@ -239,6 +239,13 @@ pub(super) fn fix_in_time(
     let instants = reduced.timeline()?.instants().to_vec();
     let places = Arc::new(places);
     let limit = reduced.solid().body().fiber_limit(index);
+    if reduced.solid().model().controllable()[index].slots[first].group == "translation"
+        && !at.as_str().starts_with("obstacles/")
+    {
+        let moved: Result<Vec<[f64; 3]>, _> = instants.iter().map(|t| vector_at_time(&formulas, *t)).collect();
+        let moved = context.take(at, moved)?;
+        Course { mesh: reduced.solid().mesh(), at, context }.check(&instants, &moved, None);
+    }
     for (component, formula) in formulas.into_iter().enumerate() {
         let places = places.clone();
         coarse_steps::check(&instants, (&formula, &places), (at, context));
@@ -255,12 +262,6 @@ pub(super) fn fix_in_time(
                 let largest = each.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max);
                 pressures::check_given(largest, reduced.solid(), (at, context));
             }
-        }
-        if slot.group == "translation" {
-            let solid = reduced.solid().clone();
-            let moved: Vec<f64> = each.iter().filter_map(|values| values.first().copied()).collect();
-            let obstacles = at.as_str().starts_with("obstacles/");
-            Course { mesh: solid.mesh(), at, context }.check(&instants, &moved, obstacles);
         }
         let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let all = each.iter().map(|values| most(values)).fold(f64::NEG_INFINITY, f64::max);
@@ -279,6 +280,12 @@ pub(super) fn fix_in_time(
         reduced = context.take(at, fixed)?;
     }
     Some(reduced)
+}
+
+/// Three components at an instant, of what does not vary in space.
+pub(super) fn vector_at_time(formulas: &[Formula], t: f64) -> Result<[f64; 3], EvaluationError> {
+    let now: Vec<Formula> = formulas.iter().map(|formula| formula.at_time(t)).collect();
+    vector_at(&now, [0.0; 3])
 }
 
 /// The fixed value of a contribution as a whole: one number, or one vector.

@@ -1,14 +1,15 @@
 //! Contacts, and the poses of obstacles that nobody controls.
 
-use super::actuation::fix_number;
+use super::actuation::{fix_number, vector_at_time};
 use super::context::Context;
 use super::named::attempt;
+use super::strides::{self, Course};
 use super::{contact_doubts, named_groups, obstacle, obstacle_grid};
 use crate::warning::{INPUT, INSIDE_OBSTACLE};
 use nastic_control::Reduced;
 use nastic_fem::{ContactLaw, Solid, SurfaceContact};
 use nastic_language::number::short;
-use nastic_language::schema::{Case, Contact, Fixed, Obstacle, PressureLaw, Shape};
+use nastic_language::schema::{Case, Contact, Fixed, Obstacle, PressureLaw, Shape, VectorField};
 use nastic_language::syntax::quoted;
 use nastic_mesh::{GroupNames, Mesh, spatial};
 
@@ -137,6 +138,19 @@ fn diagonal(mesh: &Mesh, surface: &GroupNames) -> f64 {
     (0..3).map(|i| along(i).powi(2)).sum::<f64>().sqrt()
 }
 
+/// Warns of an obstacle that races, or that may be through the body within a step.
+fn check_course(touched: &Obstacle, (key, value): (&str, &Fixed), reduced: &Reduced, context: &mut Context<'_>) {
+    let (Some(timeline), Fixed::Vector(VectorField::Formulas(entries))) = (reduced.timeline(), value) else { return };
+    if key != "translation" {
+        return;
+    }
+    let instants = timeline.instants();
+    // what fails here is complained about where the values are set
+    let Ok(moved) = instants.iter().map(|t| vector_at_time(entries, *t)).collect::<Result<Vec<_>, _>>() else { return };
+    let at = touched.at.key(key);
+    Course { mesh: reduced.solid().mesh(), at: &at, context }.check(instants, &moved, strides::width(&touched.shape));
+}
+
 /// Sets the poses that are no controls, of every contact of an obstacle; `None` after a complaint.
 pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
     for touched in &case.obstacles {
@@ -151,6 +165,7 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
                 context.complain(&at, message);
                 continue;
             }
+            check_course(touched, (key, value), &reduced, context);
             for contact in case.contact.iter().filter(|contact| contact.is_on(&touched.name)) {
                 let controllable = reduced.solid().model().controllable();
                 let Some(index) = controllable.iter().position(|own| own.name == contact.name()) else { continue };

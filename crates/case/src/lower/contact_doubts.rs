@@ -6,7 +6,7 @@ use crate::warning::INPUT;
 use nastic_fem::Solid;
 use nastic_language::number::short;
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::{Case, Contact, Shape};
+use nastic_language::schema::{Case, Contact, PressureLaw, Shape};
 use nastic_language::syntax::quoted;
 use nastic_mesh::{GroupNames, Mesh};
 use std::collections::BTreeSet;
@@ -17,19 +17,20 @@ const ROUGHEST: f64 = 2.0;
 const THICKEST: f64 = 0.1;
 
 /// Share of Young's modulus of the softest material below which a contact gives way before the body does.
-const SOFTEST: f64 = 0.1;
+const SOFTEST: f64 = 0.01;
 
 /// Warns of a contact of a surface whose diagonal is `size`.
 pub(super) fn warn(case: &Case, (contact, solid): (&Contact, &Solid), size: f64, context: &mut Context<'_>) {
     let mesh = solid.mesh();
     let young = pressures::softest(solid);
-    if let (Some(stiffness), Some(young)) = (contact.stiffness, young)
+    // by the log law no pressure closes the gap
+    if let (Some(stiffness), Some(young), PressureLaw::Cubic) = (contact.stiffness, young, &contact.law)
         && stiffness < SOFTEST * young
     {
         let unit = context.units.label(Dimension::PRESSURE);
         let message = format!(
-            "the pressure that closes the gap, {} {unit}, is below a tenth of Young's modulus of the softest material, {young:.3e} {unit}: the \
-             surfaces go through each other before the body gives way; left out it follows from the body",
+            "the pressure that closes the gap, {} {unit}, is below a hundredth of Young's modulus of the softest material, {young:.3e} {unit}: \
+             beyond it the surfaces go through each other; left out it follows from the body",
             short(stiffness)
         );
         context.warn(&INPUT, &contact.at.key("stiffness"), message);

@@ -4,7 +4,7 @@ use super::bending::Bending;
 use super::context::Context;
 use super::mesh;
 use crate::warning::{CELL_SHAPE, LOCKING, UNMATCHED_INTERFACE};
-use nastic_energy::MaterialPoint;
+use nastic_energy::{EnergyTerm, MaterialPoint};
 use nastic_fem::{Formulation, Solid};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::Case;
@@ -37,6 +37,13 @@ impl Elastic {
             sum = Self { bulk: sum.bulk + moduli.bulk(), shear: sum.shear + moduli.mu_t };
         }
         (sum.shear > 0.0).then_some(sum)
+    }
+
+    /// The same where no law has fibres.
+    pub fn isotropic(solid: &Solid, cell: usize, point: usize) -> Option<Self> {
+        let has_fiber =
+            |law: &dyn EnergyTerm| law.moduli(MaterialPoint { cell, point }).is_none_or(|own| own.fiber.is_some());
+        Self::of(solid, cell, point).filter(|_| !solid.body().materials_of(cell).any(|law| has_fiber(law)))
     }
 
     /// K, in the case's units.

@@ -22,13 +22,13 @@ fn far_beyond(pressure: f64, solid: &Solid, units: Units) -> Option<String> {
     let ratio = pressure.abs() / stiffest;
     (ratio > STIFF).then(|| {
         format!(
-            "{ratio:.0} times Young's modulus of the stiffest material ({stiffest:.3e} {unit}): is the unit right? Solves will fail \
+            "{ratio:.0} times Young's modulus of the stiffest material ({stiffest:.3e} {unit}): is the unit right? Solves may fail \
              on the way there"
         )
     })
 }
 
-/// Young's modulus of the stiffest material; `None` where a law does not give its moduli.
+/// Young's modulus of the stiffest material; `None` where a law does not give its moduli, or has fibres, along which it is much stiffer.
 fn stiffest(solid: &Solid) -> Option<f64> {
     extreme(solid, f64::max)
 }
@@ -40,7 +40,8 @@ pub(super) fn softest(solid: &Solid) -> Option<f64> {
 
 fn extreme(solid: &Solid, of: impl Fn(f64, f64) -> f64) -> Option<f64> {
     let points = solid.discretization().points_of_cells();
-    let young = |(cell, (point, _)): (usize, &(usize, usize))| Elastic::of(solid, cell, *point).map(Elastic::young);
+    let young =
+        |(cell, (point, _)): (usize, &(usize, usize))| Elastic::isotropic(solid, cell, *point).map(Elastic::young);
     let mut all = points.iter().enumerate().map(young);
     let first = all.next()??;
     all.try_fold(first, |found, young| Some(of(found, young?)))
@@ -49,18 +50,20 @@ fn extreme(solid: &Solid, of: impl Fn(f64, f64) -> f64) -> Option<f64> {
 /// Bounds of tensions and pressures.
 pub(super) fn check_bounds(case: &Case, controls: &[ControlField], solid: &Solid, context: &mut Context<'_>) {
     let unit = context.units.label(Dimension::PRESSURE);
-    // the stiffness of a contact is a multiple of the body's
-    let of_contacts: Vec<String> = case.contact.iter().flat_map(Contact::slots).map(|(name, _)| name).collect();
-    let is_of_contact = |field: &ControlField| {
-        case.controls.iter().any(|control| control.at == field.at && of_contacts.contains(&control.of))
-    };
-    for field in controls.iter().filter(|field| field.unit == unit && !is_of_contact(field)) {
+    for field in controls.iter().filter(|field| field.unit == unit && !is_of_contact(case, field)) {
         let Admitted::Between { lower, upper } = field.admitted else { continue };
         let most = [lower, upper].into_iter().map(f64::abs).filter(|bound| bound.is_finite()).fold(0.0, f64::max);
         if let Some(beyond) = far_beyond(most, solid, context.units) {
             context.warn(&BOUNDS, &field.at, format!("the bounds reach {most:.3e} {unit}, {beyond}"));
         }
     }
+}
+
+/// Whether it is the stiffness of a contact, which is a multiple of the body's.
+fn is_of_contact(case: &Case, field: &ControlField) -> bool {
+    let of_it = |of: &String| case.contact.iter().flat_map(Contact::slots).any(|(name, _)| name == *of);
+    let own = case.load_cases.iter().flat_map(|block| &block.controls);
+    case.controls.iter().chain(own).any(|control| control.at == field.at && of_it(&control.of))
 }
 
 /// A value that is given: of a slot in units of pressure, or a traction.
@@ -78,8 +81,9 @@ pub(super) fn check_body_force(largest: f64, solid: &Solid, (at, context): (&At,
     }
 }
 
-/// What is wrong with the end of a ramp of a control: far outside of its bounds, or far beyond the material.
-pub fn doubt_of_ramp(field: &ControlField, end: f64, solid: &Solid, units: Units) -> Option<String> {
+/// What is wrong with an end of a ramp of a control: far outside of its bounds, or far beyond the material.
+pub fn doubt_of_ramp(case: &Case, field: &ControlField, end: f64, solid: &Solid) -> Option<String> {
+    let units = case.units;
     let (unit, to) = (&field.unit, format!("the ramp goes to {} {}", short(end), field.unit));
     if let Admitted::Between { lower, upper } = field.admitted
         && let Some(range) = field.admitted.range()
@@ -90,6 +94,7 @@ pub fn doubt_of_ramp(field: &ControlField, end: f64, solid: &Solid, units: Units
             "{to}, far outside of what the control may be, {bounds}: is the unit right? The ramp's ends are in the case's units where they bear none"
         ));
     }
-    let beyond = far_beyond(end, solid, units).filter(|_| *unit == units.label(Dimension::PRESSURE))?;
+    let is_pressure = *unit == units.label(Dimension::PRESSURE) && !is_of_contact(case, field);
+    let beyond = far_beyond(end, solid, units).filter(|_| is_pressure)?;
     Some(format!("{to}, {beyond}"))
 }

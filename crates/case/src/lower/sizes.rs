@@ -58,7 +58,8 @@ const NEGATIVE: f64 = -1e-2;
 pub(super) fn check_poissons_ratios(case: &Case, solid: &Solid, context: &mut Context<'_>) {
     let points = solid.discretization().points_of_cells();
     let unit = context.units.label(Dimension::PRESSURE);
-    for material in case.materials.iter().filter(|material| !material.law.reinforcing) {
+    let is_meant = |material: &Material| material.law.reinforcing || material.parameters.contains_key("poisson");
+    for material in case.materials.iter().filter(|material| !is_meant(material)) {
         let Ok(cells) = solid.mesh().cells_of(&material.region) else { continue };
         let elastic = |cell: &u32| Elastic::of(solid, *cell as usize, points[*cell as usize].0);
         let Some(least) = cells.iter().filter_map(elastic).min_by(|a, b| a.poisson().total_cmp(&b.poisson())) else {

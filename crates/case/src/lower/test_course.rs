@@ -3,8 +3,10 @@
 use nastic_fit::Test;
 use nastic_language::number::short;
 
-/// Deformations below this share of the largest are at rest.
+/// Deformations below this share of the largest are at rest, but none above [`SMALL`].
 const AT_REST: f64 = 5e-3;
+/// At this strain a stiff rubber has stresses of its own.
+const SMALL: f64 = 2e-3;
 /// Stresses at rest above this share of the largest are an offset.
 const OFFSET: f64 = 0.05;
 /// A deformation that falls by this share of the largest behind a rise as large is an unloading.
@@ -26,7 +28,7 @@ pub(super) fn doubtful(test: &Test, file: &str) -> Vec<String> {
 fn offset(points: &[[f64; 2]]) -> Option<String> {
     let most = |k: usize| points.iter().map(|point| point[k].abs()).fold(0.0, f64::max);
     let [largest, strongest] = [most(0), most(1)];
-    let at_rest = points.iter().filter(|[x, _]| x.abs() <= AT_REST * largest).map(|[_, y]| *y);
+    let at_rest = points.iter().filter(|[x, _]| x.abs() <= (AT_REST * largest).min(SMALL)).map(|[_, y]| *y);
     let stress = at_rest.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
     (stress.abs() > OFFSET * strongest).then(|| {
         format!(
@@ -38,22 +40,27 @@ fn offset(points: &[[f64; 2]]) -> Option<String> {
     })
 }
 
-/// How often a deformation falls again behind a rise on the same side of rest; none if it never does.
+/// How often a deformation falls again behind a rise on the same side of rest, over two rows or more: in one it begins anew. None if it never does.
 fn unloads(points: &[[f64; 2]]) -> Option<usize> {
     let least = UNLOADED * points.iter().map(|[x, _]| x.abs()).fold(0.0, f64::max);
     let (mut count, mut side) = (0, 0.0);
-    // of the rise under way: its beginning and its end so far
-    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    // of the rise under way its beginning and its end; of the fall behind it the last row, how many it has, and whether it was counted
+    let (mut low, mut high, mut last, mut rows, mut told) = (0.0, 0.0, 0.0, 0, false);
     for [x, _] in points.iter().filter(|[x, _]| x.abs() > 0.0) {
         let size = x.abs();
-        if x.signum() != side || size < low {
-            (side, low, high) = (x.signum(), size, size);
+        if x.signum() != side || size > last {
+            if x.signum() != side || rows > 0 {
+                low = if x.signum() != side { size } else { last };
+                high = size;
+            }
+            (side, rows, told, high) = (x.signum(), 0, false, size.max(high));
+        } else if size < last {
+            rows += 1;
+            if !told && rows > 1 && high - low > least && high - size > least {
+                (count, told) = (count + 1, true);
+            }
         }
-        high = high.max(size);
-        if high - low > least && high - size > least {
-            count += 1;
-            (low, high) = (size, size);
-        }
+        last = size;
     }
     (count > 0).then_some(count)
 }

@@ -171,7 +171,7 @@ fn parse(text: &str, mode: Mode, specimen: Specimen) -> Result<Table, Vec<Wrong>
         }
     }
     let body: Vec<(usize, Vec<Cell>)> = rows_of.iter().map(|line| (line.number, line.cells(separator))).collect();
-    wrong.extend([x.index, y.index].into_iter().filter_map(|index| thousands::doubt(&body, index)));
+    wrong.extend(thousands::doubt(&body, [x.index, y.index], separator));
     let more = surpluses.len().saturating_sub(1);
     if let Some((line, column, what)) = surpluses.into_iter().next() {
         let more = if more > 0 { format!("; so do {more} more lines") } else { String::new() };

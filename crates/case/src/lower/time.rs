@@ -2,7 +2,7 @@
 
 use super::array::{self, Entity};
 use super::context::Context;
-use super::strides::Course;
+use super::strides::{Course, width};
 use nastic_control::{Counts, Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
 use nastic_fem::{Checkpoints, Feature, Solid, State};
 use nastic_language::number::short;
@@ -114,8 +114,9 @@ fn velocity(case: &Case, solid: &Solid, context: &mut Context<'_>) -> Option<Vec
     let fastest = values.iter().map(|v| v.iter().map(|v| v * v).sum::<f64>().sqrt()).fold(0.0, f64::max);
     let mut course = Course { mesh, at: &at, context };
     course.check_speed(fastest, "it begins with");
-    if !case.contact.is_empty() {
-        course.check_stride(fastest * time.step.unwrap_or(0.0), "the body moves, at first,");
+    let widths = case.obstacles.iter().filter_map(|touched| width(&touched.shape));
+    if let (Some(width), Some(step)) = (widths.reduce(f64::min), time.step) {
+        course.check_stride((fastest * step, width), "the body moves, at first,");
     }
     let mut flat: Vec<f64> = values.iter().flat_map(|v| v[..dim].to_vec()).collect();
     (0..flat.len()).filter(|dof| solid.supports().holds_still(*dof)).for_each(|dof| flat[dof] = 0.0);

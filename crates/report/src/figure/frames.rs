@@ -1,6 +1,6 @@
 //! [`Frames`]: the states of a motion, a ramp or a path as pictures of one view, one scale and one range of colours.
 
-use super::{FigureRequest, chambers, compose, fields, state};
+use super::{FigureRequest, chambers, check_plane, compose, fields, state};
 use crate::error::ReportError;
 use crate::figure::state::State;
 use crate::folder::ResultFolder;
@@ -39,6 +39,7 @@ impl Frames {
             }
             request.field = Some(field);
         }
+        check_clip(&folder, &names, &request)?;
         let mut frames = Self { folder, names, request, survey: Survey::default() };
         for k in 0..frames.len() {
             let picture = frames.alone(k)?;
@@ -76,6 +77,19 @@ impl Frames {
     fn alone(&self, k: usize) -> Result<Picture, ReportError> {
         compose(&self.folder, &State::find(&self.folder, Some(&self.names[k]))?, &self.request)
     }
+}
+
+/// Refuses a plane that cuts none of the states, as that of the last one does.
+fn check_clip(folder: &ResultFolder, names: &[String], request: &FigureRequest) -> Result<(), ReportError> {
+    let Some(plane) = request.clip else { return Ok(()) };
+    let mut cut = Ok(());
+    for name in names {
+        cut = check_plane(plane, &State::find(folder, Some(name))?.shot, &folder.result.units.length);
+        if cut.is_ok() {
+            break;
+        }
+    }
+    cut
 }
 
 /// The names of a series' states.

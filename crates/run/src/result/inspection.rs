@@ -9,6 +9,7 @@ use nastic_control::EnsemblePoint;
 use nastic_fem::{FreeMotion, Instant, PointPeak, SolveOptions, State, StateError};
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
+use nastic_language::schema::Actuation;
 use nastic_mesh::Mesh;
 use nastic_mesh::spatial::{SelfIntersection, Shape};
 use nastic_numeric::vector::{norm, sub};
@@ -206,24 +207,32 @@ fn far(member: CaseMember<'_>, state: &State) -> Option<String> {
     (sizes > FAR).then_some(message)
 }
 
-/// Penetrations and thick layers, of an equilibrium.
 /// Chambers of many times their volume.
 fn ballooned(member: CaseMember<'_>, state: &State) -> Vec<String> {
     let Ok(all) = member.solid().model().quantities(&Instant::of(state)) else { return Vec::new() };
+    let case = member.case();
+    let is_driven = |slot: &str| {
+        let fixed = |own: &Actuation| own.fixed.iter().any(|(key, _)| format!("{}.{key}", own.name) == *slot);
+        case.controls.iter().any(|control| control.of == slot) || case.actuation.iter().any(fixed)
+    };
     let of = |(name, what, volume): &(String, &str, f64)| {
         let rest = all.iter().find(|(own, other, _)| own == name && *other == "reference_volume")?.2;
         let times = volume / rest;
         (*what == "volume" && rest > 0.0 && times > BALLOONED).then(|| {
+            let slot = format!("{name}.volume");
+            let ramp = format!(". A ramp of its volume (\"{slot}\") shows where that is");
             format!(
                 "chamber \"{name}\" has {} times its volume at rest: unless its walls lie on each other at rest it has ballooned, behind the largest \
-                 pressure that it bears. A ramp of its volume (\"{name}.volume\") shows where that is",
-                short(times.round())
+                 pressure that it bears{}",
+                short(times.round()),
+                if is_driven(&slot) { "" } else { &ramp }
             )
         })
     };
     all.iter().filter_map(of).collect()
 }
 
+/// Penetrations and thick layers, of an equilibrium.
 fn contacts(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
     if member.reduced().timeline().is_some() {
         return Vec::new();

@@ -42,8 +42,8 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
         }
     }
     // one that goes on and was stopped before it had anything of its own leaves what was found before
-    if matches!(error, RunError::Cancelled) && session.record.resumed.iteration.is_some() {
-        return;
+    if !matches!(error, RunError::Cancelled) {
+        session.leaves_results = false;
     }
     // The error itself is what the caller hears of.
     let _ = report::write_result(&mut session);

@@ -150,6 +150,8 @@ pub(super) fn resume(
     session.record.gradient_check = position.gradient_check.clone();
     session.meet()?;
     let journal = SharedJournal::new(Journal::resume(session, &position)?);
+    // until it has something of its own
+    session.leaves_results = true;
     let began = Instant::now();
     let mut starts = Starts::default();
     let ran = starts.run(session, optimizer, position, (&journal, true));
@@ -177,8 +179,10 @@ fn conclude(
     if starts.entries.len() > 1 {
         session.record.optimum.minima = Some(minima);
     }
-    let found_before = if behind { outcome::found_before(session) } else { None };
-    session.leaves_results = found_before >= Some(ended.best.counts.iterations);
+    session.leaves_results = behind && outcome::has_results(session);
+    if !session.leaves_results {
+        journal.lock().write_iterates();
+    }
     let done = ended.best.stop.is_converged() && !starts.interrupted;
     let exit = if done { Exit::Done } else { Exit::NotConverged };
     if session.team_of_starts().is_some() && !session.leads() {
@@ -206,8 +210,8 @@ fn conclude(
         outcome::say_how_to_resume(session, written);
     }
     let found = reported?;
-    if let Some(iteration) = found_before.filter(|_| session.leaves_results) {
-        let stays = format!("stopped before iteration {iteration}, of which the results there are: they stay");
+    if session.leaves_results {
+        let stays = "stopped before it had come as far as the program before, whose results stay";
         session.console.say(format!("{:<12}{stays}", ""));
     }
     outcome::show(session, ended, found);

@@ -12,6 +12,7 @@ use crate::run::optimize::start_run::StartRun;
 use crate::run::optimize::{blocks, checkpoint};
 use crate::run::session::Session;
 use nastic_control::Ensemble;
+use nastic_io::write_atomically;
 use nastic_report::record::{GradientCheckRecord, TrialRecord};
 use nastic_team::{Team, broadcast};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -39,6 +40,8 @@ pub(super) struct Journal {
     unsaved: Option<RunError>,
     /// The first other file that could not be written.
     failed: Option<RunError>,
+    /// What a start that was stopped has kept of its iterations, until it is known whether that goes further than what is there.
+    iterates: Vec<(Directory, String, Vec<u8>)>,
 }
 
 /// A journal to which starts that run side by side write.
@@ -118,6 +121,7 @@ impl Journal {
             written,
             unsaved: None,
             failed: None,
+            iterates: Vec::new(),
         }
     }
 
@@ -265,6 +269,24 @@ impl Journal {
         if self.failed.is_none() {
             self.say(&error);
             self.failed = Some(error);
+        }
+    }
+
+    /// Writes the kept iterations of a start that has ended; of one that was stopped when [that is to be](Self::write_iterates).
+    pub fn keep_iterates(&mut self, out: &Directory, name: String, bytes: Vec<u8>, stopped: bool) {
+        self.iterates.push((out.clone(), name, bytes));
+        if !stopped {
+            self.write_iterates();
+        }
+    }
+
+    /// Writes those that wait.
+    pub fn write_iterates(&mut self) {
+        for (out, name, bytes) in std::mem::take(&mut self.iterates) {
+            let written = out.own(&name).and_then(|file| write_atomically(file, |out| out.write_all(&bytes)));
+            if let Err(error) = written {
+                self.note(error.into());
+            }
         }
     }
 

@@ -119,19 +119,18 @@ fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
     format!("{end}; cost {}{distance}{}", short(best.cost), session.warned())
 }
 
-/// At which iteration the program before was interrupted whose results lie there.
-pub(super) fn found_before(session: &Session<'_>) -> Option<usize> {
-    let text = std::fs::read(session.out.as_ref()?.file("result.json")).ok()?;
-    let earlier: Interrupted = serde_json::from_slice(&text).ok()?;
-    earlier.iterations.filter(|_| earlier.interrupted && earlier.command == session.command.name())
+/// Whether results of an optimisation lie there that a program before has found: what it began with removed those of others.
+pub(super) fn has_results(session: &Session<'_>) -> bool {
+    let text = session.out.as_ref().and_then(|out| std::fs::read(out.file("result.json")).ok());
+    let earlier = text.and_then(|text| serde_json::from_slice::<Earlier>(&text).ok()).unwrap_or_default();
+    earlier.iterations.is_some() && earlier.command == session.command.name()
 }
 
 /// What an earlier result says of itself.
 #[derive(Default, serde::Deserialize)]
 #[serde(default)]
-struct Interrupted {
+struct Earlier {
     command: String,
-    interrupted: bool,
     iterations: Option<usize>,
 }
 

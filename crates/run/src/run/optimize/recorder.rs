@@ -15,7 +15,6 @@ use crate::run::session::Session;
 use nastic_case::lower::CaseProblem;
 use nastic_control::{EnsemblePoint, Evaluated, FigureKind, StateFields};
 use nastic_fem::SolveOptions;
-use nastic_io::write_atomically;
 use nastic_opt::{AugmentedState, Constrained, Objective, Reason, Summary, Trial, TrialTable};
 use nastic_report::Iterates;
 use nastic_report::Pace;
@@ -24,7 +23,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Newton iterations, of all members together, after which a checkpoint is written before its turn. Counted, never timed: what is kept
+/// Newton iterations, of the member that takes most, after which a checkpoint is written before its turn. Counted, never timed: what is kept
 /// between iterations goes at a checkpoint, so that its place decides on bits.
 const NEWTON_BETWEEN_CHECKPOINTS: usize = 200;
 
@@ -48,7 +47,7 @@ pub(super) struct Recorder<'s> {
     moved_start: Option<Vec<u8>>,
     /// Newton iterations of the members up to the last checkpoint, and evaluations since then.
     counted: (Vec<usize>, usize),
-    /// Newton iterations of evaluations since the last checkpoint: every rank knows these.
+    /// Newton iterations of evaluations since the last checkpoint, of the member that takes most: every rank knows these.
     newton_since: usize,
     /// Whether what belongs to the last accepted trial was not found because the run is cancelled.
     broken_off: bool,
@@ -158,10 +157,9 @@ impl<'s> Recorder<'s> {
         let seconds = self.last.elapsed().as_secs_f64();
         self.last = Instant::now();
         if let Some(point) = trial.point.filter(|_| !trial.reason.is_revaluation()) {
-            self.trials.work.iter_mut().zip(point.work()).for_each(|(work, own)| {
-                self.newton_since += own.newton;
-                work.add_work(&own);
-            });
+            let own = point.work();
+            self.newton_since += own.iter().map(|own| own.newton).max().unwrap_or(0);
+            self.trials.work.iter_mut().zip(own).for_each(|(work, own)| work.add_work(&own));
             self.counted.1 += 1;
         } else if let (None, Some(newton), Some(first)) =
             (trial.cost, trial.summary.get("newton"), self.trials.work.first_mut())
@@ -267,8 +265,11 @@ impl<'s> Recorder<'s> {
                 ..StateFields::new(at.state(), &at.m)
             };
             out.write_vtu(&member.case_file(&file(iteration)), &snapshot::plain(member, &fields)?)?;
-            let steps: Vec<(f64, String)> =
-                self.trials.snapshots.iter().map(|step| (*step as f64, member.case_file(&file(*step)))).collect();
+            // and those of an earlier program that had gone further
+            let later = (1..).map(|k| iteration + k * self.problem.case.output.every);
+            let later = later.take_while(|step| out.file(&member.case_file(&file(*step))).exists());
+            let all = self.trials.snapshots.iter().copied().chain(later);
+            let steps: Vec<(f64, String)> = all.map(|step| (step as f64, member.case_file(&file(step)))).collect();
             nastic_io::write_pvd(out.own(&member.case_file(&format!("{stem}iterations.pvd")))?, &steps)?;
         }
         Ok(())
@@ -289,15 +290,11 @@ fn stem(problem: &CaseProblem, index: usize) -> String {
 /// Writes `iterates.bin` of a start that has ended.
 pub(super) fn write_iterates(session: &Session<'_>, index: usize, trials: &RunTrials, journal: &SharedJournal) {
     let (Some(out), problem) = (&session.own_out, &session.problem) else { return };
-    // one that is stopped before it has come as far as an earlier one leaves what that kept
-    if !session.writes_start(index) || session.is_cancelled() && journal.lock().is_behind() {
+    if !session.writes_start(index) {
         return;
     }
     for (member, kept) in problem.leads().zip(&trials.iterates) {
-        let file = out.own(&member.case_file(&format!("{}iterates.bin", stem(problem, index))));
-        let written = file.and_then(|file| write_atomically(file, |out| out.write_all(&kept.to_bytes())));
-        if let Err(error) = written {
-            journal.lock().note(error.into());
-        }
+        let name = member.case_file(&format!("{}iterates.bin", stem(problem, index)));
+        journal.lock().keep_iterates(out, name, kept.to_bytes(), session.is_cancelled());
     }
 }

@@ -146,6 +146,7 @@ fn run_one(
         // Whatever the schedule is: the end is what others read.
         journal.lock().save(&session.problem.ensemble);
     }
+    journal.lock().write_iterates();
     journal.lock().finish(exit != Exit::Done)?;
     if exit == Exit::Done {
         record_end(&out, true)?;

@@ -111,8 +111,8 @@ impl Asked {
         let member = session.problem.member(index);
         let Some((block, field)) = self.field(member) else { return };
         let Ok(ends) = self.ends(block) else { return };
-        let farthest = if ends[0].abs() > ends[1].abs() { ends[0] } else { ends[1] };
-        if let Some(why) = doubt_of_ramp(field, farthest, member.solid(), *session.problem.units()) {
+        let doubt = |end: &f64| doubt_of_ramp(member.case(), field, *end, member.solid());
+        if let Some(why) = ends.iter().rev().find_map(doubt) {
             session.warn(Warning::new(&BOUNDS, why));
         }
     }
