@@ -31,7 +31,7 @@ impl Reduced {
         motion.layout.to_points_over(fixed, &self.layout.at(m, motion.timeline.instants()[n])?)
     }
 
-    /// Whether what moves supports and obstacles may be what it is at m, of a motion at its instants, of many at [some](INSTANTS), as every solve asks:
+    /// Whether what moves supports and obstacles may be what it is at m, of a motion at its instants, of many at two hundred, as every solve asks:
     /// before any is made.
     ///
     /// # Errors
