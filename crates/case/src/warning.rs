@@ -72,7 +72,7 @@ pub const NO_CONTACT: WarningKind = WarningKind {
 /// A pressure of few facets.
 pub const FEW_FACETS: WarningKind = WarningKind {
     code: "few_facets",
-    about: "a contact whose largest pressure is a cost or a constraint acts on two facets or fewer: the pressure is one of the mesh",
+    about: "a contact whose largest pressure is a cost or a constraint acts on less than two facets: the pressure is one of the mesh",
     advice: "refine the surface where it touches, or take its force (\"contact_force\")",
 };
 

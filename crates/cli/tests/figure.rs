@@ -178,6 +178,11 @@ fn frames_of_a_motion_share_view_and_range() {
         frames += 1;
     }
     assert_eq!((frames, decoder.repeat()), (states, gif::Repeat::Infinite));
+    // a plane cuts some state; the state at rest has a velocity as the others
+    for (more, refused) in [(["--clip", "x<9000"], true), (["--field", "|velocity|"], false)] {
+        let found = place.nastic(&[&asked[..3], &more, &["--size", "320x200", "--out", "others"]].concat());
+        assert_eq!(code(&found) != 0, refused, "{more:?}: {}", text(&found.stderr));
+    }
     // again with the same bytes, fewer states leave no frame of more, and what is not nastic's stays
     let first = std::fs::read(place.path("out/frames.gif")).unwrap();
     assert_eq!(code(&place.nastic(&asked)), 0);

@@ -248,6 +248,14 @@ fn poses_that_are_hardly_meant() {
     let belt = warnings(&with(&floor, r#", "obstacles""#, &format!(r#"{}, "obstacles""#, time("10 ms"))));
     assert!(!belt.contains("it moves"), "{belt}");
     assert!(moves("400 mm", "0.01 ms").contains("it moves with 20 m/s"));
+    let hand = |way: &str| {
+        let moves = format!(
+            r#", "actuation": [ {{ "name": "hand", "kind": "motion", "surface": "x+", "translation": ["{way} * t / (20 ms)", 0, 0] }} ]{}"#,
+            time("0.1 ms")
+        );
+        warnings(&bar_with(&moves)).contains("it moves with")
+    };
+    assert!(hand("400 mm") && !hand("2 mm"));
     let flies = |speed: &str| {
         warnings(&ball(
             "",

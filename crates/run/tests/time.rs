@@ -91,6 +91,7 @@ fn a_value_in_time_and_a_control_in_time_are_the_same() {
     for (content, column, wanted) in [
         ("t,a\n0,1\n1,x\n", "a", "line 3: \"x\" in column \"a\" is no number"),
         ("t,a\n0,1\n0,2\n", "a", "line 3: t = 0 does not lie behind 0"),
+        ("t,a,a\n0,1,2\n1,1,2\n", "a", "two columns are called \"a\""),
         ("t,a\n0,1\n", "b", "no column \"b\"; it has: t, a"),
         ("", "a", "the file is empty"),
     ] {

@@ -168,8 +168,8 @@ fn fix_slot(
     if let Some(dimension) = dimension_of(controllable[index].slots[first].unit) {
         let largest = longest(&first_values);
         magnitude::check_field((dimension, key), (largest, "it reaches"), (&at, context));
-        if dimension == Dimension::PRESSURE {
-            pressures::check_given(largest, reduced.solid(), (&at, context));
+        if dimension == Dimension::PRESSURE && !uses_time(value) {
+            pressures::check_given(largest, reduced.solid(), &at, context);
         }
     }
     if let (Some(limit), [values]) = (reduced.solid().body().fiber_limit(index), first_values.as_slice()) {
@@ -260,7 +260,7 @@ pub(super) fn fix_in_time(
             magnitude::check_field_in_time((dimension, slot.group), &each, (at, context));
             if dimension == Dimension::PRESSURE {
                 let largest = each.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max);
-                pressures::check_given(largest, reduced.solid(), (at, context));
+                pressures::check_given(largest, reduced.solid(), at, context);
             }
         }
         let most = |values: &[f64]| values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -313,9 +313,9 @@ pub(super) fn fix_number(
         context.complain(at, must_pull(key));
         return None;
     }
-    if dimension_of(unit) == Some(Dimension::PRESSURE) {
+    if dimension_of(unit) == Some(Dimension::PRESSURE) && !uses_time(value) {
         let largest = constants.iter().map(|value| value.abs()).fold(0.0, f64::max);
-        pressures::check_given(largest, reduced.solid(), (at, context));
+        pressures::check_given(largest, reduced.solid(), at, context);
     }
     let reduced = constants.iter().enumerate().try_fold(reduced, |reduced, (component, constant)| {
         let fixed = reduced.fix(index, slot + component, &[*constant]);

@@ -21,7 +21,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let mesh = solid.mesh().clone();
         let facets = named_groups::facets(&mesh, &contact.surface, &contact.at.key("surface"), context);
         let Some(facets) = facets else { continue };
-        contact_doubts::warn(case, (contact, solid), diagonal(&mesh, &contact.surface), context);
+        contact_doubts::warn(case, contact, solid, diagonal(&mesh, &contact.surface), context);
         if let Some(with) = &contact.with {
             if named_groups::facets(&mesh, with, &contact.at.key("with"), context).is_some() {
                 let built = between(case, (contact, with), &mesh);
@@ -139,11 +139,9 @@ fn diagonal(mesh: &Mesh, surface: &GroupNames) -> f64 {
 }
 
 /// Warns of an obstacle that races, or that may be through the body within a step.
-fn check_course(touched: &Obstacle, (key, value): (&str, &Fixed), reduced: &Reduced, context: &mut Context<'_>) {
+fn check_course(touched: &Obstacle, reduced: &Reduced, context: &mut Context<'_>) {
+    let Some((key, value)) = touched.pose().find(|(key, _)| *key == "translation") else { return };
     let (Some(timeline), Fixed::Vector(VectorField::Formulas(entries))) = (reduced.timeline(), value) else { return };
-    if key != "translation" {
-        return;
-    }
     let instants = timeline.instants();
     // what fails here is complained about where the values are set
     let Ok(moved) = instants.iter().map(|t| vector_at_time(entries, *t)).collect::<Result<Vec<_>, _>>() else { return };
@@ -154,6 +152,7 @@ fn check_course(touched: &Obstacle, (key, value): (&str, &Fixed), reduced: &Redu
 /// Sets the poses that are no controls, of every contact of an obstacle; `None` after a complaint.
 pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
     for touched in &case.obstacles {
+        check_course(touched, &reduced, context);
         for (key, value) in touched.pose().filter(|(_, value)| !matches!(value, Fixed::Table(_))) {
             let at = touched.at.key(key);
             let name = format!("{}.{key}", touched.name);
@@ -165,7 +164,6 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
                 context.complain(&at, message);
                 continue;
             }
-            check_course(touched, (key, value), &reduced, context);
             for contact in case.contact.iter().filter(|contact| contact.is_on(&touched.name)) {
                 let controllable = reduced.solid().model().controllable();
                 let Some(index) = controllable.iter().position(|own| own.name == contact.name()) else { continue };

@@ -20,7 +20,7 @@ const THICKEST: f64 = 0.1;
 const SOFTEST: f64 = 0.01;
 
 /// Warns of a contact of a surface whose diagonal is `size`.
-pub(super) fn warn(case: &Case, (contact, solid): (&Contact, &Solid), size: f64, context: &mut Context<'_>) {
+pub(super) fn warn(case: &Case, contact: &Contact, solid: &Solid, size: f64, context: &mut Context<'_>) {
     let mesh = solid.mesh();
     let young = pressures::softest(solid);
     // by the log law no pressure closes the gap

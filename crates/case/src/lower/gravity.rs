@@ -1,6 +1,6 @@
 //! The weight of all that has a density, also under a gravity that changes in time.
 
-use super::actuation::{fix_in_time, uses_time};
+use super::actuation::{fix_in_time, uses_time, vector_at_time};
 use super::context::Context;
 use super::load::{MORE_POINTS, NO_Z};
 use super::magnitude::check_gravity;
@@ -8,7 +8,7 @@ use super::named::attempt;
 use super::named_groups;
 use nastic_control::Reduced;
 use nastic_fem::{QuadraturePoints, Solid, VaryingLoad};
-use nastic_language::schema::{Case, Fixed, Load, Material, VectorField, VectorInTime, vector_at};
+use nastic_language::schema::{Case, Fixed, Load, Material, VectorField, VectorInTime};
 use nastic_language::syntax::At;
 use nastic_tensor::Vec3;
 
@@ -74,11 +74,7 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
             return None;
         }
         let instants = reduced.timeline()?.instants().to_vec();
-        let at_time = |t: f64| {
-            let entries: Vec<_> = entries.iter().map(|entry| entry.at_time(t)).collect();
-            vector_at(&entries, [0.0; 3])
-        };
-        let all = instants.iter().map(|t| at_time(*t)).collect::<Result<Vec<_>, _>>();
+        let all = instants.iter().map(|t| vector_at_time(entries, *t)).collect::<Result<Vec<_>, _>>();
         let all = context.take(&at, all)?;
         let size = |g: &[f64; 3]| g.iter().map(|g| g * g).sum::<f64>();
         let largest = all.iter().copied().max_by(|a, b| size(a).total_cmp(&size(b)));

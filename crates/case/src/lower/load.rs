@@ -30,18 +30,18 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         }
         match (field.constant().map(Vec3::from), &load.surface, &load.region) {
             (Some(constant), Some(names), _) => {
-                pressures::check_given(constant.norm(), solid, (&at, context));
+                pressures::check_given(constant.norm(), solid, &at, context);
                 attempt(solid, &load.at, context, |solid| solid.traction(names, constant));
             }
             (Some(constant), None, Some(names)) => {
-                pressures::check_body_force(constant.norm(), solid, (&at, context));
+                pressures::check_body_force(constant.norm(), solid, &at, context);
                 attempt(solid, &load.at, context, |solid| solid.body_force(names, constant));
             }
             (_, surface, _) => {
                 let Some(largest) = add_sampled(case, &sampling, field, &at, solid, context) else { continue };
                 match surface {
-                    Some(_) => pressures::check_given(largest, solid, (&at, context)),
-                    None => pressures::check_body_force(largest, solid, (&at, context)),
+                    Some(_) => pressures::check_given(largest, solid, &at, context),
+                    None => pressures::check_body_force(largest, solid, &at, context),
                 }
             }
         }

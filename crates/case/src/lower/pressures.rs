@@ -67,7 +67,7 @@ fn is_of_contact(case: &Case, field: &ControlField) -> bool {
 }
 
 /// A value that is given: of a slot in units of pressure, or a traction.
-pub(super) fn check_given(largest: f64, solid: &Solid, (at, context): (&At, &mut Context<'_>)) {
+pub(super) fn check_given(largest: f64, solid: &Solid, at: &At, context: &mut Context<'_>) {
     if let Some(beyond) = far_beyond(largest, solid, context.units) {
         let unit = context.units.label(Dimension::PRESSURE);
         context.warn(&BOUNDS, at, format!("it reaches {} {unit}, {beyond}", short(largest)));
@@ -75,7 +75,7 @@ pub(super) fn check_given(largest: f64, solid: &Solid, (at, context): (&At, &mut
 }
 
 /// A force per volume: over the body's size it is a pressure.
-pub(super) fn check_body_force(largest: f64, solid: &Solid, (at, context): (&At, &mut Context<'_>)) {
+pub(super) fn check_body_force(largest: f64, solid: &Solid, at: &At, context: &mut Context<'_>) {
     if let Some(beyond) = far_beyond(largest * solid.mesh().diagonal(), solid, context.units) {
         context.warn(&BOUNDS, at, format!("over the size of the body this force is {beyond}"));
     }

@@ -50,7 +50,7 @@ impl Course<'_, '_> {
         }
         self.check_speed(fastest.0, "it moves with");
         if let Some(width) = width {
-            self.check_stride((longest.0, width), &format!("it moves, first from t = {} on,", short(longest.1)));
+            self.check_stride(longest.0, width, &format!("it moves, first from t = {} on,", short(longest.1)));
         }
     }
 
@@ -67,7 +67,7 @@ impl Course<'_, '_> {
     }
 
     /// Of a way within one time step of what is so wide.
-    pub fn check_stride(&mut self, (stride, width): (f64, f64), what: &str) {
+    pub fn check_stride(&mut self, stride: f64, width: f64, what: &str) {
         let side = width + self.mesh.size()[..self.mesh.dim()].iter().copied().fold(f64::INFINITY, f64::min);
         if stride > LONGEST * side {
             let unit = self.context.units.length().symbol;

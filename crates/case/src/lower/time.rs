@@ -116,7 +116,7 @@ fn velocity(case: &Case, solid: &Solid, context: &mut Context<'_>) -> Option<Vec
     course.check_speed(fastest, "it begins with");
     let widths = case.obstacles.iter().filter_map(|touched| width(&touched.shape));
     if let (Some(width), Some(step)) = (widths.reduce(f64::min), time.step) {
-        course.check_stride((fastest * step, width), "the body moves, at first,");
+        course.check_stride(fastest * step, width, "the body moves, at first,");
     }
     let mut flat: Vec<f64> = values.iter().flat_map(|v| v[..dim].to_vec()).collect();
     (0..flat.len()).filter(|dof| solid.supports().holds_still(*dof)).for_each(|dof| flat[dof] = 0.0);

@@ -170,7 +170,10 @@ fn conclude(
     session.warnings.append(&mut starts.warnings);
     ran?;
     let written = journal.lock().written();
-    let behind = starts.interrupted && journal.lock().is_behind();
+    session.leaves_results = starts.interrupted && journal.lock().is_behind() && outcome::has_results(session);
+    if !session.leaves_results {
+        journal.lock().write_iterates();
+    }
     let unwritten = journal.lock().finish(starts.interrupted);
     session.interrupted = starts.interrupted;
     let resumable = written.filter(|_| starts.interrupted);
@@ -178,10 +181,6 @@ fn conclude(
     let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
     if starts.entries.len() > 1 {
         session.record.optimum.minima = Some(minima);
-    }
-    session.leaves_results = behind && outcome::has_results(session);
-    if !session.leaves_results {
-        journal.lock().write_iterates();
     }
     let done = ended.best.stop.is_converged() && !starts.interrupted;
     let exit = if done { Exit::Done } else { Exit::NotConverged };
