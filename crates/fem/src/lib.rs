@@ -11,7 +11,6 @@ mod error;
 mod kernels;
 mod model;
 mod nonlinear;
-mod parted;
 mod solid;
 mod solution;
 mod structure;
@@ -31,7 +30,7 @@ pub use contributions::{
     check_contribution,
 };
 pub use discretization::Discretization;
-pub use discretization::cell_fields::CellFields;
+pub use discretization::parted::all_accept;
 pub use discretization::quadrature_points::QuadraturePoints;
 pub use discretization::rigid_motions::FreeMotion;
 pub use discretization::supports::{AXES, Supports};
@@ -42,8 +41,8 @@ pub use nastic_linear::memory::{
 };
 pub use nastic_linear::solver::Inertia as TangentInertia;
 pub use nastic_linear::{ByProducts, Field, On, Role, Share, Solver, SolverFactory, Space};
-pub use parted::all_accept;
 pub use solid::Solid;
+pub use solid::cell_fields::CellFields;
 pub use solution::ahead::{Ahead, LimitAhead};
 pub use solution::connection::Connection;
 pub use solution::deflation::{Equilibria, Equilibrium};

@@ -2,13 +2,16 @@
 
 mod admissible;
 mod contacts;
-mod features;
+pub(crate) mod features;
 mod fields;
+mod held_forces;
 mod history;
 mod inequalities;
+mod over_ranks;
 mod point;
 mod prescribed;
 mod products;
+mod rayleigh_damping;
 mod restricted;
 mod stored_energy;
 
@@ -45,7 +48,7 @@ pub struct Model {
     pub(crate) body: BodyEnergy,
     pub(crate) supports: Arc<Supports>,
     pub(crate) dead_load: DeadLoad,
-    others: Vec<Arc<dyn Contribution>>,
+    pub(crate) others: Vec<Arc<dyn Contribution>>,
     space: Arc<Space>,
     /// What solves its tangent systems, if that was chosen.
     pub(crate) chosen_solver: Option<&'static dyn SolverFactory>,

@@ -17,6 +17,9 @@ use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
 use std::sync::Arc;
 
+pub(crate) mod cell_fields;
+mod over_ranks;
+mod reactions;
 mod solving;
 
 /// A body that can be solved: find u with `u = u_D` on the supports such that
@@ -380,7 +383,7 @@ impl Solid {
     /// A region's name is unknown, a density is not positive, cells without density, a body that has an inertia already.
     pub fn inertia(mut self, inertia: Inertia) -> Result<Self, FemError> {
         self.whole_mesh("inertia").and_then(|_| self.before_damping("mass"))?;
-        let contribution: BodyInertia = inertia.on(self.model())?;
+        let contribution: BodyInertia = inertia.on(self.discretization(), self.model.tangent_structure())?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)
     }
@@ -393,8 +396,7 @@ impl Solid {
     /// # Errors
     /// A coefficient that is negative or not finite; cells without material, or no mass for a0, yet.
     pub fn rayleigh_damping(mut self, a0: f64, a1: f64) -> Result<Self, FemError> {
-        let contribution =
-            self.whole_mesh("Rayleigh damping").and_then(|_| RayleighDamping::new(&self.model, a0, a1))?;
+        let contribution = self.whole_mesh("Rayleigh damping").and_then(|_| self.model.rayleigh_damping(a0, a1))?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)
     }
@@ -421,6 +423,6 @@ impl Solid {
     fn contribution_of_all(self, contribution: impl Contribution + 'static) -> Result<Self, FemError> {
         let space = self.model.unknowns().clone();
         let added = self.contribution(contribution);
-        crate::parted::all_accept(space.share().map(AsRef::as_ref), added)
+        crate::discretization::parted::all_accept(space.share().map(AsRef::as_ref), added)
     }
 }

@@ -13,8 +13,8 @@ use common::{Outcome, largest, noise, regular};
 use nalgebra::DMatrix;
 use nastic_energy::{MooneyRivlin, NeoHooke};
 use nastic_fem::{
-    Cavity, Controls, Feature, FemError, Inertia, Instant, PathEnd, PathOptions, Scheme, Solid, SolveOptions, State,
-    StateError, StatePartials, StepTo, Tendon, Trajectory, Workspace,
+    Cavity, Controls, FemError, Inertia, Instant, PathEnd, PathOptions, Scheme, Solid, SolveOptions, State, StateError,
+    StatePartials, StepTo, Tendon, Trajectory, Workspace,
 };
 use nastic_mesh::{CellKind, rectangle};
 use nastic_numeric::vector::{dot, norm, sub};
@@ -79,7 +79,7 @@ fn run(solid: &Solid, scheme: &Scheme, drive: Drive, change: impl Fn(usize) -> f
 /// Those of the catalogue that go with constraints.
 fn schemes() -> Outcome<Vec<Scheme>> {
     let held = sphere(true)?;
-    let goes = |scheme: &Scheme| held.model().supports(Feature::Motion(scheme)).is_ok();
+    let goes = |scheme: &Scheme| held.model().supports_motion(scheme).is_ok();
     Ok(motion::schemes()?.into_iter().map(|(scheme, _)| scheme).filter(goes).collect())
 }
 
@@ -162,14 +162,14 @@ fn what_schemes_do_not_go_with_constraints_says_the_model() -> Outcome {
         if holds { goes.push(scheme) } else { refused.push(scheme) }
     }
     for scheme in &goes {
-        held.model().supports(Feature::MotionAdjoint(scheme))?;
+        held.model().supports_motion_adjoint(scheme)?;
     }
     for (of, name) in [(&goes, "bdf2"), (&goes, "quasi_static"), (&refused, "trapezoidal"), (&refused, "siere")] {
         assert!(of.iter().any(|scheme| scheme.name() == name), "{name}");
     }
     for scheme in &refused {
-        driven.model().supports(Feature::Motion(scheme))?;
-        let error = held.model().supports(Feature::Motion(scheme)).err().ok_or("it goes")?;
+        driven.model().supports_motion(scheme)?;
+        let error = held.model().supports_motion(scheme).err().ok_or("it goes")?;
         assert!(matches!(error, FemError::Unsupported { .. }) && error.to_string().contains("\"air\""), "{error}");
         let steps = [StepTo { dt: H, controls: held.controls() }];
         let mut trajectory = Trajectory::from_given(held.rest());

@@ -6,7 +6,7 @@ use common::block::STRICT;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::time::catalogue::SCHEMES;
-use nastic_fem::{Contact, ContactLaw, Feature, Inertia, Solid, StateError};
+use nastic_fem::{Contact, ContactLaw, Inertia, Solid, StateError};
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 
@@ -59,14 +59,13 @@ fn schemes_that_are_wrong_beside_contact_are_refused() -> Outcome {
     for row in SCHEMES {
         let scheme = (row.build)()?;
         for friction in [false, true] {
-            let refused =
-                body(friction)?.model().supports(Feature::Motion(&scheme)).err().map(|error| error.to_string());
+            let refused = body(friction)?.model().supports_motion(&scheme).err().map(|error| error.to_string());
             let wrong = scheme.extrapolates() || friction && scheme.is_linearised();
             assert_eq!(refused.is_some(), wrong, "{}, friction {friction}: {refused:?}", row.name);
             assert!(refused.is_none_or(|told| told.contains(row.name) && told.contains("floor")));
         }
         // without contact all are there
-        bar()?.inertia(Inertia::new("body", 1000.0))?.model().supports(Feature::Motion(&scheme))?;
+        bar()?.inertia(Inertia::new("body", 1000.0))?.model().supports_motion(&scheme)?;
     }
     Ok(())
 }

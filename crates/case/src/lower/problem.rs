@@ -6,7 +6,7 @@ use crate::lower::optimizer;
 use crate::lower::probe::LocatedProbe;
 use crate::warning::Warning;
 use nastic_control::{ControlBlock, Ensemble, EnsembleBlock, Metric};
-use nastic_fem::{Feature, Solid};
+use nastic_fem::Solid;
 use nastic_language::quantity::Units;
 use nastic_language::schema::{Case, Unstable};
 use nastic_language::syntax::{At, Diagnostics, Document};
@@ -108,7 +108,7 @@ impl CaseProblem {
     pub fn check_adjoint(&self) -> Result<(), Diagnostics> {
         let refused = self.members().find_map(|member| {
             let (model, scheme) = (member.solid().model(), member.reduced().timeline()?.scheme());
-            model.supports(Feature::MotionAdjoint(scheme)).err()
+            model.supports_motion_adjoint(scheme).err()
         });
         refused.map_or(Ok(()), |error| Err(self.complain("time/scheme", error.to_string())))
     }

@@ -4,7 +4,7 @@ use super::array::{self, Entity};
 use super::context::Context;
 use super::strides::{Course, width};
 use nastic_control::{Counts, Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
-use nastic_fem::{Checkpoints, Feature, Solid, State};
+use nastic_fem::{Checkpoints, Solid, State};
 use nastic_language::number::short;
 use nastic_language::schema;
 use nastic_language::schema::{Beginning, Case, InTime, KnotInterpolation, Time, VectorField, vector_at};
@@ -18,7 +18,7 @@ pub(super) fn apply(
 ) -> Option<Reduced> {
     let Some(time) = &case.time else { return Some(reduced) };
     let scheme = context.take(&time.at.key("scheme"), time.built_scheme())?;
-    context.take(&time.at.key("scheme"), reduced.solid().model().supports(Feature::Motion(&scheme)))?;
+    context.take(&time.at.key("scheme"), reduced.solid().model().supports_motion(&scheme))?;
     let instants = found.map_or_else(|| required(case, time), <[f64]>::to_vec);
     let mut timeline = context.take(&time.at, Timeline::through(scheme, instants))?;
     if time.start == Beginning::Rest {

@@ -3,8 +3,9 @@
 use super::{
     Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sensitivities, Sums,
 };
+use crate::discretization::Discretization;
 use crate::error::{FemError, Inadmissible, SecondDerivativeError};
-use crate::model::Model;
+use crate::structure::TangentStructure;
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_mesh::GroupNames;
 use nastic_numeric::vector::axpy;
@@ -56,8 +57,7 @@ impl Inertia {
         Inertia { lumped: true, ..self }
     }
 
-    pub(crate) fn on(&self, model: &Model) -> Result<BodyInertia, FemError> {
-        let disc = model.discretization();
+    pub(crate) fn on(&self, disc: &Discretization, structure: &TangentStructure) -> Result<BodyInertia, FemError> {
         let mesh = disc.mesh();
         let mut density = vec![0.0; mesh.cells()];
         for (region, rho) in &self.densities {
@@ -77,7 +77,7 @@ impl Inertia {
         }
         let mass = match self.lumped {
             true => Mass::Lumped(disc.lumped_mass(&density)),
-            false => Mass::Consistent(model.tangent_structure().consistent_mass(&density)?),
+            false => Mass::Consistent(structure.consistent_mass(&density)?),
         };
         let mut along = vec![0.0; disc.dofs()];
         along.iter_mut().step_by(disc.dim()).for_each(|x| *x = 1.0);

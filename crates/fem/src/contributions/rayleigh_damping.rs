@@ -4,9 +4,8 @@ use super::inertia::add_linear;
 use super::{
     Contribution, ContributionPoint, Demand, Increment, Instant, Need, SecondSensitivities, Sensitivities, Sums,
 };
-use crate::error::{FemError, Inadmissible, SecondDerivativeError};
-use crate::model::Model;
-use nastic_linear::{SparseMatrix, StructureError};
+use crate::error::{Inadmissible, SecondDerivativeError};
+use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::axpy;
 
 /// **Residual.** `r = C v`, `C = a0 M + a1 K(0)`, M the mass of all contributions (a0 in 1/s) and K(0) the tangent of
@@ -25,34 +24,9 @@ pub(crate) struct RayleighDamping {
 impl RayleighDamping {
     pub const NAME: &str = "rayleigh damping";
 
-    /// Of a model whose materials and masses are complete.
-    ///
-    /// # Errors
-    /// A coefficient that is negative or not finite; no mass where a0 needs one; cells without material.
-    pub fn new(model: &Model, a0: f64, a1: f64) -> Result<Self, FemError> {
-        if [a0, a1].iter().any(|a| !(a.is_finite() && *a >= 0.0)) {
-            let what = format!("Rayleigh damping with a0 = {a0}, a1 = {a1}; both must be finite and at least zero");
-            return Err(FemError::Meaningless { what });
-        }
-        model.refuse_further_fields(Self::NAME)?;
-        model.body.check_complete()?;
-        let mass = model.mass()?;
-        if a0 > 0.0 && mass.values.iter().all(|&m| m == 0.0) {
-            let what = "Rayleigh damping with a0 > 0 needs a mass: add the inertia before it".to_owned();
-            return Err(FemError::Meaningless { what });
-        }
-        let rest = model.rest();
-        let mut stiffness = model.tangent_structure().matrix();
-        let inverted = |at: Inadmissible| FemError::Meaningless { what: format!("no stiffness at rest: {at}") };
-        model
-            .body
-            .without(&model.rigid_cells())
-            .add_tangent(&rest.u, &rest.controls, &mut stiffness, true)
-            .map_err(inverted)?;
-        let mut matrix = model.tangent_structure().matrix();
-        matrix.add_scaled(a0, &mass).map_err(StructureError::from)?;
-        matrix.add_scaled(a1, &stiffness).map_err(StructureError::from)?;
-        Ok(RayleighDamping { matrix })
+    /// With the matrix C.
+    pub fn new(matrix: SparseMatrix) -> Self {
+        RayleighDamping { matrix }
     }
 
     fn times(&self, v: &[f64], parallel: bool) -> Vec<f64> {

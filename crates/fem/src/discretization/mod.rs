@@ -1,9 +1,9 @@
 //! [`Discretization`]: everything about a mesh that materials, loads and supports do not change.
 
-pub(crate) mod cell_fields;
 pub(crate) mod hexahedra;
 mod nodal_fields;
 mod nodal_volumes;
+pub(crate) mod parted;
 pub(crate) mod quadrature_points;
 pub(crate) mod rigid_motions;
 mod shared;
@@ -13,10 +13,10 @@ use crate::discretization::hexahedra::Hexahedra;
 use crate::discretization::quadrature_points::{CellGroup, QuadraturePoints};
 use crate::discretization::shared::Shared;
 use crate::error::FemError;
-use crate::parted::Parted;
 use crate::structure::{KeptStructures, StructureCounts, TangentStructure};
 use nastic_linear::{Corners, Share, Space};
 use nastic_mesh::{Mesh, Part};
+use parted::Parted;
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 

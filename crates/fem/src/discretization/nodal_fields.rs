@@ -1,10 +1,6 @@
-//! Fields by node: smoothed averages of quantities at quadrature points, and reactions.
+//! Fields by node: smoothed averages of quantities at quadrature points.
 
-use crate::contributions::{Demand, Instant};
 use crate::discretization::Discretization;
-use crate::error::Inadmissible;
-use crate::solid::Solid;
-use crate::solution::state::State;
 
 impl Discretization {
     /// Nodal values of a quantity at the quadrature points, smoothed: at a corner `a`
@@ -57,23 +53,5 @@ impl Discretization {
                 }
             }
         }
-    }
-}
-
-impl Solid {
-    /// The forces that the supports exert on the body, node by node (zero in components that no support holds), in three components: their
-    /// sums over the nodes of a support are [`Supports::reactions`](crate::Supports::reactions).
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    pub fn nodal_reactions(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
-        let at = Instant::of(state);
-        let mut force = self.model().evaluate(&at, Demand { energy: false, force: true })?.force;
-        let supports = self.supports();
-        supports.ties().restrict(supports.block, &mut force);
-        let (dim, fixed) = (self.mesh().dim(), self.supports().fixed());
-        let held = |dof: usize| if fixed[dof] { force[dof] } else { 0.0 };
-        let node = |a: usize| (0..3).map(move |c| if c < dim { held(a * dim + c) } else { 0.0 });
-        Ok((0..self.mesh().points().len()).flat_map(node).collect())
     }
 }

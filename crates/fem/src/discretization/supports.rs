@@ -17,7 +17,7 @@ pub const AXES: [&str; 3] = ["x", "y", "z"];
 pub struct Supports {
     pub(super) dim: usize,
     /// Unknowns per node, those of the displacement first.
-    pub(super) block: usize,
+    pub(crate) block: usize,
     fixed: Vec<bool>,
     value: Vec<f64>,
     /// Unknowns whose value is a function of controls, by the name of what drives them; `value` is 0 there.

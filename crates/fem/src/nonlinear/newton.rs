@@ -15,7 +15,6 @@ use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
-use crate::time::modal_step::ModalStep;
 use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
 
@@ -151,7 +150,7 @@ impl Model {
         Equations { model: self, drive: Drive::Held { controls, load, time_step, share }, options, anchor: None }
     }
 
-    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part in modes that move otherwise. The report shows the residual that
+    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part that `replace` moves otherwise. The report shows the residual that
     /// is left.
     ///
     /// # Errors
@@ -162,7 +161,7 @@ impl Model {
         controls: &Controls,
         from: &State,
         (how, time_step): (&SolveOptions, &TimeStep),
-        modes: Option<&ModalStep>,
+        replace: Option<&dyn Fn(&mut [f64])>,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.check_controls(controls)?;
@@ -172,7 +171,7 @@ impl Model {
         let equations = self.equations(controls, 1.0, Some(time_step), 1.0, how);
         let mut report = SolveReport { load_steps: 1, ..SolveReport::default() };
         let mut u = from.u.to_vec();
-        let mut direction = Linearised { equations: &equations, modes, solver: self.linear_solver(how, workspace) };
+        let mut direction = Linearised { equations: &equations, replace, solver: self.linear_solver(how, workspace) };
         let limits = Limits::new(1, how.accuracy);
         match Iteration::new(&equations, limits).once(&mut u, &mut direction, &mut report) {
             Ok(()) => Ok(State::equilibrium(u, controls.clone(), 1.0, report)),

@@ -196,7 +196,6 @@ pub(super) fn elements(disc: &Discretization, part: &CellGroup, kernel: &dyn Cel
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Solid;
     use nastic_energy::NeoHooke;
     use nastic_linear::Space;
     use nastic_mesh::{CellKind, box_mesh};
@@ -205,10 +204,12 @@ mod tests {
     /// On the same right-hand side, with a face held and with a node alone.
     #[test]
     fn products_of_cells_fit_as_the_matrix_does() -> Result<(), Box<dyn std::error::Error>> {
-        let solid = Solid::new(box_mesh([1.0, 0.3, 0.2], [7, 3, 2], CellKind::Hex27)?)?
-            .material("body", NeoHooke::new(1.0, 0.3)?)?
-            .clamp("x-")?;
-        let (disc, model) = (solid.discretization(), solid.model());
+        let mesh = box_mesh([1.0, 0.3, 0.2], [7, 3, 2], CellKind::Hex27)?;
+        let (held, cells) = (mesh.nodes_of_facets(mesh.surface("x-")?), mesh.cells_of(&"body".into())?);
+        let mut model = Model::new(Discretization::new(Arc::new(mesh))?);
+        model.body.add_term(&cells, Arc::new(NeoHooke::new(1.0, 0.3)?))?;
+        Arc::make_mut(&mut model.supports).prescribe("x-", &held, [Some(0.0); 3])?;
+        let (disc, model) = (model.discretization(), &model);
         let structure = model.tangent_structure().with_components(1);
         let matrix = laplacian(model, SparseMatrix::zeros(structure.pattern().clone()), true);
         let hexahedra = disc.hexahedra().ok_or("27-node hexahedra")?;

@@ -6,7 +6,7 @@ use crate::contributions::history::{BeforeStep, History};
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::contributions::sensitivities::{Increment, Sensitivities};
 use crate::error::{FemError, StateError};
-use crate::model::{Feature, Model};
+use crate::model::Model;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::tangent_systems::TangentSystems;
@@ -136,7 +136,7 @@ impl<'a> ReverseSweep<'a> {
             return Err(FemError::Meaningless { what }.into());
         };
         let (begin, end, h) = (&states[k], &states[k + 1], step.dt);
-        self.model.supports(Feature::MotionAdjoint(&step.scheme))?;
+        self.model.supports_motion_adjoint(&step.scheme)?;
         self.check(end)?;
         self.check(begin)?;
         self.add_partials(&by_end)?;

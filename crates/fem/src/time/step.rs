@@ -5,11 +5,12 @@ use crate::contributions::Demand;
 use crate::contributions::controls::Controls;
 use crate::contributions::instant::{Instant, TimeStep};
 use crate::error::{FemError, StateError};
-use crate::model::{Feature, Model};
+use crate::model::Model;
 use crate::nonlinear::iteration::Stop;
 use crate::solution::options::SolveOptions;
 use crate::solution::state::{SolveReport, State};
 use crate::solution::workspace::Workspace;
+use crate::time::modal_step::ModalStep;
 use crate::time::points::Points;
 use crate::time::scheme::Scheme;
 use crate::time::trajectory::{Step, StepTo, Trajectory};
@@ -83,7 +84,7 @@ impl Model {
     /// Whether a motion can go on from there.
     pub(super) fn check_motion(&self, trajectory: &Trajectory, scheme: &Scheme) -> Result<(), StateError> {
         self.check_in_motion()?;
-        self.supports(Feature::Motion(scheme))?;
+        self.supports_motion(scheme)?;
         let end = trajectory.end();
         self.check_state(end)?;
         self.supports.check_tied("the displacement", &end.u)?;
@@ -176,8 +177,10 @@ impl Model {
                 0 => None,
                 count => Some(self.modal_step(count, (begin, &controls), &time_step, how)?),
             };
+            let exact = modes.as_ref().map(|modes: &ModalStep| |step: &mut [f64]| modes.replace(step));
+            let replace = exact.as_ref().map(|exact| exact as &dyn Fn(&mut [f64]));
             let found = match scheme.is_linearised() {
-                true => self.iterate_once(&controls, begin, (&options, &time_step), modes.as_ref(), workspace),
+                true => self.iterate_once(&controls, begin, (&options, &time_step), replace, workspace),
                 false => {
                     let predicted = points.predict(&time_step, &here);
                     let guesses = match self.depends_on_path() {

@@ -309,9 +309,10 @@ impl CellWork for Extrapolate<'_> {
 mod tests {
     use super::PointStrains;
     use crate::contributions::Sums;
+    use crate::contributions::body_energy::BodyEnergy;
     use crate::contributions::body_energy::driving::Driving;
     use crate::contributions::body_energy::formulation::Formulation;
-    use crate::{Discretization, Model};
+    use crate::discretization::Discretization;
     use nastic_energy::{EnergyTerm, MooneyRivlin, NeoHooke, NeoHookeIsochoric};
     use nastic_mesh::{CellKind, box_mesh};
     use nastic_numeric::Random;
@@ -332,23 +333,18 @@ mod tests {
             (CellKind::Hex27, Formulation::LinearDilatation),
         ];
         for (law, (kind, formulation)) in laws.iter().flat_map(|law| members.map(|member| (law, member))) {
-            let mut model = Model::new(Discretization::new(Arc::new(box_mesh([1.0; 3], [2, 1, 1], kind)?))?);
-            let cells: Vec<u32> = (0..model.discretization().mesh().cells() as u32).collect();
-            model.body.add_term(&cells, law.clone())?;
-            model.body.set_formulation(&cells, formulation)?;
+            let mut body = BodyEnergy::new(Discretization::new(Arc::new(box_mesh([1.0; 3], [2, 1, 1], kind)?))?);
+            let cells: Vec<u32> = (0..body.discretization().mesh().cells() as u32).collect();
+            body.add_term(&cells, law.clone())?;
+            body.set_formulation(&cells, formulation)?;
             let mut random = Random::new(3);
-            let u: Vec<f64> = (0..model.unknowns().len()).map(|_| 0.06 * random.symmetric()).collect();
-            let (controls, mut expected, mut tangent) = (model.controls(), model.matrix(), model.matrix());
-            let sums = model.body.evaluate_tangent(&u, &controls, &mut expected, false)?;
-            let strains = PointStrains::of(&model.body, &u, false)?;
+            let u: Vec<f64> = (0..body.discretization().dofs()).map(|_| 0.06 * random.symmetric()).collect();
+            let (controls, mut expected, mut tangent) =
+                (body.controls(), body.structure().matrix(), body.structure().matrix());
+            let sums = body.evaluate_tangent(&u, &controls, &mut expected, false)?;
+            let strains = PointStrains::of(&body, &u, false)?;
             let mut own = Sums::zero(u.len());
-            model.body.add_with_point_strains(
-                (&u, Driving::relaxed(&controls)),
-                &strains,
-                &mut own,
-                &mut tangent,
-                false,
-            )?;
+            body.add_with_point_strains((&u, Driving::relaxed(&controls)), &strains, &mut own, &mut tangent, false)?;
             let apart = |a: &[f64], b: &[f64]| {
                 let largest = b.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
                 a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / largest

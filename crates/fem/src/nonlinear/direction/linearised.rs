@@ -5,14 +5,14 @@ use crate::nonlinear::equations::Equations;
 use crate::nonlinear::iteration::{Iterate, Stop};
 use crate::solution::state::SolveReport;
 use crate::solution::tangent_systems::{TangentSystems, eliminate};
-use crate::time::modal_step::ModalStep;
 use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
 
 /// `K du = -r` with a positive definite tangent, taken whole, but for the part in modes that move otherwise.
 pub(crate) struct Linearised<'a> {
     pub equations: &'a Equations<'a>,
-    pub modes: Option<&'a ModalStep>,
+    /// What moves a part of the step otherwise.
+    pub replace: Option<&'a dyn Fn(&mut [f64])>,
     pub solver: &'a mut dyn LinearSolver,
 }
 
@@ -28,8 +28,8 @@ impl Direction for Linearised<'_> {
         if let Some(jump) = &jump {
             equations.prescribe(&mut dx, jump);
         }
-        if let Some(modes) = self.modes {
-            modes.replace(&mut dx);
+        if let Some(replace) = self.replace {
+            replace(&mut dx);
         }
         let whole = Step::whole(dx, Curvature::Positive, equations.model.unknowns());
         Ok(Step { take: Take::Once, ..whole })

@@ -2,12 +2,12 @@
 
 use super::{CellFormulation, Formulation};
 use crate::contributions::body_energy::BodyEnergy;
+use crate::discretization::parted::not_over_ranks;
 use crate::error::{FemError, Inadmissible};
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::{Patch, Patches};
-use crate::parted::not_over_ranks;
 use nastic_tensor::Kinematics;
 use std::collections::BTreeMap;
 

@@ -1,24 +1,9 @@
 //! The forces of supports, of equilibria and in motions.
 
+use super::Solid;
 use crate::contributions::{Demand, Instant, TimeStep};
 use crate::error::Inadmissible;
-use crate::model::Model;
-use crate::solid::Solid;
 use crate::solution::state::State;
-
-impl Model {
-    /// The forces R that supports exert at held unknowns, `M a + C v + r(u; z_n, m)`, of a state by itself: velocities, accelerations and internal variables are
-    /// those that it carries. Of an equilibrium `r(u, m)`. On free unknowns what is left of the equilibrium. Without friction, which takes the state before.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    pub fn held_forces(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
-        let step = TimeStep { dt: f64::INFINITY, elapsed: f64::INFINITY, ..TimeStep::between(state, state) };
-        let at = Instant::of(state);
-        let at = if state.velocity.is_some() { at.in_step(&step) } else { at };
-        Ok(self.evaluate(&at, Demand { energy: false, force: true })?.force)
-    }
-}
 
 impl Solid {
     /// The forces that every support, those that move too, exerts on the body: the sum over what it holds, D, of
@@ -61,5 +46,21 @@ impl Solid {
         let (Some(after), true) = (&state.velocity, state.acceleration.is_some() && is_moved) else { return own };
         let earlier = |dof: usize| before.velocity.as_ref().map_or(0.0, |v| v[dof]);
         after.iter().enumerate().map(|(dof, v)| (v - earlier(dof)) / dt).collect()
+    }
+
+    /// The forces that the supports exert on the body, node by node (zero in components that no support holds), in three components: their
+    /// sums over the nodes of a support are [`Supports::reactions`](crate::Supports::reactions).
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn nodal_reactions(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
+        let at = Instant::of(state);
+        let mut force = self.model().evaluate(&at, Demand { energy: false, force: true })?.force;
+        let supports = self.supports();
+        supports.ties().restrict(supports.block, &mut force);
+        let (dim, fixed) = (self.mesh().dim(), self.supports().fixed());
+        let held = |dof: usize| if fixed[dof] { force[dof] } else { 0.0 };
+        let node = |a: usize| (0..3).map(move |c| if c < dim { held(a * dim + c) } else { 0.0 });
+        Ok((0..self.mesh().points().len()).flat_map(node).collect())
     }
 }

@@ -1,8 +1,8 @@
 //! [`CellFields`]: J, stresses and energies of a state, averaged over cells.
 
+use super::Solid;
 use crate::contributions::body_energy::driving::Driving;
 use crate::error::Inadmissible;
-use crate::solid::Solid;
 use crate::solution::state::State;
 use nastic_energy::{PointBatch, Response, Slots, Want};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
