@@ -1,10 +1,11 @@
 //! Vectors of cells as arrows in the picture.
 
+use super::body::Body;
 use super::colour::Colour;
 use super::frame::Mark;
+use super::picture::Picture;
 use super::scene::Scene;
 use super::vector::{V3, add, length, scale};
-use super::{Body, Picture};
 
 /// Shaft and head from one pixel to another.
 pub(super) fn arrow(from: [f64; 2], to: [f64; 2], width: f64, colour: Colour) -> Vec<Mark> {

@@ -1,6 +1,6 @@
 //! The camera: direction of view and orthographic projection.
 
-use super::View;
+use super::picture::View;
 use super::vector::{V3, add, cross, dot, scale, sub, unit};
 
 /// An orthographic camera: an orthonormal triad seen from the eye.

@@ -1,7 +1,8 @@
 //! Whether a picture can be drawn.
 
+use super::body::{Appearance, FieldValues};
+use super::picture::Picture;
 use super::vector::unit;
-use super::{Appearance, FieldValues, Picture};
 
 /// What is wrong with the inputs of a picture, if anything is.
 pub(super) fn check(picture: &Picture) -> Result<(), String> {

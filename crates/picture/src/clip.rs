@@ -1,8 +1,8 @@
 //! Bodies cut by a plane: the kept part of their surface, and the section through their cells.
 
+use super::body::{Appearance, Body, FieldValues};
 use super::tessellation::{Surface, SurfaceEdge, SurfacePoint};
 use super::vector::{V3, add, cross, dot, scale, sub};
-use super::{Appearance, Body, FieldValues};
 use nastic_mesh::CellKind;
 
 /// A plane `x . normal = offset`; what lies beyond it, at larger values, is cut away.

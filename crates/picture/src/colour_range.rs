@@ -1,8 +1,8 @@
 //! [`ColourRange`]: the range of a colour bar, in which a few values far from all others do not decide the colours of the rest.
 
+use super::body::{Appearance, Body, FieldValues};
 use super::face::Face;
 use super::vector::{V3, cross, length, sub};
-use super::{Appearance, Body, FieldValues};
 
 /// Shares of the area at and below which the ends of the bar lie.
 const SHARES: [f64; 2] = [0.01, 0.99];

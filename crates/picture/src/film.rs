@@ -5,8 +5,9 @@ use std::path::Path;
 use nastic_io::{WriteError, write_atomically};
 
 use super::palette::{Palette, code};
+use super::picture::{Picture, PictureError};
 use super::raster::Image;
-use super::{Picture, PictureError, colour, png};
+use super::{colour, png};
 
 /// Pictures of one size one after the other. Every one is there as PNG too, when it is added.
 #[derive(Clone, Debug, Default)]

@@ -1,12 +1,13 @@
 //! Annotations: title, legend, colour bar, axes, scale of lengths, arrows. Drawn last.
 
 use super::arrows;
+use super::body::Appearance;
 use super::colour::Colour;
 use super::path::NamedPath;
+use super::picture::Picture;
 use super::polylines::{self, DASH, GAP};
 use super::scene::{Bar, Scene};
 use super::vector::{V3, unit};
-use super::{Appearance, Picture};
 
 /// Where a text touches its point.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Lines in the picture: tendons and springs of bodies, paths.
 
-use super::Picture;
 use super::frame::Mark;
+use super::picture::Picture;
 use super::scene::Scene;
 use super::vector::V3;
 

@@ -1,15 +1,16 @@
 //! Bodies, projected into the picture.
 
+use super::body::{Appearance, Body};
 use super::camera::Camera;
 use super::check::check;
 use super::clip::{self, Plane};
 use super::colour::{Colour, ColourMap};
 use super::colour_range::{ColourRange, ColourValues};
 use super::face::Face;
+use super::picture::Picture;
 use super::shade::Ground;
 use super::tessellation::{Surface, SurfaceEdge, SurfacePoint};
 use super::vector::{V3, dot, length, sub, unit};
-use super::{Appearance, Body, Picture};
 use super::{frame, text};
 
 /// A corner of a flat piece, in the picture.

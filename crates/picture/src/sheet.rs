@@ -4,8 +4,9 @@ use std::path::Path;
 
 use nastic_io::{WriteError, write_atomically};
 
+use super::picture::{Picture, PictureError};
 use super::raster::Image;
-use super::{Picture, PictureError, png, svg};
+use super::{png, svg};
 
 /// Pictures in rows, from left to right and from top to bottom, as one file; the same pictures give the same bytes. One picture alone
 /// is as large as by itself, several are 1000 x 625 pixels each.

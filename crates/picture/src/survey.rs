@@ -1,9 +1,10 @@
 //! [`Survey`]: what several pictures have in common, so that they have one view, one scale and one range of colours.
 
+use super::check;
 use super::colour_range::{ColourRange, ColourValues};
+use super::picture::{Picture, PictureError};
 use super::scene::seen_points;
 use super::vector::{V3, dot};
-use super::{Picture, PictureError, check};
 
 /// Points that are kept of one picture beside those that lie farthest out.
 const KEPT: usize = 4000;

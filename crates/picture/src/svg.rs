@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use super::Picture;
 use super::colour::to_srgb;
 use super::frame::{Anchor, Mark};
+use super::picture::Picture;
 use super::scene::{Corner, Fill, Scene, Shape};
 use super::shade::{self, Ground};
 use super::vector::{V3, add, scale, sub};

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::body::{Appearance, Body, FieldValues};
 use super::face::{Face, FacePattern};
 use super::vector::{V3, unit};
-use super::{Appearance, Body, FieldValues};
 
 /// A point of the surface.
 #[derive(Clone, Copy, Debug)]

@@ -51,23 +51,7 @@ pub use number::duration;
 pub use obstacles_label::obstacles_label;
 pub use on_trial::OnTrial;
 pub use pace::Pace;
+pub use page::{FILE, html};
 pub use standing::Standing;
 pub use status::bar;
 pub use sweep::{SweepAxis, SweepRow, SweepTable};
-
-use folder::ResultFolder;
-use scene::Scene;
-use std::path::Path;
-
-/// The page's name in a result folder.
-pub const FILE: &str = "report.html";
-
-/// The page of a result folder.
-///
-/// # Errors
-/// [`ReportError`]: there is no `result.json`, or a file that the run wrote cannot be read.
-pub fn html(directory: &Path) -> Result<String, ReportError> {
-    let folder = ResultFolder::open(directory)?;
-    let scene = Scene::of(&folder)?;
-    Ok(page::page(&folder, &scene))
-}

@@ -1,5 +1,6 @@
 //! The page: sections, data and programs in one file.
 
+use crate::ReportError;
 use crate::case_name::case_name;
 use crate::folder::ResultFolder;
 use crate::html::{escape, paragraph, section};
@@ -8,6 +9,20 @@ use crate::record::RunRecord;
 use crate::scene::Scene;
 use crate::{spectrum, summary, tables};
 use serde_json::{Value, json};
+use std::path::Path;
+
+/// The page's name in a result folder.
+pub const FILE: &str = "report.html";
+
+/// The page of a result folder.
+///
+/// # Errors
+/// [`ReportError`]: there is no `result.json`, or a file that the run wrote cannot be read.
+pub fn html(directory: &Path) -> Result<String, ReportError> {
+    let folder = ResultFolder::open(directory)?;
+    let scene = Scene::of(&folder)?;
+    Ok(page(&folder, &scene))
+}
 
 const THREE: &str = include_str!("../vendor/three.min.js");
 const UPLOT: &str = include_str!("../vendor/uPlot.min.js");

@@ -1,7 +1,9 @@
 //! Serendipity hexahedron: corners, bottom edges, top edges, upright edges.
 
+use super::domain::Domain;
 use super::hex8::EDGES;
-use super::{CellKind, Domain, Element, Face, serendipity};
+use super::kind::{CellKind, Element, Face};
+use super::serendipity;
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

@@ -1,8 +1,10 @@
 //! Triquadratic hexahedron: `Hex20`, then the face centres x-, x+, y-, y+, z-, z+, then the centre
 //! (VTK_TRIQUADRATIC_HEXAHEDRON).
 
+use super::domain::Domain;
 use super::hex8::EDGES;
-use super::{CellKind, Domain, Element, Face, product};
+use super::kind::{CellKind, Element, Face};
+use super::product;
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

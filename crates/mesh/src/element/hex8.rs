@@ -1,6 +1,8 @@
 //! Trilinear hexahedron: the bottom counterclockwise, then the top.
 
-use super::{CellKind, Domain, Element, Face, product};
+use super::domain::Domain;
+use super::kind::{CellKind, Element, Face};
+use super::product;
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

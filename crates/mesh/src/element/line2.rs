@@ -1,6 +1,8 @@
 //! Straight line.
 
-use super::{CellKind, Domain, Element, product};
+use super::domain::Domain;
+use super::kind::{CellKind, Element};
+use super::product;
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

@@ -1,7 +1,9 @@
 //! Quadratic line: ends, then the middle.
 
+use super::domain::Domain;
+use super::kind::{CellKind, Element};
 use super::line2::EDGES;
-use super::{CellKind, Domain, Element, product};
+use super::product;
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

@@ -4,6 +4,7 @@ mod domain;
 mod hex20;
 mod hex27;
 mod hex8;
+mod kind;
 mod line2;
 mod line3;
 mod product;
@@ -19,62 +20,9 @@ mod tri6;
 
 use crate::quadrature::Rule;
 pub use domain::Domain;
+use kind::Element;
+pub use kind::{CellKind, Face};
 use std::sync::OnceLock;
-
-/// A kind of cell. Lines, quadrilaterals and hexahedra live on [-1,1]^d, triangles and tetrahedra on the unit simplex.
-///
-/// Nodes stand in VTK's order: corners, then midside nodes in the order of [`CellKind::edges`], then face centres
-/// (x-, x+, y-, y+, z-, z+ for `Hex27`), then the centre.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Hash)]
-pub enum CellKind {
-    /// Straight line, 2 nodes.
-    Line2,
-    /// Quadratic line, 3 nodes.
-    Line3,
-    /// Linear triangle.
-    Tri3,
-    /// Quadratic triangle.
-    Tri6,
-    /// Bilinear quadrilateral.
-    Quad4,
-    /// Serendipity quadrilateral.
-    Quad8,
-    /// Biquadratic quadrilateral.
-    Quad9,
-    /// Linear tetrahedron.
-    Tet4,
-    /// Quadratic tetrahedron.
-    Tet10,
-    /// Trilinear hexahedron.
-    Hex8,
-    /// Serendipity hexahedron.
-    Hex20,
-    /// Triquadratic hexahedron.
-    Hex27,
-}
-
-/// A face of a cell: its kind, and its nodes as indices into the cell's.
-pub type Face = (CellKind, &'static [usize]);
-
-/// One row of the catalogue.
-struct Element {
-    name: &'static str,
-    about: &'static str,
-    dim: usize,
-    order: usize,
-    vtk: u8,
-    /// Gmsh's number, and the permutation `vtk[i] = gmsh[order[i]]` of nodes; empty for the identity.
-    gmsh: (u8, &'static [u8]),
-    domain: Domain,
-    corner_kind: CellKind,
-    nodes: &'static [[f64; 3]],
-    edges: &'static [[usize; 2]],
-    faces: &'static [Face],
-    mirror: &'static [usize],
-    shapes: fn(&[f64; 3], &mut [f64]),
-    gradients: fn(&[f64; 3], &mut [[f64; 3]]),
-    default_rule: fn() -> Rule,
-}
 
 impl CellKind {
     /// Every kind, in the order of the enumeration.

@@ -1,6 +1,8 @@
 //! Bilinear quadrilateral, counterclockwise.
 
-use super::{CellKind, Domain, Element, Face, product};
+use super::domain::Domain;
+use super::kind::{CellKind, Element, Face};
+use super::product;
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

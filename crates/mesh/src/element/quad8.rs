@@ -1,7 +1,9 @@
 //! Serendipity quadrilateral: corners, then the middles of 01, 12, 23, 30.
 
+use super::domain::Domain;
+use super::kind::{CellKind, Element, Face};
 use super::quad4::EDGES;
-use super::{CellKind, Domain, Element, Face, serendipity};
+use super::serendipity;
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

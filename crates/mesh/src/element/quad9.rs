@@ -1,7 +1,9 @@
 //! Biquadratic quadrilateral: `Quad8`, then the centre.
 
+use super::domain::Domain;
+use super::kind::{CellKind, Element, Face};
+use super::product;
 use super::quad4::EDGES;
-use super::{CellKind, Domain, Element, Face, product};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

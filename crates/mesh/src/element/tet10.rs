@@ -1,7 +1,9 @@
 //! Quadratic tetrahedron: corners, then the middles of 01, 12, 20, 03, 13, 23.
 
+use super::domain::Domain;
+use super::kind::{CellKind, Element, Face};
+use super::simplex;
 use super::tet4::EDGES;
-use super::{CellKind, Domain, Element, Face, simplex};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

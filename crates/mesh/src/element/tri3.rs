@@ -1,6 +1,8 @@
 //! Linear triangle.
 
-use super::{CellKind, Domain, Element, Face, simplex};
+use super::domain::Domain;
+use super::kind::{CellKind, Element, Face};
+use super::simplex;
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

@@ -1,7 +1,9 @@
 //! Quadratic triangle: corners, then the middles of 01, 12, 20.
 
+use super::domain::Domain;
+use super::kind::{CellKind, Element, Face};
+use super::simplex;
 use super::tri3::EDGES;
-use super::{CellKind, Domain, Element, Face, simplex};
 use crate::quadrature::Rule;
 
 pub(super) static ELEMENT: Element = Element {

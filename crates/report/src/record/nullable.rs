@@ -1,11 +1,21 @@
 //! [`Nullable`]: a value of a result that may be `null`.
 
 use crate::record::Absent;
-use crate::record::schema::nullable;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 use std::borrow::Cow;
 use std::ops::Deref;
+
+/// What marks a schema whose values may really be null, beside those of keys that are left out.
+pub(super) const NULLABLE: &str = "nullable";
+
+/// Of `null` or a value.
+pub(super) fn nullable<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
+    let mut schema = Option::<T>::json_schema(generator);
+    schema.insert(NULLABLE.to_owned(), Value::Bool(true));
+    schema
+}
 
 /// A value; `null` where there is none; left out (the default) where nothing is said of it.
 #[derive(Clone, Copy, Debug, PartialEq)]

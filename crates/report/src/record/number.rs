@@ -1,6 +1,6 @@
 //! [`Number`]: a number of a result.
 
-use crate::record::schema::nullable;
+use crate::record::nullable::nullable;
 use crate::record::{Absent, ByName};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};

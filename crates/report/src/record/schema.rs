@@ -1,20 +1,11 @@
 //! The JSON Schema of results.
 
+use crate::record::nullable::NULLABLE;
 use crate::record::{
     ComparisonRecord, EigenvectorsRecord, ErrorRecord, FitRecord, RunRecord, SweepRecord, TrialRecord,
 };
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use schemars::SchemaGenerator;
 use serde_json::Value;
-
-/// What marks a schema whose values may really be null, beside those of keys that are left out.
-const NULLABLE: &str = "nullable";
-
-/// Of `null` or a value.
-pub(super) fn nullable<T: JsonSchema>(generator: &mut SchemaGenerator) -> Schema {
-    let mut schema = Option::<T>::json_schema(generator);
-    schema.insert(NULLABLE.to_owned(), Value::Bool(true));
-    schema
-}
 
 impl RunRecord {
     /// The JSON Schema of results.
