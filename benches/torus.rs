@@ -12,7 +12,9 @@ mod common;
 
 use common::Arguments;
 use nastic::energy::NeoHooke;
-use nastic::fem::{Contact, Controls, Inertia, Instant, Scheme, Solid, SolveOptions, State, StatePartials, StepTo};
+use nastic::fem::{
+    Contact, Controls, Inertia, Instant, Scheme, Solid, SolveOptions, State, StatePartials, StepTo, TimeStepping,
+};
 use nastic::fem::{TimeStep, Trajectory, Workspace};
 use nastic::mesh::spatial::Obstacle;
 use nastic::mesh::{Mesh, RawMesh};

@@ -81,7 +81,7 @@ pub mod prelude {
     };
     pub use crate::fem::{
         Cavity, Contribution, Discretization, Formulation, Foundation, MovingSupport, Solid, SolveOptions, Spring,
-        State, Tendon,
+        State, Tendon, TimeStepping,
     };
     pub use crate::mesh::{CellKind, Mesh, Snapshot, box_mesh, rectangle};
     pub use crate::opt::{

@@ -1,8 +1,8 @@
 //! Problems through the program.
 
 use crate::problem::{Failure, Problem, Task, options};
-use nastic::fem::time::catalogue::SCHEMES;
-use nastic::fem::{Scheme, StateError, StepTo, Trajectory, Workspace};
+use nastic::fem::schemes::SCHEMES;
+use nastic::fem::{Scheme, StateError, StepTo, TimeStepping, Trajectory, Workspace};
 use nastic::prelude::*;
 
 /// Newton iterations of a problem at most.

@@ -35,7 +35,7 @@ pub(super) fn check(scene: &Scene, at: &At, found: &mut Found) {
 }
 
 fn parameters(scene: &Scene, name: &str) -> f64 {
-    let all = scene.problem.solid.model().touch_parameters();
+    let all = scene.problem.solid.model().contacts().parameters();
     all.iter().find(|(own, _)| own == name).map_or(f64::NAN, |own| own.1.thickness)
 }
 

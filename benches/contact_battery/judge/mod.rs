@@ -94,7 +94,7 @@ pub fn checks(problem: &Problem, solved: &Solved, spoil: Option<Spoil>) -> Resul
 impl At<'_> {
     fn spoil(&mut self, scene: &Scene, spoil: Option<Spoil>) {
         let Some(spoil) = spoil else { return };
-        let parameters = scene.problem.solid.model().touch_parameters();
+        let parameters = scene.problem.solid.model().contacts().parameters();
         for ((name, touch), (_, of)) in self.touches.iter_mut().zip(&parameters) {
             let before = Vec3::from(touch.force);
             spoil.touch(touch, of.thickness);
@@ -117,7 +117,7 @@ fn at<'a>(scene: &Scene, solved: &Solved, before: Option<&'a State>, state: &'a 
         return Err("a state of a motion without acceleration".into());
     }
     let mut forces = scene.forces(&u, acceleration.as_deref(), pressure(scene, &instant)?);
-    let touches = model.touches(&instant);
+    let touches = model.contacts().touches(&instant);
     // of a rigid body obstacles may press against each other alone
     forces.scale += touches.iter().map(|(_, touch)| touch.pressing).sum::<f64>();
     let of_obstacle = |name: &str| scene.facts().touching.iter().any(|touching| touching.name == name);

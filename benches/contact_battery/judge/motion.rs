@@ -93,7 +93,7 @@ fn momentum(scene: &Scene, solved: &Solved, scheme: &Scheme, found: &mut Found) 
     for pair in solved.states.windows(2) {
         let h = pair[1].time - pair[0].time;
         let step = TimeStep::between(&pair[0], &pair[1]);
-        let touches = scene.problem.solid.model().touches(&Instant::of(&pair[1]).in_step(&step));
+        let touches = scene.problem.solid.model().contacts().touches(&Instant::of(&pair[1]).in_step(&step));
         let of_obstacle = |name: &str| facts.touching.iter().any(|touching| touching.name == name);
         let push: Vec3 =
             touches.iter().filter(|(name, _)| of_obstacle(name)).map(|(_, touch)| Vec3::from(touch.force)).sum();

@@ -10,7 +10,7 @@
 
 use nastic_energy::catalogue::{ActuationRow, Example, Made, MaterialRow, Parameter};
 use nastic_energy::{Block, Conjugates, ConvexDensity, Curvature, FiberTension, Field, MaterialPoint};
-use nastic_fem::contributions::catalogue::{Entry, Form, Key, KeyKind};
+use nastic_fem::catalogue::{Entry, Form, Key, KeyKind};
 use nastic_fem::{FemError, Solid, Spring};
 use nastic_language::catalogue::Catalogue;
 use nastic_tensor::{Mat3, Vec3};

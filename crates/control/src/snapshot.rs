@@ -95,7 +95,7 @@ impl Reduced {
         shot = self.with_actuations(shot, fields.state)?;
         let at = Instant::of(fields.state);
         shot = shot.with_lines(self.solid().model().lines(&at).unwrap_or_default());
-        if let Some(pressures) = self.solid().model().contact_pressures(&at) {
+        if let Some(pressures) = self.solid().model().contacts().nodal_pressures(&at) {
             shot = shot.with_points("contact_pressure", 1, pressures)?;
         }
         Ok(self.with_state(shot, fields)?)

@@ -6,7 +6,7 @@ use nastic_control::{
     Compliance, ControlError, ControlNorm, Evaluated, PumpWork, Reduced, ReducedWorkspace, Space, Target, Tracking,
 };
 use nastic_energy::FiberTension;
-use nastic_fem::contributions::catalogue::CATALOGUE;
+use nastic_fem::catalogue::CATALOGUE;
 use nastic_fem::{Foundation, Instant, Solid};
 use nastic_opt::{Bounds, Lbfgs, Objective, Optimizer, Problem, Taylor, Verdict};
 use nastic_tensor::Vec3;

@@ -3,7 +3,7 @@
 use nastic_control::{
     Interpolation, KineticEnergy, Knots, MotionMemory, Reduced, Space, Target, Timeline, Tracking, When,
 };
-use nastic_fem::contributions::catalogue::CATALOGUE;
+use nastic_fem::catalogue::CATALOGUE;
 use nastic_fem::{Inertia, Scheme, Solid};
 use nastic_opt::{Bounds, Objective, Taylor, Verdict};
 

@@ -179,7 +179,7 @@ fn a_cavity_with_fibres() -> Outcome {
 }
 
 fn cavity_with_fibres(name: &str, value: f64) -> Outcome {
-    let solid = (nastic_fem::contributions::catalogue::CATALOGUE.iter().find(|row| row.name == name))
+    let solid = (nastic_fem::catalogue::CATALOGUE.iter().find(|row| row.name == name))
         .map(|row| (row.example)())
         .ok_or("no cavity in the catalogue")??;
     let wider = Target::position(|x| [1.1 * x[0] + 0.1, x[1], x[2] + 0.1]);

@@ -172,7 +172,7 @@ fn rates_and_products_are_those_of_a_ramp() -> Done {
 /// Every scheme, from rest and from the equilibrium under m(0), with controls that are linear or constant between knots.
 #[test]
 fn derivatives_of_motions_are_right() -> Done {
-    for row in nastic_fem::time::catalogue::SCHEMES.iter().filter(|row| row.name != "siere") {
+    for row in nastic_fem::schemes::SCHEMES.iter().filter(|row| row.name != "siere") {
         for (interpolation, rest) in [(Interpolation::Linear, false), (Interpolation::Constant, true)] {
             let line = timeline((row.build)()?)?;
             let problem = Reduced::new(arm(1e5)?)

@@ -1,17 +1,26 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
-use crate::contributions::body_energy::formulation::Formulation;
-use crate::contributions::body_energy::{AttachedActuation, BodyEnergy};
-use crate::contributions::inertia::BodyInertia;
-use crate::contributions::rayleigh_damping::RayleighDamping;
-use crate::contributions::{
-    Cavity, Contact, Contribution, Controls, Foundation, Inertia, MovingSupport, RigidBody, Spring, SurfaceContact,
-    Tendon,
-};
-use crate::discretization::{Discretization, quadrature_points::QuadraturePoints, supports::Supports};
-use crate::error::FemError;
-use crate::model::Model;
+use nastic_body::body_energy::formulation::Formulation;
+use nastic_body::body_energy::{AttachedActuation, BodyEnergy};
+use nastic_body::contribution::Contribution;
+use nastic_body::controls::Controls;
+use nastic_body::discretization::Discretization;
+use nastic_body::discretization::quadrature_points::QuadraturePoints;
+use nastic_body::discretization::supports::Supports;
+use nastic_body::error::FemError;
 use nastic_energy::{Actuation, EnergyTerm};
+use nastic_equilibrium::model::Model;
+use nastic_forces::cavity::Cavity;
+use nastic_forces::contact::Contact;
+use nastic_forces::contact::surfaces::SurfaceContact;
+use nastic_forces::foundation::Foundation;
+use nastic_forces::inertia::BodyInertia;
+use nastic_forces::inertia::Inertia;
+use nastic_forces::moving_support::MovingSupport;
+use nastic_forces::rayleigh_damping::RayleighDamping;
+use nastic_forces::rigid_body::RigidBody;
+use nastic_forces::spring::Spring;
+use nastic_forces::tendon::Tendon;
 use nastic_linear::SolverFactory;
 use nastic_mesh::{GroupNames, Mesh};
 use nastic_tensor::Vec3;
@@ -218,7 +227,7 @@ impl Solid {
     }
 
     fn add_dead_load(&mut self, what: &str, sampling: &QuadraturePoints, density: Vec3) -> Result<(), FemError> {
-        crate::contributions::controls::check_finite(what, density.as_slice())?;
+        nastic_body::controls::check_finite(what, density.as_slice())?;
         let dim = self.mesh().dim();
         if dim == 2 && density.z != 0.0 {
             return Err(FemError::Meaningless { what: format!("{what} has a z component on a plane-strain body") });
@@ -245,7 +254,7 @@ impl Solid {
             let (found, expected) = (force.len(), self.model.dead_load.0.len());
             return Err(FemError::Length { what: "nodal force".to_owned(), found, expected });
         }
-        crate::contributions::controls::check_finite("nodal force", force)?;
+        nastic_body::controls::check_finite("nodal force", force)?;
         for (total, f) in Arc::make_mut(&mut self.model.dead_load.0).iter_mut().zip(force) {
             *total += f;
         }
@@ -423,6 +432,6 @@ impl Solid {
     fn contribution_of_all(self, contribution: impl Contribution + 'static) -> Result<Self, FemError> {
         let space = self.model.unknowns().clone();
         let added = self.contribution(contribution);
-        crate::discretization::parted::all_accept(space.share().map(AsRef::as_ref), added)
+        nastic_body::discretization::parted::all_accept(space.share().map(AsRef::as_ref), added)
     }
 }

@@ -7,7 +7,8 @@ use common::motion::{oscillator, uniform};
 use common::{Outcome, distance, largest, noise, regular};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{
-    Controls, Inertia, Scheme, Solid, SolveOptions, State, StatePartials, StepTo, Tolerance, Trajectory, Workspace,
+    Controls, Inertia, Scheme, Solid, SolveOptions, State, StatePartials, StepTo, TimeStepping, Tolerance, Trajectory,
+    Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;

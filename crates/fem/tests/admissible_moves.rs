@@ -8,7 +8,7 @@ use common::{Outcome, largest, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
     Contribution, ContributionPoint, Demand, Inadmissible, Inertia, Instant, Need, PathOptions, Scheme, Solid,
-    SolveOptions, State, StateError, StepTo, Sums, Trajectory, Workspace,
+    SolveOptions, State, StateError, StepTo, Sums, TimeStepping, Trajectory, Workspace,
 };
 use nastic_linear::SparseMatrix;
 use nastic_mesh::CellKind;

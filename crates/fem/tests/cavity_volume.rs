@@ -9,7 +9,7 @@ use common::block::STRICT;
 use common::shells::{INNER, deformed_radius, pressure, shell};
 use common::{Outcome, largest, noise, regular};
 use nastic_energy::MooneyRivlin;
-use nastic_fem::{Cavity, Instant, Solid, SolveOptions, State, StateError, Tendon};
+use nastic_fem::{Cavity, Instant, Solid, SolveOptions, State, StateError, Tendon, TimeStepping};
 use nastic_mesh::{CellKind, Mesh, RawMesh};
 use nastic_numeric::vector::{norm, sub};
 

@@ -6,8 +6,8 @@ use crate::common;
 
 use common::{Outcome, regular};
 use nastic_energy::NeoHookeIsochoric;
-use nastic_fem::time::catalogue::SCHEMES;
-use nastic_fem::{Cavity, Contact, Formulation, Solid, SolveOptions, StepTo, Trajectory, Workspace};
+use nastic_fem::schemes::SCHEMES;
+use nastic_fem::{Cavity, Contact, Formulation, Solid, SolveOptions, StepTo, TimeStepping, Trajectory, Workspace};
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 use std::f64::consts::PI;

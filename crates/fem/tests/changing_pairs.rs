@@ -10,7 +10,7 @@ use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{
     Contribution, ContributionPoint, Controls, Demand, Inadmissible, Increment, Inertia, Instant, Need, Scheme,
     SecondDerivativeError, SecondSensitivities, Solid, SolveOptions, Solver, StatePartials, StepTo, StructureCounts,
-    Sums, Trajectory, Workspace, check_contribution,
+    Sums, TimeStepping, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::SparseMatrix;
 use nastic_mesh::CellKind;

@@ -8,7 +8,7 @@ use common::{Outcome, noise, regular};
 use nastic_energy::{FiberTension, MaxwellBranch, NeoHooke};
 use nastic_fem::{
     Checkpoints, Controls, Inertia, Recording, RecordingCounts, ReverseSweep, Scheme, Solid, State, StateError,
-    StatePartials, StepTo, Trajectory, Workspace,
+    StatePartials, StepTo, TimeStepping, Trajectory, Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;

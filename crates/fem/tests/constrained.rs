@@ -14,7 +14,7 @@ use nalgebra::DMatrix;
 use nastic_energy::{MooneyRivlin, NeoHooke};
 use nastic_fem::{
     Cavity, Controls, FemError, Inertia, Instant, PathEnd, PathOptions, Scheme, Solid, SolveOptions, State, StateError,
-    StatePartials, StepTo, Tendon, Trajectory, Workspace,
+    StatePartials, StepTo, Tendon, TimeStepping, Trajectory, Workspace,
 };
 use nastic_mesh::{CellKind, rectangle};
 use nastic_numeric::vector::{dot, norm, sub};

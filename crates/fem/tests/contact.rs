@@ -86,7 +86,7 @@ fn a_pressed_block_is_uniform_on_every_element() -> Outcome {
                 let heights: Vec<f64> = top.map(|(node, _)| state.u[kind.dim() * node + up]).collect();
                 let spread = heights.iter().fold(0.0f64, |most, h| most.max((h - heights[0]).abs()));
                 assert!(spread < 1e-10, "{kind} {refine} {contact_law:?}: {spread:e}");
-                let pressures = solid.model().contact_pressures(&Instant::of(&state)).unwrap();
+                let pressures = solid.model().contacts().nodal_pressures(&Instant::of(&state)).unwrap();
                 for (x, found) in mesh.points().iter().zip(&pressures) {
                     let expected = if (x[up] - 1.0).abs() < 1e-12 { pressure } else { 0.0 };
                     assert!((found - expected).abs() < 1e-6 * pressure, "{kind} {refine}: {found} at {x:?}");

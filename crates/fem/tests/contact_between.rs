@@ -22,7 +22,7 @@ fn pressed(cells: usize, obstacle: &Obstacle, refine: Option<usize>) -> Outcome<
     let mut controls = solid.controls();
     controls.values_mut(0)[1] = -0.08;
     let state = solid.solve(&controls, &STRICT)?;
-    Ok(solid.model().touches(&Instant::of(&state)).remove(0).1)
+    Ok(solid.model().contacts().touches(&Instant::of(&state)).remove(0).1)
 }
 
 /// How deep the obstacle is between samples, as a share of how deep it is pressed.

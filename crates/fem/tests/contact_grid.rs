@@ -7,7 +7,9 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Contact, Inertia, Instant, Scheme, Solid, State, StepTo, TimeStep, Touch, Trajectory, Workspace};
+use nastic_fem::{
+    Contact, Inertia, Instant, Scheme, Solid, State, StepTo, TimeStep, TimeStepping, Touch, Trajectory, Workspace,
+};
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, box_mesh};
 use nastic_tensor::Vec3;
@@ -22,14 +24,14 @@ fn bowl() -> Outcome<Mesh> {
 }
 
 fn touch(solid: &Solid, state: &State) -> Touch {
-    solid.model().touches(&Instant::of(state)).into_iter().next().unwrap().1
+    solid.model().contacts().touches(&Instant::of(state)).into_iter().next().unwrap().1
 }
 
 /// With friction, at the end of a motion.
 fn last_touch(solid: &Solid, states: &[State]) -> Touch {
     let [before, end] = states.last_chunk().unwrap();
     let step = TimeStep::between(before, end);
-    solid.model().touches(&Instant::of(end).in_step(&step)).into_iter().next().unwrap().1
+    solid.model().contacts().touches(&Instant::of(end).in_step(&step)).into_iter().next().unwrap().1
 }
 
 fn positions(solid: &Solid, state: &State) -> Vec<[f64; 3]> {

@@ -7,8 +7,10 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::time::catalogue::SCHEMES;
-use nastic_fem::{Contact, Controls, Inertia, Instant, Scheme, Solid, State, StepTo, TimeStep, Trajectory, Workspace};
+use nastic_fem::schemes::SCHEMES;
+use nastic_fem::{
+    Contact, Controls, Inertia, Instant, Scheme, Solid, State, StepTo, TimeStep, TimeStepping, Trajectory, Workspace,
+};
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 use nastic_tensor::Vec3;

@@ -5,8 +5,8 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::time::catalogue::SCHEMES;
-use nastic_fem::{Contact, ContactLaw, Inertia, Solid, StateError};
+use nastic_fem::schemes::SCHEMES;
+use nastic_fem::{Contact, ContactLaw, Inertia, Solid, StateError, TimeStepping};
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 

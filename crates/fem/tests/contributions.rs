@@ -9,11 +9,11 @@ use common::block::STRICT;
 use common::own_contributions::{Oscillators, PUSH, Swirl, bar, oscillating, swirling};
 use common::{Outcome, largest, noise, regular};
 use nastic_energy::{NeoHooke, Slot};
-use nastic_fem::contributions::catalogue::CATALOGUE;
+use nastic_fem::catalogue::CATALOGUE;
 use nastic_fem::{
     Contribution, ContributionPoint, Controls, Demand, FemError, Inadmissible, Increment, Instant, Need, PathEnd,
     PathOptions, Scheme, SecondDerivativeError, SecondSensitivities, Sensitivities, Solid, SolveOptions, StateError,
-    StatePartials, StepTo, Sums, Trajectory, Workspace, check_contribution,
+    StatePartials, StepTo, Sums, TimeStepping, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_mesh::CellKind;

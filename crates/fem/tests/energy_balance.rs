@@ -10,8 +10,8 @@ use common::{Outcome, regular};
 use nalgebra::{Complex, DMatrix};
 use nastic_energy::{FiberTension, KelvinVoigt, MaxwellBranch, NeoHooke};
 use nastic_fem::{
-    Contact, Controls, EnergyBalance, EnergyLedger, Inertia, MovingSupport, Scheme, Solid, State, StepTo, Trajectory,
-    Workspace,
+    Contact, Controls, EnergyBalance, EnergyLedger, Inertia, MovingSupport, Scheme, Solid, State, StepTo, TimeStepping,
+    Trajectory, Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;

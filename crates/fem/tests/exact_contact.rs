@@ -24,7 +24,7 @@ fn exact(solid: &Solid, down: f64) -> Outcome<(Touch, Touch, ExactEquilibrium)> 
     controls.values_mut(0)[2] = -down;
     let layered = solid.solve(&controls, &STRICT)?;
     let found = solid.model().exact_contact(&layered, &STRICT, &mut Workspace::default())?;
-    let of = |model: &nastic_fem::Model, state| model.touches(&Instant::of(state)).remove(0).1;
+    let of = |model: &nastic_fem::Model, state| model.contacts().touches(&Instant::of(state)).remove(0).1;
     Ok((of(solid.model(), &layered), of(&found.model, &found.state), found))
 }
 
@@ -78,7 +78,7 @@ fn an_indentation_does_not_depend_on_the_layer() -> Outcome {
     for (thickness, stiffness) in [(3e-3, 10.0 * E), (1e-3, 100.0 * E), (3e-4, 100.0 * E)] {
         let (layered, touch, found) = exact(&indented(thickness, stiffness)?, DEPTH)?;
         assert!(touch.smallest_gap > -1e-6 * thickness, "{touch:?}");
-        let pressures = found.model.contact_pressures(&Instant::of(&found.state)).unwrap();
+        let pressures = found.model.contacts().nodal_pressures(&Instant::of(&found.state)).unwrap();
         let ball = Obstacle::sphere([0.0, 0.0, BALL[2] - DEPTH], 0.5);
         for (node, x) in found.model.discretization().mesh().points().iter().enumerate().filter(|(_, x)| x[2] > 0.999) {
             let place: [f64; 3] = std::array::from_fn(|i| x[i] + found.state.u[3 * node + i]);

@@ -7,10 +7,10 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, noise, regular};
 use nastic_energy::{FiberTension, NeoHooke, Slot};
-use nastic_fem::time::catalogue::SCHEMES;
+use nastic_fem::schemes::SCHEMES;
 use nastic_fem::{
     BeforeStep, Contribution, ContributionPoint, Controls, Demand, Inadmissible, Inertia, Instant, Need, Remembers,
-    Scheme, Sensitivities, Solid, StatePartials, StepTo, Sums, Trajectory, Workspace, check_contribution,
+    Scheme, Sensitivities, Solid, StatePartials, StepTo, Sums, TimeStepping, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::SparseMatrix;
 use nastic_mesh::CellKind;

@@ -66,7 +66,7 @@ fn lumped_masses_are_positive_and_sum_to_the_mass() -> Outcome {
 /// A cavity's lid changes the sparsity pattern that the mass was made on: same residual and tangent in either order.
 #[test]
 fn inertia_is_the_same_before_and_after_a_coupling() -> Outcome {
-    let rows = nastic_fem::contributions::catalogue::CATALOGUE;
+    let rows = nastic_fem::catalogue::CATALOGUE;
     let cup = (rows.iter().find(|row| row.name == "dead load").ok_or("no cup")?.example)()?;
     let inertia = || Inertia::new("body", DENSITY);
     let cavity = || Cavity::new("air", "inside").lid();

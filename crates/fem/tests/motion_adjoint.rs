@@ -11,7 +11,8 @@ use common::own_contributions::swirling;
 use common::{Outcome, noise};
 use nastic_energy::{FiberTension, KelvinVoigt, Magnet, MaxwellBranch, NeoHooke, Turgor};
 use nastic_fem::{
-    Cavity, Controls, Formulation, Inertia, Scheme, Solid, State, StatePartials, StepTo, Trajectory, Workspace,
+    Cavity, Controls, Formulation, Inertia, Scheme, Solid, State, StatePartials, StepTo, TimeStepping, Trajectory,
+    Workspace,
 };
 use nastic_mesh::{CellKind, Mesh, RawMesh, rectangle};
 use nastic_tensor::Vec3;

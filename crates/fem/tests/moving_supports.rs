@@ -9,7 +9,8 @@ use common::motion::schemes_with_moving_supports;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
-    Controls, Inertia, MovingSupport, Scheme, Solid, SolveOptions, State, StepTo, Tolerance, Trajectory, Workspace,
+    Controls, Inertia, MovingSupport, Scheme, Solid, SolveOptions, State, StepTo, TimeStepping, Tolerance, Trajectory,
+    Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;

@@ -10,7 +10,7 @@ use common::{Outcome, noise, regular};
 use nastic_energy::{FiberTension, KelvinVoigt, MaxwellBranch, NeoHooke};
 use nastic_fem::{
     Checkpoints, Controls, Inertia, MovingSupport, Recording, ReverseSweep, Scheme, Solid, State, StateError,
-    StatePartials, StepTo, Trajectory, Workspace,
+    StatePartials, StepTo, TimeStepping, Trajectory, Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;

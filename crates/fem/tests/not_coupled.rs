@@ -9,7 +9,7 @@ use common::block::STRICT;
 use common::own_contributions::bar;
 use nastic_fem::{
     Contribution, ContributionPoint, Controls, Demand, FemError, Inadmissible, Instant, Need, Scheme, Solid,
-    SolveOptions, Solver, StateError, StepTo, Sums, Tendon, Trajectory, Workspace, check_contribution,
+    SolveOptions, Solver, StateError, StepTo, Sums, Tendon, TimeStepping, Trajectory, Workspace, check_contribution,
 };
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_tensor::Vec3;

@@ -9,7 +9,7 @@ use common::{Outcome, distance, largest, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
     Feature, FemError, Foundation, Instant, MovingSupport, Scheme, Solid, SolveOptions, Solver, Spring, State, Tendon,
-    check_contribution,
+    TimeStepping, check_contribution,
 };
 use nastic_mesh::CellKind;
 

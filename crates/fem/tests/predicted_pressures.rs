@@ -11,7 +11,8 @@ use common::block::STRICT;
 use common::{Outcome, bending, distance, largest, regular};
 use nastic_energy::{FiberTension, NeoHooke, NeoHookeIsochoric};
 use nastic_fem::{
-    Formulation, Inertia, Scheme, Solid, SolveOptions, SolveReport, Solver, State, StepTo, Trajectory, Workspace,
+    Formulation, Inertia, Scheme, Solid, SolveOptions, SolveReport, Solver, State, StepTo, TimeStepping, Trajectory,
+    Workspace,
 };
 use nastic_linear::SolverFactory;
 use nastic_mesh::CellKind;

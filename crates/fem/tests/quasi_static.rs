@@ -7,7 +7,8 @@ use common::motion::{motion, oscillator, steps, uniform};
 use common::{Outcome, distance, largest, nodal, regular};
 use nastic_energy::{FiberTension, KelvinVoigt, MaxwellBranch, NeoHooke};
 use nastic_fem::{
-    Controls, Inertia, Instant, Scheme, Solid, SolveOptions, State, StateError, StepTo, Trajectory, Workspace,
+    Controls, Inertia, Instant, Scheme, Solid, SolveOptions, State, StateError, StepTo, TimeStepping, Trajectory,
+    Workspace,
 };
 use nastic_linear::LinearError;
 use nastic_mesh::CellKind;

@@ -9,10 +9,10 @@ use common::driven_motion::{DrivenMotion, Part, STEPS, Wanted, block};
 use common::motion::motion;
 use common::{Outcome, regular};
 use nastic_energy::{FiberTension, NeoHooke};
-use nastic_fem::time::catalogue::SCHEMES;
+use nastic_fem::schemes::SCHEMES;
 use nastic_fem::{
     Cavity, Contact, Controls, Feature, Inertia, Instant, RigidBody, Scheme, Solid, Solver, State, StepTo,
-    SurfaceContact, Tendon, Trajectory, Workspace,
+    SurfaceContact, Tendon, TimeStepping, Trajectory, Workspace,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, RawMesh};
@@ -263,7 +263,7 @@ fn rests(floor: f64) -> Outcome {
         .contact(wall("back", "y+", [0.0, 1.005, 0.0], -Vec3::y()))?
         .rigid(&RigidBody::new("block", "body"))?;
     let state = solid.solve(&solid.controls(), &STRICT)?;
-    let touches = solid.model().touches(&Instant::of(&state));
+    let touches = solid.model().contacts().touches(&Instant::of(&state));
     let up = touches.iter().find(|(name, _)| name == "floor").unwrap().1.force[2];
     assert!((up / 20.0 - 1.0).abs() < 1e-8, "{up}");
     Ok(())
@@ -353,7 +353,7 @@ fn a_rigid_block_falls_on_a_soft_one() -> Outcome {
     let end = run.end();
     let hard = solid.mesh().region("hard")?.to_vec();
     assert!(strain(solid.mesh(), &hard, &end.u) < 1e-10);
-    let touches = solid.model().touches(&Instant::of(end));
+    let touches = solid.model().contacts().touches(&Instant::of(end));
     let up = touches.iter().find(|(name, _)| name == "floor").unwrap().1.force[1];
     assert!((up / 60.0 - 1.0).abs() < 2e-3, "{up}");
     Ok(())

@@ -49,7 +49,7 @@ fn closed(solid: &Solid, by: f64) -> Result<State, StateError> {
 }
 
 fn force(solid: &Solid, state: &State, name: &str) -> Outcome<[f64; 3]> {
-    let all = solid.model().touches(&Instant::of(state));
+    let all = solid.model().contacts().touches(&Instant::of(state));
     Ok(all.into_iter().find(|(own, _)| own == name).ok_or("no such contact")?.1.force)
 }
 
@@ -67,6 +67,7 @@ fn a_rigid_disc_lies_on_a_floor_and_between_pads() -> Outcome {
         assert!(((up + grip[1]) / (WEIGHT * area) - 1.0).abs() < 1e-6, "{up} and {grip:?}");
         let pressed = solid
             .model()
+            .contacts()
             .touches(&Instant::of(&state))
             .into_iter()
             .any(|(name, touch)| name == "grip" && touch.pressing > 1.0);

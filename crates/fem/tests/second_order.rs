@@ -7,10 +7,10 @@ use crate::common;
 use common::block::STRICT;
 use common::own_contributions::{bar, swirling};
 use common::{Outcome, largest, noise};
-use nastic_fem::contributions::catalogue::CATALOGUE;
+use nastic_fem::catalogue::CATALOGUE;
 use nastic_fem::{
     Contribution, ContributionPoint, Controls, Demand, Inadmissible, Increment, Instant, Need, SecondDerivativeError,
-    SecondOrder, Solid, SolveOptions, State, StateError, StatePartials, Sums, Trajectory, Workspace,
+    SecondOrder, Solid, SolveOptions, State, StateError, StatePartials, Sums, TimeStepping, Trajectory, Workspace,
     check_contribution,
 };
 use nastic_linear::SparseMatrix;

@@ -9,7 +9,8 @@ use common::{Outcome, distance, nodal, regular};
 use nalgebra::{DMatrix, DVector};
 use nastic_energy::{MaxwellBranch, NeoHooke};
 use nastic_fem::{
-    Demand, Inertia, Instant, Scheme, Solid, State, StateError, StatePartials, StepTo, Trajectory, Workspace,
+    Demand, Inertia, Instant, Scheme, Solid, State, StateError, StatePartials, StepTo, TimeStepping, Trajectory,
+    Workspace,
 };
 use nastic_linear::LinearError;
 use nastic_mesh::CellKind;

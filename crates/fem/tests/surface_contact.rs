@@ -9,7 +9,7 @@ use common::{Outcome, cut, largest, noise, regular};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{
     ContactLaw, Demand, FemError, Inertia, Instant, Scheme, Solid, SolveOptions, State, StateError, StepTo,
-    SurfaceContact, Trajectory, Workspace,
+    SurfaceContact, TimeStepping, Trajectory, Workspace,
 };
 use nastic_mesh::spatial::Shape;
 use nastic_mesh::{CellKind, Mesh};
@@ -138,7 +138,7 @@ fn what_is_told_is_what_acts() -> Outcome {
     let u: Vec<f64> = (0..solid.rest().u.len()).map(|i| 0.006 * noise(i)).collect();
     let controls = solid.controls();
     let (model, mesh) = (solid.model(), solid.mesh());
-    let (_, touch) = model.touches(&Instant::new(&u, &controls, 1.0)).remove(0);
+    let (_, touch) = model.contacts().touches(&Instant::new(&u, &controls, 1.0)).remove(0);
     let at_stiffness = |factor: f64| {
         let mut controls = controls.clone();
         controls.values_mut(0)[0] *= factor;
@@ -153,7 +153,7 @@ fn what_is_told_is_what_acts() -> Outcome {
         assert!((on_lower - touch.force[i]).abs() < 1e-10 * touch.pressing, "{i}: {on_lower} {}", touch.force[i]);
     }
     let by = |p: f64| [p * p, 2.0 * p];
-    let pressing = |u: &[f64]| model.pressing(&Instant::new(u, &controls, 1.0), "between", &by).unwrap();
+    let pressing = |u: &[f64]| model.contacts().pressing(&Instant::new(u, &controls, 1.0), "between", &by).unwrap();
     let found = pressing(&u)?;
     let along: f64 = found.by_u.iter().map(|by| by * by).sum::<f64>().sqrt();
     let h = 1e-8;
@@ -163,7 +163,7 @@ fn what_is_told_is_what_acts() -> Outcome {
     assert!((by_differences / along - 1.0).abs() < 1e-4, "{by_differences} and {along}");
     let by_stiffness = found.by_controls.values(0)[0] * controls.values(0)[0];
     assert!((by_stiffness / (2.0 * found.value) - 1.0).abs() < 1e-12);
-    let pressures = model.contact_pressures(&Instant::new(&u, &controls, 1.0)).unwrap();
+    let pressures = model.contacts().nodal_pressures(&Instant::new(&u, &controls, 1.0)).unwrap();
     let largest = largest(&pressures);
     assert!(largest > 0.0 && largest <= touch.largest_pressure * (1.0 + 1e-12), "{largest}");
     Ok(())
@@ -306,7 +306,7 @@ fn a_surface_with_itself_is_two_with_each_other() -> Outcome {
     let u: Vec<f64> = (0..one.rest().u.len()).map(|i| 0.006 * noise(i)).collect();
     let controls = one.controls();
     let at = Instant::new(&u, &controls, 1.0);
-    let message = |solid: &Solid| solid.model().touches(&at).remove(0).1;
+    let message = |solid: &Solid| solid.model().contacts().touches(&at).remove(0).1;
     let (a, b) = (message(&two), message(&one));
     for (a, b) in [(a.pressing, b.pressing), (a.area, b.area), (a.largest_pressure, b.largest_pressure)] {
         assert!(a > 0.0 && (a / b - 1.0).abs() < 1e-12, "{a} {b}");

@@ -83,7 +83,7 @@ fn where_edges_would_meet_a_solve_says_so() -> Outcome {
     assert!(place[0].abs() < WIDTH && place[1].abs() < WIDTH && *distance < 0.1 * GAP, "{place:?}, {distance}");
     let (solid, state) = press(8)?.map_err(|error| error.to_string())?;
     assert!(!crosses(&solid, &state.u)?);
-    let touch = solid.model().touches(&Instant::of(&state)).remove(0).1;
+    let touch = solid.model().contacts().touches(&Instant::of(&state)).remove(0).1;
     // on the lower one, which the upper one presses down
     assert!(touch.force[2] < -10.0 && touch.smallest_gap > 0.0, "{touch:?}");
     Ok(())

@@ -8,10 +8,10 @@ use crate::surface_contact::blocks;
 use common::block::STRICT;
 use common::{Outcome, cut, noise, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::time::catalogue::SCHEMES;
+use nastic_fem::schemes::SCHEMES;
 use nastic_fem::{
     Contact, Controls, Demand, Inertia, Instant, MovingSupport, Scheme, Solid, State, StepTo, SurfaceContact, TimeStep,
-    Touch, Trajectory, Workspace,
+    TimeStepping, Touch, Trajectory, Workspace,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh};
@@ -38,7 +38,7 @@ fn step(solid: &Solid, u: Vec<f64>, velocity: Vec<f64>) -> (State, TimeStep) {
 }
 
 fn touch_at(solid: &Solid, at: &Instant, name: &str) -> Touch {
-    solid.model().touches(at).into_iter().find(|(own, _)| own == name).unwrap().1
+    solid.model().contacts().touches(at).into_iter().find(|(own, _)| own == name).unwrap().1
 }
 
 /// Forces and moments of friction cancel, and what is reported is what the first surface is pushed with.

@@ -8,7 +8,7 @@ use crate::common;
 use common::driven_motion::{DrivenMotion, Part, Wanted, block};
 use common::{Outcome, cut, regular};
 use nastic_energy::{FiberTension, NeoHooke};
-use nastic_fem::time::catalogue::SCHEMES;
+use nastic_fem::schemes::SCHEMES;
 use nastic_fem::{Controls, Inertia, Instant, MovingSupport, Solid, State, SurfaceContact, TimeStep, Trajectory};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
@@ -57,7 +57,7 @@ fn changes(solid: &Solid, trajectory: &Trajectory) -> bool {
     let pairs = trajectory.states().windows(2);
     let of_pair = |pair: &[State]| {
         let step = TimeStep::between(&pair[0], &pair[1]);
-        let (_, touch) = solid.model().touches(&Instant::of(&pair[1]).in_step(&step)).remove(0);
+        let (_, touch) = solid.model().contacts().touches(&Instant::of(&pair[1]).in_step(&step)).remove(0);
         (touch.area, touch.sliding.unwrap().sticking)
     };
     let all: Vec<(f64, f64)> = pairs.map(of_pair).collect();

@@ -6,7 +6,7 @@ use crate::common;
 use common::motion::{schemes, steps};
 use common::{Outcome, largest, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Demand, Inertia, Instant, Solid, SolveOptions, State, Trajectory, Workspace};
+use nastic_fem::{Demand, Inertia, Instant, Solid, SolveOptions, State, TimeStepping, Trajectory, Workspace};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::f64::consts::TAU;

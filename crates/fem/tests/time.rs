@@ -7,9 +7,10 @@ use common::block::STRICT;
 use common::motion::{motion, motion_by, oscillator, schemes, steps, uniform};
 use common::{Outcome, distance, largest, nodal, noise, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::time::catalogue::SCHEMES;
+use nastic_fem::schemes::SCHEMES;
 use nastic_fem::{
-    Inertia, Scheme, Solid, SolveOptions, Solver, SolverFactory, State, StateError, StepTo, Trajectory, Workspace,
+    Inertia, Scheme, Solid, SolveOptions, Solver, SolverFactory, State, StateError, StepTo, TimeStepping, Trajectory,
+    Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;

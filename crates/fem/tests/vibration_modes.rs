@@ -6,7 +6,7 @@ use common::beam::{loaded_cantilever, timoshenko};
 use common::block::STRICT;
 use common::{Outcome, largest, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Inertia, ModeKind, Solid, SolveOptions, Solver, State, StateError, VibrationMode};
+use nastic_fem::{Inertia, ModeKind, Solid, SolveOptions, Solver, State, StateError, TimeStepping, VibrationMode};
 use nastic_linear::LinearError;
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;

@@ -6,7 +6,7 @@ use common::block::STRICT;
 use common::motion::{schemes, steps};
 use common::{Outcome, regular};
 use nastic_energy::{FiberTension, KelvinVoigt, MaxwellBranch, NeoHooke};
-use nastic_fem::{Demand, Inertia, Instant, Scheme, Solid, State, StepTo, Trajectory, Workspace};
+use nastic_fem::{Demand, Inertia, Instant, Scheme, Solid, State, StepTo, TimeStepping, Trajectory, Workspace};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::sync::Arc;

@@ -2,7 +2,7 @@
 
 use nastic_control::{COSTS, CostForm, Counts, MOTION_COSTS};
 use nastic_energy::catalogue::{ActuationRow, MaterialRow, actuations, materials};
-use nastic_fem::contributions::catalogue::{CATALOGUE as CONTRIBUTIONS, Entry, Form};
+use nastic_fem::catalogue::{CATALOGUE as CONTRIBUTIONS, Entry, Form};
 
 /// The laws, actuations and costs that case files may name: the built-in ones, and those a program adds.
 ///

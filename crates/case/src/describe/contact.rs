@@ -19,12 +19,12 @@ pub fn contacts(problem: &CaseProblem) -> Vec<Line> {
     });
     let solid = problem.solid();
     let rest = solid.rest();
-    let gaps = solid.model().touches(&Instant::of(&rest));
+    let gaps = solid.model().contacts().touches(&Instant::of(&rest));
     let contact = |(name, parameters): (String, TouchParameters)| {
         let gap = gaps.iter().find(|(known, _)| *known == name).map(|(_, touch)| touch.smallest_gap);
         line("contact", format!("{name}: {}", shown(problem, &parameters, gap)))
     };
-    obstacles.chain(solid.model().touch_parameters().into_iter().map(contact)).collect()
+    obstacles.chain(solid.model().contacts().parameters().into_iter().map(contact)).collect()
 }
 
 fn moves(problem: &CaseProblem, obstacle: &Obstacle) -> String {

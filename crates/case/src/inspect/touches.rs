@@ -14,7 +14,7 @@ const BETWEEN: [f64; 2] = [0.1, 0.01];
 
 /// What the contacts of an equilibrium carry.
 pub fn of_state(member: CaseMember<'_>, state: &State) -> Vec<(String, Touch)> {
-    member.solid().model().touches(&Instant::of(state))
+    member.solid().model().contacts().touches(&Instant::of(state))
 }
 
 /// What is said of a contact that is pressed harder than its stiffness bears, at a place or an instant.
@@ -29,7 +29,7 @@ pub fn penetrated(member: CaseMember<'_>, name: &str, depth: f64, at: &str) -> W
 
 /// What the model gives of a contact, by its name.
 pub fn parameters(member: CaseMember<'_>, name: &str) -> Option<TouchParameters> {
-    let all = member.solid().model().touch_parameters();
+    let all = member.solid().model().contacts().parameters();
     all.into_iter().find(|(known, _)| known == name).map(|(_, parameters)| parameters)
 }
 

@@ -106,7 +106,7 @@ fn check_outside(
         return;
     }
     let (mesh, name) = (solid.mesh(), contact.name());
-    let layer = solid.model().touch_parameters().into_iter().find(|(own, _)| *own == name);
+    let layer = solid.model().contacts().parameters().into_iter().find(|(own, _)| *own == name);
     let depths = mesh.points().iter().map(|x| (-shape.distance(x), x));
     let (Some((depth, place)), Some((_, layer))) = (depths.max_by(|a, b| a.0.total_cmp(&b.0)), layer) else { return };
     if depth > layer.thickness {

@@ -47,7 +47,7 @@ pub(super) fn check(
     (shape, solid): (&Obstacle, &Solid),
     context: &mut Context<'_>,
 ) {
-    let layer = solid.model().touch_parameters().into_iter().find(|(own, _)| own == contact);
+    let layer = solid.model().contacts().parameters().into_iter().find(|(own, _)| own == contact);
     let (Obstacle::Grid(grid), Some((_, layer))) = (shape, layer) else { return };
     if grid.error() > layer.thickness {
         let unit = context.units.length().symbol;

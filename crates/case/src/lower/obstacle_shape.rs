@@ -68,7 +68,7 @@ pub fn has_moved(member: CaseMember<'_>) -> bool {
 
 /// The obstacles that may move, where they are in a state, as one mesh with a region for each.
 pub fn moved(member: CaseMember<'_>, state: &State) -> Option<Arc<Mesh>> {
-    let poses = member.solid().model().poses(&Instant::of(state));
+    let poses = member.solid().model().contacts().poses(&Instant::of(state));
     let mut raw = RawMesh::new("obstacles");
     for obstacle in member.case().obstacles.iter().filter(|obstacle| is_moved(member, obstacle)) {
         let (Some(pose), Some(mesh)) =

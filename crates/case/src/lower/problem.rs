@@ -6,7 +6,7 @@ use crate::lower::optimizer;
 use crate::lower::probe::LocatedProbe;
 use crate::warning::Warning;
 use nastic_control::{ControlBlock, Ensemble, EnsembleBlock, Metric};
-use nastic_fem::Solid;
+use nastic_fem::{Solid, TimeStepping};
 use nastic_language::quantity::Units;
 use nastic_language::schema::{Case, Unstable};
 use nastic_language::syntax::{At, Diagnostics, Document};

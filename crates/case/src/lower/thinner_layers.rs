@@ -15,7 +15,7 @@ impl CaseProblem {
     /// # Errors
     /// What is wrong with the case then: a load case or scenario that sets a thickness of its own, say.
     pub fn with_thinner_layers(&self, share: f64, cancel: Arc<AtomicBool>) -> Result<Self, Diagnostics> {
-        let known = self.solid().model().touch_parameters();
+        let known = self.solid().model().contacts().parameters();
         let mut settings = Vec::new();
         for (k, contact) in self.case.contact.iter().enumerate() {
             let name = contact.name();
@@ -26,8 +26,8 @@ impl CaseProblem {
         let found: Option<Vec<Vec<f64>>> = self.has_steps.then(|| self.members().filter_map(instants).collect());
         let thinner = Self::lower_through(self.document.with(&settings)?, cancel, &found.unwrap_or_default(), false)?;
         for (member, own) in thinner.members().zip(self.members()) {
-            let layers = own.solid().model().touch_parameters();
-            for ((name, thin), (_, layer)) in member.solid().model().touch_parameters().iter().zip(layers) {
+            let layers = own.solid().model().contacts().parameters();
+            for ((name, thin), (_, layer)) in member.solid().model().contacts().parameters().iter().zip(layers) {
                 let differs = |found: f64, wanted: f64| (found / wanted - 1.0).abs() > ROUNDING;
                 let what = match () {
                     () if differs(thin.thickness, share * layer.thickness) => "thickness",

@@ -4,7 +4,7 @@ use super::array::{self, Entity};
 use super::context::Context;
 use super::strides::{Course, width};
 use nastic_control::{Counts, Interpolation, Knots, MotionMemory, Reduced, Timeline, When};
-use nastic_fem::{Checkpoints, Solid, State};
+use nastic_fem::{Checkpoints, Solid, State, TimeStepping};
 use nastic_language::number::short;
 use nastic_language::schema;
 use nastic_language::schema::{Beginning, Case, InTime, KnotInterpolation, Time, VectorField, vector_at};

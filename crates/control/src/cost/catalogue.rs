@@ -158,14 +158,14 @@ fn orientation(on: &CostExample) -> ExampleCosts {
 
 /// Of every contact of the body: none where it touches nothing.
 fn contact_load(on: &CostExample, of: impl Fn(&str) -> ContactLoad) -> ExampleCosts {
-    let contacts = on.solid.model().touch_parameters();
+    let contacts = on.solid.model().contacts().parameters();
     contacts.iter().map(|(name, _)| of(name).weight(on.weight).bind(on.solid)).collect()
 }
 
 /// Its pressures, and along a direction that is no normal, of an obstacle.
 fn contact_force(on: &CostExample) -> ExampleCosts {
     let mut costs = contact_load(on, ContactLoad::force)?;
-    for (name, _) in on.solid.model().touch_parameters() {
+    for (name, _) in on.solid.model().contacts().parameters() {
         let direction = if on.solid.mesh().dim() == 2 { [0.3, -0.8, 0.0] } else { [0.3, 0.5, -0.8] };
         costs.extend(ContactResultant::along(&name, direction).weight(on.weight).bind(on.solid));
     }
@@ -174,7 +174,7 @@ fn contact_force(on: &CostExample) -> ExampleCosts {
 
 /// Of every contact with friction, which static bodies have none of.
 fn contact_slip(on: &CostExample) -> ExampleCosts {
-    let contacts = on.solid.model().touch_parameters();
+    let contacts = on.solid.model().contacts().parameters();
     let rubs = contacts.iter().filter(|(_, own)| own.friction.is_some());
     rubs.map(|(name, _)| ContactSlip::of(name, 2).weight(on.weight).bind(on.solid)).collect()
 }

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// ```
 ///
 /// over the samples s of area w_s (A all of the surface) and pressure p_s; the power mean is never above the largest pressure, and between surfaces of bodies
-/// goes over the places and pressures of [`Model::pressures`](nastic_fem::Model::pressures). Depends on the displacement, on the pose of the obstacle and on the stiffness. Units: N (N/m in plane strain), Pa. First derivatives alone.
+/// goes over the places and pressures of [`Contacts::pressures`](nastic_fem::Contacts::pressures). Depends on the displacement, on the pose of the obstacle and on the stiffness. Units: N (N/m in plane strain), Pa. First derivatives alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactLoad {
     contact: String,
@@ -113,7 +113,7 @@ impl IntoCost for ContactLoad {
 /// # Errors
 /// There is none of that name.
 pub(super) fn contact_of(cost: &str, solid: &Solid, contact: &str) -> Result<TouchParameters, ControlError> {
-    let known = solid.model().touch_parameters();
+    let known = solid.model().contacts().parameters();
     if let Some((_, own)) = known.iter().find(|(own, _)| *own == contact) {
         return Ok(*own);
     }
@@ -156,8 +156,8 @@ impl Cost for OnBody {
         let (instant, model) = (Instant::new(at.u, &controls, 1.0), at.solid.model());
         let gone = || ControlError::Cost { what: format!("{}: no contact \"{}\"", self.name, self.of.contact) };
         let (name, most) = (&self.of.contact, Cell::new(0.0_f64));
-        let of_force = model.pressing(&instant, name, &|p| [p, 1.0]).ok_or_else(gone)??;
-        let pressures = |by: &dyn Fn(f64) -> [f64; 2]| model.pressures(&instant, name, by).ok_or_else(gone);
+        let of_force = model.contacts().pressing(&instant, name, &|p| [p, 1.0]).ok_or_else(gone)??;
+        let pressures = |by: &dyn Fn(f64) -> [f64; 2]| model.contacts().pressures(&instant, name, by).ok_or_else(gone);
         pressures(&|p| {
             most.set(most.get().max(p));
             [p, 0.0]

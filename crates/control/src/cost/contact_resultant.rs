@@ -57,7 +57,7 @@ impl IntoCost for ContactResultant {
             ));
         }
         let direction = self.direction.map(|d| d / length);
-        if solid.model().resultant(&Instant::of(&solid.rest()), &self.contact, direction).is_none() {
+        if solid.model().contacts().resultant(&Instant::of(&solid.rest()), &self.contact, direction).is_none() {
             return refuse(format!(
                 "along a direction it is of a contact with an obstacle, and \"{}\" is between surfaces: leave the direction out",
                 self.contact
@@ -92,7 +92,7 @@ impl Cost for OnBody {
         // a state has the multipliers of rigid bodies behind its displacement, which velocities are as long as
         let instant = at.state.map_or_else(|| Instant::new(at.u, &controls, 1.0), Instant::of);
         let instant = step.as_ref().map_or(instant, |step| instant.in_step(step));
-        let found = at.solid.model().resultant(&instant, &self.of.contact, self.of.direction);
+        let found = at.solid.model().contacts().resultant(&instant, &self.of.contact, self.of.direction);
         let gone = || ControlError::Cost { what: format!("{NAME}: no contact \"{}\"", self.of.contact) };
         Ok(Arc::new(EvaluatedCost {
             sum: found.ok_or_else(gone)??,

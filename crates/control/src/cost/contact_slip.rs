@@ -91,7 +91,7 @@ impl OnBody {
         let instant = Instant::of(state).in_step(step);
         let of = &self.0;
         let gone = || ControlError::Cost { what: format!("{NAME}: no contact \"{}\" with friction", of.contact) };
-        let sum = |q: u32| at.solid.model().slipping(&instant, &of.contact, q).ok_or_else(gone);
+        let sum = |q: u32| at.solid.model().contacts().slipping(&instant, &of.contact, q).ok_or_else(gone);
         Ok([sum(of.exponent)??, sum(0)??])
     }
 }

@@ -138,7 +138,7 @@ impl Cost for OnBody {
                 "needs a scheme whose steps end at a stage: take backward_euler, bdf2, tr_bdf2, trapezoidal, newmark or quasi_static",
             );
         }
-        if solid.model().touch_parameters().iter().any(|(_, contact)| contact.friction.is_some()) {
+        if solid.model().contacts().parameters().iter().any(|(_, contact)| contact.friction.is_some()) {
             return refuse("with friction has no derivative here: leave \"friction\" out");
         }
         if scheme.is_quasi_static() {

@@ -4,7 +4,7 @@ use super::Reduced;
 use crate::error::ControlError;
 use crate::time::Interpolation;
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{AdaptiveReport, Controls, FemError, Tolerance};
+use nastic_fem::{AdaptiveReport, Controls, FemError, TimeStepping, Tolerance};
 
 /// The length of the first step, and of the first one behind a jump of a control, as a share of the whole time.
 const FIRST: f64 = 1e-3;

@@ -9,7 +9,9 @@ use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::time::{MotionObserver, StepUnderWay, TrajectoryContext};
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{Begin, Controls, Recording, SolveOptions, SolveReport, State, StateError, StepTo, Trajectory};
+use nastic_fem::{
+    Begin, Controls, Recording, SolveOptions, SolveReport, State, StateError, StepTo, TimeStepping, Trajectory,
+};
 use nastic_opt::Request;
 use std::sync::Arc;
 

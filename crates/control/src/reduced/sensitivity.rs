@@ -6,7 +6,7 @@ use crate::cost::Partials;
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{SolveOptions, StatePartials};
+use nastic_fem::{SolveOptions, StatePartials, TimeStepping};
 
 impl Reduced {
     /// Partial derivatives of the cost of a static problem (all terms, or one of them); of a body over ranks the share of this one, which all ranks

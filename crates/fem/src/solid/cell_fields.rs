@@ -1,14 +1,14 @@
 //! [`CellFields`]: J, stresses and energies of a state, averaged over cells.
 
 use super::Solid;
-use crate::contributions::body_energy::driving::Driving;
-use crate::error::Inadmissible;
-use crate::solution::state::State;
+use nastic_body::body_energy::driving::Driving;
+use nastic_body::error::Inadmissible;
+use nastic_body::state::State;
 use nastic_energy::{PointBatch, Response, Slots, Want};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
 /// Averages over the reference volume of each cell, in mesh order, of what its laws see and answer: F is that of the cell's
-/// [`Formulation`](crate::Formulation).
+/// [`Formulation`](nastic_body::body_energy::formulation::kind::Formulation).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellFields {
     /// det F.
@@ -63,7 +63,7 @@ impl Solid {
         Ok(disc.cell_average(&by_row(strains), 9))
     }
 
-    /// Cauchy stress by node, actuations included, smoothed by [`Discretization::nodal_average`](crate::Discretization::nodal_average), row
+    /// Cauchy stress by node, actuations included, smoothed by [`Discretization::nodal_average`](nastic_body::discretization::Discretization::nodal_average), row
     /// by row (9 per node).
     ///
     /// # Errors

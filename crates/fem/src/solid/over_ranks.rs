@@ -1,9 +1,9 @@
 //! A [`Solid`] that is the part of one rank.
 
 use super::Solid;
-use crate::discretization::Discretization;
-use crate::discretization::parted::Parted;
-use crate::error::FemError;
+use nastic_body::discretization::Discretization;
+use nastic_body::discretization::parted::Parted;
+use nastic_body::error::FemError;
 use nastic_mesh::{GroupNames, Mesh, Part};
 use nastic_team::Team;
 use std::collections::BTreeSet;
@@ -14,7 +14,7 @@ impl Solid {
     /// same body, and call what solves together; groups of the mesh may have nothing on some of them.
     ///
     /// Solves and adjoints are for equilibria of laws and actuations, dead loads, supports that are held or moved, and
-    /// [contributions that say so](crate::Contribution::spans_ranks); all else is refused, also formulations over patches of cells that
+    /// [contributions that say so](nastic_body::contribution::Contribution::spans_ranks); all else is refused, also formulations over patches of cells that
     /// parts [cut](Mesh::with_whole_patches). It needs a [solver](Self::solver) that spans ranks. Vectors are in the numbers of the part: `u` is whole, [`nodal_force`](Self::nodal_force) and the derivatives by controls that a rank finds are its share of a sum.
     ///
     /// # Errors

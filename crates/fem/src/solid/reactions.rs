@@ -1,9 +1,10 @@
 //! The forces of supports, of equilibria and in motions.
 
 use super::Solid;
-use crate::contributions::{Demand, Instant, TimeStep};
-use crate::error::Inadmissible;
-use crate::solution::state::State;
+use nastic_body::contribution::Demand;
+use nastic_body::error::Inadmissible;
+use nastic_body::instant::{Instant, TimeStep};
+use nastic_body::state::State;
 
 impl Solid {
     /// The forces that every support, those that move too, exerts on the body: the sum over what it holds, D, of
@@ -49,7 +50,7 @@ impl Solid {
     }
 
     /// The forces that the supports exert on the body, node by node (zero in components that no support holds), in three components: their
-    /// sums over the nodes of a support are [`Supports::reactions`](crate::Supports::reactions).
+    /// sums over the nodes of a support are [`Supports::reactions`](nastic_body::discretization::supports::Supports::reactions).
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.

@@ -1,16 +1,16 @@
-//! What a [`Solid`] answers: states, adjoints, pivots and modes of its [`Model`](crate::Model).
+//! What a [`Solid`] answers: states, adjoints, pivots and modes of its [`Model`](nastic_equilibrium::model::Model).
 
 use super::Solid;
-use crate::adjoint::Adjoint;
-use crate::contributions::Controls;
-use crate::error::StateError;
-use crate::solution::modes::Modes;
-use crate::solution::options::SolveOptions;
-use crate::solution::state::State;
-use crate::solution::workspace::Workspace;
+use nastic_body::controls::Controls;
+use nastic_body::error::StateError;
+use nastic_body::state::State;
+use nastic_equilibrium::adjoint::Adjoint;
+use nastic_equilibrium::linear_systems::workspace::Workspace;
+use nastic_equilibrium::search::options::SolveOptions;
+use nastic_equilibrium::stability::modes::Modes;
 
 impl Solid {
-    /// [`Model::solve`](crate::Model::solve).
+    /// [`Model::solve`](nastic_equilibrium::model::Model::solve).
     ///
     /// # Errors
     /// As there.
@@ -18,7 +18,7 @@ impl Solid {
         self.model.solve(controls, how)
     }
 
-    /// [`Model::solve_with`](crate::Model::solve_with).
+    /// [`Model::solve_with`](nastic_equilibrium::model::Model::solve_with).
     ///
     /// # Errors
     /// As there.
@@ -31,7 +31,7 @@ impl Solid {
         self.model.solve_with(controls, how, workspace)
     }
 
-    /// [`Model::adjoint`](crate::Model::adjoint).
+    /// [`Model::adjoint`](nastic_equilibrium::model::Model::adjoint).
     ///
     /// # Errors
     /// As there.
@@ -39,7 +39,7 @@ impl Solid {
         self.model.adjoint(state, rhs, how)
     }
 
-    /// [`Model::adjoint_with`](crate::Model::adjoint_with).
+    /// [`Model::adjoint_with`](nastic_equilibrium::model::Model::adjoint_with).
     ///
     /// # Errors
     /// As there.
@@ -53,7 +53,7 @@ impl Solid {
         self.model.adjoint_with(state, rhs, how, workspace)
     }
 
-    /// [`Model::negative_pivots`](crate::Model::negative_pivots).
+    /// [`Model::negative_pivots`](nastic_equilibrium::model::Model::negative_pivots).
     ///
     /// # Errors
     /// As there.
@@ -61,7 +61,7 @@ impl Solid {
         self.model.negative_pivots(state)
     }
 
-    /// [`Model::negative_pivots_by`](crate::Model::negative_pivots_by).
+    /// [`Model::negative_pivots_by`](nastic_equilibrium::model::Model::negative_pivots_by).
     ///
     /// # Errors
     /// As there.
@@ -69,7 +69,7 @@ impl Solid {
         self.model.negative_pivots_by(state, how)
     }
 
-    /// [`Model::modes`](crate::Model::modes).
+    /// [`Model::modes`](nastic_equilibrium::model::Model::modes).
     ///
     /// # Errors
     /// As there.
@@ -77,7 +77,7 @@ impl Solid {
         self.model.modes(state, count, how)
     }
 
-    /// [`Model::rest`](crate::Model::rest), and with the designs of controls [`Model::rest_under`](crate::Model::rest_under).
+    /// [`Model::rest`](nastic_equilibrium::model::Model::rest), and with the designs of controls [`Model::rest_under`](nastic_equilibrium::model::Model::rest_under).
     pub fn rest(&self) -> State {
         self.model.rest()
     }

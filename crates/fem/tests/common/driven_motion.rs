@@ -2,7 +2,7 @@
 
 use super::block::STRICT;
 use super::{Outcome, noise};
-use nastic_fem::{Controls, Scheme, Solid, State, StatePartials, StepTo, Trajectory, Workspace};
+use nastic_fem::{Controls, Scheme, Solid, State, StatePartials, StepTo, TimeStepping, Trajectory, Workspace};
 
 pub const H: f64 = 0.1;
 pub const STEPS: usize = 24;

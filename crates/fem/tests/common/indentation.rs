@@ -135,8 +135,8 @@ impl Indentation {
 
     fn carried(&self, model: &Model, state: &State) -> Carried {
         let at = Instant::of(state);
-        let pressures = model.contact_pressures(&at).unwrap_or_default();
-        let touches: Vec<Touch> = model.touches(&at).into_iter().map(|(_, touch)| touch).collect();
+        let pressures = model.contacts().nodal_pressures(&at).unwrap_or_default();
+        let touches: Vec<Touch> = model.contacts().touches(&at).into_iter().map(|(_, touch)| touch).collect();
         let mut radius = [0.0, f64::INFINITY];
         for (x, p) in model.discretization().mesh().points().iter().zip(pressures) {
             let r = (0..self.dim - 1).map(|i| x[i] * x[i]).sum::<f64>().sqrt();

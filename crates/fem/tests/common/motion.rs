@@ -2,8 +2,8 @@
 
 use super::{Outcome, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::time::catalogue::SCHEMES;
-use nastic_fem::{Scheme, Solid, SolveOptions, State, StepTo, Trajectory, Workspace};
+use nastic_fem::schemes::SCHEMES;
+use nastic_fem::{Scheme, Solid, SolveOptions, State, StepTo, TimeStepping, Trajectory, Workspace};
 use nastic_mesh::CellKind;
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use super::half_space::HalfSpace;
 use nastic_energy::NeoHooke;
-use nastic_fem::{Contact, Controls, Formulation, Instant, Scheme, Solid, SolveOptions, State, StepTo};
+use nastic_fem::{Contact, Controls, Formulation, Instant, Scheme, Solid, SolveOptions, State, StepTo, TimeStepping};
 use nastic_fem::{TimeStep, Trajectory, Workspace};
 use nastic_mesh::spatial::Obstacle;
 use std::f64::consts::PI;
@@ -79,8 +79,8 @@ impl Sheared {
     fn at(&self, solid: &Solid, before: &State, now: &State) -> Outcome<Instants> {
         let step = TimeStep::between(before, now);
         let instant = Instant::of(now).in_step(&step);
-        let touch = solid.model().touches(&instant).remove(0).1;
-        let pressures = solid.model().contact_pressures(&instant).unwrap_or_default();
+        let touch = solid.model().contacts().touches(&instant).remove(0).1;
+        let pressures = solid.model().contacts().nodal_pressures(&instant).unwrap_or_default();
         let speed = ALONG / (f64::from(STEPS[1]) * STEP);
         let mut found = [0.0_f64, f64::INFINITY];
         for (node, x) in solid.mesh().points().iter().enumerate().filter(|(node, _)| pressures[*node] > 0.0) {

@@ -11,7 +11,7 @@ use crate::schema::time_table::TimeTable;
 use crate::schema::value::{Vector, described_text};
 use crate::syntax::{At, Node, Property};
 use nastic_energy::catalogue::ActuationRow;
-use nastic_fem::contributions::catalogue::{Form, FormValues, KeyKind};
+use nastic_fem::catalogue::{Form, FormValues, KeyKind};
 use nastic_mesh::GroupNames;
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;

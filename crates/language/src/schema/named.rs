@@ -5,7 +5,7 @@ use crate::schema::json::Definitions;
 use crate::schema::read::{Choice, Read, Reader};
 use crate::syntax::{At, Node};
 use nastic_fem::Scheme;
-use nastic_fem::time::catalogue::{Entry, SCHEMES};
+use nastic_fem::schemes::{Entry, SCHEMES};
 use nastic_mesh::CellKind;
 use nastic_opt::CATALOGUE;
 use serde_json::Value as Json;

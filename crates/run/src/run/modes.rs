@@ -13,7 +13,7 @@ use crate::run::solve::equilibrium::report;
 use crate::run::solve::modes::with_fields;
 use nastic_case::lower::CaseMember;
 use nastic_control::{ControlError, EnsembleWorkspace, StateFields};
-use nastic_fem::{ModalDamping, ModeKind, SolveOptions, State, VibrationMode};
+use nastic_fem::{ModalDamping, ModeKind, SolveOptions, State, TimeStepping, VibrationMode};
 use nastic_language::number::{quantity, short};
 use nastic_language::quantity::{Dimension, Units};
 use nastic_language::schema::Beginning;

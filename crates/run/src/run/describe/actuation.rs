@@ -3,7 +3,7 @@
 use crate::run::describe::parameters::law;
 use nastic_case::describe::{Line, catalogue_of, line, parameters, scalar, vector_field};
 use nastic_case::lower::CaseProblem;
-use nastic_fem::contributions::catalogue::{FormValues, Key, KeyKind};
+use nastic_fem::catalogue::{FormValues, Key, KeyKind};
 use nastic_fem::{BodyEnergy, BodyPoint};
 use nastic_language::expression::dimension_of;
 use nastic_language::number::quantity;

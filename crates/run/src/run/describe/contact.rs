@@ -20,5 +20,5 @@ pub(super) fn records(problem: &CaseProblem) -> Vec<ContactRecord> {
             lagged: of.lagged,
         }
     };
-    problem.member(0).solid().model().touch_parameters().into_iter().map(of).collect()
+    problem.member(0).solid().model().contacts().parameters().into_iter().map(of).collect()
 }

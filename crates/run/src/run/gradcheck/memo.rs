@@ -164,13 +164,13 @@ fn onsets(ensemble: &Ensemble, point: &EnsemblePoint) -> Onsets {
     for (member, at) in ensemble.members().iter().zip(&point.members) {
         let (problem, mut before) = (member.problem(), None::<State>);
         let model = problem.solid().model();
-        if model.touch_parameters().is_empty() {
+        if model.contacts().parameters().is_empty() {
             continue;
         }
         let each = &mut |_: usize, state: &State| {
             let step = before.as_ref().map(|before| TimeStep::between(before, state));
             let instant = Instant::of(state);
-            let found = model.onsets(&step.as_ref().map_or(instant, |step| instant.in_step(step)));
+            let found = model.contacts().onsets(&step.as_ref().map_or(instant, |step| instant.in_step(step)));
             all.states.extend(found.states);
             all.near += found.near;
             before = Some(state.clone());

@@ -43,8 +43,8 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
     let model = member.solid().model();
     let found = model.exact_contact(at.state(), &how, &mut Workspace::default());
     let found = found.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
-    let layered = model.touches(&Instant::of(at.state()));
-    let touches = found.model.touches(&Instant::of(&found.state));
+    let layered = model.contacts().touches(&Instant::of(at.state()));
+    let touches = found.model.contacts().touches(&Instant::of(&found.state));
     let units = member.problem().units();
     let moved = found.state.u.iter().zip(at.state().u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let inside = member.inside();
@@ -74,7 +74,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
     let mut files = Vec::new();
     if let Some(out) = &session.out {
         let shot = snapshot::iterate(member, &StateFields::new(&found.state, &at.m))?;
-        let pressures = found.model.contact_pressures(&Instant::of(&found.state)).unwrap_or_default();
+        let pressures = found.model.contacts().nodal_pressures(&Instant::of(&found.state)).unwrap_or_default();
         out.write_vtu(&name, &shot.with_points("contact_pressure", 1, pressures).map_err(ControlError::from)?)?;
         files.push(name);
     }

@@ -49,7 +49,7 @@ fn touches((member, at): (CaseMember<'_>, &Evaluated)) -> Vec<(String, Touch)> {
         _ => None,
     };
     let instant = Instant::of(at.state());
-    member.solid().model().touches(&step.as_ref().map_or(instant, |step| instant.in_step(step)))
+    member.solid().model().contacts().touches(&step.as_ref().map_or(instant, |step| instant.in_step(step)))
 }
 
 /// Says what halving the layers changes in a member.

@@ -1,0 +1,83 @@
+//! The changes of volume that nearly incompressible laws see, by quadrature points.
+
+use crate::body_energy::BodyEnergy;
+use crate::error::Inadmissible;
+use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::{CellWork, sweep};
+use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
+use crate::kernels::patch::Patch;
+use nastic_tensor::{Kinematics, Mat3};
+
+/// What is asked of the determinant that laws see: `J`, or its projection `Jbar`.
+#[derive(Clone, Copy)]
+pub enum Dilatation<'a> {
+    /// Itself.
+    Value,
+    /// Its change along a displacement.
+    Change(&'a [f64]),
+    /// The second derivative of the passive energy by it, times the weight of the point.
+    Stiffness,
+}
+
+impl BodyEnergy {
+    /// That at every quadrature point of a displaced body; zero on cells whose changes of volume do not stand out.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the displacement is.
+    pub fn dilatations(&self, to: Displaced, what: Dilatation, parallel: bool) -> Result<Vec<f64>, Inadmissible> {
+        let mut all = vec![0.0; self.disc.points().len()];
+        for (cells, patches) in self.groups() {
+            sweep(&At { body: self, cells, to, what }, patches, parallel, |patch, found| {
+                if !found.is_empty() {
+                    cells.put(patch, found, &mut all);
+                }
+            })?;
+        }
+        Ok(all)
+    }
+}
+
+struct At<'a> {
+    body: &'a BodyEnergy,
+    cells: Cells<'a>,
+    to: Displaced<'a>,
+    what: Dilatation<'a>,
+}
+
+impl CellWork for At<'_> {
+    type Answer = Vec<f64>;
+    type Error = Inadmissible;
+
+    fn cells(&self) -> Cells<'_> {
+        self.cells
+    }
+
+    fn room(&self) -> (Vec<f64>, usize) {
+        (Vec::new(), self.cells.part.table.points)
+    }
+
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, found: &mut Vec<f64>) -> Result<(), Inadmissible> {
+        found.clear();
+        let (body, cells) = (self.body, self.cells);
+        if body.stiff_share(cells, patch).is_none() {
+            return Ok(());
+        }
+        body.kinematics(cells, patch, self.to, scratch)?;
+        match self.what {
+            Dilatation::Value => found.extend(scratch.kinematics.iter().map(Kinematics::j)),
+            Dilatation::Stiffness => {
+                *found = body.volume_stiffness(cells, patch, scratch);
+                found.iter_mut().zip(&scratch.weights).for_each(|(stiffness, w)| *stiffness *= w);
+            }
+            Dilatation::Change(along) => {
+                let formulation = body.arithmetic_of(cells.first(patch));
+                scratch.change_by(cells, patch, along);
+                let of_point = |(at, change): (&Kinematics, &Mat3)| at.h().dot(change);
+                let own: Vec<f64> = formulation.own(scratch).iter().zip(&scratch.change).map(of_point).collect();
+                *found = formulation.projected(scratch, &own).unwrap_or(own);
+            }
+        }
+        Ok(())
+    }
+}

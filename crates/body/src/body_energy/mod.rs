@@ -1,0 +1,386 @@
+//! [`BodyEnergy`]: the energy of a body, `int W(F) dX` summed over laws and actuations.
+
+use crate::contribution::point::{ContributionPoint, Need};
+use crate::contribution::{Contribution, Sums};
+use crate::controls::Controls;
+use crate::discretization::Discretization;
+use crate::error::{FemError, Inadmissible, InvertedAt};
+use crate::history::History;
+use crate::instant::Instant;
+use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
+use crate::kernels::patch::{Patch, Patches};
+use crate::structure::TangentStructure;
+use assembly::Terms;
+use driving::Driving;
+use evaluated::EvaluatedBody;
+use formulation::Formulation;
+use nastic_energy::{Actuation, EnergyTerm, Outside, PointBatch, Slot};
+use nastic_linear::SparseMatrix;
+use nastic_mesh::GroupNames;
+use nastic_tensor::Kinematics;
+use std::sync::Arc;
+
+pub(crate) mod assembly;
+mod bulk_over_shear;
+mod control_product;
+mod control_vjp;
+pub mod dilatations;
+pub mod driving;
+pub mod evaluated;
+pub mod excess_tension;
+pub mod formulation;
+pub mod hexahedra_products;
+pub(crate) mod history;
+pub mod max_step;
+mod moduli;
+pub mod point_peaks;
+pub mod point_strains;
+pub(crate) mod pressure_change;
+mod second_order;
+mod tangent_product;
+pub(crate) mod tensions;
+pub mod volume_modes;
+
+/// The energy of a body: passive materials and actuations, each over some of the cells.
+///
+/// The total is the plain sum of what the terms give at every quadrature point; nothing here knows any law.
+#[derive(Debug, Clone)]
+pub struct BodyEnergy {
+    disc: Arc<Discretization>,
+    structure: Arc<TangentStructure>,
+    /// Passive laws.
+    pub terms: Vec<Arc<dyn EnergyTerm>>,
+    /// Actuations, in the order of the first blocks of [`Controls`].
+    pub actuations: Vec<AttachedActuation>,
+    /// The distinct sets of terms, and which one each cell has.
+    pub compositions: Vec<Composition>,
+    /// Index of the set of terms of each cell.
+    pub of_cell: Vec<u32>,
+    /// By group of cells, those that their formulation takes together.
+    patches: Arc<Vec<Patches>>,
+}
+
+/// An actuation by name and place.
+#[derive(Debug, Clone)]
+pub struct AttachedActuation {
+    /// Name, unique in the body.
+    pub name: String,
+    /// The law.
+    pub law: Arc<dyn Actuation>,
+    /// The regions it acts on.
+    pub regions: GroupNames,
+    /// Their cells.
+    pub cells: Vec<u32>,
+}
+
+impl AttachedActuation {
+    /// Its slots that are controls: none of a viscous law, whose slots are internal variables.
+    pub fn controlled_slots(&self) -> &[Slot] {
+        if self.law.evolution().is_some() { &[] } else { self.law.slots() }
+    }
+}
+
+/// A set of terms that acts on cells: indices into those of the body.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Composition {
+    /// Passive laws.
+    pub terms: Vec<usize>,
+    /// Actuations.
+    pub actuations: Vec<usize>,
+    /// None chosen: the standard one.
+    pub formulation: Option<Formulation>,
+}
+
+impl BodyEnergy {
+    /// Without terms.
+    pub fn new(disc: Arc<Discretization>) -> Self {
+        let of_cell = vec![0; disc.mesh().cells()];
+        let patches = Arc::new(disc.points().parts.iter().map(Patches::of_single_cells).collect());
+        let compositions = vec![Composition::default()];
+        let structure = disc.of_cells().clone();
+        BodyEnergy { disc, structure, terms: vec![], actuations: vec![], compositions, of_cell, patches }
+    }
+
+    /// Changes to a structure of tangents in which more nodes are coupled.
+    ///
+    /// # Errors
+    /// [`FemError::Structure`] where it does not couple what the formulations of the cells couple.
+    pub fn set_structure(&mut self, structure: Arc<TangentStructure>) -> Result<(), FemError> {
+        let patch = |cell: u32| self.is_in_patch(cell).then(|| self.disc.patches()[cell as usize]);
+        let of_group = |group| Patches::new(group, patch, &structure);
+        let patches = self.disc.points().parts.iter().map(of_group).collect::<Result<_, _>>()?;
+        self.patches = Arc::new(patches);
+        self.structure = structure;
+        Ok(())
+    }
+
+    /// The structure of tangents that it is added to.
+    pub fn structure(&self) -> &Arc<TangentStructure> {
+        &self.structure
+    }
+
+    /// The cells by kind, with the patches that their formulations take together.
+    pub(crate) fn groups(&self) -> impl Iterator<Item = (Cells<'_>, &Patches)> {
+        self.patches.iter().enumerate().filter_map(|(p, patches)| Some((Cells::of(&self.disc, p)?, patches)))
+    }
+
+    /// The discretisation.
+    pub fn discretization(&self) -> &Arc<Discretization> {
+        &self.disc
+    }
+
+    /// The actuations in the order of [`Controls`].
+    pub fn actuations(&self) -> &[AttachedActuation] {
+        &self.actuations
+    }
+
+    /// The passive terms acting on a cell.
+    pub fn materials_of(&self, cell: usize) -> impl Iterator<Item = &Arc<dyn EnergyTerm>> {
+        self.compositions[self.of_cell[cell] as usize].terms.iter().map(|&t| &self.terms[t])
+    }
+
+    /// Controls of this body at rest: loads zero, designs as their actuations say.
+    pub fn controls(&self) -> Controls {
+        let points = self.disc.points().len();
+        let mut controls = Controls::zeros(self.actuations.iter().map(|a| (a.controlled_slots().len(), points)));
+        for (k, attached) in self.actuations.iter().enumerate() {
+            let slots = attached.law.slots();
+            for (slot, _) in slots.iter().enumerate().filter(|(_, slot)| slot.is_design()) {
+                let values = controls.values_mut(k);
+                self.places(k).for_each(|at| values[at.point * slots.len() + slot] = attached.law.rest(at, slot));
+            }
+        }
+        controls
+    }
+
+    /// Whether a law with parameters as slots is a material of a cell.
+    fn has_parametrised(&self, cell: usize) -> bool {
+        self.composition_of(cell).actuations.iter().any(|&k| self.actuations[k].law.is_material())
+    }
+
+    pub(crate) fn composition_of(&self, cell: usize) -> &Composition {
+        &self.compositions[self.of_cell[cell] as usize]
+    }
+
+    /// Whether an actuation acts on a cell of a patch.
+    fn is_actuated(&self, cells: Cells, patch: Patch) -> bool {
+        patch.cells.iter().any(|&c| {
+            let cell = cells.part.cells[c as usize] as usize;
+            !self.composition_of(cell).actuations.is_empty()
+        })
+    }
+
+    /// Adds a passive law on cells.
+    ///
+    /// # Errors
+    /// A field of the law that does not fit the mesh.
+    pub fn add_term(&mut self, cells: &[u32], term: Arc<dyn EnergyTerm>) -> Result<(), FemError> {
+        term.check(self.disc.mesh().cells(), self.disc.points().len())?;
+        self.terms.push(term);
+        let new = self.terms.len() - 1;
+        self.extend(cells, |composition| composition.terms.push(new));
+        Ok(())
+    }
+
+    /// Attaches an actuation.
+    ///
+    /// # Errors
+    /// A field of the law that does not fit the mesh.
+    pub fn add_actuation(&mut self, attached: AttachedActuation) -> Result<(), FemError> {
+        attached.law.check(self.disc.mesh().cells(), self.disc.points().len())?;
+        let new = self.actuations.len();
+        let cells = attached.cells.clone();
+        self.actuations.push(attached);
+        self.extend(&cells, |composition| composition.actuations.push(new));
+        Ok(())
+    }
+
+    /// The same without energies in some cells.
+    pub fn without(&self, cells: &[u32]) -> Self {
+        let mut left = self.clone();
+        if !cells.is_empty() {
+            left.extend(cells, |composition| {
+                composition.terms.clear();
+                composition.actuations.clear();
+            });
+        }
+        left
+    }
+
+    fn extend(&mut self, cells: &[u32], change: impl Fn(&mut Composition)) {
+        let (mut all, mut own) = (vec![0; self.compositions.len()], vec![0; self.compositions.len()]);
+        self.of_cell.iter().for_each(|&old| all[old as usize] += 1);
+        cells.iter().for_each(|&cell| own[self.of_cell[cell as usize] as usize] += 1);
+        // one that no cell keeps is changed where it is, so that there are never more than kinds of cells
+        let mut left: Vec<bool> = (0..all.len()).map(|old| own[old] > 0 && own[old] == all[old]).collect();
+        let mut becomes: Vec<u32> = (0..all.len() as u32).collect();
+        for old in (0..all.len()).filter(|old| own[*old] > 0) {
+            let mut wanted = self.compositions[old].clone();
+            change(&mut wanted);
+            let is_there = |k: &usize| !left.get(*k).is_some_and(|left| *left) && self.compositions[*k] == wanted;
+            let known = (0..self.compositions.len()).rev().find(is_there);
+            becomes[old] = match known {
+                Some(known) => known,
+                None if left[old] => {
+                    (self.compositions[old], left[old]) = (wanted, false);
+                    old
+                }
+                None => {
+                    self.compositions.push(wanted);
+                    self.compositions.len() - 1
+                }
+            } as u32;
+        }
+        for &cell in cells {
+            let of_cell = &mut self.of_cell[cell as usize];
+            *of_cell = becomes[*of_cell as usize];
+        }
+    }
+
+    /// Every cell needs a passive material.
+    pub fn check_complete(&self) -> Result<(), FemError> {
+        let bare = |&cell: &usize| self.materials_of(cell).next().is_none() && !self.has_parametrised(cell);
+        let Some(first) = (0..self.of_cell.len()).find(bare) else { return Ok(()) };
+        let mesh = self.disc.mesh();
+        let regions = mesh.regions().keys().cloned().collect::<Vec<_>>().join(", ");
+        let count = (0..self.of_cell.len()).filter(bare).count();
+        Err(FemError::NoMaterial { mesh: mesh.name().to_owned(), count, first, regions })
+    }
+
+    /// Shape gradients and kinematics of a displaced patch, into the scratch: none that is inverted or beyond the
+    /// domain of a law.
+    fn kinematics(&self, cells: Cells, patch: Patch, to: Displaced, scratch: &mut Scratch) -> Result<(), Inadmissible> {
+        self.arithmetic_of(cells.first(patch)).kinematics(&self.disc, cells, patch, to, scratch)?;
+        cells.batches(patch, &scratch.kinematics).try_for_each(|(_, at)| self.check_domain(&at))
+    }
+
+    /// Refuses what is beyond the domain of a law of the cell, passive or an actuation.
+    pub fn check_domain(&self, at: &PointBatch) -> Result<(), Inadmissible> {
+        self.check_domain_of_materials(at)?;
+        let acting = &self.compositions[self.of_cell[at.cell] as usize].actuations;
+        acting.iter().try_for_each(|&k| self.actuations[k].law.check_domain(at).map_err(|outside| beyond(at, outside)))
+    }
+
+    /// Refuses what is beyond the domain of a passive law of the cell.
+    fn check_domain_of_materials(&self, at: &PointBatch) -> Result<(), Inadmissible> {
+        self.materials_of(at.cell).try_for_each(|law| law.check_domain(at).map_err(|outside| beyond(at, outside)))
+    }
+
+    /// Energy alone, or energy and internal force, with relaxed viscous laws (`Model::evaluate` knows those of a state).
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn evaluate(&self, u: &[f64], controls: &Controls, force: bool, parallel: bool) -> Result<Sums, Inadmissible> {
+        let mut sums = Sums::zero(if force { self.disc.dofs() } else { 0 });
+        let terms = Terms { energy: true, force, tangent: false };
+        assembly::add(self, (Displaced::by(u), Driving::relaxed(controls)), terms, (&mut sums, None, None), parallel)?;
+        Ok(sums)
+    }
+
+    /// Energy, internal force, and the tangent added to `tangent` (supports not yet eliminated).
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn evaluate_tangent(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        tangent: &mut SparseMatrix,
+        parallel: bool,
+    ) -> Result<Sums, Inadmissible> {
+        let mut sums = Sums::zero(self.disc.dofs());
+        let terms = Terms { energy: true, force: true, tangent: true };
+        assembly::add(
+            self,
+            (Displaced::by(u), Driving::relaxed(controls)),
+            terms,
+            (&mut sums, Some(tangent), None),
+            parallel,
+        )?;
+        Ok(sums)
+    }
+
+    /// The tangent alone, added to `tangent`: the bits of [`evaluate_tangent`](Self::evaluate_tangent) for less.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn add_tangent(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        tangent: &mut SparseMatrix,
+        parallel: bool,
+    ) -> Result<(), Inadmissible> {
+        let terms = Terms { energy: false, force: false, tangent: true };
+        assembly::add(
+            self,
+            (Displaced::by(u), Driving::relaxed(controls)),
+            terms,
+            (&mut Sums::zero(0), Some(tangent), None),
+            parallel,
+        )
+    }
+
+    /// The longest step `s <= 1` from u along du on which no point loses more than nine tenths of its volume.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where J <= 0 at u itself.
+    pub fn max_step(&self, u: &[f64], du: &[f64], parallel: bool) -> Result<f64, Inadmissible> {
+        max_step::max_step(self, Displaced::by(u), du, parallel)
+    }
+
+    /// `out = K(u, m) v`, the product with the tangent of [`evaluate_tangent`](Self::evaluate_tangent) (supports not
+    /// eliminated) for which no matrix is assembled: at every point the change of stress `dP/dF : grad v`, spread like a
+    /// stress. `v` and `out` are flat, `dim` per node. The same bits for any number of threads.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn tangent_product(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        v: &[f64],
+        out: &mut [f64],
+        parallel: bool,
+    ) -> Result<(), Inadmissible> {
+        out.fill(0.0);
+        tangent_product::add(self, (Displaced::by(u), Driving::relaxed(controls)), v, out, parallel)
+    }
+
+    /// Derivative of the body's virtual work with respect to the controls at the points: for every actuation,
+    /// `int (dP/dm_k) : grad lambda dX` split by point, shape `[points][slots]`; weights included.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn control_vjp(
+        &self,
+        u: &[f64],
+        controls: &Controls,
+        lambda: &[f64],
+        parallel: bool,
+    ) -> Result<Controls, Inadmissible> {
+        let mut out = self.controls().zeroed();
+        let (at, mut none) = ((Displaced::by(u), Driving::relaxed(controls)), History::default());
+        control_vjp::add(self, at, lambda, (&mut out, &mut none), parallel)?;
+        Ok(out)
+    }
+}
+
+/// What a law says of a point of its cell. The number of the point is the law's own: it may be none of the cell's.
+fn beyond(at: &PointBatch, outside: Outside) -> Inadmissible {
+    let jacobian = at.kinematics.get(outside.point).map_or(f64::NAN, Kinematics::j);
+    let at = InvertedAt { cell: at.cell, point: outside.point, jacobian };
+    Inadmissible::OutsideDomain { at, outside }
+}
+
+impl Contribution for BodyEnergy {
+    fn name(&self) -> &str {
+        "body energy"
+    }
+
+    fn at<'a>(&'a self, _: &Instant, need: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(EvaluatedBody::new(self, need)))
+    }
+}

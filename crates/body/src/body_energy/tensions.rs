@@ -1,0 +1,119 @@
+//! Fibre tensions against what the laws bear: the limit of one family, of all families on its cells, and tensions beyond.
+
+use super::excess_tension::ExcessTension;
+use super::{BodyEnergy, Composition};
+use crate::controls::Controls;
+use nastic_energy::{MaterialPoint, TensionBound};
+use nastic_tensor::{Mat3, Vec3};
+
+/// Tensions beyond the bound by rounding alone are within it.
+const ROUNDING: f64 = 1e-9;
+
+impl BodyEnergy {
+    /// The smallest convexity bound on the tension of one family alone over its cells' points, Pa: with it and no other the survey's
+    /// existence theorem covers the case. `None` if the laws state no bound.
+    ///
+    /// Source: survey, Prop. 1.
+    pub fn fiber_limit(&self, actuation: usize) -> Option<f64> {
+        self.least(actuation, |body, at| {
+            let a = body.actuations[actuation].law.direction(at)?;
+            Some(body.tension_bound(at)?.along(&a))
+        })
+    }
+
+    /// The largest tension, Pa, that one family and all others on its cells may have at once: the smallest over its points of
+    /// `1 / lambda_max(B^(-1/2) S B^(-1/2))` with `S = sum_k a_k (x) a_k`, of an isotropic law `limit / lambda_max(S)`. That of
+    /// [`fiber_limit`](Self::fiber_limit) where it is alone, and where all are orthogonal; half of it beside a parallel one.
+    pub fn joint_fiber_limit(&self, actuation: usize) -> Option<f64> {
+        self.least(actuation, |body, at| {
+            body.actuations[actuation].law.direction(at)?;
+            let families: Vec<_> = body.families(at).map(|(_, a)| (a, 1.0)).collect();
+            Some(largest_multiple(&body.tension_bound(at)?, &families))
+        })
+    }
+
+    /// Names of the other families of fibres, those whose control is a tension, on cells of an actuation; in the order of the body.
+    pub fn families_beside(&self, actuation: usize) -> Vec<&str> {
+        let meets = |k: usize| {
+            let both = |composition: &Composition| [actuation, k].iter().all(|n| composition.actuations.contains(n));
+            k != actuation && self.compositions.iter().any(both) && self.is_family(k)
+        };
+        let others = (0..self.actuations.len()).filter(|k| meets(*k));
+        others.map(|k| self.actuations[k].name.as_str()).collect()
+    }
+
+    /// The tensions beyond what the laws bear; `None` where all are borne, or where the laws state no bound.
+    pub fn excess_tension(&self, controls: &Controls) -> Option<ExcessTension> {
+        let lengthens = |k: usize| controls.values(k).iter().any(|m| *m > 0.0);
+        let driven: Vec<usize> = (0..self.actuations.len()).filter(|&k| self.is_family(k) && lengthens(k)).collect();
+        let mut worst: Option<(f64, MaterialPoint)> = None;
+        for at in driven.iter().flat_map(|&k| self.places(k)) {
+            let Some(bound) = self.tension_bound(at) else { continue };
+            let families: Vec<_> = self.families(at).map(|(k, a)| (a, controls.values(k)[at.point])).collect();
+            let multiple = largest_multiple(&bound, &families);
+            if multiple < 1.0 - ROUNDING && worst.is_none_or(|(least, _)| multiple < least) {
+                worst = Some((multiple, at));
+            }
+        }
+        let (multiple, at) = worst?;
+        let mut tensions: Vec<(String, f64)> = self
+            .families(at)
+            .map(|(k, _)| (self.actuations[k].name.clone(), controls.values(k)[at.point]))
+            .filter(|(_, tension)| *tension > 0.0)
+            .collect();
+        let largest = (0..tensions.len()).reduce(|most, k| if tensions[k].1 > tensions[most].1 { k } else { most })?;
+        let (actuation, tension) = tensions.remove(largest);
+        Some(ExcessTension { actuation, tension, limit: multiple * tension, beside: tensions })
+    }
+
+    /// The least value over the points of an actuation; `None` where one of them has none.
+    fn least(&self, actuation: usize, of: impl Fn(&Self, MaterialPoint) -> Option<f64>) -> Option<f64> {
+        self.actuations.get(actuation)?;
+        let mut least: Option<f64> = None;
+        for at in self.places(actuation) {
+            let here = of(self, at)?;
+            least = Some(least.map_or(here, |l| l.min(here)));
+        }
+        least
+    }
+
+    /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none, as one does whose
+    /// parameters are slots.
+    fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
+        if self.has_parametrised(at.cell) {
+            return None;
+        }
+        let mut bounds = self.materials_of(at.cell).map(|law| law.fiber_bound(at));
+        let first = bounds.next()??;
+        bounds.try_fold(first, |sum, next| Some(sum + next?))
+    }
+
+    /// The families of fibres on a cell whose control is a tension: number and unit vector.
+    fn families(&self, at: MaterialPoint) -> impl Iterator<Item = (usize, Vec3)> {
+        let here = self.compositions[self.of_cell[at.cell] as usize].actuations.iter();
+        let scalar = here.filter(|&&k| self.actuations[k].law.slots().len() == 1);
+        scalar.filter_map(move |&k| Some((k, self.actuations[k].law.direction(at)?)))
+    }
+
+    fn is_family(&self, actuation: usize) -> bool {
+        let law = &self.actuations[actuation].law;
+        law.slots().len() == 1 && self.places(actuation).next().is_some_and(|at| law.direction(at).is_some())
+    }
+
+    pub(crate) fn places(&self, actuation: usize) -> impl Iterator<Item = MaterialPoint> {
+        let points = self.disc.points_of_cells();
+        self.actuations[actuation].cells.iter().flat_map(move |&cell| {
+            let (first, count) = points[cell as usize];
+            (first..first + count).map(move |point| MaterialPoint { cell: cell as usize, point })
+        })
+    }
+}
+
+/// The largest s for which the tensions `s m_k` along `a_k` are borne; that of one family without the rounding of eigenvalues.
+fn largest_multiple(bound: &TensionBound, families: &[(Vec3, f64)]) -> f64 {
+    if let [(a, tension)] = families {
+        return if *tension > 0.0 { bound.along(a) / tension } else { f64::INFINITY };
+    }
+    let sum = |t: Mat3, (a, tension): &(Vec3, f64)| t + a * a.transpose() * *tension;
+    bound.largest_multiple(&families.iter().fold(Mat3::zeros(), sum))
+}

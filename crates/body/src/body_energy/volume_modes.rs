@@ -1,0 +1,172 @@
+//! The changes of volume that a nearly incompressible body resists, for linear solvers.
+
+use crate::body_energy::BodyEnergy;
+use crate::error::Inadmissible;
+use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::{CellWork, sweep};
+use crate::kernels::cells::Cells;
+use crate::kernels::displaced::Displaced;
+use crate::kernels::patch::Patch;
+use nastic_energy::{EnergyTerm, Response, Slots, Want};
+use nastic_linear::VolumeModes;
+use nastic_tensor::{Kinematics, Mat3, Tangent};
+
+/// Ratio of bulk to shear modulus from which on a cell's changes of volume stand out, and the one that is left beside them.
+pub const STANDS_OUT: f64 = 30.0;
+/// The ratio that is left beside them.
+pub const LEFT: f64 = 8.0;
+
+impl BodyEnergy {
+    /// Those of the cells whose formulation gives them few and whose passive laws resist them much, at a displacement: for a mode of the projection
+    /// of J the rows of its change, and with the passive energy W of `Fbar`
+    ///
+    /// ```text
+    /// c = min over the points of d^2 W / d(Jbar)^2 = (Fbar : A : Fbar / d^2 + P : Fbar (1 - d) / d^2) / Jbar^2,   A = dP/dF at Fbar
+    /// ```
+    ///
+    /// less the share that leaves the rest of the tangent a bulk modulus of eight times the shear modulus. `None` where there are none. Changes of volume
+    /// that a solution is expected to have, by quadrature point, become those of the modes.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the displacement is.
+    pub fn volume_modes(
+        &self,
+        to: Displaced,
+        (fixed, expected): (&[bool], Option<&[f64]>),
+        parallel: bool,
+    ) -> Result<Option<VolumeModes>, Inadmissible> {
+        let (mut modes, mut changes) = (VolumeModes::none(self.disc.dim()), Vec::new());
+        for (cells, patches) in self.groups() {
+            let projects = |&cell: &u32| !self.arithmetic_of(cell as usize).is_affine();
+            if !cells.part.cells.iter().any(projects) {
+                continue;
+            }
+            sweep(&Modes { body: self, cells, to, expected }, patches, parallel, |_, found| {
+                if !found.modes.is_empty() {
+                    modes.push(&found.nodes, &found.modes, found.stiffness);
+                    changes.extend_from_slice(&found.expected);
+                }
+            })?;
+        }
+        if expected.is_some() {
+            modes = modes.expecting(changes);
+        }
+        Ok((!modes.is_empty()).then(|| modes.supported(fixed)))
+    }
+
+    /// `sum_i phi_i v_i` at every quadrature point, of numbers by volume mode; zero where there are none.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where the displacement is.
+    pub fn volume_modes_at_points(
+        &self,
+        to: Displaced,
+        by_mode: &[f64],
+        parallel: bool,
+    ) -> Result<Vec<f64>, Inadmissible> {
+        let none = vec![0.0; self.disc.points().len()];
+        let (mut all, mut left) = (none.clone(), by_mode);
+        for (cells, patches) in self.groups() {
+            sweep(&Modes { body: self, cells, to, expected: Some(&none) }, patches, parallel, |patch, found| {
+                let (own, rest) = left.split_at(found.modes.len().min(left.len()));
+                left = rest;
+                let points = found.shapes.first().map_or(0, Vec::len);
+                let at = |q: usize| found.shapes.iter().zip(own).map(|(phi, v)| phi[q] * v).sum::<f64>();
+                if points > 0 {
+                    cells.put(patch, &(0..points).map(at).collect::<Vec<_>>(), &mut all);
+                }
+            })?;
+        }
+        Ok(all)
+    }
+}
+
+/// The modes of every patch.
+struct Modes<'a> {
+    body: &'a BodyEnergy,
+    cells: Cells<'a>,
+    to: Displaced<'a>,
+    /// Changes of volume by quadrature point.
+    expected: Option<&'a [f64]>,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Found {
+    nodes: Vec<u32>,
+    modes: Vec<Vec<f64>>,
+    stiffness: [f64; 2],
+    /// By mode, where changes are expected: of the solution, and its values at the points.
+    expected: Vec<f64>,
+    shapes: Vec<Vec<f64>>,
+}
+
+impl CellWork for Modes<'_> {
+    type Answer = Found;
+    type Error = Inadmissible;
+
+    fn cells(&self) -> Cells<'_> {
+        self.cells
+    }
+
+    fn room(&self) -> (Found, usize) {
+        (Found::default(), self.cells.row_length())
+    }
+
+    fn compute(&self, patch: Patch, scratch: &mut Scratch, found: &mut Found) -> Result<(), Inadmissible> {
+        found.modes.clear();
+        found.shapes.clear();
+        let (body, cells) = (self.body, self.cells);
+        let formulation = body.arithmetic_of(cells.first(patch));
+        if formulation.is_affine() {
+            return Ok(());
+        }
+        let Some(share) = body.stiff_share(cells, patch) else { return Ok(()) };
+        body.kinematics(cells, patch, self.to, scratch)?;
+        let stiffness = body.volume_stiffness(cells, patch, scratch).into_iter().fold(f64::INFINITY, f64::min);
+        if !stiffness.is_finite() || stiffness <= 0.0 {
+            return Ok(());
+        }
+        found.stiffness = [stiffness * share, stiffness * (1.0 - share)];
+        found.expected.clear();
+        if let Some(expected) = self.expected {
+            let changes = cells.taken(patch, expected);
+            let of_mode = |mode: &[f64]| {
+                let points = mode.iter().zip(&scratch.weights).zip(&changes);
+                points.map(|((phi, w), change)| w * phi * change).sum::<f64>()
+            };
+            found.expected.extend(scratch.dilatation.modes().map(of_mode));
+            found.shapes = scratch.dilatation.modes().map(<[f64]>::to_vec).collect();
+        }
+        (found.nodes, found.modes) = cells.summed_at_nodes(patch, &formulation.changes_of_modes(cells, patch, scratch));
+        Ok(())
+    }
+}
+
+impl BodyEnergy {
+    /// The share of its bulk modulus that makes the changes of volume of a patch stand out; `None` where they do not.
+    pub(super) fn stiff_share(&self, cells: Cells, patch: Patch) -> Option<f64> {
+        let ratio = self.ratio_of(cells.first(patch), cells.part.first_point(cells.number(patch)));
+        (ratio >= STANDS_OUT).then(|| 1.0 - LEFT / ratio)
+    }
+
+    /// The second derivative of the passive energy by the determinant that laws see, at the points of a patch that was moved to.
+    pub(super) fn volume_stiffness(&self, cells: Cells, patch: Patch, scratch: &mut Scratch) -> Vec<f64> {
+        let want = Want { energy: false, stress: true, tangent: true };
+        scratch.clear(want);
+        for (range, at) in cells.batches(patch, &scratch.kinematics) {
+            let stress = &mut scratch.stress[range.clone()];
+            let mut out = Response { energy: &mut [], stress, tangent: &mut scratch.tangent[range] };
+            for &t in &self.composition_of(at.cell).terms {
+                self.terms[t].respond(&at, Slots::none(), want, &mut out);
+            }
+        }
+        let d = cells.dim;
+        let of_point = |((kinematics, tangent), stress): ((&Kinematics, &Tangent), &Mat3)| {
+            let f = Mat3::from_fn(|i, k| if i < d && k < d { kinematics.f()[(i, k)] } else { 0.0 });
+            let dim = d as f64;
+            (f.dot(&tangent.apply(&f)) + (1.0 - dim) * stress.dot(&f)) / (dim * kinematics.j()).powi(2)
+        };
+        let points = scratch.kinematics.iter().zip(&scratch.tangent).zip(&scratch.stress);
+        points.map(of_point).collect()
+    }
+}

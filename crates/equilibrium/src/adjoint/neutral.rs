@@ -1,0 +1,120 @@
+//! Adjoints of equilibria that may roll or slide on.
+
+use super::inverted;
+use crate::linear_systems::saddle_point::SaddlePoint;
+use crate::linear_systems::tangent_systems::TangentSystems;
+use crate::linear_systems::workspace::Workspace;
+use crate::model::Model;
+use crate::nonlinear::anchor::Anchor;
+use crate::search::options::SolveOptions;
+use nastic_body::discretization::rigid_motions::FreeMotion;
+use nastic_body::error::{FemError, Inadmissible, StateError};
+use nastic_body::instant::Instant;
+use nastic_body::state::{SolveReport, State};
+use nastic_linear::solver::{Accuracy, Inertia};
+use nastic_numeric::vector::{axpy, sub};
+
+/// Times that what the anchor took is given back.
+const CORRECTIONS: usize = 2;
+/// Share of a right-hand side along free motions that is rounding.
+const ALONG: f64 = 1e-6;
+/// Below so many of the weakest anchor a stiffness is rounding.
+const NEUTRAL: f64 = 10.0;
+
+impl Model {
+    /// Rigid motions of an equilibrium under full loads that nothing resists to: neither what touches it, by the normals there, nor the tangent. What contact alone holds may roll or slide on so,
+    /// and rests where it came to.
+    ///
+    /// # Errors
+    /// As of [`negative_pivots`](Self::negative_pivots).
+    pub fn neutral_motion(&self, state: &State, how: &SolveOptions) -> Result<Option<FreeMotion>, StateError> {
+        let at = self.instant(state, None, how.parallel);
+        let Some(free) = self.loose(&at) else { return Ok(None) };
+        let mut workspace = Workspace::default();
+        let mut count = |factor: f64| {
+            self.count_anchored((&at, factor), state, how, &mut workspace).map(|counted| counted.negative)
+        };
+        Ok((count(-NEUTRAL)? > count(1.0)?).then_some(free))
+    }
+
+    /// What is free of an equilibrium that contact alone may hold.
+    pub(super) fn loose(&self, at: &Instant) -> Option<FreeMotion> {
+        if at.step.is_some() || !self.settles() { None } else { self.free_motion(at) }
+    }
+
+    /// The negative eigenvalues with so many of the weakest anchor.
+    pub(super) fn count_anchored(
+        &self,
+        (at, factor): (&Instant, f64),
+        state: &State,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<Inertia, StateError> {
+        let (system, _) = self.anchored(at, factor).map_err(|at| inverted(at, state))?;
+        let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
+        Ok(system.inertia(&mut systems, self.nodal(at.u), &mut SolveReport::default())?)
+    }
+
+    /// The system with so many of the weakest anchor, and these, by unknowns on nodes.
+    fn anchored(&self, at: &Instant, factor: f64) -> Result<(SaddlePoint, Vec<f64>), Inadmissible> {
+        let mut tangent = self.bordered_tangent(at)?;
+        let anchor = Anchor::new(self, &[], factor * Anchor::least(self, &tangent.matrix)).diagonal().to_vec();
+        tangent.matrix.add_diagonal(&anchor);
+        let mut system = SaddlePoint::new(self, tangent);
+        system.set_acting(&self.acting(at)?, false);
+        Ok((system, anchor))
+    }
+
+    /// `[K B; B^T 0] x = b` at an equilibrium of which nothing resists to some motions, so that K is singular (and symmetric, as it has a potential). With D the weakest anchor,
+    ///
+    /// ```text
+    /// (K + D) x_0 = b,    (K + D) x_k = b + D x_(k-1)
+    /// ```
+    ///
+    /// is wrong by `(D / (K + D))^(k+1)` where K is regular, and grows by the same `y = x_k - x_(k-1)` along free motions: D y is the part of b along them. Where that
+    /// does not vanish the derivative is not determined; what rounding left of it is taken out. The derivative is that of the equilibrium nearest to this one.
+    pub(super) fn solve_neutral(
+        &self,
+        (at, free): (&Instant, &FreeMotion),
+        rhs: &[&[f64]],
+        (state, accuracy): (&State, Accuracy),
+        systems: &mut TangentSystems,
+        report: &mut SolveReport,
+    ) -> Result<Vec<Vec<f64>>, StateError> {
+        let (system, anchor) = self.anchored(at, 1.0).map_err(|at| inverted(at, state))?;
+        let u = self.nodal(at.u);
+        system.prepare(systems, u, report)?;
+        let mut found = system.solve(systems, u, rhs, accuracy, report)?.0;
+        let mut before = found.clone();
+        for _ in 0..CORRECTIONS {
+            let add = |(x, b): (&Vec<f64>, &&[f64])| {
+                let mut with = self.held_by(&anchor, x);
+                with.iter_mut().zip(*b).for_each(|(with, b)| *with += b);
+                with
+            };
+            let corrected: Vec<Vec<f64>> = found.iter().zip(rhs).map(add).collect();
+            let columns: Vec<&[f64]> = corrected.iter().map(Vec::as_slice).collect();
+            before = std::mem::replace(&mut found, system.solve(systems, u, &columns, accuracy, report)?.0);
+        }
+        let (space, dofs) = (self.unknowns(), u.len());
+        for ((x, before), b) in found.iter_mut().zip(&before).zip(rhs) {
+            let growth = sub(x, before);
+            let along = space.norm(&self.held_by(&anchor, &growth)[..dofs]);
+            let share = along / space.norm(&b[..dofs]).max(f64::MIN_POSITIVE);
+            if share.is_nan() || share > ALONG {
+                let FreeMotion { count, what, example } = free.clone();
+                return Err(FemError::FreeDerivative { share, count, what, example }.into());
+            }
+            axpy(-((CORRECTIONS + 1) as f64), &growth, x);
+        }
+        Ok(found)
+    }
+
+    /// D x, of nodes that follow others on these.
+    fn held_by(&self, anchor: &[f64], x: &[f64]) -> Vec<f64> {
+        let mut force = vec![0.0; x.len()];
+        force.iter_mut().zip(anchor).zip(x).for_each(|((force, s), x)| *force = s * x);
+        self.supports.restrict(&mut force);
+        force
+    }
+}

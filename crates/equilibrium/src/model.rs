@@ -1,0 +1,478 @@
+//! [`Model`]: a discrete problem, the sum of contributions on supported unknowns.
+
+mod admissible;
+mod contacts;
+pub mod features;
+mod fields;
+mod held_forces;
+mod history;
+mod inequalities;
+mod mass;
+mod over_ranks;
+mod point;
+mod prescribed;
+mod products;
+mod rayleigh_damping;
+mod restricted;
+mod stored_energy;
+
+use crate::linear_systems::saddle_point::BorderedTangent;
+use nastic_body::body_energy::BodyEnergy;
+use nastic_body::body_energy::driving::Driving;
+use nastic_body::body_energy::point_strains::PointStrains;
+use nastic_body::contribution::constrains::Constrains;
+use nastic_body::contribution::point::{ContributionPoint, Need};
+use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
+use nastic_body::contribution::{Contribution, Demand, Sums};
+use nastic_body::controls::ControlPoint;
+use nastic_body::controls::Controls;
+use nastic_body::discretization::Discretization;
+use nastic_body::discretization::supports::Supports;
+use nastic_body::error::{Cause, FemError, Inadmissible, SecondDerivativeError};
+use nastic_body::instant::Instant;
+use nastic_body::structure::TangentStructure;
+use nastic_energy::Slot;
+use nastic_forces::dead_load::DeadLoad;
+use nastic_linear::{SolverFactory, Space, SparseMatrix, Symmetry};
+use nastic_mesh::{GroupNames, Polyline};
+use std::sync::Arc;
+
+pub use contacts::{ContactSum, Contacts, Pressing};
+pub use features::Feature;
+pub use fields::DISPLACEMENT;
+pub use point::ModelPoint;
+pub use stored_energy::StoredEnergy;
+
+/// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
+///
+/// Everything that solves (Newton's method, load steps, the adjoint) asks the model and knows none of its contributions.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Energy of the cells.
+    pub body: BodyEnergy,
+    /// What is held, and follows.
+    pub supports: Arc<Supports>,
+    /// Dead loads at load 1.
+    pub dead_load: DeadLoad,
+    /// All other contributions, in the order in which they were added.
+    pub others: Vec<Arc<dyn Contribution>>,
+    space: Arc<Space>,
+    /// What solves its tangent systems, if that was chosen.
+    pub chosen_solver: Option<&'static dyn SolverFactory>,
+}
+
+/// What can be controlled: an actuation of the body, or a contribution with slots of its own.
+#[derive(Debug, Clone, Copy)]
+pub struct Controllable<'a> {
+    /// Name of the actuation or contribution.
+    pub name: &'a str,
+    /// Its slots.
+    pub slots: &'a [Slot],
+    /// The regions it acts on; `None` of a contribution.
+    pub regions: Option<&'a GroupNames>,
+    /// Their cells; `None` of a contribution.
+    pub cells: Option<&'a [u32]>,
+    /// Size of what it acts on, where that is no set of cells.
+    pub measure: f64,
+    /// Its points, where it is a contribution with some.
+    pub points: &'a [ControlPoint],
+    /// Whether it holds unknowns of the body, and moves them.
+    pub holds: bool,
+    /// Another name of the first so many slots: what has the same one is controlled together.
+    pub shared: Option<(&'a str, usize)>,
+}
+
+impl Model {
+    /// The same model with other contributions in the place of some of its own, in their order.
+    pub(crate) fn replacing(&self, others: Vec<Option<Arc<dyn Contribution>>>) -> Self {
+        let own = self.others.iter().zip(others).map(|(own, other)| other.unwrap_or_else(|| own.clone()));
+        Model { others: own.collect(), ..self.clone() }
+    }
+
+    /// A body without materials, supports or loads.
+    pub fn new(disc: Arc<Discretization>) -> Self {
+        let (supports, dead_load) = (Arc::new(Supports::new(disc.mesh())), DeadLoad(Arc::new(vec![0.0; disc.dofs()])));
+        let space = Arc::new(fields::displacement_alone(&disc));
+        Model { body: BodyEnergy::new(disc), supports, dead_load, others: Vec::new(), space, chosen_solver: None }
+    }
+
+    /// Adds a contribution.
+    ///
+    /// # Errors
+    /// A name that is taken, couplings that do not fit the mesh.
+    pub fn add(&mut self, contribution: Arc<dyn Contribution>) -> Result<(), FemError> {
+        let name = contribution.name();
+        if !contribution.spans_ranks() {
+            self.refuse_ranks(&format!("\"{name}\""))?;
+        }
+        let mut taken =
+            self.body.actuations().iter().map(|a| a.name.as_str()).chain(self.others.iter().map(|c| c.name()));
+        if taken.any(|known| known == name) || [self.body.name(), self.dead_load.name()].contains(&name) {
+            let what = format!("there are two actuations or contributions named \"{name}\"; rename one");
+            return Err(FemError::Meaningless { what });
+        }
+        let space = self.space_with(contribution.as_ref())?;
+        let mut supports = self.supports.clone();
+        if let Some(tied) = contribution.tied() {
+            Arc::make_mut(&mut supports).tie(name, tied)?;
+        }
+        let structure = self.tangent_structure().with_couplings(&contribution.couplings())?;
+        let structure = structure.with_ties(supports.ties())?;
+        self.supports = supports;
+        if let Some(moved) = contribution.prescribes() {
+            Arc::make_mut(&mut self.supports).drive(name, &moved.unknowns())?;
+        }
+        self.body.set_structure(structure)?;
+        Arc::make_mut(&mut self.supports).widen(space.block());
+        self.space = Arc::new(space);
+        self.others.push(contribution);
+        Ok(())
+    }
+
+    /// The discretisation.
+    pub fn discretization(&self) -> &Arc<Discretization> {
+        self.body.discretization()
+    }
+
+    /// Which nodes are coupled in its tangents, but for pairs that change with the state.
+    pub fn tangent_structure(&self) -> &Arc<TangentStructure> {
+        self.body.structure()
+    }
+
+    /// Everything that can be controlled, in the order of the blocks of [`Controls`]; of internal variables, which nobody controls,
+    /// no slots.
+    pub fn controllable(&self) -> Vec<Controllable<'_>> {
+        let of_body = self.body.actuations().iter().map(|a| Controllable {
+            name: &a.name,
+            slots: a.controlled_slots(),
+            regions: Some(&a.regions),
+            cells: Some(&a.cells),
+            measure: 0.0,
+            points: &[],
+            holds: false,
+            shared: None,
+        });
+        let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| Controllable {
+            name: c.name(),
+            slots: c.slots(),
+            regions: None,
+            cells: None,
+            measure: c.measure(),
+            points: c.control_points(),
+            holds: c.prescribes().is_some(),
+            shared: c.shared_slots(),
+        });
+        of_body.chain(own).collect()
+    }
+
+    /// The controls without loads; designs stay as they are.
+    pub fn unactuated(&self, controls: &Controls) -> Controls {
+        self.taken_over(controls.clone(), &self.zero_controls(), |slot| !slot.is_design())
+    }
+
+    /// Controls with the designs of others.
+    pub(crate) fn with_designs(&self, controls: Controls, of: &Controls) -> Controls {
+        self.taken_over(controls, of, Slot::is_design)
+    }
+
+    /// Controls with the values of others in some slots.
+    fn taken_over(&self, mut controls: Controls, of: &Controls, which: impl Fn(&Slot) -> bool) -> Controls {
+        for (k, own) in self.controllable().iter().enumerate() {
+            let width = controls.slots(k);
+            for (slot, _) in own.slots.iter().enumerate().filter(|(_, slot)| which(slot)) {
+                let values = controls.values_mut(k).iter_mut().zip(of.values(k));
+                values.skip(slot).step_by(width).for_each(|(value, other)| *value = *other);
+            }
+        }
+        controls
+    }
+
+    /// Controls of this model at rest: loads zero, designs as their actuations and contributions say.
+    pub fn controls(&self) -> Controls {
+        let with_slots = || self.others.iter().filter(|c| !c.slots().is_empty());
+        let points = |c: &Arc<dyn Contribution>| c.control_points().len().max(1);
+        let mut own = Controls::zeros(with_slots().map(|c| (c.slots().len(), points(c))));
+        for (k, contribution) in with_slots().enumerate() {
+            let rest = contribution.slots().iter().map(Slot::rest).cycle();
+            own.values_mut(k).iter_mut().zip(rest).for_each(|(value, rest)| *value = rest);
+        }
+        self.body.controls().chain(own)
+    }
+
+    /// Controls of this model, all zero: changes of controls, derivatives by them.
+    pub fn zero_controls(&self) -> Controls {
+        self.controls().zeroed()
+    }
+
+    /// Whether all contributions have symmetric tangents.
+    pub fn symmetry(&self) -> Symmetry {
+        self.others.iter().map(|c| c.symmetry()).max().unwrap_or(Symmetry::Symmetric)
+    }
+
+    /// The name of a contribution beside the body that stores energy where its controls are zero, if there is one.
+    pub fn storing(&self) -> Option<&str> {
+        self.others.iter().find(|contribution| contribution.stores_energy()).map(|contribution| contribution.name())
+    }
+
+    /// Whether an equilibrium depends on the way there: with friction.
+    pub fn depends_on_path(&self) -> bool {
+        self.others.iter().any(|c| c.path_dependence().is_some())
+    }
+
+    /// Whether all contributions have a potential, those that depend on the path without their friction.
+    pub(crate) fn has_potential_without_friction(&self) -> bool {
+        self.others.iter().all(|c| c.has_potential() || c.path_dependence().is_some())
+    }
+
+    /// The largest ratio of bulk to shear modulus of the cells at rest, of their passive laws: how nearly incompressible the body is.
+    pub fn bulk_over_shear(&self) -> f64 {
+        -self.space.least(-self.body.bulk_over_shear())
+    }
+
+    /// Whether all contributions have a potential.
+    pub fn has_potential(&self) -> bool {
+        self.others.iter().all(|c| c.has_potential())
+    }
+
+    /// A zero matrix for the tangent.
+    pub fn matrix(&self) -> SparseMatrix {
+        SparseMatrix::with_symmetry(self.structure().pattern().clone(), self.symmetry())
+    }
+
+    /// A matrix of the pattern with nothing in it, where products stand for it.
+    pub(crate) fn matrix_without_values(&self) -> SparseMatrix {
+        SparseMatrix::without_values(self.structure().pattern().clone())
+    }
+
+    /// Energy alone, or energy and residual force.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn evaluate(&self, at: &Instant, demand: Demand) -> Result<Sums, Inadmissible> {
+        self.at(at, Need::Residual)?.evaluate(at, demand)
+    }
+
+    /// Adds the tangent, supports not eliminated.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        self.at(at, Need::Residual)?.add_tangent(at, tangent)
+    }
+
+    /// The tangent with the border of the constraints, supports not eliminated.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn bordered_tangent(&self, at: &Instant) -> Result<BorderedTangent, Inadmissible> {
+        self.at(at, Need::Residual)?.bordered_tangent(at)
+    }
+
+    /// Residual and tangent with strains of their own at the quadrature points of the body.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub(crate) fn add_with_point_strains(
+        &self,
+        at: &Instant,
+        strains: &PointStrains,
+        sums: &mut Sums,
+        tangent: &mut BorderedTangent,
+    ) -> Result<(), Inadmissible> {
+        let (u, driving) = (self.nodal(at.u), Driving::of(at));
+        self.body.add_with_point_strains((u, driving), strains, sums, &mut tangent.matrix, at.parallel)?;
+        let demand = Demand { energy: false, force: true };
+        self.dead_load.add_residual(&Instant { u, ..*at }, demand, sums)?;
+        self.each_other(at, |contribution, at| {
+            let point = contribution.at(at, Need::Derivatives)?;
+            point.add_residual(at, demand, sums)?;
+            tangent.add(contribution, &*point, at).map_err(|e| e.of(contribution.name()))
+        })
+    }
+
+    /// `lambda . dr/dp` by controls, velocity and acceleration.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn vjp(&self, at: &Instant, lambda: &[f64]) -> Result<Sensitivities, Inadmissible> {
+        self.at(at, Need::Residual)?.vjp(at, lambda)
+    }
+
+    /// `dr/dm v`: the change of the residual along a change of the controls.
+    ///
+    /// # Errors
+    /// [`SecondDerivativeError`]: J <= 0, or a contribution that does not give it.
+    pub fn control_product(&self, at: &Instant, v: &Controls) -> Result<Vec<f64>, SecondDerivativeError> {
+        self.at(at, Need::Residual)?.control_product(at, v)
+    }
+
+    /// The change of `K^T lambda` and of `lambda . dr/dm` along a change of displacement and controls.
+    ///
+    /// # Errors
+    /// [`SecondDerivativeError`]: J <= 0, or a term that does not give it.
+    pub fn second_vjp(
+        &self,
+        at: &Instant,
+        lambda: &[f64],
+        along: &Increment,
+    ) -> Result<SecondSensitivities, SecondDerivativeError> {
+        self.at(at, Need::Residual)?.second_vjp(at, lambda, along)
+    }
+
+    /// The unknowns on nodes among all: the displacement, where there is no further field.
+    pub fn nodal<'u>(&self, u: &'u [f64]) -> &'u [f64] {
+        &u[..u.len().min(self.space.nodal())]
+    }
+
+    /// Whether all constraints can be fulfilled under these controls.
+    pub(crate) fn check_constraints(&self, controls: &Controls) -> Result<(), FemError> {
+        let rest = vec![0.0; self.unknowns().len()];
+        self.each_other(&Instant::new(&rest, controls, 1.0), |contribution, at| {
+            contribution.constrains().map_or(Ok(()), |constraints| constraints.check(at))
+        })
+    }
+
+    /// A contribution by name, the index of its block of controls, that of its first multiplier, and that of its internal variables.
+    pub fn contribution(&self, name: &str) -> Option<(&dyn Contribution, usize, usize, usize)> {
+        let mut found: Option<(&dyn Contribution, usize, usize, usize)> = None;
+        let (mut block, mut scalar) = (self.body.actuations().len(), self.space.nodal());
+        for contribution in [&self.body as &dyn Contribution, &self.dead_load].into_iter().filter(|c| c.name() == name)
+        {
+            found = Some((contribution, 0, scalar, usize::MAX));
+        }
+        for (contribution, memory) in self.others.iter().zip(block..) {
+            if contribution.name() == name {
+                found = Some((contribution.as_ref(), block, scalar, memory));
+            }
+            scalar += count(contribution);
+            block += usize::from(!contribution.slots().is_empty());
+        }
+        found
+    }
+
+    /// Named numbers of every actuation and contribution that has some: its name, that of the number, value. Of an actuation it is the
+    /// largest value over its points (see [`BodyEnergy::point_peaks`]).
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where a contribution needs J > 0.
+    pub fn quantities(&self, at: &Instant) -> Result<Vec<(String, &'static str, f64)>, Inadmissible> {
+        let peaks = self.body.point_peaks(&self.displacement(at.u), at.controls)?;
+        let mut all: Vec<_> = peaks.into_iter().map(|peak| (peak.actuation, peak.quantity.name, peak.value)).collect();
+        self.each_other(at, |contribution, at| {
+            let own = contribution.quantities(at);
+            all.extend(own.into_iter().map(|(name, value)| (contribution.name().to_owned(), name, value)));
+            Ok::<(), Inadmissible>(())
+        })?;
+        Ok(all)
+    }
+
+    /// What contributions show of themselves beside the body.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where a contribution needs J > 0.
+    pub fn lines(&self, at: &Instant) -> Result<Vec<Polyline>, Inadmissible> {
+        let mut all = Vec::new();
+        self.each_other(at, |contribution, at| {
+            all.extend(contribution.lines(at));
+            Ok::<(), Inadmissible>(())
+        })?;
+        Ok(all)
+    }
+
+    /// What a contribution says may be the reason, where no equilibrium was found.
+    pub(crate) fn suspect(&self, at: &Instant) -> Option<Cause> {
+        let ask = |contribution: &dyn Contribution, at: &Instant| contribution.suspect(at).map_or(Ok(()), Err);
+        self.each_other(at, ask).err()
+    }
+
+    /// Calls with every contribution beside the body, in a fixed order, and where it is evaluated.
+    pub fn each_other<E>(
+        &self,
+        at: &Instant,
+        mut call: impl FnMut(&dyn Contribution, &Instant) -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.others.iter().zip(self.instants(at)).try_for_each(|(contribution, at)| {
+            let contribution = contribution.as_ref();
+            self.among_fields(contribution, &at, |at| call(contribution, at))
+        })
+    }
+
+    /// Where each contribution beside the body is evaluated.
+    fn instants<'a>(&'a self, at: &Instant<'a>) -> impl Iterator<Item = Instant<'a>> {
+        let (at, mut block, mut scalar) = (*at, self.body.actuations().len(), self.space.nodal());
+        self.others.iter().zip(block..).map(move |(contribution, memory)| {
+            let own = Instant { space: &self.space, block, scalar, memory, ..at };
+            scalar += count(contribution);
+            block += usize::from(!contribution.slots().is_empty());
+            own
+        })
+    }
+
+    /// Checks that the problem is complete: every cell has a material, no rigid motion is left free but what may end in contact.
+    ///
+    /// # Errors
+    /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
+    pub fn check(&self) -> Result<(), FemError> {
+        self.unless_parted(self.check_with(&self.may_resist()))
+    }
+
+    /// The same, where contacts resist to the motions along their normals at rest alone: for what needs a regular tangent there.
+    pub fn check_held(&self) -> Result<(), FemError> {
+        let own = self.others.iter().flat_map(|contribution| contribution.resists().iter().cloned());
+        self.unless_parted(self.check_with(&own.collect::<Vec<_>>()))
+    }
+
+    fn check_with(&self, springs: &[Vec<(u32, f64)>]) -> Result<(), FemError> {
+        // A body without materials has no use for advice on supports.
+        self.all_accept(self.check_laws())?;
+        self.supports.check(self.discretization(), &springs.iter().collect::<Vec<_>>())?;
+        self.all_accept(self.check_others())
+    }
+
+    /// Whether supports and springs leave no rigid motion of any part free: where they do, contacts have to hold it, or it flies.
+    #[must_use]
+    pub fn is_held_without_contact(&self) -> bool {
+        let others = self.others.iter().filter(|contribution| contribution.touches().is_none());
+        let springs = others.flat_map(|contribution| contribution.resists());
+        self.supports.check(self.discretization(), &springs.collect::<Vec<_>>()).is_ok()
+    }
+
+    /// The same of supports alone.
+    pub(crate) fn is_held_by_supports(&self) -> bool {
+        self.supports.check(self.discretization(), &[]).is_ok()
+    }
+
+    /// Cells all of whose nodes one rigid body holds together.
+    pub(crate) fn rigid_cells(&self) -> Vec<u32> {
+        let mesh = self.discretization().mesh();
+        let in_one = |cell: &u32| {
+            let nodes = mesh.cell(*cell as usize).nodes;
+            let first = self.supports.body_of(nodes[0]);
+            first.is_some() && nodes.iter().all(|&node| self.supports.body_of(node) == first)
+        };
+        if self.supports.ties().is_empty() { Vec::new() } else { (0..mesh.cells() as u32).filter(in_one).collect() }
+    }
+
+    /// Checks that the problem is complete for motion and for modes, in which a body may be free.
+    ///
+    /// # Errors
+    /// [`FemError::NoMaterial`], what a contribution needs held.
+    pub fn check_in_motion(&self) -> Result<(), FemError> {
+        self.check_laws()?;
+        self.check_others()
+    }
+
+    fn check_laws(&self) -> Result<(), FemError> {
+        self.body.check_complete()?;
+        self.check_solver(None)
+    }
+
+    fn check_others(&self) -> Result<(), FemError> {
+        self.others.iter().try_for_each(|contribution| contribution.check(&self.supports_of(contribution.as_ref())))
+    }
+}
+
+/// Number of constraints of a contribution.
+pub(crate) fn count(contribution: &Arc<dyn Contribution>) -> usize {
+    contribution.constrains().map_or(0, Constrains::count)
+}

@@ -1,0 +1,276 @@
+//! Fields of a model beyond the displacement: where their unknowns are, and what does not go with them.
+
+use super::Model;
+use super::restricted::{RestrictedPoint, Selection};
+use nastic_body::contribution::Contribution;
+use nastic_body::contribution::point::{ContributionPoint, Need};
+use nastic_body::discretization::Discretization;
+use nastic_body::discretization::supports::Supports;
+use nastic_body::error::{FemError, Inadmissible};
+use nastic_body::instant::Instant;
+use nastic_linear::{Field, On, Role, Solver, SolverFactory, Space, SparseMatrix, Structure, Symmetry};
+use std::borrow::Cow;
+use std::sync::Arc;
+
+/// The name of the first field, which every model has.
+pub const DISPLACEMENT: &str = "displacement";
+
+/// That of the displacement alone.
+pub(super) fn displacement_alone(disc: &Discretization) -> Space {
+    let (mesh, share) = (disc.mesh(), disc.parted().map(|parted| parted.share.clone()));
+    Space::new(mesh.points().len(), mesh.cells()).with(Field::nodal(DISPLACEMENT, mesh.dim())).shared(share)
+}
+
+impl Model {
+    /// The space of the unknowns: the displacement, the further nodal fields of contributions in the order in which they came, then the
+    /// multipliers of their constraints.
+    pub fn unknowns(&self) -> &Arc<Space> {
+        &self.space
+    }
+
+    /// The displacement, flat, `dim * node + component`, of a vector of all unknowns; it is copied where a model has further fields.
+    pub fn displacement<'u>(&self, u: &'u [f64]) -> Cow<'u, [f64]> {
+        match self.space.has_one_nodal_field() {
+            true => Cow::Borrowed(self.nodal(u)),
+            false => Cow::Owned(self.space.components(u, 0, self.discretization().dim())),
+        }
+    }
+
+    /// The values of a nodal field in a vector of all unknowns, shape `[nodes][components]`.
+    ///
+    /// # Errors
+    /// [`FemError::Meaningless`]: no such field.
+    pub fn field(&self, name: &str, u: &[f64]) -> Result<Vec<f64>, FemError> {
+        let (first, field) = self.nodal_field(name)?;
+        Ok(self.space.components(u, first, field.components))
+    }
+
+    pub(crate) fn nodal_field(&self, name: &str) -> Result<(usize, &Field), FemError> {
+        self.space.nodal_field(name).ok_or_else(|| {
+            let known: Vec<&str> = self.space.nodal_fields().map(|(_, field)| field.name.as_str()).collect();
+            let what = format!("there is no field \"{name}\" on the nodes; there are {}", known.join(", "));
+            FemError::Meaningless { what }
+        })
+    }
+
+    /// Holds a component of a nodal field at a value on nodes.
+    ///
+    /// # Errors
+    /// No such field or component; a value that is not finite, or not that of an earlier support.
+    pub fn prescribe(
+        &mut self,
+        (field, component): (&str, usize),
+        (support, nodes): (&str, &[u32]),
+        value: f64,
+    ) -> Result<(), FemError> {
+        let (first, known) = self.nodal_field(field)?;
+        if component >= known.components {
+            let what = format!("field \"{field}\" has no component {component}; it has {}", known.components);
+            return Err(FemError::Meaningless { what });
+        }
+        Arc::make_mut(&mut self.supports).hold(
+            support,
+            nodes,
+            (first + component, &format!("{component} of \"{field}\"")),
+            value,
+        )
+    }
+
+    /// The space with the fields of a contribution.
+    pub(super) fn space_with(&self, contribution: &dyn Contribution) -> Result<Space, FemError> {
+        let mut space = Space::clone(&self.space);
+        for field in contribution.fields() {
+            self.check_field(contribution, field)?;
+            if space.nodal_field(&field.name).is_none() {
+                space = space.with(field.clone());
+            }
+        }
+        if let Some(constraints) = contribution.constrains() {
+            space = space.with(Field::multipliers(contribution.name(), constraints.count()));
+        }
+        let moving = std::iter::once(contribution).chain(self.others.iter().map(Arc::as_ref));
+        if let Some(field) = further(&space)
+            && let Some(moving) = moving.into_iter().find(|c| c.prescribes().is_some())
+        {
+            return Err(refused(
+                &format!("field \"{}\"", field.name),
+                moving.name(),
+                "it moves unknowns of the body alone",
+            ));
+        }
+        let all = std::iter::once(contribution).chain(self.others.iter().map(Arc::as_ref));
+        if let Some(field) = further(&space)
+            && let Some(rigid) = all.into_iter().find(|c| c.tied().is_some())
+        {
+            let why = "nodes follow others with the displacement alone";
+            return Err(refused(&format!("field \"{}\"", field.name), rigid.name(), why));
+        }
+        Ok(space)
+    }
+
+    fn check_field(&self, contribution: &dyn Contribution, field: &Field) -> Result<(), FemError> {
+        let what = format!("field \"{}\"", field.name);
+        if field.on != On::Nodes || field.components == 0 {
+            return Err(refused(
+                &what,
+                contribution.name(),
+                "fields of contributions are on nodes, with a component or more",
+            ));
+        }
+        if field.role != Role::Primary {
+            let why = "Newton's method expects no negative eigenvalues of fields on nodes: make it a primary field";
+            return Err(refused(&what, contribution.name(), why));
+        }
+        match self.space.nodal_field(&field.name) {
+            Some((_, known)) if !known.agrees(field) => {
+                let why = format!("another contribution has it with {} components", known.components);
+                Err(refused(&what, contribution.name(), &why))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The first field beyond the displacement and a contribution that has it, where there is one.
+    fn further(&self) -> Option<(&str, &str)> {
+        let field = further(&self.space)?;
+        let owner = self.others.iter().find(|c| c.fields().iter().any(|own| own.name == field.name));
+        Some((&field.name, owner.map_or("", |owner| owner.name())))
+    }
+
+    /// Refuses what knows of the displacement alone.
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`]: what, with which contribution and field.
+    pub fn refuse_further_fields(&self, what: &str) -> Result<(), FemError> {
+        match self.further() {
+            None => Ok(()),
+            Some((field, owner)) => {
+                let why = format!("its field \"{field}\" is solved for in statics alone, by solve and adjoint");
+                Err(refused(what, owner, &why))
+            }
+        }
+    }
+
+    fn selection(&self, contribution: &dyn Contribution) -> Option<Selection> {
+        Selection::of(&self.space, contribution.fields())
+    }
+
+    /// Calls with the instant as a contribution sees it: with the fields that it knows of.
+    pub(crate) fn among_fields<T>(
+        &self,
+        contribution: &dyn Contribution,
+        at: &Instant,
+        call: impl FnOnce(&Instant) -> T,
+    ) -> T {
+        match self.selection(contribution) {
+            None => call(at),
+            Some(selection) => selection.at(at, call),
+        }
+    }
+
+    /// A contribution at a displacement, among the unknowns of the model.
+    pub(crate) fn point_of<'m>(
+        &'m self,
+        contribution: &'m dyn Contribution,
+        at: &Instant,
+        need: Need,
+    ) -> Result<Box<dyn ContributionPoint + 'm>, Inadmissible> {
+        let Some(selection) = self.selection(contribution) else { return contribution.at(at, need) };
+        let point = selection.at(at, |at| contribution.at(at, need))?;
+        Ok(Box::new(RestrictedPoint {
+            point,
+            symmetry: contribution.symmetry(),
+            selection,
+            structure: self.tangent_structure(),
+        }))
+    }
+
+    /// Calls with a contribution's point, made for its own fields, as it stands among the unknowns of the model.
+    pub(super) fn wrapped<T>(
+        &self,
+        contribution: &dyn Contribution,
+        point: &dyn ContributionPoint,
+        call: impl FnOnce(&dyn ContributionPoint) -> T,
+    ) -> T {
+        let Some(selection) = self.selection(contribution) else { return call(point) };
+        let (symmetry, structure) = (contribution.symmetry(), self.tangent_structure().as_ref());
+        call(&RestrictedPoint { point, symmetry, selection, structure })
+    }
+
+    /// What a contribution adds to a symmetric matrix, added to one of the model.
+    pub(super) fn add_matrix<E>(
+        &self,
+        contribution: &dyn Contribution,
+        into: &mut SparseMatrix,
+        add: impl FnOnce(&mut SparseMatrix) -> Result<(), E>,
+    ) -> Result<(), E> {
+        match self.selection(contribution) {
+            None => add(into),
+            Some(selection) => selection.add_matrix(self.tangent_structure(), into, Symmetry::Symmetric, add),
+        }
+    }
+
+    /// The supports of the fields that a contribution knows of.
+    pub(super) fn supports_of(&self, contribution: &dyn Contribution) -> Cow<'_, Supports> {
+        match self.selection(contribution) {
+            None => Cow::Borrowed(self.supports.as_ref()),
+            Some(selection) => Cow::Owned(selection.supports(&self.supports)),
+        }
+    }
+
+    /// The structure of the tangent.
+    pub(crate) fn structure(&self) -> Arc<Structure> {
+        match self.space.has_one_nodal_field() {
+            true => self.tangent_structure().equations().clone(),
+            false => self.tangent_structure().with_components(self.space.block()),
+        }
+    }
+
+    /// Refuses a solver, that of a request or else the chosen one, which does not go with the fields (multigrid, whose modes are those of rigid
+    /// motions), or with a tangent that is not symmetric.
+    pub(crate) fn check_solver(&self, wanted: Option<&dyn SolverFactory>) -> Result<(), FemError> {
+        let Some(wanted) = wanted.or(self.chosen_solver.map(|chosen| chosen as &dyn SolverFactory)) else {
+            return Ok(());
+        };
+        let instead = self.suitable_solver().name();
+        match self.further() {
+            None if wanted.name() == Solver::MULTIGRID.name() && !self.supports.ties().is_empty() => {
+                let why = format!("its levels would couple all cells around a rigid body: take {instead}");
+                Err(refused("multigrid", "rigid bodies", &why))
+            }
+            Some((field, owner)) if wanted.name() == Solver::MULTIGRID.name() => {
+                let why = format!("it has no modes for its field \"{field}\": take {instead}");
+                Err(refused("multigrid", owner, &why))
+            }
+            _ if self.symmetry() == Symmetry::General && wanted.takes() == Symmetry::Symmetric => {
+                let why = format!("friction and some follower loads make it so: take {instead}");
+                Err(refused(wanted.name(), "a tangent that is not symmetric", &why))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// What solves its tangent systems unless a request says otherwise: what was chosen, or else what suits.
+    pub fn solver(&self) -> &'static dyn SolverFactory {
+        self.chosen_solver.unwrap_or_else(|| self.suitable_solver())
+    }
+
+    fn suitable_solver(&self) -> &'static dyn SolverFactory {
+        match (self.symmetry(), self.space.has_one_nodal_field()) {
+            // in whose hierarchy all cells around a rigid body would be coupled with each other
+            (Symmetry::Symmetric, true) if !self.supports.ties().is_empty() => Solver::DIRECT,
+            (Symmetry::Symmetric, true) => self.tangent_structure().solver(),
+            (Symmetry::Symmetric, false) => Solver::DIRECT,
+            (Symmetry::General, true) => Solver::GENERAL,
+            (Symmetry::General, false) => Solver::LU,
+        }
+    }
+}
+
+fn further(space: &Space) -> Option<&Field> {
+    space.nodal_fields().nth(1).map(|(_, field)| field)
+}
+
+fn refused(what: &str, with: &str, why: &str) -> FemError {
+    FemError::Unsupported { what: what.to_owned(), with: with.to_owned(), why: why.to_owned() }
+}

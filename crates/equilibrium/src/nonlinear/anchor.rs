@@ -1,0 +1,50 @@
+//! [`Anchor`]: a pull back to where a body is.
+
+use crate::model::Model;
+use nastic_body::contribution::Sums;
+use nastic_linear::SparseMatrix;
+
+/// As a share of the mean stiffness of the body per volume: what rolls has a tangent that is singular without an anchor.
+const LEAST: f64 = 1e-10;
+
+/// Springs from every node to where it is, by its volume: the potential `(s/2) sum_a V_a |u_a - c_a|^2`, s a stiffness per volume (N/m^4).
+#[derive(Debug, Clone)]
+pub(crate) struct Anchor {
+    /// c
+    at: Vec<f64>,
+    /// `s V_a`, zero of further fields and of multipliers.
+    stiffness: Vec<f64>,
+}
+
+impl Anchor {
+    /// At unknowns of a model.
+    pub fn new(model: &Model, at: &[f64], stiffness: f64) -> Self {
+        let (disc, block) = (model.discretization(), model.unknowns().block());
+        let of_node = |volume: f64| (0..block).map(move |i| if i < disc.dim() { stiffness * volume } else { 0.0 });
+        let stiffness = disc.nodal_volumes().into_iter().flat_map(of_node).collect();
+        Anchor { at: at.to_vec(), stiffness }
+    }
+
+    /// The stiffness of one so weak that it is felt where nothing else resists alone, by the tangent of the model.
+    pub fn least(model: &Model, tangent: &SparseMatrix) -> f64 {
+        let disc = model.discretization();
+        let diagonal: f64 = tangent.diagonal().iter().map(|entry| entry.abs()).sum();
+        LEAST * diagonal / (disc.dim() as f64 * disc.nodal_volumes().iter().sum::<f64>())
+    }
+
+    /// What it adds to the tangent: a diagonal, by unknowns on nodes.
+    pub fn diagonal(&self) -> &[f64] {
+        &self.stiffness
+    }
+
+    /// Adds energy and residual at x.
+    pub fn add(&self, x: &[f64], sums: &mut Sums) {
+        for (dof, ((x, c), s)) in x.iter().zip(&self.at).zip(&self.stiffness).enumerate() {
+            let (moved, force) = (x - c, s * (x - c));
+            sums.energy += 0.5 * force * moved;
+            sums.energy_scale += 0.5 * force * moved;
+            sums.force[dof] += force;
+            sums.force_scale[dof] += force.abs();
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! [`Plain`]: Newton's step by the displacement.
+
+use super::{Direction, Step, Take};
+use crate::linear_systems::tangent::{Tangent, TangentRef};
+use crate::linear_systems::tangent_systems::{StepWanted, TangentSystems};
+use crate::nonlinear::equations::{Equations, Jump};
+use crate::nonlinear::iteration::{Iterate, ROUNDING, Stop};
+use crate::nonlinear::predicted_pressures::PredictedPressures;
+use nastic_body::error::Inadmissible;
+use nastic_body::state::SolveReport;
+use nastic_linear::solver::Curvature;
+use nastic_linear::{LinearError, LinearSolver};
+
+/// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
+/// measure it by. The largest; steps shorter than that share of the body are solved as exactly as they are short, since what they leave may
+/// be within the accuracy asked for at once.
+const JUMP: f64 = 1e-2;
+
+/// Times that, what a step with the factor of an earlier tangent may leave: what most steps are corrected by in the next one are pressures here, which that is to have.
+const POOR: f64 = 10.0;
+/// The finest accuracy that is asked of such a step, more than what multigrid leaves.
+const FINEST: f64 = 2e-5;
+/// Share of the residual with predicted pressures that a step may leave.
+const SOFT: f64 = 0.1;
+
+/// `K du = -r`, to an accuracy that follows the residual, or with the tangent of predicted pressures; prescribed components move in the first step, at once or not at all.
+pub(crate) struct Plain<'a> {
+    equations: &'a Equations<'a>,
+    systems: TangentSystems<'a>,
+    tangent: Option<Tangent>,
+    rhs: Vec<f64>,
+    jump: Jump,
+    pressures: Option<PredictedPressures<'a>>,
+}
+
+impl<'a> Plain<'a> {
+    pub fn new(equations: &'a Equations<'a>, u: &[f64], solver: &'a mut dyn LinearSolver) -> Self {
+        let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
+        Plain { equations, systems, tangent: None, rhs: Vec::new(), jump: equations.jump(u), pressures: None }
+    }
+
+    /// With pressures that every step predicts.
+    pub fn with_pressures(self, pressures: PredictedPressures<'a>) -> Self {
+        Plain { pressures: Some(pressures), ..self }
+    }
+}
+
+impl Direction for Plain<'_> {
+    fn is_pending(&self) -> bool {
+        self.jump.is_some()
+    }
+
+    fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
+        let products = self.systems.takes_products() && self.pressures.is_none();
+        match self.step(here, products, report) {
+            Err(Stop::Linear(LinearError::NoEntries)) => self.step(here, false, report),
+            found => found,
+        }
+    }
+
+    /// With a shifted tangent.
+    fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
+        let Some(tangent) = &self.tangent else { return Err(Stop::Slow { residual: here.relative }) };
+        let dx = match self.systems.shifted_step(tangent, here.x, &self.rhs, report) {
+            Err(LinearError::NoEntries) => {
+                let tangent = self.equations.tangent_or_products(here, false, &mut self.tangent)?;
+                tangent.eliminate(self.equations.model);
+                self.systems.shifted_step(&*tangent, here.x, &self.rhs, report)?
+            }
+            found => found?,
+        };
+        self.begin(here, &dx)?;
+        Ok(dx)
+    }
+
+    fn pressures(&self) -> Option<&PredictedPressures<'_>> {
+        self.pressures.as_ref()
+    }
+
+    fn took(&mut self, share: f64) {
+        if let Some(pressures) = &mut self.pressures {
+            pressures.end(share);
+        }
+    }
+}
+
+impl Plain<'_> {
+    /// With products of cells in the place of entries where these are wanted and the model has some.
+    fn step(&mut self, here: &Iterate, products: bool, report: &mut SolveReport) -> Result<Step, Stop> {
+        let equations = self.equations;
+        let tangent = equations.tangent_or_products(here, products, &mut self.tangent)?;
+        let mut soft = 1.0;
+        if let (Some(pressures), Some(matrix)) = (&mut self.pressures, tangent.entries_mut()) {
+            let share = pressures.add(here, matrix)?;
+            // a step that is taken whole has the pressures of its changes
+            self.systems.expect_changes(self.jump.is_none().then(|| pressures.expected_changes()));
+            soft = SOFT * share;
+        }
+        self.rhs = equations.right_hand_side(&*tangent, here.residual, self.jump.as_deref());
+        let scale = equations.energy_scale(&*tangent, here.x, here.now);
+        tangent.eliminate(equations.model);
+        let accuracy = match &self.jump {
+            Some(jump) => (equations.model.unknowns().max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
+            None => forcing(here.relative, equations.options.accuracy).min(soft),
+        };
+        let wanted = (accuracy, StepWanted::Newton);
+        let kept = report.reused;
+        let (mut dx, mut curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
+        if self.pressures.is_some() && self.systems.changes_left().is_none() {
+            let left = || left_by(&*tangent, &dx, &self.rhs, equations);
+            let poor = curvature == Curvature::CutShort
+                || report.reused > kept && curvature == Curvature::Positive && left() > POOR * accuracy.max(FINEST);
+            if poor {
+                self.systems.forget();
+                (dx, curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
+            }
+        }
+        let jump = self.jump.take();
+        if let Some(jump) = &jump {
+            equations.prescribe(&mut dx, jump);
+        }
+        self.begin(here, &dx)?;
+        if jump.is_some() {
+            return Ok(Step { scale, ..Step::whole(dx, curvature, equations.model.unknowns()) });
+        }
+        Ok(Step { size: equations.model.unknowns().max_abs(&dx), dx, curvature, scale, take: Take::Search })
+    }
+
+    fn begin(&mut self, here: &Iterate, dx: &[f64]) -> Result<(), Inadmissible> {
+        self.pressures.as_mut().map_or(Ok(()), |pressures| pressures.begin(here, dx, self.systems.changes_left()))
+    }
+}
+
+impl Equations<'_> {
+    /// `-r - K d` on free unknowns, d the jump of the prescribed ones.
+    pub(super) fn right_hand_side<'m>(
+        &self,
+        tangent: impl Into<TangentRef<'m>>,
+        residual: &[f64],
+        jump: Option<&[f64]>,
+    ) -> Vec<f64> {
+        let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
+        if let Some(jump) = jump {
+            let mut pulled = vec![0.0; jump.len()];
+            tangent.into().multiply(jump, &mut pulled, self.options.parallel);
+            self.model.unknowns().add_up(&mut pulled);
+            rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
+            self.model.supports.restrict(&mut rhs);
+        }
+        rhs
+    }
+
+    /// Puts the jump of the prescribed components into a step.
+    pub(super) fn prescribe(&self, step: &mut [f64], jump: &[f64]) {
+        for ((s, &d), &fixed) in step.iter_mut().zip(jump).zip(self.model.supports.fixed()) {
+            if fixed {
+                *s = d;
+            }
+        }
+    }
+}
+
+/// Relative residual of a step.
+fn left_by<'m>(tangent: impl Into<TangentRef<'m>>, dx: &[f64], rhs: &[f64], equations: &Equations) -> f64 {
+    let (space, mut left) = (equations.model.unknowns(), vec![0.0; dx.len()]);
+    tangent.into().multiply(dx, &mut left, equations.options.parallel);
+    left.iter_mut().zip(rhs).for_each(|(left, rhs)| *left -= rhs);
+    space.norm(&left) / space.norm(rhs)
+}
+
+/// Relative residual wanted of a Newton step: a tenth at most and ten times the residual itself, for that keeps convergence
+/// quadratic, and no smaller than a thousandth of what the end asks for. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
+fn forcing(relative: f64, accuracy: f64) -> f64 {
+    (10.0 * relative).clamp(1e-10, 0.1).max(1e-3 * accuracy / relative)
+}

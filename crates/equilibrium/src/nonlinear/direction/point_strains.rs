@@ -1,0 +1,130 @@
+//! [`WithPointStrains`]: Newton's step with strains and stresses of their own at the quadrature points, see [`PointStrains`].
+//!
+//! Downhill on the potential, thin and nearly incompressible bodies creep: every step that turns the body stretches it, every one that
+//! shears it changes its volume, and the potential bears little of either. With strains of their own the iteration is
+//! indifferent to what a step costs on the way (mixed integration points). There is no potential to search along; a step is
+//! shortened only where it turns a point too far or inverts one. Only an end with less potential than the start counts (of a step that
+//! moves prescribed components or a constraint: any), where the last linear systems met no negative curvature.
+//!
+//! Under constraints the system has their border. It is not shifted where the inertia is wrong on the way: a shift changes what the
+//! constraints and the pressures of nearly incompressible points ask of a step, and the next tangent is right at most iterates.
+
+use super::bordered::failed;
+use super::{Direction, Step, Take};
+use crate::linear_systems::saddle_point::{BorderedTangent, SaddlePoint};
+use crate::linear_systems::tangent_systems::{StepWanted, TangentSystems, bordered_step, eliminate};
+use crate::nonlinear::equations::{Equations, Jump, moved};
+use crate::nonlinear::iteration::{Iterate, Stop};
+use nastic_body::body_energy::point_strains::PointStrains;
+use nastic_body::contribution::Sums;
+use nastic_body::error::Inadmissible;
+use nastic_body::state::SolveReport;
+use nastic_linear::solver::Curvature;
+use nastic_linear::{LinearError, LinearSolver};
+
+/// Largest `|grad du|` of a step: what the linearised strains leave out is its square.
+const LARGEST: f64 = 1.0;
+/// Relative residual wanted of the linear systems.
+const LINEAR: f64 = 1e-10;
+/// Times a step is halved before it leads nowhere.
+const HALVINGS: usize = 30;
+
+/// Steps of u and of the strains.
+pub(crate) struct WithPointStrains<'a> {
+    equations: &'a Equations<'a>,
+    systems: TangentSystems<'a>,
+    strains: PointStrains,
+    tangent: BorderedTangent,
+    jump: Jump,
+    begun: bool,
+}
+
+impl<'a> WithPointStrains<'a> {
+    /// With those of a displacement.
+    pub fn new(
+        equations: &'a Equations<'a>,
+        x: &[f64],
+        solver: &'a mut dyn LinearSolver,
+    ) -> Result<Self, Inadmissible> {
+        let (model, parallel) = (equations.model, equations.options.parallel);
+        let strains = PointStrains::of(&model.body, model.nodal(x), parallel)?;
+        let systems = TangentSystems::new(model, parallel, solver);
+        let (tangent, jump) = (BorderedTangent::zero(model), equations.jump(x));
+        Ok(WithPointStrains { equations, systems, strains, tangent, jump, begun: false })
+    }
+
+    /// `-r - K d` on free unknowns, d the jump of the prescribed ones.
+    fn right_hand_side(&self, force: &[f64]) -> Vec<f64> {
+        let Equations { model, options, .. } = *self.equations;
+        let mut rhs: Vec<f64> = force.iter().map(|r| -r).collect();
+        if let Some(jump) = &self.jump {
+            let mut all = jump.clone();
+            all.resize(rhs.len(), 0.0);
+            let pulled = self.tangent.multiply(&all, options.parallel);
+            rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
+        }
+        model.supports.restrict(&mut rhs);
+        rhs
+    }
+
+    fn solve(
+        &mut self,
+        here: &Iterate,
+        rhs: &[f64],
+        report: &mut SolveReport,
+    ) -> Result<(Vec<f64>, Curvature), LinearError> {
+        let model = self.equations.model;
+        if model.unknowns().multipliers() == 0 {
+            eliminate(model, &mut self.tangent.matrix);
+            return self.systems.step(&self.tangent.matrix, here.x, rhs, (LINEAR, StepWanted::Downhill), report);
+        }
+        let (system, u) = (SaddlePoint::new(model, self.tangent.clone()), model.nodal(here.x));
+        let (accuracy, kept) = bordered_step(here.relative, self.equations.options.accuracy);
+        if !kept {
+            system.prepare(&mut self.systems, u, report)?;
+        }
+        let (mut steps, negative) = system.solve(&mut self.systems, u, &[rhs], accuracy, report)?;
+        let definite = negative == Some(0) || !self.equations.has_potential();
+        let curvature = if definite { Curvature::Positive } else { Curvature::Negative };
+        Ok((steps.pop().unwrap_or_default(), curvature))
+    }
+}
+
+impl Direction for WithPointStrains<'_> {
+    fn is_pending(&self) -> bool {
+        !self.begun
+    }
+
+    /// The whole step, downhill where the tangent is indefinite, as far as strains can follow.
+    fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
+        let Equations { model, options, .. } = *self.equations;
+        self.begun = true;
+        let mut sums = Sums::zero(here.x.len());
+        self.tangent.clear();
+        let (strains, tangent) = (&self.strains, &mut self.tangent);
+        self.equations.at(here.x, |at| model.add_with_point_strains(at, strains, &mut sums, tangent))?;
+        let rhs = self.right_hand_side(&sums.force);
+        let solved = self.solve(here, &rhs, report);
+        let (mut dx, curvature) = solved.map_err(|error| failed(error, here))?;
+        let jump = self.jump.take();
+        if let Some(jump) = &jump {
+            self.equations.prescribe(&mut dx, jump);
+        }
+        let (u, du) = (model.nodal(here.x), model.nodal(&dx));
+        let (next, largest) = self.strains.extrapolated(&model.body, u, du, options.parallel)?;
+        let longest = self.equations.admissible_move(here, &moved(here.x, &dx, 1.0))?;
+        // prescribed components move at once or not at all
+        let longest = if jump.is_some() { longest } else { longest.min(LARGEST / largest) };
+        let shares = (0..HALVINGS).map(|k| longest * 0.5_f64.powi(k as i32));
+        let found = shares.into_iter().find_map(|share| Some((share, self.strains.towards(&next, share)?)));
+        let slow = Stop::Slow { residual: here.relative };
+        let Some((length, strains)) = found else { return Err(slow) };
+        if jump.is_some() && length < 1.0 {
+            return Err(slow);
+        }
+        self.strains = strains;
+        dx.iter_mut().for_each(|d| *d *= length);
+        let size = model.unknowns().max_abs(&dx[..self.equations.dofs()]);
+        Ok(Step { size, dx, curvature, scale: 0.0, take: Take::Checked { length } })
+    }
+}

@@ -1,0 +1,189 @@
+//! Equilibria by the [iteration](super::iteration) with the direction that a model takes.
+
+use crate::linear_systems::workspace::Workspace;
+use crate::model::Model;
+use crate::nonlinear::direction::bordered::Bordered;
+use crate::nonlinear::direction::linearised::Linearised;
+use crate::nonlinear::direction::plain::Plain;
+use crate::nonlinear::direction::point_strains::WithPointStrains;
+use crate::nonlinear::equations::{Drive, Equations};
+use crate::nonlinear::iteration::{Iteration, Limits, Stop};
+use crate::nonlinear::predicted_pressures::PredictedPressures;
+use crate::search::options::SolveOptions;
+use nastic_body::contribution::Sums;
+use nastic_body::controls::Controls;
+use nastic_body::error::StateError;
+use nastic_body::instant::TimeStep;
+use nastic_body::state::{SolveReport, State};
+use nastic_linear::LinearSolver;
+use nastic_linear::solver::Curvature;
+
+/// Iterations of an attempt with point strains.
+const MOST: usize = 40;
+/// Relative residual from which Newton's method on displacements takes over.
+const NEAR: f64 = 1e-6;
+/// Rounding of the potential, as a share of the sum of its absolute terms.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Iterations of an attempt with predicted pressures, and tangents of it that may be shifted.
+const PREDICTED: usize = 25;
+const SHIFTED: usize = 8;
+
+impl Equations<'_> {
+    /// From x to equilibrium, and what the last tangent was (positive where none was needed); where it stops short, x is the
+    /// last iterate.
+    pub fn solve(
+        &self,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Curvature, Stop> {
+        if let Some(last) = self.solve_with_pressures(x, &mut *solver, report)? {
+            return Ok(last);
+        }
+        self.solve_by_displacement(x, solver, report)
+    }
+
+    /// The same by the tangents of the displacement alone.
+    pub fn solve_by_displacement(
+        &self,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Curvature, Stop> {
+        self.solve_within(Limits::new(self.options.max_newton, self.options.accuracy), x, solver, report)
+    }
+
+    /// The same within limits.
+    pub fn solve_within(
+        &self,
+        limits: Limits,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Curvature, Stop> {
+        if self.model.unknowns().multipliers() > 0 {
+            let mut direction = Bordered::new(self, x, solver);
+            return Iteration::new(self, limits).run(x, &mut direction, report);
+        }
+        let mut direction = Plain::new(self, x, solver);
+        Iteration::new(self, limits).run(x, &mut direction, report)
+    }
+
+    /// From x to an equilibrium of less potential with pressures that every step predicts; `None`, and x as it was, where they are of no use or lead to none.
+    pub fn solve_with_pressures(
+        &self,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Option<Curvature>, Stop> {
+        // a tangent by the products of its cells is not assembled for that
+        let of_entries = !(solver.takes_products() && self.model.has_cell_products());
+        let predicts = of_entries && self.predicts_pressures();
+        let Some(pressures) = predicts.then(|| PredictedPressures::new(self)).flatten() else {
+            return Ok(None);
+        };
+        let (from, moves) = (x.clone(), self.jump(x).is_some());
+        // half of what may still be spent at most
+        let left = self.options.budget.map_or(usize::MAX, |budget| budget.saturating_sub(report.newton));
+        let most = PREDICTED.min(self.options.max_newton).min(left / 2);
+        let limits = Limits { lost: (0, SHIFTED), ..Limits::new(most, self.options.accuracy) };
+        let mut direction = Plain::new(self, x, &mut *solver).with_pressures(pressures);
+        let start = if moves { Ok(None) } else { self.evaluate(x).map(|start| Some(start.sums)) };
+        let run = start.map_err(Stop::from).and_then(|start| {
+            let last = Iteration::new(self, limits).run(x, &mut direction, report)?;
+            let lower = start.is_none_or(|start| report.energy <= start.energy + rounding(&start));
+            let sound = lower && last != Curvature::Negative;
+            if sound { Ok(last) } else { Err(Stop::Slow { residual: report.residual }) }
+        });
+        match run {
+            Ok(last) => Ok(Some(last)),
+            Err(stop) if stop.is_final() => Err(stop),
+            Err(_) => {
+                report.unpredicted += 1;
+                solver.clear();
+                *x = from;
+                Ok(None)
+            }
+        }
+    }
+
+    /// Whether steps may predict pressures: the search along them needs a potential.
+    fn predicts_pressures(&self) -> bool {
+        let unknowns = self.model.unknowns();
+        let plain = unknowns.multipliers() == 0 && unknowns.has_one_nodal_field() && !self.model.is_over_ranks();
+        plain && self.has_potential() && self.anchor.is_none()
+    }
+
+    /// From u, whose prescribed components are in place, to an equilibrium of less potential by strains of their own at the quadrature
+    /// points; where it stops short, u is the last iterate.
+    pub fn solve_with_point_strains(
+        &self,
+        u: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<(), Stop> {
+        let start = self.evaluate(u)?.sums;
+        let moves = self.jump(u).is_some() || self.model.unknowns().multipliers() > 0;
+        // these steps may lead over indefinite tangents as often as they like
+        let lost = (usize::MAX, 0);
+        let limits = Limits { lost, ..Limits::new(MOST.min(self.options.max_newton), NEAR) };
+        let mut direction = WithPointStrains::new(self, u, &mut *solver)?;
+        let curvature = Iteration::new(self, limits).run(u, &mut direction, report)?;
+        let residual = report.residual;
+        let last = self.solve_by_displacement(u, solver, report)?;
+        let sound = curvature == Curvature::Positive && last == Curvature::Positive;
+        let lower = sound && (moves || report.energy <= start.energy + rounding(&start));
+        if lower { Ok(()) } else { Err(Stop::Slow { residual }) }
+    }
+}
+
+impl Model {
+    /// The equations of an equilibrium under controls and a load.
+    pub(crate) fn equations<'a>(
+        &'a self,
+        controls: &'a Controls,
+        load: f64,
+        time_step: Option<&'a TimeStep>,
+        share: f64,
+        options: &'a SolveOptions<'a>,
+    ) -> Equations<'a> {
+        Equations { model: self, drive: Drive::Held { controls, load, time_step, share }, options, anchor: None }
+    }
+
+    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part that `replace` moves otherwise. The report shows the residual that
+    /// is left.
+    ///
+    /// # Errors
+    /// [`StateError::Inadmissible`] where J <= 0 there, [`StateError::NoConvergence`] where the whole step is not admissible,
+    /// [`StateError::Linear`] where K is not positive definite.
+    pub fn iterate_once(
+        &self,
+        controls: &Controls,
+        from: &State,
+        (how, time_step): (&SolveOptions, &TimeStep),
+        replace: Option<&dyn Fn(&mut [f64])>,
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        self.check_controls(controls)?;
+        if how.cancelled() {
+            return Err(StateError::Cancelled);
+        }
+        let equations = self.equations(controls, 1.0, Some(time_step), 1.0, how);
+        let mut report = SolveReport { load_steps: 1, ..SolveReport::default() };
+        let mut u = from.u.to_vec();
+        let mut direction = Linearised { equations: &equations, replace, solver: self.linear_solver(how, workspace) };
+        let limits = Limits::new(1, how.accuracy);
+        match Iteration::new(&equations, limits).once(&mut u, &mut direction, &mut report) {
+            Ok(()) => Ok(State::equilibrium(u, controls.clone(), 1.0, report)),
+            Err(stop) => {
+                workspace.forget();
+                Err(stop.into_error(report.newton, from))
+            }
+        }
+    }
+}
+
+/// What rounding may change a potential by.
+fn rounding(sums: &Sums) -> f64 {
+    ROUNDING * (sums.energy_scale + sums.energy.abs())
+}

@@ -1,0 +1,493 @@
+//! Continuation in the load from one equilibrium to another, with an adaptive load step.
+
+use crate::linear_systems::workspace::Workspace;
+use crate::model::{Feature, Model};
+use crate::nonlinear::equations::{Equations, moved};
+use crate::nonlinear::iteration::Stop;
+use crate::search::load_steps::LoadSteps;
+use crate::search::options::SolveOptions;
+use nastic_body::controls::Controls;
+use nastic_body::error::FemError;
+use nastic_body::error::{Cause, StateError};
+use nastic_body::instant::{Instant, TimeStep};
+use nastic_body::state::{SolveReport, State};
+use nastic_linear::LinearSolver;
+use nastic_numeric::vector::sub;
+
+/// A warm start is left for the way from rest at the first step that fails after so many times the iterations allowed for
+/// one: a state nearby that takes more is not nearby.
+const WARM: usize = 3;
+/// Iterations after which a guess was a poor one.
+const GUESS: usize = 15;
+/// Newton iterations after which load steps from rest are given up at the first that fails.
+const MOST: usize = 10_000;
+/// Attempts with predicted pressures that may fail one after the other before no more are made.
+const FAILURES: usize = 2;
+/// Ratios of bulk to shear modulus from which load steps that move prescribed components, which no line search shortens, begin with strains of
+/// their own at the quadrature points, and from which others turn to them after so many iterations downhill.
+const STIFF: (f64, f64) = (100.0, 1000.0);
+const BRIEF: usize = 12;
+/// Relative residual of the states on the way, where obstacles move.
+const ON_THE_WAY: f64 = 1e-7;
+/// Longer load steps than this share of the way that fail with strains of their own, of a body that creeps downhill, are halved at once.
+const DOWNHILL: f64 = 1.0 / 16.0;
+
+/// How load steps begin.
+struct Way {
+    /// Whether constraints hold the body.
+    constrained: bool,
+    /// Its ratio of bulk to shear modulus.
+    ratio: f64,
+    /// Whether strains of their own have helped.
+    helped: bool,
+}
+
+impl Way {
+    /// Steps in time are short: theirs do not creep, but for those under constraints without a potential, where the residual alone is searched.
+    fn new(model: &Model, in_time: bool) -> Self {
+        let constrained = !(in_time && model.has_potential()) && model.unknowns().multipliers() > 0;
+        Way { constrained, ratio: if in_time { 0.0 } else { model.bulk_over_shear() }, helped: false }
+    }
+
+    /// Whether a step on displacements creeps: whatever turns or shears the body changes its volume, or leaves the constraints.
+    fn creeps(&self, jumps: bool) -> bool {
+        self.constrained || jumps && self.ratio > STIFF.0
+    }
+
+    /// Whether it may creep.
+    fn may_creep(&self) -> bool {
+        self.ratio > STIFF.1
+    }
+}
+
+impl Model {
+    /// The equilibrium under these controls, at full dead loads and prescribed displacements.
+    ///
+    /// The straight way from the starting state (rest with the designs of these controls, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
+    /// with strains of their own at the quadrature points (slender bodies), with which steps under constraints and of nearly incompressible bodies begin
+    /// that prescribed components move (other nearly incompressible ones after a few iterations); where that fails too,
+    /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
+    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all, if a straight move from `how.near` to it is admissible. When a warm start leads nowhere, or fails after more
+    /// than three times `how.max_newton` iterations, the way from rest is tried.
+    ///
+    /// # Errors
+    /// A typed [`StateError`]; where there was progress it holds the last equilibrium. [`StateError::Start`] where the way would begin
+    /// outside of the admissible set.
+    pub fn solve(&self, controls: &Controls, how: &SolveOptions) -> Result<State, StateError> {
+        self.solve_with(controls, how, &mut Workspace::default())
+    }
+
+    /// [`solve`](Self::solve) with what earlier solves left behind; a solve that fails leaves nothing.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn solve_with(
+        &self,
+        controls: &Controls,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        self.check()?;
+        self.supports(Feature::Equilibrium)?;
+        self.find(controls, how, (None, false), workspace)
+    }
+
+    /// The equilibrium, of a time step if there is one.
+    pub fn find(
+        &self,
+        controls: &Controls,
+        how: &SolveOptions,
+        (time_step, shorter): (Option<&TimeStep>, bool),
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        let found = self.search(controls, how, (time_step, shorter), workspace);
+        self.unless_parted(found).inspect_err(|_| workspace.forget())
+    }
+
+    fn search(
+        &self,
+        controls: &Controls,
+        how: &SolveOptions,
+        (time_step, shorter): (Option<&TimeStep>, bool),
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        self.all_accept(self.check_request(controls, how))?;
+        let rest = self.rest_under(controls);
+        let mut spent = SolveReport::default();
+        let start = how.near.unwrap_or(&rest);
+        // those of a motion were checked where it began
+        if time_step.is_none() {
+            self.check_start(start, how.parallel)?;
+        }
+        if let Some(guess) = how.guess
+            && let Some(found) = self.jump(guess, controls, (how, time_step), workspace, &mut spent)?
+        {
+            return Ok(found);
+        }
+        if let (Some(step), Some(near)) = (time_step, how.near)
+            && let Some(found) = self.slide(near, controls, (how, step), workspace, &mut spent)?
+        {
+            return Ok(found);
+        }
+        let most = match time_step {
+            Some(_) if !shorter => MOST,
+            Some(_) => spent.newton + WARM * how.max_newton,
+            None => WARM * how.max_newton,
+        };
+        let Some(near) = how.near else {
+            return self.walk(&rest, controls, (how, time_step), MOST, workspace, &mut spent);
+        };
+        match self.walk(near, controls, (how, time_step), most, workspace, &mut spent) {
+            // a motion does not begin again at rest in the middle
+            Err(error) if error.is_final() || time_step.is_some() => Err(error),
+            Err(failed) => {
+                workspace.forget();
+                let left = how.budget.map(|budget| budget.saturating_sub(spent.newton));
+                let left = SolveOptions { budget: left, ..how.clone() };
+                let found = self.walk(&rest, controls, (&left, None), MOST, workspace, &mut SolveReport::default());
+                let mut state = found.map_err(|again| again.or_cut(failed, how.budget))?;
+                state.report.add_work(&spent);
+                state.report.restarts += 1;
+                Ok(state)
+            }
+            solved => solved,
+        }
+    }
+
+    /// Refuses what this model cannot be asked.
+    fn check_request(&self, controls: &Controls, how: &SolveOptions) -> Result<(), StateError> {
+        self.check_solver(how.solver)?;
+        self.check_spans_ranks(how.solver)?;
+        self.check_controls(controls)?;
+        self.check_constraints(controls)?;
+        let expected = self.unknowns().len();
+        if let Some(guess) = how.guess.filter(|guess| guess.len() != expected) {
+            let what = "guess of the displacement".to_owned();
+            return Err(FemError::Length { what, found: guess.len(), expected }.into());
+        }
+        how.near.map_or(Ok(()), |near| self.check_state(near))
+    }
+
+    /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
+    /// points; once these have helped, the next steps begin with them, as all do where a descent is known to creep. Not where the path seems
+    /// to turn back, nor beyond the convexity bound (`hopeless`). Where it fails, u is the last iterate.
+    fn attempt(
+        &self,
+        newton: &Equations,
+        u: &mut Vec<f64>,
+        (way, distance, hopeless): (&mut Way, f64, bool),
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<(), Stop> {
+        if newton.is_static() && self.settles() {
+            let mut end = u.clone();
+            match self.settle(newton, &mut end, workspace, report) {
+                Err(stop) if !stop.is_final() && self.is_held_without_contact() => workspace.forget(),
+                ended => {
+                    *u = end;
+                    return ended;
+                }
+            }
+        }
+        let suited = !hopeless && self.suits_point_strains();
+        let jumps = newton.jump(u).is_some();
+        let creeps = way.creeps(jumps);
+        let first = suited && (creeps || way.helped && !jumps);
+        if !first && !hopeless && self.attempt_with_pressures(newton, u, workspace, report)? {
+            return Ok(());
+        }
+        if first {
+            let from = u.clone();
+            match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
+                Ok(()) => return Ok(()),
+                Err(stop) if stop.is_final() => return Err(stop),
+                Err(stop @ Stop::Linear(_)) => return Err(stop),
+                Err(stop) if creeps && distance > DOWNHILL => return Err(stop),
+                Err(_) => workspace.forget(),
+            }
+            *u = from;
+        }
+        if suited && !first && !jumps && way.may_creep() && self.attempt_briefly(newton, u, way, workspace, report)? {
+            return Ok(());
+        }
+        let slow = match newton.solve_by_displacement(u, self.linear_solver(newton.options, workspace), report) {
+            Ok(_) => return Ok(()),
+            Err(slow @ Stop::Slow { .. }) => slow,
+            Err(other) => return Err(other),
+        };
+        if first || !suited || newton.jump(u).is_some() {
+            return Err(slow);
+        }
+        workspace.forget();
+        match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
+            Ok(()) => {
+                way.helped = true;
+                Ok(())
+            }
+            Err(stop) if stop.is_final() => Err(stop),
+            Err(_) => Err(slow),
+        }
+    }
+
+    /// With pressures that steps predict, unless these have failed before; where they lead nowhere, u is as it was.
+    fn attempt_with_pressures(
+        &self,
+        newton: &Equations,
+        u: &mut Vec<f64>,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<bool, Stop> {
+        if workspace.unpredicted >= FAILURES {
+            return Ok(false);
+        }
+        let before = report.unpredicted;
+        let found = newton.solve_with_pressures(u, self.linear_solver(newton.options, workspace), report)?;
+        match found {
+            Some(_) => workspace.unpredicted = 0,
+            None => workspace.unpredicted += report.unpredicted - before,
+        }
+        Ok(found.is_some())
+    }
+
+    /// A few iterations downhill, then strains of their own at the quadrature points, from the same start; where neither arrives, u is the
+    /// last iterate downhill.
+    fn attempt_briefly(
+        &self,
+        newton: &Equations,
+        u: &mut Vec<f64>,
+        way: &mut Way,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<bool, Stop> {
+        let brief = SolveOptions { max_newton: newton.options.max_newton.min(BRIEF), ..newton.options.clone() };
+        let briefly = Equations { options: &brief, ..*newton };
+        let mut from = u.clone();
+        match briefly.solve_by_displacement(u, self.linear_solver(newton.options, workspace), report) {
+            Ok(_) => return Ok(true),
+            Err(Stop::Slow { .. }) => workspace.forget(),
+            Err(other) => return Err(other),
+        }
+        match newton.solve_with_point_strains(&mut from, self.linear_solver(newton.options, workspace), report) {
+            Ok(()) => {
+                way.helped = true;
+                *u = from;
+                Ok(true)
+            }
+            Err(stop) if stop.is_final() => Err(stop),
+            Err(_) => {
+                workspace.forget();
+                Ok(false)
+            }
+        }
+    }
+
+    /// Whether its equations can be solved with strains of their own at the quadrature points.
+    pub(crate) fn suits_point_strains(&self) -> bool {
+        let searched = self.has_potential() || self.unknowns().multipliers() > 0;
+        searched
+            && !self.is_over_ranks()
+            && self.unknowns().has_one_nodal_field()
+            && !self.inequalities().contains(&true)
+    }
+
+    /// Whether its equations are searched on the residual and under constraints, and can be solved with strains of their own: that search creeps.
+    pub(crate) fn residual_creeps(&self) -> bool {
+        !self.has_potential() && self.unknowns().multipliers() > 0 && self.suits_point_strains()
+    }
+
+    /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.
+    fn jump(
+        &self,
+        guess: &[f64],
+        controls: &Controls,
+        (how, time_step): (&SolveOptions, Option<&TimeStep>),
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<Option<State>, StateError> {
+        // with friction an impact takes many short steps, and what does not go at once rounds, each of which is a solve
+        let most = if self.depends_on_path() { usize::MAX } else { GUESS };
+        let brief = SolveOptions { max_newton: how.max_newton.min(most), ..how.clone() };
+        let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
+        let is_borne = match how.near {
+            Some(near) => self.bears(near, (controls, guess), (how, time_step)),
+            None => newton.admissible_chord(guess, guess).is_ok(),
+        };
+        // a step of Newton's method may carry what is free anywhere
+        let drifts = || newton.is_static() && self.settles() && newton.at(guess, |at| self.free_motion(at)).is_some();
+        if !is_borne || drifts() {
+            return Ok(None);
+        }
+        let mut u = guess.to_vec();
+        match newton.solve(&mut u, self.linear_solver(how, workspace), report) {
+            Ok(_) => {
+                report.load_steps += 1;
+                Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)))
+            }
+            Err(stop) => stop.final_error().map_or(Ok(None), Err),
+        }
+    }
+
+    /// The undeformed state without loads, all multipliers zero: where every way begins unless set otherwise.
+    pub fn rest(&self) -> State {
+        let report = SolveReport { min_j: 1.0, ..SolveReport::default() };
+        State::equilibrium(vec![0.0; self.unknowns().len()], self.controls(), 0.0, report)
+    }
+
+    /// The same with the designs of these controls, which hold from the first load step on.
+    pub fn rest_under(&self, controls: &Controls) -> State {
+        let rest = self.rest();
+        State { controls: self.with_designs(self.controls(), controls).into(), ..rest }
+    }
+
+    /// The linear solver of a workspace for this model.
+    pub fn linear_solver<'w>(&self, how: &SolveOptions, workspace: &'w mut Workspace) -> &'w mut dyn LinearSolver {
+        workspace.solver(how.solver.unwrap_or_else(|| self.solver()), self)
+    }
+
+    /// Refuses a state of another body.
+    pub fn check_state(&self, state: &State) -> Result<(), StateError> {
+        let expected = self.unknowns().len();
+        if state.u.len() != expected {
+            let what = "displacement of a state".to_owned();
+            return Err(FemError::Length { what, found: state.u.len(), expected }.into());
+        }
+        self.check_controls(&state.controls)
+    }
+
+    /// Refuses controls of another body, and tendons that would push.
+    pub fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
+        self.check_control_change(controls)?;
+        Ok(self.check_own_controls(controls)?)
+    }
+
+    /// Refuses changes of controls of another body.
+    pub(crate) fn check_control_change(&self, controls: &Controls) -> Result<(), StateError> {
+        if !controls.fits(&self.controls()) {
+            let what = "the controls belong to another body; make them with Solid::controls".to_owned();
+            return Err(nastic_body::error::FemError::Meaningless { what }.into());
+        }
+        for k in 0..controls.len() {
+            let what = format!("control of actuation \"{}\"", self.controllable()[k].name);
+            nastic_body::controls::check_finite(&what, controls.values(k))?;
+        }
+        Ok(())
+    }
+
+    /// In as few load steps as it takes; given up on at the first that fails after `most` iterations.
+    fn walk(
+        &self,
+        from: &State,
+        to: &Controls,
+        (how, time_step): (&SolveOptions, Option<&TimeStep>),
+        most: usize,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<State, StateError> {
+        let mut here = from.clone();
+        let (mut steps, mut follow, mut failed) = (LoadSteps::default(), None::<Vec<f64>>, false);
+        let mut way = Way::new(self, time_step.is_some());
+        let unbounded = self.unknowns().any(self.body.excess_tension(to).is_some());
+        // in time, steps are short
+        let obstacles_move = time_step.is_none() && {
+            let instant = self.instant(from, None, how.parallel);
+            self.contacts().poses(&instant) != self.contacts().poses(&instant.under(to))
+        };
+        while steps.done < 1.0 {
+            let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
+            let bears = self.admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
+            // where obstacles move, what they touch goes with them, unless that has just led nowhere; else the body may go on as it did
+            let tangent = match obstacles_move && !failed {
+                true => self.rate_along((&here, from, to), how, (steps.done, bears), workspace, report),
+                false => None,
+            };
+            let rate = tangent.or_else(|| follow.take().filter(|_| bears < 1.0));
+            let ahead = |length| rate.as_ref().map(|rate| moved(&here.u, rate, length));
+            let borne = |u: Vec<f64>| self.admissible_change(&instant, &Instant { u: &u, ..instant.under(to) }).ok();
+            let followed = ahead(1.0 - steps.done).and_then(borne).filter(|share| *share > bears || *share == 1.0);
+            let path = match followed.unwrap_or(bears) {
+                share if share < 1.0 => steps.next().min(steps.done + share * (1.0 - steps.done)),
+                _ => steps.next(),
+            };
+            let controls = from.controls.blend(to, path);
+            // exactly 1 at the end of the way
+            let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
+            let rough = SolveOptions { accuracy: how.accuracy.max(ON_THE_WAY), ..how.clone() };
+            let how_here = if obstacles_move && path < 1.0 { &rough } else { how };
+            let newton = self.equations(&controls, load, time_step, path, how_here);
+            let hopeless = unbounded || steps.limit_point().is_some();
+            let ahead = followed.and_then(|_| ahead(path - steps.done)).filter(|u| newton.evaluate(u).is_ok());
+            let mut u = ahead.unwrap_or_else(|| here.u.to_vec());
+            let step = (&mut way, path - steps.done, hopeless);
+            let attempted = self.attempt(&newton, &mut u, step, workspace, report);
+            failed = attempted.is_err();
+            match attempted {
+                Ok(()) => {
+                    report.load_steps += 1;
+                    if bears < 1.0 {
+                        let length = path - steps.done;
+                        follow = Some(u.iter().zip(here.u.iter()).map(|(to, from)| (to - from) / length).collect());
+                    }
+                    steps.succeeded(path, self.unknowns().norm(&sub(self.nodal(&u), self.nodal(&here.u))));
+                    here = State::equilibrium(u, controls, load, *report);
+                }
+                Err(Stop::Cancelled) => return Err(StateError::Cancelled),
+                Err(Stop::Linear(error)) => return Err(error.into()),
+                Err(stop) if stop.is_final() => {
+                    steps.failed(path);
+                    return Err(self.give_up(stop, path, (&steps, None), (to, how.budget), report, here));
+                }
+                Err(stop) => {
+                    // what fell or flew off does so under less load too
+                    let lost = matches!(stop, Stop::Lost { .. });
+                    if steps.failed(path) || report.newton > most || lost {
+                        let known = steps.limit_point().is_some() || time_step.is_some();
+                        let free = || {
+                            (!known).then(|| newton.at(&u, |at| self.free_motion(at))).flatten().map(Cause::FreeMotion)
+                        };
+                        let suspect = newton.at(&u, |at| self.suspect(at)).or_else(free);
+                        let error = self.give_up(stop, path, (&steps, suspect), (to, None), report, here);
+                        // a trial from a state nearby is looked into by who makes it
+                        let alone = time_step.is_none() && how.near.is_none() && !self.is_over_ranks();
+                        return Err(if alone { self.explained(error, to, how) } else { error });
+                    }
+                    report.cuts += 1;
+                    workspace.forget();
+                }
+            }
+        }
+        here.report = *report;
+        Ok(here)
+    }
+
+    fn give_up(
+        &self,
+        stop: Stop,
+        load: f64,
+        (steps, suspect): (&LoadSteps, Option<Cause>),
+        (controls, budget): (&Controls, Option<usize>),
+        report: &SolveReport,
+        here: State,
+    ) -> StateError {
+        let (cuts, last) = (report.cuts, Box::new(here));
+        match stop {
+            Stop::Inadmissible(at) => StateError::inadmissible(at, load, cuts, last),
+            Stop::Slow { residual } | Stop::Lost { residual } | Stop::Spent { residual } => {
+                let excess = self.body.excess_tension(controls).map(Cause::Convexity);
+                let limit = || steps.limit_point().map(|load| Cause::LimitPoint { load });
+                let cause = excess.or(suspect).or_else(limit).unwrap_or(Cause::Unknown);
+                StateError::NoConvergence {
+                    load,
+                    cuts,
+                    newton: report.newton,
+                    residual,
+                    reached: steps.done,
+                    cause,
+                    budget,
+                    last,
+                }
+            }
+            Stop::Linear(error) => error.into(),
+            Stop::Cancelled => StateError::Cancelled,
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Steps in time with friction that are not found at once.
+
+use crate::linear_systems::workspace::Workspace;
+use crate::model::Model;
+use crate::nonlinear::iteration::{Limits, Stop};
+use crate::search::options::SolveOptions;
+use nastic_body::controls::Controls;
+use nastic_body::error::StateError;
+use nastic_body::instant::{FrictionLag, Instant, TimeStep};
+use nastic_body::state::{SolveReport, State};
+use std::sync::Arc;
+
+/// Newton iterations for a step at once behind a round.
+const ITERATIONS: usize = 20;
+/// Rounds of lagged friction.
+const ROUNDS: usize = 30;
+/// The largest factor of the slip speed.
+const ROUGHEST: f64 = 1e4;
+
+/// When a way is left that creeps.
+struct Patience {
+    /// Steps in a row that are shorter than a length, with implicit friction and in a round.
+    at_once: (usize, f64),
+    round: (usize, f64),
+    /// Factors of the slip speed behind a round that was not found, and behind one that was.
+    rougher: f64,
+    finer: f64,
+}
+
+/// First in haste: what goes, goes in long steps.
+const HASTE: Patience = Patience { at_once: (3, 0.1), round: (4, 0.03), rougher: 100.0, finer: 10.0 };
+const PATIENCE: Patience = Patience { at_once: (usize::MAX, 0.0), round: (usize::MAX, 0.0), rougher: 10.0, finer: 3.0 };
+/// Relative residual to which a round is solved, and below which what is left of friction is tried at once.
+const ROUND: f64 = 1e-6;
+const NEAR: f64 = 0.1;
+
+impl Model {
+    /// The end of a step with friction: from its beginning at once, else by rounds in each of which the normal forces of friction are those
+    /// of the round before (at first those where the step begins), which is the minimum of a potential, with a larger slip speed where that is
+    /// not found; `None` without friction, and where neither leads there.
+    ///
+    /// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020), section 5.5, there with a fixed number of rounds; here
+    /// Newton's method ends them, with implicit friction.
+    pub(crate) fn slide(
+        &self,
+        near: &State,
+        controls: &Controls,
+        (how, step): (&SolveOptions, &TimeStep),
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<Option<State>, StateError> {
+        if !self.depends_on_path() {
+            return Ok(None);
+        }
+        let starts = [how.guess.map(<[f64]>::to_vec), Some(near.u.to_vec())];
+        let borne = |u: &Vec<f64>| self.bears(near, (controls, u), (how, Some(step)));
+        let Some(start) = starts.into_iter().flatten().find(borne) else { return Ok(None) };
+        let found = |u: Vec<f64>, rounds: usize, report: &mut SolveReport| {
+            report.load_steps += 1 + rounds;
+            Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)))
+        };
+        if self.residual_creeps() {
+            let (at_once, mut u) = (self.equations(controls, 1.0, Some(step), 1.0, how), start.clone());
+            match at_once.solve_with_point_strains(&mut u, self.linear_solver(how, workspace), report) {
+                Ok(()) => return found(u, 0, report),
+                Err(stop) => go_on(stop)?,
+            }
+            workspace.forget();
+        }
+        let at_once = self.equations(controls, 1.0, Some(step), 1.0, how);
+        if how.guess.is_none() {
+            let mut u = start.clone();
+            match at_once.solve(&mut u, self.linear_solver(how, workspace), report) {
+                Ok(_) => return found(u, 0, report),
+                Err(stop) => go_on(stop)?,
+            }
+            workspace.forget();
+        }
+        for patience in [HASTE, PATIENCE] {
+            if let Some((u, rounds)) =
+                self.rounds(near, (&start, controls), (how, step), &patience, workspace, report)?
+            {
+                return found(u, rounds, report);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Rounds of lagged friction: the displacement that they lead to, and their number.
+    fn rounds(
+        &self,
+        near: &State,
+        (start, controls): (&[f64], &Controls),
+        (how, step): (&SolveOptions, &TimeStep),
+        patience: &Patience,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<Option<(Vec<f64>, usize)>, StateError> {
+        let once = SolveOptions { max_newton: how.max_newton.min(ITERATIONS), ..how.clone() };
+        let at_once = self.equations(controls, 1.0, Some(step), 1.0, &once);
+        let at_once_within = Limits { creeps: patience.at_once, ..Limits::new(once.max_newton, how.accuracy) };
+        let each = SolveOptions { accuracy: how.accuracy.max(ROUND), ..how.clone() };
+        let each_within = Limits { creeps: patience.round, ..Limits::new(each.max_newton, each.accuracy) };
+        let mut lag = FrictionLag { u: near.u.clone(), controls: near.controls.clone(), smoothing: 1.0 };
+        let mut u = start.to_vec();
+        for round in 1..=ROUNDS {
+            let lagged = TimeStep { lag: Some(lag.clone()), ..step.clone() };
+            let equations = self.equations(controls, 1.0, Some(&lagged), 1.0, &each);
+            let mut end = u.clone();
+            if let Err(stop) = equations.solve_within(each_within, &mut end, self.linear_solver(how, workspace), report)
+            {
+                go_on(stop)?;
+                workspace.forget();
+                lag.smoothing *= patience.rougher;
+                if lag.smoothing > ROUGHEST {
+                    return Ok(None);
+                }
+                continue;
+            }
+            u = end;
+            let Ok(now) = at_once.evaluate(&u) else { return Ok(None) };
+            if at_once.residual(&now.sums).1 < NEAR {
+                let mut end = u.clone();
+                match at_once.solve_within(at_once_within, &mut end, self.linear_solver(how, workspace), report) {
+                    Ok(_) => return Ok(Some((end, round))),
+                    Err(stop) => go_on(stop)?,
+                }
+                workspace.forget();
+            }
+            let smoothing = (lag.smoothing / patience.finer).max(1.0);
+            lag = FrictionLag { u: Arc::new(u.clone()), controls: Arc::new(controls.clone()), smoothing };
+        }
+        Ok(None)
+    }
+
+    /// The displacement if the body went on with what it touches, by the mean of the rigid motions of the obstacles, weighted by what they press
+    /// with; `None` where nothing touches, or obstacles stay.
+    pub fn carried(&self, near: &State, controls: &Controls, parallel: bool) -> Option<Vec<f64>> {
+        if !self.unknowns().has_one_nodal_field() {
+            return None;
+        }
+        let (at, mut moved) = (self.instant(near, None, parallel), Vec::new());
+        self.each_touching(&at, |_, touches, at| {
+            let pressing = touches.touch(at).map_or(0.0, |touch| touch.pressing);
+            moved
+                .extend(touches.pose(at).zip(touches.pose(&at.under(controls))).map(|(from, to)| (pressing, from, to)));
+        });
+        let all: f64 = moved.iter().map(|(pressing, ..)| pressing).sum();
+        if all <= 0.0 || moved.iter().all(|(_, from, to)| from == to) {
+            return None;
+        }
+        let (mesh, mut u) = (self.discretization().mesh(), near.u.to_vec());
+        for (node, x) in mesh.points().iter().enumerate() {
+            let own = &mut u[mesh.dim() * node..mesh.dim() * (node + 1)];
+            let here: [f64; 3] = std::array::from_fn(|i| x[i] + own.get(i).copied().unwrap_or(0.0));
+            for (pressing, from, to) in moved.iter().filter(|(pressing, ..)| *pressing > 0.0) {
+                let there = from.carry(to, here);
+                own.iter_mut().enumerate().for_each(|(i, u)| *u += pressing / all * (there[i] - here[i]));
+            }
+        }
+        Some(u)
+    }
+
+    /// Whether the controls may change at once while the body goes to a displacement: no obstacle enters it by more than a few layers. Else it
+    /// goes in load steps.
+    pub(crate) fn bears(
+        &self,
+        near: &State,
+        (controls, u): (&Controls, &[f64]),
+        (how, step): (&SolveOptions, Option<&TimeStep>),
+    ) -> bool {
+        let at = self.instant(near, step, how.parallel);
+        let to = Instant { u, controls, ..at };
+        self.admissible_change(&at, &to).is_ok_and(|share| share >= 1.0)
+    }
+}
+
+/// What another way would not mend is an error.
+fn go_on(stop: Stop) -> Result<(), StateError> {
+    stop.final_error().map_or(Ok(()), Err)
+}

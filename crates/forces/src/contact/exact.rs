@@ -1,0 +1,43 @@
+//! A contact whose layer takes up no gap: multipliers around the cubic law.
+//!
+//! With an offset `o_s` at every sample the pressure is `p(g_s + o_s)`, g the signed distance. At an equilibrium the offsets become
+//!
+//! ```text
+//! o_s <- min(g_s + o_s, delta)
+//! ```
+//!
+//! At the next equilibrium a sample with the same pressure has no gap, and one without pressure is pushed as soon as it enters the obstacle: a
+//! fixed point fulfils `g >= 0, p >= 0, g p = 0`, whatever thickness and stiffness are. These decide how fast it is reached: the p are the
+//! multipliers of an augmented Lagrangian (Rockafellar, Math. Programming 5 (1973)).
+
+use super::bound::BoundContact;
+use super::law::ContactLaw;
+use super::point::Gaps;
+use nastic_body::contribution::touches::ExactContact;
+use nastic_body::instant::Instant;
+use std::sync::Arc;
+
+/// A pressure below this share of the largest one counts as none.
+const WEAK: f64 = 1e-3;
+
+/// The contact with offsets by a state, and how far that is from exact; `None` where the law or friction does not go with it.
+pub(super) fn step(of: &BoundContact, at: &Instant) -> Option<ExactContact> {
+    if of.law != ContactLaw::Cubic || of.slip_speed.is_some() {
+        return None;
+    }
+    let gaps = Gaps::of_all(of, at).ok()?;
+    let pressures: Vec<f64> =
+        gaps.all.iter().map(|(_, (_, d))| of.law.at(d.min(of.thickness), of.thickness).value).collect();
+    let weak = WEAK * pressures.iter().copied().fold(0.0, f64::max);
+    let (mut violation, mut weakly_active) = (0.0_f64, 0);
+    for (&(sample, (_, d)), &p) in gaps.all.iter().zip(&pressures) {
+        let gap = d - of.offset(sample);
+        // what is pressed has no gap, what is not pressed is not inside
+        violation = violation.max(if p > 0.0 { gap.abs() } else { -gap });
+        weakly_active += usize::from(p <= weak && gap.abs() <= WEAK * of.thickness);
+    }
+    let offsets = gaps.all.iter().map(|(_, (_, d))| d.min(of.thickness) - of.inset).collect();
+    let mut contribution = of.clone();
+    contribution.offsets = offsets;
+    Some(ExactContact { contribution: Arc::new(contribution), violation: violation / of.thickness, weakly_active })
+}

@@ -1,0 +1,182 @@
+//! [`Foundation`]: a surface on an elastic bed.
+
+use crate::guides::add_element;
+use nastic_body::contribution::point::{ContributionPoint, Need};
+use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities};
+use nastic_body::contribution::{Contribution, Demand, Sums};
+use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
+use nastic_body::instant::Instant;
+use nastic_linear::SparseMatrix;
+use nastic_mesh::{CellKind, GroupNames, Mesh};
+use nastic_tensor::{Mat3, Vec3};
+
+/// An elastic foundation (Winkler): a surface tied to its reference position by springs of stiffness k per reference area (N/m^3),
+/// potential
+///
+/// ```text
+/// (k/2) int |u|^2 dA,      of the normal component alone (k/2) int (N . u)^2 dA
+/// ```
+///
+/// with the reference normal N: linear, without loss of contact. It may hold a body that nothing else holds. In plane strain per unit of
+/// thickness. Source: docs/model.md section 4.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Foundation {
+    surface: GroupNames,
+    stiffness: f64,
+    normal_only: bool,
+}
+
+impl Foundation {
+    /// Springs of this stiffness per reference area in every direction.
+    pub fn on(surface: impl Into<GroupNames>, stiffness: f64) -> Self {
+        Foundation { surface: surface.into(), stiffness, normal_only: false }
+    }
+
+    /// Springs along the reference normal alone: the surface slides freely along itself.
+    #[must_use]
+    pub fn normal_only(mut self) -> Self {
+        self.normal_only = true;
+        self
+    }
+
+    /// The contribution on a mesh.
+    ///
+    /// # Errors
+    /// An unknown surface; a stiffness that is not positive.
+    pub fn of(&self, mesh: &Mesh) -> Result<Springs, FemError> {
+        let name = format!("foundation on {}", self.surface);
+        if !(self.stiffness.is_finite() && self.stiffness > 0.0) {
+            let what = format!("{name} has a stiffness of {}; it must be positive and finite", self.stiffness);
+            return Err(FemError::Meaningless { what });
+        }
+        let mut springs = Springs { name, dim: mesh.dim(), pieces: Vec::new(), holds: Vec::new() };
+        for facet in mesh.facets_of(&self.surface)? {
+            let (kind, nodes) = mesh.facet_nodes(facet);
+            springs.add(mesh, kind, nodes, self);
+        }
+        Ok(springs)
+    }
+}
+
+/// The contribution of a [`Foundation`]: residual K u.
+#[derive(Debug)]
+pub struct Springs {
+    name: String,
+    dim: usize,
+    /// Nodes of every facet, and K by node and component, row after row.
+    pieces: Vec<(Vec<u32>, Vec<f64>)>,
+    /// Displacements that it resists to.
+    holds: Vec<Vec<(u32, f64)>>,
+}
+
+impl Springs {
+    /// `k int N_a N_b dA 1`, of the normal alone `k int N_a N_b N (x) N dA`.
+    fn add(&mut self, mesh: &Mesh, kind: CellKind, nodes: Vec<u32>, of: &Foundation) {
+        let (dim, n) = (self.dim, self.dim * nodes.len());
+        let positions = mesh.gather(mesh.points(), &nodes);
+        // products of two shape functions
+        let rule = kind.rule_of_degree(2 * kind.order() * kind.dim());
+        let mut shapes = vec![0.0; nodes.len()];
+        let mut k = vec![0.0; n * n];
+        for (xi, weight) in rule.points.iter().zip(&rule.weights) {
+            kind.shapes(xi, &mut shapes);
+            let [along, across, _] = kind.tangents(&positions, xi).map(Vec3::from);
+            let normal = if dim == 2 { along.cross(&Vec3::z()) } else { along.cross(&across) };
+            let (area, normal) = (weight * normal.norm(), normal.normalize());
+            let block = if of.normal_only { normal * normal.transpose() } else { Mat3::identity() };
+            for (at, entry) in k.iter_mut().enumerate() {
+                let (row, column) = (at / n, at % n);
+                let pair = shapes[row / dim] * shapes[column / dim];
+                *entry += of.stiffness * area * pair * block[(row % dim, column % dim)];
+            }
+            for direction in (0..dim).filter(|i| !of.normal_only || *i == 0) {
+                let component = |i: usize| if of.normal_only { normal[i] } else { f64::from(u8::from(i == direction)) };
+                let of_node = |(a, node): (usize, &u32)| {
+                    let shape = shapes[a];
+                    (0..dim).map(move |i| (dim as u32 * node + i as u32, shape * component(i))).collect::<Vec<_>>()
+                };
+                self.holds.push(nodes.iter().enumerate().flat_map(of_node).collect());
+            }
+        }
+        self.pieces.push((nodes, k));
+    }
+
+    /// Calls with every unknown of every facet and its entry of K v.
+    fn each_product(&self, v: &[f64], mut call: impl FnMut(usize, f64)) {
+        for (nodes, k) in &self.pieces {
+            let n = self.dim * nodes.len();
+            let dof = |local: usize| self.dim * nodes[local / self.dim] as usize + local % self.dim;
+            for row in 0..n {
+                call(dof(row), (0..n).map(|column| k[n * row + column] * v[dof(column)]).sum());
+            }
+        }
+    }
+}
+
+impl Contribution for Springs {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn stores_energy(&self) -> bool {
+        true
+    }
+
+    fn spans_ranks(&self) -> bool {
+        true
+    }
+
+    fn resists(&self) -> &[Vec<(u32, f64)>] {
+        &self.holds
+    }
+
+    /// The force of the bed on the body.
+    fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
+        let mut force = [0.0; 3];
+        self.each_product(at.u, |dof, value| force[dof % self.dim] -= value);
+        ["force_x", "force_y", "force_z"].into_iter().zip(force).take(self.dim).collect()
+    }
+
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for Springs {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
+        self.each_product(at.u, |dof, force| {
+            if demand.energy {
+                sums.energy += 0.5 * force * at.u[dof];
+                sums.energy_scale += 0.5 * (force * at.u[dof]).abs();
+            }
+            if demand.force {
+                sums.force[dof] += force;
+                sums.force_scale[dof] += force.abs();
+            }
+        });
+        Ok(())
+    }
+
+    fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        for (nodes, k) in &self.pieces {
+            let n = self.dim * nodes.len();
+            add_element(nodes, self.dim, tangent, |a, i, b, j| k[n * (self.dim * a + i) + self.dim * b + j])?;
+        }
+        Ok(())
+    }
+
+    fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
+        self.each_product(v, |dof, value| out[dof] += value);
+        Ok(true)
+    }
+
+    fn second_vjp(
+        &self,
+        _: &Instant,
+        _: &[f64],
+        _: &Increment,
+        _: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        Ok(())
+    }
+}

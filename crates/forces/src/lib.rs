@@ -1,0 +1,15 @@
+//! What acts on a body beside the energy of its cells: a [`Contribution`](nastic_body::contribution::Contribution) each.
+
+pub mod cavity;
+pub mod contact;
+pub mod dead_load;
+pub mod foundation;
+mod guides;
+pub mod inertia;
+pub mod moving_support;
+pub mod rayleigh_damping;
+pub mod rigid_body;
+pub mod rigid_motion;
+pub mod spring;
+pub mod tendon;
+pub mod varying_load;

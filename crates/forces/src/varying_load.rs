@@ -1,0 +1,153 @@
+//! [`VaryingLoad`]: a dead load that changes in time.
+
+use nastic_body::contribution::energy_role::EnergyRole;
+use nastic_body::contribution::point::{ContributionPoint, Need};
+use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
+use nastic_body::contribution::{Contribution, Demand, Sums};
+use nastic_body::controls::{ControlPoint, Controls};
+use nastic_body::discretization::quadrature_points::QuadraturePoints;
+use nastic_body::error::{Inadmissible, SecondDerivativeError};
+use nastic_body::instant::Instant;
+use nastic_energy::Slot;
+use nastic_linear::SparseMatrix;
+use nastic_mesh::Mesh;
+
+/// Forces per reference area of a surface, or per reference volume of a region, with a value t(X_q) at every point of a rule, which a motion gives
+/// anew at every instant: the potential
+///
+/// ```text
+/// - s sum_q w_q t(X_q) . u(X_q)
+/// ```
+///
+/// with the share s of the load. It keeps its direction, as all dead loads. Its values are data of the problem as those of a constant one are, not work of
+/// actuations. In plane strain per unit of thickness.
+///
+/// Units: t in Pa on surfaces, in N/m^3 on regions; an acceleration in m/s^2 of [`weight`](Self::weight).
+#[derive(Debug)]
+pub struct VaryingLoad {
+    name: String,
+    dim: usize,
+    slots: Vec<Slot>,
+    points: Vec<ControlPoint>,
+    /// Node, point and shape function of every pair.
+    pairs: Vec<(u32, u32, f64)>,
+}
+
+impl VaryingLoad {
+    /// A load at the points of a rule on a surface or a region.
+    pub fn new(name: impl Into<String>, mesh: &Mesh, sampling: &QuadraturePoints, per_area: bool) -> Self {
+        let (group, unit) = if per_area { ("traction", "Pa") } else { ("body_force", "N/m^3") };
+        // A number of the body to those who ramp and to those who count the work of actuations: it is scaled with the load by itself.
+        let of = |k| Slot { component: Some(k), ..Slot::design(group, unit, 0.0) };
+        let positions = sampling.positions(mesh, None).into_iter().zip(sampling.weights());
+        let mut pairs = Vec::new();
+        sampling.for_each_pair(|point, node, shape| pairs.push((node as u32, point as u32, shape)));
+        VaryingLoad {
+            name: name.into(),
+            dim: mesh.dim(),
+            slots: (0..3).map(of).collect(),
+            points: positions.map(|(position, weight)| ControlPoint { position, weight: *weight }).collect(),
+            pairs,
+        }
+    }
+
+    /// The weight of a region of one density (kg/m^3) under an acceleration g(t), the same everywhere: `- s rho int g(t) . u dX`, with one point for g.
+    pub fn weight(name: impl Into<String>, mesh: &Mesh, sampling: &QuadraturePoints, density: f64) -> Self {
+        let of = |k| Slot { component: Some(k), ..Slot::design("gravity", "m/s^2", 0.0) };
+        let volume: f64 = sampling.weights().iter().sum();
+        let mut middle = [0.0; 3];
+        for (x, weight) in sampling.positions(mesh, None).into_iter().zip(sampling.weights()) {
+            (0..3).for_each(|i| middle[i] += weight / volume * x[i]);
+        }
+        let mut shares = vec![0.0; mesh.points().len()];
+        sampling.spread(sampling.weights(), 1, &mut shares);
+        let shares = shares.into_iter().enumerate().filter(|(_, share)| *share != 0.0);
+        VaryingLoad {
+            name: name.into(),
+            dim: mesh.dim(),
+            slots: (0..3).map(of).collect(),
+            points: vec![ControlPoint { position: middle, weight: volume }],
+            pairs: shares.map(|(node, share)| (node as u32, 0, density * share / volume)).collect(),
+        }
+    }
+
+    /// Calls with every unknown, the point and the component of a pair, and `w_q N_a(X_q)`.
+    fn each(&self, mut call: impl FnMut(usize, (usize, usize), f64)) {
+        for &(node, point, shape) in &self.pairs {
+            let point = point as usize;
+            let factor = self.points[point].weight * shape;
+            (0..self.dim).for_each(|i| call(self.dim * node as usize + i, (point, i), factor));
+        }
+    }
+}
+
+impl Contribution for VaryingLoad {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+
+    fn control_points(&self) -> &[ControlPoint] {
+        &self.points
+    }
+
+    fn is_stiff(&self) -> bool {
+        false
+    }
+
+    fn energy_role(&self) -> EnergyRole {
+        EnergyRole::Load
+    }
+
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for VaryingLoad {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
+        self.each(|dof, (point, i), factor| {
+            let force = at.load * factor * at.control_at(point, i);
+            if demand.energy {
+                sums.energy -= force * at.u[dof];
+                sums.energy_scale += (force * at.u[dof]).abs();
+            }
+            if demand.force {
+                sums.force[dof] -= force;
+                sums.force_scale[dof] += force.abs();
+            }
+        });
+        Ok(())
+    }
+
+    fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        Ok(())
+    }
+
+    fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, Inadmissible> {
+        Ok(true)
+    }
+
+    fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
+        self.each(|dof, (point, i), factor| into.add_control_at(at, point, i, -at.load * factor * lambda[dof]));
+        Ok(())
+    }
+
+    fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
+        self.each(|dof, (point, i), factor| out[dof] -= at.load * factor * at.slot_at(v, point, i));
+        Ok(())
+    }
+
+    fn second_vjp(
+        &self,
+        _: &Instant,
+        _: &[f64],
+        _: &Increment,
+        _: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        Ok(())
+    }
+}
