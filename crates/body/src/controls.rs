@@ -43,6 +43,7 @@ impl Controls {
     }
 
     /// Number of blocks.
+    #[inline]
     pub fn len(&self) -> usize {
         self.blocks.len()
     }
@@ -53,16 +54,19 @@ impl Controls {
     }
 
     /// Number of slots of the k-th block.
+    #[inline]
     pub fn slots(&self, k: usize) -> usize {
         self.blocks[k].slots
     }
 
     /// Values of the k-th block, shape `[points][slots]`.
+    #[inline]
     pub fn values(&self, k: usize) -> &[f64] {
         &self.blocks[k].values
     }
 
     /// The same, to be written to.
+    #[inline]
     pub fn values_mut(&mut self, k: usize) -> &mut [f64] {
         &mut self.blocks[k].values
     }

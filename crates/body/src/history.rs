@@ -48,6 +48,7 @@ impl History {
     }
 
     /// Whether there are none.
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.blocks.iter().all(|block| block.values.is_empty())
     }
@@ -58,6 +59,7 @@ impl History {
     }
 
     /// Number of blocks.
+    #[inline]
     pub fn len(&self) -> usize {
         self.blocks.len()
     }
@@ -68,11 +70,13 @@ impl History {
     }
 
     /// Values of the k-th block.
+    #[inline]
     pub fn values(&self, k: usize) -> &[f64] {
         self.blocks.get(k).map_or(&[], |block| &block.values)
     }
 
     /// The same, to be written to.
+    #[inline]
     pub fn values_mut(&mut self, k: usize) -> &mut [f64] {
         self.blocks.get_mut(k).map_or(&mut [], |block| &mut block.values)
     }
@@ -117,6 +121,7 @@ pub trait Remembers {
     fn len(&self) -> usize;
 
     /// Whether there are none.
+    #[inline]
     fn is_empty(&self) -> bool {
         self.len() == 0
     }

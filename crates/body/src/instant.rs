@@ -56,67 +56,80 @@ impl<'a> Instant<'a> {
 
     /// The same in a time step, with the internal variables that it begins with.
     #[must_use]
+    #[inline]
     pub fn in_step(self, step: &'a TimeStep) -> Self {
         Instant { step: Some(step), ..self }
     }
 
     /// The same under other controls.
     #[must_use]
+    #[inline]
     pub fn under(self, controls: &'a Controls) -> Self {
         Instant { controls, ..self }
     }
 
     /// The internal variables that the time step which ends here began with, or those of a state.
+    #[inline]
     pub fn history(&self) -> &'a History {
         self.step.map_or(self.remembered, |step| &step.history)
     }
 
     /// The internal variables of the contribution that is asked; none where nothing was remembered yet.
+    #[inline]
     pub fn internal(&self) -> &'a [f64] {
         self.history().values(self.memory)
     }
 
     /// The state that the time step begins at; `None` in a static problem.
+    #[inline]
     pub fn before(&self) -> Option<&'a State> {
         self.step.map(|step| &step.before)
     }
 
     /// The value of a slot of the contribution that is asked.
+    #[inline]
     pub fn control(&self, slot: usize) -> f64 {
         self.controls.values(self.block)[slot]
     }
 
     /// The value of a slot at a [point](crate::contribution::Contribution::control_points) of the contribution that is asked.
+    #[inline]
     pub fn control_at(&self, point: usize, slot: usize) -> f64 {
         self.slot_at(self.controls, point, slot)
     }
 
     /// The same in other controls of the same model.
+    #[inline]
     pub fn slot_at(&self, controls: &Controls, point: usize, slot: usize) -> f64 {
         controls.values(self.block)[point * controls.slots(self.block) + slot]
     }
 
     /// MaterialPoint of a multiplier of the contribution that is asked, in u and in all vectors of its length.
+    #[inline]
     pub fn place(&self, multiplier: usize) -> usize {
         self.scalar + multiplier
     }
 
     /// A multiplier of the contribution that is asked; not a number where u is that of a model without it.
+    #[inline]
     pub fn multiplier(&self, multiplier: usize) -> f64 {
         self.u.get(self.place(multiplier)).copied().unwrap_or(f64::NAN)
     }
 
     /// The value of a slot of the contribution that is asked, in other controls of the same model.
+    #[inline]
     pub fn slot_of(&self, controls: &Controls, slot: usize) -> f64 {
         controls.values(self.block)[slot]
     }
 
     /// Velocity: zero in a static problem.
+    #[inline]
     pub fn velocity(&self, dof: usize) -> f64 {
         self.step.map_or(0.0, |step| step.velocity.0 * self.u[dof] + step.velocity.1[dof])
     }
 
     /// Acceleration: zero in a static problem.
+    #[inline]
     pub fn acceleration(&self, dof: usize) -> f64 {
         self.step.map_or(0.0, |step| step.acceleration.0 * self.u[dof] + step.acceleration.1[dof])
     }

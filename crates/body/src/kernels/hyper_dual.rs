@@ -17,14 +17,17 @@ pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
 }
 
 impl Scalar for f64 {
+    #[inline]
     fn of(value: f64) -> Self {
         value
     }
 
+    #[inline]
     fn value(self) -> f64 {
         self
     }
 
+    #[inline]
     fn root(self, n: usize) -> Self {
         match n {
             2 => self.sqrt(),
@@ -33,10 +36,12 @@ impl Scalar for f64 {
         }
     }
 
+    #[inline]
     fn exp(self) -> Self {
         f64::exp(self)
     }
 
+    #[inline]
     fn ln(self) -> Self {
         f64::ln(self)
     }
@@ -51,6 +56,7 @@ pub struct HyperDual(pub [f64; 4]);
 
 impl HyperDual {
     /// `f(self)` from `f`, `f'` and `f''` at the value.
+    #[inline]
     fn chain(self, [f, first, second]: [f64; 3]) -> Self {
         let [_, a, b, ab] = self.0;
         HyperDual([f, first * a, first * b, first * ab + second * a * b])
@@ -58,14 +64,17 @@ impl HyperDual {
 }
 
 impl Scalar for HyperDual {
+    #[inline]
     fn of(value: f64) -> Self {
         HyperDual([value, 0.0, 0.0, 0.0])
     }
 
+    #[inline]
     fn value(self) -> f64 {
         self.0[0]
     }
 
+    #[inline]
     fn root(self, n: usize) -> Self {
         let (x, power) = (self.0[0], 1.0 / n as f64);
         let f = x.root(n);
@@ -73,10 +82,12 @@ impl Scalar for HyperDual {
         self.chain([f, first, (power - 1.0) * first / x])
     }
 
+    #[inline]
     fn exp(self) -> Self {
         self.chain([self.0[0].exp(); 3])
     }
 
+    #[inline]
     fn ln(self) -> Self {
         let x = self.0[0];
         self.chain([x.ln(), 1.0 / x, -1.0 / (x * x)])
@@ -86,6 +97,7 @@ impl Scalar for HyperDual {
 impl Add for HyperDual {
     type Output = Self;
 
+    #[inline]
     fn add(self, other: Self) -> Self {
         HyperDual(std::array::from_fn(|k| self.0[k] + other.0[k]))
     }
@@ -94,6 +106,7 @@ impl Add for HyperDual {
 impl Sub for HyperDual {
     type Output = Self;
 
+    #[inline]
     fn sub(self, other: Self) -> Self {
         HyperDual(std::array::from_fn(|k| self.0[k] - other.0[k]))
     }
@@ -102,6 +115,7 @@ impl Sub for HyperDual {
 impl Mul for HyperDual {
     type Output = Self;
 
+    #[inline]
     fn mul(self, other: Self) -> Self {
         let ([x, a, b, ab], [y, c, d, cd]) = (self.0, other.0);
         HyperDual([x * y, x * c + a * y, x * d + b * y, x * cd + a * d + b * c + ab * y])
@@ -111,6 +125,7 @@ impl Mul for HyperDual {
 impl Div for HyperDual {
     type Output = Self;
 
+    #[inline]
     fn div(self, other: Self) -> Self {
         let inverse = 1.0 / other.0[0];
         self * other.chain([inverse, -inverse * inverse, 2.0 * inverse * inverse * inverse])

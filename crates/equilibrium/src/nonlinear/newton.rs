@@ -3,7 +3,7 @@
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
 use crate::nonlinear::direction::bordered::Bordered;
-use crate::nonlinear::direction::linearised::Linearised;
+use crate::nonlinear::direction::linearised::{Linearised, Replace};
 use crate::nonlinear::direction::plain::Plain;
 use crate::nonlinear::direction::point_strains::WithPointStrains;
 use crate::nonlinear::equations::{Drive, Equations};
@@ -161,7 +161,7 @@ impl Model {
         controls: &Controls,
         from: &State,
         (how, time_step): (&SolveOptions, &TimeStep),
-        replace: Option<&dyn Fn(&mut [f64])>,
+        replace: Option<Replace>,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.check_controls(controls)?;

@@ -8,11 +8,14 @@ use nastic_body::state::SolveReport;
 use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
 
+/// What moves a part of a step otherwise.
+pub type Replace<'a> = &'a dyn Fn(&mut [f64]);
+
 /// `K du = -r` with a positive definite tangent, taken whole, but for the part in modes that move otherwise.
 pub(crate) struct Linearised<'a> {
     pub equations: &'a Equations<'a>,
     /// What moves a part of the step otherwise.
-    pub replace: Option<&'a dyn Fn(&mut [f64])>,
+    pub replace: Option<Replace<'a>>,
     pub solver: &'a mut dyn LinearSolver,
 }
 
