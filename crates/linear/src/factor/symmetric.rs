@@ -5,16 +5,16 @@ use std::sync::Arc;
 use faer::{MatMut, MatRef};
 
 use super::bunch_kaufman::{Blocks, Pivot};
-use super::error::FactorError;
-use super::iterative::Preconditioner;
-use super::matrix::SparseMatrix;
-use super::memory;
 use super::numeric::{self, Breakdown};
 use super::panel::{AnySign, Positive};
 use super::real::Real;
 use super::rotations::Rotations;
 use super::solve;
 use super::symbolic::Symbolic;
+use crate::error::FactorError;
+use crate::memory;
+use crate::pattern::matrix::SparseMatrix;
+use crate::pattern::operator::Preconditioner;
 
 /// Which pivots a factorisation accepts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
