@@ -76,7 +76,7 @@ impl Model {
     /// one transposed solve per stage; then the combinations transposed. Unknowns D that controls hold owe to them `(dj/dw + c_v dj/dv + c_a dj/da + K^T l)_D .
     /// dw_D/dm`. An acceleration `M a = -r(u, v, 0; m)` at
     /// the beginning and an equilibrium there take a solve each. A static problem is a trajectory of one instant, and
-    /// this its adjoint. Source: docs/model.md section 12.
+    /// this its adjoint. Source: docs/model/motion.md.
     ///
     /// # Errors
     /// A tangent that is singular, partial derivatives of the wrong length, states of another body or with internal

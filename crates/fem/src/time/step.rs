@@ -44,7 +44,7 @@ impl Model {
     /// do. Their velocities and accelerations are those of the formulas of the scheme; those of the first state are what it carries, or
     /// zero.
     ///
-    /// Source: docs/model.md section 12.
+    /// Source: docs/model/motion.md.
     ///
     /// # Errors
     /// A step that is not positive; a surface that is not where the controls of the last state hold it; a [`StateError`] at the first step that has no solution, with the steps before it
