@@ -23,6 +23,16 @@ package=$(target/python-package/bin/python -c 'import nastic, pathlib; print(pat
   fi
 } >docs/book/python.md
 python3 scripts/gallery.py target/slow docs/book
+keys() { # PAGE TITLE OPTIONS
+  if [ -x target/release/nastic ]; then
+    target/release/nastic schema "${@:3}" --markdown >"docs/book/$1.md"
+  else
+    printf '# %s\n\nNot part of this copy of the book: the program was not built when it was made.\n' "$2" >"docs/book/$1.md"
+    echo "without the $1: cargo build --release has not made the program" >&2
+  fi
+}
+keys keys-of-case-files "Keys of case files"
+keys keys-of-results "Keys of results" --results
 
 rm -rf target/book
 PYTHONPATH="$package" "$env/bin/sphinx-build" -W --keep-going -q -E -b html -d target/book-doctrees -c docs/book . target/book

@@ -1,10 +1,12 @@
 #!/usr/bin/env bash
 # Every relative link in the documentation, its heading included, and every file or directory of the project it names in
-# `backticks`, exists; no cell of a table has more than 200 characters.
+# `backticks`, exists; no cell of a table has more than 200 characters; all pages together have at most `size_limit` bytes.
 set -uo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 cell_limit=200
+# Bytes of all pages and of the notebooks without their pictures. It only falls: lower it with the pages.
+size_limit=800000
 wrong=0
 complain() {
   echo "$1: $2"
@@ -61,6 +63,21 @@ while read -r page; do
     complain "$page:$line" "a table cell of $characters characters; $cell_limit are allowed: say it below the table"
   done < <(long_cells "$page")
 done < <(git ls-files '*.md')
+
+size=$(git ls-files -z '*.md' '*.ipynb' | python3 -c '
+import json, pathlib, sys
+
+def without_pictures(part):
+    if isinstance(part, dict):
+        return {key: without_pictures(value) for key, value in part.items() if not key.startswith("image/")}
+    return [without_pictures(one) for one in part] if isinstance(part, list) else part
+
+def size(page):
+    text = pathlib.Path(page).read_bytes()
+    return len(json.dumps(without_pictures(json.loads(text)), indent=1)) if page.endswith(".ipynb") else len(text)
+
+print(sum(map(size, sys.stdin.read().split("\0")[:-1])))')
+[ "$size" -le "$size_limit" ] || complain "the documentation" "$size bytes; $size_limit are allowed"
 
 [ "$wrong" = 0 ] && echo "All links and file names in the documentation lead somewhere; no table cell is over $cell_limit characters."
 exit "$wrong"

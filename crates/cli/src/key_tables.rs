@@ -19,9 +19,9 @@ pub(crate) fn markdown(schema: &Value, title: &str, how: &str) -> String {
         }
         out += &paragraph(part);
         if !part["properties"].is_null() {
-            out += &table(&without_contained(part, &schema["$defs"]));
+            out += &table(&without_contained(part, &schema["$defs"]), &schema["$defs"]);
         } else {
-            out += &choices(part);
+            out += &choices(part, &schema["$defs"]);
         }
     }
     out
@@ -52,16 +52,16 @@ fn paragraph(part: &Value) -> String {
 }
 
 /// The rows of an object, and below them what is too long for a cell.
-fn table(object: &Value) -> String {
+fn table(object: &Value, parts: &Value) -> String {
     let mut out = "\n| Key | Takes | Meaning |\n|---|---|---|\n".to_owned();
     let mut notes = String::new();
     let is_required = |key: &str| object["required"].as_array().is_some_and(|all| all.iter().any(|one| one == key));
     for (key, value) in object["properties"].as_object().into_iter().flatten() {
-        let (about, default) = (value["description"].as_str().unwrap_or_default(), &value["default"]);
+        let (about, default) = (description(value, parts), &value["default"]);
         let default = if default.is_null() { String::new() } else { format!(" Default: {default}.") };
         let required = if is_required(key) { " **Required.**" } else { "" };
         let about = escape(&format!("{about}{default}{required}"));
-        let (takes, meaning) = (takes(value), about.trim());
+        let (takes, meaning) = (takes_without_words(value), about.trim());
         let cells = [&takes, meaning].map(|text| text.chars().count() <= WIDEST);
         let short = |fits: bool, text: &str| if fits { text.to_owned() } else { "below".to_owned() };
         let _ = writeln!(out, "| `{key}` | {} | {} |", short(cells[0], &takes), short(cells[1], meaning));
@@ -69,23 +69,30 @@ fn table(object: &Value) -> String {
         long.for_each(|(_, text)| notes += &format!("* `{key}`: {text}\n"));
     }
     if object["properties"].is_object() && object["additionalProperties"].is_object() {
-        let _ = writeln!(out, "| any other name | {} | |", takes(&object["additionalProperties"]));
+        let _ = writeln!(out, "| any other name | {} | what has this name |", takes(&object["additionalProperties"]));
     }
     if let Some(names) = object["contains"].as_str() {
-        let _ = writeln!(out, "| all keys of | {names} | |");
+        let _ = writeln!(out, "| all keys of | {names} | as there |");
     }
     if notes.is_empty() { out } else { format!("{out}\n{notes}") }
 }
 
+/// What a key means: its own sentence, else that of the named part it takes.
+fn description<'a>(value: &'a Value, parts: &'a Value) -> &'a str {
+    let part = value["$ref"].as_str().and_then(|part| part.strip_prefix("#/$defs/"));
+    let of_part = || part.and_then(|part| parts[part]["description"].as_str());
+    value["description"].as_str().or_else(of_part).unwrap_or_default()
+}
+
 /// The members of a part that is one of several: a table for each that has keys, a line for each that has none.
-fn choices(part: &Value) -> String {
+fn choices(part: &Value, parts: &Value) -> String {
     let (mut lines, mut tables) = (String::new(), String::new());
     for one in ["oneOf", "anyOf"].iter().flat_map(|key| part[*key].as_array().into_iter().flatten()) {
         let about = one["description"].as_str().map_or_else(String::new, |about| format!(": {}", escape(about)));
         if one["properties"].is_null() {
             let _ = writeln!(lines, "* {}{about}", takes_without_words(one));
         } else {
-            let _ = write!(tables, "\n**{}**{about}\n{}", kind(one), table(one));
+            let _ = write!(tables, "\n**{}**{about}\n{}", kind(one), table(one, parts));
         }
     }
     let lines = if lines.is_empty() { lines } else { format!("\n{lines}") };

@@ -41,7 +41,7 @@ use std::sync::atomic::AtomicBool;
 /// `jhat(m) = j(u(m), m)` with its derivative by the adjoint.
 ///
 /// Value: one equilibrium. Derivative: `K(u*) lambda = -dj/du`, then
-/// `djhat/dm = dj/dm + int (dP/dm) : grad lambda dX`. Source: docs/model.md section 6; survey, section 4.
+/// `djhat/dm = dj/dm + int (dP/dm) : grad lambda dX`. Source: docs/model/derivative.md; survey, section 4.
 ///
 /// Built by chaining. What is controlled is said by [`control`](Self::control); nothing is controlled unasked.
 ///

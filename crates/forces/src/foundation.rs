@@ -18,7 +18,7 @@ use nastic_tensor::{Mat3, Vec3};
 /// ```
 ///
 /// with the reference normal N: linear, without loss of contact. It may hold a body that nothing else holds. In plane strain per unit of
-/// thickness. Source: docs/model.md section 4.
+/// thickness. Source: docs/model/equilibrium.md.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foundation {
     surface: GroupNames,

@@ -21,12 +21,12 @@ use nastic_tensor::Vec3;
 ///
 /// Its controls are t and theta. They act through the supported unknowns alone: the derivative of a functional by them is
 /// `(j_u + K^T lambda)_D . du_D/d(t, theta)`, D the nodes of the surface. Continuation scales t and theta; in steps in time
-/// they may change, and velocities are those of the scheme (docs/model.md section 12).
+/// they may change, and velocities are those of the scheme (docs/model/motion.md).
 ///
 /// With [`components`](Self::components) it holds these alone, `u_i = t_i + ((R - 1) (X - c))_i`, and the surface slides freely along the others: a
 /// grip with free sides, a roller that moves.
 ///
-/// In plane strain t is in the plane and theta along z. Source: docs/model.md section 4.
+/// In plane strain t is in the plane and theta along z. Source: docs/model/equilibrium.md.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovingSupport {
     name: String,

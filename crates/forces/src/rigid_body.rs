@@ -40,7 +40,7 @@ const SPACE: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 
 /// and constraints that they fulfil by themselves are left out.
 ///
 /// Source: Lan et al., Affine Body Dynamics, ACM Trans. Graph. 41 (2022), section 3, for the affine unknowns, with constraints in the place of a stiff
-/// potential; docs/model.md section 4.
+/// potential; docs/model/equilibrium.md.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidBody {
     name: String,

@@ -49,7 +49,7 @@ pub trait TimeStepping {
     /// do. Their velocities and accelerations are those of the formulas of the scheme; those of the first state are what it carries, or
     /// zero.
     ///
-    /// Source: docs/model.md section 12.
+    /// Source: docs/model/motion.md.
     ///
     /// # Errors
     /// A step that is not positive; a surface that is not where the controls of the last state hold it; a [`StateError`] at the first step that has no solution, with the steps before it
@@ -132,7 +132,7 @@ pub trait TimeStepping {
     /// one transposed solve per stage; then the combinations transposed. Unknowns D that controls hold owe to them `(dj/dw + c_v dj/dv + c_a dj/da + K^T l)_D .
     /// dw_D/dm`. An acceleration `M a = -r(u, v, 0; m)` at
     /// the beginning and an equilibrium there take a solve each. A static problem is a trajectory of one instant, and
-    /// this its adjoint. Source: docs/model.md section 12.
+    /// this its adjoint. Source: docs/model/motion.md.
     ///
     /// # Errors
     /// A tangent that is singular, partial derivatives of the wrong length, states of another body or with internal

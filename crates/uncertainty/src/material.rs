@@ -9,7 +9,7 @@ use nastic_energy::MooneyRivlin;
 /// ([`MooneyRivlin::from_shear_bulk`]), so `mu1 + mu2 = mu/2`. Under independent Gamma laws `mu3 <= 0` has a positive
 /// probability: [`Inadmissible`] says what happens then. Units: Pa; the share has none.
 ///
-/// Source: survey, section 2.1.3 (with the factor 1/2 of docs/model.md section 7).
+/// Source: survey, section 2.1.3 (with the factor 1/2 of docs/model/survey-slips.md).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StochasticMooneyRivlin {
     /// Shear modulus mu.

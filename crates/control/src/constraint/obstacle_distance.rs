@@ -18,7 +18,7 @@ use std::sync::Arc;
 ///
 /// `dc_a/du_a = -grad d`, `d2c_a/du_a^2 = -d2d/dx2`. Unit: length. Scale: the diagonal of the body's bounding box. The multiplier of a
 /// node is the force (cost per length) with which the obstacle would push it.
-/// Source: docs/model.md section 5.
+/// Source: docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct ObstacleDistance {
     place: BodyPart,

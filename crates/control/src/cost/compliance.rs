@@ -17,7 +17,7 @@ use std::sync::Arc;
 ///
 /// Derivatives: `dc/du = -(v . K v)_u`, `dc/dm = -(v . K v)_m`, the second derivatives of `v . r` along v: third derivatives of the
 /// energy. There are no second partials, which would take fourth ones. Cavities of given volume keep it, and taut tendons that cannot stretch their length: K is then the bordered tangent.
-/// Units: length over force, in plane strain per unit of depth. Source: docs/model.md section 5.
+/// Units: length over force, in plane strain per unit of depth. Source: docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct Compliance {
     surface: GroupNames,

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// about the axis b. With points h apart that is the curvature of the deformed line by reference length to order h^2; a turn of more than
 /// a right angle at one point is not distinguished from a smaller one. In plane strain b is the axis z.
 ///
-/// Units: kappa 1/length; j the weight's over length. Derivatives are those of the formula. Source: docs/model.md section 5.
+/// Units: kappa 1/length; j the weight's over length. Derivatives are those of the formula. Source: docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct Curvature {
     points: Vec<[f64; 3]>,

@@ -23,7 +23,7 @@ use std::sync::Arc;
 /// dR/du [v] = int e . v dA / int dA,    d2R/du2 [v, w] = int (T v . T w - (e . v)(e . w))/r dA / int dA
 /// ```
 ///
-/// In plane strain the axis is z. Units: length^2 times the weight's. Source: docs/model.md section 5.
+/// In plane strain the axis is z. Units: length^2 times the weight's. Source: docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct MeanRadius {
     surface: GroupNames,

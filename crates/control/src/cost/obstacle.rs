@@ -36,7 +36,7 @@ pub(crate) fn check(obstacle: &Obstacle, clearance: f64, dim: usize) -> Result<(
 /// With `p = clearance - d > 0`: `dj/du [v] = -weight int p grad d . v dA`,
 /// `d2j/du2 [v, w] = weight int (grad d . v)(grad d . w) - p v . (d2d/dx2 w) dA`; points with p <= 0 add nothing. A penalty: the
 /// body enters the obstacle a little. [`ObstacleDistance`](crate::ObstacleDistance) keeps it out.
-/// Units: length^4 times the weight's on a surface, length^5 over a region, length^2 over nodes. Source: docs/model.md section 5.
+/// Units: length^4 times the weight's on a surface, length^5 over a region, length^2 over nodes. Source: docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct ObstaclePenetration {
     place: BodyPart,

@@ -20,7 +20,7 @@ use std::sync::Arc;
 ///
 /// and `d2j/du2` differentiates g and the tangents once more. Units: area times the weight's.
 /// Source: T. Guennel & R. Herzog, "Optimal control problems in finite-strain elasticity by inner pressure and fiber tension",
-/// Front. Appl. Math. Stat. 2 (2016), preferred normals; docs/model.md section 5.
+/// Front. Appl. Math. Stat. 2 (2016), preferred normals; docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct Orientation {
     surface: GroupNames,

@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// of a named surface of the reference body (`dX` over a region, the mean of the nodes of a node set), or with the position of one point.
 ///
 /// Derivatives: `dj/du [v] = weight (x - y) . v_mean`, `d2j/du2 [v, w] = weight v_mean . w_mean`, over those components.
-/// Units: length^2 times the weight's. Source: docs/model.md section 5.
+/// Units: length^2 times the weight's. Source: docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct MeanPosition {
     of: Of,

@@ -27,7 +27,7 @@ use std::sync::Arc;
 ///
 /// Derivatives: `dR/du = K^T l`, `dR/dm = l . dr/dm`; second ones those of l . r: `(l . r)_uu du + (l . r)_um v` and so on. Units: force^2 times the weight's; in plane
 /// strain per unit of depth.
-/// Source: docs/model.md section 5.
+/// Source: docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct Reaction {
     surface: GroupNames,

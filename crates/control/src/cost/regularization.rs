@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// `j = (weight/2) int |m|^2 dX` over the region the control acts on.
 ///
 /// Derivative: `dj/dm [dm] = weight int m . dm dX`. Units: the weight's times Pa^2 m^3 for a tension.
-/// Source: survey, section 4 (the term (M/2) |u|^2); docs/model.md section 5.
+/// Source: survey, section 4 (the term (M/2) |u|^2); docs/model/costs.md.
 #[derive(Debug, Clone)]
 pub struct ControlNorm {
     of: String,
@@ -66,7 +66,7 @@ impl Cost for ControlNorm {
 ///
 /// Derivative: `dj/dm [dm] = weight int grad m : grad dm dX`. Constant fields cost nothing, so for uniform controls (and
 /// for regions, which have no neighbours here) the value is zero.
-/// Source: survey, section 4; docs/model.md section 5.
+/// Source: survey, section 4; docs/model/costs.md.
 #[derive(Debug, Clone)]
 pub struct ControlSmoothness {
     of: String,

@@ -30,7 +30,7 @@ use std::sync::Arc;
 /// Of a body over ranks every rank has the points of all, in the order of the ranks; they form the sums together, each those of some of
 /// the points, whoever has these in its cells.
 ///
-/// Source: survey, eq. (7); docs/model.md section 5.
+/// Source: survey, eq. (7); docs/model/costs.md.
 #[derive(Debug, Clone)]
 pub struct SmoothedHausdorff {
     target: Arc<Mesh>,

@@ -18,7 +18,7 @@ use std::sync::Arc;
 /// 1 at rest, never above the largest stretch, and close to it for large p: a share s of the volume that is stretched by l in one
 /// direction alone gives M > l (s/3)^(1/2p). `dM/dF = M^(1-2p) / (3 |Omega_0|) F C^(p-1)` at a point. A plain number. Compressions count
 /// as stretches below 1, hardly at all. Source: power means, e.g. P. Duysinx & O. Sigmund, AIAA 98-4906 (1998), for stresses;
-/// docs/model.md section 5.
+/// docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct LargestStretch {
     region: Option<GroupNames>,

@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// Derivatives: `dj/du [v] = weight int (x - x_target) . v dA`, `d2j/du2 [v, w] = weight int v . w dA`. Over ranks the integral is the sum of those over the facets and cells
 /// of each, node sets count nodes where they belong; a target by node is one of the part.
 /// Units: length^4 times the weight's on a surface, length^5 over a region, length^2 over nodes.
-/// Source: survey, section 4.2.3; docs/model.md section 5.
+/// Source: survey, section 4.2.3; docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct Tracking {
     place: BodyPart,

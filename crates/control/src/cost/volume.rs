@@ -12,7 +12,7 @@ use std::sync::Arc;
 /// that nothing fills, a bladder.
 ///
 /// Derivatives: `dj/du [v] = weight (V - volume) dV/du [v]`, `d2j/du2 [v, w] = weight (dV/du [v] dV/du [w] + (V - volume) d2V/du2 [v, w])`; V is cubic in u.
-/// Units: volume^2 times the weight's; in plane strain per unit of thickness, an area. Source: docs/model.md section 5.
+/// Units: volume^2 times the weight's; in plane strain per unit of thickness, an area. Source: docs/model/costs.md.
 #[derive(Clone, Debug)]
 pub struct LumenVolume {
     surface: GroupNames,

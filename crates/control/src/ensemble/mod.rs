@@ -57,7 +57,7 @@ use std::time::Instant;
 /// **Memory.** A point keeps its members' states. The workspace keeps at most one factor per member
 /// ([`EnsembleWorkspace::factor_bytes`]), however many points there are; [`EnsembleBuilder::keep_factors`] does without.
 ///
-/// Source: docs/model.md section 6; survey, section 4.2.3.
+/// Source: docs/model/derivative.md; survey, section 4.2.3.
 ///
 /// ```
 /// use nastic_control::{Ensemble, Reduced, Space, Target, Tracking};

@@ -37,7 +37,7 @@ impl Reduced {
     ///
     /// Value: one motion, which keeps its states, or as many as [`Timeline::keep`] says. Derivative: one reverse sweep over them, exact for
     /// the discrete motion.
-    /// Every evaluation begins at t = 0 with an empty workspace: it depends on m alone. Source: docs/model.md section 12.
+    /// Every evaluation begins at t = 0 with an empty workspace: it depends on m alone. Source: docs/model/motion.md.
     ///
     /// # Errors
     /// A problem that has controls or costs already; an initial velocity of the wrong length; too little memory for a motion.

@@ -35,7 +35,7 @@ impl Reduced {
     /// d2jhat/dm2 v = j_mm v + j_mu du + r_m^T dlambda + (lambda . r)_mu du + (lambda . r)_mm v
     /// ```
     ///
-    /// Source: docs/model.md section 6.
+    /// Source: docs/model/derivative.md.
     ///
     /// # Errors
     /// A law, contribution or cost without second derivatives, by name; a singular tangent; a direction of the wrong length.

@@ -35,7 +35,7 @@ impl Model {
     /// The error is `|lambda - exact| <= 1e-13 |exact|` in the energy norm `|v|^2 = v . K v`, as estimated from the steps of conjugate
     /// gradients; with multigrid, or where K(u*) is indefinite, the relative residual is 1e-11.
     ///
-    /// Source: docs/model.md section 6; the adjoint of a cost has `rhs = -dj/du`.
+    /// Source: docs/model/derivative.md; the adjoint of a cost has `rhs = -dj/du`.
     ///
     /// # Errors
     /// [`StateError::Linear`] at a singular tangent, [`StateError::Problem`] for right-hand sides of the wrong length.

@@ -27,7 +27,7 @@ const ITERATED: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
 /// through state = (r_m)^T dlambda + (lambda . r)_mu du + (lambda . r)_mm v
 /// ```
 ///
-/// so that the second derivative of `j(u(m), m)` along v is `j_mm v + j_mu du + through state`. Source: docs/model.md section 6.
+/// so that the second derivative of `j(u(m), m)` along v is `j_mm v + j_mu du + through state`. Source: docs/model/derivative.md.
 pub struct SecondOrder<'a> {
     model: &'a Model,
     state: &'a State,

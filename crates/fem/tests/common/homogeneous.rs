@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 pub type Density = Box<dyn Fn(&Mat3) -> f64>;
 
-/// A law, and its energy density as docs/model.md section 2 prints it.
+/// A law, and its energy density as docs/model/materials.md prints it.
 pub struct Case {
     pub name: String,
     pub law: Arc<dyn EnergyTerm>,

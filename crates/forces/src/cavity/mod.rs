@@ -36,7 +36,7 @@ use volume::CavityVolume;
 /// with the pressure as its multiplier, potential `-p (V - V_0 - dV)`. Control: the added volume dV; like every control it grows
 /// with the load steps of a solve, and dead loads and prescribed displacements do not scale it.
 ///
-/// Units: Pa, m^3 (m^2 in plane strain). Source: docs/model.md section 4; Rumpel & Schweizerhof, Int. J.
+/// Units: Pa, m^3 (m^2 in plane strain). Source: docs/model/equilibrium.md; Rumpel & Schweizerhof, Int. J.
 /// Numer. Methods Eng. 59 (2004), who show that the tangent is symmetric where the boundary is closed or held.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cavity {

@@ -28,7 +28,7 @@ use nastic_tensor::Vec3;
 ///
 /// A spring to the ground may help to hold a body that nothing else holds: along its direction at rest, of L < d in every direction. One between
 /// two points of the body excludes no rigid motion, nor does it count for two parts that are not connected. In plane strain k is per unit of
-/// thickness. Source: docs/model.md section 4.
+/// thickness. Source: docs/model/equilibrium.md.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spring {
     name: String,

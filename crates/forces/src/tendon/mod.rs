@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// Residual `N dL/du`, tangent `N d2L/du2 + dN/dL dL/du (x) dL/du`, symmetric, with the tension N. The second term couples the nodes of all
 /// guides with each other: many guides with a pull make the tangent's factor denser.
 ///
-/// In plane strain tension and stiffness are per unit of thickness. Source: docs/model.md section 4; Bieze, Largilliere, Kruszewski, Zhang,
+/// In plane strain tension and stiffness are per unit of thickness. Source: docs/model/equilibrium.md; Bieze, Largilliere, Kruszewski, Zhang,
 /// Merzouki & Duriez, Soft Robotics 5 (2018), for cables through points of a finite element mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tendon {

@@ -240,7 +240,10 @@ pub(crate) fn form_schema(
 ) -> Json {
     for parameter in form {
         let schema = match parameter.takes {
-            Takes::Number { unit, .. } => Parameter::schema(want(unit), definitions),
+            Takes::Number { unit, .. } => {
+                let about = if matches!(unit, "" | "1") { "A number.".to_owned() } else { format!("In {unit}.") };
+                annotated(Parameter::schema(want(unit), definitions), &about, None)
+            }
             Takes::Direction { .. } => direction::field_schema(definitions),
             Takes::Choice { of } => json!({ "enum": of, "default": of.first() }),
             Takes::Energy { .. } => json!({ "type": "string", "description": ENERGY }),
