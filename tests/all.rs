@@ -5,4 +5,5 @@ mod cases;
 mod examples;
 mod key_tables;
 mod mutation;
+mod structure;
 mod test_programs;

@@ -5,6 +5,8 @@
 //! structure of the factor). Then, per matrix, [`SparseMatrix`] and [`Factor`]; [`solver`] has what nonlinear solves use: one trait
 //! over factors, multigrid, GMRES and LU, each with a [`SolverFactory`].
 //!
+//! Modules use only those before them: `memory`, `pattern`, `factor`, `krylov`, `multigrid`, `space`, `solver`, `eigenpairs`.
+//!
 //! ```
 //! use std::sync::Arc;
 //! use nastic_linear::{Graph, Ordering, Pattern, Pivots, SparseMatrix, Symbolic};
@@ -28,70 +30,41 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod bunch_kaufman;
-mod columns;
-mod dense;
-mod dissection;
 mod eigenpairs;
-mod element_block;
-mod elimination;
 mod error;
 mod factor;
-mod factor_size;
-mod gmres;
-mod graph;
-mod iterative;
-mod joined_structure;
+mod krylov;
 mod locks;
-mod lu_factor;
-mod matrix;
 pub mod memory;
-mod mixing;
 mod multigrid;
-mod multigrid_work;
-mod numeric;
-mod operator;
-mod ordering;
-mod panel;
 mod pattern;
-mod real;
-mod refinement;
-mod rotations;
-mod saddle_gmres;
-mod schedule;
-mod skew;
-mod solve;
 pub mod solver;
 mod space;
-mod structure;
 mod sums;
-mod symbolic;
-mod ties;
-mod volume_modes;
 
 pub use eigenpairs::{
     ByProducts, Eigenpairs, Eigenproblem, MassMatrix, ProductEigenproblem, smallest_eigenpairs,
     smallest_eigenpairs_by_products,
 };
-pub use element_block::ElementBlock;
 pub use error::{FactorError, NotCoupled, StructureError};
-pub use factor::{Factor, Pivots, Precision};
-pub use factor_size::FactorSize;
-pub use gmres::{GmresReport, gmres};
-pub use graph::Graph;
-pub use iterative::{CgEnd, CgReport, Preconditioner, StoppingTest, conjugate_gradient};
-pub use joined_structure::JoinedStructure;
-pub use matrix::{SparseMatrix, Symmetry};
-pub use mixing::RowsOfNodes;
+pub use factor::factor_size::FactorSize;
+pub use factor::joined_structure::JoinedStructure;
+pub use factor::rotations::{CorotatedPreconditioner, Rotations};
+pub use factor::structure::Structure;
+pub use factor::symbolic::Symbolic;
+pub use factor::symmetric::{Factor, Pivots, Precision};
+pub use krylov::conjugate_gradients::{CgEnd, CgReport, StoppingTest, conjugate_gradient};
+pub use krylov::gmres::{GmresReport, gmres};
+pub use krylov::refinement::refine;
+pub use krylov::volume_modes::VolumeModes;
 pub use multigrid::{CellProducts, CornerMatrix, Corners, Geometry, Multigrid};
-pub use operator::{OnThreads, Operator};
-pub use ordering::{Ordering, OrderingMethod};
-pub use pattern::Pattern;
-pub use refinement::refine;
-pub use rotations::{CorotatedPreconditioner, Rotations};
+pub use pattern::element_block::ElementBlock;
+pub use pattern::entries::Pattern;
+pub use pattern::graph::Graph;
+pub use pattern::matrix::{SparseMatrix, Symmetry};
+pub use pattern::mixing::RowsOfNodes;
+pub use pattern::operator::{OnThreads, Operator, Preconditioner};
+pub use pattern::ordering::{Ordering, OrderingMethod};
+pub use pattern::ties::Ties;
 pub use solver::{LinearError, LinearSolver, LinearWork, Solver, SolverFactory};
 pub use space::{Field, On, Role, Share, Space};
-pub use structure::Structure;
-pub use symbolic::Symbolic;
-pub use ties::Ties;
-pub use volume_modes::VolumeModes;

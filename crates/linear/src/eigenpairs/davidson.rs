@@ -5,7 +5,7 @@ use super::preconditioner::ShiftedLevels;
 use super::{BASIS_BYTES, ByProducts, Eigenpairs, MassMatrix, ROUNDING};
 use crate::error::FactorError;
 use crate::memory;
-use crate::operator::Operator;
+use crate::pattern::operator::Operator;
 use crate::solver::{LinearError, System};
 use crate::sums::{self, dot};
 use nalgebra::{DMatrix, SymmetricEigen};

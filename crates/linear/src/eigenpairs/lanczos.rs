@@ -3,10 +3,11 @@
 use super::inner_product::{InnerProduct, SPANNED};
 use super::{BASIS_BYTES, Eigenpairs, MassMatrix, ROUNDING};
 use crate::error::{FactorError, StructureError};
-use crate::factor::{Factor, Pivots};
-use crate::matrix::SparseMatrix;
-use crate::solver::{LinearError, fits};
-use crate::symbolic::Symbolic;
+use crate::factor::factor_size::fits;
+use crate::factor::symbolic::Symbolic;
+use crate::factor::symmetric::{Factor, Pivots};
+use crate::pattern::matrix::SparseMatrix;
+use crate::solver::LinearError;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn, SymmetricEigen};
 use nastic_numeric::Random;
 use nastic_numeric::vector::{axpy, dot, scale};

@@ -8,7 +8,7 @@ mod preconditioner;
 pub use davidson::{ProductEigenproblem, smallest_eigenpairs_by_products};
 pub use lanczos::{Eigenproblem, smallest_eigenpairs};
 
-use crate::matrix::SparseMatrix;
+use crate::pattern::matrix::SparseMatrix;
 
 /// Most memory of a basis: 8 GiB.
 const BASIS_BYTES: usize = 8 << 30;

@@ -1,12 +1,12 @@
 //! [`ShiftedLevels`]: an approximate inverse of `A + s M` by multigrid.
 
 use crate::error::{FactorError, StructureError};
-use crate::iterative::Preconditioner;
-use crate::matrix::SparseMatrix;
+use crate::krylov::saddle_gmres::{Counts, SaddleGmres};
+use crate::krylov::volume_modes::VolumeModes;
 use crate::multigrid::{Geometry, Multigrid};
-use crate::saddle_gmres::{Counts, SaddleGmres};
+use crate::pattern::matrix::SparseMatrix;
+use crate::pattern::operator::Preconditioner;
 use crate::solver::System;
-use crate::volume_modes::VolumeModes;
 use std::borrow::Cow;
 
 /// Residual and cycles at most of a system with pressures as unknowns, of which one cycle does little.

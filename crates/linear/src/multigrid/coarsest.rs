@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use super::couplings::{Couplings, Symmetric};
 use crate::error::{FactorError, StructureError};
-use crate::factor::{Factor, Pivots};
-use crate::graph::Graph;
-use crate::matrix::SparseMatrix;
-use crate::ordering::Ordering;
-use crate::pattern::Pattern;
-use crate::symbolic::Symbolic;
+use crate::factor::symbolic::Symbolic;
+use crate::factor::symmetric::{Factor, Pivots};
+use crate::pattern::entries::Pattern;
+use crate::pattern::graph::Graph;
+use crate::pattern::matrix::SparseMatrix;
+use crate::pattern::ordering::Ordering;
 
 /// The analysis of a level's matrix: what a factor of it would cost.
 pub(super) fn analyse(couplings: &Couplings) -> Result<Arc<Symbolic>, StructureError> {

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::chunks;
-use crate::pattern::Pattern;
+use crate::pattern::entries::Pattern;
 
 /// Where blocks stand, by rows, columns ascending in every row.
 #[derive(Debug, Default)]

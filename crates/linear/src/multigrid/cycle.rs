@@ -4,7 +4,7 @@ use super::block_matrix::BlockMatrix;
 use super::chunks;
 use super::level::Level;
 use super::smoother::Working;
-use crate::factor::Factor;
+use crate::factor::symmetric::Factor;
 
 /// Vectors of one level: `x` is made from `r`.
 #[derive(Debug, Default)]

@@ -10,12 +10,12 @@ use super::cycle::{Vectors, v_cycle};
 use super::level::{Inherited, Level};
 use super::{chunks, coarsest, modes};
 use crate::error::{FactorError, StructureError};
-use crate::factor::Factor;
-use crate::iterative::Preconditioner;
+use crate::factor::symbolic::Symbolic;
+use crate::factor::symmetric::Factor;
 use crate::locks::lock;
-use crate::matrix::SparseMatrix;
-use crate::pattern::Pattern;
-use crate::symbolic::Symbolic;
+use crate::pattern::entries::Pattern;
+use crate::pattern::matrix::SparseMatrix;
+use crate::pattern::operator::Preconditioner;
 
 /// What multigrid must know of a body besides its matrix.
 #[derive(Clone, Copy, Debug)]

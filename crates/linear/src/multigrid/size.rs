@@ -6,7 +6,7 @@ use super::couplings::{BlockRows, Couplings};
 use super::hierarchy::Multigrid;
 use super::modes;
 use super::transfer::Transfer;
-use crate::pattern::Pattern;
+use crate::pattern::entries::Pattern;
 
 /// Aggregates that a node of a mesh of volumes, and of a mesh of faces, interpolates from: `(5/3)^dim`, those at the corners, edges and
 /// faces of groups of 3^dim nodes having more than one.

@@ -3,14 +3,14 @@
 use super::factor_reuse::FactorReuse;
 use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
 use crate::error::FactorError;
-use crate::factor::{Factor, Pivots, Precision};
-use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient};
-use crate::matrix::SparseMatrix;
-use crate::operator::Operator;
-use crate::refinement::refine;
-use crate::rotations::CorotatedPreconditioner;
-use crate::structure::Structure;
-use crate::symbolic::Symbolic;
+use crate::factor::rotations::CorotatedPreconditioner;
+use crate::factor::structure::Structure;
+use crate::factor::symbolic::Symbolic;
+use crate::factor::symmetric::{Factor, Pivots, Precision};
+use crate::krylov::conjugate_gradients::{CgEnd, CgReport, StoppingTest, conjugate_gradient};
+use crate::krylov::refinement::refine;
+use crate::pattern::matrix::SparseMatrix;
+use crate::pattern::operator::Operator;
 use nastic_numeric::Random;
 use std::sync::Arc;
 

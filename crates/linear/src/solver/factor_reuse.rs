@@ -1,6 +1,6 @@
 //! [`FactorReuse`]: when a kept factor serves as a preconditioner and when a new one is due.
 
-use crate::symbolic::Symbolic;
+use crate::factor::symbolic::Symbolic;
 
 /// Iterations that cost as much as factorising, per square root of the flops per entry of the factor: an iteration is bound
 /// by memory, a factorisation by arithmetic, which is the faster the larger the fronts are (measured on hex8 in single

@@ -1,9 +1,10 @@
 //! [`SolverFactory`]: what solves tangent systems, behind a name, and how that is chosen.
 
 use super::{Direct, General, LinearSolver, Lu, MultigridOrDirect};
-use crate::matrix::Symmetry;
-use crate::multigrid_work::multigrid_flops;
-use crate::structure::Structure;
+use crate::factor::factor_size::fits;
+use crate::factor::structure::Structure;
+use crate::pattern::matrix::Symmetry;
+use crate::pattern::multigrid_work::multigrid_flops;
 use std::fmt;
 use std::sync::Arc;
 
@@ -49,9 +50,6 @@ pub struct Solver {
     takes: Symmetry,
     make: fn(&Arc<Structure>) -> Box<dyn LinearSolver>,
 }
-
-/// Largest factor that is made unasked: 8 GiB. Its workspace comes on top.
-const FACTOR_BYTES: usize = 8 << 30;
 
 impl Solver {
     /// A sparse factor of the tangent.
@@ -103,11 +101,6 @@ impl Solver {
         let direct = fits(factor.bytes()) && factor.flops <= most;
         if direct { Solver::DIRECT } else { Solver::MULTIGRID }
     }
-}
-
-/// Whether a factor of so many bytes may be made unasked.
-pub(crate) fn fits(factor_bytes: usize) -> bool {
-    factor_bytes <= FACTOR_BYTES
 }
 
 impl SolverFactory for Solver {

@@ -3,9 +3,9 @@
 use super::{
     Accuracy, Curvature, Direct, Inertia, LinearError, LinearSolver, LinearWork, MultigridSolver, Step, System,
 };
-use crate::factor::Precision;
+use crate::factor::structure::Structure;
+use crate::factor::symmetric::Precision;
 use crate::memory;
-use crate::structure::Structure;
 use std::sync::Arc;
 
 /// Steps of one nonlinear solve that may meet negative curvature: bodies that bend meet it once or twice on their way. An iteration that goes on among

@@ -2,11 +2,11 @@
 
 use super::{Accuracy, Curvature, Form, Inertia, LinearError, LinearSolver, LinearWork, Lu, Step, System};
 use crate::error::FactorError;
-use crate::factor::{Factor, Pivots};
-use crate::gmres::gmres;
-use crate::matrix::SparseMatrix;
-use crate::rotations::CorotatedPreconditioner;
-use crate::structure::Structure;
+use crate::factor::rotations::CorotatedPreconditioner;
+use crate::factor::structure::Structure;
+use crate::factor::symmetric::{Factor, Pivots};
+use crate::krylov::gmres::{GmresReport, gmres};
+use crate::pattern::matrix::SparseMatrix;
 use std::sync::Arc;
 
 /// Iterations after which a new factor is due.
@@ -198,7 +198,7 @@ fn iterate(
     tolerance: f64,
     form: Form,
     most: usize,
-) -> (Vec<f64>, crate::gmres::GmresReport) {
+) -> (Vec<f64>, GmresReport) {
     let preconditioner = CorotatedPreconditioner::new(factor, system.configuration.rotations(), system.fixed);
     let apply = |v: &[f64], out: &mut [f64]| match form {
         Form::Plain => system.multiply(v, out),

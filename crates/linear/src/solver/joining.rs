@@ -2,10 +2,10 @@
 
 use super::{Accuracy, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
 use crate::error::FactorError;
-use crate::joined_structure::JoinedStructure;
-use crate::matrix::SparseMatrix;
-use crate::operator::Operator;
-use crate::structure::Structure;
+use crate::factor::joined_structure::JoinedStructure;
+use crate::factor::structure::Structure;
+use crate::pattern::matrix::SparseMatrix;
+use crate::pattern::operator::Operator;
 use std::sync::Arc;
 
 /// Structures that are kept: pairs come and go between a few sets of them.

@@ -2,9 +2,9 @@
 
 use super::{Accuracy, Curvature, Form, LinearError, LinearSolver, LinearWork, Step, System};
 use crate::error::FactorError;
-use crate::gmres::{GmresReport, gmres};
-use crate::lu_factor::{LuAnalysis, LuFactor};
-use crate::structure::Structure;
+use crate::factor::lu_factor::{LuAnalysis, LuFactor};
+use crate::factor::structure::Structure;
+use crate::krylov::gmres::{GmresReport, gmres};
 use std::sync::Arc;
 
 /// Iterations after which a new factorisation is due.

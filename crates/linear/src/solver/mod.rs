@@ -16,7 +16,6 @@ mod system;
 pub use bordered::{BlockElimination, Border, solve_bordered};
 pub use direct::Direct;
 pub use error::LinearError;
-pub(crate) use factory::fits;
 pub use factory::{Solver, SolverFactory};
 pub use fallback::MultigridOrDirect;
 pub use general::General;
@@ -26,8 +25,8 @@ pub use multigrid::MultigridSolver;
 pub use shift::Shift;
 pub use system::{Configuration, System};
 
-use super::operator::Operator;
-use super::structure::Structure;
+use crate::factor::structure::Structure;
+use crate::pattern::operator::Operator;
 use std::fmt::Debug;
 use std::sync::Arc;
 

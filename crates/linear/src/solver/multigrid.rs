@@ -2,12 +2,12 @@
 
 use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
 use crate::error::{FactorError, StructureError};
-use crate::iterative::{CgEnd, CgReport, StoppingTest, conjugate_gradient, conjugate_gradient_while};
+use crate::factor::structure::Structure;
+use crate::krylov::conjugate_gradients::{CgEnd, CgReport, StoppingTest, conjugate_gradient, conjugate_gradient_while};
+use crate::krylov::saddle_gmres::{Counts, SaddleGmres, residual_of_pressures};
+use crate::krylov::volume_modes::VolumeModes;
 use crate::multigrid::{Geometry, Multigrid};
-use crate::pattern::Pattern;
-use crate::saddle_gmres::{Counts, SaddleGmres, residual_of_pressures};
-use crate::structure::Structure;
-use crate::volume_modes::VolumeModes;
+use crate::pattern::entries::Pattern;
 use std::sync::Arc;
 
 /// Residual wanted of a Newton step near a solution, and of one far from it: the step is corrected by the next one anyway.

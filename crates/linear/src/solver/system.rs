@@ -1,12 +1,12 @@
 //! [`System`]: the matrix of a linear system, and where it was taken.
 
-use crate::gmres::GmresReport;
-use crate::matrix::SparseMatrix;
+use crate::factor::rotations::Rotations;
+use crate::krylov::gmres::GmresReport;
+use crate::krylov::volume_modes::VolumeModes;
 use crate::multigrid::{CellProducts, Corners};
-use crate::operator::Operator;
-use crate::rotations::Rotations;
+use crate::pattern::matrix::SparseMatrix;
+use crate::pattern::operator::Operator;
 use crate::space::Space;
-use crate::volume_modes::VolumeModes;
 use std::sync::Arc;
 
 /// Rounding of a residual, as a share of the sum of absolute values that it is a difference of.

@@ -260,8 +260,8 @@ fn tied(block: &ElementBlock, ties: &Ties, dim: usize) -> ElementBlock {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matrix::Symmetry;
-    use crate::pattern::Pattern;
+    use crate::pattern::entries::Pattern;
+    use crate::pattern::matrix::Symmetry;
     use nalgebra::DMatrix;
     use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! [`VolumeModes`]: the changes of volume that a nearly incompressible matrix resists.
 
 use crate::error::NotCoupled;
-use crate::matrix::SparseMatrix;
+use crate::pattern::matrix::SparseMatrix;
 use rayon::prelude::*;
 
 /// Modes or nodes of one task.

@@ -1,6 +1,6 @@
 //! The graph whose vertices are mesh nodes and whose edges join nodes that share an element.
 
-use super::error::{NotCoupled, StructureError};
+use crate::error::{NotCoupled, StructureError};
 
 /// Adjacency of mesh nodes: symmetric, without loops, neighbours ascending.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -7,12 +7,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::dense::Slabs;
-use super::elimination::ROOT;
-use super::error::StructureError;
 use super::factor_size::{FactorSize, front_flops};
-use super::locks::lock;
-use super::pattern::Pattern;
 use super::real::{Real, Workspace};
+use crate::error::StructureError;
+use crate::locks::lock;
+use crate::pattern::elimination::ROOT;
+use crate::pattern::entries::Pattern;
 
 /// The symbolic factorisation of a pattern: built once per mesh, shared by every factor.
 #[derive(Debug)]

@@ -1,11 +1,11 @@
 //! [`LuFactor`]: `P A Q = L U` by faer's sparse LU with partial pivoting.
 
-use super::error::FactorError;
-use super::iterative::Preconditioner;
-use super::matrix::SparseMatrix;
-use super::memory;
-use super::pattern::Pattern;
 use super::structure::Structure;
+use crate::error::FactorError;
+use crate::memory;
+use crate::pattern::entries::Pattern;
+use crate::pattern::matrix::SparseMatrix;
+use crate::pattern::operator::Preconditioner;
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::linalg::lu::partial_pivoting::factor::PartialPivLuParams;
 use faer::sparse::linalg::LuError;

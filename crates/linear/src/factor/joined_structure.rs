@@ -1,8 +1,8 @@
 //! [`JoinedStructure`]: a structure with the pairs of blocks that change from matrix to matrix.
 
-use super::error::StructureError;
-use super::matrix::{SparseMatrix, Symmetry};
 use super::structure::Structure;
+use crate::error::StructureError;
+use crate::pattern::matrix::{SparseMatrix, Symmetry};
 use std::sync::Arc;
 
 /// A [`Structure`] in which some more sets of nodes are coupled, and where the blocks of the first one stand in it: what makes a matrix

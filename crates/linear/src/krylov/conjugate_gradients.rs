@@ -1,20 +1,10 @@
 //! Conjugate gradients with a preconditioner: a factor of a nearby matrix, multigrid.
 
+use crate::pattern::operator::Preconditioner;
 use crate::sums;
 
 /// Factor between the true residual and the one carried along within which the steps taken are believed.
 const DRIFT: f64 = 2.0;
-
-/// An approximate inverse, symmetric and positive definite: `vector = M^-1 vector`.
-pub trait Preconditioner {
-    /// Overwrites the vector, dofs by mesh node.
-    fn apply(&self, vector: &mut [f64]);
-
-    /// Whether it uses all threads: the vectors of an iteration then do so too, to the same bits.
-    fn parallel(&self) -> bool {
-        false
-    }
-}
 
 /// Why conjugate gradients stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Iterative refinement by a factor of the matrix.
 
-use super::factor::Factor;
-use super::iterative::{CgEnd, CgReport, relative, residual};
+use super::conjugate_gradients::{CgEnd, CgReport, relative, residual};
+use crate::factor::symmetric::Factor;
 use nastic_numeric::vector::norm;
 
 /// Improves `x` by `x += M^-1 (b - A x)` until `|b - A x| <= tolerance |b|`, the residual stops falling, or

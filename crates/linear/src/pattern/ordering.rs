@@ -2,8 +2,8 @@
 
 use super::dissection;
 use super::elimination;
-use super::error::StructureError;
 use super::graph::Graph;
+use crate::error::StructureError;
 
 /// A fill-reducing elimination order of the nodes, grouped into fronts.
 ///

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use faer::traits::RealField;
 
-use super::locks::lock;
+use crate::locks::lock;
 
 /// A precision fronts are eliminated in.
 pub(super) trait Real: RealField + Copy + Send + Sync + 'static {

@@ -1,7 +1,7 @@
 //! Factors that turn with the body.
 
-use super::factor::Factor;
-use super::iterative::Preconditioner;
+use super::symmetric::Factor;
+use crate::pattern::operator::Preconditioner;
 use nastic_tensor::Mat3;
 
 /// A rotation at every node: how far the configuration that a matrix belongs to is turned there.

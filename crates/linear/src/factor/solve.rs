@@ -7,10 +7,10 @@ use faer::linalg::triangular_solve as triangular;
 use faer::{Accum, MatMut, Par};
 
 use super::columns;
-use super::factor::{Factor, Pivots};
-use super::locks::{lock, read, write};
 use super::real::Real;
 use super::schedule;
+use super::symmetric::{Factor, Pivots};
+use crate::locks::{lock, read, write};
 
 /// Right-hand sides on their way to solutions. Every front has its own `width x columns` block, one after the other.
 struct Sweep<'a, T> {

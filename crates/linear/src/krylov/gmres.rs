@@ -1,6 +1,6 @@
 //! GMRES with a preconditioner on the right, for systems that are not symmetric.
 
-use super::iterative::Preconditioner;
+use crate::pattern::operator::Preconditioner;
 use nastic_numeric::vector::{axpy, dot, norm};
 
 /// Directions kept before the method starts again from what it has.

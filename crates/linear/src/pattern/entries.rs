@@ -1,9 +1,9 @@
 //! Where the entries of a symmetric matrix with dense node blocks are stored.
 
-use super::error::{NotCoupled, StructureError};
 use super::graph::Graph;
 use super::multigrid_work::multigrid_flops;
 use super::ordering::Ordering;
+use crate::error::{NotCoupled, StructureError};
 use std::sync::Arc;
 
 /// A geometric order may take this many times the operations of the best one.

@@ -4,11 +4,11 @@ use std::ops::Range;
 use std::sync::Mutex;
 
 use super::dense::{Slabs, Stop};
-use super::locks::lock;
 use super::panel::Panel;
 use super::real::Real;
 use super::schedule;
 use super::symbolic::{Symbolic, Task};
+use crate::locks::lock;
 
 /// A dof (in elimination order) whose pivot cannot be used.
 #[derive(Clone, Copy, Debug)]

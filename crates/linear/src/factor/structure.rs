@@ -1,12 +1,11 @@
 //! [`Structure`]: what all matrices of one pattern share.
 
-use super::error::StructureError;
-use super::factor_size::FactorSize;
-use super::graph::Graph;
-use super::ordering::Ordering;
-use super::pattern::Pattern;
+use super::factor_size::{FactorSize, fits};
 use super::symbolic::Symbolic;
-use crate::solver::fits;
+use crate::error::StructureError;
+use crate::pattern::entries::Pattern;
+use crate::pattern::graph::Graph;
+use crate::pattern::ordering::Ordering;
 use std::sync::atomic::{AtomicUsize, Ordering as Memory};
 use std::sync::{Arc, OnceLock};
 

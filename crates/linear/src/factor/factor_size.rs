@@ -1,6 +1,9 @@
 //! [`FactorSize`]: what a factor takes, counted before it is made.
 
-use super::pattern::Pattern;
+use crate::pattern::entries::Pattern;
+
+/// Largest factor that is made unasked: 8 GiB. Its workspace comes on top.
+const FACTOR_BYTES: usize = 8 << 30;
 
 /// What a factor of a pattern takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,4 +45,9 @@ impl FactorSize {
 pub(super) fn front_flops(width: f64, height: f64) -> f64 {
     let squares = |n: f64| n * (n + 1.0) * (2.0 * n + 1.0) / 6.0;
     squares(height) - squares(height - width)
+}
+
+/// Whether a factor of so many bytes may be made unasked.
+pub(crate) fn fits(factor_bytes: usize) -> bool {
+    factor_bytes <= FACTOR_BYTES
 }

@@ -7,7 +7,7 @@
 use super::graph::Graph;
 
 /// Marks a root of the elimination forest.
-pub(super) const ROOT: u32 = u32::MAX;
+pub(crate) const ROOT: u32 = u32::MAX;
 
 /// Parents in the elimination tree of the graph eliminated in the order `new_to_old` (numbers are new ones).
 pub(super) fn parents(graph: &Graph, new_to_old: &[u32], old_to_new: &[u32]) -> Vec<u32> {

@@ -1,8 +1,9 @@
 //! Nearly incompressible matrices by GMRES, with the pressures as unknowns of their own.
 
-use crate::iterative::{CgEnd, CgReport, Preconditioner, relative};
+use super::conjugate_gradients::{CgEnd, CgReport, relative};
+use super::volume_modes::VolumeModes;
+use crate::pattern::operator::Preconditioner;
 use crate::sums::{self, dot};
-use crate::volume_modes::VolumeModes;
 
 /// Vectors between restarts.
 const LENGTH: usize = 30;

@@ -1,4 +1,4 @@
-//! [`Operator`]: a linear map known by its products.
+//! [`Operator`] and [`Preconditioner`]: linear maps known by their products.
 
 use super::matrix::SparseMatrix;
 
@@ -10,6 +10,17 @@ pub trait Operator {
     /// `out = A^T v`; the same for a symmetric matrix.
     fn apply_transposed(&self, v: &[f64], out: &mut [f64]) {
         self.apply(v, out);
+    }
+}
+
+/// An approximate inverse, symmetric and positive definite: `vector = M^-1 vector`.
+pub trait Preconditioner {
+    /// Overwrites the vector, dofs by mesh node.
+    fn apply(&self, vector: &mut [f64]);
+
+    /// Whether it uses all threads: the vectors of an iteration then do so too, to the same bits.
+    fn parallel(&self) -> bool {
+        false
     }
 }
 

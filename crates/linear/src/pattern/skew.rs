@@ -2,7 +2,7 @@
 //!
 //! Blocks `W_ij`, `i >= j` in elimination order, are stored as those of the symmetric part are; `W_ji = -W_ij^T`.
 
-use super::pattern::Pattern;
+use super::entries::Pattern;
 
 /// An element matrix, entry `(i, j)` at `n i + j`, as its symmetric and its skew part.
 pub(super) fn split(element: &[f64]) -> (Vec<f64>, Vec<f64>) {
