@@ -61,7 +61,7 @@ pub struct Factor {
 }
 
 impl Symbolic {
-    /// A factor of A in single precision, for [`Preconditioner`](super::Preconditioner)s: half the memory and about half
+    /// A factor of A in single precision, for [`Preconditioner`](crate::Preconditioner)s: half the memory and about half
     /// the time of a whole one. See [`Factor::approximate`].
     ///
     /// # Errors
@@ -78,7 +78,7 @@ impl Symbolic {
     /// `parallel` uses all threads of the current rayon pool; the bits of the result do not depend on it.
     ///
     /// # Errors
-    /// [`FactorError`]; [`StructureError::TooLarge`](super::StructureError::TooLarge) in it when the factor would have more than 2^31 entries (17 GB).
+    /// [`FactorError`]; [`StructureError::TooLarge`](crate::StructureError::TooLarge) in it when the factor would have more than 2^31 entries (17 GB).
     pub fn factorize(
         self: &Arc<Self>,
         matrix: &SparseMatrix,
@@ -196,7 +196,7 @@ impl Factor {
         matrix.check_finite()
     }
 
-    /// Notes how far the configuration is turned that the matrix belongs to, for [`CorotatedPreconditioner`](super::CorotatedPreconditioner).
+    /// Notes how far the configuration is turned that the matrix belongs to, for [`CorotatedPreconditioner`](crate::CorotatedPreconditioner).
     pub fn set_rotations(&mut self, rotations: Arc<Rotations>) {
         self.rotations = Some(rotations);
     }

@@ -5,7 +5,7 @@ use crate::error::FactorError;
 use crate::factor::rotations::CorotatedPreconditioner;
 use crate::factor::structure::Structure;
 use crate::factor::symmetric::{Factor, Pivots};
-use crate::krylov::gmres::gmres;
+use crate::krylov::gmres::{GmresReport, gmres};
 use crate::pattern::matrix::SparseMatrix;
 use std::sync::Arc;
 
@@ -198,7 +198,7 @@ fn iterate(
     tolerance: f64,
     form: Form,
     most: usize,
-) -> (Vec<f64>, crate::krylov::gmres::GmresReport) {
+) -> (Vec<f64>, GmresReport) {
     let preconditioner = CorotatedPreconditioner::new(factor, system.configuration.rotations(), system.fixed);
     let apply = |v: &[f64], out: &mut [f64]| match form {
         Form::Plain => system.multiply(v, out),
