@@ -16,7 +16,7 @@ use nastic_body::state::{SolveReport, State};
 use nastic_equilibrium::adjoint::inverted;
 use nastic_equilibrium::linear_systems::workspace::Workspace;
 use nastic_equilibrium::model::Model;
-use nastic_equilibrium::nonlinear::iteration::Stop;
+use nastic_equilibrium::nonlinear::iterate::Stop;
 use nastic_equilibrium::search::options::SolveOptions;
 use nastic_linear::LinearError;
 use std::sync::Arc;

@@ -13,28 +13,35 @@ use nastic_body::state::State;
 use nastic_equilibrium::linear_systems::workspace::Workspace;
 use nastic_equilibrium::model::Model;
 use nastic_equilibrium::search::options::SolveOptions;
+use std::borrow::Borrow;
 
 /// Steps in time of a [`Model`], their discrete adjoint, small vibrations.
-pub trait TimeStepping {
+pub trait TimeStepping: Borrow<Model> {
     /// Whether a motion may begin with the velocity of a state: nodes that follow others have that of these, and constraints on a few nodes are kept to
     /// first order, by which the velocity of a rigid body is a translation and a rotation. A state that a motion led to, t > 0, has the velocity that
     /// its scheme gave it, which keeps constraints as far as the scheme is accurate, and of a body at rest is rounding: it is not looked at.
     ///
     /// # Errors
     /// [`FemError::Meaningless`]: of which body, and how far off it is.
-    fn check_velocity(&self, begin: &State) -> Result<(), FemError>;
+    fn check_velocity(&self, begin: &State) -> Result<(), FemError> {
+        beginning::check_velocity(self.borrow(), begin)
+    }
 
     /// Whether the model goes with steps of a scheme: asked once, before anything is computed.
     ///
     /// # Errors
     /// [`FemError::Unsupported`]: what, with which contribution or law it does not go, and what does instead.
-    fn supports_motion(&self, scheme: &Scheme) -> Result<(), FemError>;
+    fn supports_motion(&self, scheme: &Scheme) -> Result<(), FemError> {
+        supported::supports_motion(self.borrow(), scheme)
+    }
 
     /// The same of the derivative of a functional of a motion.
     ///
     /// # Errors
     /// As [`supports_motion`](Self::supports_motion); of a scheme without adjoint.
-    fn supports_motion_adjoint(&self, scheme: &Scheme) -> Result<(), FemError>;
+    fn supports_motion_adjoint(&self, scheme: &Scheme) -> Result<(), FemError> {
+        supported::supports_motion_adjoint(self.borrow(), scheme)
+    }
 
     /// Goes on from the end of a trajectory by steps of a scheme, at full dead loads. Each stage is an equilibrium of
     /// inertia and forces that minimises an incremental potential, found like a static one from the stage before, or
@@ -61,7 +68,9 @@ pub trait TimeStepping {
         steps: &[StepTo],
         how: &SolveOptions,
         workspace: &mut Workspace,
-    ) -> Result<(), StateError>;
+    ) -> Result<(), StateError> {
+        step::advance(self.borrow(), trajectory, scheme, steps, how, workspace)
+    }
 
     /// Goes on from the end of a trajectory through given instants, by steps as long as the estimated error of each allows: at every
     /// node at most `tolerance.error`. `controls(t)` are those at an instant; between the ends of a step they are linear. A step
@@ -81,7 +90,9 @@ pub trait TimeStepping {
         controls: &dyn Fn(f64) -> Result<Controls, FemError>,
         how: &SolveOptions,
         workspace: &mut Workspace,
-    ) -> Result<AdaptiveReport, StateError>;
+    ) -> Result<AdaptiveReport, StateError> {
+        adaptive::advance_adaptively(self.borrow(), trajectory, scheme, goals, controls, how, workspace)
+    }
 
     /// The instants that [`advance_adaptively`](Self::advance_adaptively) leads through, and what they took. The trajectory keeps its end
     /// alone: the steps of a long motion, in the memory of two.
@@ -96,11 +107,15 @@ pub trait TimeStepping {
         controls: &dyn Fn(f64) -> Result<Controls, FemError>,
         how: &SolveOptions,
         workspace: &mut Workspace,
-    ) -> Result<(Vec<f64>, AdaptiveReport), StateError>;
+    ) -> Result<(Vec<f64>, AdaptiveReport), StateError> {
+        adaptive::find_steps(self.borrow(), trajectory, scheme, goals, controls, how, workspace)
+    }
 
     /// The estimated error that the last step of a trajectory has added to the displacement, the largest at any free node; none of a scheme
     /// without an estimate, and where no step was made.
-    fn last_step_error(&self, trajectory: &Trajectory) -> Option<f64>;
+    fn last_step_error(&self, trajectory: &Trajectory) -> Option<f64> {
+        adaptive::last_step_error(self.borrow(), trajectory)
+    }
 
     /// The `count` modes of the algebraically smallest `w^2` about a state, ascending, and all with a negative one in
     /// any case.
@@ -118,7 +133,9 @@ pub trait TimeStepping {
         state: &State,
         count: usize,
         how: &SolveOptions,
-    ) -> Result<Vec<VibrationMode>, StateError>;
+    ) -> Result<Vec<VibrationMode>, StateError> {
+        vibration_modes::vibration_modes(self.borrow(), state, count, how)
+    }
 
     /// The derivative of `j(y_0, .., y_N)` by the controls of every instant, given its partial derivatives: every
     /// step is a chain of linear combinations and of solves `r(w, v, a; m) = 0` (see [`Scheme`](crate::scheme::Scheme)),
@@ -143,77 +160,9 @@ pub trait TimeStepping {
         partials: &[StatePartials],
         how: &SolveOptions,
         workspace: &mut Workspace,
-    ) -> Result<Swept, StateError>;
-}
-
-impl TimeStepping for Model {
-    fn check_velocity(&self, begin: &State) -> Result<(), FemError> {
-        beginning::check_velocity(self, begin)
-    }
-
-    fn supports_motion(&self, scheme: &Scheme) -> Result<(), FemError> {
-        supported::supports_motion(self, scheme)
-    }
-
-    fn supports_motion_adjoint(&self, scheme: &Scheme) -> Result<(), FemError> {
-        supported::supports_motion_adjoint(self, scheme)
-    }
-
-    fn advance(
-        &self,
-        trajectory: &mut Trajectory,
-        scheme: &Scheme,
-        steps: &[StepTo],
-        how: &SolveOptions,
-        workspace: &mut Workspace,
-    ) -> Result<(), StateError> {
-        step::advance(self, trajectory, scheme, steps, how, workspace)
-    }
-
-    fn advance_adaptively(
-        &self,
-        trajectory: &mut Trajectory,
-        scheme: &Scheme,
-        goals: (&[f64], Tolerance),
-        controls: &dyn Fn(f64) -> Result<Controls, FemError>,
-        how: &SolveOptions,
-        workspace: &mut Workspace,
-    ) -> Result<AdaptiveReport, StateError> {
-        adaptive::advance_adaptively(self, trajectory, scheme, goals, controls, how, workspace)
-    }
-
-    fn find_steps(
-        &self,
-        trajectory: &mut Trajectory,
-        scheme: &Scheme,
-        goals: (&[f64], Tolerance),
-        controls: &dyn Fn(f64) -> Result<Controls, FemError>,
-        how: &SolveOptions,
-        workspace: &mut Workspace,
-    ) -> Result<(Vec<f64>, AdaptiveReport), StateError> {
-        adaptive::find_steps(self, trajectory, scheme, goals, controls, how, workspace)
-    }
-
-    fn last_step_error(&self, trajectory: &Trajectory) -> Option<f64> {
-        adaptive::last_step_error(self, trajectory)
-    }
-
-    fn vibration_modes(
-        &self,
-        state: &State,
-        count: usize,
-        how: &SolveOptions,
-    ) -> Result<Vec<VibrationMode>, StateError> {
-        vibration_modes::vibration_modes(self, state, count, how)
-    }
-
-    fn reverse_sweep(
-        &self,
-        trajectory: &Trajectory,
-        partials: &[StatePartials],
-        how: &SolveOptions,
-        workspace: &mut Workspace,
     ) -> Result<Swept, StateError> {
-        reverse_sweep::reverse_sweep(self, trajectory, partials, how, workspace)
+        reverse_sweep::reverse_sweep(self.borrow(), trajectory, partials, how, workspace)
     }
 }
+
+impl TimeStepping for Model {}

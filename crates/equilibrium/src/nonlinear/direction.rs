@@ -8,7 +8,7 @@ pub(crate) mod linearised;
 pub(crate) mod plain;
 pub(crate) mod point_strains;
 
-use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::iterate::{Iterate, Stop};
 use crate::nonlinear::predicted_pressures::PredictedPressures;
 use nastic_body::state::SolveReport;
 use nastic_linear::Space;

@@ -4,7 +4,7 @@ use crate::linear_systems::saddle_point::BorderedTangent;
 use crate::linear_systems::tangent::{Tangent, TangentRef};
 use crate::model::{Model, ModelPoint};
 use crate::nonlinear::anchor::Anchor;
-use crate::nonlinear::iteration::Iterate;
+use crate::nonlinear::iterate::Iterate;
 use crate::search::options::SolveOptions;
 use nastic_body::contribution::point::Need;
 use nastic_body::contribution::{Demand, Sums};

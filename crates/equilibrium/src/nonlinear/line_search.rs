@@ -2,7 +2,7 @@
 
 use crate::nonlinear::direction::{Direction, Step, Take};
 use crate::nonlinear::equations::{Equations, Evaluated, moved};
-use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::iterate::{Iterate, Stop};
 use crate::nonlinear::merit::Merit;
 use crate::nonlinear::merit::augmented::Augmented;
 use crate::nonlinear::merit::energy::Energy;

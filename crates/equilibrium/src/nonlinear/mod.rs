@@ -3,7 +3,8 @@
 pub(crate) mod anchor;
 pub(crate) mod direction;
 pub(crate) mod equations;
-pub mod iteration;
+pub mod iterate;
+pub(crate) mod iteration;
 mod line_search;
 mod merit;
 mod newton;

@@ -3,11 +3,12 @@
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
 use crate::nonlinear::direction::bordered::Bordered;
-use crate::nonlinear::direction::linearised::{Linearised, Replace};
+use crate::nonlinear::direction::linearised::{Linearised, StepCorrection};
 use crate::nonlinear::direction::plain::Plain;
 use crate::nonlinear::direction::point_strains::WithPointStrains;
 use crate::nonlinear::equations::{Drive, Equations};
-use crate::nonlinear::iteration::{Iteration, Limits, Stop};
+use crate::nonlinear::iterate::Stop;
+use crate::nonlinear::iteration::{Iteration, Limits};
 use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::search::options::SolveOptions;
 use nastic_body::contribution::Sums;
@@ -161,7 +162,7 @@ impl Model {
         controls: &Controls,
         from: &State,
         (how, time_step): (&SolveOptions, &TimeStep),
-        replace: Option<Replace>,
+        replace: Option<StepCorrection>,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.check_controls(controls)?;

@@ -17,7 +17,7 @@
 //! the Maratos effect.
 
 use crate::nonlinear::equations::Equations;
-use crate::nonlinear::iteration::Iterate;
+use crate::nonlinear::iterate::Iterate;
 use nastic_body::body_energy::dilatations::Dilatation;
 use nastic_body::body_energy::volume_modes::{LEFT, STANDS_OUT};
 use nastic_body::error::Inadmissible;

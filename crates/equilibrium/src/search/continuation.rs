@@ -3,7 +3,7 @@
 use crate::linear_systems::workspace::Workspace;
 use crate::model::{Feature, Model};
 use crate::nonlinear::equations::{Equations, moved};
-use crate::nonlinear::iteration::Stop;
+use crate::nonlinear::iterate::Stop;
 use crate::search::load_steps::LoadSteps;
 use crate::search::options::SolveOptions;
 use nastic_body::controls::Controls;

@@ -2,7 +2,8 @@
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
-use crate::nonlinear::iteration::{Limits, Stop};
+use crate::nonlinear::iterate::Stop;
+use crate::nonlinear::iteration::Limits;
 use crate::search::options::SolveOptions;
 use nastic_body::controls::Controls;
 use nastic_body::error::StateError;

@@ -3,7 +3,8 @@
 use crate::linear_systems::workspace::Workspace;
 use crate::model::{Feature, Model};
 use crate::nonlinear::direction::deflated::{Deflated, Known};
-use crate::nonlinear::iteration::{Iteration, Limits, Stop};
+use crate::nonlinear::iterate::Stop;
+use crate::nonlinear::iteration::{Iteration, Limits};
 use crate::search::options::SolveOptions;
 use nastic_body::contribution::Demand;
 use nastic_body::error::{FemError, StateError};

@@ -2,7 +2,7 @@
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::{Feature, Model};
-use crate::nonlinear::iteration::Stop;
+use crate::nonlinear::iterate::Stop;
 use crate::search::options::SolveOptions;
 use crate::stability::arc_length::{ITERATIONS, PathEquations, PathIterate};
 use crate::stability::path_events::{Between, events};

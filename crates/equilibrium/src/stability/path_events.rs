@@ -1,6 +1,6 @@
 //! Limit points and bifurcations between two points of a path.
 
-use crate::nonlinear::iteration::Stop;
+use crate::nonlinear::iterate::Stop;
 use crate::stability::arc_length::{PathEquations, PathIterate};
 use crate::stability::path::{EventKind, PathEvent, too_long};
 

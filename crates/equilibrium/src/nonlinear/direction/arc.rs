@@ -5,7 +5,7 @@ use crate::linear_systems::saddle_point::{BorderedTangent, Extension, SaddlePoin
 use crate::linear_systems::tangent_systems::TangentSystems;
 use crate::model::ModelPoint;
 use crate::nonlinear::equations::{Drive, Equations};
-use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::iterate::{Iterate, Stop};
 use nastic_body::error::Inadmissible;
 use nastic_body::state::SolveReport;
 use nastic_linear::solver::Curvature;

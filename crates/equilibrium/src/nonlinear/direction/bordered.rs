@@ -17,7 +17,7 @@ use super::{Direction, Step, Take};
 use crate::linear_systems::saddle_point::SaddlePoint;
 use crate::linear_systems::tangent_systems::{FULL_STEP, TangentSystems, bordered_step};
 use crate::nonlinear::equations::{Equations, Jump};
-use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::iterate::{Iterate, Stop};
 use nastic_body::state::SolveReport;
 use nastic_linear::solver::{Accuracy, Curvature};
 use nastic_linear::{LinearError, LinearSolver};

@@ -4,7 +4,7 @@ use super::bordered::Bordered;
 use super::{Direction, Step, Take};
 use crate::linear_systems::tangent_systems::{TangentSystems, eliminate};
 use crate::nonlinear::equations::Equations;
-use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::iterate::{Iterate, Stop};
 use nastic_body::state::{SolveReport, State};
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearSolver, Space};

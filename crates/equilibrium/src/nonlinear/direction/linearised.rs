@@ -3,19 +3,19 @@
 use super::{Direction, Step, Take};
 use crate::linear_systems::tangent_systems::{TangentSystems, eliminate};
 use crate::nonlinear::equations::Equations;
-use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::iterate::{Iterate, Stop};
 use nastic_body::state::SolveReport;
 use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
 
-/// What moves a part of a step otherwise.
-pub type Replace<'a> = &'a dyn Fn(&mut [f64]);
+/// Puts the part of a step that moves otherwise in its place.
+pub type StepCorrection<'a> = &'a dyn Fn(&mut [f64]);
 
 /// `K du = -r` with a positive definite tangent, taken whole, but for the part in modes that move otherwise.
 pub(crate) struct Linearised<'a> {
     pub equations: &'a Equations<'a>,
     /// What moves a part of the step otherwise.
-    pub replace: Option<Replace<'a>>,
+    pub replace: Option<StepCorrection<'a>>,
     pub solver: &'a mut dyn LinearSolver,
 }
 

@@ -14,7 +14,7 @@ use super::{Direction, Step, Take};
 use crate::linear_systems::saddle_point::{BorderedTangent, SaddlePoint};
 use crate::linear_systems::tangent_systems::{StepWanted, TangentSystems, bordered_step, eliminate};
 use crate::nonlinear::equations::{Equations, Jump, moved};
-use crate::nonlinear::iteration::{Iterate, Stop};
+use crate::nonlinear::iterate::{Iterate, Stop};
 use nastic_body::body_energy::point_strains::PointStrains;
 use nastic_body::contribution::Sums;
 use nastic_body::error::Inadmissible;

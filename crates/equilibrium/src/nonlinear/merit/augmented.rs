@@ -2,7 +2,7 @@
 
 use super::{Line, Merit};
 use crate::nonlinear::equations::{Equations, Evaluated, moved};
-use crate::nonlinear::iteration::Iterate;
+use crate::nonlinear::iterate::Iterate;
 use nastic_body::contribution::Sums;
 use nastic_body::error::Inadmissible;
 

@@ -3,7 +3,7 @@
 use super::{Line, Merit};
 use crate::nonlinear::direction::Step;
 use crate::nonlinear::equations::{Equations, Evaluated};
-use crate::nonlinear::iteration::Iterate;
+use crate::nonlinear::iterate::Iterate;
 use nastic_body::error::Inadmissible;
 
 /// Rounding of the potential, as a share of the sum of its absolute terms.

@@ -2,7 +2,7 @@
 
 use super::{Line, Merit};
 use crate::nonlinear::equations::{Equations, Evaluated};
-use crate::nonlinear::iteration::Iterate;
+use crate::nonlinear::iterate::Iterate;
 use nastic_body::error::Inadmissible;
 
 /// `|r|`; under constraints and with further fields, which have other units than forces, the largest of the norms relative to the scale of each.
