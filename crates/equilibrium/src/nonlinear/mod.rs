@@ -1,4 +1,4 @@
-//! Newton's method: one [iteration], whatever finds its steps (`direction`) and whatever measures them (`merit`).
+//! Newton's method: one `iteration`, whatever finds its steps (`direction`) and whatever measures them (`merit`).
 
 pub(crate) mod anchor;
 pub(crate) mod direction;
