@@ -76,8 +76,8 @@ pub mod prelude {
         Reduced, SmoothedHausdorff, Space, Target, Tracking,
     };
     pub use crate::energy::{
-        Actuation, ConvexDensity, EnergyTerm, FiberTension, Field, Magnet, MagnetIsochoric, MagnetRotation,
-        MooneyRivlin, NeoHooke, NeoHookeIsochoric, TransverseMooneyRivlin, Turgor,
+        ConvexDensity, EnergyTerm, FiberTension, Field, Magnet, MagnetIsochoric, MagnetRotation, MooneyRivlin,
+        NeoHooke, NeoHookeIsochoric, TransverseMooneyRivlin, Turgor,
     };
     pub use crate::fem::{
         Cavity, Contribution, Discretization, Formulation, Foundation, MovingSupport, Solid, SolveOptions, Spring,

@@ -1,7 +1,7 @@
 //! Numbers of the body as unknowns: parameters of laws, design fields with several consumers, controls over points of a contribution.
 
 use nastic_control::{Consumer, ControlError, ControlMap, Direction, PowerLaw, Reduced, Space, Target, Tracking};
-use nastic_energy::{EnergyTerm, FiberTension, Magnet, MooneyRivlin, NeoHooke, Slot, Turgor};
+use nastic_energy::{EnergyTerm, FiberTension, Magnet, MooneyRivlin, NeoHooke, Parametrised, Slot, Turgor};
 use nastic_fem::{
     Contribution, ContributionPoint, ControlPoint, Controls, Demand, Inadmissible, Increment, Instant, Need,
     SecondDerivativeError, SecondSensitivities, Sensitivities, Solid, SolveOptions, Sums,
@@ -66,12 +66,12 @@ fn repeated(values: &[f64], len: usize) -> Vec<f64> {
 #[test]
 fn parameters_of_laws_are_unknowns_for_the_whole_by_region_and_by_cell() -> Outcome {
     let laws: [(&str, Arc<dyn EnergyTerm>, &[f64]); 2] = [
-        ("neo_hooke", Arc::new(NeoHooke::new(1e5, 4e5)?), &[1e5, 4e5]),
-        ("mooney_rivlin", Arc::new(MooneyRivlin::new(5e4, 2e4, 3e5)?), &[5e4, 2e4, 3e5]),
+        ("neo_hooke", Arc::new(Parametrised::new(NeoHooke::new(1e5, 4e5)?)), &[1e5, 4e5]),
+        ("mooney_rivlin", Arc::new(Parametrised::new(MooneyRivlin::new(5e4, 2e4, 3e5)?)), &[5e4, 2e4, 3e5]),
     ];
     for (name, law, own) in laws {
         for (space, expected) in [(Space::Uniform, 1), (Space::Region, 2), (Space::Cell, 4)] {
-            let body = Solid::new(mesh()?)?.actuate(["root", "arm"], "law", law.parametrised()?)?;
+            let body = Solid::new(mesh()?)?.actuate(["root", "arm"], "law", law.clone())?;
             let mut problem = Reduced::new(weight(body)?).cost(target())?;
             let slots = nastic_control::Layout::names(problem.solid());
             for slot in &slots {
@@ -91,7 +91,7 @@ fn parameters_of_laws_are_unknowns_for_the_whole_by_region_and_by_cell() -> Outc
 fn designs_hold_from_the_first_load_step_on() -> Outcome {
     let law = NeoHooke::new(1e5, 4e5)?;
     let plain = weight(Solid::new(mesh()?)?.material("body", law.clone())?)?;
-    let with_slots = weight(Solid::new(mesh()?)?.actuate("body", "law", law.parametrised()?)?)?;
+    let with_slots = weight(Solid::new(mesh()?)?.actuate("body", "law", Parametrised::new(law))?)?;
     let how = SolveOptions::default();
     let expected = plain.solve(&plain.controls(), &how)?;
     let at_rest = with_slots.solve(&with_slots.controls(), &how)?;
@@ -120,7 +120,7 @@ fn designs_hold_from_the_first_load_step_on() -> Outcome {
 #[test]
 fn a_design_field_serves_several_consumers() -> Outcome {
     let body = Solid::new(mesh()?)?
-        .actuate("body", "law", NeoHooke::new(1e5, 4e5)?.parametrised()?)?
+        .actuate("body", "law", Parametrised::new(NeoHooke::new(1e5, 4e5)?))?
         .actuate("body", "fiber", FiberTension::along(Vec3::x())?)?
         .actuate("arm", "magnet", Magnet::new())?;
     let consumers = [
@@ -143,10 +143,10 @@ fn a_design_field_serves_several_consumers() -> Outcome {
         }
         assert_orders(&problem, &m, &format!("rho {}", space.name()))?;
     }
-    let two = Solid::new(mesh()?)?.actuate("root", "stiff", NeoHooke::new(1e5, 4e5)?.parametrised()?)?.actuate(
+    let two = Solid::new(mesh()?)?.actuate("root", "stiff", Parametrised::new(NeoHooke::new(1e5, 4e5)?))?.actuate(
         "arm",
         "soft",
-        MooneyRivlin::new(5e4, 2e4, 3e5)?.parametrised()?,
+        Parametrised::new(MooneyRivlin::new(5e4, 2e4, 3e5)?),
     )?;
     let consumers = [
         Consumer::of("stiff.mu").through(PowerLaw::multiple_of(1e5)),
@@ -165,7 +165,7 @@ fn a_design_field_serves_several_consumers() -> Outcome {
 fn design_fields_that_cannot_be_are_refused() -> Outcome {
     let body = weight(
         Solid::new(mesh()?)?
-            .actuate("body", "law", NeoHooke::new(1e5, 4e5)?.parametrised()?)?
+            .actuate("body", "law", Parametrised::new(NeoHooke::new(1e5, 4e5)?))?
             .actuate("arm", "magnet", Magnet::new())?
             .contribution(Edge::new(&mesh()?))?,
     )?;

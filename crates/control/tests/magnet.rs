@@ -1,7 +1,7 @@
 //! Hard magnets as a design and a control: derivatives along spheres, lengths kept, known answers found again.
 
 use nastic_control::{Ensemble, LoadCase, Metric, Reduced, Space, Target, Tracking};
-use nastic_energy::{Actuation, Magnet, MagnetIsochoric, MagnetRotation, MooneyRivlin};
+use nastic_energy::{EnergyTerm, Magnet, MagnetIsochoric, MagnetRotation, MooneyRivlin};
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_opt::{
@@ -15,7 +15,7 @@ type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 const REMANENCE: f64 = 0.1;
 const FIELD: f64 = 20e-3;
 
-fn bar(law: Arc<dyn Actuation>) -> Outcome<Solid> {
+fn bar(law: Arc<dyn EnergyTerm>) -> Outcome<Solid> {
     Ok(Solid::new(box_mesh([1.0, 0.2, 0.05], [4, 2, 1], CellKind::Hex20)?)?
         .material("body", MooneyRivlin::new(5e4, 5e4, 2e5)?)?
         .actuate("body", "magnet", law)?
@@ -23,7 +23,7 @@ fn bar(law: Arc<dyn Actuation>) -> Outcome<Solid> {
 }
 
 /// The bar's end is to be lifted; nodal magnetisations keep their length between the nodes.
-fn lifting(law: Arc<dyn Actuation>, space: Space, metric: Metric) -> Outcome<Reduced> {
+fn lifting(law: Arc<dyn EnergyTerm>, space: Space, metric: Metric) -> Outcome<Reduced> {
     let mut problem = Reduced::new(bar(law)?).control("magnet.remanence", space)?;
     if space == Space::Node {
         problem = problem.of_length("magnet.remanence", REMANENCE)?;
@@ -48,7 +48,7 @@ fn set_and_start(vectors: usize, fields: &[[f64; 3]], seed: u64) -> Outcome<(Pro
 
 #[test]
 fn taylor_orders_along_the_sphere_and_for_the_field() -> Outcome {
-    let laws: [Arc<dyn Actuation>; 3] =
+    let laws: [Arc<dyn EnergyTerm>; 3] =
         [Arc::new(Magnet::new()), Arc::new(MagnetIsochoric::new()), Arc::new(MagnetRotation::new())];
     for law in laws {
         for space in [Space::Cell, Space::Node] {

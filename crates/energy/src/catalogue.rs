@@ -15,18 +15,23 @@
 //! ```
 
 mod choose;
+mod conversions;
 mod fit_form;
 mod fits;
 mod formula_row;
 mod inputs;
 mod rows;
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nastic_tensor::Mat3;
 
+use crate::by_parameters::Given;
 use crate::formula::Step;
-use crate::{Actuation, ConvexDensity, EnergyError, EnergyTerm};
+use crate::{
+    ByParameters, Conversion, ConvexDensity, EnergyError, EnergyTerm, FormulaLaw, LinearInModuli, Parametrised,
+};
 
 use choose::{choose, distinct};
 pub use fit_form::{FitForm, FitNumber, FitStarts, FitVolume, Free};
@@ -110,7 +115,7 @@ impl Parameter {
 /// How a law is made of its parameters.
 pub type MakeMaterial = fn(&CheckedInputs<'_>) -> Result<Made, EnergyError>;
 /// How an actuation is made of its parameters.
-pub type MakeActuation = fn(&CheckedInputs<'_>) -> Result<Arc<dyn Actuation>, EnergyError>;
+pub type MakeActuation = fn(&CheckedInputs<'_>) -> Result<Arc<dyn EnergyTerm>, EnergyError>;
 
 /// A passive law.
 #[derive(Clone, Copy, Debug)]
@@ -165,18 +170,39 @@ impl Example {
 pub struct Made {
     term: Arc<dyn EnergyTerm>,
     density: Option<Arc<dyn ConvexDensity>>,
+    /// With its moduli, or the parameters of its formula, as slots.
+    parametrised: Result<Arc<dyn EnergyTerm>, EnergyError>,
+    conversions: &'static [Conversion],
 }
 
 impl Made {
     /// Of a law written as a function of `F`, `H` and `J`.
     pub fn density(law: impl ConvexDensity + 'static) -> Self {
         let law = Arc::new(law);
-        Made { term: law.clone(), density: Some(law) }
+        Made { density: Some(law.clone()), ..Made::term(law) }
+    }
+
+    /// Of such a law that is linear in its moduli, which may be unknowns.
+    pub fn linear(law: impl LinearInModuli) -> Self {
+        Made { parametrised: Ok(Arc::new(Parametrised::new(law.clone()))), ..Made::density(law) }
+    }
+
+    /// Of a formula, whose parameters may be unknowns.
+    pub fn formula(law: FormulaLaw) -> Self {
+        let parametrised = law.parametrised().map(|law| Arc::new(law) as Arc<dyn EnergyTerm>);
+        Made { parametrised, ..Made::term(law) }
+    }
+
+    /// The same with ways of its own from the numbers of other forms to the moduli.
+    #[must_use]
+    pub fn by(self, conversions: &'static [Conversion]) -> Self {
+        Made { conversions, ..self }
     }
 
     /// Of any other law.
     pub fn term(law: impl EnergyTerm + 'static) -> Self {
-        Made { term: Arc::new(law), density: None }
+        let parametrised = Err(EnergyError::NoParameters { owner: std::any::type_name_of_val(&law) });
+        Made { term: Arc::new(law), density: None, parametrised, conversions: &[] }
     }
 }
 
@@ -236,6 +262,29 @@ impl MaterialRow {
         Ok(self.made(inputs)?.term)
     }
 
+    /// The law with some of the numbers that it is written with as slots of the role [`Role::Design`](crate::Role), at rest as they are
+    /// written; the others are held. It can be any modulus in which the law is linear, whatever the moduli are made of (`young`, `poisson`), and any
+    /// parameter of a formula.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build); [`EnergyError::NoParameters`] of a law that has none, [`EnergyError::NotLinear`] of another number.
+    pub fn parametrised(&self, inputs: &Inputs, names: &[&str]) -> Result<Arc<dyn EnergyTerm>, EnergyError> {
+        let made = self.made(inputs)?;
+        let law = made.parametrised?;
+        let units = self.forms.iter().copied().flatten().filter_map(|p| match p.takes {
+            Takes::Number { unit, .. } => Some((p.name, unit)),
+            _ => None,
+        });
+        let units: BTreeMap<&str, &'static str> = units.collect();
+        let given = inputs.all_numbers().into_iter().map(|(name, values)| Given {
+            name,
+            unit: units.get(name).copied().unwrap_or_default(),
+            values,
+        });
+        let conversions = [made.conversions, conversions::SHARED].concat();
+        Ok(Arc::new(ByParameters::new(self.name, law, given.collect(), &conversions, names)?))
+    }
+
     /// The same law as a function of `F`, `H` and `J`, for [`check::convex_density`](crate::check::convex_density);
     /// `None` for a law that is not written as one.
     ///
@@ -276,7 +325,7 @@ impl ActuationRow {
     ///
     /// # Errors
     /// As [`MaterialRow::build`].
-    pub fn build(&self, inputs: &Inputs) -> Result<Arc<dyn Actuation>, EnergyError> {
+    pub fn build(&self, inputs: &Inputs) -> Result<Arc<dyn EnergyTerm>, EnergyError> {
         (self.make)(&choose(self.name, self.forms, inputs)?)
     }
 

@@ -29,7 +29,7 @@ use std::fmt;
 
 use nastic_tensor::{Inverted, Kinematics, Mat3, Tangent};
 
-use crate::{Actuation, ConvexDensity, EnergyTerm, MaterialPoint, PointBatch, Response, Slots, Want};
+use crate::{ConvexDensity, EnergyTerm, MaterialPoint, PointBatch, Response, Slots, Want};
 
 pub use accumulation::accumulation;
 pub use control::{control_derivative, drives};
@@ -194,7 +194,7 @@ pub fn convex_density(law: &dyn ConvexDensity, at: MaterialPoint) -> Result<Repo
 ///
 /// # Errors
 /// The first [`Violation`].
-pub fn actuation(term: &dyn Actuation, at: MaterialPoint, m: &[f64]) -> Result<Report, Violation> {
+pub fn actuation(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Result<Report, Violation> {
     let expected = term.slots().len();
     if m.len() != expected {
         return Err(Violation::Controls { check: "actuation", expected, found: m.len() });

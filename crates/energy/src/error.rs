@@ -16,11 +16,24 @@ pub enum EnergyError {
     },
     /// A law without parameters that could be unknowns.
     #[error(
-        "{owner} has no parameters that could be unknowns; implement `EnergyTerm::parametrised`, or take neo_hooke or mooney_rivlin, which do"
+        "the parameters of {owner} cannot be unknowns: a law of your own implements `LinearInModuli` and is made by `Made::linear`"
     )]
     NoParameters {
-        /// Type of the law.
+        /// The law, by its catalogue name.
         owner: &'static str,
+    },
+    /// A number of a law that is no parameter as which unknowns are possible.
+    #[error(
+        "{name:?} of {owner} cannot be an unknown{}; a law that depends on it otherwise than linearly can be written as a \"formula\", all of whose parameters can",
+        if .known.is_empty() { String::new() } else { format!(": {} can", .known.join(", ")) }
+    )]
+    NotLinear {
+        /// The law, by its catalogue name.
+        owner: &'static str,
+        /// The number.
+        name: String,
+        /// Those that can.
+        known: Vec<&'static str>,
     },
     /// A formula that is no energy of a law.
     #[error(transparent)]

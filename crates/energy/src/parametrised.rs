@@ -3,17 +3,14 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use crate::{
-    Actuation, ConvexDensity, EnergyError, EnergyTerm, Field, MaterialPoint, Outside, PointBatch, Response, Slot,
-    Slots, Want,
+    ConvexDensity, EnergyError, EnergyTerm, Existence, Field, MaterialPoint, Moduli, Outside, PointBatch, Response,
+    Slot, Slots, TensionBound, Want,
 };
 
 /// A law that is linear in its moduli, `W(F; theta) = sum_k theta_k W_k(F)`.
 pub trait LinearInModuli: ConvexDensity + Clone + 'static {
-    /// Names of the moduli theta, Pa.
-    const MODULI: &'static [&'static str];
-
-    /// Those of the law itself, in that order.
-    fn own(&self) -> Vec<Field<f64>>;
+    /// Names and values of the moduli theta, Pa.
+    fn own(&self) -> Vec<(&'static str, Field<f64>)>;
 
     /// The law with these moduli, the same everywhere and not checked.
     fn with_moduli(&self, theta: &[f64]) -> Self;
@@ -40,13 +37,9 @@ pub struct Parametrised<L> {
 impl<L: LinearInModuli> Parametrised<L> {
     /// Of a law, whose moduli hold where nobody gives others.
     pub fn new(law: L) -> Self {
-        let own = law.own();
+        let (names, own): (Vec<&'static str>, Vec<Field<f64>>) = law.own().into_iter().unzip();
         let first = |field: &Field<f64>| field.entries().next().map_or(0.0, |(_, value)| value);
-        let slot = |(name, own): (&&'static str, &Field<f64>)| Slot {
-            not_negative: true,
-            ..Slot::design(name, "Pa", first(own))
-        };
-        let slots: Vec<Slot> = L::MODULI.iter().zip(&own).map(slot).collect();
+        let slots: Vec<Slot> = names.iter().zip(&own).map(|(name, own)| Slot::design(name, "Pa", first(own))).collect();
         let unit =
             |k: usize| law.with_moduli(&(0..slots.len()).map(|l| f64::from(u8::from(l == k))).collect::<Vec<_>>());
         let units = (0..slots.len()).map(unit).collect();
@@ -114,16 +107,27 @@ impl<L: LinearInModuli> EnergyTerm for Parametrised<L> {
         self.law.check_domain(at)
     }
 
+    /// That of the law's own moduli, as all that is stated of it.
+    fn existence(&self, at: MaterialPoint) -> Option<Existence> {
+        self.law.existence(at)
+    }
+
+    fn fiber_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
+        self.law.fiber_bound(at)
+    }
+
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
         self.law.check(cells, points)
+    }
+
+    fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
+        self.law.moduli(at)
     }
 
     fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
         self.law.direction(at)
     }
-}
 
-impl<L: LinearInModuli> Actuation for Parametrised<L> {
     fn slots(&self) -> &[Slot] {
         &self.slots
     }
@@ -149,9 +153,5 @@ impl<L: LinearInModuli> Actuation for Parametrised<L> {
 
     fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
         self.own[slot].at(at)
-    }
-
-    fn is_material(&self) -> bool {
-        true
     }
 }

@@ -1,10 +1,9 @@
 use std::fmt::Debug;
-use std::sync::Arc;
 
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
 use crate::{
-    Actuation, EnergyError, EnergyTerm, Existence, MaterialPoint, Moduli, Outside, PointBatch, Response, Slots,
+    EnergyError, EnergyTerm, Existence, MaterialPoint, Moduli, Outside, PointBatch, Response, Slot, Slots,
     TensionBound, Want,
 };
 
@@ -237,17 +236,15 @@ pub trait ConvexDensity: Debug + Send + Sync {
     fn small_strain(&self, _at: MaterialPoint) -> Option<Moduli> {
         None
     }
-
-    /// See [`EnergyTerm::parametrised`]; [`Parametrised`](crate::Parametrised) is one.
-    ///
-    /// # Errors
-    /// [`EnergyError::NoParameters`] of a law that has none.
-    fn with_parameters(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
-        Err(EnergyError::NoParameters { owner: std::any::type_name::<Self>() })
-    }
 }
 
 impl<D: ConvexDensity> EnergyTerm for D {
+    fn slots(&self) -> &[Slot] {
+        &[]
+    }
+
+    fn stress_by_control(&self, _at: &PointBatch, _m: Slots, _out: &mut [Mat3]) {}
+
     fn respond(&self, at: &PointBatch, _m: Slots, want: Want, out: &mut Response) {
         for (q, k) in at.kinematics.iter().enumerate() {
             let (place, f, h, j) = (at.place(q), k.f(), k.h(), k.j());
@@ -326,10 +323,6 @@ impl<D: ConvexDensity> EnergyTerm for D {
 
     fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
         self.small_strain(at)
-    }
-
-    fn parametrised(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
-        self.with_parameters()
     }
 }
 

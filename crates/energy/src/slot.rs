@@ -1,4 +1,7 @@
-/// One control component of an actuation: a scalar, or a component of a vector.
+use std::collections::BTreeSet;
+use std::sync::{Mutex, PoisonError};
+
+/// One number of a law beside F: a scalar, or a component of a vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Slot {
     /// Name of the quantity: `tension`, `pressure`, `remanence` ... Slots of one vector stand in a row and share it.
@@ -9,7 +12,7 @@ pub struct Slot {
     pub unit: &'static str,
     /// Whether it only pulls: case files refuse values below zero, and zero is the lower bound unless one is given.
     pub not_negative: bool,
-    /// Whether it loads the body or belongs to it.
+    /// What it is to the body.
     pub role: Role,
 }
 
@@ -18,6 +21,8 @@ pub struct Slot {
 pub enum Role {
     /// A load: zero at rest, applied in load steps.
     Load,
+    /// An internal variable, which follows the deformation by the law's [`Evolution`](crate::Evolution): nobody controls it.
+    Internal,
     /// A number of the body itself, such as a modulus: it holds from the first load step on.
     Design {
         /// Its value where nobody gives another.
@@ -36,6 +41,11 @@ impl Slot {
         Slot { not_negative: true, ..Slot::scalar(group, unit) }
     }
 
+    /// The slot of an internal variable.
+    pub const fn internal(group: &'static str, unit: &'static str) -> Self {
+        Slot { role: Role::Internal, ..Slot::scalar(group, unit) }
+    }
+
     /// The slot of a scalar that belongs to the body, with its value where nobody gives another.
     pub const fn design(group: &'static str, unit: &'static str, rest: f64) -> Self {
         Slot { role: Role::Design { rest }, ..Slot::scalar(group, unit) }
@@ -46,10 +56,15 @@ impl Slot {
         matches!(self.role, Role::Design { .. })
     }
 
-    /// Its value at rest: zero of a load.
+    /// Whether it is an internal variable.
+    pub const fn is_internal(&self) -> bool {
+        matches!(self.role, Role::Internal)
+    }
+
+    /// Its value at rest: zero of a load and of an internal variable.
     pub const fn rest(&self) -> f64 {
         match self.role {
-            Role::Load => 0.0,
+            Role::Load | Role::Internal => 0.0,
             Role::Design { rest } => rest,
         }
     }
@@ -103,4 +118,17 @@ impl SlotGroup {
     pub fn is_vector(&self) -> bool {
         self.len == 3
     }
+}
+
+static NAMES: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
+
+/// The name of a [`Slot`] that a user chose, such as that of a formula's parameter: kept to the end of the program, each once.
+pub(crate) fn lasting(name: &str) -> &'static str {
+    let mut names = NAMES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(known) = names.get(name) {
+        return known;
+    }
+    let new: &'static str = Box::leak(name.to_owned().into_boxed_str());
+    names.insert(new);
+    new
 }

@@ -103,7 +103,7 @@ pub struct Response<'a> {
     pub tangent: &'a mut [Tangent],
 }
 
-/// A contribution to the energy density of a body: a passive material, or an [`Actuation`].
+/// A contribution `W(F; m)` to the energy density of a body: a material, an actuation, a viscous law. What m is to the body, its [`Slot`]s say.
 ///
 /// Everything anyone may ask of a law is asked here, and nothing else in the workspace differentiates one. Laws that
 /// are a function of `(F, H, J)` implement [`ConvexDensity`](crate::ConvexDensity) instead and get this for free.
@@ -181,22 +181,10 @@ pub trait EnergyTerm: Debug + Send + Sync {
         None
     }
 
-    /// The law with parameters as slots of the role [`Role::Design`](crate::Role), at rest those of the law itself: what a problem attaches
-    /// in place of the law to have them as unknowns.
-    ///
-    /// # Errors
-    /// [`EnergyError::NoParameters`] of a law that has none.
-    fn parametrised(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
-        Err(EnergyError::NoParameters { owner: std::any::type_name::<Self>() })
-    }
-}
-
-/// An energy term that controls act on.
-pub trait Actuation: EnergyTerm {
-    /// The control components, in the order of [`Slots::values`].
+    /// Its numbers beside F, in the order of [`Slots::values`]: controls, numbers of the law, internal variables, as their [roles](crate::Role) say.
     fn slots(&self) -> &[Slot];
 
-    /// Control derivative of the stress at every point: sets `out[q * width + k] = dP/dm_k` (Pa per unit of slot `k`).
+    /// The derivative of the stress by the slots at every point: sets `out[q * width + k] = dP/dm_k` (Pa per unit of slot `k`).
     fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]);
 
     /// The change of the control derivative along a change `A` of `F` and `v` of the controls at every point: sets
@@ -213,7 +201,7 @@ pub trait Actuation: EnergyTerm {
         _v: Slots,
         _out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
-        Err(EnergyError::no_second_derivatives::<Self>("Actuation::control_stress_change"))
+        Err(EnergyError::no_second_derivatives::<Self>("EnergyTerm::control_stress_change"))
     }
 
     /// The value of a slot at rest.
@@ -221,9 +209,9 @@ pub trait Actuation: EnergyTerm {
         self.slots()[slot].rest()
     }
 
-    /// Whether it is a body's passive material, with numbers of the law as slots.
+    /// Whether it is a body's material: one without slots, or with numbers of its own as slots.
     fn is_material(&self) -> bool {
-        false
+        self.slots().iter().all(Slot::is_design)
     }
 
     /// The number at every point that this actuation has to be judged by, if there is one.
@@ -292,12 +280,6 @@ impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
         (**self).moduli(at)
     }
 
-    fn parametrised(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
-        (**self).parametrised()
-    }
-}
-
-impl<T: Actuation + ?Sized> Actuation for Arc<T> {
     fn slots(&self) -> &[Slot] {
         (**self).slots()
     }
@@ -319,10 +301,6 @@ impl<T: Actuation + ?Sized> Actuation for Arc<T> {
 
     fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
         (**self).rest(at, slot)
-    }
-
-    fn is_material(&self) -> bool {
-        (**self).is_material()
     }
 
     fn point_quantity(&self) -> Option<PointQuantity> {

@@ -3,8 +3,8 @@
 
 use nastic_energy::check::{self, Violation};
 use nastic_energy::{
-    Actuation, Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, EnergyTerm, FiberTension,
-    MaterialPoint, Moduli, MooneyRivlin, NeoHooke, PointBatch, Response, Slot, Slots, TensionBound, Want,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, EnergyTerm, FiberTension, MaterialPoint, Moduli,
+    MooneyRivlin, NeoHooke, PointBatch, Response, Slot, Slots, TensionBound, Want,
 };
 use nastic_tensor::{Mat3, Tangent, Vec3, cross};
 
@@ -20,6 +20,12 @@ impl<F> std::fmt::Debug for Faulty<F> {
 }
 
 impl<F: Fn(&PointBatch, Want, &mut Response) + Send + Sync> EnergyTerm for Faulty<F> {
+    fn slots(&self) -> &[Slot] {
+        &[]
+    }
+
+    fn stress_by_control(&self, _at: &PointBatch, _m: Slots, _out: &mut [Mat3]) {}
+
     fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         self.0.respond(at, m, want, out);
         (self.1)(at, want, out);
@@ -118,6 +124,12 @@ fn volumetric(w: fn(f64) -> [f64; 3]) -> impl Fn(&PointBatch, Want, &mut Respons
 struct Forgetful(MooneyRivlin);
 
 impl EnergyTerm for Forgetful {
+    fn slots(&self) -> &[Slot] {
+        &[]
+    }
+
+    fn stress_by_control(&self, _at: &PointBatch, _m: Slots, _out: &mut [Mat3]) {}
+
     fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         self.0.respond(at, m, want, out);
     }
@@ -354,9 +366,7 @@ impl EnergyTerm for Rigid {
     fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         self.0.respond(at, m, want, out);
     }
-}
 
-impl Actuation for Rigid {
     fn slots(&self) -> &[Slot] {
         self.0.slots()
     }
@@ -437,9 +447,7 @@ impl EnergyTerm for Backwards {
     fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         self.0.respond(at, m, want, out);
     }
-}
 
-impl Actuation for Backwards {
     fn slots(&self) -> &[Slot] {
         self.0.slots()
     }

@@ -1,9 +1,7 @@
 //! The three magnets against what is known of rotations and stretches.
 
 use nastic_energy::catalogue::{self, Inputs};
-use nastic_energy::{
-    Actuation, EnergyTerm, Magnet, MagnetIsochoric, MagnetRotation, MaterialPoint, SlotGroup, check, magnet,
-};
+use nastic_energy::{EnergyTerm, Magnet, MagnetIsochoric, MagnetRotation, MaterialPoint, SlotGroup, check, magnet};
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
 const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
@@ -13,7 +11,7 @@ fn vectors() -> (Vec3, Vec3) {
     (Vec3::from_column_slice(&CONTROLS[..3]), Vec3::from_column_slice(&CONTROLS[3..]))
 }
 
-fn magnets() -> [Box<dyn Actuation>; 3] {
+fn magnets() -> [Box<dyn EnergyTerm>; 3] {
     [Box::new(Magnet::new()), Box::new(MagnetIsochoric::new()), Box::new(MagnetRotation::new())]
 }
 

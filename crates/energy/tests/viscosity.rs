@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)] // a test may
 
 use nastic_energy::{
-    Actuation, EnergyError, Evolution, KelvinVoigt, MaterialPoint, MaxwellBranch, PointBatch, Response, Slots,
+    EnergyError, EnergyTerm, Evolution, KelvinVoigt, MaterialPoint, MaxwellBranch, PointBatch, Response, Slots,
     SpringMeasure, Want, check,
 };
 use nastic_tensor::{Inverted, Kinematics, Mat3};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
-type Named = (&'static str, Arc<dyn Actuation>);
+type Named = (&'static str, Arc<dyn EnergyTerm>);
 
 fn laws() -> Result<[Named; 3], EnergyError> {
     let maxwell = MaxwellBranch::new(3e4, 0.2)?;
@@ -21,7 +21,7 @@ fn laws() -> Result<[Named; 3], EnergyError> {
 }
 
 /// Slots as they are after a step at a strained state.
-fn slots(law: &dyn Actuation, dt: f64) -> Option<Vec<f64>> {
+fn slots(law: &dyn EnergyTerm, dt: f64) -> Option<Vec<f64>> {
     let (evolution, mut slots) = (law.evolution()?, vec![0.0; law.slots().len()]);
     let strained = Mat3::new(1.1, 0.3, 0.0, -0.1, 0.9, 0.2, 0.1, 0.0, 1.05);
     let mut next = slots.clone();
@@ -31,7 +31,7 @@ fn slots(law: &dyn Actuation, dt: f64) -> Option<Vec<f64>> {
     Some(slots)
 }
 
-fn at(law: &dyn Actuation, f: &Mat3, slots: &[f64]) -> Result<(f64, Mat3), Inverted> {
+fn at(law: &dyn EnergyTerm, f: &Mat3, slots: &[f64]) -> Result<(f64, Mat3), Inverted> {
     let k = [Kinematics::new(*f)?];
     let (mut energy, mut stress) = ([0.0], [Mat3::zeros()]);
     let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut [] };
@@ -41,7 +41,7 @@ fn at(law: &dyn Actuation, f: &Mat3, slots: &[f64]) -> Result<(f64, Mat3), Inver
     Ok((energy[0], stress[0]))
 }
 
-fn advanced(law: &dyn Actuation, f: &Mat3, slots: &[f64]) -> Option<Vec<f64>> {
+fn advanced(law: &dyn EnergyTerm, f: &Mat3, slots: &[f64]) -> Option<Vec<f64>> {
     let mut next = slots.to_vec();
     law.evolution()?.advance(HERE, &Kinematics::new(*f).ok()?, slots, &mut next);
     Some(next)

@@ -10,7 +10,7 @@ mod solid;
 pub use nastic_body::body_energy::excess_tension::ExcessTension;
 pub use nastic_body::body_energy::formulation::Formulation;
 pub use nastic_body::body_energy::point_peaks::PointPeak;
-pub use nastic_body::body_energy::{AttachedActuation, BodyEnergy};
+pub use nastic_body::body_energy::{AttachedLaw, BodyEnergy};
 pub use nastic_body::contribution::body_point::BodyPoint;
 pub use nastic_body::contribution::constrains::Constrains;
 pub use nastic_body::contribution::energy_role::EnergyRole;

@@ -1,14 +1,14 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
 use nastic_body::body_energy::formulation::Formulation;
-use nastic_body::body_energy::{AttachedActuation, BodyEnergy};
+use nastic_body::body_energy::{AttachedLaw, BodyEnergy};
 use nastic_body::contribution::Contribution;
 use nastic_body::controls::Controls;
 use nastic_body::discretization::Discretization;
 use nastic_body::discretization::quadrature_points::QuadraturePoints;
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::FemError;
-use nastic_energy::{Actuation, EnergyTerm};
+use nastic_energy::EnergyTerm;
 use nastic_equilibrium::model::Model;
 use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::Contact;
@@ -97,7 +97,7 @@ impl Solid {
         Ok(self)
     }
 
-    /// Attaches an actuation to a region, or to the union of several, under a name. A law chosen at run time is an `Arc<dyn Actuation>`.
+    /// Attaches an actuation to a region, or to the union of several, under a name. A law chosen at run time is an `Arc<dyn EnergyTerm>`.
     ///
     /// # Errors
     /// The region's name is unknown, the actuation's name is taken, or a field of the law has the wrong length.
@@ -105,7 +105,7 @@ impl Solid {
         mut self,
         region: impl Into<GroupNames>,
         name: &str,
-        law: impl Actuation + 'static,
+        law: impl EnergyTerm + 'static,
     ) -> Result<Self, FemError> {
         if self.model.controllable().iter().any(|known| known.name == name) {
             let what = format!("there are two actuations named \"{name}\"; rename one");
@@ -113,7 +113,7 @@ impl Solid {
         }
         let regions = region.into();
         let cells = self.mesh().cells_of(&regions)?;
-        let attached = AttachedActuation { name: name.to_owned(), law: Arc::new(law), regions, cells };
+        let attached = AttachedLaw { name: name.to_owned(), law: Arc::new(law), regions, cells };
         self.model.body.add_actuation(attached)?;
         Ok(self)
     }
@@ -124,7 +124,7 @@ impl Solid {
     ///
     /// # Errors
     /// The region's name is unknown, the law has no internal variables, or a field of it has the wrong length.
-    pub fn viscosity(self, region: impl Into<GroupNames>, law: impl Actuation + 'static) -> Result<Self, FemError> {
+    pub fn viscosity(self, region: impl Into<GroupNames>, law: impl EnergyTerm + 'static) -> Result<Self, FemError> {
         if law.evolution().is_none() {
             let what = format!("{law:?} is no viscous law: attach it as an actuation");
             return Err(FemError::Meaningless { what });

@@ -1,6 +1,6 @@
 //! A law with a limit of its own: the solve up to it, and the typed failure beyond.
 
-use nastic_energy::{Actuation, EnergyTerm, Gent, NeoHooke, Outside, PointBatch, Response, Slot, Slots, Turgor, Want};
+use nastic_energy::{EnergyTerm, Gent, NeoHooke, Outside, PointBatch, Response, Slot, Slots, Turgor, Want};
 use nastic_fem::{Solid, SolveOptions, StateError};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_tensor::Mat3;
@@ -77,9 +77,7 @@ impl EnergyTerm for Bladder {
         let Some(value) = at.kinematics.iter().map(|k| k.j()).find(|j| *j > self.most) else { return Ok(()) };
         Err(Outside { law: "bladder", measure: "J", value, limit: self.most, meaning: "its skin", point: self.named })
     }
-}
 
-impl Actuation for Bladder {
     fn slots(&self) -> &[Slot] {
         const { &[Slot::scalar("pressure", "Pa")] }
     }

@@ -5,7 +5,7 @@ use crate::common;
 use common::block::{Block, STRICT};
 use common::homogeneous::{cases, neo_hooke, relaxed};
 use common::{Outcome, distance, kinds, largest, nodal, node_at, regular};
-use nastic_energy::{Actuation, Magnet, MagnetIsochoric, MagnetRotation, NeoHooke};
+use nastic_energy::{EnergyTerm, Magnet, MagnetIsochoric, MagnetRotation, NeoHooke};
 use nastic_fem::{Solid, SolveOptions, State};
 use nastic_mesh::CellKind;
 use nastic_tensor::{Mat3, Vec3};
@@ -172,7 +172,7 @@ fn elliptic(k: f64) -> (f64, f64) {
 }
 
 /// Name, law, and what carries the remanence.
-type Variant = (&'static str, Arc<dyn Actuation>, fn(&Mat3) -> Mat3);
+type Variant = (&'static str, Arc<dyn EnergyTerm>, fn(&Mat3) -> Mat3);
 
 /// What carries the remanence, written once more: `F`, `J^(-1/3) F`, and `R = F (F^T F)^(-1/2)`, of an upper triangular F
 /// by the eigenvectors of `F^T F`.

@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used)] // a test may
 
 use nastic_energy::catalogue::{FitForm, FitNumber, FitStarts, Made, MaterialRow, Parameter};
-use nastic_energy::{EnergyTerm, Field, MaterialPoint, PointBatch, Response as Answer, Slots, Want};
+use nastic_energy::{EnergyTerm, Field, MaterialPoint, PointBatch, Response as Answer, Slot, Slots, Want};
 use nastic_fit::{Fibers, FitOptions, Law, Mode, Response, Test, curve, fit};
-use nastic_tensor::Vec3;
+use nastic_tensor::{Mat3, Vec3};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 static POINTS: AtomicUsize = AtomicUsize::new(0);
@@ -17,6 +17,12 @@ struct Counted {
 }
 
 impl EnergyTerm for Counted {
+    fn slots(&self) -> &[Slot] {
+        &[]
+    }
+
+    fn stress_by_control(&self, _: &PointBatch, _: Slots, _: &mut [Mat3]) {}
+
     fn respond(&self, at: &PointBatch, _: Slots, _: Want, out: &mut Answer) {
         POINTS.fetch_add(at.len(), Ordering::Relaxed);
         for (q, stress) in out.stress.iter_mut().enumerate() {

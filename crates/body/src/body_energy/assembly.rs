@@ -11,7 +11,7 @@ use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
-use nastic_energy::{EnergyTerm, Response, Slots, Want};
+use nastic_energy::{EnergyTerm, Response, Want};
 use nastic_linear::SparseMatrix;
 use nastic_tensor::{Kinematics, Mat3};
 use std::ops::Range;
@@ -31,7 +31,7 @@ struct PatchResult {
     energy_scale: f64,
     min_j: f64,
     rows: Vec<f64>,
-    /// Absolute forces of the passive terms and of the actuations, each by itself.
+    /// Absolute forces of the materials and of the other laws, each by itself.
     scale: Vec<f64>,
     matrix: PatchMatrix,
     /// `1 + grad u` at the points, where it is kept.
@@ -97,13 +97,12 @@ impl CellWork for Job<'_> {
                 stress: wanted(&mut scratch.stress, &range),
                 tangent: wanted(&mut scratch.tangent, &range),
             };
-            let composition = self.body.composition_of(at.cell);
-            for &t in &composition.terms {
-                self.body.terms[t].respond(&at, Slots::none(), want, &mut out);
+            for (law, m) in self.body.materials(&at, self.driving) {
+                law.respond(&at, m, want, &mut out);
             }
             out.stress = wanted(&mut scratch.driving, &range);
-            for &k in &composition.actuations {
-                self.body.actuations[k].law.respond(&at, self.driving.slots(k, &at), want, &mut out);
+            for (law, m) in self.body.laws(&at, self.driving).filter(|(law, _)| !law.is_material()) {
+                law.respond(&at, m, want, &mut out);
             }
         }
         let weights = &scratch.weights;

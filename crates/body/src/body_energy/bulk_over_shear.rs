@@ -31,8 +31,8 @@ impl BodyEnergy {
         let at = PointBatch { kinematics: &[Kinematics::rest()], cell, first };
         let (mut stress, mut tangent) = ([Mat3::zeros()], [Tangent::zero()]);
         let mut response = Response { energy: &mut [], stress: &mut stress, tangent: &mut tangent };
-        for &t in &self.composition_of(cell).terms {
-            self.terms[t].respond(&at, Slots::none(), Want::TANGENT, &mut response);
+        for law in self.materials_of(cell) {
+            law.respond(&at, Slots::none(), Want::TANGENT, &mut response);
         }
         let twice = |strain: &Mat3| strain.dot(&tangent[0].apply(strain));
         let shears = [(0, 1), (1, 2), (2, 0)].map(|(i, j)| {

@@ -1,7 +1,7 @@
 //! Internal variables of the viscous laws of a body: from those of the step that led to a state and from its displacement those of the
 //! next step follow.
 
-use crate::body_energy::{AttachedActuation, BodyEnergy};
+use crate::body_energy::{AttachedLaw, BodyEnergy};
 use crate::error::Inadmissible;
 use crate::history::{BeforeStep, History};
 use crate::instant::Instant;
@@ -29,7 +29,7 @@ impl BodyEnergy {
     /// Of every actuation the internal variables per point, and how many there are.
     pub fn memory(&self) -> impl Iterator<Item = (usize, usize)> {
         let points = self.disc.points().len();
-        let width = |attached: &AttachedActuation| attached.law.slots().len() - attached.controlled_slots().len();
+        let width = |attached: &AttachedLaw| attached.law.slots().len() - attached.controlled_slots().len();
         self.actuations.iter().map(width).map(move |width| (width, width * points))
     }
 

@@ -16,7 +16,7 @@ use assembly::Terms;
 use driving::Driving;
 use evaluated::EvaluatedBody;
 use formulation::Formulation;
-use nastic_energy::{Actuation, EnergyTerm, Outside, PointBatch, Slot};
+use nastic_energy::{EnergyTerm, Outside, PointBatch, Slot, Slots};
 use nastic_linear::SparseMatrix;
 use nastic_mesh::GroupNames;
 use nastic_tensor::Kinematics;
@@ -43,54 +43,55 @@ mod tangent_product;
 pub(crate) mod tensions;
 pub mod volume_modes;
 
-/// The energy of a body: passive materials and actuations, each over some of the cells.
+/// The energy of a body: laws without and with slots, each over some of the cells.
 ///
-/// The total is the plain sum of what the terms give at every quadrature point; nothing here knows any law.
+/// The total is the plain sum of what the laws give at every quadrature point; nothing here knows any law.
 #[derive(Debug, Clone)]
 pub struct BodyEnergy {
     disc: Arc<Discretization>,
     structure: Arc<TangentStructure>,
-    /// Passive laws.
-    pub terms: Vec<Arc<dyn EnergyTerm>>,
-    /// Actuations, in the order of the first blocks of [`Controls`].
-    pub actuations: Vec<AttachedActuation>,
+    /// Laws without slots.
+    terms: Vec<Arc<dyn EnergyTerm>>,
+    /// Laws with slots, in the order of the first blocks of [`Controls`].
+    actuations: Vec<AttachedLaw>,
     /// The distinct sets of terms, and which one each cell has.
-    pub compositions: Vec<Composition>,
+    compositions: Vec<Composition>,
     /// Index of the set of terms of each cell.
-    pub of_cell: Vec<u32>,
+    of_cell: Vec<u32>,
     /// By group of cells, those that their formulation takes together.
     patches: Arc<Vec<Patches>>,
 }
 
-/// An actuation by name and place.
+/// A law with slots by name and place: an actuation, a material with numbers of its own as slots, a viscous law.
 #[derive(Debug, Clone)]
-pub struct AttachedActuation {
+pub struct AttachedLaw {
     /// Name, unique in the body.
     pub name: String,
     /// The law.
-    pub law: Arc<dyn Actuation>,
+    pub law: Arc<dyn EnergyTerm>,
     /// The regions it acts on.
     pub regions: GroupNames,
     /// Their cells.
     pub cells: Vec<u32>,
 }
 
-impl AttachedActuation {
+impl AttachedLaw {
     /// Its slots that are controls: none of a viscous law, whose slots are internal variables.
     pub fn controlled_slots(&self) -> &[Slot] {
-        if self.law.evolution().is_some() { &[] } else { self.law.slots() }
+        let slots = self.law.slots();
+        if slots.iter().any(Slot::is_internal) { &[] } else { slots }
     }
 }
 
 /// A set of terms that acts on cells: indices into those of the body.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Composition {
-    /// Passive laws.
-    pub terms: Vec<usize>,
-    /// Actuations.
-    pub actuations: Vec<usize>,
+struct Composition {
+    /// Laws without slots.
+    terms: Vec<usize>,
+    /// Laws with slots.
+    actuations: Vec<usize>,
     /// None chosen: the standard one.
-    pub formulation: Option<Formulation>,
+    formulation: Option<Formulation>,
 }
 
 impl BodyEnergy {
@@ -131,14 +132,36 @@ impl BodyEnergy {
         &self.disc
     }
 
-    /// The actuations in the order of [`Controls`].
-    pub fn actuations(&self) -> &[AttachedActuation] {
+    /// The laws with slots in the order of [`Controls`].
+    pub fn actuations(&self) -> &[AttachedLaw] {
         &self.actuations
     }
 
-    /// The passive terms acting on a cell.
+    /// The materials of a cell.
     pub fn materials_of(&self, cell: usize) -> impl Iterator<Item = &Arc<dyn EnergyTerm>> {
-        self.compositions[self.of_cell[cell] as usize].terms.iter().map(|&t| &self.terms[t])
+        let Composition { terms, actuations, .. } = self.composition_of(cell);
+        let with_slots = actuations.iter().map(|&k| &self.actuations[k].law).filter(|law| law.is_material());
+        terms.iter().map(|&t| &self.terms[t]).chain(with_slots)
+    }
+
+    /// The materials of a cell with what their slots hold there.
+    pub(crate) fn materials<'b>(
+        &'b self,
+        at: &'b PointBatch,
+        driving: Driving<'b>,
+    ) -> impl Iterator<Item = (&'b Arc<dyn EnergyTerm>, Slots<'b>)> {
+        self.laws(at, driving).filter(|(law, _)| law.is_material())
+    }
+
+    /// All laws of a cell with what their slots hold there, those without slots first.
+    pub fn laws<'b>(
+        &'b self,
+        at: &'b PointBatch,
+        driving: Driving<'b>,
+    ) -> impl Iterator<Item = (&'b Arc<dyn EnergyTerm>, Slots<'b>)> {
+        let Composition { terms, actuations, .. } = self.composition_of(at.cell);
+        let with_slots = actuations.iter().map(move |&k| (&self.actuations[k].law, driving.slots(k, at)));
+        terms.iter().map(|&t| (&self.terms[t], Slots::none())).chain(with_slots)
     }
 
     /// Controls of this body at rest: loads zero, designs as their actuations say.
@@ -155,12 +178,7 @@ impl BodyEnergy {
         controls
     }
 
-    /// Whether a law with parameters as slots is a material of a cell.
-    fn has_parametrised(&self, cell: usize) -> bool {
-        self.composition_of(cell).actuations.iter().any(|&k| self.actuations[k].law.is_material())
-    }
-
-    pub(crate) fn composition_of(&self, cell: usize) -> &Composition {
+    fn composition_of(&self, cell: usize) -> &Composition {
         &self.compositions[self.of_cell[cell] as usize]
     }
 
@@ -188,7 +206,7 @@ impl BodyEnergy {
     ///
     /// # Errors
     /// A field of the law that does not fit the mesh.
-    pub fn add_actuation(&mut self, attached: AttachedActuation) -> Result<(), FemError> {
+    pub fn add_actuation(&mut self, attached: AttachedLaw) -> Result<(), FemError> {
         attached.law.check(self.disc.mesh().cells(), self.disc.points().len())?;
         let new = self.actuations.len();
         let cells = attached.cells.clone();
@@ -241,7 +259,7 @@ impl BodyEnergy {
 
     /// Every cell needs a passive material.
     pub fn check_complete(&self) -> Result<(), FemError> {
-        let bare = |&cell: &usize| self.materials_of(cell).next().is_none() && !self.has_parametrised(cell);
+        let bare = |&cell: &usize| self.materials_of(cell).next().is_none();
         let Some(first) = (0..self.of_cell.len()).find(bare) else { return Ok(()) };
         let mesh = self.disc.mesh();
         let regions = mesh.regions().keys().cloned().collect::<Vec<_>>().join(", ");
@@ -258,9 +276,9 @@ impl BodyEnergy {
 
     /// Refuses what is beyond the domain of a law of the cell, passive or an actuation.
     pub fn check_domain(&self, at: &PointBatch) -> Result<(), Inadmissible> {
-        self.check_domain_of_materials(at)?;
-        let acting = &self.compositions[self.of_cell[at.cell] as usize].actuations;
-        acting.iter().try_for_each(|&k| self.actuations[k].law.check_domain(at).map_err(|outside| beyond(at, outside)))
+        let Composition { terms, actuations, .. } = self.composition_of(at.cell);
+        let laws = terms.iter().map(|&t| &self.terms[t]).chain(actuations.iter().map(|&k| &self.actuations[k].law));
+        laws.into_iter().try_for_each(|law| law.check_domain(at).map_err(|outside| beyond(at, outside)))
     }
 
     /// Refuses what is beyond the domain of a passive law of the cell.

@@ -11,7 +11,7 @@ use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::hexahedra::{CELLS, MODULI, NODES};
 use crate::kernels::patch::Patch;
-use nastic_energy::{EnergyTerm, Response, Slots, Want};
+use nastic_energy::{EnergyTerm, Response, Want};
 use nastic_tensor::Tangent;
 use std::sync::Arc;
 
@@ -87,12 +87,8 @@ impl CellWork for Moduli<'_> {
         scratch.clear(want);
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
             let mut out = Response { energy: &mut [], stress: &mut [], tangent: &mut scratch.tangent[range] };
-            let composition = self.body.composition_of(at.cell);
-            for &t in &composition.terms {
-                self.body.terms[t].respond(&at, Slots::none(), want, &mut out);
-            }
-            for &k in &composition.actuations {
-                self.body.actuations[k].law.respond(&at, self.driving.slots(k, &at), want, &mut out);
+            for (law, m) in self.body.laws(&at, self.driving) {
+                law.respond(&at, m, want, &mut out);
             }
         }
         let inverse = &self.cells.part.inverse[c * NODES..][..NODES];

@@ -38,7 +38,7 @@ use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
-use nastic_energy::{EnergyTerm, PointBatch, Response, Slots, Want};
+use nastic_energy::{EnergyTerm, PointBatch, Response, Want};
 use nastic_linear::SparseMatrix;
 use nastic_tensor::{Inverted, Kinematics, Mat3, Tangent};
 
@@ -54,10 +54,10 @@ const COLLAPSE: f64 = 0.25;
 
 impl PointStrains {
     /// Those of a displacement.
-    pub fn of(body: &BodyEnergy, u: &[f64], parallel: bool) -> Result<Self, Inadmissible> {
+    pub fn of(body: &BodyEnergy, u: &[f64], driving: Driving, parallel: bool) -> Result<Self, Inadmissible> {
         let points = body.discretization().points().len();
         let strains = PointStrains { c: vec![Mat3::identity(); points], s: vec![Mat3::zeros(); points] };
-        Ok(strains.swept(body, u, None, parallel)?.0)
+        Ok(strains.swept(body, u, driving, None, parallel)?.0)
     }
 
     /// `C_new` and `S_new` of the whole step du, and the largest `|grad du|` (Frobenius norm).
@@ -65,22 +65,24 @@ impl PointStrains {
         &self,
         body: &BodyEnergy,
         u: &[f64],
+        driving: Driving,
         du: &[f64],
         parallel: bool,
     ) -> Result<(Self, f64), Inadmissible> {
-        self.swept(body, u, Some(du), parallel)
+        self.swept(body, u, driving, Some(du), parallel)
     }
 
     fn swept(
         &self,
         body: &BodyEnergy,
         u: &[f64],
+        driving: Driving,
         du: Option<&[f64]>,
         parallel: bool,
     ) -> Result<(Self, f64), Inadmissible> {
         let (mut next, mut largest) = (self.clone(), 0.0_f64);
         for (cells, patches) in body.groups() {
-            let (work, points) = (Extrapolate { body, cells, u, du, from: self }, cells.part.table.points);
+            let (work, points) = (Extrapolate { body, cells, u, driving, du, from: self }, cells.part.table.points);
             sweep(&work, patches, parallel, |patch, strains| {
                 let of_cells = strains.c.chunks_exact(points).zip(strains.s.chunks_exact(points));
                 for (&cell, (c, s)) in patch.cells.iter().zip(of_cells) {
@@ -128,11 +130,12 @@ impl BodyEnergy {
         Ok(())
     }
 
-    /// S and CC of the passive terms at the points of a cell.
+    /// S and CC of the materials at the points of a cell.
     fn second_stresses(
         &self,
         cell: usize,
         first: usize,
+        driving: Driving,
         c: &[Mat3],
     ) -> Result<Vec<(Mat3, MaterialTangent)>, Inadmissible> {
         let stretch = |(point, c): (usize, &Mat3)| {
@@ -145,8 +148,8 @@ impl BodyEnergy {
         let at = PointBatch { kinematics: &stretches, cell, first };
         self.check_domain_of_materials(&at)?;
         let mut response = Response { energy: &mut [], stress: &mut stress, tangent: &mut tangent };
-        for &t in &self.compositions[self.of_cell[cell] as usize].terms {
-            self.terms[t].respond(&at, Slots::none(), Want::TANGENT, &mut response);
+        for (law, m) in self.materials(&at, driving) {
+            law.respond(&at, m, Want::TANGENT, &mut response);
         }
         Ok(stretches.iter().zip(&stress).zip(&tangent).map(|((u, p), a)| material(u, p, a)).collect())
     }
@@ -221,12 +224,11 @@ impl CellWork for Linearised<'_> {
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
             let (stress, tangent) = (&mut scratch.stress[range.clone()], &mut scratch.tangent[range.clone()]);
             let mut out = Response { energy: &mut [], stress, tangent };
-            for &k in &self.body.composition_of(at.cell).actuations {
-                let m = self.driving.slots(k, &at);
-                self.body.actuations[k].law.respond(&at, m, Want::TANGENT, &mut out);
+            for (law, m) in self.body.laws(&at, self.driving).filter(|(law, _)| !law.is_material()) {
+                law.respond(&at, m, Want::TANGENT, &mut out);
             }
             let own = at.first..at.first + at.len();
-            let passive = self.body.second_stresses(at.cell, at.first, &self.strains.c[own])?;
+            let passive = self.body.second_stresses(at.cell, at.first, self.driving, &self.strains.c[own])?;
             for (q, (point, (s, cc))) in range.zip(passive.iter().enumerate()).map(|(q, (k, p))| (q, (at.first + k, p)))
             {
                 let (f, weight) = (scratch.kinematics[q].f(), scratch.weights[q]);
@@ -254,6 +256,7 @@ struct Extrapolate<'a> {
     body: &'a BodyEnergy,
     cells: Cells<'a>,
     u: &'a [f64],
+    driving: Driving<'a>,
     du: Option<&'a [f64]>,
     from: &'a PointStrains,
 }
@@ -288,12 +291,12 @@ impl CellWork for Extrapolate<'_> {
         }
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
             if self.du.is_none() {
-                let passive = self.body.second_stresses(at.cell, at.first, &new.c[range])?;
+                let passive = self.body.second_stresses(at.cell, at.first, self.driving, &new.c[range])?;
                 new.s.extend(passive.iter().map(|(s, _)| s));
                 continue;
             }
             let before = &self.from.c[at.first..][..at.len()];
-            let passive = self.body.second_stresses(at.cell, at.first, before)?;
+            let passive = self.body.second_stresses(at.cell, at.first, self.driving, before)?;
             for (q, ((s, cc), before)) in range.zip(passive.iter().zip(before)) {
                 let (f, g) = (scratch.kinematics[q].f(), &scratch.change[q]);
                 new.c[q] += twice_symmetric(&(g.transpose() * f));
@@ -342,7 +345,7 @@ mod tests {
             let (controls, mut expected, mut tangent) =
                 (body.controls(), body.structure().matrix(), body.structure().matrix());
             let sums = body.evaluate_tangent(&u, &controls, &mut expected, false)?;
-            let strains = PointStrains::of(&body, &u, false)?;
+            let strains = PointStrains::of(&body, &u, Driving::relaxed(&controls), false)?;
             let mut own = Sums::zero(u.len());
             body.add_with_point_strains((&u, Driving::relaxed(&controls)), &strains, &mut own, &mut tangent, false)?;
             let apart = |a: &[f64], b: &[f64]| {

@@ -3,7 +3,7 @@
 use crate::body_energy::BodyEnergy;
 use crate::body_energy::control_product::add_weighted;
 use crate::body_energy::control_vjp::add_by_slot;
-use crate::body_energy::driving::{Driving, slots};
+use crate::body_energy::driving::Driving;
 use crate::body_energy::formulation::StressJet;
 use crate::body_energy::tangent_product::weigh;
 use crate::contribution::sensitivities::{Increment, SecondSensitivities};
@@ -95,20 +95,11 @@ impl CellWork for SecondOrder<'_> {
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
             let changes: [&[Mat3]; 2] = [&of_lambda[range.clone()], &scratch.change[range.clone()]];
             let stress = &mut scratch.stress[range.clone()];
-            let composition = self.body.composition_of(at.cell);
-            for &t in &composition.terms {
-                let term = &self.body.terms[t];
-                term.second_stress_change(&at, Slots::none(), changes, stress)?;
-                if let Some(bend) = &mut bend {
-                    bend.add(term, (&at, &range), Slots::none(), changes, stress);
-                }
-            }
-            for &k in &composition.actuations {
-                let law = &self.body.actuations[k].law;
-                let (m, v) = (self.driving.slots(k, &at), slots(self.along.controls, k, &at));
+            let changed = self.body.laws(&at, Driving { controls: self.along.controls, ..self.driving });
+            for ((law, m), (_, v)) in self.body.laws(&at, self.driving).zip(changed) {
                 law.second_stress_change(&at, m, changes, stress)?;
-                if v.width == 0 {
-                    // a viscous law, which has second derivatives where it is relaxed
+                if law.slots().is_empty() || law.evolution().is_some() {
+                    // a viscous law has second derivatives where it is relaxed
                     if let Some(bend) = &mut bend {
                         bend.add(law, (&at, &range), m, changes, stress);
                     }

@@ -9,7 +9,7 @@ use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
-use nastic_energy::{EnergyTerm, Response, Slots, Want};
+use nastic_energy::{EnergyTerm, Response, Want};
 use nastic_tensor::Mat3;
 
 /// `out += K(u, m) v`: at every point the change of stress `dP/dF : F'(u) v`, spread like a stress, and what the stress has by `F''(u)`.
@@ -53,13 +53,9 @@ impl CellWork for Product<'_> {
         formulation.change(self.cells, patch, self.v, scratch);
         scratch.clear_stress();
         for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
-            let composition = self.body.composition_of(at.cell);
             let (change, stress) = (&scratch.change[range.clone()], &mut scratch.stress[range]);
-            for &t in &composition.terms {
-                self.body.terms[t].stress_change(&at, Slots::none(), change, stress);
-            }
-            for &k in &composition.actuations {
-                self.body.actuations[k].law.stress_change(&at, self.driving.slots(k, &at), change, stress);
+            for (law, m) in self.body.laws(&at, self.driving) {
+                law.stress_change(&at, m, change, stress);
             }
         }
         weigh(&mut scratch.stress, &scratch.weights);
@@ -87,12 +83,8 @@ impl BodyEnergy {
         let mut stress = vec![Mat3::zeros(); scratch.kinematics.len()];
         for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let mut out = Response { energy: &mut [], stress: &mut stress[range], tangent: &mut [] };
-            let composition = self.composition_of(at.cell);
-            for &t in &composition.terms {
-                self.terms[t].respond(&at, Slots::none(), Want::STRESS, &mut out);
-            }
-            for &k in &composition.actuations {
-                self.actuations[k].law.respond(&at, driving.slots(k, &at), Want::STRESS, &mut out);
+            for (law, m) in self.laws(&at, driving) {
+                law.respond(&at, m, Want::STRESS, &mut out);
             }
         }
         stress

@@ -3,7 +3,7 @@
 use super::excess_tension::ExcessTension;
 use super::{BodyEnergy, Composition};
 use crate::controls::Controls;
-use nastic_energy::{MaterialPoint, TensionBound};
+use nastic_energy::{EnergyTerm, MaterialPoint, Role, TensionBound};
 use nastic_tensor::{Mat3, Vec3};
 
 /// Tensions beyond the bound by rounding alone are within it.
@@ -77,12 +77,8 @@ impl BodyEnergy {
         least
     }
 
-    /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none, as one does whose
-    /// parameters are slots.
+    /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none.
     fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
-        if self.has_parametrised(at.cell) {
-            return None;
-        }
         let mut bounds = self.materials_of(at.cell).map(|law| law.fiber_bound(at));
         let first = bounds.next()??;
         bounds.try_fold(first, |sum, next| Some(sum + next?))
@@ -91,13 +87,13 @@ impl BodyEnergy {
     /// The families of fibres on a cell whose control is a tension: number and unit vector.
     fn families(&self, at: MaterialPoint) -> impl Iterator<Item = (usize, Vec3)> {
         let here = self.compositions[self.of_cell[at.cell] as usize].actuations.iter();
-        let scalar = here.filter(|&&k| self.actuations[k].law.slots().len() == 1);
+        let scalar = here.filter(|&&k| is_tension(&self.actuations[k].law));
         scalar.filter_map(move |&k| Some((k, self.actuations[k].law.direction(at)?)))
     }
 
     fn is_family(&self, actuation: usize) -> bool {
         let law = &self.actuations[actuation].law;
-        law.slots().len() == 1 && self.places(actuation).next().is_some_and(|at| law.direction(at).is_some())
+        is_tension(law) && self.places(actuation).next().is_some_and(|at| law.direction(at).is_some())
     }
 
     pub(crate) fn places(&self, actuation: usize) -> impl Iterator<Item = MaterialPoint> {
@@ -107,6 +103,11 @@ impl BodyEnergy {
             (first..first + count).map(move |point| MaterialPoint { cell: cell as usize, point })
         })
     }
+}
+
+/// Whether a law has one load as its slot.
+fn is_tension(law: &dyn EnergyTerm) -> bool {
+    matches!(law.slots(), [only] if only.role == Role::Load)
 }
 
 /// The largest s for which the tensions `s m_k` along `a_k` are borne; that of one family without the rounding of eigenvalues.

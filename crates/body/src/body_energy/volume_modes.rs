@@ -156,8 +156,8 @@ impl BodyEnergy {
         for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let stress = &mut scratch.stress[range.clone()];
             let mut out = Response { energy: &mut [], stress, tangent: &mut scratch.tangent[range] };
-            for &t in &self.composition_of(at.cell).terms {
-                self.terms[t].respond(&at, Slots::none(), want, &mut out);
+            for law in self.materials_of(at.cell) {
+                law.respond(&at, Slots::none(), want, &mut out);
             }
         }
         let d = cells.dim;

@@ -84,7 +84,7 @@ fn add_viscosity(case: &Case, material: &Material, solid: &mut Solid, context: &
     }
 }
 
-fn attach<L: nastic_energy::Actuation + 'static>(
+fn attach<L: nastic_energy::EnergyTerm + 'static>(
     material: &Material,
     (law, at): (Result<L, EnergyError>, &At),
     solid: &mut Solid,

@@ -4,9 +4,7 @@ use nastic_tensor::{Mat3, Vec3};
 
 use super::point_quantity::PointQuantity;
 use crate::polyconvex::{Block, Change, Conjugates, ConvexDensity, Curvature};
-use crate::{
-    Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want, combine,
-};
+use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want, combine};
 
 /// Permittivity of the vacuum in SI units, F/m.
 pub const VACUUM_PERMITTIVITY: f64 = 8.854_187_812_8e-12;
@@ -129,9 +127,7 @@ impl EnergyTerm for Dielectric {
         self.direction.check_len(Self::NAME, "direction", cells, points)?;
         self.breakdown.as_ref().map_or(Ok(()), |field| field.check_len(Self::NAME, "breakdown", cells, points))
     }
-}
 
-impl Actuation for Dielectric {
     fn slots(&self) -> &[Slot] {
         &Self::SLOTS
     }

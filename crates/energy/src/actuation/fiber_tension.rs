@@ -1,6 +1,6 @@
 use nastic_tensor::{Mat3, Vec3};
 
-use crate::{Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
+use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// Tension of a fibre family along unit vectors `a(X)`.
 ///
@@ -105,9 +105,7 @@ impl EnergyTerm for FiberTension {
         // A contraction needs no bound: the limit is one of tensions.
         (self.sense > 0.0).then(|| self.direction.at(at))
     }
-}
 
-impl Actuation for FiberTension {
     fn slots(&self) -> &[Slot] {
         if self.sense > 0.0 { &Self::TENSION } else { &Self::CONTRACTION }
     }

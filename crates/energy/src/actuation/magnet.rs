@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, cross};
 
 use super::polar::Polar;
-use crate::{Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
+use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// Vacuum permeability in SI units, N/A^2, which is T^2/Pa.
 pub const VACUUM_PERMEABILITY: f64 = 1.25663706e-6;
@@ -302,9 +302,7 @@ impl<C: Carrier> EnergyTerm for Magnetic<C> {
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
         self.permeability.check_len(Self::NAME, "mu0", cells, points)
     }
-}
 
-impl<C: Carrier> Actuation for Magnetic<C> {
     fn slots(&self) -> &[Slot] {
         &Self::SLOTS
     }

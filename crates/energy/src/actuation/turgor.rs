@@ -1,6 +1,6 @@
 use nastic_tensor::{Mat3, cross};
 
-use crate::{Actuation, EnergyError, EnergyTerm, PointBatch, Response, Slot, Slots, Want};
+use crate::{EnergyError, EnergyTerm, PointBatch, Response, Slot, Slots, Want};
 
 /// Turgor: a pressure inside the material itself, as in plant cells or fluid-filled foams.
 ///
@@ -63,9 +63,7 @@ impl EnergyTerm for Turgor {
         }
         Ok(())
     }
-}
 
-impl Actuation for Turgor {
     fn slots(&self) -> &[Slot] {
         &Self::SLOTS
     }

@@ -21,7 +21,7 @@ pub const FORMULA: MaterialRow = MaterialRow {
     fit: &[],
     make: |given| {
         let fiber = given.direction_or_none("fiber");
-        Ok(Made::term(FormulaLaw::new(given.energy("energy")?, &given.numbers("parameters"), fiber)?))
+        Ok(Made::formula(FormulaLaw::new(given.energy("energy")?, &given.numbers("parameters"), fiber)?))
     },
 };
 

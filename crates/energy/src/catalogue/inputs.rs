@@ -4,6 +4,7 @@ use nastic_tensor::Vec3;
 
 use super::{Parameter, Takes};
 use crate::formula::Expression;
+use crate::slot::lasting;
 use crate::{EnergyError, Field};
 
 /// Named parameters, as a case file gives them; numbers in consistent units.
@@ -74,6 +75,19 @@ impl Inputs {
     /// The names given, in alphabetical order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.values.keys().map(String::as_str)
+    }
+
+    /// All numbers, also those by names of the user's, in the alphabetical order of their names.
+    pub(super) fn all_numbers(&self) -> Vec<(&'static str, Field<f64>)> {
+        let mut all: BTreeMap<&str, &Field<f64>> = BTreeMap::new();
+        for (name, value) in &self.values {
+            match value {
+                Value::Number(field) => all.extend([(name.as_str(), field)]),
+                Value::Numbers(fields) => all.extend(fields.iter().map(|(name, field)| (name.as_str(), field))),
+                _ => {}
+            }
+        }
+        all.into_iter().map(|(name, field)| (lasting(name), field.clone())).collect()
     }
 
     fn with(mut self, name: &str, value: Value) -> Self {

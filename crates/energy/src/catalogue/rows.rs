@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use super::CheckedInputs;
+use super::conversions;
 use super::fits;
 use super::formula_row::FORMULA;
 use super::{ActuationRow, Example, Made, MaterialRow, Parameter};
@@ -26,7 +27,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         ],
         fit: fits::MOONEY_RIVLIN,
         make: |given| {
-            Ok(Made::density(if given.form_has("young") {
+            Ok(Made::linear(if given.form_has("young") {
                 MooneyRivlin::from_young_poisson(
                     given.number("young")?,
                     given.number("poisson")?,
@@ -38,7 +39,8 @@ pub const MATERIALS: &[MaterialRow] = &[
                 MooneyRivlin::from_c10_c01_d1(given.number("c10")?, given.number("c01")?, given.number("d1")?)?
             } else {
                 MooneyRivlin::new(given.number("mu1")?, given.number("mu2")?, given.number("mu3")?)?
-            }))
+            })
+            .by(conversions::MOONEY_RIVLIN))
         },
     },
     MaterialRow {
@@ -55,7 +57,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         ]],
         fit: fits::TRANSVERSE_MOONEY_RIVLIN,
         make: |given| {
-            Ok(Made::density(TransverseMooneyRivlin::new(
+            Ok(Made::linear(TransverseMooneyRivlin::new(
                 given.number("mu1")?,
                 given.number("mu2")?,
                 given.number("mu3")?,
@@ -72,7 +74,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         forms: &[&[pressure("mu", 1e5), pressure("lambda", 4e5)], SHEAR_BULK, YOUNG, C10_D1],
         fit: fits::NEO_HOOKE,
         make: |given| {
-            Ok(Made::density(if given.form_has("young") {
+            Ok(Made::linear(if given.form_has("young") {
                 NeoHooke::from_young_poisson(given.number("young")?, given.number("poisson")?)?
             } else if given.form_has("shear") {
                 NeoHooke::from_shear_bulk(given.number("shear")?, given.number("bulk")?)?
@@ -91,7 +93,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         forms: &[&[pressure("mu", 1e5), pressure("kappa", 5e5)], SHEAR_BULK, YOUNG, C10_D1],
         fit: fits::NEO_HOOKE,
         make: |given| {
-            Ok(Made::density(if given.form_has("young") {
+            Ok(Made::linear(if given.form_has("young") {
                 NeoHookeIsochoric::from_young_poisson(given.number("young")?, given.number("poisson")?)?
             } else if given.form_has("shear") {
                 NeoHookeIsochoric::from_shear_bulk(given.number("shear")?, given.number("bulk")?)?
@@ -114,7 +116,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         fit: fits::YEOH,
         make: |given| {
             let [c10, c20, c30] = [given.number("c10")?, given.number("c20")?, given.number("c30")?];
-            Ok(Made::density(if given.form_has("d1") {
+            Ok(Made::linear(if given.form_has("d1") {
                 Yeoh::from_d1(c10, c20, c30, given.number("d1")?)?
             } else {
                 Yeoh::new(c10, c20, c30, given.number("bulk")?)?
@@ -135,7 +137,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         fit: fits::GENT,
         make: |given| {
             let jm = given.number("jm")?;
-            Ok(Made::density(if given.form_has("young") {
+            Ok(Made::linear(if given.form_has("young") {
                 Gent::from_young_poisson(given.number("young")?, given.number("poisson")?, jm)?
             } else if given.form_has("d1") {
                 Gent::from_d1(given.number("mu")?, jm, given.number("d1")?)?
@@ -160,7 +162,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         fit: fits::ARRUDA_BOYCE,
         make: |given| {
             let lambda_m = given.number("lambda_m")?;
-            Ok(Made::density(if given.form_has("young") {
+            Ok(Made::linear(if given.form_has("young") {
                 ArrudaBoyce::from_young_poisson(given.number("young")?, given.number("poisson")?, lambda_m)?
             } else if given.form_has("shear") {
                 ArrudaBoyce::from_shear_bulk(given.number("shear")?, lambda_m, given.number("bulk")?)?
@@ -168,7 +170,8 @@ pub const MATERIALS: &[MaterialRow] = &[
                 ArrudaBoyce::from_d1(given.number("mu")?, lambda_m, given.number("d1")?)?
             } else {
                 ArrudaBoyce::new(given.number("mu")?, lambda_m, given.number("bulk")?)?
-            }))
+            })
+            .by(conversions::ARRUDA_BOYCE))
         },
     },
     MaterialRow {
@@ -190,7 +193,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             let pairs = OGDEN.chunks_exact(2).filter(|pair| given.form_has(pair[0].name));
             let terms = pairs.map(|pair| Ok([given.number(pair[0].name)?, given.number(pair[1].name)?]));
             let terms = terms.collect::<Result<Vec<[Field<f64>; 2]>, EnergyError>>()?;
-            Ok(Made::density(if given.form_has("d1") {
+            Ok(Made::linear(if given.form_has("d1") {
                 Ogden::from_d1(terms, given.number("d1")?)?
             } else {
                 Ogden::new(terms, given.number("bulk")?)?
@@ -236,7 +239,7 @@ pub const MATERIALS: &[MaterialRow] = &[
             } else {
                 HolzapfelGasserOgden::new([given.number("mu")?, given.number("bulk")?], fibers, first, second)?
             };
-            Ok(Made::density(law))
+            Ok(Made::linear(law))
         },
     },
     MaterialRow {
@@ -255,7 +258,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         make: |given| {
             let [k1, k2, dispersion, toe] = fibers(given)?;
             let law = FiberFamily::new(k1, k2, dispersion, given.direction("fiber")?)?.with_toe(toe)?;
-            Ok(Made::density(law))
+            Ok(Made::linear(law))
         },
     },
     MaterialRow {
@@ -266,7 +269,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         forms: &[&[pressure("lambda", 4e5), pressure("mu", 1e5)], SHEAR_BULK, YOUNG],
         fit: &[],
         make: |given| {
-            Ok(Made::density(if given.form_has("young") {
+            Ok(Made::linear(if given.form_has("young") {
                 SaintVenantKirchhoff::from_young_poisson(given.number("young")?, given.number("poisson")?)?
             } else if given.form_has("shear") {
                 SaintVenantKirchhoff::from_shear_bulk(given.number("shear")?, given.number("bulk")?)?
@@ -283,11 +286,12 @@ pub const MATERIALS: &[MaterialRow] = &[
         forms: &[&[pressure("mu", 1e5)], &[pressure("young", 2e5)]],
         fit: &[],
         make: |given| {
-            Ok(Made::density(if given.form_has("young") {
+            Ok(Made::linear(if given.form_has("young") {
                 Arap::from_young(given.number("young")?)?
             } else {
                 Arap::new(given.number("mu")?)?
-            }))
+            })
+            .by(conversions::ARAP))
         },
     },
     MaterialRow {
@@ -307,7 +311,7 @@ pub const MATERIALS: &[MaterialRow] = &[
         make: |given| {
             let b = [given.number("bf")?, given.number("bt")?, given.number("bfs")?];
             let law = Guccione::new(given.number("c")?, b, given.number("bulk")?, given.direction("fiber")?)?;
-            Ok(Made::density(law))
+            Ok(Made::linear(law))
         },
     },
     FORMULA,

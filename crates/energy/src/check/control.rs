@@ -2,20 +2,19 @@ use nastic_tensor::{Kinematics, Mat3};
 
 use super::derivative::sixth_order;
 use super::{Finding, Violation, Worst, evaluate, states};
-use crate::{Actuation, MaterialPoint, PointBatch, Slots};
+use crate::{EnergyTerm, MaterialPoint, PointBatch, Slot, Slots};
 
 /// `stress_by_control` is the derivative of `P` by every control component, and is set rather than added; so is `Evolution::stress_vjp` of a law that
 /// has an evolution.
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
-pub fn control_derivative(term: &dyn Actuation, at: MaterialPoint, m: &[f64]) -> Result<Finding, Violation> {
+pub fn control_derivative(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Result<Finding, Violation> {
     let mut worst = Worst::new("dP/dm is the derivative of P", 1e-9);
-    let largest = m.iter().fold(0.0f64, |a, b| a.max(b.abs()));
-    let step = if largest > 0.0 { 1e-2 * largest } else { 1.0 };
+    let steps = steps(term, m);
     for k in states() {
         let stated = by_control(term, at, &k, m);
-        for (n, stated) in stated.iter().enumerate() {
+        for (n, (stated, &step)) in stated.iter().zip(&steps).enumerate() {
             let slope = sixth_order(step, |t| {
                 let mut moved = m.to_vec();
                 moved[n] += t * step;
@@ -41,7 +40,7 @@ pub fn control_derivative(term: &dyn Actuation, at: MaterialPoint, m: &[f64]) ->
 ///
 /// # Errors
 /// [`Violation::Controls`] when there are not as many values as slots.
-pub fn drives(term: &dyn Actuation, at: MaterialPoint, m: &[f64], towards: &Mat3) -> Result<f64, Violation> {
+pub fn drives(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64], towards: &Mat3) -> Result<f64, Violation> {
     let expected = term.slots().len();
     if m.len() != expected {
         return Err(Violation::Controls { check: "drives", expected, found: m.len() });
@@ -51,10 +50,22 @@ pub fn drives(term: &dyn Actuation, at: MaterialPoint, m: &[f64], towards: &Mat3
     Ok(-stress.dot(towards) / (stress.norm() * towards.norm()))
 }
 
-pub(super) fn by_control(term: &dyn Actuation, at: MaterialPoint, k: &Kinematics, m: &[f64]) -> Vec<Mat3> {
+pub(super) fn by_control(term: &dyn EnergyTerm, at: MaterialPoint, k: &Kinematics, m: &[f64]) -> Vec<Mat3> {
     // Not-a-number to begin with: entries left out or added to would show.
     let mut out = vec![Mat3::repeat(f64::NAN); m.len()];
     let points = PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
     term.stress_by_control(&points, Slots { values: m, width: m.len() }, &mut out);
     out
+}
+
+/// Steps of the slots for differences: of a control a hundredth of the largest one (1 where all are zero), for controls share their unit; of a number of a law,
+/// which may stand near a pole such as Poisson's ratio 1/2, a thousandth of its own value.
+pub(super) fn steps(term: &dyn EnergyTerm, m: &[f64]) -> Vec<f64> {
+    let largest = m.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+    let shared = if largest > 0.0 { 1e-2 * largest } else { 1.0 };
+    let own = |(slot, value): (&Slot, &f64)| match slot.is_design() && *value != 0.0 {
+        true => 1e-3 * value.abs(),
+        false => shared,
+    };
+    term.slots().iter().zip(m).map(own).collect()
 }

@@ -2,7 +2,7 @@ use nalgebra::{SMatrix, SVector};
 use nastic_tensor::{Kinematics, Mat3};
 
 use super::{Evaluation, Violation, evaluate, norm};
-use crate::{Actuation, EnergyTerm, MaterialPoint};
+use crate::{EnergyTerm, MaterialPoint};
 
 /// What an actuation does to a free cube of a passive law: the symmetric deformation gradient of its homogeneous
 /// equilibrium, found by Newton's method on the energy, from rest.
@@ -11,7 +11,7 @@ use crate::{Actuation, EnergyTerm, MaterialPoint};
 /// [`Violation::NoEquilibrium`] when there is none, as above the law's fiber limit.
 pub fn free_cube(
     law: &dyn EnergyTerm,
-    actuation: &dyn Actuation,
+    actuation: &dyn EnergyTerm,
     at: MaterialPoint,
     m: &[f64],
 ) -> Result<Mat3, Violation> {

@@ -1,9 +1,9 @@
 use nastic_tensor::{Kinematics, Mat3};
 
-use super::control::by_control;
+use super::control::{by_control, steps};
 use super::derivative::{along, sixth_order};
 use super::{Finding, Violation, Worst, evaluate, norm, states};
-use crate::{Actuation, EnergyError, EnergyTerm, MaterialPoint, PointBatch, Slots};
+use crate::{EnergyError, EnergyTerm, MaterialPoint, PointBatch, Slots};
 
 /// [`EnergyTerm::second_stress_change`] adds the derivative of [`EnergyTerm::stress_change`] by `F` and is symmetric in its two
 /// changes; `None` where the term gives none.
@@ -43,17 +43,19 @@ pub fn second_stress_change(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64])
     Ok(Some(worst.finding()))
 }
 
-/// [`Actuation::control_stress_change`] sets the derivative of `dP/dm` along changes of `F` and of the controls; `None` where the
+/// [`EnergyTerm::control_stress_change`] sets the derivative of `dP/dm` along changes of `F` and of the controls; `None` where the
 /// actuation gives none.
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
-pub fn control_stress_change(term: &dyn Actuation, at: MaterialPoint, m: &[f64]) -> Result<Option<Finding>, Violation> {
+pub fn control_stress_change(
+    term: &dyn EnergyTerm,
+    at: MaterialPoint,
+    m: &[f64],
+) -> Result<Option<Finding>, Violation> {
     let check = "the change of dP/dm is its derivative";
     let (mut worst, mut linear) = (Worst::new(check, 1e-8), Worst::new("the change of dP/dm is linear", 1e-12));
-    let largest = m.iter().fold(0.0f64, |a, b| a.max(b.abs()));
-    let size = if largest > 0.0 { largest } else { 1.0 };
-    let v: Vec<f64> = (0..m.len()).map(|n| size * (0.7 + n as f64).sin()).collect();
+    let v: Vec<f64> = steps(term, m).iter().enumerate().map(|(n, step)| 1e2 * step * (0.7 + n as f64).sin()).collect();
     let still = vec![0.0; m.len()];
     for k in states() {
         let stated = |change: &Mat3, v: &[f64]| -> Result<Vec<Mat3>, EnergyError> {
@@ -65,24 +67,24 @@ pub fn control_stress_change(term: &dyn Actuation, at: MaterialPoint, m: &[f64])
         };
         let here = by_control(term, at, &k, m);
         let scale = |n: usize| here[n].norm() / k.f().singular_values().min() + f64::MIN_POSITIVE;
-        let largest = (0..m.len()).map(scale).fold(0.0, f64::max);
+        let same_unit = |n: usize| (0..m.len()).filter(move |l| term.slots()[*l].unit == term.slots()[n].unit);
+        let room = |n: usize| same_unit(n).map(scale).fold(0.0, f64::max);
         let Ok(by_v) = stated(&Mat3::zeros(), &v) else { return Ok(None) };
         for (n, found) in by_v.iter().enumerate() {
             let slope = sixth_order(1e-2, |t| {
                 let moved: Vec<f64> = m.iter().zip(&v).map(|(m, v)| m + 1e-2 * t * v).collect();
                 Ok::<Mat3, Violation>(by_control(term, at, &k, &moved)[n])
             })?;
-            let room = largest + slope.norm();
-            worst.see((found - slope).norm(), room, k.f())?;
+            worst.see((found - slope).norm(), room(n) + slope.norm(), k.f())?;
         }
         for a in directions() {
             let Ok(by_f) = stated(&a, &still) else { return Ok(None) };
             let Ok(by_both) = stated(&a, &v) else { return Ok(None) };
             for n in 0..m.len() {
                 let slope = along(check, &k, &a, |k| by_control(term, at, k, m)[n])?;
-                worst.see((by_f[n] - slope).norm(), largest + slope.norm(), k.f())?;
+                worst.see((by_f[n] - slope).norm(), room(n) + slope.norm(), k.f())?;
                 let sum = by_f[n] + by_v[n];
-                linear.see((by_both[n] - sum).norm(), largest + sum.norm(), k.f())?;
+                linear.see((by_both[n] - sum).norm(), room(n) + sum.norm(), k.f())?;
             }
         }
     }

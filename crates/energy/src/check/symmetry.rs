@@ -18,7 +18,7 @@ pub fn major_symmetry(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Re
 
 /// Turning space changes no energy and turns the stress: `W(Q F) = W(F)`, `P(Q F) = Q P(F)`.
 ///
-/// `turn` turns those controls that are vectors of space along with it; see [`Actuation::turn`](crate::Actuation::turn).
+/// `turn` turns those controls that are vectors of space along with it; see [`EnergyTerm::turn`](crate::EnergyTerm::turn).
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it does not hold.

@@ -12,7 +12,7 @@ mod tape;
 pub use error::{FormulaError, FormulaProblem};
 pub use expression::{Expression, Invariant, Step};
 pub(crate) use graph::{Graph, Id, MOST_NODES, Node};
-pub(crate) use hyper_dual::{HyperDual, Number};
+pub use hyper_dual::{HyperDual, Number};
 pub(crate) use lanes::{LANES, Lanes};
 pub(crate) use smoothness::check_smooth;
 pub(crate) use tape::Tape;

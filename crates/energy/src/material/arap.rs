@@ -2,7 +2,8 @@ use nastic_tensor::Mat3;
 
 use super::power_trace::Spectrum;
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, LinearInModuli,
+    MaterialPoint, Moduli,
 };
 
 /// As-rigid-as-possible energy: the squared distance of F from the rotations. Not polyconvex.
@@ -95,5 +96,15 @@ impl ConvexDensity for Arap {
 
     fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         Some(Moduli::isotropic(0.0, self.mu.at(at)))
+    }
+}
+
+impl LinearInModuli for Arap {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("mu", self.mu.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        Arap { mu: theta[0].into() }
     }
 }

@@ -2,7 +2,7 @@ use nastic_tensor::Mat3;
 
 use super::engineering::{bulk_of_d1, shear_bulk};
 use super::isochoric::{Function, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, combine};
+use crate::{EnergyError, Existence, Field, Growth, LinearInModuli, MaterialPoint, Moduli, combine};
 
 /// Arruda and Boyce's law of eight chains, by the first five terms of the inverse Langevin function.
 ///
@@ -37,13 +37,13 @@ fn check_locking(lambda_m: &Field<f64>) -> Result<(), EnergyError> {
     lambda_m.require(ArrudaBoyce::NAME, "lambda_m", |l| l > 1.0, requirement)
 }
 
-/// Shear modulus at rest over `mu`: `2 sum_i i c_i (3/N)^(i-1)`.
-fn shear_ratio(lambda_m: f64) -> f64 {
-    let x = 3.0 / (lambda_m * lambda_m);
-    SERIES.iter().enumerate().map(|(i, c)| 2.0 * (i + 1) as f64 * c * x.powi(i as i32)).sum()
-}
-
 impl ArrudaBoyce {
+    /// Shear modulus at rest over `mu`: `2 sum_i i c_i (3/N)^(i-1)`.
+    pub(crate) fn shear_ratio(lambda_m: f64) -> f64 {
+        let x = 3.0 / (lambda_m * lambda_m);
+        SERIES.iter().enumerate().map(|(i, c)| 2.0 * (i + 1) as f64 * c * x.powi(i as i32)).sum()
+    }
+
     /// Name in case files and messages.
     pub const NAME: &str = "arruda_boyce";
 
@@ -76,7 +76,7 @@ impl ArrudaBoyce {
         shear.require_positive(Self::NAME, "shear")?;
         check_locking(&lambda_m)?;
         let named = [("shear", &shear), ("lambda_m", &lambda_m)];
-        let [mu] = combine(Self::NAME, named, |_, [shear, lambda_m]| Ok([shear / shear_ratio(lambda_m)]))?;
+        let [mu] = combine(Self::NAME, named, |_, [shear, lambda_m]| Ok([shear / Self::shear_ratio(lambda_m)]))?;
         Self::new(mu, lambda_m, bulk)
     }
 
@@ -132,7 +132,7 @@ impl IsochoricLaw for ArrudaBoyce {
     }
 
     fn rest_moduli(&self, at: MaterialPoint) -> Moduli {
-        moduli(self.mu.at(at) * shear_ratio(self.lambda_m.at(at)), self.bulk.at(at))
+        moduli(self.mu.at(at) * Self::shear_ratio(self.lambda_m.at(at)), self.bulk.at(at))
     }
 
     fn check_lengths(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
@@ -145,4 +145,14 @@ impl IsochoricLaw for ArrudaBoyce {
 /// `(3 + x)^i - 3^i = x sum_k (3 + x)^k 3^(i-1-k)`, exact for small x.
 fn difference_of_powers(x: f64, i: i32) -> f64 {
     x * (0..i).map(|k| (3.0 + x).powi(k) * 3f64.powi(i - 1 - k)).sum::<f64>()
+}
+
+impl LinearInModuli for ArrudaBoyce {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("mu", self.mu.clone()), ("bulk", self.bulk.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        ArrudaBoyce { mu: theta[0].into(), lambda_m: self.lambda_m.clone(), bulk: theta[1].into() }
+    }
 }

@@ -1,7 +1,7 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use super::isochoric::{Function, Invariant, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, Outside};
+use crate::{EnergyError, Existence, Field, Growth, LinearInModuli, MaterialPoint, Moduli, Outside};
 
 /// A family of stiffening fibres with dispersion, to be added to the law of the matrix on the same cells.
 ///
@@ -189,5 +189,15 @@ impl IsochoricLaw for FiberFamily {
 
     fn along(&self, at: MaterialPoint) -> Option<Vec3> {
         Some(self.direction(at))
+    }
+}
+
+impl LinearInModuli for FiberFamily {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("k1", self.k1.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        FiberFamily { k1: theta[0].into(), ..self.clone() }
     }
 }

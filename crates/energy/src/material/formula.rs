@@ -1,4 +1,5 @@
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, cross};
 
@@ -6,7 +7,10 @@ use crate::formula::{
     Expression, FormulaError, FormulaProblem, Graph, HyperDual, Id, Invariant, LANES, Lanes, MOST_NODES, Node, Number,
     Step, Tape, check_smooth,
 };
-use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, Moduli, Outside, PointBatch, Response, Slots, Want, check};
+use crate::slot::lasting;
+use crate::{
+    EnergyError, EnergyTerm, Field, MaterialPoint, Moduli, Outside, PointBatch, Response, Slot, Slots, Want, check,
+};
 
 /// Pairs of invariants, in the order of second derivatives.
 const PAIRS: [[usize; 2]; 10] = [[0, 0], [0, 1], [0, 2], [0, 3], [1, 1], [1, 2], [1, 3], [2, 2], [2, 3], [3, 3]];
@@ -51,6 +55,9 @@ pub struct FormulaLaw {
     /// Parameters that vary, in the order of the programs.
     fields: Vec<Field<f64>>,
     fiber: Option<Field<Vec3>>,
+    /// Those parameters as slots, where they are some.
+    slots: Vec<Slot>,
+    source: Arc<(Expression, BTreeMap<String, Field<f64>>)>,
 }
 
 impl FormulaLaw {
@@ -73,7 +80,8 @@ impl FormulaLaw {
         for field in parameters.values() {
             field.require(Self::NAME, "a parameter", |_| true, "")?;
         }
-        let law = Self::compiled(energy, parameters, fiber).map_err(refuse)?;
+        let varies = |field: &Field<f64>| !matches!(field, Field::Uniform(_));
+        let law = Self::compiled(energy, parameters, fiber, varies).map_err(refuse)?;
         law.places().try_for_each(|at| law.check_rest(at)).map_err(refuse)?;
         let branches = [Step::Less, Step::LessOrEqual, Step::Minimum, Step::Maximum, Step::Abs];
         if branches.iter().any(|step| energy.steps.contains(step)) {
@@ -84,18 +92,34 @@ impl FormulaLaw {
         Ok(law)
     }
 
+    /// The same law with all of its parameters as slots of the role [`Role::Design`](crate::Role).
+    ///
+    /// **Derivatives.** `dP/dtheta_k = W_a,k y_a'` and their changes are those of `W_a` in hyper-dual numbers, one of whose changes is that of `theta_k`.
+    ///
+    /// # Errors
+    /// [`EnergyError::Formula`] of more parameters than may vary.
+    pub fn parametrised(&self) -> Result<Self, EnergyError> {
+        let (energy, parameters) = &*self.source;
+        let refuse = |problem| EnergyError::Formula(FormulaError { text: energy.text.clone(), problem });
+        let law = Self::compiled(energy, parameters, self.fiber.clone(), |_| true).map_err(refuse)?;
+        let slot = |(name, field): (&String, &Field<f64>)| {
+            Slot::design(lasting(name), "", field.entries().next().map_or(0.0, |(_, value)| value))
+        };
+        Ok(Self { slots: parameters.iter().map(slot).collect(), ..law })
+    }
+
     fn compiled(
         energy: &Expression,
         parameters: &BTreeMap<String, Field<f64>>,
         fiber: Option<Field<Vec3>>,
+        varies: impl Fn(&Field<f64>) -> bool,
     ) -> Result<Self, FormulaProblem> {
-        let varying: Vec<&String> =
-            parameters.iter().filter(|(_, f)| !matches!(f, Field::Uniform(_))).map(|(n, _)| n).collect();
+        let varying: Vec<&String> = parameters.iter().filter(|(_, f)| varies(f)).map(|(n, _)| n).collect();
         if varying.len() > MOST_FIELDS {
             return Err(FormulaProblem::TooManyFields { most: MOST_FIELDS });
         }
         let value = |name: &str| match parameters.get(name)? {
-            Field::Uniform(x) => Some(Node::Constant((x + 0.0).to_bits())),
+            Field::Uniform(x) if !varies(&Field::Uniform(*x)) => Some(Node::Constant((x + 0.0).to_bits())),
             _ => varying.iter().position(|n| *n == name).map(|k| Node::Parameter(k as u16)),
         };
         let too_long = FormulaProblem::TooLong { most: MOST_NODES };
@@ -122,6 +146,8 @@ impl FormulaLaw {
             uses: Invariant::ALL.map(|invariant| energy.depends_on(invariant)),
             fields: varying.iter().filter_map(|name| parameters.get(*name).cloned()).collect(),
             fiber,
+            slots: Vec::new(),
+            source: Arc::new((energy.clone(), parameters.clone())),
         })
     }
 
@@ -138,7 +164,8 @@ impl FormulaLaw {
 
     fn check_rest(&self, at: MaterialPoint) -> Result<(), FormulaProblem> {
         let rest = Kinematics::rest();
-        let (y, theta) = (self.invariants(at, &rest), self.parameters(at));
+        let batch = PointBatch { kinematics: &[rest], cell: at.cell, first: at.point };
+        let (y, theta) = (self.invariants(at, &rest), self.parameters(&batch, Slots::none(), 0));
         if let Some(fault) = self.energy.fault(y, &theta).or_else(|| self.curvature.fault(y, &theta)) {
             let what = format!("{} = {:e}", fault.measure, fault.value);
             return Err(FormulaProblem::NoValueAtRest(what));
@@ -158,10 +185,15 @@ impl FormulaLaw {
         Ok(())
     }
 
+    /// Those that vary at the q-th point of a cell: what the slots hold, or else the fields.
     #[inline]
-    fn parameters(&self, at: MaterialPoint) -> [f64; MOST_FIELDS] {
+    fn parameters(&self, at: &PointBatch, m: Slots, q: usize) -> [f64; MOST_FIELDS] {
         let mut theta = [0.0; MOST_FIELDS];
-        theta.iter_mut().zip(&self.fields).for_each(|(value, field)| *value = field.at(at));
+        let place = at.place(q);
+        match m.width {
+            0 => theta.iter_mut().zip(&self.fields).for_each(|(value, field)| *value = field.at(place)),
+            width => theta[..width].copy_from_slice(m.only(q).values),
+        }
         theta
     }
 
@@ -174,7 +206,7 @@ impl FormulaLaw {
     }
 
     /// The energies of some points at a time; the last ones stand for those that are missing.
-    fn add_energies(&self, at: &PointBatch, energy: &mut [f64]) {
+    fn add_energies(&self, at: &PointBatch, m: Slots, energy: &mut [f64]) {
         for (part, out) in energy[..at.len()].chunks_mut(LANES).enumerate() {
             let last = out.len() - 1;
             let (mut y, mut theta) = ([Lanes::constant(0.0); 4], [Lanes::constant(0.0); MOST_FIELDS]);
@@ -183,10 +215,34 @@ impl FormulaLaw {
                 let place = at.place(q);
                 let own = self.invariants(place, &at.kinematics[q]);
                 y.iter_mut().zip(own).for_each(|(y, own)| y.0[lane] = own);
-                theta.iter_mut().zip(&self.fields).for_each(|(theta, field)| theta.0[lane] = field.at(place));
+                theta.iter_mut().zip(self.parameters(at, m, q)).for_each(|(theta, own)| theta.0[lane] = own);
             }
             let [w] = self.energy.evaluate(y, &theta);
             out.iter_mut().zip(w.0).for_each(|(out, w)| *out += w);
+        }
+    }
+
+    /// Calls with every slot of every point, `slots * point + slot`: `W_a` along one unit of the slot (first change) and along a change of F and of
+    /// the slots (second change), the slopes `y_a'` and the point.
+    fn by_parameter(
+        &self,
+        at: &PointBatch,
+        m: Slots,
+        (change, v): (&[Mat3], Slots),
+        mut each: impl FnMut(usize, [HyperDual; 4], &[Mat3; 4], usize),
+    ) {
+        for (q, k) in at.kinematics.iter().enumerate() {
+            let place = at.place(q);
+            let (y, slopes, theta) = (self.invariants(place, k), self.slopes(place, k), self.parameters(at, m, q));
+            let inputs: [HyperDual; 4] =
+                std::array::from_fn(|n| HyperDual { real: y[n], first: [0.0, slopes[n].dot(&change[q])], both: 0.0 });
+            for slot in 0..self.slots.len() {
+                let mut numbers = theta.map(HyperDual::constant);
+                numbers.iter_mut().take(self.slots.len()).enumerate().for_each(|(l, x)| x.first[1] = v.get(q, l));
+                numbers[slot].first[0] = 1.0;
+                let w: [HyperDual; 4] = self.gradient.evaluate(inputs, &numbers);
+                each(q * self.slots.len() + slot, w, &slopes, q);
+            }
         }
     }
 
@@ -258,16 +314,48 @@ fn combination(w: &[f64], m: &[Mat3; 4]) -> Mat3 {
 }
 
 impl EnergyTerm for FormulaLaw {
-    fn respond(&self, at: &PointBatch, _m: Slots, want: Want, out: &mut Response) {
+    fn slots(&self) -> &[Slot] {
+        &self.slots
+    }
+
+    fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
+        self.fields[slot].at(at)
+    }
+
+    fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
+        let still = vec![Mat3::zeros(); at.len()];
+        self.by_parameter(at, m, (&still, Slots::none()), |n, w, slopes, _| {
+            let first = w.map(|w| w.first[0]);
+            out[n] = combination(&first, slopes);
+        });
+    }
+
+    /// `W_a,k` changes by `W_a,kb (y_b' : A) + W_a,kl v_l`, its factor `y_a'` by `y_a''[A]`.
+    fn control_stress_change(
+        &self,
+        at: &PointBatch,
+        m: Slots,
+        change: &[Mat3],
+        v: Slots,
+        out: &mut [Mat3],
+    ) -> Result<(), EnergyError> {
+        self.by_parameter(at, m, (change, v), |n, w, slopes, q| {
+            let curved = self.curved_by(at.place(q), &at.kinematics[q], &w.map(|w| w.first[0]), &change[q]);
+            out[n] = combination(&w.map(|w| w.both), slopes) + curved;
+        });
+        Ok(())
+    }
+
+    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         if want.energy {
-            self.add_energies(at, out.energy);
+            self.add_energies(at, m, out.energy);
         }
         if !want.stress && !want.tangent {
             return;
         }
         for (q, k) in at.kinematics.iter().enumerate() {
             let place = at.place(q);
-            let (y, theta) = (self.invariants(place, k), self.parameters(place));
+            let (y, theta) = (self.invariants(place, k), self.parameters(at, m, q));
             if want.tangent {
                 let slopes = self.slopes(place, k);
                 let w: [f64; 14] = self.curvature.evaluate(y, &theta);
@@ -282,11 +370,11 @@ impl EnergyTerm for FormulaLaw {
         }
     }
 
-    fn stress_change(&self, at: &PointBatch, _m: Slots, change: &[Mat3], out: &mut [Mat3]) {
+    fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
         for (q, (k, g)) in at.kinematics.iter().zip(change).enumerate() {
             let place = at.place(q);
             let slopes = self.slopes(place, k);
-            let w: [f64; 14] = self.curvature.evaluate(self.invariants(place, k), &self.parameters(place));
+            let w: [f64; 14] = self.curvature.evaluate(self.invariants(place, k), &self.parameters(at, m, q));
             let along: [f64; 4] = std::array::from_fn(|a| slopes[a].dot(g));
             let mut by_slope = [0.0; 4];
             for (n, [a, b]) in PAIRS.into_iter().enumerate() {
@@ -302,7 +390,7 @@ impl EnergyTerm for FormulaLaw {
     fn second_stress_change(
         &self,
         at: &PointBatch,
-        _m: Slots,
+        m: Slots,
         [first, second]: [&[Mat3]; 2],
         out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
@@ -315,7 +403,7 @@ impl EnergyTerm for FormulaLaw {
                 let both = self.curved_by(place, k, &one, a).dot(b);
                 HyperDual { real: y[n], first: [slopes[n].dot(a), slopes[n].dot(b)], both }
             });
-            let w: [HyperDual; 4] = self.gradient.evaluate(inputs, &self.parameters(place).map(HyperDual::constant));
+            let w: [HyperDual; 4] = self.gradient.evaluate(inputs, &self.parameters(at, m, q).map(HyperDual::constant));
             out[q] += combination(&w.map(|w| w.both), &slopes);
             out[q] += self.curved_by(place, k, &w.map(|w| w.first[0]), b);
             out[q] += self.curved_by(place, k, &w.map(|w| w.first[1]), a);
@@ -335,7 +423,7 @@ impl EnergyTerm for FormulaLaw {
         }
         for (point, k) in at.kinematics.iter().enumerate() {
             let place = at.place(point);
-            let (y, theta) = (self.invariants(place, k), self.parameters(place));
+            let (y, theta) = (self.invariants(place, k), self.parameters(at, Slots::none(), point));
             let [w] = self.energy.evaluate::<f64, 1>(y, &theta);
             let slopes: [f64; 14] = self.curvature.evaluate(y, &theta);
             if w.is_finite() && slopes.iter().all(|w| w.is_finite()) {

@@ -2,7 +2,7 @@ use nastic_tensor::Mat3;
 
 use super::engineering::{bulk_of_d1, shear_bulk};
 use super::isochoric::{Function, Invariant, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, Outside};
+use crate::{EnergyError, Existence, Field, Growth, LinearInModuli, MaterialPoint, Moduli, Outside};
 
 /// Gent's law: chains of limited length.
 ///
@@ -127,5 +127,15 @@ impl IsochoricLaw for Gent {
         self.mu.check_len(Self::NAME, "mu", cells, points)?;
         self.jm.check_len(Self::NAME, "jm", cells, points)?;
         self.bulk.check_len(Self::NAME, "bulk", cells, points)
+    }
+}
+
+impl LinearInModuli for Gent {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("mu", self.mu.clone()), ("bulk", self.bulk.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        Gent { mu: theta[0].into(), jm: self.jm.clone(), bulk: theta[1].into() }
     }
 }

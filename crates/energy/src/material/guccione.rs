@@ -2,8 +2,8 @@ use nastic_tensor::{Mat3, Tangent, Vec3};
 
 use super::volumetric::volumetric;
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
-    Outside,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, LinearInModuli,
+    MaterialPoint, Moduli, Outside,
 };
 
 /// Guccione's law of passive heart muscle: transversely isotropic about the fibre, exponential in the Green-Lagrange strain.
@@ -189,5 +189,15 @@ impl ConvexDensity for Guccione {
             beta: c * (bf + bt - 2.0 * bfs),
             fiber: Some(self.fiber.at(at)),
         })
+    }
+}
+
+impl LinearInModuli for Guccione {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("c", self.c.clone()), ("bulk", self.bulk.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        Guccione { c: theta[0].into(), bulk: theta[1].into(), ..self.clone() }
     }
 }

@@ -3,7 +3,7 @@ use nastic_tensor::{Mat3, Vec3};
 use super::engineering::bulk_of_d1;
 use super::fiber_family::FiberFamily;
 use super::isochoric::{Function, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, Outside};
+use crate::{EnergyError, Existence, Field, Growth, LinearInModuli, MaterialPoint, Moduli, Outside};
 
 /// Holzapfel, Gasser and Ogden's law: one or two families of stiffening fibres with dispersion in a neo-Hookean matrix.
 ///
@@ -102,5 +102,17 @@ impl IsochoricLaw for HolzapfelGasserOgden {
 
     fn along(&self, at: MaterialPoint) -> Option<Vec3> {
         self.families.first().map(|family| family.direction(at))
+    }
+}
+
+impl LinearInModuli for HolzapfelGasserOgden {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        let k1 = self.families.first().map_or(Field::Uniform(0.0), |family| family.own().remove(0).1);
+        vec![("mu", self.mu.clone()), ("k1", k1), ("bulk", self.bulk.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        let families = self.families.iter().map(|family| family.with_moduli(&theta[1..2]));
+        HolzapfelGasserOgden { mu: theta[0].into(), bulk: theta[2].into(), families: families.collect() }
     }
 }

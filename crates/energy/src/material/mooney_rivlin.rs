@@ -1,11 +1,9 @@
-use std::sync::Arc;
-
 use nastic_tensor::Mat3;
 
 use super::engineering::{check_rubber, shear_bulk};
 use crate::{
-    Actuation, Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth,
-    LinearInModuli, MaterialPoint, Moduli, Parametrised, TensionBound, combine,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, LinearInModuli,
+    MaterialPoint, Moduli, TensionBound, combine,
 };
 
 /// Compressible Mooney-Rivlin law.
@@ -172,10 +170,6 @@ impl ConvexDensity for MooneyRivlin {
         self.mu3.check_len(Self::NAME, "mu3", cells, points)
     }
 
-    fn with_parameters(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
-        Ok(Arc::new(Parametrised::new(self.clone())))
-    }
-
     fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         let [mu1, mu2, mu3] = self.at(at);
         Some(Moduli::isotropic(4.0 * mu2 + 2.0 * mu3, 2.0 * (mu1 + mu2)))
@@ -183,14 +177,11 @@ impl ConvexDensity for MooneyRivlin {
 }
 
 impl LinearInModuli for MooneyRivlin {
-    const MODULI: &'static [&'static str] = &["mu1", "mu2", "mu3"];
-
-    fn own(&self) -> Vec<Field<f64>> {
-        vec![self.mu1.clone(), self.mu2.clone(), self.mu3.clone()]
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("mu1", self.mu1.clone()), ("mu2", self.mu2.clone()), ("mu3", self.mu3.clone())]
     }
 
     fn with_moduli(&self, theta: &[f64]) -> Self {
-        let [mu1, mu2, mu3] = [theta[0], theta[1], theta[2]].map(Field::Uniform);
-        MooneyRivlin { mu1, mu2, mu3 }
+        MooneyRivlin { mu1: theta[0].into(), mu2: theta[1].into(), mu3: theta[2].into() }
     }
 }

@@ -1,11 +1,9 @@
-use std::sync::Arc;
-
 use nastic_tensor::Mat3;
 
 use super::engineering::{check_rubber, shear_bulk};
 use crate::{
-    Actuation, Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth,
-    LinearInModuli, MaterialPoint, Moduli, Parametrised, TensionBound, combine,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, LinearInModuli,
+    MaterialPoint, Moduli, TensionBound, combine,
 };
 
 /// Compressible neo-Hookean law, polyconvex form.
@@ -148,23 +146,17 @@ impl ConvexDensity for NeoHooke {
         self.lambda.check_len(Self::NAME, "lambda", cells, points)
     }
 
-    fn with_parameters(&self) -> Result<Arc<dyn Actuation>, EnergyError> {
-        Ok(Arc::new(Parametrised::new(self.clone())))
-    }
-
     fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         Some(Moduli::isotropic(self.lambda.at(at), self.mu.at(at)))
     }
 }
 
 impl LinearInModuli for NeoHooke {
-    const MODULI: &'static [&'static str] = &["mu", "lambda"];
-
-    fn own(&self) -> Vec<Field<f64>> {
-        vec![self.mu.clone(), self.lambda.clone()]
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("mu", self.mu.clone()), ("lambda", self.lambda.clone())]
     }
 
     fn with_moduli(&self, theta: &[f64]) -> Self {
-        NeoHooke { mu: Field::Uniform(theta[0]), lambda: Field::Uniform(theta[1]) }
+        NeoHooke { mu: theta[0].into(), lambda: theta[1].into() }
     }
 }

@@ -2,8 +2,8 @@ use nastic_tensor::Mat3;
 
 use super::engineering::{check_rubber, shear_bulk};
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
-    TensionBound, combine,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, LinearInModuli,
+    MaterialPoint, Moduli, TensionBound, combine,
 };
 
 /// Neo-Hookean law split into isochoric and volumetric parts, the law of many published benchmarks.
@@ -148,5 +148,15 @@ impl ConvexDensity for NeoHookeIsochoric {
     fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         let (mu, kappa) = (self.mu.at(at), self.kappa.at(at));
         Some(Moduli::isotropic(kappa - 2.0 * mu / 3.0, mu))
+    }
+}
+
+impl LinearInModuli for NeoHookeIsochoric {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("mu", self.mu.clone()), ("kappa", self.kappa.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        NeoHookeIsochoric { mu: theta[0].into(), kappa: theta[1].into() }
     }
 }

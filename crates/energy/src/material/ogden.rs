@@ -5,8 +5,8 @@ use super::isochoric::moduli;
 use super::power_trace::{PowerTrace, Spectrum};
 use super::volumetric::volumetric;
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
-    Partials, TensionBound, Want, combine,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, LinearInModuli,
+    MaterialPoint, Moduli, Partials, TensionBound, Want, combine,
 };
 
 /// Ogden's law of N terms in powers of the isochoric principal stretches.
@@ -218,5 +218,17 @@ impl ConvexDensity for Ogden {
     fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         let shear: f64 = self.terms.iter().map(|[mu, alpha]| 0.5 * mu.at(at) * alpha.at(at)).sum();
         Some(moduli(shear, self.bulk.at(at)))
+    }
+}
+
+impl LinearInModuli for Ogden {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        let terms = MU.iter().zip(&self.terms).map(|(name, [mu, _])| (*name, mu.clone()));
+        terms.chain([("bulk", self.bulk.clone())]).collect()
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        let terms = self.terms.iter().zip(theta).map(|([_, alpha], mu)| [(*mu).into(), alpha.clone()]);
+        Ogden { terms: terms.collect(), bulk: theta[self.terms.len()].into() }
     }
 }

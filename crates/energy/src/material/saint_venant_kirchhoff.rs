@@ -2,8 +2,8 @@ use nastic_tensor::Mat3;
 
 use super::engineering::shear_bulk;
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
-    combine,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, LinearInModuli,
+    MaterialPoint, Moduli, combine,
 };
 use nastic_tensor::Tangent;
 
@@ -125,5 +125,15 @@ impl ConvexDensity for SaintVenantKirchhoff {
 
     fn small_strain(&self, at: MaterialPoint) -> Option<Moduli> {
         Some(Moduli::isotropic(self.lambda.at(at), self.mu.at(at)))
+    }
+}
+
+impl LinearInModuli for SaintVenantKirchhoff {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("lambda", self.lambda.clone()), ("mu", self.mu.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        SaintVenantKirchhoff { lambda: theta[0].into(), mu: theta[1].into() }
     }
 }

@@ -1,8 +1,8 @@
 use nastic_tensor::{Mat3, Vec3};
 
 use crate::{
-    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, MaterialPoint, Moduli,
-    TensionBound,
+    Block, Change, Conjugates, ConvexDensity, Curvature, EnergyError, Existence, Field, Growth, LinearInModuli,
+    MaterialPoint, Moduli, TensionBound,
 };
 
 /// Transversely isotropic Mooney-Rivlin law with stiffening fibres along unit vectors `f(X)`.
@@ -147,5 +147,16 @@ impl ConvexDensity for TransverseMooneyRivlin {
             beta: 0.0,
             fiber: Some(fiber),
         })
+    }
+}
+
+impl LinearInModuli for TransverseMooneyRivlin {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        vec![("mu1", self.mu1.clone()), ("mu2", self.mu2.clone()), ("mu3", self.mu3.clone()), ("mu4", self.mu4.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        let [mu1, mu2, mu3, mu4] = [theta[0], theta[1], theta[2], theta[3]].map(Field::Uniform);
+        TransverseMooneyRivlin { mu1, mu2, mu3, mu4, fiber: self.fiber.clone() }
     }
 }

@@ -2,7 +2,7 @@ use nastic_tensor::Mat3;
 
 use super::engineering::bulk_of_d1;
 use super::isochoric::{Function, IsochoricLaw, moduli};
-use crate::{EnergyError, Existence, Field, Growth, MaterialPoint, Moduli, combine};
+use crate::{EnergyError, Existence, Field, Growth, LinearInModuli, MaterialPoint, Moduli, combine};
 
 /// Yeoh's law: a cubic in the first invariant.
 ///
@@ -109,5 +109,16 @@ impl IsochoricLaw for Yeoh {
             field.check_len(Self::NAME, name, cells, points)?;
         }
         self.bulk.check_len(Self::NAME, "bulk", cells, points)
+    }
+}
+
+impl LinearInModuli for Yeoh {
+    fn own(&self) -> Vec<(&'static str, Field<f64>)> {
+        let [c10, c20, c30] = self.c.clone();
+        vec![("c10", c10), ("c20", c20), ("c30", c30), ("bulk", self.bulk.clone())]
+    }
+
+    fn with_moduli(&self, theta: &[f64]) -> Self {
+        Yeoh { c: [theta[0].into(), theta[1].into(), theta[2].into()], bulk: theta[3].into() }
     }
 }

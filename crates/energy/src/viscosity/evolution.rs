@@ -3,7 +3,7 @@
 use crate::MaterialPoint;
 use nastic_tensor::{Kinematics, Mat3};
 
-/// The internal variables of a viscous law. They are the slots of an [`Actuation`](crate::Actuation) whose energy is that of a time
+/// The internal variables of a viscous law. They are the slots of an [`EnergyTerm`](crate::EnergyTerm) whose energy is that of a time
 /// step, condensed: stored energy plus `h` times the dissipation potential, minimised over the internal variables at the end of the
 /// step (Ortiz and Stainier, CMAME 171, 1999). Among the slots is one that says how long the step is; where all slots are
 /// zero the law is as after an infinitely long step: it contributes nothing.
@@ -23,7 +23,7 @@ pub trait Evolution: Send + Sync {
     fn advance(&self, at: MaterialPoint, k: &Kinematics, slots: &[f64], next: &mut [f64]);
 
     /// The derivative of a stress that counts `with` by the slots: sets `by_slots[k] = dP/dm_k : with`, as
-    /// [`stress_by_control`](crate::Actuation::stress_by_control) gives the derivatives one by one. The adjoint of a motion asks for it at every step.
+    /// [`stress_by_control`](crate::EnergyTerm::stress_by_control) gives the derivatives one by one. The adjoint of a motion asks for it at every step.
     fn stress_vjp(&self, at: MaterialPoint, k: &Kinematics, slots: &[f64], with: &Mat3, by_slots: &mut [f64]);
 
     /// The transpose of the derivative of [`advance`](Self::advance): adds the derivatives by `F` and the slots that follow from `by_next`.

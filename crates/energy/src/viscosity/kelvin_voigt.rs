@@ -2,7 +2,7 @@ use nastic_tensor::{Kinematics, Mat3, Tangent};
 
 use super::evolution::Evolution;
 use super::only_at_rest;
-use crate::{Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
+use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// Kelvin-Voigt damping: a dashpot in parallel with the passive law.
 ///
@@ -32,7 +32,7 @@ impl KelvinVoigt {
     /// Name in messages.
     pub const NAME: &str = "kelvin_voigt";
 
-    const SLOTS: [Slot; 7] = [Slot::scalar("internal", ""); 7];
+    const SLOTS: [Slot; 7] = [Slot::internal("internal", ""); 7];
 
     /// From the viscosities of shape and volume (Pa s).
     ///
@@ -101,9 +101,7 @@ impl EnergyTerm for KelvinVoigt {
         self.shear.check_len(Self::NAME, "shear", cells, points)?;
         self.bulk.check_len(Self::NAME, "bulk", cells, points)
     }
-}
 
-impl Actuation for KelvinVoigt {
     fn slots(&self) -> &[Slot] {
         &Self::SLOTS
     }
@@ -131,7 +129,7 @@ impl Actuation for KelvinVoigt {
         out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
         out.fill(Mat3::zeros());
-        [m, v].into_iter().try_for_each(|m| only_at_rest::<Self>(m, STEP, "Actuation::control_stress_change"))
+        [m, v].into_iter().try_for_each(|m| only_at_rest::<Self>(m, STEP, "EnergyTerm::control_stress_change"))
     }
 
     fn evolution(&self) -> Option<&dyn Evolution> {

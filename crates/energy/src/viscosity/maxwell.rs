@@ -4,7 +4,7 @@ use super::evolution::Evolution;
 use super::neo_hooke_spring::NeoHookeStep;
 use super::only_at_rest;
 use super::spectrum::{Spectrum, log_over, log_over_divided, power_divided};
-use crate::{Actuation, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
+use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// A Maxwell branch: a spring in series with a dashpot, in parallel with the passive law, in the isochoric response.
 ///
@@ -57,7 +57,7 @@ impl MaxwellBranch {
     /// Name in messages.
     pub const NAME: &str = "maxwell";
 
-    const SLOTS: [Slot; 10] = [Slot::scalar("internal", ""); 10];
+    const SLOTS: [Slot; 10] = [Slot::internal("internal", ""); 10];
 
     /// From the shear modulus (Pa) and the relaxation time (s).
     ///
@@ -243,9 +243,7 @@ impl EnergyTerm for MaxwellBranch {
         self.shear.check_len(Self::NAME, "shear", cells, points)?;
         self.relaxation.check_len(Self::NAME, "relaxation", cells, points)
     }
-}
 
-impl Actuation for MaxwellBranch {
     fn slots(&self) -> &[Slot] {
         &Self::SLOTS
     }
@@ -294,7 +292,7 @@ impl Actuation for MaxwellBranch {
         out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
         out.fill(Mat3::zeros());
-        [m, v].into_iter().try_for_each(|m| only_at_rest::<Self>(m, STEP, "Actuation::control_stress_change"))
+        [m, v].into_iter().try_for_each(|m| only_at_rest::<Self>(m, STEP, "EnergyTerm::control_stress_change"))
     }
 
     fn evolution(&self) -> Option<&dyn Evolution> {

@@ -4,7 +4,7 @@ use super::Solid;
 use nastic_body::body_energy::driving::Driving;
 use nastic_body::error::Inadmissible;
 use nastic_body::state::State;
-use nastic_energy::{PointBatch, Response, Slots, Want};
+use nastic_energy::{EnergyTerm, PointBatch, Response, Want};
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
 /// Averages over the reference volume of each cell, in mesh order, of what its laws see and answer: F is that of the cell's
@@ -84,16 +84,11 @@ impl Solid {
             let range = first..first + count;
             let at = PointBatch { kinematics: &kinematics[range.clone()], cell, first };
             self.body().check_domain(&at)?;
-            let composition = &self.body().compositions[self.body().of_cell[cell] as usize];
             let mut out =
                 Response { energy: &mut energy[range.clone()], stress: &mut piola[range.clone()], tangent: &mut [] };
             let want = Want { energy: true, stress: true, tangent: false };
-            for &t in &composition.terms {
-                self.body().terms[t].respond(&at, Slots::none(), want, &mut out);
-            }
-            for &k in &composition.actuations {
-                let want = Want { energy: self.body().actuations[k].law.is_material(), ..want };
-                self.body().actuations[k].law.respond(&at, driving.slots(k, &at), want, &mut out);
+            for (law, m) in self.body().laws(&at, driving) {
+                law.respond(&at, m, Want { energy: law.is_material(), ..want }, &mut out);
             }
         }
         Ok(PointStresses { kinematics, piola, energy })

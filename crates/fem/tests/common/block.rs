@@ -2,7 +2,7 @@
 
 use super::homogeneous::Case;
 use super::{Outcome, distorted, node_at, set_name, unit, with_node_sets};
-use nastic_energy::Actuation;
+use nastic_energy::EnergyTerm;
 use nastic_fem::{Discretization, Solid, SolveOptions, State};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
@@ -47,7 +47,7 @@ impl Block {
         Ok(solid)
     }
 
-    pub fn driven(&self, case: &Case, law: impl Actuation + 'static, m: f64) -> Outcome<(Solid, State)> {
+    pub fn driven(&self, case: &Case, law: impl EnergyTerm + 'static, m: f64) -> Outcome<(Solid, State)> {
         let solid = self.solid(case)?.actuate("body", "m", law)?;
         let mut controls = solid.controls();
         controls.values_mut(0).fill(m);

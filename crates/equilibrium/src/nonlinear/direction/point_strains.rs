@@ -15,9 +15,11 @@ use crate::linear_systems::saddle_point::{BorderedTangent, SaddlePoint};
 use crate::linear_systems::tangent_systems::{StepWanted, TangentSystems, bordered_step, eliminate};
 use crate::nonlinear::equations::{Equations, Jump, moved};
 use crate::nonlinear::iterate::{Iterate, Stop};
+use nastic_body::body_energy::driving::Driving;
 use nastic_body::body_energy::point_strains::PointStrains;
 use nastic_body::contribution::Sums;
 use nastic_body::error::Inadmissible;
+use nastic_body::instant::Instant;
 use nastic_body::state::SolveReport;
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
@@ -47,7 +49,8 @@ impl<'a> WithPointStrains<'a> {
         solver: &'a mut dyn LinearSolver,
     ) -> Result<Self, Inadmissible> {
         let (model, parallel) = (equations.model, equations.options.parallel);
-        let strains = PointStrains::of(&model.body, model.nodal(x), parallel)?;
+        let of = |at: &Instant| PointStrains::of(&model.body, model.nodal(at.u), Driving::of(at), parallel);
+        let strains = equations.at(x, of)?;
         let systems = TangentSystems::new(model, parallel, solver);
         let (tangent, jump) = (BorderedTangent::zero(model), equations.jump(x));
         Ok(WithPointStrains { equations, systems, strains, tangent, jump, begun: false })
@@ -110,8 +113,10 @@ impl Direction for WithPointStrains<'_> {
         if let Some(jump) = &jump {
             self.equations.prescribe(&mut dx, jump);
         }
-        let (u, du) = (model.nodal(here.x), model.nodal(&dx));
-        let (next, largest) = self.strains.extrapolated(&model.body, u, du, options.parallel)?;
+        let (next, largest) = self.equations.at(here.x, |at| {
+            let (u, du) = (model.nodal(at.u), model.nodal(&dx));
+            self.strains.extrapolated(&model.body, u, Driving::of(at), du, options.parallel)
+        })?;
         let longest = self.equations.admissible_move(here, &moved(here.x, &dx, 1.0))?;
         // prescribed components move at once or not at all
         let longest = if jump.is_some() { longest } else { longest.min(LARGEST / largest) };
