@@ -1,7 +1,7 @@
 //! [`ControlBlock`]: one control field, and the slots that it drives.
 
 use crate::control_limit::ControlAt;
-use crate::map::{Basis, Chain, ControlMap};
+use crate::map::{Basis, Chain, ControlMap, Exponential};
 use crate::time::Knots;
 use nastic_fem::Controls;
 use nastic_numeric::vector::norm;
@@ -31,6 +31,8 @@ pub struct ControlBlock {
     pub knots: Option<Arc<Knots>>,
     /// Whether it moves a surface that it holds.
     pub holds: bool,
+    /// Whether its unknowns are the logarithms of its values: see [`Layout::by_logarithm`](crate::Layout::by_logarithm).
+    pub log: bool,
 }
 
 /// How messages call a control field: by its [`name`](ControlBlock::name) and [`unit`](ControlBlock::unit), unless [named otherwise](crate::Layout::show).
@@ -111,6 +113,11 @@ impl ControlBlock {
         &m[self.first..self.first + self.len()]
     }
 
+    /// Its values at its unknowns: these themselves, or what they are the logarithms of.
+    pub fn values_of(&self, unknowns: &[f64]) -> Vec<f64> {
+        if self.log { Exponential.values(unknowns) } else { unknowns.to_vec() }
+    }
+
     /// The length that its vectors have at every point, where it is fixed; see [`Layout::fix_length`](crate::Layout::fix_length).
     pub fn length(&self) -> Option<f64> {
         self.targets.iter().find_map(|target| target.map.length())
@@ -119,7 +126,8 @@ impl ControlBlock {
     /// Its values as messages show them.
     pub(crate) fn described(&self, m: &[f64]) -> ControlAt {
         let size = |value: &[f64]| if let [one] = value { *one } else { norm(value) };
-        let sizes = self.of(m).chunks_exact(self.components).map(size);
+        let values = self.values_of(self.of(m));
+        let sizes = values.chunks_exact(self.components).map(size);
         let range = sizes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)]);
         ControlAt { name: self.shown.name.clone(), range, unit: self.shown.unit.clone() }
     }

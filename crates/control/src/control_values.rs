@@ -36,7 +36,8 @@ impl fmt::Display for ControlEntity<'_> {
 }
 
 /// The values of one control field: pairs of an entity and its value, by ascending number of the entity. The value has one entry per
-/// component: one of a scalar field, three of a vector. Of a field in time all pairs of the first knot, then those of the next.
+/// component: one of a scalar field, three of a vector. Of a field in time all pairs of the first knot, then those of the next. Of a
+/// [logarithmic](ControlBlock::log) field they are the unknowns, logarithms.
 #[derive(Debug, Clone, Copy)]
 pub struct ControlValues<'a> {
     block: &'a ControlBlock,

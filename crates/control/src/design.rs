@@ -124,6 +124,7 @@ impl Layout {
             weight: 1.0,
             knots: None,
             holds,
+            log: false,
         };
         Ok(self.push(block))
     }

@@ -4,7 +4,7 @@ use crate::control_block::{ControlBlock, ControlTarget, Shown};
 use crate::control_limit::{ControlAt, ControlLimit};
 use crate::control_names::{groups, resolve};
 use crate::error::ControlError;
-use crate::map::{Basis, Chain, Direction, Expansion, Length, Space};
+use crate::map::{Basis, Chain, Direction, Expansion, Exponential, Length, Space};
 use crate::time::Knots;
 use nastic_energy::SlotGroup;
 use nastic_fem::{Controllable, Controls, Discretization, Solid};
@@ -91,7 +91,19 @@ impl Layout {
         let (name, unit, holds) = (of.to_owned(), group.unit, all[lead].holds);
         let (first, weight, knots) = (self.len, 1.0, None);
         let shown = Shown { name: name.clone(), unit: unit.to_owned() };
-        Ok(self.push(ControlBlock { name, components, basis, targets, first, unit, shown, weight, knots, holds }))
+        Ok(self.push(ControlBlock {
+            name,
+            components,
+            basis,
+            targets,
+            first,
+            unit,
+            shown,
+            weight,
+            knots,
+            holds,
+            log: false,
+        }))
     }
 
     pub(crate) fn push(&mut self, block: ControlBlock) -> &ControlBlock {
@@ -124,6 +136,24 @@ impl Layout {
         }
         for block in self.blocks.iter_mut().filter(|block| block.first == first) {
             block.targets.iter_mut().for_each(|target| target.map.push(Arc::new(Length { length, components })));
+        }
+        Ok(())
+    }
+
+    /// Makes the logarithm x of a positive field the unknown, `m = exp x` at every point; between nodes x is what is interpolated.
+    ///
+    /// # Errors
+    /// An unknown name, a field of vectors or of amplitudes along a direction.
+    pub fn by_logarithm(&mut self, of: &str) -> Result<(), ControlError> {
+        let known = self.block(of)?;
+        if known.components > 1 || known.targets.iter().any(|target| target.adds) {
+            let what = format!("\"{of}\" is a vector: the logarithm is that of a positive number");
+            return Err(ControlError::Cost { what });
+        }
+        let first = known.first;
+        for block in self.blocks.iter_mut().filter(|block| block.first == first) {
+            block.log = true;
+            block.targets.iter_mut().for_each(|target| target.map.push(Arc::new(Exponential)));
         }
         Ok(())
     }

@@ -50,7 +50,8 @@ pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::Layout;
 pub use map::{
-    Basis, Chain, ControlMap, Direction, Expansion, Length, MAPS, MapRow, PowerLaw, SPACES, Space, SpaceRow,
+    Basis, Chain, ControlMap, Direction, Expansion, Exponential, Length, MAPS, MapRow, PowerLaw, SPACES, Space,
+    SpaceRow,
 };
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use nastic_mesh::spatial::Obstacle;

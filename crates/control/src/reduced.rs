@@ -173,6 +173,16 @@ impl Reduced {
         Ok(self)
     }
 
+    /// Makes the logarithm of a positive control field the unknown: [`Layout::by_logarithm`].
+    ///
+    /// # Errors
+    /// As there.
+    pub fn by_logarithm(mut self, control: &str) -> Result<Self, ControlError> {
+        self.layout.by_logarithm(control)?;
+        self.update_layout();
+        Ok(self)
+    }
+
     /// Adds the amplitude of a vector along a fixed direction as a control field.
     ///
     /// # Errors

@@ -142,7 +142,7 @@ impl Reduced {
 
     /// A field of the control space, by node or by cell; that of a contribution is none of the body.
     fn with_field(&self, shot: Snapshot, block: &ControlBlock, name: &str, m: &[f64]) -> Result<Snapshot, MeshError> {
-        let (n, values) = (block.components, block.of(m));
+        let (n, values) = (block.components, &block.values_of(block.of(m))[..]);
         if block.basis.is_of_contribution() {
             return Ok(shot);
         }

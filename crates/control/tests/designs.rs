@@ -1,9 +1,10 @@
 //! Numbers of the body as unknowns: parameters of laws, design fields with several consumers, controls over points of a contribution.
 
 use nastic_control::{Consumer, ControlError, ControlMap, Direction, PowerLaw, Reduced, Space, Target, Tracking};
+use nastic_energy::catalogue::{Inputs, material};
 use nastic_energy::{EnergyTerm, FiberTension, Magnet, MooneyRivlin, NeoHooke, Parametrised, Slot, Turgor};
 use nastic_fem::{
-    Contribution, ContributionPoint, ControlPoint, Controls, Demand, Inadmissible, Increment, Instant, Need,
+    Cavity, Contribution, ContributionPoint, ControlPoint, Controls, Demand, Inadmissible, Increment, Instant, Need,
     SecondDerivativeError, SecondSensitivities, Sensitivities, Solid, SolveOptions, Sums,
 };
 use nastic_linear::SparseMatrix;
@@ -45,11 +46,15 @@ fn weight(body: Solid) -> Outcome<Solid> {
     Ok(body.clamp("x-")?.body_force("body", Vec3::new(0.0, 0.0, -2e4))?)
 }
 
-/// First remainders of an order above 1.95, second ones of one above 2.95 (or of none: quadratic).
 fn assert_orders(problem: &Reduced, m: &[f64], what: &str) -> Outcome {
     let at = |factor: f64| m.iter().map(|m| factor * m).collect::<Vec<_>>();
+    assert_orders_within(problem, &Bounds::new(at(0.5), at(2.0))?, m, what)
+}
+
+/// First remainders of an order above 1.95, second ones of one above 2.95 (or of none: quadratic).
+fn assert_orders_within(problem: &Reduced, bounds: &Bounds, m: &[f64], what: &str) -> Outcome {
     let taylor = Taylor { directions: 2, second: true, ..Taylor::default() };
-    let report = taylor.test(problem, &Bounds::new(at(0.5), at(2.0))?, m)?;
+    let report = taylor.test(problem, bounds, m)?;
     assert!(report.passed(), "{what}: {report}");
     for direction in &report.directions {
         let second = direction.second.as_ref().ok_or("no second derivative")?;
@@ -83,6 +88,68 @@ fn parameters_of_laws_are_unknowns_for_the_whole_by_region_and_by_cell() -> Outc
             assert_orders(&problem, &m, &format!("{name} {}", space.name()))?;
         }
     }
+    Ok(())
+}
+
+/// A cube of 27 cells without the middle one, whose surface is `inner`; the first layer along x is `root`, the rest `arm`.
+fn hollow() -> Outcome<Mesh> {
+    let mesh = box_mesh([1.0; 3], [3, 3, 3], CellKind::Hex8)?;
+    let mut raw = RawMesh::new("hollow");
+    raw.points = mesh.points().to_vec();
+    for cell in mesh.blocks().iter().flat_map(|block| block.iter()) {
+        let center = |k: usize| cell.iter().map(|&node| mesh.points()[node as usize][k]).sum::<f64>() / 8.0;
+        if (0..3).all(|k| (center(k) - 0.5).abs() < 0.1) {
+            for face in [[0, 1, 2, 3], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]] {
+                raw.push(CellKind::Quad4, &face.map(|k: usize| cell[k]), &[1]);
+            }
+        } else {
+            raw.push(CellKind::Hex8, cell, &[if center(0) < 0.4 { 1 } else { 2 }, 3]);
+        }
+    }
+    for (dim, tag, name) in [(3, 1, "root"), (3, 2, "arm"), (3, 3, "body"), (2, 1, "inner"), (2, 2, "x-"), (2, 3, "x+")]
+    {
+        raw.name_group(dim, tag, name);
+    }
+    for (tag, name) in [(2, "x-"), (3, "x+")] {
+        for &facet in &mesh.surfaces()[name] {
+            let (kind, nodes) = mesh.facet_nodes(facet);
+            raw.push(kind, &nodes, &[tag]);
+        }
+    }
+    Ok(Mesh::build(raw)?)
+}
+
+/// By region with its logarithm, and for the whole as it is, beside a fibre tension by cell and a chamber.
+#[test]
+fn numbers_that_a_law_is_written_with_are_unknowns_beside_a_tension_and_a_chamber() -> Outcome {
+    let inputs = Inputs::new().number("young", 3e5).number("poisson", 0.3);
+    let law = material("neo_hooke")?.parametrised(&inputs, &["young", "poisson"])?;
+    let body = Solid::new(hollow()?)?
+        .actuate(["root", "arm"], "rubber", law)?
+        .actuate("body", "fiber", FiberTension::along(Vec3::x())?)?
+        .cavity(Cavity::new("air", "inner"))?;
+    let aim = Tracking::surface("x+", Target::position(|x| [1.06 * x[0], x[1] + 0.05, x[2] + 0.02 * x[1]]));
+    let problem = Reduced::new(body.clamp("x-")?.body_force("body", Vec3::new(0.0, 0.0, -2e4))?)
+        .control("rubber.young", Space::Region)?
+        .by_logarithm("rubber.young")?
+        .control("rubber.poisson", Space::Uniform)?
+        .control("fiber", Space::Cell)?
+        .control("air", Space::Uniform)?
+        .cost(aim)?;
+    let cells = problem.layout().block("fiber")?.len();
+    let mut m = vec![(2.4e5_f64).ln(), (3.3e5_f64).ln(), 0.33];
+    m.extend((0..cells).map(|k| -2e4 * (1.0 + 0.3 * (k as f64).sin())));
+    m.push(8e3);
+    let range = |m: f64| if m.abs() < 20.0 { 0.1 } else { 0.3 * m.abs() };
+    let at = |side: f64| m.iter().map(|m| m + side * range(*m)).collect::<Vec<_>>();
+    let bounds = Bounds::new(at(-1.0), at(1.0))?;
+    assert_orders_within(&problem, &bounds, &m, "young by region, poisson, tension, pressure")?;
+    let slots = problem.layout().to_points(&m)?;
+    let young: Vec<f64> = slots.values(0).chunks_exact(2).map(|at| at[0]).collect();
+    assert!((young[0] / 2.4e5 - 1.0).abs() < 1e-14 && (young[young.len() - 1] / 3.3e5 - 1.0).abs() < 1e-14);
+    assert_eq!(problem.layout().block("rubber.young")?.values_of(&m[..1]), vec![young[0]]);
+    let refused = Reduced::new(problem.solid().clone()).control("rubber.young", Space::Region)?.by_logarithm("rubber");
+    assert!(matches!(refused, Err(ControlError::UnknownControl { .. })));
     Ok(())
 }
 

@@ -3,6 +3,7 @@
 use crate::error;
 use crate::mesh::{arrays, matrix};
 use nastic_case::lower::CaseProblem;
+use nastic_control::ControlBlock;
 use nastic_mesh::Snapshot;
 use nastic_run::run;
 use numpy::{PyArray1, PyArrayMethods};
@@ -34,12 +35,15 @@ impl States {
 
     /// The values of every control by name.
     fn controls<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        by_name(py, self.states.problem(), &self.states.point().m)
+        by_name(py, self.states.problem(), &self.states.point().m, ControlBlock::values_of)
     }
 
     /// The derivative by every control, where the command asked for it.
     fn derivative<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        self.states.derivative().map(|derivative| by_name(py, self.states.problem(), derivative)).transpose()
+        self.states
+            .derivative()
+            .map(|derivative| by_name(py, self.states.problem(), derivative, |_, own| own.to_vec()))
+            .transpose()
     }
 
     /// The picture of the first member as a PNG.
@@ -74,12 +78,18 @@ pub(crate) fn fields<'py>(py: Python<'py>, shots: Vec<(String, Snapshot)>) -> Py
     Ok(out)
 }
 
-/// A control vector, or a dual one, as arrays by name: `[unknowns]`, of vectors `[unknowns][components]`.
-fn by_name<'py>(py: Python<'py>, problem: &CaseProblem, m: &[f64]) -> PyResult<Bound<'py, PyDict>> {
+/// A control vector, or a dual one, as arrays by name: `[unknowns]`, of vectors `[unknowns][components]`; `values` makes them of the part of a field.
+fn by_name<'py>(
+    py: Python<'py>,
+    problem: &CaseProblem,
+    m: &[f64],
+    values: impl Fn(&ControlBlock, &[f64]) -> Vec<f64>,
+) -> PyResult<Bound<'py, PyDict>> {
     let out = PyDict::new(py);
     for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls) {
-        let values = block.of(m).to_vec();
-        match problem.member(block.owner).layout().blocks()[block.field].components {
+        let own = problem.control_block(block);
+        let values = values(own, block.of(m));
+        match own.components {
             1 => out.set_item(&field.name, PyArray1::from_vec(py, values))?,
             n => out.set_item(&field.name, matrix(py, values, n)?)?,
         }

@@ -43,6 +43,7 @@ mod named_parts;
 mod obstacle_grid;
 mod others_files;
 mod output_directory;
+mod parameters;
 mod ramp_table;
 mod readable_units;
 mod result_files;

@@ -16,7 +16,7 @@ pub fn controls(problem: &CaseProblem) -> Vec<Line> {
         let (block, shared) =
             (problem.control_block(place), problem.leads().nth(1).is_some() && field.load_case.is_none());
         let shared = if shared { ", shared by all load cases" } else { "" };
-        let values = place.of(&problem.start);
+        let values = &block.values_of(place.of(&problem.start))[..];
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let unit = &field.unit;
         let start = if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) };
@@ -32,10 +32,11 @@ pub fn controls(problem: &CaseProblem) -> Vec<Line> {
         line(
             "controls",
             format!(
-                "{}: by {}{}{knots}, {unknowns}{components}, start {start} {unit}{volts}, {admitted}{shared}",
+                "{}: by {}{}{knots}, {unknowns}{components}{}, start {start} {unit}{volts}, {admitted}{shared}",
                 field.name,
                 block.basis.space().name(),
-                grid.unwrap_or_default()
+                grid.unwrap_or_default(),
+                if block.log { " by their logarithms" } else { "" }
             ),
         )
     };

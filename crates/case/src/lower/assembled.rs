@@ -187,5 +187,6 @@ fn field(
         }
     }
     let load_case = block.name.contains('/').then_some(block.owner);
-    Ok(ControlField { at: At::root(), name, array, load_case, unit, admitted, bounds, limit })
+    let log = own.log;
+    Ok(ControlField { at: At::root(), name, array, load_case, unit, admitted, log, bounds, limit })
 }

@@ -4,6 +4,7 @@ use crate::lower::actuation::{is_built, must_pull};
 use crate::lower::context::Context;
 use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::control_grid::unresolved;
+use crate::lower::material;
 use crate::lower::result_array::is_reserved;
 use crate::lower::tension::{beyond_limit, default_upper, limit};
 use crate::lower::time;
@@ -31,6 +32,10 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
             std::iter::once(contact.name()).chain(contact.obstacle.clone()).any(|name| owned(&control.of, &name))
                 && !is_built(&contact.name(), &reduced)
         };
+        let mut materials = case.materials.iter().filter(|material| material.number_of(&control.of).is_some());
+        if materials.any(|own| own.name.as_deref().is_some_and(|name| !is_built(name, &reduced))) {
+            continue;
+        }
         if owners.any(|actuation| !is_built(&actuation.name, &reduced)) || case.contact.iter().any(is_missing) {
             continue;
         }
@@ -52,6 +57,9 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
             (Some(direction), Some(knots)) => reduced.control_along_in_time(&control.of, space, direction.xyz(), knots),
         };
         reduced = context.take(&control.at, added)?;
+        if control.log {
+            reduced = context.take(&control.at.key("log"), reduced.by_logarithm(&control.of))?;
+        }
         // Between nodes the vectors must be as long as at them.
         if let (true, Some(norm), None) = (space.interpolates(), control.length(), &control.direction) {
             reduced = context.take(&control.at.key("norm"), reduced.of_length(&control.of, norm))?;
@@ -117,7 +125,7 @@ pub(super) fn weigh(
     fields: &[ControlField],
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
-    let reference = fields.iter().find_map(|field| field.admitted.range());
+    let reference = fields.iter().find_map(|field| field.range());
     let names: Vec<String> = body.layout().blocks().iter().map(|block| block.name.clone()).collect();
     for (k, (control, name)) in variant.case.controls.iter().zip(&names).enumerate() {
         let load_case = variant.load_case.filter(|_| k >= shared);
@@ -126,7 +134,7 @@ pub(super) fn weigh(
             let shown = Shown { name: field.name.clone(), unit: field.unit.clone() };
             body = context.take(&control.at, body.show(name, shown))?;
         }
-        if let Some((reference, range)) = reference.zip(own.and_then(|field| field.admitted.range())) {
+        if let Some((reference, range)) = reference.zip(own.and_then(|field| field.range())) {
             body = context.take(&control.at, body.weigh(name, (reference / range).powi(2)))?;
         }
     }
@@ -159,6 +167,7 @@ impl Lowering<'_> {
         let allowed = self.allowed(context);
         let start = self.start(context);
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
+        let start = self.unknowns(start, context)?;
         let start = self.settle(start, set.as_ref(), context)?;
         self.check_at_rest(bounds.as_ref(), context)?;
         let unit = nastic_language::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
@@ -176,7 +185,8 @@ impl Lowering<'_> {
                 .complain(&at, format!("results have an array \"{array}\" already: give the control another \"name\""));
         }
         let name = self.case_name.map_or_else(|| array.clone(), |case| format!("{case}.{array}"));
-        Some((ControlField { at, name, array, load_case: None, unit, admitted, bounds, limit }, start, set))
+        let log = self.block.log;
+        Some((ControlField { at, name, array, load_case: None, unit, admitted, log, bounds, limit }, start, set))
     }
 
     /// Refuses controls that may move a held surface at t = 0, where the body is at rest.
@@ -289,7 +299,12 @@ impl Lowering<'_> {
             lower = lower.or(Some(Limit::Uniform(-most)));
             upper = upper.or(Some(Limit::Uniform(most)));
         }
-        if lower.is_none() {
+        if lower.is_none() && self.is_number() && !self.block.log {
+            let message = "a number of a material needs a \"lower\" bound, above which its law holds; or \"log\": true, which keeps it positive";
+            context.complain(&self.control.at, message);
+            return None;
+        }
+        if lower.is_none() && !self.block.log {
             let message = match self.control.direction {
                 None => {
                     "no \"lower\" bound is given: the theory needs none, but a strong contraction may crush cells; \
@@ -309,13 +324,21 @@ impl Lowering<'_> {
                 upper
             }
             (None, Some(default)) => Limit::Uniform(default),
+            (None, None) if self.block.log => Limit::Uniform(f64::INFINITY),
             (None, None) => {
                 context.warn(&UNBOUNDED, &self.control.at, "no \"upper\" bound is given, and the law reports none");
                 Limit::Uniform(f64::INFINITY)
             }
         };
-        let admitted = Admitted::Between { lower: least(&lower), upper: greatest(&upper) };
-        match Bounds::new(lower, upper) {
+        let lowest = if self.block.log { least(&lower).max(0.0) } else { least(&lower) };
+        let admitted = Admitted::Between { lower: lowest, upper: greatest(&upper) };
+        let ends = [lowest, greatest(&upper)];
+        let refused = material::refused(self.case, &self.control.of, ends, self.reduced.solid(), context);
+        if let Some(refused) = refused.filter(|_| self.control.lower.is_some() || self.control.upper.is_some()) {
+            context.complain(&self.control.at, format!("the bounds leave what its law admits: {refused}"));
+            return None;
+        }
+        match Bounds::new(self.limit_of_unknowns(lower), self.limit_of_unknowns(upper)) {
             Ok(bounds) => Some(Allowed { admitted, bounds: Some(bounds.clone()), set: Box::new(bounds) }),
             Err(nastic_opt::SetError::Crossed { index, lower, upper }) => {
                 let place = self.place(index);
@@ -330,6 +353,35 @@ impl Lowering<'_> {
                 None
             }
         }
+    }
+
+    /// Whether it is a number of a material.
+    fn is_number(&self) -> bool {
+        self.slot().is_some_and(|slot| slot.is_design())
+            && self.case.materials.iter().any(|own| own.number_of(&self.control.of).is_some())
+    }
+
+    /// The limit of unknowns from that of values; a bound at or below zero of positive values is none.
+    fn limit_of_unknowns(&self, limit: Limit) -> Limit {
+        let log = |value: f64| if value > 0.0 { value.ln() } else { f64::NEG_INFINITY };
+        match limit {
+            limit if !self.block.log => limit,
+            Limit::Uniform(value) => Limit::Uniform(log(value)),
+            Limit::Each(values) => Limit::Each(values.into_iter().map(log).collect()),
+        }
+    }
+
+    /// Unknowns with these values.
+    fn unknowns(&self, values: Vec<f64>, context: &mut Context<'_>) -> Option<Vec<f64>> {
+        if !self.block.log {
+            return Some(values);
+        }
+        if let Some(value) = values.iter().find(|value| **value <= 0.0) {
+            let message = format!("{value} has no logarithm: with \"log\" all values are positive");
+            context.complain(&self.control.at.key("start"), message);
+            return None;
+        }
+        Some(values.into_iter().map(f64::ln).collect())
     }
 
     /// A bound by unknown. The outer option is a complaint, the inner one a bound left out.

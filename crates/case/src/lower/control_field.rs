@@ -18,7 +18,9 @@ pub struct ControlField {
     pub unit: String,
     /// What its values may be.
     pub admitted: Admitted,
-    /// The bounds of every component, where the values are scalars.
+    /// Whether the unknowns are the logarithms of its values.
+    pub log: bool,
+    /// The bounds of every component of the unknowns, where these are scalars.
     pub bounds: Option<Bounds>,
     /// The convexity bound of the passive law on this tension alone, where the law has one: the smallest of all members.
     pub limit: Option<f64>,
@@ -40,6 +42,17 @@ pub enum Admitted {
     MaxNorm(f64),
     /// All vectors.
     Any,
+}
+
+impl ControlField {
+    /// How far two admitted vectors of unknowns can lie apart; `None` where there is no limit.
+    pub(super) fn range(&self) -> Option<f64> {
+        match self.admitted {
+            Admitted::Between { lower, upper } if self.log => Some((upper / lower).ln()),
+            admitted => admitted.range(),
+        }
+        .filter(|range| range.is_finite() && *range > 0.0)
+    }
 }
 
 impl Admitted {

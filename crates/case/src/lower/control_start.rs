@@ -1,6 +1,6 @@
 //! Values that controls start from: of formulas, of files, of earlier results.
 
-use super::array::{self, Entity, MeshArray};
+use super::array::{self, Entity};
 use super::context::Context;
 use super::control::Lowering;
 use super::start;
@@ -20,7 +20,7 @@ impl Lowering<'_> {
         let at = self.control.at.key("start");
         let (positions, knots) = (self.block.basis.positions(), self.block.values_in_time());
         match &self.control.start {
-            None => Some(vec![self.slot().map_or(0.0, |slot| slot.rest()); self.block.len()]),
+            None => Some(self.at_rest().repeat(knots)),
             Some(Start::Scalar(formula)) => context.take(&at, self.in_time(formula)),
             Some(Start::Vector(entries)) => context.take(&at, self.vectors_in_time(entries)),
             // one that could not be read was complained about
@@ -43,6 +43,20 @@ impl Lowering<'_> {
                 Some(start::on_sphere(&mut Random::new(*seed), norm, count, dim).concat())
             }
         }
+    }
+
+    /// What its slots hold at rest: zero of a load, of a number of the body the mean over each unknown's part of it.
+    fn at_rest(&self) -> Vec<f64> {
+        let target = &self.block.targets[0];
+        let own = self.slot().map_or(0.0, |slot| slot.rest());
+        if own == 0.0 || self.block.basis.is_of_contribution() {
+            return vec![own; self.block.size()];
+        }
+        let controls = self.reduced.solid().model().controls();
+        let stride = controls.slots(target.actuation);
+        let values: Vec<f64> =
+            controls.values(target.actuation).iter().skip(target.slot).step_by(stride).copied().collect();
+        self.means(&values, 1)
     }
 
     /// The values of a formula at all knots and unknowns.
@@ -113,10 +127,6 @@ impl Lowering<'_> {
             let of = |&entity: &u32| array.values[entity as usize * n..][..n].to_vec();
             return Some(basis.entities().iter().flat_map(of).collect());
         }
-        Some(self.means(&array))
-    }
-
-    fn means(&self, array: &MeshArray) -> Vec<f64> {
         let (disc, n) = (self.reduced.solid().discretization(), array.components);
         let at_points = match array.entity {
             Entity::Node => disc.points().interpolate(&array.values, n),
@@ -125,7 +135,12 @@ impl Lowering<'_> {
                 disc.points().cells().into_iter().flat_map(of).collect()
             }
         };
-        let basis = &self.block.basis;
+        Some(self.means(&at_points, n))
+    }
+
+    /// The means of values at the points over each unknown's part of the body.
+    fn means(&self, at_points: &[f64], n: usize) -> Vec<f64> {
+        let (disc, basis) = (self.reduced.solid().discretization(), &self.block.basis);
         let mut sums = vec![0.0; basis.len() * n];
         let mut weights = vec![0.0; basis.len()];
         let mut range = vec![(f64::INFINITY, f64::NEG_INFINITY); basis.len() * n];

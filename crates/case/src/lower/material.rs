@@ -42,10 +42,17 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let disc = solid.discretization().clone();
         let points = SamplePoints::of_body(case, &disc, &cells);
         let Some(inputs) = inputs(&material.parameters, &material.at, &points, context) else { continue };
-        match material.law.build(&inputs) {
-            Ok(law) => attempt(solid, &material.at, context, |solid| solid.material(&material.region, law)),
-            Err(error) => complain_of_law(&material.at, &error, context),
-        }
+        let numbers: Vec<&str> = case.controls.iter().filter_map(|control| material.number_of(&control.of)).collect();
+        let (name, of) = (material.name.as_deref().unwrap_or_default(), &material.region);
+        let added = match numbers.is_empty() {
+            true => material.law.build(&inputs).map(|law| {
+                attempt(solid, &material.at, context, |solid| solid.material(of, law));
+            }),
+            false => material.law.parametrised(&inputs, &numbers).map(|law| {
+                attempt(solid, &material.at, context, |solid| solid.actuate(of, name, law));
+            }),
+        };
+        added.unwrap_or_else(|error| complain_of_law(&material.at, &error, context));
     }
     for (k, material) in case.materials.iter().enumerate() {
         let bare = (0..covered.len()).filter(|&cell| covered[cell].is_none() && reinforced[cell] == Some(k)).count();
@@ -73,6 +80,23 @@ pub(super) fn add_rigid(case: &Case, solid: &mut Solid, context: &mut Context<'_
             context.complain(&material.at.key("rigid"), message);
         }
     }
+}
+
+/// What the law of a control's number says to values of it, the other numbers of the material as they are written; nothing of a control of something else.
+pub(super) fn refused(
+    case: &Case,
+    of: &str,
+    values: [f64; 2],
+    solid: &Solid,
+    context: &mut Context<'_>,
+) -> Option<EnergyError> {
+    let material = case.materials.iter().find(|material| material.number_of(of).is_some())?;
+    let number = material.number_of(of).filter(|number| material.parameters.contains_key(number))?;
+    let cells = solid.mesh().cells_of(&material.region).ok()?;
+    let points = SamplePoints::of_body(case, solid.discretization(), &cells);
+    let inputs = inputs(&material.parameters, &material.at, &points, context)?;
+    let finite = values.into_iter().filter(|value| value.is_finite());
+    finite.map(|value| material.law.build(&inputs.clone().number(number, value))).find_map(Result::err)
 }
 
 /// What keeps the parameters of a material from being one: `None` if nothing does, or something else is wrong with it.

@@ -50,7 +50,7 @@ fn extreme(solid: &Solid, of: impl Fn(f64, f64) -> f64) -> Option<f64> {
 /// Bounds of tensions and pressures.
 pub(super) fn check_bounds(case: &Case, controls: &[ControlField], solid: &Solid, context: &mut Context<'_>) {
     let unit = context.units.label(Dimension::PRESSURE);
-    for field in controls.iter().filter(|field| field.unit == unit && !is_of_contact(case, field)) {
+    for field in controls.iter().filter(|field| field.unit == unit && !is_stiffness(case, field)) {
         let Admitted::Between { lower, upper } = field.admitted else { continue };
         let most = [lower, upper].into_iter().map(f64::abs).filter(|bound| bound.is_finite()).fold(0.0, f64::max);
         if let Some(beyond) = far_beyond(most, solid, context.units) {
@@ -59,9 +59,12 @@ pub(super) fn check_bounds(case: &Case, controls: &[ControlField], solid: &Solid
     }
 }
 
-/// Whether it is the stiffness of a contact, which is a multiple of the body's.
-fn is_of_contact(case: &Case, field: &ControlField) -> bool {
-    let of_it = |of: &String| case.contact.iter().flat_map(Contact::slots).any(|(name, _)| name == *of);
+/// Whether it is a number of a material, or the stiffness of a contact, which is a multiple of the body's.
+fn is_stiffness(case: &Case, field: &ControlField) -> bool {
+    let of_it = |of: &String| {
+        case.contact.iter().flat_map(Contact::slots).any(|(name, _)| name == *of)
+            || case.materials.iter().any(|material| material.number_of(of).is_some())
+    };
     let own = case.load_cases.iter().flat_map(|block| &block.controls);
     case.controls.iter().chain(own).any(|control| control.at == field.at && of_it(&control.of))
 }
@@ -94,7 +97,7 @@ pub fn doubt_of_ramp(case: &Case, field: &ControlField, end: f64, solid: &Solid)
             "{to}, far outside of what the control may be, {bounds}: is the unit right? The ramp's ends are in the case's units where they bear none"
         ));
     }
-    let is_pressure = *unit == units.label(Dimension::PRESSURE) && !is_of_contact(case, field);
+    let is_pressure = *unit == units.label(Dimension::PRESSURE) && !is_stiffness(case, field);
     let beyond = far_beyond(end, solid, units).filter(|_| is_pressure)?;
     Some(format!("{to}, {beyond}"))
 }

@@ -1,6 +1,6 @@
 //! Every kind of control map with an example, which the contract tests take.
 
-use super::{Basis, Chain, ControlMap, Direction, Expansion, Length, PowerLaw, Space};
+use super::{Basis, Chain, ControlMap, Direction, Expansion, Exponential, Length, PowerLaw, Space};
 use crate::error::ControlError;
 use nastic_fem::Discretization;
 use std::sync::Arc;
@@ -44,6 +44,7 @@ pub const MAPS: &[MapRow] = &[
             Ok((Arc::new(PowerLaw { low: 0.2, high: 1.4, exponent: 3.0 }), x))
         },
     },
+    MapRow { name: "exponential", about: "exp x", example: |_| Ok((Arc::new(Exponential), sample(5))) },
     MapRow {
         name: "chain",
         about: "f_n o .. o f_1",

@@ -150,6 +150,16 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     unique(blocks.actuation.iter().map(|a| (a.name.as_str(), a.at.key("name"))), "an actuation", reader);
     unique(blocks.probes.iter().map(|p| (p.name.as_str(), p.at.key("name"))), "a probe", reader);
     unique(blocks.load_cases.iter().map(|c| (c.name.as_str(), c.at.key("name"))), "a load case", reader);
+    let actuations = || blocks.actuation.iter().map(|actuation| (actuation.name.as_str(), &actuation.at));
+    for (k, material) in blocks.materials.iter().enumerate() {
+        let Some(name) = &material.name else { continue };
+        let at = material.at.key("name");
+        plain(name, &at, &['.', '/'], reader);
+        let before = blocks.materials[..k].iter().filter_map(|other| Some((other.name.as_deref()?, &other.at)));
+        if let Some((_, first)) = before.chain(actuations()).find(|(other, _)| other == name) {
+            reader.complain_at(&at, format!("{} is a name already, at {first}", quoted(name)));
+        }
+    }
     for actuation in &blocks.actuation {
         plain(&actuation.name, &actuation.at.key("name"), &['.', '/'], reader);
     }

@@ -15,13 +15,15 @@ use serde_json::{Value as Json, json};
 object! {
     /// A field the optimiser may change.
     pub struct Control checked by check {
-        /// The actuation it sets: "NAME", for a magnet "NAME.remanence" or "NAME.field".
+        /// What it sets: an actuation, "NAME", for a magnet "NAME.remanence" or "NAME.field"; or a number of a material, as "rubber.mu".
         pub of: String,
         /// Its own name in results; that of `of` if left out.
         pub name: Option<String>,
         /// Where its values live.
         pub space: Space,
-        /// Value to start from; zero if left out. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
+        /// Whether its logarithm is the unknown: of a positive number, whose steps are then shares of it.
+        pub log: bool = false,
+        /// Value to start from; zero if left out, of a number of a material that of the material. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
         pub start: Option<Start> as ANY_IN_TIME,
         /// Least value, of a vector a list; unbounded if left out, of a muscle 0. A tension contracts below zero.
         pub lower: Option<Bound> as ANY_IN_TIME,
@@ -230,6 +232,14 @@ impl Read for Start {
 }
 
 fn check(control: &Control, reader: &mut Reader<'_>) {
+    let start = if let Some(Start::Scalar(start)) = &control.start { start.constant() } else { None };
+    let values = [("lower", constant(&control.lower)), ("upper", constant(&control.upper)), ("start", start)];
+    for (key, value) in values.into_iter().filter(|_| control.log) {
+        if let Some(value) = value.filter(|value| *value <= 0.0) {
+            let message = format!("{value} has no logarithm: with \"log\" all values are positive");
+            reader.complain_at(&control.at.key(key), message);
+        }
+    }
     if let (Some(lower), Some(upper)) = (constant(&control.lower), constant(&control.upper)) {
         if lower > upper {
             let message = format!("crossed bounds: \"lower\" is {lower}, above \"upper\" {upper}");

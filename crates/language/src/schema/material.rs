@@ -1,12 +1,12 @@
 //! The blocks of `materials`.
 
 use crate::quantity::Want;
-use crate::schema::catalogue::{Input, form_schema, keys, read_inputs};
+use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, want};
 use crate::schema::json::{Definitions, annotated};
 use crate::schema::read::{Read, Reader};
 use crate::schema::time::{KelvinVoigt, Maxwell};
 use crate::syntax::{At, Node};
-use nastic_energy::catalogue::MaterialRow;
+use nastic_energy::catalogue::{MaterialRow, Takes};
 use nastic_fem::Formulation;
 use nastic_mesh::GroupNames;
 use serde_json::{Map, Value as Json, json};
@@ -17,6 +17,8 @@ use std::collections::BTreeMap;
 pub struct Material {
     /// Path of this block in the case.
     pub at: At,
+    /// Name by which controls refer to its numbers.
+    pub name: Option<String>,
     /// Region of the mesh.
     pub region: GroupNames,
     /// The law.
@@ -37,12 +39,21 @@ pub struct Material {
 
 impl PartialEq for Material {
     fn eq(&self, other: &Self) -> bool {
-        (&self.at, &self.region, self.law.name, self.formulation, self.rigid, &self.parameters)
-            == (&other.at, &other.region, other.law.name, other.formulation, other.rigid, &other.parameters)
+        (&self.at, &self.name, &self.region, self.law.name, self.formulation, self.rigid, &self.parameters)
+            == (
+                &other.at,
+                &other.name,
+                &other.region,
+                other.law.name,
+                other.formulation,
+                other.rigid,
+                &other.parameters,
+            )
             && (self.density, &self.maxwell, &self.kelvin_voigt) == (other.density, &other.maxwell, &other.kelvin_voigt)
     }
 }
 
+const NAME: &str = "Name, by which controls refer to its numbers: \"rubber.mu\".";
 const REGION: &str = "Region of the mesh.";
 const FORMULATION: &str = "How the cells represent changes of volume.";
 const RIGID: &str = "Whether the region moves as a rigid body: then its law gives contacts their stiffness alone.";
@@ -50,12 +61,41 @@ const DENSITY: &str = "Mass per reference volume, which motions and weight need.
 const MAXWELL: &str = "Maxwell branches beside the law, which relax in motion: a Prony series of the shear modulus.";
 const KELVIN_VOIGT: &str = "A dashpot beside the law, which damps motion.";
 /// The keys that every law has.
-const COMMON: [&str; 7] = ["region", "law", "formulation", "rigid", "density", "maxwell", "kelvin_voigt"];
+const COMMON: [&str; 8] = ["name", "region", "law", "formulation", "rigid", "density", "maxwell", "kelvin_voigt"];
+
+impl Material {
+    /// How a control names each number that the law is written with, and the number; none without a name.
+    pub fn slots(&self) -> Vec<(String, SlotName)> {
+        let Some(name) = &self.name else { return vec![] };
+        let slot = |key, want| SlotName { key, want, vector: false, not_negative: false };
+        let unit = |key: &str| match self.law.parameters().into_iter().find(|known| known.name == key)?.takes {
+            Takes::Number { unit, .. } => Some(unit),
+            _ => None,
+        };
+        let mut out = Vec::new();
+        for (key, input) in &self.parameters {
+            match input {
+                Input::Number(_) => out.push((format!("{name}.{key}"), slot(key, unit(key).map_or(Want::ANY, want)))),
+                Input::Numbers(values) => {
+                    out.extend(values.keys().map(|own| (format!("{name}.{own}"), slot(key, Want::ANY))));
+                }
+                _ => {}
+            }
+        }
+        out
+    }
+
+    /// The number that a control of this name is of.
+    pub fn number_of<'c>(&self, of: &'c str) -> Option<&'c str> {
+        of.strip_prefix(self.name.as_deref()?)?.strip_prefix('.')
+    }
+}
 
 impl Read for Material {
     fn read(node: &Node, at: &At, _: Want, reader: &mut Reader<'_>) -> Option<Self> {
         let laws = reader.document.catalogue().materials();
         let names: Vec<&str> = laws.iter().map(|law| law.name).collect();
+        let own_name: Option<Option<String>> = reader.key(node, at, "name", NAME, Want::ANY, Some(None));
         let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
         let name = reader.tag(node, at, "law", &names)?;
         let law = laws.iter().find(|law| law.name == name)?;
@@ -74,6 +114,7 @@ impl Read for Material {
             reader.key(node, at, "kelvin_voigt", KELVIN_VOIGT, Want::ANY, Some(None));
         Some(Self {
             at: at.clone(),
+            name: own_name?,
             region: region?,
             law,
             formulation,
@@ -91,6 +132,7 @@ impl Read for Material {
             for law in definitions.catalogue.clone().materials() {
                 for form in law.forms {
                     let mut properties = Map::new();
+                    properties.insert("name".into(), annotated(String::schema(Want::ANY, definitions), NAME, None));
                     properties
                         .insert("region".into(), annotated(GroupNames::schema(Want::ANY, definitions), REGION, None));
                     properties.insert("law".into(), json!({ "const": law.name }));

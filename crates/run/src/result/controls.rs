@@ -13,10 +13,17 @@ pub(crate) fn derivative_norm(problem: &CaseProblem, derivative: &[f64]) -> Deri
     DerivativeNorm { euclidean: norm(derivative).into(), metric: metric.into() }
 }
 
-/// The part of every control in a control vector or a derivative.
+/// The values of every control at a control vector.
 pub(crate) fn control_values(problem: &CaseProblem, m: &[f64]) -> ByName<Vec<Number>> {
     let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
-    blocks.map(|(block, field)| (field.name.clone(), numbers(block.of(m)))).collect()
+    let values = |block: &EnsembleBlock| numbers(&problem.control_block(block).values_of(block.of(m)));
+    blocks.map(|(block, field)| (field.name.clone(), values(block))).collect()
+}
+
+/// The part of every control in a derivative or a change of the unknowns.
+pub(crate) fn by_control(problem: &CaseProblem, v: &[f64]) -> ByName<Vec<Number>> {
+    let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
+    blocks.map(|(block, field)| (field.name.clone(), numbers(block.of(v)))).collect()
 }
 
 /// The values of a control that has few: of the space `uniform` a number (a vector: a list), of `region` one for each by
@@ -43,11 +50,12 @@ pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> ByName<ControlRecord
 
 fn control(problem: &CaseProblem, (block, field): (&EnsembleBlock, &ControlField), m: &[f64]) -> ControlRecord {
     let own = problem.control_block(block);
-    let (n, values_of) = (own.components, block.of(m));
+    let (n, unknowns) = (own.components, block.of(m));
+    let values_of = &own.values_of(unknowns)[..];
     let size = |v: &[f64]| if n == 1 { v[0] } else { norm(v) };
     let sizes: Vec<f64> = values_of.chunks_exact(n).map(size).collect();
     let (min, max) = sizes.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-    let active = active(values_of, n, field);
+    let active = active(unknowns, n, field);
     let (lower, upper) = match field.admitted {
         Admitted::Between { lower, upper } => (lower.into(), upper.into()),
         Admitted::Norm(length) => (length.into(), length.into()),

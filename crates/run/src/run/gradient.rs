@@ -76,7 +76,7 @@ fn write(
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };
     let problem = &session.problem;
-    out.write_json("derivative.json", &controls::control_values(problem, derivative))?;
+    out.write_json("derivative.json", &controls::by_control(problem, derivative))?;
     let mut files = vec!["derivative.json".to_owned()];
     files.extend(write_states(problem, "start", (point, derivative, found), &out)?);
     files.extend(write_targets(problem, &out)?);

@@ -9,6 +9,7 @@ use crate::schema::contact::{Contact, pose_slots};
 use crate::schema::control::{Bound, Control, Start};
 use crate::schema::cost::Cost;
 use crate::schema::field::{Parameter, check_unit};
+use crate::schema::material::Material;
 use crate::schema::read::Reader;
 use crate::syntax::{At, nearest, quoted};
 
@@ -30,7 +31,7 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
         return;
     }
     let Some((_, slot)) = slots.iter().find(|(name, _)| *name == control.of) else {
-        if ["actuation", "obstacles", "contact"].iter().all(|block| blocks.complete(block)) {
+        if ["actuation", "obstacles", "contact", "materials"].iter().all(|block| blocks.complete(block)) {
             let known: Vec<&str> = slots.iter().map(|(name, _)| name.as_str()).collect();
             let owner = blocks.actuation.iter().find_map(|actuation| {
                 let slot = control.of.strip_prefix(&actuation.name)?.strip_prefix('.')?;
@@ -42,11 +43,18 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
                 Some((actuation, slot)) => unknown_input(actuation, slot, &known, reader),
                 None => nearest::clause(&control.of, &known),
             };
-            let message = format!("no actuation {}{clause}", quoted(&control.of));
+            let is_number = blocks.materials.iter().any(|material| material.number_of(&control.of).is_some());
+            let what = if is_number { "number of a material" } else { "actuation" };
+            let message = format!("no {what} {}{clause}", quoted(&control.of));
             reader.complain_at(&control.at.key("of"), message);
         }
         return;
     };
+    check_number(control, blocks, reader);
+    if slot.vector && control.log {
+        let message = format!("\"{}\" is a vector: a logarithm is that of a positive number", control.of);
+        reader.complain_at(&control.at.key("log"), message);
+    }
     if slot.vector && control.direction.is_none() {
         check_vector(control, reader);
     } else {
@@ -55,12 +63,13 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
     check_dimensions(control, slot, reader);
 }
 
-/// All that can be controlled, of actuations, contacts, and obstacles that contacts touch.
+/// All that can be controlled, of actuations, contacts, obstacles that contacts touch, and named materials.
 fn slots(blocks: &Blocks) -> Vec<(String, SlotName)> {
     let touched = blocks.obstacles.iter().filter(|own| blocks.contact.iter().any(|contact| contact.is_on(&own.name)));
     let poses = touched.flat_map(|obstacle| pose_slots(&obstacle.name));
     let contacts = blocks.contact.iter().flat_map(Contact::slots);
-    blocks.actuation.iter().flat_map(Actuation::slots).chain(poses).chain(contacts).collect()
+    let numbers = blocks.materials.iter().flat_map(Material::slots);
+    blocks.actuation.iter().flat_map(Actuation::slots).chain(poses).chain(contacts).chain(numbers).collect()
 }
 
 /// Whether a control is of the pose of an obstacle that no contact touches.
@@ -103,6 +112,21 @@ fn excluding(actuation: &Actuation, input: &str, reader: &Reader<'_>) -> Option<
     let mut forms = reader.document.catalogue().contributions().filter(|(other, _)| other == kind);
     let (_, other) = forms.find(|(_, other)| other.slots.iter().any(|slot| slot.group == input))?;
     form.keys.iter().map(|key| key.name).find(|key| !other.keys.iter().any(|known| known.name == *key))
+}
+
+/// A number of a material is the same for the whole motion, and a control of it gives it in all scenarios.
+fn check_number(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
+    let of = |material: &Material| Some((material.at.clone(), material.number_of(&control.of)?.to_owned()));
+    let Some((at, key)) = blocks.materials.iter().find_map(of) else { return };
+    if control.in_time.is_some() {
+        let message = format!("\"{}\" is a number of a material, which does not change in time", control.of);
+        reader.complain_at(&control.at.key("in_time"), message);
+    }
+    if varies(blocks, &at.key(&key)) || varies(blocks, &at.key("parameters").key(&key)) {
+        let message =
+            format!("\"{}\" varies from scenario to scenario: the control would give it to all of them", control.of);
+        reader.complain_at(&control.at.key("of"), message);
+    }
 }
 
 fn check_vector(control: &Control, reader: &mut Reader<'_>) {

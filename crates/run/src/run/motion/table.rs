@@ -86,7 +86,7 @@ impl Table {
         row.extend(probe_values(member, state));
         let m = member.layout().at(m, state.time)?;
         for block in member.reduced().layout_of_instant().blocks().iter().filter(|block| is_uniform(block)) {
-            row.extend_from_slice(block.of(&m));
+            row.extend(block.values_of(block.of(&m)));
         }
         row.extend(quantities(member, before, state).into_iter().map(|(.., value)| value));
         row.extend(reaction_values(member, &summary::forces(member, before, state)));

@@ -217,7 +217,8 @@ fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> 
             let m = block.of(&best.m);
             let on_bounds = controls::active(m, components, field) * components;
             let Admitted::Between { lower, upper } = field.admitted else { return None };
-            let at = |bound: f64| m.iter().filter(|value| **value == bound).count();
+            let unknown = |bound: f64| if field.log { bound.ln() } else { bound };
+            let at = |bound: f64| m.iter().filter(|value| **value == unknown(bound)).count();
             let (key, bound) = if at(lower) > at(upper) { ("lower", lower) } else { ("upper", upper) };
             let share = if best.stop.is_converged() { 1.0 } else { MANY };
             let many = on_bounds as f64 >= share * m.len() as f64 && !m.is_empty();

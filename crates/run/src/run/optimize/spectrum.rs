@@ -192,11 +192,11 @@ impl Diagnosis {
     pub fn write(&self, problem: &CaseProblem, out: &Directory) -> Result<Vec<String>, RunError> {
         let width = self.spectrum.pointwise_half_width(self.rise);
         let vectors: Vec<ByName<Vec<Number>>> =
-            self.spectrum.vectors.iter().map(|v| controls::control_values(problem, v)).collect();
+            self.spectrum.vectors.iter().map(|v| controls::by_control(problem, v)).collect();
         if vectors.is_empty() {
             return Ok(vec![]);
         }
-        let half_width = controls::control_values(problem, &width);
+        let half_width = controls::by_control(problem, &width);
         out.write_json("spectrum.json", &EigenvectorsRecord { eigenvectors: vectors, half_width })?;
         let mut files = vec!["spectrum.json".to_owned()];
         let numbered = self.spectrum.vectors.iter().enumerate().map(|(k, v)| (format!("eigenvector_{}", k + 1), v));

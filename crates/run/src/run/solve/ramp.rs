@@ -103,7 +103,11 @@ impl Asked {
         let dimension = dimension_of(block.unit).unwrap_or(Dimension::NONE);
         self.from.check(dimension)?;
         self.to.check(dimension)?;
-        Ok([&self.from, &self.to].map(|end| end.constant().unwrap_or(f64::NAN)))
+        let ends = [&self.from, &self.to].map(|end| end.constant().unwrap_or(f64::NAN));
+        match ends.iter().find(|end| block.log && **end <= 0.0) {
+            Some(end) => Err(format!("{end} has no logarithm: the values of \"{}\" are positive", self.control)),
+            None => Ok(ends),
+        }
     }
 
     /// Warns, before anything is solved, of an end that was hardly meant.
@@ -127,7 +131,7 @@ impl Asked {
         let start = member.local(&problem.start);
         let at = |value: f64| {
             let mut m = start.clone();
-            m[block.first..block.first + block.len()].fill(value);
+            m[block.first..block.first + block.len()].fill(if block.log { value.ln() } else { value });
             m
         };
         let points = |value: f64| member.layout().to_points(&at(value));
