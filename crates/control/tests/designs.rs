@@ -2,7 +2,10 @@
 
 use nastic_control::{Consumer, ControlError, ControlMap, Direction, PowerLaw, Reduced, Space, Target, Tracking};
 use nastic_energy::catalogue::{Inputs, material};
-use nastic_energy::{EnergyTerm, FiberTension, Magnet, MooneyRivlin, NeoHooke, Parametrised, Slot, Turgor};
+use nastic_energy::formula::{Expression, Invariant, Step};
+use nastic_energy::{
+    EnergyTerm, FiberTension, Field, FormulaLaw, Magnet, MooneyRivlin, NeoHooke, Parametrised, Shared, Slot, Turgor,
+};
 use nastic_fem::{
     Cavity, Contribution, ContributionPoint, ControlPoint, Controls, Demand, Inadmissible, Increment, Instant, Need,
     SecondDerivativeError, SecondSensitivities, Sensitivities, Solid, SolveOptions, Sums,
@@ -11,6 +14,7 @@ use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_opt::{Bounds, Taylor, Verdict};
 use nastic_tensor::Vec3;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
@@ -150,6 +154,65 @@ fn numbers_that_a_law_is_written_with_are_unknowns_beside_a_tension_and_a_chambe
     assert_eq!(problem.layout().block("rubber.young")?.values_of(&m[..1]), vec![young[0]]);
     let refused = Reduced::new(problem.solid().clone()).control("rubber.young", Space::Region)?.by_logarithm("rubber");
     assert!(matches!(refused, Err(ControlError::UnknownControl { .. })));
+    Ok(())
+}
+
+/// `c (exp(a (J^(-2/3) I1 - 3)) - 1) + k/2 (J - 1)^2`
+fn fung() -> Expression {
+    use Step::{Add, Exp, Multiply, Number, Power, Subtract};
+    let (first, jacobian) = (Step::Invariant(Invariant::First), Step::Invariant(Invariant::Jacobian));
+    let named = |name: &'static str| Step::Parameter(name.into());
+    let strain = [jacobian.clone(), Number(-2.0 / 3.0), Power, first, Multiply, Number(3.0), Subtract];
+    let mut steps = vec![named("c"), named("a")];
+    steps.extend(strain);
+    steps.extend([Multiply, Exp, Number(1.0), Subtract, Multiply]);
+    steps.extend([
+        named("k"),
+        Number(0.5),
+        Multiply,
+        jacobian,
+        Number(1.0),
+        Subtract,
+        Number(2.0),
+        Power,
+        Multiply,
+        Add,
+    ]);
+    Expression::new("fung", steps)
+}
+
+/// Weights that are the same everywhere, on which the energy does not depend linearly: in global scope they take one number each, and all derivatives are those
+/// of uniform fields.
+#[test]
+fn slots_of_global_scope_are_the_uniform_fields_of_those_at_points() -> Outcome {
+    let numbers: BTreeMap<String, Field<f64>> =
+        [("a", 0.7), ("c", 4e4), ("k", 3e5)].map(|(name, value)| (name.to_owned(), Field::Uniform(value))).into();
+    let law = FormulaLaw::new(&fung(), &numbers, None)?.parametrised()?;
+    let names = ["net.a", "net.c", "net.k"];
+    let (m, mut found) = ([0.8, 5e4, 2.5e5], Vec::new());
+    let laws: [Arc<dyn EnergyTerm>; 2] = [Arc::new(law.clone()), Arc::new(Shared::new(law))];
+    for law in laws {
+        let body = Solid::new(mesh()?)?.actuate("body", "net", law)?;
+        let body = body.actuate("body", "fiber", FiberTension::along(Vec3::x())?)?;
+        let mut problem = Reduced::new(weight(body)?).cost(target())?;
+        for name in names {
+            problem = problem.control(name, Space::Uniform)?;
+        }
+        problem = problem.control("fiber", Space::Region)?;
+        let all: Vec<f64> = m.into_iter().chain([-1e4, -2e4]).collect();
+        let range = |side: f64| all.iter().map(|m| m + side * 0.3 * m.abs()).collect::<Vec<_>>();
+        assert_orders_within(&problem, &Bounds::new(range(-1.0), range(1.0))?, &all, "global scope")?;
+        let point = problem.at(&all)?;
+        found.push((point.value(), problem.derivative(&point)?, problem.solid().controls().values(0).len()));
+    }
+    let ((cost, derivative, points), (same, own, one)) = (&found[0], &found[1]);
+    assert_eq!((*one, *points > 100), (3, true));
+    assert!((cost / same - 1.0).abs() < 1e-12, "{cost} {same}");
+    for (a, b) in derivative.iter().zip(own) {
+        assert!((a - b).abs() <= 1e-9 * a.abs(), "{derivative:?} {own:?}");
+    }
+    let refused = Reduced::new(weight(Solid::new(mesh()?)?.actuate("body", "net", Shared::new(Turgor::new()))?)?);
+    assert!(refused.control("net", Space::Cell).is_err());
     Ok(())
 }
 

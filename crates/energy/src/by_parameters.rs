@@ -1,11 +1,9 @@
 //! [`ByParameters`]: a law with moduli as slots, by the numbers that it is written with.
 
 use crate::formula::{HyperDual, Number};
-use crate::{
-    EnergyError, EnergyTerm, Existence, Field, MaterialPoint, Moduli, Outside, PointBatch, Response, Slot, Slots,
-    TensionBound, Want,
-};
-use nastic_tensor::{Mat3, Vec3};
+use crate::term::forward_statements;
+use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
+use nastic_tensor::Mat3;
 use std::sync::Arc;
 
 /// How one modulus of a law follows from numbers p that the law may be written with, `theta = f(p)`.
@@ -129,7 +127,7 @@ impl ByParameters {
     }
 
     fn slots_of<'v>(&self, values: &'v [f64]) -> Slots<'v> {
-        if values.is_empty() { Slots::none() } else { Slots { values, width: self.moduli.len() } }
+        if values.is_empty() { Slots::none() } else { Slots::by_point(values, self.moduli.len()) }
     }
 
     /// The values of the slots at a point: those of the law itself where nothing gives others.
@@ -210,7 +208,7 @@ impl EnergyTerm for ByParameters {
         let mut by_modulus = vec![Mat3::zeros(); at.len() * width];
         let mut changed = by_modulus.clone();
         self.law.stress_by_control(at, self.slots_of(&theta), &mut by_modulus);
-        let along = Slots { values: &along, width };
+        let along = Slots::by_point(&along, width);
         self.law.control_stress_change(at, self.slots_of(&theta), change, along, &mut changed)?;
         for (n, (out, factors)) in out.iter_mut().zip(factors.chunks_exact(width)).enumerate() {
             let q = n / self.slots.len();
@@ -224,27 +222,5 @@ impl EnergyTerm for ByParameters {
         self.given[self.chosen[slot]].values.at(at)
     }
 
-    fn check_domain(&self, at: &PointBatch) -> Result<(), Outside> {
-        self.law.check_domain(at)
-    }
-
-    fn existence(&self, at: MaterialPoint) -> Option<Existence> {
-        self.law.existence(at)
-    }
-
-    fn fiber_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
-        self.law.fiber_bound(at)
-    }
-
-    fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
-        self.law.check(cells, points)
-    }
-
-    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
-        self.law.direction(at)
-    }
-
-    fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
-        self.law.moduli(at)
-    }
+    forward_statements!(self, self.law);
 }

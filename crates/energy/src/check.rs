@@ -133,7 +133,7 @@ pub fn evaluate(term: &dyn EnergyTerm, at: MaterialPoint, k: &Kinematics, m: &[f
     let (mut energy, mut stress, mut tangent) = ([0.0], [Mat3::zeros()], [Tangent::zero()]);
     let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut tangent };
     let points = PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
-    term.respond(&points, Slots { values: m, width: m.len() }, Want::ALL, &mut out);
+    term.respond(&points, Slots::by_point(m, m.len()), Want::ALL, &mut out);
     Evaluation { energy: energy[0], stress: stress[0], tangent: tangent[0] }
 }
 

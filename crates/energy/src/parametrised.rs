@@ -1,11 +1,9 @@
 //! [`Parametrised`]: a law whose moduli are slots.
 
-use nastic_tensor::{Mat3, Vec3};
+use nastic_tensor::Mat3;
 
-use crate::{
-    ConvexDensity, EnergyError, EnergyTerm, Existence, Field, MaterialPoint, Moduli, Outside, PointBatch, Response,
-    Slot, Slots, TensionBound, Want,
-};
+use crate::term::forward_statements;
+use crate::{ConvexDensity, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// A law that is linear in its moduli, `W(F; theta) = sum_k theta_k W_k(F)`.
 pub trait LinearInModuli: ConvexDensity + Clone + 'static {
@@ -103,31 +101,6 @@ impl<L: LinearInModuli> EnergyTerm for Parametrised<L> {
         outcome
     }
 
-    fn check_domain(&self, at: &PointBatch) -> Result<(), Outside> {
-        self.law.check_domain(at)
-    }
-
-    /// That of the law's own moduli, as all that is stated of it.
-    fn existence(&self, at: MaterialPoint) -> Option<Existence> {
-        self.law.existence(at)
-    }
-
-    fn fiber_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
-        self.law.fiber_bound(at)
-    }
-
-    fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
-        self.law.check(cells, points)
-    }
-
-    fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
-        self.law.moduli(at)
-    }
-
-    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
-        self.law.direction(at)
-    }
-
     fn slots(&self) -> &[Slot] {
         &self.slots
     }
@@ -154,4 +127,6 @@ impl<L: LinearInModuli> EnergyTerm for Parametrised<L> {
     fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
         self.own[slot].at(at)
     }
+
+    forward_statements!(self, self.law);
 }

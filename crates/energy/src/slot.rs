@@ -14,6 +14,17 @@ pub struct Slot {
     pub not_negative: bool,
     /// What it is to the body.
     pub role: Role,
+    /// Where its values are.
+    pub scope: Scope,
+}
+
+/// Where a slot has values; all slots of a law have one scope.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// One at every quadrature point.
+    Point,
+    /// One for all points of the body, as weights of a network: derivatives are sums over the points.
+    Global,
 }
 
 /// What a slot is to the body while it is loaded.
@@ -33,12 +44,22 @@ pub enum Role {
 impl Slot {
     /// The slot of a scalar.
     pub const fn scalar(group: &'static str, unit: &'static str) -> Self {
-        Slot { group, component: None, unit, not_negative: false, role: Role::Load }
+        Slot { group, component: None, unit, not_negative: false, role: Role::Load, scope: Scope::Point }
     }
 
     /// The slot of a scalar that only pulls.
     pub const fn pulling(group: &'static str, unit: &'static str) -> Self {
         Slot { not_negative: true, ..Slot::scalar(group, unit) }
+    }
+
+    /// The same with one value for all points of the body.
+    pub const fn global(self) -> Self {
+        Slot { scope: Scope::Global, ..self }
+    }
+
+    /// Whether it has one value for all points.
+    pub const fn is_global(&self) -> bool {
+        matches!(self.scope, Scope::Global)
     }
 
     /// The slot of an internal variable.

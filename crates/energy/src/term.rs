@@ -42,31 +42,53 @@ impl PointBatch<'_> {
     }
 }
 
-/// Control values of one actuation at the points of one cell.
+/// What the slots of a law hold at the points of one cell.
 #[derive(Clone, Copy, Debug)]
 pub struct Slots<'a> {
-    /// Slot `k` at point `q` is `values[q * width + k]`, in the slot's unit.
+    /// Slot `k` at point `q` is `values[q * width + k]`, of [global scope](crate::Scope) `values[k]` at every point; in the slot's unit.
     pub values: &'a [f64],
     /// Number of slots.
     pub width: usize,
+    /// Whether all points have the same.
+    pub shared: bool,
 }
 
-impl Slots<'_> {
-    /// What a passive term gets.
+impl<'a> Slots<'a> {
+    /// What a law without slots gets.
     pub const fn none() -> Self {
-        Slots { values: &[], width: 0 }
+        Slots { values: &[], width: 0, shared: false }
+    }
+
+    /// So many values for each point.
+    pub const fn by_point(values: &'a [f64], width: usize) -> Self {
+        Slots { values, width, shared: false }
+    }
+
+    /// The same values for all points.
+    pub const fn shared(values: &'a [f64]) -> Self {
+        Slots { values, width: values.len(), shared: true }
+    }
+
+    /// How many values there are for so many points.
+    #[inline]
+    pub fn count(&self, points: usize) -> usize {
+        if self.shared { self.width } else { self.width * points }
     }
 
     /// The slots of the `q`-th point alone.
     #[inline]
-    pub fn only(&self, q: usize) -> Slots<'_> {
-        Slots { values: &self.values[q * self.width..(q + 1) * self.width], width: self.width }
+    pub fn only(&self, q: usize) -> Slots<'a> {
+        if self.shared { *self } else { Slots { values: &self.values[q * self.width..(q + 1) * self.width], ..*self } }
     }
 
     /// Slot `k` at the `q`-th point; zero where nothing drives it, as when an actuation is used as a passive term.
     #[inline]
     pub fn get(&self, q: usize, k: usize) -> f64 {
-        if self.width == 0 { 0.0 } else { self.values[q * self.width + k] }
+        match (self.width, self.shared) {
+            (0, _) => 0.0,
+            (_, true) => self.values[k],
+            (width, false) => self.values[q * width + k],
+        }
     }
 }
 
@@ -187,6 +209,17 @@ pub trait EnergyTerm: Debug + Send + Sync {
     /// The derivative of the stress by the slots at every point: sets `out[q * width + k] = dP/dm_k` (Pa per unit of slot `k`).
     fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]);
 
+    /// Adds the derivative of `sum_q P_q : with_q` by the slots, `out[q * width + k] += dP/dm_k : with_q`, of global scope the sum over the points into
+    /// `out[k]`: what an adjoint asks for. Derived from [`stress_by_control`](Self::stress_by_control); a law with many slots has a less expensive way.
+    fn slots_vjp(&self, at: &PointBatch, m: Slots, with: &[Mat3], out: &mut [f64]) {
+        let mut by_control = vec![Mat3::zeros(); at.len() * m.width];
+        self.stress_by_control(at, m, &mut by_control);
+        for (q, (by_control, with)) in by_control.chunks_exact(m.width).zip(with).enumerate() {
+            let first = if m.shared { 0 } else { q * m.width };
+            out[first..].iter_mut().zip(by_control).for_each(|(out, stress)| *out += stress.dot(with));
+        }
+    }
+
     /// The change of the control derivative along a change `A` of `F` and `v` of the controls at every point: sets
     /// `out[q * width + k] = d2P/dm_k dF : A + sum_l d2P/dm_k dm_l v_l` (Pa per unit of slot `k`). Second derivatives of a cost
     /// ask for it.
@@ -237,89 +270,114 @@ pub trait EnergyTerm: Debug + Send + Sync {
     fn turn(&self, _q: &Mat3, _m: &mut [f64]) {}
 }
 
+/// What a law around another one says as that does: where it may be, what is stated of it, what its slots are to a body.
+macro_rules! forward_statements {
+    ($self:ident, $law:expr) => {
+        fn check_domain(&$self, at: &$crate::PointBatch) -> Result<(), $crate::Outside> {
+            $law.check_domain(at)
+        }
+
+        fn existence(&$self, at: $crate::MaterialPoint) -> Option<$crate::Existence> {
+            $law.existence(at)
+        }
+
+        fn fiber_bound(&$self, at: $crate::MaterialPoint) -> Option<$crate::TensionBound> {
+            $law.fiber_bound(at)
+        }
+
+        fn check(&$self, cells: usize, points: usize) -> Result<(), $crate::EnergyError> {
+            $law.check(cells, points)
+        }
+
+        fn direction(&$self, at: $crate::MaterialPoint) -> Option<nastic_tensor::Vec3> {
+            $law.direction(at)
+        }
+
+        fn moduli(&$self, at: $crate::MaterialPoint) -> Option<$crate::Moduli> {
+            $law.moduli(at)
+        }
+    };
+}
+
+/// What a law around another one, with the same slots, does as that does.
+macro_rules! forward_law {
+    ($self:ident, $law:expr) => {
+        fn respond(&$self, at: &$crate::PointBatch, m: $crate::Slots, want: $crate::Want, out: &mut $crate::Response) {
+            $law.respond(at, m, want, out);
+        }
+
+        fn stress_change(
+            &$self,
+            at: &$crate::PointBatch,
+            m: $crate::Slots,
+            change: &[nastic_tensor::Mat3],
+            out: &mut [nastic_tensor::Mat3],
+        ) {
+            $law.stress_change(at, m, change, out);
+        }
+
+        fn second_stress_change(
+            &$self,
+            at: &$crate::PointBatch,
+            m: $crate::Slots,
+            changes: [&[nastic_tensor::Mat3]; 2],
+            out: &mut [nastic_tensor::Mat3],
+        ) -> Result<(), $crate::EnergyError> {
+            $law.second_stress_change(at, m, changes, out)
+        }
+
+        fn stress_by_control(&$self, at: &$crate::PointBatch, m: $crate::Slots, out: &mut [nastic_tensor::Mat3]) {
+            $law.stress_by_control(at, m, out);
+        }
+
+        fn slots_vjp(&$self, at: &$crate::PointBatch, m: $crate::Slots, with: &[nastic_tensor::Mat3], out: &mut [f64]) {
+            $law.slots_vjp(at, m, with, out);
+        }
+
+        fn control_stress_change(
+            &$self,
+            at: &$crate::PointBatch,
+            m: $crate::Slots,
+            change: &[nastic_tensor::Mat3],
+            v: $crate::Slots,
+            out: &mut [nastic_tensor::Mat3],
+        ) -> Result<(), $crate::EnergyError> {
+            $law.control_stress_change(at, m, change, v, out)
+        }
+
+        fn rest(&$self, at: $crate::MaterialPoint, slot: usize) -> f64 {
+            $law.rest(at, slot)
+        }
+
+        fn point_quantity(&$self) -> Option<$crate::PointQuantity> {
+            $law.point_quantity()
+        }
+
+        fn point_values(&$self, at: &$crate::PointBatch, m: $crate::Slots, out: &mut [f64]) {
+            $law.point_values(at, m, out);
+        }
+
+        fn point_limit(&$self, at: $crate::MaterialPoint) -> Option<f64> {
+            $law.point_limit(at)
+        }
+
+        fn turn(&$self, q: &nastic_tensor::Mat3, m: &mut [f64]) {
+            $law.turn(q, m);
+        }
+
+        forward_statements!($self, $law);
+    };
+}
+pub(crate) use {forward_law, forward_statements};
+
 impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
-    fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
-        (**self).respond(at, m, want, out);
-    }
-
-    fn stress_change(&self, at: &PointBatch, m: Slots, change: &[Mat3], out: &mut [Mat3]) {
-        (**self).stress_change(at, m, change, out);
-    }
-
-    fn second_stress_change(
-        &self,
-        at: &PointBatch,
-        m: Slots,
-        changes: [&[Mat3]; 2],
-        out: &mut [Mat3],
-    ) -> Result<(), EnergyError> {
-        (**self).second_stress_change(at, m, changes, out)
-    }
-
-    fn check_domain(&self, at: &PointBatch) -> Result<(), Outside> {
-        (**self).check_domain(at)
-    }
-
-    fn existence(&self, at: MaterialPoint) -> Option<Existence> {
-        (**self).existence(at)
-    }
-
-    fn fiber_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
-        (**self).fiber_bound(at)
-    }
-
-    fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
-        (**self).check(cells, points)
-    }
-
-    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
-        (**self).direction(at)
-    }
-
-    fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
-        (**self).moduli(at)
-    }
-
     fn slots(&self) -> &[Slot] {
         (**self).slots()
-    }
-
-    fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
-        (**self).stress_by_control(at, m, out);
-    }
-
-    fn control_stress_change(
-        &self,
-        at: &PointBatch,
-        m: Slots,
-        change: &[Mat3],
-        v: Slots,
-        out: &mut [Mat3],
-    ) -> Result<(), EnergyError> {
-        (**self).control_stress_change(at, m, change, v, out)
-    }
-
-    fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
-        (**self).rest(at, slot)
-    }
-
-    fn point_quantity(&self) -> Option<PointQuantity> {
-        (**self).point_quantity()
-    }
-
-    fn point_values(&self, at: &PointBatch, m: Slots, out: &mut [f64]) {
-        (**self).point_values(at, m, out);
-    }
-
-    fn point_limit(&self, at: MaterialPoint) -> Option<f64> {
-        (**self).point_limit(at)
     }
 
     fn evolution(&self) -> Option<&dyn Evolution> {
         (**self).evolution()
     }
 
-    fn turn(&self, q: &Mat3, m: &mut [f64]) {
-        (**self).turn(q, m);
-    }
+    forward_law!(self, (**self));
 }

@@ -146,7 +146,7 @@ fn a_batch_is_its_points() {
     let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut tangent };
     let points = PointBatch { kinematics: &states, cell, first };
     laws.iter().for_each(|law| law.respond(&points, Slots::none(), Want::ALL, &mut out));
-    tension.respond(&points, Slots { values: &controls, width: 1 }, Want::ALL, &mut out);
+    tension.respond(&points, Slots::by_point(&controls, 1), Want::ALL, &mut out);
 
     for (q, k) in states.iter().enumerate() {
         let at = MaterialPoint { cell, point: first + q };

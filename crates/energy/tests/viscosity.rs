@@ -37,7 +37,7 @@ fn at(law: &dyn EnergyTerm, f: &Mat3, slots: &[f64]) -> Result<(f64, Mat3), Inve
     let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut [] };
     let want = Want { energy: true, stress: true, tangent: false };
     let points = PointBatch { kinematics: &k, cell: 0, first: 0 };
-    law.respond(&points, Slots { values: slots, width: slots.len() }, want, &mut out);
+    law.respond(&points, Slots::by_point(slots, slots.len()), want, &mut out);
     Ok((energy[0], stress[0]))
 }
 

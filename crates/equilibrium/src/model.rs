@@ -17,6 +17,7 @@ mod restricted;
 mod stored_energy;
 
 use crate::linear_systems::saddle_point::BorderedTangent;
+use nastic_body::body_energy::AttachedLaw;
 use nastic_body::body_energy::BodyEnergy;
 use nastic_body::body_energy::driving::Driving;
 use nastic_body::body_energy::point_strains::PointStrains;
@@ -142,12 +143,14 @@ impl Model {
     /// Everything that can be controlled, in the order of the blocks of [`Controls`]; of internal variables, which nobody controls,
     /// no slots.
     pub fn controllable(&self) -> Vec<Controllable<'_>> {
+        // one value for all points is no field over the cells
+        let over_cells = |a: &AttachedLaw| !a.is_global();
         let of_body = self.body.actuations().iter().map(|a| Controllable {
             name: &a.name,
             slots: a.controlled_slots(),
-            regions: Some(&a.regions),
-            cells: Some(&a.cells),
-            measure: 0.0,
+            regions: over_cells(a).then_some(&a.regions),
+            cells: over_cells(a).then_some(a.cells.as_slice()),
+            measure: if over_cells(a) { 0.0 } else { self.body.volume_of(&a.cells) },
             points: &[],
             holds: false,
             shared: None,

@@ -74,8 +74,7 @@ impl CellWork for Product<'_> {
 
 /// Adds `sum_k v_k by_control_k` at every point.
 pub(super) fn add_weighted(by_control: &[Mat3], v: Slots, stress: &mut [Mat3]) {
-    let at_points = by_control.chunks_exact(v.width).zip(v.values.chunks_exact(v.width));
-    for (stress, (by_control, v)) in stress.iter_mut().zip(at_points) {
-        by_control.iter().zip(v).for_each(|(change, v)| *stress += change * *v);
+    for (q, (stress, by_control)) in stress.iter_mut().zip(by_control.chunks_exact(v.width)).enumerate() {
+        by_control.iter().zip(v.only(q).values).for_each(|(change, v)| *stress += change * *v);
     }
 }

@@ -29,7 +29,7 @@ pub(super) fn add(
     Ok(())
 }
 
-/// Adds values of the actuations of a patch, cell by cell and one actuation after the other, shape `[points][slots]`.
+/// Adds values of the laws with slots of a patch, cell by cell and one law after the other, shape `[points][slots]`, of global scope `[slots]`.
 pub(super) fn add_by_slot(
     body: &BodyEnergy,
     cells: Cells,
@@ -45,8 +45,9 @@ pub(super) fn add_by_slot(
                 0 => (controls.slots(k), controls.values_mut(k)),
                 width => (width, history.values_mut(k)),
             };
-            let (own, rest) = values.split_at(width * points);
-            let sums = &mut sums[width * first..][..own.len()];
+            let shared = sums.len() == width;
+            let (own, rest) = values.split_at(if shared { width } else { width * points });
+            let sums = &mut sums[if shared { 0 } else { width * first }..][..own.len()];
             sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
             values = rest;
         }
@@ -89,23 +90,18 @@ impl CellWork for ControlVjp<'_> {
                     continue; // relaxed
                 }
                 let law = &self.body.actuations[k].law;
-                if let Some(evolution) = law.evolution() {
-                    for (q, kinematics) in at.kinematics.iter().enumerate() {
-                        let (change, weight) = (&scratch.change[range.start + q], scratch.weights[range.start + q]);
-                        let first = values.len();
-                        values.resize(first + m.width, 0.0);
-                        let own = &mut values[first..];
-                        evolution.stress_vjp(at.place(q), kinematics, m.only(q).values, change, own);
-                        own.iter_mut().for_each(|value| *value *= weight);
-                    }
+                let (changes, weights) = (&scratch.change[range.clone()], &scratch.weights[range.clone()]);
+                let first = values.len();
+                values.resize(first + m.count(at.len()), 0.0);
+                let own = &mut values[first..];
+                if m.shared {
+                    let weighted: Vec<Mat3> = changes.iter().zip(weights).map(|(change, w)| change * *w).collect();
+                    law.slots_vjp(&at, m, &weighted, own);
                     continue;
                 }
-                scratch.by_control.resize(at.len() * m.width, Mat3::zeros());
-                let by_control = &mut scratch.by_control[..];
-                law.stress_by_control(&at, m, by_control);
-                let changes = scratch.change[range.clone()].iter().zip(&scratch.weights[range.clone()]);
-                for (by_control, (change, weight)) in by_control.chunks_exact(m.width).zip(changes) {
-                    values.extend(by_control.iter().map(|stress| weight * stress.dot(change)));
+                law.slots_vjp(&at, m, changes, own);
+                for (of_point, weight) in own.chunks_exact_mut(m.width).zip(weights) {
+                    of_point.iter_mut().for_each(|value| *value *= weight);
                 }
             }
         }

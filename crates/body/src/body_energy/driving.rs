@@ -41,9 +41,10 @@ impl<'a> Driving<'a> {
 
 /// The controls of the k-th actuation at the points of one cell.
 pub(crate) fn slots<'a>(controls: &'a Controls, k: usize, at: &PointBatch) -> Slots<'a> {
-    of_batch(controls.values(k), controls.slots(k), at)
+    let (values, width) = (controls.values(k), controls.slots(k));
+    if values.len() == width { Slots::shared(values) } else { of_batch(values, width, at) }
 }
 
 fn of_batch<'a>(values: &'a [f64], width: usize, at: &PointBatch) -> Slots<'a> {
-    Slots { values: &values[at.first * width..(at.first + at.len()) * width], width }
+    Slots::by_point(&values[at.first * width..(at.first + at.len()) * width], width)
 }

@@ -76,6 +76,11 @@ pub struct AttachedLaw {
 }
 
 impl AttachedLaw {
+    /// Whether its slots have one value for all points.
+    pub fn is_global(&self) -> bool {
+        self.law.slots().iter().any(Slot::is_global)
+    }
+
     /// Its slots that are controls: none of a viscous law, whose slots are internal variables.
     pub fn controlled_slots(&self) -> &[Slot] {
         let slots = self.law.slots();
@@ -164,15 +169,20 @@ impl BodyEnergy {
         terms.iter().map(|&t| (&self.terms[t], Slots::none())).chain(with_slots)
     }
 
-    /// Controls of this body at rest: loads zero, designs as their actuations say.
+    /// Controls of this body at rest: loads zero, designs as their laws say.
     pub fn controls(&self) -> Controls {
-        let points = self.disc.points().len();
-        let mut controls = Controls::zeros(self.actuations.iter().map(|a| (a.controlled_slots().len(), points)));
+        let points = |attached: &AttachedLaw| if attached.is_global() { 1 } else { self.disc.points().len() };
+        let mut controls = Controls::zeros(self.actuations.iter().map(|a| (a.controlled_slots().len(), points(a))));
         for (k, attached) in self.actuations.iter().enumerate() {
             let slots = attached.law.slots();
             for (slot, _) in slots.iter().enumerate().filter(|(_, slot)| slot.is_design()) {
                 let values = controls.values_mut(k);
-                self.places(k).for_each(|at| values[at.point * slots.len() + slot] = attached.law.rest(at, slot));
+                match attached.is_global() {
+                    true => values[slot] = self.places(k).next().map_or(0.0, |at| attached.law.rest(at, slot)),
+                    false => self
+                        .places(k)
+                        .for_each(|at| values[at.point * slots.len() + slot] = attached.law.rest(at, slot)),
+                }
             }
         }
         controls
@@ -208,6 +218,11 @@ impl BodyEnergy {
     /// A field of the law that does not fit the mesh.
     pub fn add_actuation(&mut self, attached: AttachedLaw) -> Result<(), FemError> {
         attached.law.check(self.disc.mesh().cells(), self.disc.points().len())?;
+        if attached.is_global() && !attached.law.slots().iter().all(Slot::is_global) {
+            let what =
+                format!("slots of \"{}\" have one value for each point and one for all: take two laws", attached.name);
+            return Err(FemError::Meaningless { what });
+        }
         let new = self.actuations.len();
         let cells = attached.cells.clone();
         self.actuations.push(attached);
@@ -255,6 +270,16 @@ impl BodyEnergy {
             let of_cell = &mut self.of_cell[cell as usize];
             *of_cell = becomes[*of_cell as usize];
         }
+    }
+
+    /// The reference volume of some cells (area in the plane).
+    pub fn volume_of(&self, cells: &[u32]) -> f64 {
+        let (points, weights) = (self.disc.points_of_cells(), self.disc.points().weights());
+        let of_cell = |&cell: &u32| {
+            let (first, count) = points[cell as usize];
+            weights[first..first + count].iter().sum::<f64>()
+        };
+        cells.iter().map(of_cell).sum()
     }
 
     /// Every cell needs a passive material.

@@ -1,9 +1,10 @@
 //! [`PointPeak`]: the largest value of what an actuation is judged by at every point.
 
 use super::BodyEnergy;
+use super::driving::slots;
 use crate::controls::Controls;
 use crate::error::Inadmissible;
-use nastic_energy::{MaterialPoint, PointBatch, PointQuantity, Slots};
+use nastic_energy::{MaterialPoint, PointBatch, PointQuantity};
 
 /// The largest value of a [`PointQuantity`] over the quadrature points of an actuation.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,14 +47,13 @@ impl BodyEnergy {
             return Ok(None);
         }
         let kinematics = self.kinematics_of_laws(u)?;
-        let (ranges, width) = (self.discretization().points_of_cells(), controls.slots(k));
+        let ranges = self.discretization().points_of_cells();
         let mut out = vec![0.0; kinematics.len()];
         for &cell in &attached.cells {
             let (first, count) = ranges[cell as usize];
             let range = first..first + count;
             let at = PointBatch { kinematics: &kinematics[range.clone()], cell: cell as usize, first };
-            let values = &controls.values(k)[first * width..(first + count) * width];
-            attached.law.point_values(&at, Slots { values, width }, &mut out[range]);
+            attached.law.point_values(&at, slots(controls, k, &at), &mut out[range]);
         }
         Ok(Some(out))
     }

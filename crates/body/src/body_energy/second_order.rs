@@ -124,7 +124,12 @@ impl CellWork for SecondOrder<'_> {
                 }
                 let weights = scratch.weights[range.clone()].iter();
                 let weight = weights.flat_map(|weight| std::iter::repeat_n(weight, m.width));
-                by_slot.extend(by_point.iter().zip(weight).map(|(value, weight)| weight * value));
+                let weighted = by_point.iter().zip(weight).map(|(value, weight)| weight * value);
+                let first = by_slot.len();
+                by_slot.resize(first + m.count(at.len()), 0.0);
+                // of global scope the sum over the points
+                let count = m.count(at.len());
+                weighted.enumerate().for_each(|(n, value)| by_slot[first + n % count] += value);
             }
         }
         weigh(&mut scratch.stress, &scratch.weights);

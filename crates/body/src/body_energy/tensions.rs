@@ -107,7 +107,7 @@ impl BodyEnergy {
 
 /// Whether a law has one load as its slot.
 fn is_tension(law: &dyn EnergyTerm) -> bool {
-    matches!(law.slots(), [only] if only.role == Role::Load)
+    matches!(law.slots(), [only] if only.role == Role::Load && !only.is_global())
 }
 
 /// The largest s for which the tensions `s m_k` along `a_k` are borne; that of one family without the rounding of eigenvalues.

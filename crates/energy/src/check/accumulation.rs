@@ -13,7 +13,7 @@ pub fn accumulation(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Resu
     for k in states() {
         let whole = evaluate(term, at, &k, m);
         let points = PointBatch { kinematics: &[k], cell: at.cell, first: at.point };
-        let slots = Slots { values: m, width: m.len() };
+        let slots = Slots::by_point(m, m.len());
         // Start values of the size of the answer, so that an overwritten start shows and no digits are lost.
         let scale = norm(&whole.tangent) + whole.stress.norm() + whole.energy.abs();
         let (mut energy, mut stress, mut tangent) = ([scale], [k.f() * scale], [Tangent([scale; 81])]);

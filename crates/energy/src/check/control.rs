@@ -4,8 +4,7 @@ use super::derivative::sixth_order;
 use super::{Finding, Violation, Worst, evaluate, states};
 use crate::{EnergyTerm, MaterialPoint, PointBatch, Slot, Slots};
 
-/// `stress_by_control` is the derivative of `P` by every control component, and is set rather than added; so is `Evolution::stress_vjp` of a law that
-/// has an evolution.
+/// `stress_by_control` is the derivative of `P` by every control component, and is set rather than added; `slots_vjp` adds its products.
 ///
 /// # Errors
 /// A [`Violation`] at the first state where it is not.
@@ -23,13 +22,12 @@ pub fn control_derivative(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -
             let noise = evaluate(term, at, &k, m).stress.norm() / step;
             worst.see((slope - stated).norm(), slope.norm() + stated.norm() + noise, k.f())?;
         }
-        if let Some(evolution) = term.evolution() {
-            let with = Mat3::new(0.3, -1.0, 0.6, 0.2, 0.8, -0.5, 1.1, 0.4, -0.7);
-            let mut products = vec![f64::NAN; m.len()];
-            evolution.stress_vjp(at, &k, m, &with, &mut products);
-            for (product, stated) in products.iter().zip(&stated) {
-                worst.see((product - stated.dot(&with)).abs(), stated.norm() * with.norm(), k.f())?;
-            }
+        let with = Mat3::new(0.3, -1.0, 0.6, 0.2, 0.8, -0.5, 1.1, 0.4, -0.7);
+        let mut products = vec![1.0; m.len()];
+        let points = PointBatch { kinematics: std::slice::from_ref(&k), cell: at.cell, first: at.point };
+        term.slots_vjp(&points, slots_of(term, m), &[with], &mut products);
+        for (product, stated) in products.iter().zip(&stated) {
+            worst.see((product - 1.0 - stated.dot(&with)).abs(), 1.0 + stated.norm() * with.norm(), k.f())?;
         }
     }
     Ok(worst.finding())
@@ -54,7 +52,7 @@ pub(super) fn by_control(term: &dyn EnergyTerm, at: MaterialPoint, k: &Kinematic
     // Not-a-number to begin with: entries left out or added to would show.
     let mut out = vec![Mat3::repeat(f64::NAN); m.len()];
     let points = PointBatch { kinematics: std::slice::from_ref(k), cell: at.cell, first: at.point };
-    term.stress_by_control(&points, Slots { values: m, width: m.len() }, &mut out);
+    term.stress_by_control(&points, slots_of(term, m), &mut out);
     out
 }
 
@@ -68,4 +66,9 @@ pub(super) fn steps(term: &dyn EnergyTerm, m: &[f64]) -> Vec<f64> {
         false => shared,
     };
     term.slots().iter().zip(m).map(own).collect()
+}
+
+/// The values of the slots of a law at one point.
+pub(super) fn slots_of<'m>(term: &dyn EnergyTerm, m: &'m [f64]) -> Slots<'m> {
+    if term.slots().iter().any(Slot::is_global) { Slots::shared(m) } else { Slots::by_point(m, m.len()) }
 }

@@ -52,7 +52,7 @@ pub fn stress_change(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64]) -> Res
         for (unit, _, _) in units() {
             // a start value of the size of the answer, so that an overwritten start shows and no digits are lost
             let mut change = [k.f() * scale];
-            term.stress_change(&points, Slots { values: m, width: m.len() }, &[unit], &mut change);
+            term.stress_change(&points, Slots::by_point(m, m.len()), &[unit], &mut change);
             let expected = k.f() * scale + tangent.apply(&unit);
             worst.see((change[0] - expected).norm(), scale * (1.0 + k.f().norm()), k.f())?;
         }

@@ -20,14 +20,14 @@ pub fn second_stress_change(term: &dyn EnergyTerm, at: MaterialPoint, m: &[f64])
             / k.f().singular_values().min();
         let first = |k: &Kinematics, a: &Mat3| {
             let mut out = [Mat3::zeros()];
-            term.stress_change(&one(k, at), Slots { values: m, width: m.len() }, &[*a], &mut out);
+            term.stress_change(&one(k, at), Slots::by_point(m, m.len()), &[*a], &mut out);
             out[0]
         };
         let second = |a: &Mat3, b: &Mat3| -> Result<Mat3, EnergyError> {
             // a start value of the size of the answer, so that an overwritten start shows
             let mut out = [k.f() * scale];
             let changes: [&[Mat3]; 2] = [&[*a], &[*b]];
-            term.second_stress_change(&one(&k, at), Slots { values: m, width: m.len() }, changes, &mut out)?;
+            term.second_stress_change(&one(&k, at), Slots::by_point(m, m.len()), changes, &mut out)?;
             Ok(out[0] - k.f() * scale)
         };
         for a in directions() {
@@ -61,7 +61,7 @@ pub fn control_stress_change(
         let stated = |change: &Mat3, v: &[f64]| -> Result<Vec<Mat3>, EnergyError> {
             // Not-a-number to begin with: entries left out or added to would show.
             let mut out = vec![Mat3::repeat(f64::NAN); m.len()];
-            let (controls, v) = (Slots { values: m, width: m.len() }, Slots { values: v, width: m.len() });
+            let (controls, v) = (Slots::by_point(m, m.len()), Slots::by_point(v, m.len()));
             term.control_stress_change(&one(&k, at), controls, &[*change], v, &mut out)?;
             Ok(out)
         };

@@ -22,10 +22,6 @@ pub trait Evolution: Send + Sync {
     /// slot of [`set_step`](Self::set_step), which stays.
     fn advance(&self, at: MaterialPoint, k: &Kinematics, slots: &[f64], next: &mut [f64]);
 
-    /// The derivative of a stress that counts `with` by the slots: sets `by_slots[k] = dP/dm_k : with`, as
-    /// [`stress_by_control`](crate::EnergyTerm::stress_by_control) gives the derivatives one by one. The adjoint of a motion asks for it at every step.
-    fn stress_vjp(&self, at: MaterialPoint, k: &Kinematics, slots: &[f64], with: &Mat3, by_slots: &mut [f64]);
-
     /// The transpose of the derivative of [`advance`](Self::advance): adds the derivatives by `F` and the slots that follow from `by_next`.
     fn advance_vjp(
         &self,

@@ -65,6 +65,19 @@ fn strain_change(k: &Kinematics, change: &Mat3) -> Mat3 {
     (half + half.transpose()) * 0.5
 }
 
+impl KelvinVoigt {
+    fn vjp_at(&self, at: MaterialPoint, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
+        let half = k.f().transpose() * with;
+        let pulled = (half + half.transpose()) * 0.5;
+        // the viscosity is symmetric
+        let by_rate = self.viscous(at, &pulled) * -m[STEP];
+        for ((i, j), by) in ENTRIES.into_iter().zip(&mut *by_slots) {
+            *by = by_rate[(i, j)] * if i == j { 1.0 } else { 2.0 };
+        }
+        by_slots[STEP] = self.viscous(at, &(strain(k) - symmetric(m))).dot(&pulled);
+    }
+}
+
 impl EnergyTerm for KelvinVoigt {
     fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         for (q, k) in at.kinematics.iter().enumerate() {
@@ -120,6 +133,14 @@ impl EnergyTerm for KelvinVoigt {
     }
 
     /// Zero where it contributes nothing and nothing changes that.
+    fn slots_vjp(&self, at: &PointBatch, m: Slots, with: &[Mat3], out: &mut [f64]) {
+        let mut own = vec![0.0; m.width];
+        for (q, (k, out)) in at.kinematics.iter().zip(out.chunks_exact_mut(m.width)).enumerate() {
+            self.vjp_at(at.place(q), k, m.only(q).values, &with[q], &mut own);
+            out.iter_mut().zip(&own).for_each(|(out, own)| *out += own);
+        }
+    }
+
     fn control_stress_change(
         &self,
         _: &PointBatch,
@@ -150,17 +171,6 @@ impl Evolution for KelvinVoigt {
     fn advance(&self, _: MaterialPoint, k: &Kinematics, _: &[f64], next: &mut [f64]) {
         let strain = strain(k);
         ENTRIES.into_iter().zip(next).for_each(|(entry, next)| *next = strain[entry]);
-    }
-
-    fn stress_vjp(&self, at: MaterialPoint, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
-        let half = k.f().transpose() * with;
-        let pulled = (half + half.transpose()) * 0.5;
-        // the viscosity is symmetric
-        let by_rate = self.viscous(at, &pulled) * -m[STEP];
-        for ((i, j), by) in ENTRIES.into_iter().zip(&mut *by_slots) {
-            *by = by_rate[(i, j)] * if i == j { 1.0 } else { 2.0 };
-        }
-        by_slots[STEP] = self.viscous(at, &(strain(k) - symmetric(m))).dot(&pulled);
     }
 
     fn advance_vjp(

@@ -188,6 +188,33 @@ impl Slopes<'_> {
     }
 }
 
+impl MaxwellBranch {
+    /// `P : H = F_e S : H G^T` with `G = F_v^-T`, and the change of `F_v` moves `F_e` by `-F_e dF_v F_v^-1` and `F_v^-1` by `-F_v^-1 dF_v F_v^-1`.
+    fn vjp_at(&self, at: MaterialPoint, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
+        if !self.is_hencky() {
+            let step = self.neo_hooke_of_any(at, k, m);
+            let (pushed, turned) = (with * step.inverse(), step.inverse().transpose());
+            let by_elastic = step.elastic().transpose() * step.slopes().elastic_change(&pushed);
+            let by_inverse = pushed.transpose() * step.elastic() * step.stress();
+            let by_viscous = -(by_elastic + by_inverse) * turned;
+            by_slots[..STEP].copy_from_slice(by_viscous.transpose().as_slice());
+            by_slots[STEP] = step.piola_by_step().dot(with);
+            return;
+        }
+        let Some(branch) = self.branch(at, k, m) else {
+            by_slots[..STEP].fill(0.0);
+            by_slots[STEP] = Branch::new(self.shear.at(at), k, m).piola().dot(with);
+            return;
+        };
+        let (pushed, turned) = (with * branch.inverse, branch.inverse.transpose());
+        let by_elastic = branch.elastic.transpose() * branch.slopes().elastic_change(&pushed);
+        let by_inverse = pushed.transpose() * branch.elastic * branch.stress;
+        let by_viscous = -(by_elastic + by_inverse) * turned;
+        by_slots[..STEP].copy_from_slice(by_viscous.transpose().as_slice());
+        by_slots[STEP] = (branch.elastic * branch.stress).dot(&pushed) / m[STEP];
+    }
+}
+
 impl EnergyTerm for MaxwellBranch {
     fn respond(&self, at: &PointBatch, m: Slots, want: Want, out: &mut Response) {
         for (q, k) in at.kinematics.iter().enumerate() {
@@ -283,6 +310,14 @@ impl EnergyTerm for MaxwellBranch {
     }
 
     /// Zero where the branch contributes nothing and nothing changes that.
+    fn slots_vjp(&self, at: &PointBatch, m: Slots, with: &[Mat3], out: &mut [f64]) {
+        let mut own = vec![0.0; m.width];
+        for (q, (k, out)) in at.kinematics.iter().zip(out.chunks_exact_mut(m.width)).enumerate() {
+            self.vjp_at(at.place(q), k, m.only(q).values, &with[q], &mut own);
+            out.iter_mut().zip(&own).for_each(|(out, own)| *out += own);
+        }
+    }
+
     fn control_stress_change(
         &self,
         _: &PointBatch,
@@ -313,31 +348,6 @@ impl Evolution for MaxwellBranch {
         // the rounding errors of many steps stay relative to z
         let viscous = matrix(slots) + increment * (Mat3::identity() + matrix(slots));
         next[..9].copy_from_slice(viscous.transpose().as_slice());
-    }
-
-    /// `P : H = F_e S : H G^T` with `G = F_v^-T`, and the change of `F_v` moves `F_e` by `-F_e dF_v F_v^-1` and `F_v^-1` by `-F_v^-1 dF_v F_v^-1`.
-    fn stress_vjp(&self, at: MaterialPoint, k: &Kinematics, m: &[f64], with: &Mat3, by_slots: &mut [f64]) {
-        if !self.is_hencky() {
-            let step = self.neo_hooke_of_any(at, k, m);
-            let (pushed, turned) = (with * step.inverse(), step.inverse().transpose());
-            let by_elastic = step.elastic().transpose() * step.slopes().elastic_change(&pushed);
-            let by_inverse = pushed.transpose() * step.elastic() * step.stress();
-            let by_viscous = -(by_elastic + by_inverse) * turned;
-            by_slots[..STEP].copy_from_slice(by_viscous.transpose().as_slice());
-            by_slots[STEP] = step.piola_by_step().dot(with);
-            return;
-        }
-        let Some(branch) = self.branch(at, k, m) else {
-            by_slots[..STEP].fill(0.0);
-            by_slots[STEP] = Branch::new(self.shear.at(at), k, m).piola().dot(with);
-            return;
-        };
-        let (pushed, turned) = (with * branch.inverse, branch.inverse.transpose());
-        let by_elastic = branch.elastic.transpose() * branch.slopes().elastic_change(&pushed);
-        let by_inverse = pushed.transpose() * branch.elastic * branch.stress;
-        let by_viscous = -(by_elastic + by_inverse) * turned;
-        by_slots[..STEP].copy_from_slice(by_viscous.transpose().as_slice());
-        by_slots[STEP] = (branch.elastic * branch.stress).dot(&pushed) / m[STEP];
     }
 
     fn advance_vjp(
