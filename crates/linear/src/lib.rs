@@ -43,8 +43,7 @@ mod space;
 mod sums;
 
 pub use eigenpairs::{
-    ByProducts, Eigenpairs, Eigenproblem, MassMatrix, ProductEigenproblem, smallest_eigenpairs,
-    smallest_eigenpairs_by_products,
+    ApproximateInverse, ByFactor, ByProducts, Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs,
 };
 pub use error::{FactorError, NotCoupled, StructureError};
 pub use factor::factor_size::FactorSize;
