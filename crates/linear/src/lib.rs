@@ -43,8 +43,7 @@ mod space;
 mod sums;
 
 pub use eigenpairs::{
-    ByProducts, Eigenpairs, Eigenproblem, MassMatrix, ProductEigenproblem, smallest_eigenpairs,
-    smallest_eigenpairs_by_products,
+    ApproximateInverse, ByFactor, ByProducts, Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs,
 };
 pub use error::{FactorError, NotCoupled, StructureError};
 pub use factor::factor_size::FactorSize;
@@ -54,7 +53,7 @@ pub use factor::structure::Structure;
 pub use factor::symbolic::Symbolic;
 pub use factor::symmetric::{Factor, Pivots, Precision};
 pub use krylov::conjugate_gradients::{CgEnd, CgReport, StoppingTest, conjugate_gradient};
-pub use krylov::gmres::{GmresReport, gmres};
+pub use krylov::gmres::gmres;
 pub use krylov::refinement::refine;
 pub use krylov::volume_modes::VolumeModes;
 pub use multigrid::{CellProducts, CornerMatrix, Corners, Geometry, Multigrid};

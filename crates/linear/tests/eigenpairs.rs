@@ -5,13 +5,14 @@
 use crate::support;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
+use nastic_linear::solver::System;
 use nastic_linear::{
-    Eigenpairs, Eigenproblem, FactorError, Graph, LinearError, MassMatrix, Ordering, Pattern, Pivots,
-    ProductEigenproblem, SparseMatrix, Symbolic, smallest_eigenpairs, smallest_eigenpairs_by_products,
+    ApproximateInverse, ByFactor, Eigenpairs, Eigenproblem, FactorError, Graph, LinearError, MassMatrix, Ordering,
+    Pattern, Pivots, Rotations, SparseMatrix, Symbolic, smallest_eigenpairs,
 };
 use nastic_numeric::vector::dot;
 use std::sync::Arc;
-use support::case::Case;
+use support::case::{AtRest, Case};
 use support::{Grid, Random};
 
 fn mass_entry(mass: MassMatrix, row: usize, column: usize) -> f64 {
@@ -36,8 +37,10 @@ fn dense_eigenvalues(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool]) ->
 
 fn find(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool], count: usize) -> Result<Eigenpairs, LinearError> {
     let symbolic = Arc::new(Symbolic::new(matrix.pattern()));
-    let problem = Eigenproblem { matrix, mass, fixed, constraints: &[], symbolic: &symbolic, parallel: false };
-    smallest_eigenpairs(&problem, count)
+    let at = AtRest { points: Vec::new(), rotations: Arc::new(Rotations(Vec::new())) };
+    let system = System { matrix, products: None, fixed, configuration: &at, transposed: false, parallel: false };
+    let inverse = ApproximateInverse::Factor(ByFactor { symbolic: &symbolic, constraints: &[] });
+    smallest_eigenpairs(&Eigenproblem { product: &system, system, mass, inverse, cancel: None }, count)
 }
 
 /// Values against the dense ones, residuals, orthogonality.
@@ -218,10 +221,8 @@ fn find_by_products(
     count: usize,
 ) -> Result<Eigenpairs, LinearError> {
     let system = case.system(matrix);
-    smallest_eigenpairs_by_products(
-        &ProductEigenproblem { product: &system, system, mass, zeros: 0, cancel: None },
-        count,
-    )
+    let inverse = ApproximateInverse::Multigrid { zeros: 0 };
+    smallest_eigenpairs(&Eigenproblem { product: &system, system, mass, inverse, cancel: None }, count)
 }
 
 /// Semi-definite, definite and indefinite ones, by masses that differ by a factor of five or couple unknowns.

@@ -8,8 +8,8 @@ use crate::search::options::SolveOptions;
 use nastic_body::error::StateError;
 use nastic_body::state::State;
 use nastic_linear::{
-    ByProducts, Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError, MassMatrix, Operator,
-    ProductEigenproblem, Solver, smallest_eigenpairs, smallest_eigenpairs_by_products,
+    ApproximateInverse, ByFactor, ByProducts, Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError,
+    MassMatrix, Operator, Solver, smallest_eigenpairs,
 };
 
 /// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes'
@@ -37,8 +37,8 @@ impl Model {
     /// The `count` algebraically smallest eigenvalues of the tangent at a state, all negative ones in any case, with
     /// their modes.
     ///
-    /// Shift-invert Lanczos ([`smallest_eigenpairs`]) with a factor, or a block of vectors preconditioned by multigrid
-    /// ([`smallest_eigenpairs_by_products`]) where that solves the systems of the body: then nothing proves that none is missing ([`Modes::counted`]). Multiple
+    /// A block Davidson method ([`smallest_eigenpairs`]) with a factor, or with multigrid where that solves the systems of the body: then nothing
+    /// proves that none is missing ([`Modes::counted`]). Multiple
     /// eigenvalues are found with all their modes; which basis of their span is returned has no meaning.
     ///
     /// # Errors
@@ -76,15 +76,12 @@ impl Model {
             matrix = joined.join(&matrix).ok_or(LinearError::from(FactorError::ForeignPattern))?;
             structure = joined.structure().clone();
         }
-        let problem = Eigenproblem {
-            matrix: &matrix,
-            mass,
-            fixed: self.supports.fixed(),
-            constraints: &constraints,
-            symbolic: structure.symbolic(),
-            parallel: how.parallel,
-        };
-        Ok(smallest_eigenpairs(&problem, count)?)
+        let configuration = Deformed::new(self, &state.u, how.parallel);
+        let system = configuration.system((&matrix).into());
+        let by = ByFactor { symbolic: structure.symbolic(), constraints: &constraints };
+        let inverse = ApproximateInverse::Factor(by);
+        let problem = Eigenproblem { product: &system, system, mass, inverse, cancel: how.cancel };
+        smallest_eigenpairs(&problem, count).map_err(cancelled)
     }
 
     /// The same request, for modes whose number decides something: with a factor where one fits, which counts them.
@@ -129,12 +126,23 @@ impl Model {
         // of one body; several free ones may need a factor for few modes
         let rigid = if self.discretization().dim() == 3 { 6 } else { 3 };
         let zeros = if self.is_held_without_contact() { 0 } else { rigid };
-        let problem = ProductEigenproblem { product, system, mass, zeros, cancel: how.cancel };
-        match smallest_eigenpairs_by_products(&problem, count) {
-            Err(LinearError::Cancelled) => Err(StateError::Cancelled),
-            Err(error) if !matches!(error, LinearError::EigenpairCount { .. }) && self.factor_fits() => Ok(None),
-            found => Ok(Some(found?)),
+        let inverse = ApproximateInverse::Multigrid { zeros };
+        let problem = Eigenproblem { product, system, mass, inverse, cancel: how.cancel };
+        match smallest_eigenpairs(&problem, count).map_err(cancelled) {
+            Err(StateError::Linear(error))
+                if !matches!(error, LinearError::EigenpairCount { .. }) && self.factor_fits() =>
+            {
+                Ok(None)
+            }
+            found => found.map(Some),
         }
+    }
+}
+
+fn cancelled(error: LinearError) -> StateError {
+    match error {
+        LinearError::Cancelled => StateError::Cancelled,
+        other => other.into(),
     }
 }
 

@@ -1,7 +1,7 @@
 //! [`System`]: the matrix of a linear system, and where it was taken.
 
 use crate::factor::rotations::Rotations;
-use crate::krylov::gmres::GmresReport;
+use crate::krylov::conjugate_gradients::CgReport;
 use crate::krylov::volume_modes::VolumeModes;
 use crate::multigrid::{CellProducts, Corners};
 use crate::pattern::matrix::SparseMatrix;
@@ -41,12 +41,14 @@ pub trait Configuration: Sync {
 pub struct System<'a> {
     /// The matrix.
     pub matrix: &'a SparseMatrix,
-    /// What stands for its entries, which there are none of then: for solvers that [take products](super::LinearSolver::takes_products) alone.
+    /// What stands for its entries, which there are none of then: for solvers that [take products](super::SolverState::takes_products) alone.
     pub products: Option<&'a Arc<dyn CellProducts>>,
     /// By unknown: whether its row and column were eliminated.
     pub fixed: &'a [bool],
     /// Where the matrix was taken.
     pub configuration: &'a dyn Configuration,
+    /// Whether the system is that of the transpose.
+    pub transposed: bool,
     /// Whether to use all threads; the bits are the same.
     pub parallel: bool,
 }
@@ -57,29 +59,29 @@ impl System<'_> {
         self.configuration.space()
     }
 
-    /// `out = A v`; of several ranks with the sum of their matrices.
+    /// The system of the transpose.
+    #[must_use]
+    pub fn transpose(self) -> Self {
+        System { transposed: !self.transposed, ..self }
+    }
+
+    /// `out = A v`, or `A^T v` of a transposed system; of several ranks with the sum of their matrices.
     pub fn multiply(&self, v: &[f64], out: &mut [f64]) {
         match self.products {
             Some(products) => products.multiply(v, out, self.parallel),
+            None if self.transposed && !self.matrix.is_symmetric() => {
+                self.matrix.multiply_transposed(v, out, self.parallel);
+            }
             None => self.matrix.multiply_on(v, out, self.parallel),
-        }
-        self.space().add_up(out);
-    }
-
-    /// `out = A^T v`; of several ranks with the sum of their matrices.
-    pub fn multiply_transposed(&self, v: &[f64], out: &mut [f64]) {
-        match self.products {
-            Some(products) => products.multiply(v, out, self.parallel),
-            None => self.matrix.multiply_transposed(v, out, self.parallel),
         }
         self.space().add_up(out);
     }
 
     /// Whether the solution of an iteration is as good as wanted, or as double precision has one where that is not far from it:
     /// `|r| <= 8 eps | |A| |x| |`, with the absolute values of the symmetric part of A. A body that hardly anything holds moves far.
-    pub(super) fn is_solved(&self, x: &[f64], report: &GmresReport, (b, tolerance): (&[f64], f64)) -> bool {
-        if report.converged || report.residual.is_nan() || report.residual > BESIDE * tolerance {
-            return report.converged;
+    pub(super) fn is_solved(&self, x: &[f64], report: &CgReport, (b, tolerance): (&[f64], f64)) -> bool {
+        if report.converged() || report.residual.is_nan() || report.residual > BESIDE * tolerance {
+            return report.converged();
         }
         let (magnitudes, mut sums) = (self.matrix.magnitudes(), vec![0.0; x.len()]);
         let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
@@ -94,6 +96,6 @@ impl Operator for System<'_> {
     }
 
     fn apply_transposed(&self, v: &[f64], out: &mut [f64]) {
-        self.multiply_transposed(v, out);
+        self.transpose().multiply(v, out);
     }
 }
