@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Ok::<(), std::convert::Infallible>(())
     })?;
     let instant = Instant::new(&u, &controls, 1.0);
-    let products = solid.model().cell_products(&instant)?;
+    let products = solid.model().tangents().cell_products(&instant)?;
     let by_cells = match &products {
         None => f64::NAN,
         Some(products) => {
@@ -67,7 +67,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let rest = solid.rest();
     matrix.clear();
     body.evaluate_tangent(&rest.u, &rest.controls, &mut matrix, true)?;
-    let products = solid.model().cell_products(&Instant::of(&rest))?;
+    let products = solid.model().tangents().cell_products(&Instant::of(&rest))?;
     let diagonal = matrix.diagonal().iter().copied().fold(0.0, f64::max);
     matrix.eliminate(solid.supports().fixed(), diagonal);
     let cycle = |products| -> Result<f64, Box<dyn std::error::Error>> {

@@ -28,11 +28,11 @@ fn looked_into(session: &Session) -> Outcome<String> {
     let (rank, how) = (session.rank().clone(), SolveOptions { parallel: false, ..SolveOptions::default() });
     let mesh = box_mesh([1.0, 0.1, 0.1], [12, 2, 2], CellKind::Hex8)?;
     let whole = column(Solid::new(mesh.clone())?)?;
-    let expected = whole.model().negative_pivots_by(&shortened(&whole), &how)?;
+    let expected = whole.model().stability().negative_pivots_by(&shortened(&whole), &how)?;
     let part = mesh.part(&mesh.bisected(rank.size())?, rank.rank() as u32)?;
     let solid = column(Solid::of_part(part, rank)?.solver(PETSC))?;
     let state = shortened(&solid);
-    let negative = solid.model().negative_pivots_by(&state, &how)?;
+    let negative = solid.model().stability().negative_pivots_by(&state, &how)?;
     // along the column, and a little across it
     let b: Vec<f64> = solid.mesh().points().iter().flat_map(|x| [1.0, 0.0, 1e-3 * x[0]]).collect();
     let ended = match solid.adjoint(&state, &[&b], &how) {

@@ -140,7 +140,7 @@ pub enum FemError {
         /// What is wrong and what to try.
         what: String,
     },
-    /// What a model does not go with, see `Model::supports`.
+    /// What a model does not go with, see `Properties::supports`.
     #[error("{what} does not go with \"{with}\": {why}")]
     Unsupported {
         /// What was asked for.

@@ -51,8 +51,8 @@ pub fn inner_product(solid: &Solid, layout: &Layout, metric: Metric) -> Result<A
     let (model, disc) = (solid.model(), solid.discretization());
     let weights = lumped_weights(disc, layout)?;
     // of ranks that have a body all have it, or none: no message is left to wait for
-    model.all_accept(check(&weights, layout, metric))?;
-    model.all_accept(match metric {
+    model.ranks().all_accept(check(&weights, layout, metric))?;
+    model.ranks().all_accept(match metric {
         Metric::L2 => Diagonal::new(weights)
             .map(|diagonal| Arc::new(diagonal) as Arc<dyn InnerProduct>)
             .map_err(|e| ControlError::Cost { what: e.to_string() }),

@@ -156,7 +156,7 @@ impl Reduced {
     /// Unknown names, a field given twice, a space that does not fit.
     pub fn control(mut self, of: &str, space: Space) -> Result<Self, ControlError> {
         // costs read displacements, and give derivatives by them
-        self.solid.model().refuse_further_fields("optimal control")?;
+        self.solid.model().properties().refuse_further_fields("optimal control")?;
         self.layout.control(&self.solid, of, space)?;
         self.update_layout();
         Ok(self)
@@ -188,7 +188,7 @@ impl Reduced {
     /// # Errors
     /// As [`control`](Self::control); a slot that is no vector, a direction without a length.
     pub fn control_along(mut self, of: &str, space: Space, direction: [f64; 3]) -> Result<Self, ControlError> {
-        self.solid.model().refuse_further_fields("optimal control")?;
+        self.solid.model().properties().refuse_further_fields("optimal control")?;
         self.layout.control_along(&self.solid, of, space, direction)?;
         self.update_layout();
         Ok(self)
@@ -251,9 +251,9 @@ impl Reduced {
         }
         let model = self.solid.model();
         if let Some(what) = cost.not_over_ranks() {
-            model.refuse_ranks(&what)?;
+            model.ranks().refuse_ranks(&what)?;
         }
-        self.costs.push(model.all_accept(cost.bind(&self.solid))?);
+        self.costs.push(model.ranks().all_accept(cost.bind(&self.solid))?);
         Ok(self)
     }
 
@@ -334,7 +334,9 @@ impl Reduced {
         let from_given = |timeline: &Timeline| timeline.begin() == Begin::Given && !timeline.scheme().is_quasi_static();
         let moves = self.timeline().is_some_and(from_given);
         match self.solid.check() {
-            Err(FemError::RigidMotion { .. }) if moves || self.may_float => Ok(self.solid.model().check_in_motion()?),
+            Err(FemError::RigidMotion { .. }) if moves || self.may_float => {
+                Ok(self.solid.model().checks().check_in_motion()?)
+            }
             checked => Ok(checked?),
         }
     }
@@ -408,7 +410,7 @@ impl Reduced {
             return self.evaluate_motion(motion, (m, how), None, workspace);
         }
         self.check_same_control(m)?;
-        self.solid.model().unless_parted(self.evaluate_static(m, how, workspace))
+        self.solid.model().ranks().unless_parted(self.evaluate_static(m, how, workspace))
     }
 
     fn solve_options(&self, accuracy: f64) -> SolveOptions<'_> {

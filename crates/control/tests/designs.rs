@@ -1,6 +1,8 @@
 //! Numbers of the body as unknowns: parameters of laws, design fields with several consumers, controls over points of a contribution.
 
-use nastic_control::{Consumer, ControlError, ControlMap, Direction, PowerLaw, Reduced, Space, Target, Tracking};
+use nastic_control::{
+    Consumer, ControlError, ControlMap, Direction, PowerLaw, Reduced, ReducedWorkspace, Space, Target, Tracking,
+};
 use nastic_energy::catalogue::{Inputs, material};
 use nastic_energy::formula::{Expression, Invariant, Step};
 use nastic_energy::{
@@ -12,7 +14,7 @@ use nastic_fem::{
 };
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
-use nastic_opt::{Bounds, Taylor, Verdict};
+use nastic_opt::{Bounds, Objective, Taylor, Verdict};
 use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -202,8 +204,9 @@ fn slots_of_global_scope_are_the_uniform_fields_of_those_at_points() -> Outcome 
         let all: Vec<f64> = m.into_iter().chain([-1e4, -2e4]).collect();
         let range = |side: f64| all.iter().map(|m| m + side * 0.3 * m.abs()).collect::<Vec<_>>();
         assert_orders_within(&problem, &Bounds::new(range(-1.0), range(1.0))?, &all, "global scope")?;
-        let point = problem.at(&all)?;
-        found.push((point.value(), problem.derivative(&point)?, problem.solid().controls().values(0).len()));
+        let mut point = problem.at(&all)?;
+        let derivative = problem.derivative(&mut point, &mut ReducedWorkspace::default())?;
+        found.push((point.terms[0], derivative, problem.solid().controls().values(0).len()));
     }
     let ((cost, derivative, points), (same, own, one)) = (&found[0], &found[1]);
     assert_eq!((*one, *points > 100), (3, true));
@@ -241,7 +244,8 @@ fn designs_hold_from_the_first_load_step_on() -> Outcome {
     assert_eq!(with_slots.model().unactuated(&controls), controls);
     // A ramp has the designs of its end throughout.
     let ends = (&with_slots.controls(), &controls);
-    let ramp = with_slots.model().ramp(ends, 3, &how, &mut nastic_fem::Workspace::default(), &mut |_| ())?;
+    let ramp =
+        with_slots.model().stability().ramp(ends, 3, &how, &mut nastic_fem::Workspace::default(), &mut |_| ())?;
     assert!(ramp.points.iter().all(|point| *point.state.controls == controls));
     Ok(())
 }

@@ -194,7 +194,7 @@ fn of_the_body(solid: &Solid, meter: &Meter) -> Outcome<Vec<Row>> {
         row(name, traffic, [3, 4], exchanges);
     }
     let mut tangent = solid.model().tangent_structure().matrix();
-    row("tangent", meter.of(|| solid.model().add_tangent(&at, &mut tangent)).1, [1, 1], 0);
+    row("tangent", meter.of(|| solid.model().tangents().add_tangent(&at, &mut tangent)).1, [1, 1], 0);
     row("sum over unknowns", meter.of(|| solid.model().unknowns().dot(&u, &u)).1, [1, 1], 0);
     let chosen = solid.clone();
     row("formulation", meter.of(|| chosen.formulation("body", Formulation::MeanDilatation)).1, [1, 1], 0);

@@ -331,7 +331,7 @@ impl Subject<'_> {
         let slope = [SPACE.dot(&found.acceleration, lambda)];
         let size = SPACE.norm(&found.acceleration);
         agree("the derivative by the acceleration", &slope, "differences", &by_acceleration, size)?;
-        let mut mass = self.model.matrix();
+        let mut mass = self.model.tangents().matrix();
         self.contribution.add_mass(&mut mass).map_err(|lacking| lacking.to_string())?;
         let mut product = vec![0.0; lambda.len()];
         let dofs = self.model.unknowns().nodal();

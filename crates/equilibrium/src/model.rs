@@ -15,8 +15,10 @@ mod products;
 mod rayleigh_damping;
 mod restricted;
 mod stored_energy;
+pub mod views;
 
 use crate::linear_systems::saddle_point::BorderedTangent;
+use crate::model::views::{Checks, Properties, Tangents};
 use nastic_body::body_energy::AttachedLaw;
 use nastic_body::body_energy::BodyEnergy;
 use nastic_body::body_energy::driving::Driving;
@@ -104,7 +106,7 @@ impl Model {
     pub fn add(&mut self, contribution: Arc<dyn Contribution>) -> Result<(), FemError> {
         let name = contribution.name();
         if !contribution.spans_ranks() {
-            self.refuse_ranks(&format!("\"{name}\""))?;
+            self.ranks().refuse_ranks(&format!("\"{name}\""))?;
         }
         let mut taken =
             self.body.actuations().iter().map(|a| a.name.as_str()).chain(self.others.iter().map(|c| c.name()));
@@ -207,39 +209,9 @@ impl Model {
         self.controls().zeroed()
     }
 
-    /// Whether all contributions have symmetric tangents.
-    pub fn symmetry(&self) -> Symmetry {
-        self.others.iter().map(|c| c.symmetry()).max().unwrap_or(Symmetry::Symmetric)
-    }
-
-    /// The name of a contribution beside the body that stores energy where its controls are zero, if there is one.
-    pub fn storing(&self) -> Option<&str> {
-        self.others.iter().find(|contribution| contribution.stores_energy()).map(|contribution| contribution.name())
-    }
-
-    /// Whether an equilibrium depends on the way there: with friction.
-    pub fn depends_on_path(&self) -> bool {
-        self.others.iter().any(|c| c.path_dependence().is_some())
-    }
-
     /// Whether all contributions have a potential, those that depend on the path without their friction.
     pub(crate) fn has_potential_without_friction(&self) -> bool {
         self.others.iter().all(|c| c.has_potential() || c.path_dependence().is_some())
-    }
-
-    /// The largest ratio of bulk to shear modulus of the cells at rest, of their passive laws: how nearly incompressible the body is.
-    pub fn bulk_over_shear(&self) -> f64 {
-        -self.space.least(-self.body.bulk_over_shear())
-    }
-
-    /// Whether all contributions have a potential.
-    pub fn has_potential(&self) -> bool {
-        self.others.iter().all(|c| c.has_potential())
-    }
-
-    /// A zero matrix for the tangent.
-    pub fn matrix(&self) -> SparseMatrix {
-        SparseMatrix::with_symmetry(self.structure().pattern().clone(), self.symmetry())
     }
 
     /// A matrix of the pattern with nothing in it, where products stand for it.
@@ -253,22 +225,6 @@ impl Model {
     /// [`Inadmissible`] where u is.
     pub fn evaluate(&self, at: &Instant, demand: Demand) -> Result<Sums, Inadmissible> {
         self.at(at, Need::Residual)?.evaluate(at, demand)
-    }
-
-    /// Adds the tangent, supports not eliminated.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        self.at(at, Need::Residual)?.add_tangent(at, tangent)
-    }
-
-    /// The tangent with the border of the constraints, supports not eliminated.
-    ///
-    /// # Errors
-    /// [`Inadmissible`] where u is.
-    pub fn bordered_tangent(&self, at: &Instant) -> Result<BorderedTangent, Inadmissible> {
-        self.at(at, Need::Residual)?.bordered_tangent(at)
     }
 
     /// Residual and tangent with strains of their own at the quadrature points of the body.
@@ -416,28 +372,14 @@ impl Model {
     /// # Errors
     /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
     pub fn check(&self) -> Result<(), FemError> {
-        self.unless_parted(self.check_with(&self.may_resist()))
-    }
-
-    /// The same, where contacts resist to the motions along their normals at rest alone: for what needs a regular tangent there.
-    pub fn check_held(&self) -> Result<(), FemError> {
-        let own = self.others.iter().flat_map(|contribution| contribution.resists().iter().cloned());
-        self.unless_parted(self.check_with(&own.collect::<Vec<_>>()))
+        self.ranks().unless_parted(self.check_with(&self.may_resist()))
     }
 
     fn check_with(&self, springs: &[Vec<(u32, f64)>]) -> Result<(), FemError> {
         // A body without materials has no use for advice on supports.
-        self.all_accept(self.check_laws())?;
+        self.ranks().all_accept(self.check_laws())?;
         self.supports.check(self.discretization(), &springs.iter().collect::<Vec<_>>())?;
-        self.all_accept(self.check_others())
-    }
-
-    /// Whether supports and springs leave no rigid motion of any part free: where they do, contacts have to hold it, or it flies.
-    #[must_use]
-    pub fn is_held_without_contact(&self) -> bool {
-        let others = self.others.iter().filter(|contribution| contribution.touches().is_none());
-        let springs = others.flat_map(|contribution| contribution.resists());
-        self.supports.check(self.discretization(), &springs.collect::<Vec<_>>()).is_ok()
+        self.ranks().all_accept(self.check_others())
     }
 
     /// The same of supports alone.
@@ -456,15 +398,6 @@ impl Model {
         if self.supports.ties().is_empty() { Vec::new() } else { (0..mesh.cells() as u32).filter(in_one).collect() }
     }
 
-    /// Checks that the problem is complete for motion and for modes, in which a body may be free.
-    ///
-    /// # Errors
-    /// [`FemError::NoMaterial`], what a contribution needs held.
-    pub fn check_in_motion(&self) -> Result<(), FemError> {
-        self.check_laws()?;
-        self.check_others()
-    }
-
     fn check_laws(&self) -> Result<(), FemError> {
         self.body.check_complete()?;
         self.check_solver(None)
@@ -478,4 +411,83 @@ impl Model {
 /// Number of constraints of a contribution.
 pub(crate) fn count(contribution: &Arc<dyn Contribution>) -> usize {
     contribution.constrains().map_or(0, Constrains::count)
+}
+
+impl Checks<'_> {
+    /// The same, where contacts resist to the motions along their normals at rest alone: for what needs a regular tangent there.
+    pub fn check_held(&self) -> Result<(), FemError> {
+        let own = self.model.others.iter().flat_map(|contribution| contribution.resists().iter().cloned());
+        self.model.ranks().unless_parted(self.model.check_with(&own.collect::<Vec<_>>()))
+    }
+
+    /// Whether supports and springs leave no rigid motion of any part free: where they do, contacts have to hold it, or it flies.
+    #[must_use]
+    pub fn is_held_without_contact(&self) -> bool {
+        let others = self.model.others.iter().filter(|contribution| contribution.touches().is_none());
+        let springs = others.flat_map(|contribution| contribution.resists());
+        self.model.supports.check(self.model.discretization(), &springs.collect::<Vec<_>>()).is_ok()
+    }
+
+    /// Checks that the problem is complete for motion and for modes, in which a body may be free.
+    ///
+    /// # Errors
+    /// [`FemError::NoMaterial`], what a contribution needs held.
+    pub fn check_in_motion(&self) -> Result<(), FemError> {
+        self.model.check_laws()?;
+        self.model.check_others()
+    }
+}
+
+impl Tangents<'_> {
+    /// A zero matrix for the tangent.
+    pub fn matrix(&self) -> SparseMatrix {
+        SparseMatrix::with_symmetry(self.model.structure().pattern().clone(), self.model.properties().symmetry())
+    }
+
+    /// Adds the tangent, supports not eliminated.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        self.model.at(at, Need::Residual)?.add_tangent(at, tangent)
+    }
+
+    /// The tangent with the border of the constraints, supports not eliminated.
+    ///
+    /// # Errors
+    /// [`Inadmissible`] where u is.
+    pub fn bordered_tangent(&self, at: &Instant) -> Result<BorderedTangent, Inadmissible> {
+        self.model.at(at, Need::Residual)?.bordered_tangent(at)
+    }
+}
+
+impl<'a> Properties<'a> {
+    /// Whether all contributions have symmetric tangents.
+    pub fn symmetry(&self) -> Symmetry {
+        self.model.others.iter().map(|c| c.symmetry()).max().unwrap_or(Symmetry::Symmetric)
+    }
+
+    /// The name of a contribution beside the body that stores energy where its controls are zero, if there is one.
+    pub fn storing(&self) -> Option<&'a str> {
+        self.model
+            .others
+            .iter()
+            .find(|contribution| contribution.stores_energy())
+            .map(|contribution| contribution.name())
+    }
+
+    /// Whether an equilibrium depends on the way there: with friction.
+    pub fn depends_on_path(&self) -> bool {
+        self.model.others.iter().any(|c| c.path_dependence().is_some())
+    }
+
+    /// The largest ratio of bulk to shear modulus of the cells at rest, of their passive laws: how nearly incompressible the body is.
+    pub fn bulk_over_shear(&self) -> f64 {
+        -self.model.space.least(-self.model.body.bulk_over_shear())
+    }
+
+    /// Whether all contributions have a potential.
+    pub fn has_potential(&self) -> bool {
+        self.model.others.iter().all(|c| c.has_potential())
+    }
 }

@@ -39,6 +39,7 @@ pub use nastic_equilibrium::adjoint::Adjoint;
 pub use nastic_equilibrium::adjoint::second_order::{AdjointChange, SecondOrder};
 pub use nastic_equilibrium::contribution_check::check_contribution;
 pub use nastic_equilibrium::linear_systems::workspace::Workspace;
+pub use nastic_equilibrium::model::views;
 pub use nastic_equilibrium::model::{
     ContactSum, Contacts, Controllable, DISPLACEMENT, Feature, Model, ModelPoint, Pressing, StoredEnergy,
 };

@@ -93,7 +93,7 @@ impl Solid {
     pub fn formulation(mut self, region: impl Into<GroupNames>, formulation: Formulation) -> Result<Self, FemError> {
         let cells = self.mesh().cells_of(&region.into())?;
         let chosen = self.model.body.set_formulation(&cells, formulation);
-        self.model.all_accept(chosen)?;
+        self.model.ranks().all_accept(chosen)?;
         Ok(self)
     }
 
@@ -343,7 +343,7 @@ impl Solid {
             return self.contribution(contribution);
         };
         let added = spring.on_rank(self.mesh(), parted).map(|contribution| self.model.add(contribution))?;
-        self.model.all_accept(added)?;
+        self.model.ranks().all_accept(added)?;
         Ok(self)
     }
 
@@ -405,7 +405,8 @@ impl Solid {
     /// # Errors
     /// A coefficient that is negative or not finite; cells without material, or no mass for a0, yet.
     pub fn rayleigh_damping(mut self, a0: f64, a1: f64) -> Result<Self, FemError> {
-        let contribution = self.whole_mesh("Rayleigh damping").and_then(|_| self.model.rayleigh_damping(a0, a1))?;
+        let contribution =
+            self.whole_mesh("Rayleigh damping").and_then(|_| self.model.inertia().rayleigh_damping(a0, a1))?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)
     }

@@ -178,9 +178,9 @@ fn starts_beyond_are_refused() -> Outcome {
     };
     refused(solid.solve(&controls, &SolveOptions::near(&beyond)).err());
     let options = PathOptions::default();
-    refused(solid.model().path(&beyond, (&controls, 1.0), &options, &how, workspace, &mut |_| ()).err());
-    refused(solid.model().equilibria(&beyond, 2, &how, workspace, &mut |_| ()).err());
-    refused(solid.model().descend(&beyond, &how, workspace).err());
+    refused(solid.model().stability().path(&beyond, (&controls, 1.0), &options, &how, workspace, &mut |_| ()).err());
+    refused(solid.model().stability().equilibria(&beyond, 2, &how, workspace, &mut |_| ()).err());
+    refused(solid.model().stability().descend(&beyond, &how, workspace).err());
     let steps = [StepTo { dt: 0.1, controls }];
     let mut trajectory = Trajectory::from_given(beyond);
     refused(solid.model().advance(&mut trajectory, &Scheme::backward_euler(), &steps, &how, workspace).err());
@@ -199,12 +199,13 @@ fn paths_and_deflation_stay_above() -> Outcome {
     let (how, workspace) = (SolveOptions::default(), &mut Workspace::default());
     let options = PathOptions { step: 1.0, points: 40, ..PathOptions::default() };
     let controls = solid.controls();
-    let path = solid.model().path(&solid.rest(), (&controls, 1.0), &options, &how, workspace, &mut |_| ())?;
+    let path =
+        solid.model().stability().path(&solid.rest(), (&controls, 1.0), &options, &how, workspace, &mut |_| ())?;
     println!("{} points, {:?}", path.points.len(), path.end);
     assert!(path.points.len() > 3);
     sound(&floor, &path.points.iter().map(|point| &point.state).collect::<Vec<_>>());
     let state = solid.solve(&controls, &how)?;
-    let all = solid.model().equilibria(&state, 2, &how, workspace, &mut |_| ())?;
+    let all = solid.model().stability().equilibria(&state, 2, &how, workspace, &mut |_| ())?;
     sound(&floor, &all.found.iter().map(|found| &found.state).collect::<Vec<_>>());
     Ok(())
 }

@@ -172,8 +172,8 @@ fn pairs_that_change_are_in_derivatives_and_modes() -> Outcome {
     let modes = solid.modes(&state, 2, &STRICT)?;
     let shape = &modes.shapes[0];
     let mut image = vec![0.0; shape.len()];
-    let mut tangent = solid.model().matrix();
-    solid.model().add_tangent(&Instant::new(&state.u, &controls, 1.0), &mut tangent)?;
+    let mut tangent = solid.model().tangents().matrix();
+    solid.model().tangents().add_tangent(&Instant::new(&state.u, &controls, 1.0), &mut tangent)?;
     assert!(!tangent.beyond().is_empty());
     tangent.multiply(shape, &mut image);
     let mass = solid.discretization().nodal_volumes();

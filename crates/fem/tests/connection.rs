@@ -35,7 +35,7 @@ fn a_snapped_arch_is_not_on_the_branch_of_rest() -> Outcome {
     let solid = strip(H, 2000.0)?;
     let model = solid.model();
     let snapped = solid.solve(&solid.controls(), &STRICT)?;
-    let Connection::LimitPoint(share) = model.connection(&solid.rest(), &snapped, &STRICT)? else {
+    let Connection::LimitPoint(share) = model.stability().connection(&solid.rest(), &snapped, &STRICT)? else {
         return Err("the arch did not snap".into());
     };
     assert!((0.3..0.9).contains(&share), "{share}");
@@ -46,8 +46,8 @@ fn a_snapped_arch_is_not_on_the_branch_of_rest() -> Outcome {
         Ok(at)
     };
     let (half, near) = (before(0.5 * share)?, before(0.97 * share)?);
-    assert_eq!(model.connection(&half, &near, &STRICT)?, Connection::Connected);
-    assert!(matches!(model.connection(&near, &snapped, &STRICT)?, Connection::LimitPoint(_)));
+    assert_eq!(model.stability().connection(&half, &near, &STRICT)?, Connection::Connected);
+    assert!(matches!(model.stability().connection(&near, &snapped, &STRICT)?, Connection::LimitPoint(_)));
     Ok(())
 }
 
@@ -67,7 +67,7 @@ fn a_buckled_strip_is_not_on_the_straight_branch() -> Outcome {
     let aside = pushed.solve(&pushed.controls(), &STRICT)?;
     let solid = solid(0.0)?;
     let buckled = solid.solve(&solid.controls(), &SolveOptions { near: Some(&aside), ..STRICT })?;
-    let Connection::Elsewhere(apart) = solid.model().connection(&solid.rest(), &buckled, &STRICT)? else {
+    let Connection::Elsewhere(apart) = solid.model().stability().connection(&solid.rest(), &buckled, &STRICT)? else {
         return Err("the straight branch led to the buckled state".into());
     };
     assert!(apart > 0.3, "{apart}");

@@ -189,7 +189,8 @@ fn paths_and_ramps_go_along_constraints() -> Outcome {
         let (from, to) = (with(solid, from), with(solid, to));
         let start = solid.solve(&from, &STRICT)?;
         let options = PathOptions { step: 0.2, ..PathOptions::default() };
-        let path = model.path(&start, (&to, 1.0), &options, &STRICT, &mut Workspace::default(), &mut |_| ())?;
+        let path =
+            model.stability().path(&start, (&to, 1.0), &options, &STRICT, &mut Workspace::default(), &mut |_| ())?;
         assert!(matches!(path.end, PathEnd::Left), "{name}: {:?}", path.end);
         let last = &path.points[path.points.len() - 1];
         let state = solid.solve(&to, &STRICT)?;
@@ -203,7 +204,7 @@ fn paths_and_ramps_go_along_constraints() -> Outcome {
             let fits = path.points.iter().zip(&multipliers).all(|(point, p)| (*p > 0.0) == taut(point.s));
             assert!(fits && multipliers.iter().all(|p| *p >= 0.0), "{multipliers:?}");
         }
-        let ramp = model.ramp((&from, &to), 5, &STRICT, &mut Workspace::default(), &mut |_| ())?;
+        let ramp = model.stability().ramp((&from, &to), 5, &STRICT, &mut Workspace::default(), &mut |_| ())?;
         assert!(ramp.failure.is_none() && ramp.critical.is_empty(), "{name}: {:?}", ramp.failure);
         let apart = norm(&sub(&ramp.points[4].state.u, &state.u)) / norm(&state.u);
         assert!(apart < 1e-8, "{name}: {apart:e}");
@@ -223,7 +224,7 @@ fn modes_keep_the_volume() -> Outcome {
     let product = |k: usize| -> Outcome<Vec<f64>> {
         let (mut unit, mut out) = (vec![0.0; dofs + 1], vec![0.0; dofs + 1]);
         unit[k] = 1.0;
-        assert!(model.tangent_product(&at, &unit, &mut out)?);
+        assert!(model.tangents().tangent_product(&at, &unit, &mut out)?);
         Ok(out)
     };
     let volumes: Vec<f64> = disc.nodal_volumes().iter().flat_map(|v| [*v; 3]).collect();
@@ -269,14 +270,14 @@ fn a_drawn_column_has_three_equilibria() -> Outcome {
     let (how, mut workspace) = (SolveOptions::default(), Workspace::default());
     assert_eq!(solid.negative_pivots(&straight)?, 1);
     assert_eq!(solid.modes(&straight, 1, &how)?.negative, 1);
-    let all = solid.model().equilibria(&straight, 3, &how, &mut workspace, &mut |_| ())?;
+    let all = solid.model().stability().equilibria(&straight, 3, &how, &mut workspace, &mut |_| ())?;
     let negative: Vec<_> = all.found.iter().map(|found| found.negative).collect();
     println!("{negative:?} from {} starts, {} Newton", all.starts, all.newton);
     assert_eq!(negative, [Some(1), Some(0), Some(0)]);
     let dofs = solid.discretization().dofs();
     let [_, up, down] = &all.found[..] else { panic!("three") };
     assert!((up.state.u[dofs] / down.state.u[dofs] - 1.0).abs() < 1e-8, "mirror images have one tension");
-    let descent = solid.model().descend(&straight, &how, &mut workspace)?;
+    let descent = solid.model().stability().descend(&straight, &how, &mut workspace)?;
     assert!(descent.saddles == 1 && descent.state.report.energy < straight.report.energy);
     let same = |found: &State| largest(&sub(&found.u[..dofs], &descent.state.u[..dofs])) < 1e-6;
     assert!(same(&up.state) || same(&down.state));

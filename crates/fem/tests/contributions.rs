@@ -28,7 +28,7 @@ fn every_contribution_keeps_its_contract() -> Outcome {
         let second = model.second_vjp(&Instant::new(&u, &controls, 1.0), &u, &Increment { u: &u, controls: &controls });
         // what has no potential may give none: friction
         assert!(
-            second.is_ok() || !model.has_potential() || entry.name.contains("lagged"),
+            second.is_ok() || !model.properties().has_potential() || entry.name.contains("lagged"),
             "{}: {second:?}",
             entry.name
         );
@@ -184,16 +184,23 @@ fn a_force_without_a_potential_has_a_path_and_no_modes() -> Outcome {
     controls.values_mut(block)[0] = 6.0;
     controls.values_mut(0).fill(-100.0);
     let (model, workspace) = (solid.model(), &mut Workspace::default());
-    let path = model.path(&solid.rest(), (&controls, 1.0), &PathOptions::default(), &STRICT, workspace, &mut |_| ())?;
+    let path = model.stability().path(
+        &solid.rest(),
+        (&controls, 1.0),
+        &PathOptions::default(),
+        &STRICT,
+        workspace,
+        &mut |_| (),
+    )?;
     assert!(matches!(path.end, PathEnd::Left) && path.events.is_empty());
     assert!(path.points.iter().all(|point| point.negative.is_none()));
     let (end, state) = (&path.points[path.points.len() - 1].state, solid.solve(&controls, &STRICT)?);
     assert!(common::distance(&end.u, &state.u) < 1e-8);
     let modes = solid.modes(&state, 1, &STRICT);
     assert!(matches!(modes, Err(StateError::Problem(FemError::Unsupported { .. }))), "{modes:?}");
-    let several = model.equilibria(&state, 2, &STRICT, workspace, &mut |_| ());
+    let several = model.stability().equilibria(&state, 2, &STRICT, workspace, &mut |_| ());
     assert!(matches!(several, Err(StateError::Problem(FemError::Unsupported { .. }))), "{several:?}");
-    assert!(matches!(model.descend(&state, &STRICT, workspace), Err(StateError::Problem(_))));
+    assert!(matches!(model.stability().descend(&state, &STRICT, workspace), Err(StateError::Problem(_))));
     Ok(())
 }
 

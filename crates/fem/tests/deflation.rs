@@ -28,7 +28,8 @@ fn strip(multiple: f64, h: f64) -> Outcome<(Solid, State)> {
 
 fn find(solid: &Solid, known: &State, count: usize) -> Outcome<Equilibria> {
     let mut seen = 0;
-    let found = solid.model().equilibria(known, count, &STRICT, &mut Workspace::default(), &mut |_| seen += 1)?;
+    let found =
+        solid.model().stability().equilibria(known, count, &STRICT, &mut Workspace::default(), &mut |_| seen += 1)?;
     assert_eq!(seen, found.found.len());
     Ok(found)
 }
@@ -113,8 +114,14 @@ fn the_three_states_of_an_arch_are_found() -> Outcome {
     let crown = height(&solid, [0.5, 3.0 * h, 0.0])?;
     let to = (&full.controls(), 1.0);
     let none = &mut |_: &_| ();
-    let path =
-        full.model().path(&full.rest(), to, &PathOptions::default(), &STRICT, &mut Workspace::default(), none)?;
+    let path = full.model().stability().path(
+        &full.rest(),
+        to,
+        &PathOptions::default(),
+        &STRICT,
+        &mut Workspace::default(),
+        none,
+    )?;
     let crossings: Vec<_> = path.points.windows(2).filter(|pair| (pair[0].s - s) * (pair[1].s - s) < 0.0).collect();
     assert_eq!(crossings.len(), 3);
     for (pair, count) in crossings.iter().zip([0, 2, 0]) {
@@ -134,7 +141,7 @@ fn what_cannot_be_asked_is_a_typed_error() -> Outcome {
     let (solid, straight) = strip(0.5, 0.02)?;
     assert_eq!(find(&solid, &straight, 1)?.found.len(), 1);
     let ask = |solid: &Solid, count: usize, how: &SolveOptions| {
-        solid.model().equilibria(&straight, count, how, &mut Workspace::default(), &mut |_| ())
+        solid.model().stability().equilibria(&straight, count, how, &mut Workspace::default(), &mut |_| ())
     };
     assert!(matches!(ask(&solid, 0, &STRICT), Err(StateError::Problem(_))));
     let other = Solid::new(regular(CellKind::Quad4, [1.0, 1.0, 0.0], [1, 1, 1])?)?

@@ -33,7 +33,7 @@ fn a_straight_column_falls_to_its_bent_state() -> Outcome {
     ] {
         let (solid, straight) = column(kind, h, multiple)?;
         assert!(solid.negative_pivots(&straight)? > 0 && largest(&straight.u) < 0.05);
-        let found = solid.model().descend(&straight, &STRICT, &mut Workspace::default())?;
+        let found = solid.model().stability().descend(&straight, &STRICT, &mut Workspace::default())?;
         assert!(found.saddles > 0);
         assert_eq!(solid.negative_pivots(&found.state)?, 0, "{kind}, {multiple} times the load");
         assert!(found.state.report.energy < straight.report.energy);
@@ -63,7 +63,7 @@ fn a_nearly_incompressible_strip_falls_to_its_bent_state() -> Outcome {
             .traction("x+", Vec3::x() * -pressure)?;
         let straight = solid.solve(&solid.controls(), &STRICT)?;
         assert!(solid.negative_pivots(&straight)? > 1);
-        let found = solid.model().descend(&straight, &STRICT, &mut Workspace::default())?;
+        let found = solid.model().stability().descend(&straight, &STRICT, &mut Workspace::default())?;
         assert_eq!(solid.negative_pivots(&found.state)?, 0, "{pressure} Pa");
         let potential = found.state.report.energy;
         assert!((potential / elastica - 1.0).abs() < 0.04, "{pressure} Pa: {potential:e} J");
@@ -74,10 +74,10 @@ fn a_nearly_incompressible_strip_falls_to_its_bent_state() -> Outcome {
 #[test]
 fn a_stable_state_stays_and_what_cannot_be_is_refused() -> Outcome {
     let (solid, state) = column(CellKind::Quad8, 0.05, 0.5)?;
-    let found = solid.model().descend(&state, &STRICT, &mut Workspace::default())?;
+    let found = solid.model().stability().descend(&state, &STRICT, &mut Workspace::default())?;
     assert_eq!((found.saddles, &found.state.u), (0, &state.u));
     let half = State { load: 0.5, ..state };
-    let refused = solid.model().descend(&half, &STRICT, &mut Workspace::default());
+    let refused = solid.model().stability().descend(&half, &STRICT, &mut Workspace::default());
     assert!(matches!(refused, Err(StateError::Problem(_))), "{refused:?}");
     Ok(())
 }
@@ -87,7 +87,7 @@ fn a_stable_state_stays_and_what_cannot_be_is_refused() -> Outcome {
 fn a_saddle_without_a_way_down_is_named() -> Outcome {
     let (solid, straight) = column(CellKind::Quad9, 0.05, 1.2)?;
     let short = SolveOptions { max_newton: 1, ..STRICT };
-    let failed = solid.model().descend(&straight, &short, &mut Workspace::default());
+    let failed = solid.model().stability().descend(&straight, &short, &mut Workspace::default());
     let Err(error @ StateError::NoConvergence { cause: Cause::Saddle { negative: 1 }, .. }) = &failed else {
         panic!("{:?}", failed.map(|found| found.saddles));
     };

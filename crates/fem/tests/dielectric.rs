@@ -68,7 +68,8 @@ fn pull_in_is_the_limit_point_of_the_closed_form() -> Outcome {
     let top = 0.8 * (MU / EPS).sqrt();
     let options = PathOptions { step: 0.02, to_limit: true, ..PathOptions::default() };
     let to = (&field(&solid, top)?, 1.0);
-    let path = solid.model().path(&solid.rest(), to, &options, &STRICT, &mut Workspace::default(), &mut |_| ())?;
+    let path =
+        solid.model().stability().path(&solid.rest(), to, &options, &STRICT, &mut Workspace::default(), &mut |_| ())?;
     let turn = path.events.iter().find(|event| event.kind == EventKind::LimitPoint).ok_or("no limit point")?;
     let (found, l) = (0.8 * turn.s, stretch(&solid, &turn.state));
     assert!((found / PULL_IN - 1.0).abs() < 1e-3, "pull-in at {found}, not {PULL_IN}");

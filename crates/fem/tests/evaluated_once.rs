@@ -79,8 +79,8 @@ fn a_body_keeps_its_deformation_gradients() -> Outcome {
     let (model, controls) = (solid.model(), solid.controls());
     let u: Vec<f64> = (0..model.unknowns().len()).map(|i| 1e-3 * ((i * i) % 7) as f64).collect();
     let (rest, there) = (vec![0.0; u.len()], Instant::new(&u, &controls, 1.0));
-    let (mut kept, mut expected) = (model.matrix(), model.matrix());
-    model.add_tangent(&there, &mut expected)?;
+    let (mut kept, mut expected) = (model.tangents().matrix(), model.tangents().matrix());
+    model.tangents().add_tangent(&there, &mut expected)?;
     let point = model.at(&there, Need::Derivatives)?;
     point.evaluate(&there, Demand { energy: true, force: true })?;
     point.add_tangent(&Instant::new(&rest, &controls, 1.0), &mut kept)?;

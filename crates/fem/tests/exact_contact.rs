@@ -23,7 +23,7 @@ fn exact(solid: &Solid, down: f64) -> Outcome<(Touch, Touch, ExactEquilibrium)> 
     let mut controls = solid.controls();
     controls.values_mut(0)[2] = -down;
     let layered = solid.solve(&controls, &STRICT)?;
-    let found = solid.model().exact_contact(&layered, &STRICT, &mut Workspace::default())?;
+    let found = solid.model().stability().exact_contact(&layered, &STRICT, &mut Workspace::default())?;
     let of = |model: &nastic_fem::Model, state| model.contacts().touches(&Instant::of(state)).remove(0).1;
     Ok((of(solid.model(), &layered), of(&found.model, &found.state), found))
 }
@@ -120,7 +120,7 @@ fn what_does_not_go_with_exact_contact_is_refused() -> Outcome {
         (block()?.contact(floor.friction(0.5, 1e-3))?, "friction depends on the path"),
         (block()?.surface_contact(between)?, "for obstacles"),
     ] {
-        let refused = solid.model().exact_contact(&solid.rest(), &STRICT, &mut Workspace::default());
+        let refused = solid.model().stability().exact_contact(&solid.rest(), &STRICT, &mut Workspace::default());
         let error = match refused {
             Err(error @ StateError::Problem(_)) => error.to_string(),
             other => panic!("{other:?}"),

@@ -69,7 +69,7 @@ fn sums_have_the_same_bits_for_any_number_of_threads() -> Outcome {
         }
         let answer = |threads: usize| -> Outcome<(Vec<f64>, Vec<f64>, f64)> {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
-            let (mut tangent, model) = (solid.model().matrix(), solid.body());
+            let (mut tangent, model) = (solid.model().tangents().matrix(), solid.body());
             let sums = pool.install(|| model.evaluate_tangent(&u, &controls, &mut tangent, threads > 1))?;
             Ok((sums.force, tangent.values, sums.energy))
         };

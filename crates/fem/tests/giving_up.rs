@@ -89,7 +89,7 @@ fn a_limit_point_ahead_is_told() -> Outcome {
     let (model, how) = (solid.model(), SolveOptions::default());
     let ahead = |from: &State, p: f64| -> Outcome<(Ahead, SolveReport)> {
         let (mut report, workspace) = (SolveReport::default(), &mut Workspace::default());
-        let found = model.ahead(from, (&pressure(&solid, p)?, 1.0), &how, workspace, &mut report)?;
+        let found = model.moves().ahead(from, (&pressure(&solid, p)?, 1.0), &how, workspace, &mut report)?;
         Ok((found, report))
     };
     let near = solid.solve(&pressure(&solid, 0.3)?, &how)?;
@@ -111,7 +111,7 @@ fn a_limit_point_ahead_is_told() -> Outcome {
     // a path has its budget too
     let brief = SolveOptions { budget: Some(3), ..how.clone() };
     let report = &mut SolveReport::default();
-    let cut = model.ahead(&near, (&pressure(&solid, to)?, 1.0), &brief, &mut Workspace::default(), report)?;
+    let cut = model.moves().ahead(&near, (&pressure(&solid, to)?, 1.0), &brief, &mut Workspace::default(), report)?;
     assert!(matches!(cut, Ahead::Unknown(share) if share < limit.share), "{cut:?}");
     Ok(())
 }

@@ -17,7 +17,7 @@ fn body(kind: CellKind, inertia: Inertia) -> Outcome<Solid> {
 /// `v . M v` of a velocity field.
 fn twice_kinetic(solid: &Solid, v: &[f64]) -> Outcome<f64> {
     let mut product = vec![0.0; v.len()];
-    solid.model().mass()?.multiply(v, &mut product);
+    solid.model().inertia().mass()?.multiply(v, &mut product);
     Ok(v.iter().zip(&product).map(|(v, p)| v * p).sum())
 }
 
@@ -43,7 +43,7 @@ fn lumped_masses_are_positive_and_sum_to_the_mass() -> Outcome {
     for kind in kinds() {
         let mesh = distorted(unit(kind, 2)?, 0.05)?;
         let solid = Solid::new(mesh)?.inertia(Inertia::new("body", 3.0).and("body", 4.0).lumped())?;
-        let diagonal = solid.model().mass()?.diagonal();
+        let diagonal = solid.model().inertia().mass()?.diagonal();
         assert!(diagonal.iter().all(|&m| m > 0.0), "{kind}");
         let sum: f64 = diagonal.iter().step_by(solid.discretization().dim()).sum();
         assert!((sum - DENSITY).abs() < 1e-12 * DENSITY, "{kind}: {sum}");
@@ -54,8 +54,8 @@ fn lumped_masses_are_positive_and_sum_to_the_mass() -> Outcome {
             let consistent = body(kind, Inertia::new("body", DENSITY))?;
             let ones = vec![1.0; consistent.discretization().dofs()];
             let mut sums = vec![0.0; ones.len()];
-            consistent.model().mass()?.multiply(&ones, &mut sums);
-            let lumped = body(kind, Inertia::new("body", DENSITY).lumped())?.model().mass()?.diagonal();
+            consistent.model().inertia().mass()?.multiply(&ones, &mut sums);
+            let lumped = body(kind, Inertia::new("body", DENSITY).lumped())?.model().inertia().mass()?.diagonal();
             let error = sums.iter().zip(&lumped).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(error < 1e-13, "{kind}: {error:e}");
         }
@@ -78,8 +78,8 @@ fn inertia_is_the_same_before_and_after_a_coupling() -> Outcome {
         let step = TimeStep::backward_euler(&solid.rest(), 0.01);
         let controls = solid.controls();
         let at = Instant::new(&u, &controls, 1.0).in_step(&step);
-        let mut tangent = solid.model().matrix();
-        solid.model().add_tangent(&at, &mut tangent)?;
+        let mut tangent = solid.model().tangents().matrix();
+        solid.model().tangents().add_tangent(&at, &mut tangent)?;
         let mut out = vec![0.0; u.len()];
         tangent.multiply(&direction, &mut out);
         Ok(out)

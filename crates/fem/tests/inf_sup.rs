@@ -73,7 +73,7 @@ fn inf_sup(formulation: Formulation, mesh: &Mesh, held: Held) -> Outcome<InfSup>
     };
     let fixed = held.fixed(mesh);
     let tangent = |solid: &Solid| -> Outcome<SparseMatrix> {
-        let mut matrix = solid.model().matrix();
+        let mut matrix = solid.model().tangents().matrix();
         let rest = vec![0.0; solid.discretization().dofs()];
         solid.body().add_tangent(&rest, &solid.controls(), &mut matrix, true)?;
         matrix.eliminate(&fixed, 1.0);

@@ -340,7 +340,7 @@ fn products_of_cells_are_those_of_the_matrix() -> Outcome {
     let system = System::bent(cantilever(CellKind::Hex27, 1.0, [5, 2, 2], 1e6)?)?;
     let state = system.solid.solve(&bending(-1.5e5, &system.solid), &SolveOptions::default())?;
     let instant = Instant::of(&state);
-    let products = system.solid.model().cell_products(&instant)?.ok_or("27-node hexahedra have products")?;
+    let products = system.solid.model().tangents().cell_products(&instant)?.ok_or("27-node hexahedra have products")?;
     let v = system.vector(3);
     let mut wanted = vec![0.0; v.len()];
     system.matrix.multiply(&v, &mut wanted);
@@ -362,7 +362,7 @@ fn multigrid_on_products_takes_the_same_cycles() -> Outcome {
         let solid = cantilever(CellKind::Hex27, 1.0, [10, 2, 2], 1e6)?;
         let state = if bent { solid.solve(&bending(-1.5e5, &solid), &SolveOptions::default())? } else { solid.rest() };
         let system = System::new(solid, &state)?;
-        let products = system.solid.model().cell_products(&Instant::of(&state))?;
+        let products = system.solid.model().tangents().cell_products(&Instant::of(&state))?;
         let (corners, fixed) = (system.solid.discretization().corners(), system.solid.supports().fixed());
         let geometry = Geometry { points: &system.points, fixed, corners, products: products.as_ref() };
         let levels = Multigrid::new(&system.matrix, &geometry, true)?;
@@ -379,8 +379,9 @@ fn multigrid_on_products_takes_the_same_cycles() -> Outcome {
 /// What other cells and other contributions have no products for.
 #[test]
 fn only_bodies_of_hexahedra_alone_have_products() -> Outcome {
-    let has =
-        |solid: &Solid| -> Outcome<bool> { Ok(solid.model().cell_products(&Instant::of(&solid.rest()))?.is_some()) };
+    let has = |solid: &Solid| -> Outcome<bool> {
+        Ok(solid.model().tangents().cell_products(&Instant::of(&solid.rest()))?.is_some())
+    };
     let hex27 = || cantilever(CellKind::Hex27, 1.0, [2, 1, 1], 1e6);
     assert!(has(&hex27()?)?);
     assert!(has(&hex27()?.inertia(Inertia::new("body", 1e3))?)?, "inertia has no tangent in an equilibrium");

@@ -26,8 +26,8 @@ fn column(kind: CellKind, h: f64, cells: [usize; 3], multiple: f64) -> Outcome<(
 }
 
 fn tangent(solid: &Solid, state: &State) -> Outcome<SparseMatrix> {
-    let mut matrix = solid.model().matrix();
-    solid.model().add_tangent(&Instant::new(&state.u, &state.controls, state.load), &mut matrix)?;
+    let mut matrix = solid.model().tangents().matrix();
+    solid.model().tangents().add_tangent(&Instant::new(&state.u, &state.controls, state.load), &mut matrix)?;
     Ok(matrix)
 }
 

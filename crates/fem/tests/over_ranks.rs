@@ -224,7 +224,11 @@ fn moving_supports_and_springs_act_as_on_one_rank() -> Outcome {
     let slopes = |solid: &Solid, state: &State, rhs: &[f64], how: &SolveOptions| -> Outcome<Vec<f64>> {
         let adjoint = solid.adjoint(state, &[rhs], how)?;
         let by_u: Vec<f64> = rhs.iter().map(|b| -b).collect();
-        let found = solid.model().sensitivities(&nastic_fem::Instant::of(state), &by_u, &adjoint.lambda[0])?;
+        let found = solid.model().prescribed_unknowns().sensitivities(
+            &nastic_fem::Instant::of(state),
+            &by_u,
+            &adjoint.lambda[0],
+        )?;
         let space = solid.model().unknowns();
         Ok(found.controls.values(0).iter().map(|own| space.total(*own)).collect())
     };

@@ -35,7 +35,10 @@ fn follow(solid: &Solid, options: &PathOptions) -> Outcome<EquilibriumPath> {
     let mut seen = 0;
     let to = (&solid.controls(), 1.0);
     let path =
-        solid.model().path(&solid.rest(), to, options, &STRICT, &mut Workspace::default(), &mut |_| seen += 1)?;
+        solid
+            .model()
+            .stability()
+            .path(&solid.rest(), to, options, &STRICT, &mut Workspace::default(), &mut |_| seen += 1)?;
     assert_eq!(seen, path.points.len());
     Ok(path)
 }
@@ -131,7 +134,8 @@ fn supports_and_controls_go_along() -> Outcome {
     controls.values_mut(0).fill(5e4);
     let to = (&controls, 1.0);
     let options = PathOptions::default();
-    let path = solid.model().path(&solid.rest(), to, &options, &STRICT, &mut Workspace::default(), &mut |_| ())?;
+    let path =
+        solid.model().stability().path(&solid.rest(), to, &options, &STRICT, &mut Workspace::default(), &mut |_| ())?;
     assert!(matches!(path.end, PathEnd::Left) && path.events.is_empty());
     let end = &path.points[path.points.len() - 1];
     let alone = solid.solve(&controls, &STRICT)?;
@@ -139,7 +143,8 @@ fn supports_and_controls_go_along() -> Outcome {
     assert!(path.points.iter().all(|point| point.state.report.newton <= 5), "the tangent is exact");
     // back from there
     let rest = (&solid.controls(), 0.0);
-    let back = solid.model().path(&end.state, rest, &options, &STRICT, &mut Workspace::default(), &mut |_| ())?;
+    let back =
+        solid.model().stability().path(&end.state, rest, &options, &STRICT, &mut Workspace::default(), &mut |_| ())?;
     assert!(common::largest(&back.points[back.points.len() - 1].state.u) < 1e-9);
     Ok(())
 }
@@ -155,12 +160,19 @@ fn what_cannot_be_followed_is_told() -> Outcome {
         PathOptions { range: [0.0, 1.0], ..PathOptions::default() },
         PathOptions { range: [-1.0, f64::NAN], ..PathOptions::default() },
     ] {
-        let refused = solid.model().path(&solid.rest(), to, &options, &STRICT, &mut Workspace::default(), &mut |_| ());
+        let refused = solid.model().stability().path(
+            &solid.rest(),
+            to,
+            &options,
+            &STRICT,
+            &mut Workspace::default(),
+            &mut |_| (),
+        );
         assert!(matches!(refused, Err(StateError::Problem(_))), "{refused:?}");
     }
     let cancel = std::sync::atomic::AtomicBool::new(true);
     let stopped = SolveOptions { cancel: Some(&cancel), ..STRICT };
-    let refused = solid.model().path(
+    let refused = solid.model().stability().path(
         &solid.rest(),
         to,
         &PathOptions::default(),

@@ -117,7 +117,7 @@ fn the_adjoint_goes_through_the_field() -> Outcome {
 fn what_knows_of_the_displacement_alone_is_refused() -> Outcome {
     let solid = with_field(bar()?)?;
     let equilibria = [Feature::Modes, Feature::Path, Feature::Ramp, Feature::Deflation, Feature::Descent];
-    let refused = equilibria.map(|feature| solid.model().supports(feature));
+    let refused = equilibria.map(|feature| solid.model().properties().supports(feature));
     for answer in refused.into_iter().chain([solid.model().supports_motion(&Scheme::bdf2())]) {
         let message = answer.err().ok_or("it goes")?.to_string();
         assert!(message.contains("\"phi\"") && message.contains("\"poisson\""), "{message}");

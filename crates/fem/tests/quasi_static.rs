@@ -120,8 +120,8 @@ fn a_linearised_step_is_one_linear_system() -> Outcome {
     let step = nastic_fem::TimeStep::backward_euler(&begin, h);
     let at = Instant::new(&begin.u, &to.controls, 1.0).in_step(&step);
     let force = model.evaluate(&at, nastic_fem::Demand { energy: false, force: true })?.force;
-    let mut tangent = model.matrix();
-    model.add_tangent(&at, &mut tangent)?;
+    let mut tangent = model.tangents().matrix();
+    model.tangents().add_tangent(&at, &mut tangent)?;
     let free: Vec<usize> = (0..force.len()).filter(|&i| !solid.supports().fixed()[i]).collect();
     let column = |j: usize| {
         let mut unit = vec![0.0; force.len()];

@@ -85,7 +85,7 @@ fn momenta(solid: &Solid, state: &State) -> Outcome<(Vec3, Vec3)> {
     let (dim, points) = (solid.mesh().dim(), solid.mesh().points());
     let n = points.len() * dim;
     let mut p = vec![0.0; n];
-    solid.model().mass()?.multiply(&state.velocity.as_ref().unwrap()[..n], &mut p);
+    solid.model().inertia().mass()?.multiply(&state.velocity.as_ref().unwrap()[..n], &mut p);
     let of = |values: &[f64], a: usize| Vec3::from_fn(|i, _| if i < dim { values[dim * a + i] } else { 0.0 });
     let at = |a: usize| Vec3::from(points[a]) + of(&state.u, a);
     let sum = (0..points.len()).map(|a| of(&p, a)).sum();
@@ -413,7 +413,7 @@ fn a_rigid_side_of_a_filled_chamber() -> Outcome {
     rigid.supports().restrict(&mut all[..dofs]);
     let solved = rigid.model().adjoint(&state, &[&all], &STRICT)?.lambda.remove(0);
     let mut left = vec![0.0; all.len()];
-    assert!(rigid.model().tangent_product(&Instant::of(&state), &solved, &mut left)?);
+    assert!(rigid.model().tangents().tangent_product(&Instant::of(&state), &solved, &mut left)?);
     rigid.supports().restrict(&mut left[..dofs]);
     let largest = left.iter().zip(&all).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(largest < 1e-8, "{largest:e}");
@@ -422,7 +422,7 @@ fn a_rigid_side_of_a_filled_chamber() -> Outcome {
     by_u.resize(state.u.len(), 0.0);
     let rhs: Vec<f64> = by_u.iter().map(|d| -d).collect();
     let lambda = rigid.model().adjoint(&state, &[&rhs], &STRICT)?.lambda.remove(0);
-    let by = rigid.model().sensitivities(&Instant::of(&state), &by_u, &lambda)?.controls;
+    let by = rigid.model().prescribed_unknowns().sensitivities(&Instant::of(&state), &by_u, &lambda)?.controls;
     let slope = 0.1 * by.values(block(&rigid, "air"))[0] + 0.05 * by.values(block(&rigid, "fibre")).iter().sum::<f64>();
     let at = |t: f64| filled(&rigid, t).map(|state| cost(&state));
     let h = 0.02;
@@ -448,7 +448,7 @@ fn what_does_not_go_with_rigid_bodies_is_refused() -> Outcome {
     says(&held.unwrap_err(), "of the rigid body \"insert\"");
     let body = beam(CellKind::Hex8, 1.0)?.rigid(&insert)?;
     for feature in [Feature::Modes, Feature::Deflation, Feature::Descent] {
-        says(&body.model().supports(feature).unwrap_err(), "insert");
+        says(&body.model().properties().supports(feature).unwrap_err(), "insert");
     }
     says(&body.model().supports_motion(&scheme("siere")).unwrap_err(), "insert");
     let inside = [[1.2, 0.5, 0.5], [2.2, 0.5, 0.5]];

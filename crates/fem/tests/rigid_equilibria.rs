@@ -177,7 +177,7 @@ fn a_rigid_block_on_a_floor_is_neutral() -> Outcome {
     assert!(state.report.residual <= 1e-10, "{:?}", state.report);
     assert!((height(&solid, &state) - 0.02).abs() < 1e-6, "{}", height(&solid, &state));
     assert_eq!(solid.negative_pivots(&state)?, 0);
-    let free = solid.model().neutral_motion(&state, &STRICT)?.ok_or("nothing is free")?;
+    let free = solid.model().stability().neutral_motion(&state, &STRICT)?.ok_or("nothing is free")?;
     assert_eq!((free.count, free.what.as_str()), (3, "the rigid body \"block\""));
     let along = |axis: usize| -> Vec<f64> {
         let mut rhs = vec![0.0; state.u.len()];
@@ -220,7 +220,11 @@ fn a_soft_block_lies_down() -> Outcome {
         assert!((carried - 1.0).abs() < 1e-8, "{kind}: {carried}");
         assert!((height(&solid, &state) / 0.02 - 1.0).abs() < 0.01, "{kind}: {}", height(&solid, &state));
         assert_eq!((solid.negative_pivots(&state)?, state.report.min_j > 0.9), (0, true));
-        assert_eq!(solid.model().neutral_motion(&state, &STRICT)?.map(|free| free.count), Some(3), "{kind}");
+        assert_eq!(
+            solid.model().stability().neutral_motion(&state, &STRICT)?.map(|free| free.count),
+            Some(3),
+            "{kind}"
+        );
         // from where it lies there is nothing to do, and the report says what it is
         let again = solid.solve(&solid.controls(), &SolveOptions { near: Some(&state), ..STRICT })?;
         let off = again.u.iter().zip(state.u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);

@@ -112,9 +112,9 @@ fn a_step_is_a_linear_system_and_the_exact_modes() -> Outcome {
         let columns: Vec<Vec<f64>> = free.iter().map(column).collect();
         DMatrix::from_fn(free.len(), free.len(), |i, j| columns[j][free[i]])
     };
-    let (mass, mut tangent) = (model.mass()?, model.matrix());
+    let (mass, mut tangent) = (model.inertia().mass()?, model.tangents().matrix());
     let at = Instant::new(&begin.u, &to[0].controls, 1.0);
-    model.add_tangent(&at, &mut tangent)?;
+    model.tangents().add_tangent(&at, &mut tangent)?;
     let (m, k) = (dense(&|x, y| mass.multiply(x, y)), dense(&|x, y| tangent.multiply(x, y)));
     let gather = |values: &[f64]| DVector::from_iterator(free.len(), free.iter().map(|&i| values[i]));
     let force = -gather(&model.evaluate(&at, Demand { energy: false, force: true })?.force);

@@ -256,10 +256,10 @@ fn no_move_crosses() -> Outcome {
     };
     let from = Instant::new(&rest, &controls, 1.0);
     for by in [1.0, 2.5] {
-        let share = solid.model().admissible_move(&from, &down(by))?;
+        let share = solid.model().moves().admissible_move(&from, &down(by))?;
         assert!(share * by > 0.5 * GAP && share * by < GAP, "{share} of {by}");
     }
-    assert_eq!(solid.model().admissible_move(&from, &down(0.5 * GAP))?, 1.0);
+    assert_eq!(solid.model().moves().admissible_move(&from, &down(0.5 * GAP))?, 1.0);
     Ok(())
 }
 
@@ -281,11 +281,11 @@ fn random_moves_do_not_cross() -> Outcome {
             let turn = tilt * Vec3::new(0.0, 0.5 - x.z, x.y - 0.5);
             common + if x.z > 1.005 { own + turn } else { Vec3::zeros() }
         });
-        let share = solid.model().admissible_move(&Instant::new(&from, &controls, 1.0), &to)?;
+        let share = solid.model().moves().admissible_move(&Instant::new(&from, &controls, 1.0), &to)?;
         shortened += usize::from(share < 1.0);
         // what both do together brings them no nearer
         let together = common::nodal(solid.mesh(), |_| common);
-        assert_eq!(solid.model().admissible_move(&Instant::new(&from, &controls, 1.0), &together)?, 1.0);
+        assert_eq!(solid.model().moves().admissible_move(&Instant::new(&from, &controls, 1.0), &together)?, 1.0);
         let u: Vec<f64> = from.iter().zip(&to).map(|(from, to)| from + share * (to - from)).collect();
         let state = State { u: u.into(), ..solid.rest() };
         assert!(!crosses_itself(&solid, &state)?, "trial {trial}: {share}");
@@ -321,10 +321,10 @@ fn a_surface_with_itself_is_two_with_each_other() -> Outcome {
     assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 1e-12 * scale));
     assert_eq!(force(&one, true)?, b);
     let tangent = |parallel: bool| -> Outcome<Vec<f64>> {
-        let mut matrix = one.model().matrix();
+        let mut matrix = one.model().tangents().matrix();
         let mut at = Instant::new(&u, &controls, 1.0);
         at.parallel = parallel;
-        one.model().add_tangent(&at, &mut matrix)?;
+        one.model().tangents().add_tangent(&at, &mut matrix)?;
         let mut out = vec![0.0; u.len()];
         matrix.multiply(&u, &mut out);
         Ok(out)
@@ -348,7 +348,7 @@ fn contact_between_free_bodies_is_no_support() -> Outcome {
     // without a load the upper one stays where it is, near the lower one or not
     let held = body()?.clamp("z-")?.surface_contact(contact())?;
     let state = held.solve(&held.controls(), &STRICT)?;
-    assert!(state.u.iter().all(|u| *u == 0.0) && held.model().neutral_motion(&state, &STRICT)?.is_some());
+    assert!(state.u.iter().all(|u| *u == 0.0) && held.model().stability().neutral_motion(&state, &STRICT)?.is_some());
     let rollers = body()?.displace("x-", [Some(0.0), None, None])?.displace("y-", [None, Some(0.0), None])?;
     let above = rollers.clamp("z-")?.surface_contact(contact())?.body_force("body", Vec3::new(0.0, 0.0, -100.0))?;
     // the upper block of 1 m^3; its nodes lie a little aside of those below
@@ -370,7 +370,7 @@ fn an_impact_keeps_the_momentum() -> Outcome {
     let steps: Vec<_> = (0..60).map(|_| StepTo { dt: 5e-3, controls: solid.controls() }).collect();
     let mut trajectory = Trajectory::from_given(begin);
     solid.model().advance(&mut trajectory, &Scheme::backward_euler(), &steps, &STRICT, &mut Workspace::default())?;
-    let mass = solid.model().mass()?;
+    let mass = solid.model().inertia().mass()?;
     let momentum = |state: &State| {
         let v = state.velocity.as_ref().unwrap();
         let mut image = vec![0.0; v.len()];

@@ -59,7 +59,7 @@ fn beams_do_not_go_through_each_other() -> Outcome {
             true => by + turn.cross(&(x - Vec3::new(0.0, 0.0, WIDTH + GAP))),
             false => Vec3::zeros(),
         });
-        let share = solid.model().admissible_move(&Instant::new(&rest, &controls, 1.0), &to)?;
+        let share = solid.model().moves().admissible_move(&Instant::new(&rest, &controls, 1.0), &to)?;
         let moved: Vec<f64> = to.iter().map(|to| share * to).collect();
         assert!(!crosses(&solid, &moved)?, "trial {trial}: {share}");
         shortened += usize::from(share < 1.0);

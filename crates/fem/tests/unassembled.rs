@@ -39,7 +39,7 @@ fn matrix_at(solid: &Solid, state: &State) -> Outcome<SparseMatrix> {
 }
 
 fn products_at(solid: &Solid, state: &State) -> Outcome<Arc<dyn CellProducts>> {
-    Ok(solid.model().cell_products(&Instant::of(state))?.ok_or("27-node hexahedra have products")?)
+    Ok(solid.model().tangents().cell_products(&Instant::of(state))?.ok_or("27-node hexahedra have products")?)
 }
 
 #[test]
@@ -269,7 +269,7 @@ fn the_memory_of_levels_on_products_is_predicted() -> Outcome {
     let mut x: Vec<f64> = (0..fixed.len()).map(noise).collect();
     levels.apply(&mut x);
     assert!(x.iter().all(|x| x.is_finite()));
-    let (predicted, found) = (solid.model().multigrid_bytes(), levels.bytes());
+    let (predicted, found) = (solid.model().tangents().multigrid_bytes(), levels.bytes());
     assert!((predicted as f64 / found as f64 - 1.0).abs() < 0.33, "{predicted} bytes predicted, {found} found");
     assert!(predicted < solid.model().tangent_structure().multigrid_bytes() / 4);
     Ok(())

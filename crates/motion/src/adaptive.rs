@@ -121,7 +121,7 @@ fn adapt(
             let begin = trajectory.end().time;
             let dt = fitting(h, goal - begin);
             let to = StepTo { dt, controls: controls(begin + dt)? };
-            model.check_controls(&to.controls)?;
+            model.checks().check_controls(&to.controls)?;
             let mut found = match step(model, trajectory, (scheme.clone(), false), &to, how, workspace) {
                 Ok(found) => found,
                 Err(error) => {

@@ -118,7 +118,7 @@ impl Checkpoints {
     pub fn bytes(&self, model: &Model, scheme: &Scheme) -> usize {
         let controls = model.controls();
         let of_controls: usize = (0..controls.len()).map(|k| controls.values(k).len()).sum();
-        let of_state = scheme.vectors() * model.unknowns().len() + of_controls + model.internal_variables();
+        let of_state = scheme.vectors() * model.unknowns().len() + of_controls + model.memory().internal_variables();
         self.states(scheme) * size_of::<f64>() * of_state
     }
 

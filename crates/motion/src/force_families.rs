@@ -118,10 +118,10 @@ impl ForceFamilies {
         let at = Instant { u: model.nodal(at.u), space: model.unknowns(), ..*at };
         let own = residual(&model.body, &at.under(passive))?;
         axpy(1.0, &own.force, &mut self.stored);
-        self.elastic += match model.has_history() {
+        self.elastic += match model.memory().has_history() {
             false => own.energy,
             true => {
-                let ended = model.history_of_step(&model.next_history(state, true)?, 0.0);
+                let ended = model.memory().history_of_step(&model.memory().next_history(state, true)?, 0.0);
                 let ended = Instant { step: None, remembered: &ended, ..at.under(passive) };
                 let stored = residual(&model.body, &ended)?.energy;
                 self.dissipated += 2.0 * (own.energy - stored);

@@ -46,12 +46,12 @@ pub(crate) fn initial_acceleration(
 
 /// A state with the internal variables behind it, in a step without length.
 pub(crate) fn at_instant(model: &Model, state: &State, history: &History) -> State {
-    State { history: Arc::new(model.history_of_step(history, 0.0)), ..state.clone() }
+    State { history: Arc::new(model.memory().history_of_step(history, 0.0)), ..state.clone() }
 }
 
 /// `M^-1 b` on the free unknowns; multipliers, whose forces b holds as they are, have none.
 pub(crate) fn divide_by_mass(model: &Model, mut b: Vec<f64>, parallel: bool) -> Result<Vec<f64>, StateError> {
-    let mut mass = model.mass()?;
+    let mut mass = model.inertia().mass()?;
     mass.tie(model.supports.ties(), 1.0);
     let unknowns = b.len();
     b.truncate(model.discretization().dofs());

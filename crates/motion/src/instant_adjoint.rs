@@ -10,7 +10,7 @@ pub struct StatePartials {
     pub u: Vec<f64>,
     /// `dj/dv`, flat; empty for zero.
     pub velocity: Vec<f64>,
-    /// `dj/dR`, flat, by the forces R that supports exert at held unknowns ([`Model::held_forces`](nastic_equilibrium::model::Model::held_forces)), zero on free ones; empty for zero.
+    /// `dj/dR`, flat, by the forces R that supports exert at held unknowns ([`PrescribedUnknowns::held_forces`](nastic_equilibrium::model::views::PrescribedUnknowns::held_forces)), zero on free ones; empty for zero.
     pub held: Vec<f64>,
 }
 

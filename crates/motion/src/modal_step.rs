@@ -44,12 +44,17 @@ pub(crate) fn modal_step(
     step: &TimeStep,
     how: &SolveOptions,
 ) -> Result<ModalStep, StateError> {
-    let mut mass = model.mass()?;
+    let mut mass = model.inertia().mass()?;
     mass.eliminate(model.supports.fixed(), 0.0);
     let history = step.history.clone();
     let state = State { controls: Arc::new(controls.clone()), history, ..begin.clone() };
     let free = model.supports.fixed().iter().filter(|fixed| !**fixed).count();
-    let modes = model.lowest_modes(&state, MassMatrix::Sparse(&mass), count.min(free), &model.counting(how))?;
+    let modes = model.stability().lowest_modes(
+        &state,
+        MassMatrix::Sparse(&mass),
+        count.min(free),
+        &model.stability().counting(how),
+    )?;
     let times_mass = |x: &[f64]| {
         let mut out = vec![0.0; x.len()];
         mass.multiply_on(x, &mut out, how.parallel);

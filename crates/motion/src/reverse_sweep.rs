@@ -134,12 +134,12 @@ impl<'a> ReverseSweep<'a> {
             return Err(FemError::Meaningless { what }.into());
         }
         let before = k.checked_sub(1).map(|k| &states[k]);
-        let history = self.model.next_history(begin, self.how.parallel).map_err(|at| inverted(at, begin))?;
+        let history = self.model.memory().next_history(begin, self.how.parallel).map_err(|at| inverted(at, begin))?;
         let mut points =
             Points::new(&step.scheme, h, (begin, before), step.started.as_ref(), self.model.discretization().dofs());
         let mut time_steps = Vec::new();
         for (u, stage) in step.stages.iter().zip(&step.scheme.stages) {
-            let of_stage = Arc::new(self.model.history_of_step(&history, stage.time * h));
+            let of_stage = Arc::new(self.model.memory().history_of_step(&history, stage.time * h));
             let time_step = TimeStep { history: of_stage, ..points.next(&end.controls) };
             points.found(u.clone(), &time_step);
             time_steps.push(time_step);
@@ -172,9 +172,14 @@ impl<'a> ReverseSweep<'a> {
             if step.scheme.is_linearised() {
                 self.linearisation(&at, &lambda, &step.stages[k], &mut by.controls)?;
             }
-            if let Some(force) = self.model.prescribed_force(&at, &by_u, &lambda).map_err(|at| inverted(at, end))? {
+            if let Some(force) = self
+                .model
+                .prescribed_unknowns()
+                .prescribed_force(&at, &by_u, &lambda)
+                .map_err(|at| inverted(at, end))?
+            {
                 match step.scheme.extrapolation(k) {
-                    None => self.model.add_prescribed_vjp(&at, &force, &mut by),
+                    None => self.model.prescribed_unknowns().add_prescribed_vjp(&at, &force, &mut by),
                     Some((alpha, rest)) => {
                         let force: Vec<f64> = force.iter().map(|f| f / alpha).collect();
                         self.end_holds(&force, end);
@@ -232,7 +237,7 @@ impl<'a> ReverseSweep<'a> {
     }
 
     fn check(&self, state: &State) -> Result<(), StateError> {
-        self.model.check_state(state)
+        self.model.checks().check_state(state)
     }
 
     fn add_partials(&mut self, partials: &StatePartials) -> Result<(), StateError> {
@@ -260,7 +265,7 @@ impl<'a> ReverseSweep<'a> {
     fn end_holds(&mut self, force: &[f64], end: &State) {
         let at = Instant { load: 1.0, ..Instant::of(end) };
         let mut by = Sensitivities::zero(self.model.controls(), &at);
-        self.model.add_prescribed_vjp(&at, force, &mut by);
+        self.model.prescribed_unknowns().add_prescribed_vjp(&at, force, &mut by);
         self.add_controls(END, 1.0, &by.controls);
     }
 
@@ -279,7 +284,7 @@ impl<'a> ReverseSweep<'a> {
     fn pass_history(&mut self, state: &State) -> Result<(), StateError> {
         let by_next = take(&mut self.history);
         if !by_next.is_zero() {
-            let before = self.model.history_vjp(state, &by_next).map_err(|at| inverted(at, state))?;
+            let before = self.model.memory().history_vjp(state, &by_next).map_err(|at| inverted(at, state))?;
             self.take_before(before);
         }
         Ok(())
@@ -326,7 +331,7 @@ impl<'a> ReverseSweep<'a> {
         let mu = divide_by_mass(model, adjoints.iter().map(|d| -d).collect(), parallel)?;
         let step = without_acceleration(state);
         let at = beginning(model, state, &step, parallel);
-        let tangent = model.bordered_tangent(&at).map_err(|at| inverted(at, state))?;
+        let tangent = model.tangents().bordered_tangent(&at).map_err(|at| inverted(at, state))?;
         let by_u = tangent.multiply_transposed(&mu, parallel);
         let by = model.vjp(&at, &mu).map_err(|at| inverted(at, state))?;
         self.take_before(by.before);
@@ -339,7 +344,7 @@ impl<'a> ReverseSweep<'a> {
     /// The derivative by u through the forces at held unknowns, `K^T dj/dR`.
     fn add_held(&self, at: &Instant, held: &[f64], by_u: &mut Vec<f64>, state: &State) -> Result<(), StateError> {
         if !held.is_empty() {
-            let tangent = self.model.bordered_tangent(at).map_err(|at| inverted(at, state))?;
+            let tangent = self.model.tangents().bordered_tangent(at).map_err(|at| inverted(at, state))?;
             add(1.0, &tangent.multiply_transposed(held, self.how.parallel), by_u);
         }
         Ok(())
@@ -371,7 +376,8 @@ impl<'a> ReverseSweep<'a> {
         let lambda = adjoint.lambda.into_iter().next().unwrap_or_default();
         let at = self.model.instant(state, None, self.how.parallel);
         by_u.iter_mut().for_each(|d| *d = -*d);
-        let by = self.model.sensitivities(&at, &by_u, &lambda).map_err(|at| inverted(at, state))?;
+        let by =
+            self.model.prescribed_unknowns().sensitivities(&at, &by_u, &lambda).map_err(|at| inverted(at, state))?;
         self.add_controls(END, 1.0, &by.controls);
         Ok(lambda)
     }

@@ -46,7 +46,7 @@ pub(crate) fn advance(
 ) -> Result<(), StateError> {
     check_motion(model, trajectory, scheme)?;
     if trajectory.steps().is_empty() {
-        model.check_start(trajectory.end(), how.parallel)?;
+        model.moves().check_start(trajectory.end(), how.parallel)?;
     }
     if scheme.is_quasi_static() {
         check_quasi_static(model, trajectory, scheme)?;
@@ -58,7 +58,7 @@ pub(crate) fn advance(
             let what = format!("a time step of {} is not positive", to.dt);
             return Err(FemError::Meaningless { what }.into());
         }
-        model.check_controls(&to.controls)?;
+        model.checks().check_controls(&to.controls)?;
         let equal = trajectory.steps().last().is_some_and(|last| (last.dt - to.dt).abs() <= EQUAL * to.dt);
         let used = start.as_ref().filter(|_| !equal).unwrap_or(&scheme).clone();
         let found = step_or_parts(model, trajectory, used, to, how, workspace)?;
@@ -69,18 +69,18 @@ pub(crate) fn advance(
 
 /// Whether a motion can go on from there.
 pub(crate) fn check_motion(model: &Model, trajectory: &Trajectory, scheme: &Scheme) -> Result<(), StateError> {
-    model.check_in_motion()?;
+    model.checks().check_in_motion()?;
     supports_motion(model, scheme)?;
     let end = trajectory.end();
-    model.check_state(end)?;
+    model.checks().check_state(end)?;
     model.supports.check_tied("the displacement", &end.u)?;
     check_velocity(model, end)?;
-    Ok(model.check_prescribed(trajectory.end())?)
+    Ok(model.prescribed_unknowns().check_prescribed(trajectory.end())?)
 }
 
 /// What goes without inertia: a body that is held, and no velocity but that of an earlier step of the kind.
 fn check_quasi_static(model: &Model, trajectory: &Trajectory, scheme: &Scheme) -> Result<(), StateError> {
-    model.check_held()?;
+    model.checks().check_held()?;
     // what begins later is a part of a recording, of one scheme, which was checked where it began
     let own = trajectory.first() > 0 || trajectory.steps().last().is_some_and(|last| last.scheme.is_quasi_static());
     let mut velocity = trajectory.end().velocity.iter().flat_map(|v| v.iter());
@@ -102,7 +102,7 @@ fn step_or_parts(
     workspace: &mut Workspace,
 ) -> Result<SolvedStep, StateError> {
     let whole = scheme.start().unwrap_or(&scheme);
-    let parted = |cut: u32| match model.goes_in_parts() && cut <= MOST_PARTS.ilog2() {
+    let parted = |cut: u32| match model.properties().goes_in_parts() && cut <= MOST_PARTS.ilog2() {
         true => whole.in_parts(1 << cut).map(Arc::new),
         false => None,
     };
@@ -142,7 +142,7 @@ pub(crate) fn step(
 ) -> Result<SolvedStep, StateError> {
     let (begin, h) = (trajectory.end(), to.dt);
     let before = trajectory.states().len().checked_sub(2).map(|n| &trajectory.states()[n]);
-    let history = model.next_history(begin, how.parallel);
+    let history = model.memory().next_history(begin, how.parallel);
     let history = history.map_err(|at| inverted(at, begin))?;
     let started = match scheme.needs_acceleration() && begin.acceleration.is_none() {
         true => Some(Arc::new(initial_acceleration(model, begin, &history, how.parallel)?)),
@@ -153,7 +153,7 @@ pub(crate) fn step(
     let mut modes = None;
     let mut here = begin.clone();
     for stage in &scheme.stages {
-        let of_stage = Arc::new(model.history_of_step(&history, stage.time * h));
+        let of_stage = Arc::new(model.memory().history_of_step(&history, stage.time * h));
         let time_step = TimeStep { history: of_stage, ..points.next(&to.controls) };
         let controls = begin.controls.blend(&to.controls, stage.time);
         let options = SolveOptions { near: Some(&here), guess: None, ..how.clone() };
@@ -164,13 +164,13 @@ pub(crate) fn step(
         let exact = modes.as_ref().map(|modes: &ModalStep| |step: &mut [f64]| modes.replace(step));
         let replace = exact.as_ref().map(|exact| exact as &dyn Fn(&mut [f64]));
         let found = match scheme.is_linearised() {
-            true => model.iterate_once(&controls, begin, (&options, &time_step), replace, workspace),
+            true => model.moves().iterate_once(&controls, begin, (&options, &time_step), replace, workspace),
             false => {
                 let predicted = points.predict(&time_step, &here);
-                let guesses = match model.depends_on_path() {
-                    false if model.has_potential() => vec![predicted],
+                let guesses = match model.properties().depends_on_path() {
+                    false if model.properties().has_potential() => vec![predicted],
                     _ => {
-                        vec![predicted, points.coast(&time_step), model.carried(&here, &controls, how.parallel)]
+                        vec![predicted, points.coast(&time_step), model.moves().carried(&here, &controls, how.parallel)]
                     }
                 };
                 let guess = nearest(model, guesses, &here, (&controls, &time_step), how.parallel);
@@ -192,7 +192,7 @@ pub(crate) fn step(
     if let (Some(modes), Some(velocity)) = (&modes, &mut state.velocity) {
         modes.replace_rate(Arc::<Vec<f64>>::make_mut(velocity));
     }
-    state.history = Arc::new(model.history_of_step(&history, h));
+    state.history = Arc::new(model.memory().history_of_step(&history, h));
     (state.controls, state.time) = (Arc::new(to.controls.clone()), begin.time + h);
     if scheme.extrapolates() {
         check_extrapolated(model, &mut state, begin, h, how.parallel)?;
@@ -210,7 +210,7 @@ fn nearest(
     (controls, step): (&Controls, &TimeStep),
     parallel: bool,
 ) -> Option<Vec<f64>> {
-    let energy = model.has_potential();
+    let energy = model.properties().has_potential();
     let at = Instant { parallel, ..Instant::new(&than.u, controls, 1.0) }.in_step(step);
     let merit = |u: &[f64]| {
         let mut sums = model.evaluate(&Instant { u, ..at }, Demand { energy, force: !energy }).ok()?;
@@ -218,7 +218,8 @@ fn nearest(
         Some(if energy { sums.energy } else { model.unknowns().norm(&sums.force) })
     };
     let begin = at.under(&than.controls);
-    let reached = |u: &[f64]| model.admissible_change(&begin, &Instant { u, ..at }).is_ok_and(|share| share >= 1.0);
+    let reached =
+        |u: &[f64]| model.moves().admissible_change(&begin, &Instant { u, ..at }).is_ok_and(|share| share >= 1.0);
     let mut least = merit(&than.u).unwrap_or(f64::INFINITY);
     let mut nearest = None;
     for guess in guesses.into_iter().flatten().filter(|u| reached(u)) {
@@ -238,7 +239,11 @@ fn check_extrapolated(
     parallel: bool,
 ) -> Result<(), StateError> {
     let at = Instant { parallel, load: 1.0, ..Instant::of(state) };
-    if !model.admissible_move_of_others(&Instant { u: &begin.u, ..at }, &state.u).is_ok_and(|share| share >= 1.0) {
+    if !model
+        .moves()
+        .admissible_move_of_others(&Instant { u: &begin.u, ..at }, &state.u)
+        .is_ok_and(|share| share >= 1.0)
+    {
         let stop = Stop::Slow { residual: state.report.residual };
         return Err(in_step(stop.into_error(state.report.newton, begin), begin.time, dt));
     }

@@ -11,22 +11,22 @@ const DAMPED: f64 = 1.0 - 1e-3;
 
 /// [`TimeStepping::supports_motion`](crate::TimeStepping::supports_motion).
 pub(crate) fn supports_motion(model: &Model, scheme: &Scheme) -> Result<(), FemError> {
-    model.refuse_ranks(scheme.name())?;
-    model.refuse_further_fields(scheme.name())?;
+    model.ranks().refuse_ranks(scheme.name())?;
+    model.properties().refuse_further_fields(scheme.name())?;
     if scheme.exact_modes() > 0 {
-        model.refuse_rigid_bodies(
+        model.properties().refuse_rigid_bodies(
             scheme.name(),
             "it is a rigid body, and the scheme takes modes: take backward_euler",
         )?;
         let instead = "it takes modes of a symmetric stiffness: take tr_bdf2";
-        if model.has_history() {
+        if model.memory().has_history() {
             return refuse(
                 scheme.name(),
                 "viscous laws",
                 "it takes the modes of elastic bodies, with Rayleigh damping or none: take tr_bdf2",
             );
         }
-        if let Some(moves) = model.prescribed_by() {
+        if let Some(moves) = model.prescribed_unknowns().prescribed_by() {
             return refuse(scheme.name(), moves, "which moves a surface: take tr_bdf2");
         }
         if let Some(other) = model.others.iter().find(|c| !c.has_potential() || c.path_dependence().is_some()) {
@@ -69,7 +69,7 @@ pub(crate) fn supports_motion_adjoint(model: &Model, scheme: &Scheme) -> Result<
     if !scheme.has_adjoint() {
         return refuse("the adjoint", scheme.name(), "it would take the derivatives of its modes: take tr_bdf2");
     }
-    if scheme.is_linearised() && model.has_history() {
+    if scheme.is_linearised() && model.memory().has_history() {
         let why = "it takes second derivatives of stresses, which these do not give: take backward_euler";
         return refuse("the adjoint of linearly_implicit_euler", "viscous laws", why);
     }

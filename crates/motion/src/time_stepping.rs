@@ -127,7 +127,7 @@ pub trait TimeStepping: Borrow<Model> {
     /// frequency of a free beam of 12 hex20 is 1.3 % too low with it, 0.1 % too high with the consistent one.
     ///
     /// # Errors
-    /// [`FemError::Meaningless`] for nodes without mass; otherwise as [`Model::modes`].
+    /// [`FemError::Meaningless`] for nodes without mass; otherwise as [`Stability::modes`](nastic_equilibrium::model::views::Stability::modes).
     fn vibration_modes(
         &self,
         state: &State,

@@ -66,10 +66,10 @@ pub(crate) fn vibration_modes(
     count: usize,
     how: &SolveOptions,
 ) -> Result<Vec<VibrationMode>, StateError> {
-    let (dim, mut mass) = (model.discretization().dim(), model.mass()?);
+    let (dim, mut mass) = (model.discretization().dim(), model.inertia().mass()?);
     mass.eliminate(model.supports.fixed(), 0.0);
     check_positive(model, &mass)?;
-    let found = model.lowest_modes(state, MassMatrix::Sparse(&mass), count, how)?;
+    let found = model.stability().lowest_modes(state, MassMatrix::Sparse(&mass), count, how)?;
     let (counted, how_found) = (found.counted, found.by_products);
     let pairs = found.values.into_iter().zip(found.rounding).zip(found.vectors);
     let mode = |(k, ((square, rounding), vector)): (usize, ((f64, f64), Vec<f64>))| {

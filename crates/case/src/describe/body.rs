@@ -143,7 +143,7 @@ pub fn supports(problem: &CaseProblem) -> Vec<Line> {
             grouped(held.len()),
             grouped(total),
             grouped(moved),
-            match (solid.model().is_held_without_contact(), solid.check().is_ok()) {
+            match (solid.model().checks().is_held_without_contact(), solid.check().is_ok()) {
                 (true, _) => "no rigid motion is free",
                 (false, true) => "contact alone holds what they leave free",
                 (false, false) => "rigid motions are free",

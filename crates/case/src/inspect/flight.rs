@@ -14,7 +14,7 @@ const FAR: f64 = 10.0;
 /// state, by what the contacts carry there.
 pub fn flight(member: CaseMember<'_>, states: &[State], touches: &[(String, Touch)]) -> Option<Warning> {
     let (solid, mesh) = (member.solid(), member.mesh());
-    if solid.model().is_held_without_contact() {
+    if solid.model().checks().is_held_without_contact() {
         return None;
     }
     let part_of = parts(mesh);

@@ -29,7 +29,7 @@ pub(super) fn check(
         }
         None => position(cost, reduced),
     };
-    let most = if solid.model().is_held_without_contact() { HELD } else { FREE };
+    let most = if solid.model().checks().is_held_without_contact() { HELD } else { FREE };
     let Some((distance, sizes)) = distance.map(|distance| (distance, distance / mesh.diagonal())) else { return };
     if sizes > most {
         let unit = context.units.length().symbol;

@@ -8,7 +8,7 @@ use nastic_language::syntax::quoted;
 
 /// Warns of gravity that takes a body without supports away from every half-space that it touches.
 pub(super) fn check(case: &Case, solid: &Solid, context: &mut Context<'_>) {
-    if solid.model().is_held_without_contact() {
+    if solid.model().checks().is_held_without_contact() {
         return;
     }
     let touched = case.contact.iter().map(|contact: &Contact| {

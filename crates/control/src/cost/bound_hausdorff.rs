@@ -83,7 +83,7 @@ impl BoundHausdorff {
     /// # Errors
     /// A body turned inside out; one over ranks.
     pub fn true_distance(&self, solid: &Solid, u: &[f64]) -> Result<Hausdorff, ControlError> {
-        solid.model().refuse_ranks("the true Hausdorff distance")?;
+        solid.model().ranks().refuse_ranks("the true Hausdorff distance")?;
         self.0.true_distance(solid.mesh(), u)
     }
 

@@ -75,7 +75,7 @@ impl IntoCost for Compliance {
         if dim == 2 && self.direction[2] != 0.0 {
             return refuse("a plane body gives way in its plane: the direction of a compliance has no z".into());
         }
-        if solid.model().symmetry() != Symmetry::Symmetric {
+        if solid.model().properties().symmetry() != Symmetry::Symmetric {
             return refuse("a compliance needs contributions with symmetric tangents".into());
         }
         let facets = mesh.facets_of(&self.surface)?;
@@ -136,13 +136,13 @@ impl OnBody {
     /// `2 f . v - v . K v`: that of f . v where v solves, with the square of the error of v elsewhere.
     fn compliance(&self, model: &Model, at: &Instant, v: &[f64]) -> Result<f64, ControlError> {
         let mut product = vec![0.0; v.len()];
-        if !model.tangent_product(at, v, &mut product)? {
+        if !model.tangents().tangent_product(at, v, &mut product)? {
             if model.unknowns().multipliers() > 0 {
                 let what = "a compliance beside a cavity of given volume or a tendon that cannot stretch needs contributions that give `add_tangent_product`";
                 return Err(ControlError::Cost { what: what.to_owned() });
             }
-            let mut matrix = model.matrix();
-            model.add_tangent(at, &mut matrix)?;
+            let mut matrix = model.tangents().matrix();
+            model.tangents().add_tangent(at, &mut matrix)?;
             matrix.multiply(v, &mut product);
         }
         Ok(2.0 * dot(&self.force, v) - dot(v, &product))

@@ -205,7 +205,7 @@ pub trait Cost: Debug + Send + Sync {
 
     /// Whether it is one of a body over ranks ([`Solid::of_part`](nastic_fem::Solid::of_part)), if its points are: values of the whole body, the same on all ranks, partial
     /// derivatives whose sum over the ranks is that of the whole. All ranks call [`at`](Self::at) together; where that tells the others something it asks first whether
-    /// [all accept](nastic_fem::Model::all_accept) what they have to tell. So they do partial derivatives of points, but ask for figures each by itself.
+    /// [all accept](nastic_fem::views::Ranks::all_accept) what they have to tell. So they do partial derivatives of points, but ask for figures each by itself.
     fn spans_ranks(&self) -> bool {
         false
     }
@@ -281,7 +281,7 @@ pub trait CostPoint: Debug + Send + Sync {
     /// A derivative that is not finite.
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError>;
 
-    /// The same of a state of a motion: what hangs on the forces R that supports exert ([`Model::held_forces`](nastic_fem::Model::held_forces)), on
+    /// The same of a state of a motion: what hangs on the forces R that supports exert ([`PrescribedUnknowns::held_forces`](nastic_fem::views::PrescribedUnknowns::held_forces)), on
     /// velocities and on the controls where the step begins is left out of `out`, and added to `more`.
     ///
     /// # Errors

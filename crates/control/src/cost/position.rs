@@ -93,7 +93,7 @@ impl IntoCost for MeanPosition {
 
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         // before messages that would wait for a rank that refuses
-        let weight = solid.model().all_accept(self.checked(solid))?;
+        let weight = solid.model().ranks().all_accept(self.checked(solid))?;
         let (shares, reference) = shares(&self.of, solid)?;
         Ok(Box::new(OnBody { shares: shares.into(), reference, target: self.target, weight }))
     }
@@ -127,7 +127,7 @@ fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
     let mut by_node = vec![0.0; mesh.points().len()];
     match of {
         Of::Part(place) => {
-            let (points, _) = solid.model().all_accept(place.points(solid))?;
+            let (points, _) = solid.model().ranks().all_accept(place.points(solid))?;
             let count = points.positions(solid, None).len();
             let weights: Vec<f64> = (0..count).map(|q| points.weight(q)).collect();
             let measure = solid.model().unknowns().total(weights.iter().sum());
@@ -200,7 +200,7 @@ impl Cost for OnBody {
     }
 
     fn aim(&self, solid: &Solid, u: &[f64]) -> Option<Aim> {
-        if solid.model().is_over_ranks() {
+        if solid.model().ranks().is_over_ranks() {
             return None;
         }
         let moved = mean(&self.shares, u, solid.discretization().dim());

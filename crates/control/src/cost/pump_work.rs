@@ -60,7 +60,7 @@ impl Cost for PumpWork {
 
 /// Refuses what stores energy beside the body, which the work would leave out.
 fn check_stored(solid: &Solid) -> Result<(), ControlError> {
-    let Some(name) = solid.model().storing() else { return Ok(()) };
+    let Some(name) = solid.model().properties().storing() else { return Ok(()) };
     let what = format!(
         "the work of pumps is that of the body alone: what \"{name}\" stores is not counted; leave one of them out"
     );

@@ -21,7 +21,7 @@ use std::sync::Arc;
 ///
 /// r the residual of the equilibrium, which is zero on all unknowns that nothing holds. What grips take, a blocked force.
 ///
-/// In a motion `M a` and the forces of damping and viscous laws are part of r ([`Model::held_forces`]), as of
+/// In a motion `M a` and the forces of damping and viscous laws are part of r ([`PrescribedUnknowns::held_forces`](nastic_fem::views::PrescribedUnknowns::held_forces)), as of
 /// [`Solid::reactions`]; steps end at a stage, nothing slides with friction, and where controls move the body with inertia the scheme is `backward_euler`, in which the
 /// acceleration of a state is the mean over its step.
 ///
@@ -162,7 +162,7 @@ impl Cost for OnBody {
             return Err(ControlError::Cost { what });
         };
         let model = at.solid.model();
-        let reaction = model.unknowns().dot(&self.along, &model.held_forces(state)?);
+        let reaction = model.unknowns().dot(&self.along, &model.prescribed_unknowns().held_forces(state)?);
         Ok(Arc::new(EvaluatedCost {
             along: self.along.clone(),
             gap: reaction - self.force,
@@ -180,12 +180,15 @@ impl Cost for OnBody {
 fn transposed(model: &Model, at: &Instant, l: &[f64]) -> Result<Vec<f64>, ControlError> {
     let mut out = vec![0.0; l.len()];
     // ranks agree on tangents, not on products of their own
-    if model.symmetry() == Symmetry::Symmetric && !model.is_over_ranks() && model.tangent_product(at, l, &mut out)? {
+    if model.properties().symmetry() == Symmetry::Symmetric
+        && !model.ranks().is_over_ranks()
+        && model.tangents().tangent_product(at, l, &mut out)?
+    {
         return Ok(out);
     }
     out.fill(0.0);
-    let mut matrix = model.matrix();
-    model.add_tangent(at, &mut matrix)?;
+    let mut matrix = model.tangents().matrix();
+    model.tangents().add_tangent(at, &mut matrix)?;
     matrix.multiply_transposed(l, &mut out, true);
     Ok(out)
 }

@@ -115,7 +115,7 @@ impl SmoothedHausdorff {
     pub fn bind_to(self, solid: &Solid) -> Result<BoundHausdorff, ControlError> {
         let model = solid.model();
         // before messages that would wait for a rank that refuses
-        let Given { weight, stages, length, cloud, shape } = model.all_accept(self.checked(solid.mesh()))?;
+        let Given { weight, stages, length, cloud, shape } = model.ranks().all_accept(self.checked(solid.mesh()))?;
         let (resolution, share) = ((self.quadrature, length), model.unknowns().share().cloned());
         let (body, body_cloud) = BodyCloud::of(solid.mesh(), self.region.as_ref(), resolution, share)?;
         let spacing = body_cloud.spacing().max(cloud.spacing());

@@ -161,7 +161,7 @@ impl Cost for BoundTracking {
 
     /// The means over what is tracked; none of a body over ranks, of which each knows its own points.
     fn aim(&self, solid: &Solid, u: &[f64]) -> Option<Aim> {
-        if solid.model().is_over_ranks() {
+        if solid.model().ranks().is_over_ranks() {
             return None;
         }
         let mean = |at: &[[f64; 3]]| -> [f64; 3] {

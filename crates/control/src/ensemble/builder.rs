@@ -83,7 +83,8 @@ impl EnsembleBuilder {
                 let own =
                     if name.is_empty() && case.name.is_empty() { String::new() } else { label(&name, &case.name) };
                 // its members are solved in an order of each process's own, by which messages between ranks cannot go
-                let whole = case.problem.solid().model().refuse_ranks("an ensemble").map_err(ControlError::from);
+                let whole =
+                    case.problem.solid().model().ranks().refuse_ranks("an ensemble").map_err(ControlError::from);
                 let fields = whole.and_then(|()| field_names(&case)).map_err(|e| EnsembleError::member(&own, e))?;
                 let mut member = Member {
                     name: own,

@@ -37,7 +37,7 @@ impl Reduced {
         if self.motion.is_some() {
             return self.constrain_when(Instants::End, constraint);
         }
-        self.solid.model().refuse_ranks("a constraint")?;
+        self.solid.model().ranks().refuse_ranks("a constraint")?;
         self.constraints.push(constraint.bind(&self.solid)?);
         Ok(self)
     }

@@ -42,7 +42,7 @@ impl Reduced {
     /// # Errors
     /// A problem that has controls or costs already; an initial velocity of the wrong length; too little memory for a motion.
     pub fn in_time(mut self, timeline: Timeline) -> Result<Self, ControlError> {
-        self.solid.model().refuse_ranks("a problem in time")?;
+        self.solid.model().ranks().refuse_ranks("a problem in time")?;
         if !(self.layout.is_empty() && self.costs.is_empty() && self.constraints.is_empty()) {
             let what = "call in_time before controls, costs and constraints are added".to_owned();
             return Err(ControlError::Cost { what });

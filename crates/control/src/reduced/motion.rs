@@ -44,8 +44,9 @@ impl Reduced {
         if self.solid.model().controllable().iter().all(|own| own.cells.is_some()) {
             return Ok(());
         }
-        let check =
-            |controls: Controls| Ok(self.solid.model().check_own_controls(&controls).map_err(StateError::from)?);
+        let check = |controls: Controls| {
+            Ok(self.solid.model().prescribed_unknowns().check_own_controls(&controls).map_err(StateError::from)?)
+        };
         match &self.motion {
             None => check(self.layout.to_points(m)?),
             Some(motion) => {

@@ -91,7 +91,7 @@ impl Objective for Reduced {
     fn any(&self, here: bool) -> Result<bool, Failed> {
         let model = self.solid().model();
         let any = model.unknowns().any(here);
-        Ok(model.unless_parted(Ok::<_, ControlError>(any))?)
+        Ok(model.ranks().unless_parted(Ok::<_, ControlError>(any))?)
     }
 
     fn save(&self, point: &Evaluated) -> Vec<u8> {
@@ -123,7 +123,7 @@ impl Reduced {
     /// What was found here, or that another rank has found nothing.
     fn all_find<T>(&self, found: Result<T, Failed>) -> Result<T, Failed> {
         let here = found.as_ref().map(drop).map_err(|_| ControlError::from(FemError::Elsewhere));
-        let all = self.solid().model().all_accept(here);
+        let all = self.solid().model().ranks().all_accept(here);
         found.and_then(|found| Ok(all.map(|()| found)?))
     }
 }

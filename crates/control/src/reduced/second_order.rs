@@ -89,7 +89,7 @@ impl Reduced {
         (v, which, first): (&[f64], Hessian, bool),
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
-        self.solid().model().refuse_ranks("second derivatives")?;
+        self.solid().model().ranks().refuse_ranks("second derivatives")?;
         let exact = which == Hessian::Exact;
         let lambda = if exact || first { Some(self.adjoint_of(point, term, workspace)?) } else { None };
         let costs = self.costs_of(point)?;
@@ -210,7 +210,7 @@ impl Reduced {
         let state = point.state();
         let mut at = Instant::of(state);
         at.parallel = self.parallel;
-        Ok(self.solid.model().sensitivities(&at, by_u, lambda)?.controls)
+        Ok(self.solid.model().prescribed_unknowns().sensitivities(&at, by_u, lambda)?.controls)
     }
 }
 

@@ -20,7 +20,7 @@ impl Reduced {
         for (k, cost) in self.costs_of(point)?.iter().enumerate() {
             if term.is_none_or(|t| t == k) {
                 // the next cost may tell the others something: none goes on alone
-                self.solid.model().all_accept(cost.add_partials(&mut partials))?;
+                self.solid.model().ranks().all_accept(cost.add_partials(&mut partials))?;
             }
         }
         Ok(partials)
@@ -55,7 +55,7 @@ impl Reduced {
         self.refuse_motion("derivatives of displacement fields")?;
         let (found, expected) = (w.len(), point.state().u.len());
         let fits = if found == expected { Ok(()) } else { Err(ControlError::Length { found, expected }) };
-        self.solid.model().all_accept(fits)?;
+        self.solid.model().ranks().all_accept(fits)?;
         let partials = Partials { u: w.to_vec(), m: vec![0.0; point.m.len()] };
         self.sensitivity_of_all(point, Ok(partials), workspace).map(|(derivative, _)| derivative)
     }
@@ -101,7 +101,7 @@ impl Reduced {
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
         let found = partials.and_then(|partials| self.sensitivity_of(point, partials, workspace));
-        self.solid.model().unless_parted(found)
+        self.solid.model().ranks().unless_parted(found)
     }
 
     /// `d/dm` of what has these partials, and its adjoint state.

@@ -53,7 +53,7 @@ impl Reduced {
                 None
             }
         };
-        let follows = self.solid().model().supports(Feature::Path).is_ok();
+        let follows = self.solid().model().properties().supports(Feature::Path).is_ok();
         let budget = how.budget.work(workspace.predictor.usual_work(), LEAST[usize::from(!follows)]);
         let near = how.near.filter(|_| follows && budget.is_some());
         let followed = if let Budget::Of(most) = how.budget { most.min(FOLLOWED) } else { FOLLOWED };
@@ -111,7 +111,7 @@ impl Reduced {
     ) -> Result<Option<State>, ControlError> {
         let coarse = SolveOptions { accuracy: how.accuracy.max(ROUGH), budget: Some(trial.followed), ..how.clone() };
         let (model, to) = (self.solid().model(), (&trial.controls, 1.0));
-        match model.ahead(near.state(), to, &coarse, &mut Workspace::default(), spent) {
+        match model.moves().ahead(near.state(), to, &coarse, &mut Workspace::default(), spent) {
             Err(error) if error.is_lack_of_memory() || matches!(error, StateError::Cancelled) => Err(error.into()),
             Err(_) | Ok(Ahead::Unknown(_)) => Ok(None),
             Ok(Ahead::LimitPoint(at)) => {
@@ -129,14 +129,14 @@ impl Reduced {
     }
 
     /// Why the state of a trial lies on another branch than that of the point it started near, if it does: by the test of
-    /// [`Model::connection`](nastic_fem::Model::connection), which follows the path where the solve met a tangent that is not positive definite.
+    /// [`Stability::connection`](nastic_fem::views::Stability::connection), which follows the path where the solve met a tangent that is not positive definite.
     pub(crate) fn other_branch(&self, from: &Evaluated, to: &Evaluated) -> Option<ControlError> {
         let model = self.solid().model();
-        if self.timeline().is_some() || model.supports(Feature::Path).is_err() {
+        if self.timeline().is_some() || model.properties().supports(Feature::Path).is_err() {
             return None;
         }
         let how = SolveOptions { budget: Some(FOLLOWED), ..self.solve_options(to.solved.accuracy) };
-        match model.connection(from.state(), to.state(), &how) {
+        match model.stability().connection(from.state(), to.state(), &how) {
             Err(error) if error.is_lack_of_memory() || matches!(error, StateError::Cancelled) => Some(error.into()),
             Err(_) => None,
             Ok(Connection::LimitPoint(share)) => {

@@ -34,7 +34,7 @@ impl Reduced {
             let instants = self.timeline().map_or(&[][..], Timeline::instants);
             let n = nearest(instants, state.time);
             let step = self.step_begin(cost.needs_step(), n, m)?;
-            self.solid.model().all_accept(cost.at(&CostContext { step: step.as_ref(), ..context }))
+            self.solid.model().ranks().all_accept(cost.at(&CostContext { step: step.as_ref(), ..context }))
         };
         self.costs.iter().map(|cost| at(cost.as_ref())).collect()
     }
@@ -52,7 +52,7 @@ impl Reduced {
 
     /// Whether one rank can find the figures of a point by itself: costs are evaluated by all together.
     pub(super) fn has_figures(&self, point: &Evaluated) -> bool {
-        point.costs.len() == self.costs.len() || !self.solid.model().is_over_ranks()
+        point.costs.len() == self.costs.len() || !self.solid.model().ranks().is_over_ranks()
     }
 
     pub(super) fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {

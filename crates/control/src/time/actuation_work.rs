@@ -115,8 +115,8 @@ impl TrajectoryCost for ActuationWork {
                 axpy(sign * self.weight, &forces[k + 1], &mut by_u);
             }
             for (at, sign) in pair(state, &passive).iter().zip([-1.0, 1.0]) {
-                let (mut tangent, mut image) = (model.matrix(), vec![0.0; len]);
-                model.add_tangent(at, &mut tangent)?;
+                let (mut tangent, mut image) = (model.tangents().matrix(), vec![0.0; len]);
+                model.tangents().add_tangent(at, &mut tangent)?;
                 tangent.multiply_transposed(&factor, &mut image, true);
                 axpy(sign, &image, &mut by_u);
             }

@@ -8,6 +8,7 @@ use crate::linear_systems::tangent::Tangent;
 use crate::linear_systems::tangent_systems::{EXACT, TangentSystems};
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
+use crate::model::views::Stability;
 use crate::search::options::SolveOptions;
 use nastic_body::error::{Inadmissible, StateError};
 use nastic_body::instant::{Instant, TimeStep};
@@ -59,7 +60,7 @@ impl Model {
             self.supports.restrict(&mut b);
             b
         };
-        self.all_accept(self.check_adjoint(state, rhs, how))?;
+        self.ranks().all_accept(self.check_adjoint(state, rhs, how))?;
         let rhs: Vec<Vec<f64>> = rhs.iter().map(clear).collect();
         let columns: Vec<&[f64]> = rhs.iter().map(Vec::as_slice).collect();
         let mut report = SolveReport::default();
@@ -74,7 +75,7 @@ impl Model {
         }
         let at = self.instant(state, None, how.parallel);
         let lambda = self.solve_transposed_at(&at, &columns, state, &mut systems, &mut report);
-        self.unless_parted(lambda).map(|lambda| Adjoint { lambda, report })
+        self.ranks().unless_parted(lambda).map(|lambda| Adjoint { lambda, report })
     }
 
     fn check_adjoint(&self, state: &State, rhs: &[&[f64]], how: &SolveOptions) -> Result<(), StateError> {
@@ -83,7 +84,7 @@ impl Model {
             let what = "right-hand side of the adjoint".to_owned();
             return Err(nastic_body::error::FemError::Length { what, found: b.len(), expected }.into());
         }
-        self.check_state(state)?;
+        self.checks().check_state(state)?;
         self.check_solver(how.solver)?;
         Ok(self.check_spans_ranks(how.solver)?)
     }
@@ -99,7 +100,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
         let quadratic = self.discretization().points().parts.iter().all(|part| part.kind == CellKind::Hex27);
-        if !quadratic || self.symmetry() != Symmetry::Symmetric || !self.supports.ties().is_empty() {
+        if !quadratic || self.properties().symmetry() != Symmetry::Symmetric || !self.supports.ties().is_empty() {
             return None;
         }
         let at = self.instant(state, None, how.parallel);
@@ -111,41 +112,6 @@ impl Model {
     pub fn instant<'s>(&self, state: &'s State, step: Option<&'s TimeStep>, parallel: bool) -> Instant<'s> {
         let at = Instant { parallel, ..Instant::of(state) };
         step.map_or(at, |step| at.in_step(step))
-    }
-
-    /// Number of negative eigenvalues of the tangent at a state: 0 for a stable equilibrium.
-    ///
-    /// Under constraints `g(u) = 0` that of the tangent on the null space of `dg/du`: the negative eigenvalues of `[K B; B^T 0]` less
-    /// one for each constraint. 0 then means stable while the constraints hold, though the body may be unstable under the
-    /// multipliers (pressures, tensions) as given loads. Inequalities that do not act (slack tendons) are left out; those at their onset count as
-    /// acting.
-    ///
-    /// What contact alone holds and nothing resists to ([`neutral_motion`](Self::neutral_motion)) has eigenvalues that are zero: they do not count.
-    ///
-    /// On a body that is solved by multigrid, 0 means that conjugate gradients with a right-hand side of fixed random
-    /// numbers converged to 1e-8 and met no negative curvature; only where they did meet it is a factor made to count
-    /// ([`tangent_inertia`](Self::tangent_inertia) tells which).
-    ///
-    /// # Errors
-    /// [`StateError::Linear`] where the tangent is singular: the state sits on a bifurcation.
-    pub fn negative_pivots(&self, state: &State) -> Result<usize, StateError> {
-        self.negative_pivots_by(state, &SolveOptions::default())
-    }
-
-    /// [`negative_pivots`](Self::negative_pivots) by the solver and on the threads of a request.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn negative_pivots_by(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
-        self.negative_pivots_with(state, how, &mut Workspace::default())
-    }
-
-    /// [`negative_pivots_by`](Self::negative_pivots_by), and whether a factor shows them or conjugate gradients that met no negative curvature.
-    ///
-    /// # Errors
-    /// As there.
-    pub fn tangent_inertia(&self, state: &State, how: &SolveOptions) -> Result<Inertia, StateError> {
-        self.inertia_with(state, how, &mut Workspace::default())
     }
 
     /// The same with the symbolic factor that a workspace holds.
@@ -193,7 +159,7 @@ impl Model {
 
     /// The same at an instant, at the end of a time step if there is one.
     pub(crate) fn saddle_point_at(&self, at: &Instant) -> Result<SaddlePoint, Inadmissible> {
-        let tangent = self.bordered_tangent(at)?;
+        let tangent = self.tangents().bordered_tangent(at)?;
         let acting = self.acting(at)?;
         let mut system = SaddlePoint::new(self, tangent);
         system.set_acting(&acting, false);
@@ -207,7 +173,7 @@ impl Model {
         parallel: bool,
     ) -> Result<(SparseMatrix, Vec<Vec<f64>>), StateError> {
         let at = self.instant(state, None, parallel);
-        let found = self.bordered_tangent(&at).and_then(|tangent| Ok((tangent, self.acting(&at)?)));
+        let found = self.tangents().bordered_tangent(&at).and_then(|tangent| Ok((tangent, self.acting(&at)?)));
         let (BorderedTangent { matrix, columns, .. }, acting) = found.map_err(|at| inverted(at, state))?;
         let own = columns.into_iter().zip(acting).filter(|(_, acting)| *acting);
         let clear = |(mut column, _): (Vec<f64>, bool)| {
@@ -281,7 +247,7 @@ impl Model {
 
     /// `out = K v` of a displacement that has been evaluated, zero on the supports; NaN, which ends iterations, where a contribution needs a matrix.
     pub(crate) fn product_or_nan(&self, at: &Instant, v: &[f64], out: &mut [f64]) {
-        if !self.tangent_product(at, v, out).unwrap_or(false) {
+        if !self.tangents().tangent_product(at, v, out).unwrap_or(false) {
             out.fill(f64::NAN);
         }
         self.supports.clear(out);
@@ -289,11 +255,11 @@ impl Model {
 
     /// The tangent at an instant, supports eliminated: by the products of its cells where these are wanted and there are some.
     pub(crate) fn eliminated(&self, at: &Instant, products: bool) -> Result<Tangent, Inadmissible> {
-        if products && let Some(products) = self.cell_products(at)? {
+        if products && let Some(products) = self.tangents().cell_products(at)? {
             return Ok(Tangent::of_products(self, products));
         }
-        let mut matrix = self.matrix();
-        self.add_tangent(at, &mut matrix)?;
+        let mut matrix = self.tangents().matrix();
+        self.tangents().add_tangent(at, &mut matrix)?;
         let mut tangent = Tangent::of_entries(matrix);
         tangent.eliminate(self);
         Ok(tangent)
@@ -301,8 +267,8 @@ impl Model {
 
     /// The tangent at the instant of a state.
     pub(crate) fn tangent_at(&self, at: &Instant, state: &State) -> Result<SparseMatrix, StateError> {
-        let mut matrix = self.matrix();
-        self.add_tangent(at, &mut matrix).map_err(|at| inverted(at, state))?;
+        let mut matrix = self.tangents().matrix();
+        self.tangents().add_tangent(at, &mut matrix).map_err(|at| inverted(at, state))?;
         Ok(matrix)
     }
 }
@@ -310,4 +276,41 @@ impl Model {
 /// A state that cannot be derived.
 pub fn inverted(at: Inadmissible, state: &State) -> StateError {
     StateError::inadmissible(at, state.load, 0, Box::new(state.clone()))
+}
+
+impl Stability<'_> {
+    /// Number of negative eigenvalues of the tangent at a state: 0 for a stable equilibrium.
+    ///
+    /// Under constraints `g(u) = 0` that of the tangent on the null space of `dg/du`: the negative eigenvalues of `[K B; B^T 0]` less
+    /// one for each constraint. 0 then means stable while the constraints hold, though the body may be unstable under the
+    /// multipliers (pressures, tensions) as given loads. Inequalities that do not act (slack tendons) are left out; those at their onset count as
+    /// acting.
+    ///
+    /// What contact alone holds and nothing resists to ([`neutral_motion`](Self::neutral_motion)) has eigenvalues that are zero: they do not count.
+    ///
+    /// On a body that is solved by multigrid, 0 means that conjugate gradients with a right-hand side of fixed random
+    /// numbers converged to 1e-8 and met no negative curvature; only where they did meet it is a factor made to count
+    /// ([`tangent_inertia`](Self::tangent_inertia) tells which).
+    ///
+    /// # Errors
+    /// [`StateError::Linear`] where the tangent is singular: the state sits on a bifurcation.
+    pub fn negative_pivots(&self, state: &State) -> Result<usize, StateError> {
+        self.negative_pivots_by(state, &SolveOptions::default())
+    }
+
+    /// [`negative_pivots`](Self::negative_pivots) by the solver and on the threads of a request.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn negative_pivots_by(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
+        self.model.negative_pivots_with(state, how, &mut Workspace::default())
+    }
+
+    /// [`negative_pivots_by`](Self::negative_pivots_by), and whether a factor shows them or conjugate gradients that met no negative curvature.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn tangent_inertia(&self, state: &State, how: &SolveOptions) -> Result<Inertia, StateError> {
+        self.model.inertia_with(state, how, &mut Workspace::default())
+    }
 }

@@ -5,6 +5,7 @@ use crate::linear_systems::saddle_point::SaddlePoint;
 use crate::linear_systems::tangent_systems::TangentSystems;
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
+use crate::model::views::Stability;
 use crate::nonlinear::anchor::Anchor;
 use crate::search::options::SolveOptions;
 use nastic_body::discretization::rigid_motions::FreeMotion;
@@ -22,21 +23,6 @@ const ALONG: f64 = 1e-6;
 const NEUTRAL: f64 = 10.0;
 
 impl Model {
-    /// Rigid motions of an equilibrium under full loads that nothing resists to: neither what touches it, by the normals there, nor the tangent. What contact alone holds may roll or slide on so,
-    /// and rests where it came to.
-    ///
-    /// # Errors
-    /// As of [`negative_pivots`](Self::negative_pivots).
-    pub fn neutral_motion(&self, state: &State, how: &SolveOptions) -> Result<Option<FreeMotion>, StateError> {
-        let at = self.instant(state, None, how.parallel);
-        let Some(free) = self.loose(&at) else { return Ok(None) };
-        let mut workspace = Workspace::default();
-        let mut count = |factor: f64| {
-            self.count_anchored((&at, factor), state, how, &mut workspace).map(|counted| counted.negative)
-        };
-        Ok((count(-NEUTRAL)? > count(1.0)?).then_some(free))
-    }
-
     /// What is free of an equilibrium that contact alone may hold.
     pub(super) fn loose(&self, at: &Instant) -> Option<FreeMotion> {
         if at.step.is_some() || !self.settles() { None } else { self.free_motion(at) }
@@ -57,7 +43,7 @@ impl Model {
 
     /// The system with so many of the weakest anchor, and these, by unknowns on nodes.
     fn anchored(&self, at: &Instant, factor: f64) -> Result<(SaddlePoint, Vec<f64>), Inadmissible> {
-        let mut tangent = self.bordered_tangent(at)?;
+        let mut tangent = self.tangents().bordered_tangent(at)?;
         let anchor = Anchor::new(self, &[], factor * Anchor::least(self, &tangent.matrix)).diagonal().to_vec();
         tangent.matrix.add_diagonal(&anchor);
         let mut system = SaddlePoint::new(self, tangent);
@@ -116,5 +102,22 @@ impl Model {
         force.iter_mut().zip(anchor).zip(x).for_each(|((force, s), x)| *force = s * x);
         self.supports.restrict(&mut force);
         force
+    }
+}
+
+impl Stability<'_> {
+    /// Rigid motions of an equilibrium under full loads that nothing resists to: neither what touches it, by the normals there, nor the tangent. What contact alone holds may roll or slide on so,
+    /// and rests where it came to.
+    ///
+    /// # Errors
+    /// As of [`negative_pivots`](Self::negative_pivots).
+    pub fn neutral_motion(&self, state: &State, how: &SolveOptions) -> Result<Option<FreeMotion>, StateError> {
+        let at = self.model.instant(state, None, how.parallel);
+        let Some(free) = self.model.loose(&at) else { return Ok(None) };
+        let mut workspace = Workspace::default();
+        let mut count = |factor: f64| {
+            self.model.count_anchored((&at, factor), state, how, &mut workspace).map(|counted| counted.negative)
+        };
+        Ok((count(-NEUTRAL)? > count(1.0)?).then_some(free))
     }
 }

@@ -59,8 +59,8 @@ impl<'a> SecondOrder<'a> {
         how: &'a SolveOptions<'a>,
         workspace: &'a mut Workspace,
     ) -> Result<Self, StateError> {
-        model.refuse_ranks("second derivatives")?;
-        model.check_state(state)?;
+        model.ranks().refuse_ranks("second derivatives")?;
+        model.checks().check_state(state)?;
         model.check_solver(how.solver)?;
         if !state.history.is_empty() {
             let what = "second derivatives of laws with internal variables are not there yet".to_owned();
@@ -88,7 +88,7 @@ impl<'a> SecondOrder<'a> {
             return self.solve(rhs, Transposition::No);
         };
         // K_FF du_F = -(r_m v)_F - K_FD du_D
-        let tangent = self.model.bordered_tangent(&self.instant()).map_err(|at| self.failed(at.into()))?;
+        let tangent = self.model.tangents().bordered_tangent(&self.instant()).map_err(|at| self.failed(at.into()))?;
         axpy(-1.0, &tangent.multiply(&held, self.how.parallel), &mut rhs);
         let mut du = self.solve(rhs, Transposition::No)?;
         axpy(1.0, &held, &mut du);
@@ -139,7 +139,10 @@ impl<'a> SecondOrder<'a> {
 
     /// `lambda . dr/dm`, and the part of held unknowns that controls move.
     fn sensitivities(&self, by_u: &[f64], lambda: &[f64]) -> Result<Sensitivities, StateError> {
-        self.model.sensitivities(&self.instant(), by_u, lambda).map_err(|error| self.failed(error.into()))
+        self.model
+            .prescribed_unknowns()
+            .sensitivities(&self.instant(), by_u, lambda)
+            .map_err(|error| self.failed(error.into()))
     }
 
     /// Work done so far.

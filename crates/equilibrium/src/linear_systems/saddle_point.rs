@@ -31,7 +31,12 @@ impl BorderedTangent {
     pub fn zero(model: &Model) -> Self {
         let dofs = model.unknowns().nodal();
         let columns = vec![vec![0.0; dofs]; model.unknowns().multipliers()];
-        BorderedTangent { matrix: model.matrix(), columns, local: Vec::new(), space: model.unknowns().clone() }
+        BorderedTangent {
+            matrix: model.tangents().matrix(),
+            columns,
+            local: Vec::new(),
+            space: model.unknowns().clone(),
+        }
     }
 
     /// Makes it zero.

@@ -1,6 +1,7 @@
 //! What a model touches.
 
 use super::Model;
+use crate::model::views::Properties;
 use nastic_body::contribution::point::Need;
 use nastic_body::contribution::sensitivities::Sensitivities;
 use nastic_body::contribution::touches::{Onsets, RigidPose, Touch, TouchParameters, Touches};
@@ -156,7 +157,7 @@ impl Contacts<'_> {
         nodes.for_each(|node| node.iter_mut().zip(&l[..dim]).for_each(|(entry, l)| *entry = -l));
         let (point, mut sums) = (self.model.point_of(contact, at, Need::Derivatives)?, Sums::zero(unknowns));
         point.add_residual(at, Demand { energy: false, force: true }, &mut sums)?;
-        let (mut tangent, mut by_u) = (self.model.matrix(), vec![0.0; unknowns]);
+        let (mut tangent, mut by_u) = (self.model.tangents().matrix(), vec![0.0; unknowns]);
         point.add_tangent(at, &mut tangent).map_err(|error| error.of(contact.name()))?;
         tangent.multiply_transposed(
             &along[..self.model.space.nodal()],
@@ -195,7 +196,7 @@ impl Model {
 
     /// Rigid motions of what contact alone holds that nothing resists to at an instant: it may roll or slide on, and rests where it came to.
     pub(crate) fn free_motion(&self, at: &Instant) -> Option<FreeMotion> {
-        if !self.touches_something() || self.is_over_ranks() || self.is_held_without_contact() {
+        if !self.touches_something() || self.ranks().is_over_ranks() || self.checks().is_held_without_contact() {
             return None;
         }
         let mut rows = Vec::new();
@@ -213,7 +214,8 @@ impl Model {
     /// What supports aside may resist to motions in an equilibrium: a surface that may touch to all of its own, if that is the minimum of a potential. What then lies
     /// there may still slide or roll on ([`neutral_motion`](Self::neutral_motion)).
     pub(crate) fn may_resist(&self) -> Vec<Vec<(u32, f64)>> {
-        let (dim, settles) = (self.discretization().dim(), self.has_potential() && !self.is_over_ranks());
+        let (dim, settles) =
+            (self.discretization().dim(), self.properties().has_potential() && !self.ranks().is_over_ranks());
         let of = |contribution: &Arc<dyn Contribution>| match contribution.touches().filter(|_| settles) {
             Some(_) => contribution.resists().iter().flat_map(|row| along_axes(row, dim)).collect::<Vec<_>>(),
             None => contribution.resists().to_vec(),
@@ -224,14 +226,6 @@ impl Model {
     /// Whether something is there that the body may touch.
     pub(crate) fn touches_something(&self) -> bool {
         self.others.iter().any(|other| other.touches().is_some())
-    }
-
-    /// Whether a step may be made as shorter ones: not where something is known at the beginning of the whole step alone, as internal variables, the
-    /// normal forces of lagged friction, the accelerations of supports that move.
-    pub fn goes_in_parts(&self) -> bool {
-        let lagged = self.contacts().parameters().iter().any(|(_, touch)| touch.lagged);
-        let prescribed = self.others.iter().any(|other| other.prescribes().is_some());
-        self.touches_something() && !self.has_history() && !lagged && !prescribed
     }
 
     pub(crate) fn each_touching(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Touches, &Instant)) {
@@ -255,4 +249,14 @@ fn along_axes(row: &[(u32, f64)], dim: usize) -> Vec<Vec<(u32, f64)>> {
     let along =
         |axis: usize| nodes.iter().map(move |(node, of)| (dim as u32 * node + axis as u32, weight(of))).collect();
     (0..dim).map(along).collect()
+}
+
+impl Properties<'_> {
+    /// Whether a step may be made as shorter ones: not where something is known at the beginning of the whole step alone, as internal variables, the
+    /// normal forces of lagged friction, the accelerations of supports that move.
+    pub fn goes_in_parts(&self) -> bool {
+        let lagged = self.model.contacts().parameters().iter().any(|(_, touch)| touch.lagged);
+        let prescribed = self.model.others.iter().any(|other| other.prescribes().is_some());
+        self.model.touches_something() && !self.model.memory().has_history() && !lagged && !prescribed
+    }
 }

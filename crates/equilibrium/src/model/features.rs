@@ -1,6 +1,7 @@
 //! [`Feature`]: what commands ask a model for, and what it cannot give.
 
 use super::Model;
+use crate::model::views::Properties;
 use nastic_body::error::FemError;
 use nastic_body::instant::Instant;
 use nastic_linear::Symmetry;
@@ -10,77 +11,21 @@ use nastic_linear::Symmetry;
 pub enum Feature {
     /// One equilibrium: [`Model::solve`].
     Equilibrium,
-    /// Eigenvalues and modes of the tangent: [`Model::modes`]; of small vibrations too.
+    /// Eigenvalues and modes of the tangent: [`Stability::modes`](crate::model::views::Stability::modes); of small vibrations too.
     Modes,
-    /// Equilibria between two sets of controls: [`Model::ramp`].
+    /// Equilibria between two sets of controls: [`Stability::ramp`](crate::model::views::Stability::ramp).
     Ramp,
-    /// A path through limit points: [`Model::path`].
+    /// A path through limit points: [`Stability::path`](crate::model::views::Stability::path).
     Path,
-    /// Further equilibria: [`Model::equilibria`].
+    /// Further equilibria: [`Stability::equilibria`](crate::model::views::Stability::equilibria).
     Deflation,
-    /// Contacts without a layer: [`Model::exact_contact`].
+    /// Contacts without a layer: [`Stability::exact_contact`](crate::model::views::Stability::exact_contact).
     ExactContact,
-    /// From a saddle to a minimum of the potential: [`Model::descend`].
+    /// From a saddle to a minimum of the potential: [`Stability::descend`](crate::model::views::Stability::descend).
     Descent,
 }
 
 impl Model {
-    /// Whether the model goes with that: asked once by every command, before it computes anything.
-    ///
-    /// # Errors
-    /// [`FemError::Unsupported`]: what, with which contribution or law it does not go, and what does instead.
-    pub fn supports(&self, feature: Feature) -> Result<(), FemError> {
-        let what = match feature {
-            Feature::Equilibrium => "a static equilibrium",
-            Feature::Ramp => "a ramp with its critical points",
-            Feature::Path => "a path",
-            Feature::Modes => "modes",
-            Feature::Deflation => "other equilibria by deflation",
-            Feature::Descent => "a descent from a saddle",
-            Feature::ExactContact => "exact contact",
-        };
-        if feature != Feature::Equilibrium {
-            self.refuse_ranks(what)?;
-            self.refuse_further_fields(what)?;
-        }
-        if let Some((other, why)) = self.others.iter().find_map(|c| Some((c, c.path_dependence()?))) {
-            return refuse(what, other.name(), why);
-        }
-        if matches!(feature, Feature::Modes | Feature::Deflation | Feature::Descent) {
-            self.refuse_rigid_bodies(
-                what,
-                "it is a rigid body, for which they are not built: take a stiff law in its place",
-            )?;
-        }
-        match feature {
-            Feature::Equilibrium | Feature::Ramp | Feature::Path => Ok(()),
-            Feature::Modes => self.refuse_unsymmetric(
-                "modes",
-                "the number of Newton iterations and ramps still tell where states change",
-            ),
-            Feature::Deflation => self.refuse_unsymmetric(
-                "other equilibria by deflation",
-                "which starts along modes: try other starts by near",
-            ),
-            Feature::ExactContact => self.supports_exact_contact(),
-            Feature::Descent => match self.others.iter().find(|c| !c.has_potential()) {
-                None => Ok(()),
-                Some(other) => refuse("a descent from a saddle", other.name(), "it has no potential to descend in"),
-            },
-        }
-    }
-
-    /// Refuses what is not built for rigid bodies, with what to take instead.
-    ///
-    /// # Errors
-    /// [`FemError::Unsupported`] of a model that has one.
-    pub fn refuse_rigid_bodies(&self, what: &str, why: &str) -> Result<(), FemError> {
-        match self.others.iter().find(|c| c.tied().is_some()) {
-            None => Ok(()),
-            Some(rigid) => refuse(what, rigid.name(), why),
-        }
-    }
-
     fn refuse_unsymmetric(&self, what: &'static str, why: &'static str) -> Result<(), FemError> {
         match self.others.iter().find(|c| c.symmetry() != Symmetry::Symmetric) {
             None => Ok(()),
@@ -111,4 +56,62 @@ impl Model {
 /// [`FemError::Unsupported`], always.
 pub fn refuse(what: &str, with: &str, why: &str) -> Result<(), FemError> {
     Err(FemError::Unsupported { what: what.to_owned(), with: with.to_owned(), why: why.to_owned() })
+}
+
+impl Properties<'_> {
+    /// Whether the model goes with that: asked once by every command, before it computes anything.
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`]: what, with which contribution or law it does not go, and what does instead.
+    pub fn supports(&self, feature: Feature) -> Result<(), FemError> {
+        let what = match feature {
+            Feature::Equilibrium => "a static equilibrium",
+            Feature::Ramp => "a ramp with its critical points",
+            Feature::Path => "a path",
+            Feature::Modes => "modes",
+            Feature::Deflation => "other equilibria by deflation",
+            Feature::Descent => "a descent from a saddle",
+            Feature::ExactContact => "exact contact",
+        };
+        if feature != Feature::Equilibrium {
+            self.model.ranks().refuse_ranks(what)?;
+            self.refuse_further_fields(what)?;
+        }
+        if let Some((other, why)) = self.model.others.iter().find_map(|c| Some((c, c.path_dependence()?))) {
+            return refuse(what, other.name(), why);
+        }
+        if matches!(feature, Feature::Modes | Feature::Deflation | Feature::Descent) {
+            self.refuse_rigid_bodies(
+                what,
+                "it is a rigid body, for which they are not built: take a stiff law in its place",
+            )?;
+        }
+        match feature {
+            Feature::Equilibrium | Feature::Ramp | Feature::Path => Ok(()),
+            Feature::Modes => self.model.refuse_unsymmetric(
+                "modes",
+                "the number of Newton iterations and ramps still tell where states change",
+            ),
+            Feature::Deflation => self.model.refuse_unsymmetric(
+                "other equilibria by deflation",
+                "which starts along modes: try other starts by near",
+            ),
+            Feature::ExactContact => self.model.supports_exact_contact(),
+            Feature::Descent => match self.model.others.iter().find(|c| !c.has_potential()) {
+                None => Ok(()),
+                Some(other) => refuse("a descent from a saddle", other.name(), "it has no potential to descend in"),
+            },
+        }
+    }
+
+    /// Refuses what is not built for rigid bodies, with what to take instead.
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`] of a model that has one.
+    pub fn refuse_rigid_bodies(&self, what: &str, why: &str) -> Result<(), FemError> {
+        match self.model.others.iter().find(|c| c.tied().is_some()) {
+            None => Ok(()),
+            Some(rigid) => refuse(what, rigid.name(), why),
+        }
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::Model;
 use super::restricted::{RestrictedPoint, Selection};
+use crate::model::views::Properties;
 use nastic_body::contribution::Contribution;
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::discretization::Discretization;
@@ -137,20 +138,6 @@ impl Model {
         Some((&field.name, owner.map_or("", |owner| owner.name())))
     }
 
-    /// Refuses what knows of the displacement alone.
-    ///
-    /// # Errors
-    /// [`FemError::Unsupported`]: what, with which contribution and field.
-    pub fn refuse_further_fields(&self, what: &str) -> Result<(), FemError> {
-        match self.further() {
-            None => Ok(()),
-            Some((field, owner)) => {
-                let why = format!("its field \"{field}\" is solved for in statics alone, by solve and adjoint");
-                Err(refused(what, owner, &why))
-            }
-        }
-    }
-
     fn selection(&self, contribution: &dyn Contribution) -> Option<Selection> {
         Selection::of(&self.space, contribution.fields())
     }
@@ -242,7 +229,7 @@ impl Model {
                 let why = format!("it has no modes for its field \"{field}\": take {instead}");
                 Err(refused("multigrid", owner, &why))
             }
-            _ if self.symmetry() == Symmetry::General && wanted.takes() == Symmetry::Symmetric => {
+            _ if self.properties().symmetry() == Symmetry::General && wanted.takes() == Symmetry::Symmetric => {
                 let why = format!("friction and some follower loads make it so: take {instead}");
                 Err(refused(wanted.name(), "a tangent that is not symmetric", &why))
             }
@@ -256,7 +243,7 @@ impl Model {
     }
 
     fn suitable_solver(&self) -> &'static dyn SolverFactory {
-        match (self.symmetry(), self.space.has_one_nodal_field()) {
+        match (self.properties().symmetry(), self.space.has_one_nodal_field()) {
             // in whose hierarchy all cells around a rigid body would be coupled with each other
             (Symmetry::Symmetric, true) if !self.supports.ties().is_empty() => Solver::DIRECT,
             (Symmetry::Symmetric, true) => self.tangent_structure().solver(),
@@ -273,4 +260,20 @@ fn further(space: &Space) -> Option<&Field> {
 
 fn refused(what: &str, with: &str, why: &str) -> FemError {
     FemError::Unsupported { what: what.to_owned(), with: with.to_owned(), why: why.to_owned() }
+}
+
+impl Properties<'_> {
+    /// Refuses what knows of the displacement alone.
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`]: what, with which contribution and field.
+    pub fn refuse_further_fields(&self, what: &str) -> Result<(), FemError> {
+        match self.model.further() {
+            None => Ok(()),
+            Some((field, owner)) => {
+                let why = format!("its field \"{field}\" is solved for in statics alone, by solve and adjoint");
+                Err(refused(what, owner, &why))
+            }
+        }
+    }
 }

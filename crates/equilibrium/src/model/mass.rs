@@ -1,20 +1,20 @@
 //! The mass of a [`Model`].
 
-use super::Model;
+use crate::model::views::Inertia;
 use nastic_body::error::FemError;
 use nastic_body::state::State;
 use nastic_linear::SparseMatrix;
 
-impl Model {
+impl Inertia<'_> {
     /// The mass matrix of all contributions, supports not eliminated; zero of a body without inertia.
     ///
     /// # Errors
     /// [`FemError::NotCoupled`].
     pub fn mass(&self) -> Result<SparseMatrix, FemError> {
-        let mut mass = SparseMatrix::zeros(self.structure().pattern().clone());
-        for contribution in &self.others {
+        let mut mass = SparseMatrix::zeros(self.model.structure().pattern().clone());
+        for contribution in &self.model.others {
             let named = |lacking| FemError::NotCoupled { contribution: contribution.name().to_owned(), lacking };
-            self.add_matrix(contribution.as_ref(), &mut mass, |own| contribution.add_mass(own)).map_err(named)?;
+            self.model.add_matrix(contribution.as_ref(), &mut mass, |own| contribution.add_mass(own)).map_err(named)?;
         }
         Ok(mass)
     }
@@ -25,9 +25,9 @@ impl Model {
     /// [`FemError::NotCoupled`].
     pub fn kinetic_energy(&self, state: &State) -> Result<f64, FemError> {
         let Some(velocity) = &state.velocity else { return Ok(0.0) };
-        let v = self.nodal(velocity);
+        let v = self.model.nodal(velocity);
         let mut image = vec![0.0; v.len()];
         self.mass()?.multiply(v, &mut image);
-        Ok(0.5 * self.space.dot(v, &image))
+        Ok(0.5 * self.model.space.dot(v, &image))
     }
 }

@@ -94,13 +94,13 @@ impl ModelPoint<'_> {
         self.model.agreed(self.each(at, add))
     }
 
-    /// The tangent by the products of its cells, see [`Model::cell_products`].
+    /// The tangent by the products of its cells, see [`Tangents::cell_products`](crate::model::views::Tangents::cell_products).
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn cell_products(&self, at: &Instant) -> Result<Option<Arc<dyn CellProducts>>, Inadmissible> {
         let Model { body, supports, .. } = self.model;
-        if at.step.is_some() || !self.model.has_cell_products() {
+        if at.step.is_some() || !self.model.tangents().has_cell_products() {
             return Ok(None);
         }
         let place = (self.displaced(self.model.nodal(at.u)), Driving::of(at));
@@ -131,7 +131,7 @@ impl ModelPoint<'_> {
         Ok(complete)
     }
 
-    /// The longest share of the straight move to another displacement that every contribution bears; see [`Model::admissible_move`].
+    /// The longest share of the straight move to another displacement that every contribution bears; see [`Moves::admissible_move`](crate::model::views::Moves::admissible_move).
     ///
     /// # Errors
     /// [`Inadmissible`] where the move begins outside of the admissible set.

@@ -1,6 +1,7 @@
 //! Tangents of a [`Model`] by products, without a matrix.
 
 use super::Model;
+use crate::model::views::Tangents;
 use nastic_body::body_energy::hexahedra_products::HexahedraProducts;
 use nastic_body::contribution::point::Need;
 use nastic_body::error::Inadmissible;
@@ -11,17 +12,31 @@ use nastic_linear::{CellProducts, Multigrid, VolumeModes};
 use std::sync::Arc;
 
 impl Model {
+    /// The changes of volume that its body resists much at a displacement, as a part of the tangent; nothing where no cell's stand out, or where unknowns are not
+    /// displacements of nodes by themselves, all on one rank.
+    pub(crate) fn volume_modes(&self, u: &[f64], expected: Option<&[f64]>, parallel: bool) -> Option<VolumeModes> {
+        let plain = self.unknowns().has_one_nodal_field() && self.unknowns().multipliers() == 0;
+        if !plain || !self.supports.ties().is_empty() || self.ranks().is_over_ranks() {
+            return None;
+        }
+        self.body.volume_modes(Displaced::by(u), (self.supports.fixed(), expected), parallel).ok().flatten()
+    }
+}
+
+impl Tangents<'_> {
     /// Whether tangents of its equilibria are had by the products of their cells, see [`cell_products`](Self::cell_products).
     pub fn has_cell_products(&self) -> bool {
-        let plain = self.unknowns().has_one_nodal_field() && self.unknowns().multipliers() == 0;
-        let alone = plain && !self.others.iter().any(|own| own.is_stiff()) && self.supports.ties().is_empty();
-        alone && !self.is_over_ranks() && self.body.has_cell_products()
+        let plain = self.model.unknowns().has_one_nodal_field() && self.model.unknowns().multipliers() == 0;
+        let alone =
+            plain && !self.model.others.iter().any(|own| own.is_stiff()) && self.model.supports.ties().is_empty();
+        alone && !self.model.ranks().is_over_ranks() && self.model.body.has_cell_products()
     }
 
     /// Bytes of the tangent of an equilibrium and of its levels of multigrid, predicted from counts.
     pub fn multigrid_bytes(&self) -> usize {
         if self.has_cell_products() {
-            let (nodes, cells) = (self.discretization().mesh().points().len(), self.discretization().mesh().cells());
+            let (nodes, cells) =
+                (self.model.discretization().mesh().points().len(), self.model.discretization().mesh().cells());
             return HexahedraProducts::bytes_of(cells) + Multigrid::predicted_bytes_below_products(nodes, cells);
         }
         self.assembled_multigrid_bytes()
@@ -29,8 +44,8 @@ impl Model {
 
     /// The same of a tangent that is assembled, as those of steps in time are. The pressures of nearly incompressible cells that become unknowns are counted at rest.
     pub fn assembled_multigrid_bytes(&self) -> usize {
-        let structure = self.tangent_structure();
-        let modes = self.volume_modes(&vec![0.0; self.unknowns().nodal()], None, true);
+        let structure = self.model.tangent_structure();
+        let modes = self.model.volume_modes(&vec![0.0; self.model.unknowns().nodal()], None, true);
         let beside =
             modes.map_or(0, |modes| modes.bytes() + MultigridSolver::bytes_of_modes(structure.pattern(), modes.len()));
         structure.multigrid_bytes() + beside
@@ -42,17 +57,7 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn cell_products(&self, at: &Instant) -> Result<Option<Arc<dyn CellProducts>>, Inadmissible> {
-        self.at(at, Need::Residual)?.cell_products(at)
-    }
-
-    /// The changes of volume that its body resists much at a displacement, as a part of the tangent; nothing where no cell's stand out, or where unknowns are not
-    /// displacements of nodes by themselves, all on one rank.
-    pub(crate) fn volume_modes(&self, u: &[f64], expected: Option<&[f64]>, parallel: bool) -> Option<VolumeModes> {
-        let plain = self.unknowns().has_one_nodal_field() && self.unknowns().multipliers() == 0;
-        if !plain || !self.supports.ties().is_empty() || self.is_over_ranks() {
-            return None;
-        }
-        self.body.volume_modes(Displaced::by(u), (self.supports.fixed(), expected), parallel).ok().flatten()
+        self.model.at(at, Need::Residual)?.cell_products(at)
     }
 
     /// `out = K v` without a matrix; false where a contribution needs one.
@@ -60,6 +65,6 @@ impl Model {
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
-        self.at(at, Need::Residual)?.tangent_product(at, v, out)
+        self.model.at(at, Need::Residual)?.tangent_product(at, v, out)
     }
 }

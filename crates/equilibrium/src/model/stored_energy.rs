@@ -1,6 +1,6 @@
 //! [`StoredEnergy`]: what a state has stored.
 
-use crate::model::Model;
+use crate::model::views::Inertia;
 use nastic_body::contribution::energy_role::EnergyRole;
 use nastic_body::contribution::point::Need;
 use nastic_body::contribution::{Contribution, Demand, Sums};
@@ -17,17 +17,23 @@ pub struct StoredEnergy {
     pub contact: f64,
 }
 
-impl Model {
+fn energy(contribution: &dyn Contribution, at: &Instant) -> Result<f64, Inadmissible> {
+    let mut sums = Sums::zero(at.u.len());
+    contribution.at(at, Need::Residual)?.add_residual(at, Demand { energy: true, force: false }, &mut sums)?;
+    Ok(sums.energy)
+}
+
+impl Inertia<'_> {
     /// What a state by itself has stored, with relaxed viscous laws; loads, fluids and drives have no part in it.
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
     pub fn stored_energy(&self, state: &State) -> Result<StoredEnergy, Inadmissible> {
-        let passive = self.unactuated(&state.controls);
+        let passive = self.model.unactuated(&state.controls);
         let at = Instant { parallel: true, ..Instant::of(state) };
-        let of_body = Instant { u: self.nodal(at.u), space: self.unknowns(), ..at }.under(&passive);
-        let mut stored = StoredEnergy { elastic: energy(&self.body, &of_body)?, contact: 0.0 };
-        self.each_other(&at, |contribution, at| {
+        let of_body = Instant { u: self.model.nodal(at.u), space: self.model.unknowns(), ..at }.under(&passive);
+        let mut stored = StoredEnergy { elastic: energy(&self.model.body, &of_body)?, contact: 0.0 };
+        self.model.each_other(&at, |contribution, at| {
             if contribution.touches().is_some() {
                 stored.contact += energy(contribution, at)?;
             } else if contribution.energy_role() == EnergyRole::Stored {
@@ -37,10 +43,4 @@ impl Model {
         })?;
         Ok(stored)
     }
-}
-
-fn energy(contribution: &dyn Contribution, at: &Instant) -> Result<f64, Inadmissible> {
-    let mut sums = Sums::zero(at.u.len());
-    contribution.at(at, Need::Residual)?.add_residual(at, Demand { energy: true, force: false }, &mut sums)?;
-    Ok(sums.energy)
 }

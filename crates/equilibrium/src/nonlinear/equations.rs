@@ -71,7 +71,7 @@ impl<'a> Equations<'a> {
             Drive::Held { time_step: Some(step), .. } if step.lag.is_some() => {
                 self.model.has_potential_without_friction()
             }
-            _ => self.model.has_potential(),
+            _ => self.model.properties().has_potential(),
         }
     }
 
@@ -148,7 +148,7 @@ impl<'a> Equations<'a> {
         here: &Iterate,
         memory: &'m mut Option<SparseMatrix>,
     ) -> Result<&'m mut SparseMatrix, Inadmissible> {
-        let matrix = memory.get_or_insert_with(|| self.model.matrix());
+        let matrix = memory.get_or_insert_with(|| self.model.tangents().matrix());
         matrix.clear();
         self.with(here.x, |at| here.point.add_tangent(at, matrix))?;
         if let Some(anchor) = self.anchor {
@@ -173,7 +173,7 @@ impl<'a> Equations<'a> {
             return Ok(memory.insert(Tangent::of_products(self.model, products)));
         }
         self.tangent(here, &mut entries)?;
-        let entries = entries.unwrap_or_else(|| self.model.matrix());
+        let entries = entries.unwrap_or_else(|| self.model.tangents().matrix());
         Ok(memory.insert(Tangent::of_entries(entries)))
     }
 
@@ -277,7 +277,7 @@ impl<'a> Equations<'a> {
     /// sends no message for it.
     pub fn force_of_moduli(&self) -> f64 {
         let Equations { model, .. } = self;
-        match model.is_over_ranks() {
+        match model.ranks().is_over_ranks() {
             true => 0.0,
             false => model.body.squared_force_of_moduli(&model.rigid_cells()).sqrt(),
         }

@@ -2,6 +2,7 @@
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
+use crate::model::views::Moves;
 use crate::nonlinear::direction::bordered::Bordered;
 use crate::nonlinear::direction::linearised::{Linearised, StepCorrection};
 use crate::nonlinear::direction::plain::Plain;
@@ -78,7 +79,7 @@ impl Equations<'_> {
         report: &mut SolveReport,
     ) -> Result<Option<Curvature>, Stop> {
         // a tangent by the products of its cells is not assembled for that
-        let of_entries = !(solver.state().takes_products && self.model.has_cell_products());
+        let of_entries = !(solver.state().takes_products && self.model.tangents().has_cell_products());
         let predicts = of_entries && self.predicts_pressures();
         let Some(pressures) = predicts.then(|| PredictedPressures::new(self)).flatten() else {
             return Ok(None);
@@ -111,7 +112,8 @@ impl Equations<'_> {
     /// Whether steps may predict pressures: the search along them needs a potential.
     fn predicts_pressures(&self) -> bool {
         let unknowns = self.model.unknowns();
-        let plain = unknowns.multipliers() == 0 && unknowns.has_one_nodal_field() && !self.model.is_over_ranks();
+        let plain =
+            unknowns.multipliers() == 0 && unknowns.has_one_nodal_field() && !self.model.ranks().is_over_ranks();
         plain && self.has_potential() && self.anchor.is_none()
     }
 
@@ -150,7 +152,14 @@ impl Model {
     ) -> Equations<'a> {
         Equations { model: self, drive: Drive::Held { controls, load, time_step, share }, options, anchor: None }
     }
+}
 
+/// What rounding may change a potential by.
+fn rounding(sums: &Sums) -> f64 {
+    ROUNDING * (sums.energy_scale + sums.energy.abs())
+}
+
+impl Moves<'_> {
     /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part that `replace` moves otherwise. The report shows the residual that
     /// is left.
     ///
@@ -165,14 +174,15 @@ impl Model {
         replace: Option<StepCorrection>,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
-        self.check_controls(controls)?;
+        self.model.checks().check_controls(controls)?;
         if how.cancelled() {
             return Err(StateError::Cancelled);
         }
-        let equations = self.equations(controls, 1.0, Some(time_step), 1.0, how);
+        let equations = self.model.equations(controls, 1.0, Some(time_step), 1.0, how);
         let mut report = SolveReport { load_steps: 1, ..SolveReport::default() };
         let mut u = from.u.to_vec();
-        let mut direction = Linearised { equations: &equations, replace, solver: self.linear_solver(how, workspace) };
+        let mut direction =
+            Linearised { equations: &equations, replace, solver: self.model.linear_solver(how, workspace) };
         let limits = Limits::new(1, how.accuracy);
         match Iteration::new(&equations, limits).once(&mut u, &mut direction, &mut report) {
             Ok(()) => Ok(State::equilibrium(u, controls.clone(), 1.0, report)),
@@ -182,9 +192,4 @@ impl Model {
             }
         }
     }
-}
-
-/// What rounding may change a potential by.
-fn rounding(sums: &Sums) -> f64 {
-    ROUNDING * (sums.energy_scale + sums.energy.abs())
 }

@@ -49,7 +49,7 @@ const OF_FORCES: f64 = 0.5;
 impl<'a> PredictedPressures<'a> {
     /// Those of the displacement that an iteration begins at; `None` where no cell resists changes of its volume much.
     pub fn new(equations: &'a Equations<'a>) -> Option<Self> {
-        let ratio = equations.model.bulk_over_shear();
+        let ratio = equations.model.properties().bulk_over_shear();
         let [errors, stiffness, volumes, changes] = std::array::from_fn(|_| Vec::new());
         let pressures = PredictedPressures {
             equations,

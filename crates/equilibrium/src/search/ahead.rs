@@ -2,6 +2,7 @@
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
+use crate::model::views::Moves;
 use crate::search::options::SolveOptions;
 use crate::stability::path::{EventKind, PathEnd, PathOptions};
 use nastic_body::controls::Controls;
@@ -44,22 +45,6 @@ const POINTS: usize = 60;
 const BEHIND: f64 = -1.0;
 
 impl Model {
-    /// Follows the [`path`](Self::path) from an equilibrium towards other controls and another load, in long steps, to its first limit point. What
-    /// that takes is added to the work of `report`.
-    ///
-    /// # Errors
-    /// As there; a cancelled path, a lack of memory.
-    pub fn ahead(
-        &self,
-        from: &State,
-        to: (&Controls, f64),
-        how: &SolveOptions,
-        workspace: &mut Workspace,
-        report: &mut SolveReport,
-    ) -> Result<Ahead, StateError> {
-        self.ahead_within(POINTS, (from, to), how, workspace, report)
-    }
-
     /// A solve that ended without an equilibrium, for a reason that is not known, or at guides that meet: where the path from its last one turns back
     /// before the load that failed, or just behind it, that is said.
     pub(crate) fn explained(&self, mut error: StateError, to: &Controls, how: &SolveOptions) -> StateError {
@@ -95,7 +80,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Ahead, StateError> {
         let options = PathOptions { step: STEP, points, range: [BEHIND, 1.0], to_limit: true };
-        let mut path = self.path(from, to, &options, how, workspace, &mut |point| {
+        let mut path = self.stability().path(from, to, &options, how, workspace, &mut |point| {
             report.add_work(&point.state.report);
         })?;
         let limit = path.events.into_iter().find(|event| event.kind == EventKind::LimitPoint);
@@ -112,5 +97,23 @@ impl Model {
             (PathEnd::Left, None) if last.s > 0.0 => Ok(Ahead::Clear(Box::new(last.state))),
             _ => Ok(Ahead::Unknown(last.s)),
         }
+    }
+}
+
+impl Moves<'_> {
+    /// Follows the [`path`](crate::model::views::Stability::path) from an equilibrium towards other controls and another load, in long steps, to its first limit point. What
+    /// that takes is added to the work of `report`.
+    ///
+    /// # Errors
+    /// As there; a cancelled path, a lack of memory.
+    pub fn ahead(
+        &self,
+        from: &State,
+        to: (&Controls, f64),
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+        report: &mut SolveReport,
+    ) -> Result<Ahead, StateError> {
+        self.model.ahead_within(POINTS, (from, to), how, workspace, report)
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
+use crate::model::views::Stability;
 use crate::search::ahead::Ahead;
 use crate::search::gradient_fit::GradientFit;
 use crate::search::options::SolveOptions;
@@ -39,42 +40,6 @@ const REFUSED: usize = 2;
 const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
 
 impl Model {
-    /// Whether the solve that led from one equilibrium to another stayed on its branch. Newton's method may leave a branch
-    /// without any failure: the cost then has a jump between the two states, and the derivative at one says nothing of the
-    /// other.
-    ///
-    /// Between two stable states of different branches lies a region where the tangent stiffness is indefinite. So a solve is trusted,
-    /// and the answer is [`Connected`](Connection::Connected), unless its [report](State::report) reports a shifted tangent or
-    /// a restart, or it took five Newton iterations or more and the tangent has negative pivots at one of three states between the
-    /// two. One that is not trusted is made again in parts of the way: where all of them are trusted and lead to the same state,
-    /// the two are connected. Otherwise the [`path`](Self::path) from one to the other is followed by arc length.
-    ///
-    /// # Errors
-    /// As [`path`](Self::path); a cancelled solve, a lack of memory.
-    pub fn connection(&self, from: &State, to: &State, how: &SolveOptions) -> Result<Connection, StateError> {
-        self.refuse_further_fields("a connection between equilibria")?;
-        self.check_state(from)?;
-        self.check_state(to)?;
-        let change = self.unknowns().norm(&sub(self.nodal(&to.u), self.nodal(&from.u)));
-        let (mut workspace, fit) = (Workspace::default(), OnceCell::new());
-        if change <= SMALL * self.unknowns().norm(self.nodal(&to.u))
-            || !self.may_have_jumped(from, to, how, (&mut workspace, &fit))?
-            || self.is_reached_in_parts(from, to, how, (&mut workspace, &fit))?
-        {
-            return Ok(Connection::Connected);
-        }
-        let target = (&*to.controls, to.load);
-        let ahead = self.ahead(from, target, how, &mut Workspace::default(), &mut SolveReport::default())?;
-        Ok(match ahead {
-            Ahead::LimitPoint(limit) => Connection::LimitPoint(limit.share),
-            Ahead::Clear(state) => {
-                let apart = self.unknowns().norm(&sub(&state.u, &to.u)) / change;
-                if apart <= SAME { Connection::Connected } else { Connection::Elsewhere(apart) }
-            }
-            Ahead::Unknown(share) => Connection::Unknown(share),
-        })
-    }
-
     /// Whether the tangent was, or is between the two states, not positive definite.
     fn may_have_jumped(
         &self,
@@ -94,7 +59,7 @@ impl Model {
         for share in BETWEEN {
             let between = self.between(from, to, share, fit.as_ref(), how.parallel);
             let at = self.instant(from, None, how.parallel);
-            if !self.admissible_move_of_others(&at, &between.u).is_ok_and(|share| share >= 1.0) {
+            if !self.moves().admissible_move_of_others(&at, &between.u).is_ok_and(|share| share >= 1.0) {
                 return Ok(true);
             }
             match self.negative_pivots_with(&between, how, workspace) {
@@ -151,5 +116,44 @@ impl Model {
         }
         let controls = Arc::new(from.controls.blend(&to.controls, share));
         State { u: Arc::new(u), controls, load: (1.0 - share) * from.load + share * to.load, ..to.clone() }
+    }
+}
+
+impl Stability<'_> {
+    /// Whether the solve that led from one equilibrium to another stayed on its branch. Newton's method may leave a branch
+    /// without any failure: the cost then has a jump between the two states, and the derivative at one says nothing of the
+    /// other.
+    ///
+    /// Between two stable states of different branches lies a region where the tangent stiffness is indefinite. So a solve is trusted,
+    /// and the answer is [`Connected`](Connection::Connected), unless its [report](State::report) reports a shifted tangent or
+    /// a restart, or it took five Newton iterations or more and the tangent has negative pivots at one of three states between the
+    /// two. One that is not trusted is made again in parts of the way: where all of them are trusted and lead to the same state,
+    /// the two are connected. Otherwise the [`path`](Self::path) from one to the other is followed by arc length.
+    ///
+    /// # Errors
+    /// As [`path`](Self::path); a cancelled solve, a lack of memory.
+    pub fn connection(&self, from: &State, to: &State, how: &SolveOptions) -> Result<Connection, StateError> {
+        self.model.properties().refuse_further_fields("a connection between equilibria")?;
+        self.model.checks().check_state(from)?;
+        self.model.checks().check_state(to)?;
+        let change = self.model.unknowns().norm(&sub(self.model.nodal(&to.u), self.model.nodal(&from.u)));
+        let (mut workspace, fit) = (Workspace::default(), OnceCell::new());
+        if change <= SMALL * self.model.unknowns().norm(self.model.nodal(&to.u))
+            || !self.model.may_have_jumped(from, to, how, (&mut workspace, &fit))?
+            || self.model.is_reached_in_parts(from, to, how, (&mut workspace, &fit))?
+        {
+            return Ok(Connection::Connected);
+        }
+        let target = (&*to.controls, to.load);
+        let ahead =
+            self.model.moves().ahead(from, target, how, &mut Workspace::default(), &mut SolveReport::default())?;
+        Ok(match ahead {
+            Ahead::LimitPoint(limit) => Connection::LimitPoint(limit.share),
+            Ahead::Clear(state) => {
+                let apart = self.model.unknowns().norm(&sub(&state.u, &to.u)) / change;
+                if apart <= SAME { Connection::Connected } else { Connection::Elsewhere(apart) }
+            }
+            Ahead::Unknown(share) => Connection::Unknown(share),
+        })
     }
 }

@@ -1,6 +1,7 @@
 //! Continuation in the load from one equilibrium to another, with an adaptive load step.
 
 use crate::linear_systems::workspace::Workspace;
+use crate::model::views::Checks;
 use crate::model::{Feature, Model};
 use crate::nonlinear::equations::{Equations, moved};
 use crate::nonlinear::iterate::Stop;
@@ -45,8 +46,8 @@ struct Way {
 impl Way {
     /// Steps in time are short: theirs do not creep, but for those under constraints without a potential, where the residual alone is searched.
     fn new(model: &Model, in_time: bool) -> Self {
-        let constrained = !(in_time && model.has_potential()) && model.unknowns().multipliers() > 0;
-        Way { constrained, ratio: if in_time { 0.0 } else { model.bulk_over_shear() }, helped: false }
+        let constrained = !(in_time && model.properties().has_potential()) && model.unknowns().multipliers() > 0;
+        Way { constrained, ratio: if in_time { 0.0 } else { model.properties().bulk_over_shear() }, helped: false }
     }
 
     /// Whether a step on displacements creeps: whatever turns or shears the body changes its volume, or leaves the constraints.
@@ -88,7 +89,7 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.check()?;
-        self.supports(Feature::Equilibrium)?;
+        self.properties().supports(Feature::Equilibrium)?;
         self.find(controls, how, (None, false), workspace)
     }
 
@@ -101,7 +102,7 @@ impl Model {
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         let found = self.search(controls, how, (time_step, shorter), workspace);
-        self.unless_parted(found).inspect_err(|_| workspace.forget())
+        self.ranks().unless_parted(found).inspect_err(|_| workspace.forget())
     }
 
     fn search(
@@ -111,13 +112,13 @@ impl Model {
         (time_step, shorter): (Option<&TimeStep>, bool),
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
-        self.all_accept(self.check_request(controls, how))?;
+        self.ranks().all_accept(self.check_request(controls, how))?;
         let rest = self.rest_under(controls);
         let mut spent = SolveReport::default();
         let start = how.near.unwrap_or(&rest);
         // those of a motion were checked where it began
         if time_step.is_none() {
-            self.check_start(start, how.parallel)?;
+            self.moves().check_start(start, how.parallel)?;
         }
         if let Some(guess) = how.guess
             && let Some(found) = self.jump(guess, controls, (how, time_step), workspace, &mut spent)?
@@ -158,14 +159,14 @@ impl Model {
     fn check_request(&self, controls: &Controls, how: &SolveOptions) -> Result<(), StateError> {
         self.check_solver(how.solver)?;
         self.check_spans_ranks(how.solver)?;
-        self.check_controls(controls)?;
+        self.checks().check_controls(controls)?;
         self.check_constraints(controls)?;
         let expected = self.unknowns().len();
         if let Some(guess) = how.guess.filter(|guess| guess.len() != expected) {
             let what = "guess of the displacement".to_owned();
             return Err(FemError::Length { what, found: guess.len(), expected }.into());
         }
-        how.near.map_or(Ok(()), |near| self.check_state(near))
+        how.near.map_or(Ok(()), |near| self.checks().check_state(near))
     }
 
     /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
@@ -182,7 +183,7 @@ impl Model {
         if newton.is_static() && self.settles() {
             let mut end = u.clone();
             match self.settle(newton, &mut end, workspace, report) {
-                Err(stop) if !stop.is_final() && self.is_held_without_contact() => workspace.forget(),
+                Err(stop) if !stop.is_final() && self.checks().is_held_without_contact() => workspace.forget(),
                 ended => {
                     *u = end;
                     return ended;
@@ -283,16 +284,16 @@ impl Model {
 
     /// Whether its equations can be solved with strains of their own at the quadrature points.
     pub(crate) fn suits_point_strains(&self) -> bool {
-        let searched = self.has_potential() || self.unknowns().multipliers() > 0;
+        let searched = self.properties().has_potential() || self.unknowns().multipliers() > 0;
         searched
-            && !self.is_over_ranks()
+            && !self.ranks().is_over_ranks()
             && self.unknowns().has_one_nodal_field()
             && !self.inequalities().contains(&true)
     }
 
     /// Whether its equations are searched on the residual and under constraints, and can be solved with strains of their own: that search creeps.
     pub(crate) fn residual_creeps(&self) -> bool {
-        !self.has_potential() && self.unknowns().multipliers() > 0 && self.suits_point_strains()
+        !self.properties().has_potential() && self.unknowns().multipliers() > 0 && self.suits_point_strains()
     }
 
     /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.
@@ -305,7 +306,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
         // with friction an impact takes many short steps, and what does not go at once rounds, each of which is a solve
-        let most = if self.depends_on_path() { usize::MAX } else { GUESS };
+        let most = if self.properties().depends_on_path() { usize::MAX } else { GUESS };
         let brief = SolveOptions { max_newton: how.max_newton.min(most), ..how.clone() };
         let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
         let is_borne = match how.near {
@@ -344,22 +345,6 @@ impl Model {
         workspace.solver(how.solver.unwrap_or_else(|| self.solver()), self)
     }
 
-    /// Refuses a state of another body.
-    pub fn check_state(&self, state: &State) -> Result<(), StateError> {
-        let expected = self.unknowns().len();
-        if state.u.len() != expected {
-            let what = "displacement of a state".to_owned();
-            return Err(FemError::Length { what, found: state.u.len(), expected }.into());
-        }
-        self.check_controls(&state.controls)
-    }
-
-    /// Refuses controls of another body, and tendons that would push.
-    pub fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
-        self.check_control_change(controls)?;
-        Ok(self.check_own_controls(controls)?)
-    }
-
     /// Refuses changes of controls of another body.
     pub(crate) fn check_control_change(&self, controls: &Controls) -> Result<(), StateError> {
         if !controls.fits(&self.controls()) {
@@ -394,7 +379,8 @@ impl Model {
         };
         while steps.done < 1.0 {
             let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
-            let bears = self.admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
+            let bears =
+                self.moves().admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
             // where obstacles move, what they touch goes with them, unless that has just led nowhere; else the body may go on as it did
             let tangent = match obstacles_move && !failed {
                 true => self.rate_along((&here, from, to), how, (steps.done, bears), workspace, report),
@@ -402,7 +388,8 @@ impl Model {
             };
             let rate = tangent.or_else(|| follow.take().filter(|_| bears < 1.0));
             let ahead = |length| rate.as_ref().map(|rate| moved(&here.u, rate, length));
-            let borne = |u: Vec<f64>| self.admissible_change(&instant, &Instant { u: &u, ..instant.under(to) }).ok();
+            let borne =
+                |u: Vec<f64>| self.moves().admissible_change(&instant, &Instant { u: &u, ..instant.under(to) }).ok();
             let followed = ahead(1.0 - steps.done).and_then(borne).filter(|share| *share > bears || *share == 1.0);
             let path = match followed.unwrap_or(bears) {
                 share if share < 1.0 => steps.next().min(steps.done + share * (1.0 - steps.done)),
@@ -447,7 +434,7 @@ impl Model {
                         let suspect = newton.at(&u, |at| self.suspect(at)).or_else(free);
                         let error = self.give_up(stop, path, (&steps, suspect), (to, None), report, here);
                         // a trial from a state nearby is looked into by who makes it
-                        let alone = time_step.is_none() && how.near.is_none() && !self.is_over_ranks();
+                        let alone = time_step.is_none() && how.near.is_none() && !self.ranks().is_over_ranks();
                         return Err(if alone { self.explained(error, to, how) } else { error });
                     }
                     report.cuts += 1;
@@ -489,5 +476,23 @@ impl Model {
             Stop::Linear(error) => error.into(),
             Stop::Cancelled => StateError::Cancelled,
         }
+    }
+}
+
+impl Checks<'_> {
+    /// Refuses a state of another body.
+    pub fn check_state(&self, state: &State) -> Result<(), StateError> {
+        let expected = self.model.unknowns().len();
+        if state.u.len() != expected {
+            let what = "displacement of a state".to_owned();
+            return Err(FemError::Length { what, found: state.u.len(), expected }.into());
+        }
+        self.check_controls(&state.controls)
+    }
+
+    /// Refuses controls of another body, and tendons that would push.
+    pub fn check_controls(&self, controls: &Controls) -> Result<(), StateError> {
+        self.model.check_control_change(controls)?;
+        Ok(self.model.prescribed_unknowns().check_own_controls(controls)?)
     }
 }

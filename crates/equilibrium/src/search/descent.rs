@@ -1,6 +1,7 @@
 //! [`Descent`]: from an unstable equilibrium to a minimum of the potential.
 
 use crate::linear_systems::workspace::Workspace;
+use crate::model::views::Stability;
 use crate::model::{Feature, Model};
 use crate::nonlinear::equations::Equations;
 use crate::nonlinear::iterate::Stop;
@@ -32,41 +33,6 @@ const MULTIPLES: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
 const ALIKE: f64 = 1e-6;
 
 impl Model {
-    /// A stable equilibrium under the controls of one that is not, at full loads, downhill from it.
-    ///
-    /// Along the mode of the most negative eigenvalue (see [`modes`](Self::modes)) the potential falls to both sides.
-    /// From where it is least on this line, and beyond, Newton's method lowers it to an equilibrium below the first;
-    /// the lower side comes first (the one of the mode's sign, where they are alike). Where that is another saddle, it
-    /// goes on from there.
-    ///
-    /// # Errors
-    /// A state at another load than the full one, a model without a potential; [`StateError::NoConvergence`] with the
-    /// last saddle and [`Cause::Saddle`] where no lower equilibrium is found, with the last state where ten saddles were left.
-    pub fn descend(&self, state: &State, how: &SolveOptions, workspace: &mut Workspace) -> Result<Descent, StateError> {
-        self.check_held()?;
-        self.supports(Feature::Descent)?;
-        self.check_state(state)?;
-        self.check_start(state, how.parallel)?;
-        if state.load != 1.0 {
-            let what = "a descent needs a state at full loads".to_owned();
-            return Err(FemError::Meaningless { what }.into());
-        }
-        let mut work = SolveReport::default();
-        let mut here = state.clone();
-        for saddles in 0..=SADDLES {
-            let modes = self.modes(&here, 1, &self.counting(how))?;
-            if modes.negative == 0 {
-                here.report.add_work(&work);
-                return Ok(Descent { state: here, saddles });
-            }
-            let Some(next) = self.below(&here, &modes.shapes[0], how, workspace, &mut work)? else {
-                return Err(not_found(here, work.newton, Cause::Saddle { negative: modes.negative }));
-            };
-            here = next;
-        }
-        Err(not_found(here, work.newton, Cause::Unknown))
-    }
-
     /// An equilibrium of less potential, on either side of a saddle along a mode.
     fn below(
         &self,
@@ -163,4 +129,41 @@ fn without_work(report: &SolveReport) -> SolveReport {
 /// Whether a displacement is another one than that of a saddle: by more than a hundredth of the amplitude that left it.
 fn differs(u: &[f64], saddle: &State, amplitude: f64) -> bool {
     u.iter().zip(saddle.u.iter()).any(|(u, v)| (u - v).abs() > 1e-2 * amplitude.abs())
+}
+
+impl Stability<'_> {
+    /// A stable equilibrium under the controls of one that is not, at full loads, downhill from it.
+    ///
+    /// Along the mode of the most negative eigenvalue (see [`modes`](Self::modes)) the potential falls to both sides.
+    /// From where it is least on this line, and beyond, Newton's method lowers it to an equilibrium below the first;
+    /// the lower side comes first (the one of the mode's sign, where they are alike). Where that is another saddle, it
+    /// goes on from there.
+    ///
+    /// # Errors
+    /// A state at another load than the full one, a model without a potential; [`StateError::NoConvergence`] with the
+    /// last saddle and [`Cause::Saddle`] where no lower equilibrium is found, with the last state where ten saddles were left.
+    pub fn descend(&self, state: &State, how: &SolveOptions, workspace: &mut Workspace) -> Result<Descent, StateError> {
+        self.model.checks().check_held()?;
+        self.model.properties().supports(Feature::Descent)?;
+        self.model.checks().check_state(state)?;
+        self.model.moves().check_start(state, how.parallel)?;
+        if state.load != 1.0 {
+            let what = "a descent needs a state at full loads".to_owned();
+            return Err(FemError::Meaningless { what }.into());
+        }
+        let mut work = SolveReport::default();
+        let mut here = state.clone();
+        for saddles in 0..=SADDLES {
+            let modes = self.modes(&here, 1, &self.counting(how))?;
+            if modes.negative == 0 {
+                here.report.add_work(&work);
+                return Ok(Descent { state: here, saddles });
+            }
+            let Some(next) = self.model.below(&here, &modes.shapes[0], how, workspace, &mut work)? else {
+                return Err(not_found(here, work.newton, Cause::Saddle { negative: modes.negative }));
+            };
+            here = next;
+        }
+        Err(not_found(here, work.newton, Cause::Unknown))
+    }
 }

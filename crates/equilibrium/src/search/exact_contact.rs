@@ -1,6 +1,7 @@
-//! [`Model::exact_contact`]: an equilibrium whose contacts have no layer.
+//! [`Stability::exact_contact`]: an equilibrium whose contacts have no layer.
 
 use crate::linear_systems::workspace::Workspace;
+use crate::model::views::Stability;
 use crate::model::{Feature, Model};
 use crate::search::options::SolveOptions;
 use nastic_body::contribution::Contribution;
@@ -30,36 +31,6 @@ pub struct ExactEquilibrium {
 }
 
 impl Model {
-    /// From an equilibrium to the one of exact contact, `g >= 0, p >= 0, g p = 0` at every sample, for verification: by multipliers around the
-    /// cubic law, until gaps are 1e-6 of its layer. It depends on the layer's thickness and stiffness no longer.
-    ///
-    /// # Errors
-    /// [`FemError::Unsupported`](nastic_body::error::FemError) without a contact, with the log law, friction or surfaces of bodies;
-    /// [`StateError::InexactContact`]; as [`Model::solve`].
-    pub fn exact_contact(
-        &self,
-        from: &State,
-        how: &SolveOptions,
-        workspace: &mut Workspace,
-    ) -> Result<ExactEquilibrium, StateError> {
-        self.supports(Feature::ExactContact)?;
-        let (mut model, mut state) = (self.clone(), from.clone());
-        let mut work = SolveReport::default();
-        let mut violation = f64::INFINITY;
-        for rounds in 0..ROUNDS {
-            let weakly_active;
-            (model, violation, weakly_active) = model.with_multipliers(&Instant::of(&state));
-            if violation <= VIOLATION {
-                state.report.add_work(&work);
-                return Ok(ExactEquilibrium { model, state, rounds, violation, weakly_active });
-            }
-            work.add_work(&state.report);
-            let controls = state.controls.clone();
-            state = model.solve_with(&controls, &SolveOptions { near: Some(&state), ..how.clone() }, workspace)?;
-        }
-        Err(StateError::InexactContact { violation, rounds: ROUNDS })
-    }
-
     /// The model with the multipliers of a state, how far that is from exact, and the number of weakly active samples.
     fn with_multipliers(&self, at: &Instant) -> (Model, f64, usize) {
         let (mut violation, mut weakly_active) = (0.0_f64, 0);
@@ -84,5 +55,37 @@ impl Model {
             Ok::<(), std::convert::Infallible>(())
         });
         self.replacing(others)
+    }
+}
+
+impl Stability<'_> {
+    /// From an equilibrium to the one of exact contact, `g >= 0, p >= 0, g p = 0` at every sample, for verification: by multipliers around the
+    /// cubic law, until gaps are 1e-6 of its layer. It depends on the layer's thickness and stiffness no longer.
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`](nastic_body::error::FemError) without a contact, with the log law, friction or surfaces of bodies;
+    /// [`StateError::InexactContact`]; as [`Model::solve`].
+    pub fn exact_contact(
+        &self,
+        from: &State,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+    ) -> Result<ExactEquilibrium, StateError> {
+        self.model.properties().supports(Feature::ExactContact)?;
+        let (mut model, mut state) = (self.model.clone(), from.clone());
+        let mut work = SolveReport::default();
+        let mut violation = f64::INFINITY;
+        for rounds in 0..ROUNDS {
+            let weakly_active;
+            (model, violation, weakly_active) = model.with_multipliers(&Instant::of(&state));
+            if violation <= VIOLATION {
+                state.report.add_work(&work);
+                return Ok(ExactEquilibrium { model, state, rounds, violation, weakly_active });
+            }
+            work.add_work(&state.report);
+            let controls = state.controls.clone();
+            state = model.solve_with(&controls, &SolveOptions { near: Some(&state), ..how.clone() }, workspace)?;
+        }
+        Err(StateError::InexactContact { violation, rounds: ROUNDS })
     }
 }

@@ -26,7 +26,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
         let free = self.unknowns().multipliers() == 0 && self.unknowns().has_one_nodal_field();
-        if !free || !self.is_held_without_contact() {
+        if !free || !self.checks().is_held_without_contact() {
             return None;
         }
         let length = NUDGE * bears * (1.0 - done);

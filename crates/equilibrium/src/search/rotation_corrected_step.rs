@@ -66,7 +66,7 @@ impl StepLimits {
     /// The same of a model: of a body over ranks the least of all, and straight, since its gradients are fitted on one rank alone.
     pub fn of_model(model: &Model, at: Displaced, du: &[f64], parallel: bool) -> Self {
         let own = Self::of(model.discretization(), at, du, parallel);
-        match model.is_over_ranks() {
+        match model.ranks().is_over_ranks() {
             false => own,
             true => StepLimits { straight: model.unknowns().least(own.straight), curved: None },
         }

@@ -41,10 +41,11 @@ impl Model {
     /// foundation.
     pub(crate) fn settles(&self) -> bool {
         let is_loose = || match self.supports.ties().is_empty() {
-            true => !self.is_held_without_contact(),
+            true => !self.checks().is_held_without_contact(),
             false => !self.is_held_by_supports(),
         };
-        let suited = self.has_potential() && !self.is_over_ranks() && self.unknowns().has_one_nodal_field();
+        let suited =
+            self.properties().has_potential() && !self.ranks().is_over_ranks() && self.unknowns().has_one_nodal_field();
         self.touches_something() && suited && is_loose()
     }
 
@@ -176,7 +177,7 @@ impl Model {
         let (block, dim) = (self.unknowns().block(), self.discretization().dim());
         let total = |i: usize| residual[..newton.dofs()].iter().skip(i).step_by(block).map(|r| r.abs()).sum();
         let density = (0..dim).map(total).fold(0.0, f64::max) / volume;
-        let mut tangent = self.matrix();
+        let mut tangent = self.tangents().matrix();
         newton.at(u, |at| now.point.add_tangent(at, &mut tangent))?;
         let least = Anchor::least(self, &tangent);
         let unresolved = RESOLUTION * newton.diagonal() * self.unknowns().norm(&tangent.diagonal());

@@ -2,6 +2,7 @@
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
+use crate::model::views::Moves;
 use crate::nonlinear::iterate::Stop;
 use crate::nonlinear::iteration::Limits;
 use crate::search::options::SolveOptions;
@@ -50,7 +51,7 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
-        if !self.depends_on_path() {
+        if !self.properties().depends_on_path() {
             return Ok(None);
         }
         let starts = [how.guess.map(<[f64]>::to_vec), Some(near.u.to_vec())];
@@ -134,34 +135,6 @@ impl Model {
         Ok(None)
     }
 
-    /// The displacement if the body went on with what it touches, by the mean of the rigid motions of the obstacles, weighted by what they press
-    /// with; `None` where nothing touches, or obstacles stay.
-    pub fn carried(&self, near: &State, controls: &Controls, parallel: bool) -> Option<Vec<f64>> {
-        if !self.unknowns().has_one_nodal_field() {
-            return None;
-        }
-        let (at, mut moved) = (self.instant(near, None, parallel), Vec::new());
-        self.each_touching(&at, |_, touches, at| {
-            let pressing = touches.touch(at).map_or(0.0, |touch| touch.pressing);
-            moved
-                .extend(touches.pose(at).zip(touches.pose(&at.under(controls))).map(|(from, to)| (pressing, from, to)));
-        });
-        let all: f64 = moved.iter().map(|(pressing, ..)| pressing).sum();
-        if all <= 0.0 || moved.iter().all(|(_, from, to)| from == to) {
-            return None;
-        }
-        let (mesh, mut u) = (self.discretization().mesh(), near.u.to_vec());
-        for (node, x) in mesh.points().iter().enumerate() {
-            let own = &mut u[mesh.dim() * node..mesh.dim() * (node + 1)];
-            let here: [f64; 3] = std::array::from_fn(|i| x[i] + own.get(i).copied().unwrap_or(0.0));
-            for (pressing, from, to) in moved.iter().filter(|(pressing, ..)| *pressing > 0.0) {
-                let there = from.carry(to, here);
-                own.iter_mut().enumerate().for_each(|(i, u)| *u += pressing / all * (there[i] - here[i]));
-            }
-        }
-        Some(u)
-    }
-
     /// Whether the controls may change at once while the body goes to a displacement: no obstacle enters it by more than a few layers. Else it
     /// goes in load steps.
     pub(crate) fn bears(
@@ -172,11 +145,41 @@ impl Model {
     ) -> bool {
         let at = self.instant(near, step, how.parallel);
         let to = Instant { u, controls, ..at };
-        self.admissible_change(&at, &to).is_ok_and(|share| share >= 1.0)
+        self.moves().admissible_change(&at, &to).is_ok_and(|share| share >= 1.0)
     }
 }
 
 /// What another way would not mend is an error.
 fn go_on(stop: Stop) -> Result<(), StateError> {
     stop.final_error().map_or(Ok(()), Err)
+}
+
+impl Moves<'_> {
+    /// The displacement if the body went on with what it touches, by the mean of the rigid motions of the obstacles, weighted by what they press
+    /// with; `None` where nothing touches, or obstacles stay.
+    pub fn carried(&self, near: &State, controls: &Controls, parallel: bool) -> Option<Vec<f64>> {
+        if !self.model.unknowns().has_one_nodal_field() {
+            return None;
+        }
+        let (at, mut moved) = (self.model.instant(near, None, parallel), Vec::new());
+        self.model.each_touching(&at, |_, touches, at| {
+            let pressing = touches.touch(at).map_or(0.0, |touch| touch.pressing);
+            moved
+                .extend(touches.pose(at).zip(touches.pose(&at.under(controls))).map(|(from, to)| (pressing, from, to)));
+        });
+        let all: f64 = moved.iter().map(|(pressing, ..)| pressing).sum();
+        if all <= 0.0 || moved.iter().all(|(_, from, to)| from == to) {
+            return None;
+        }
+        let (mesh, mut u) = (self.model.discretization().mesh(), near.u.to_vec());
+        for (node, x) in mesh.points().iter().enumerate() {
+            let own = &mut u[mesh.dim() * node..mesh.dim() * (node + 1)];
+            let here: [f64; 3] = std::array::from_fn(|i| x[i] + own.get(i).copied().unwrap_or(0.0));
+            for (pressing, from, to) in moved.iter().filter(|(pressing, ..)| *pressing > 0.0) {
+                let there = from.carry(to, here);
+                own.iter_mut().enumerate().for_each(|(i, u)| *u += pressing / all * (there[i] - here[i]));
+            }
+        }
+        Some(u)
+    }
 }

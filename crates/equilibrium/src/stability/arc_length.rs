@@ -157,7 +157,7 @@ impl<'a> PathEquations<'a> {
     /// A point as it is reported.
     pub fn path_point(&self, point: &PathIterate) -> PathPoint {
         let state = self.state(point);
-        let negative = self.equations.model.negative_pivots_by(&state, self.equations.options).ok();
+        let negative = self.equations.model.stability().negative_pivots_by(&state, self.equations.options).ok();
         PathPoint { s: point.s(), slope: point.slope(), state, negative }
     }
 

@@ -1,6 +1,7 @@
 //! [`Equilibria`]: several equilibria under the same controls and loads, by deflation.
 
 use crate::linear_systems::workspace::Workspace;
+use crate::model::views::Stability;
 use crate::model::{Feature, Model};
 use crate::nonlinear::direction::deflated::{Deflated, Known};
 use crate::nonlinear::iterate::Stop;
@@ -48,77 +49,8 @@ const ITERATIONS_HARD: usize = 80;
 const HARD: f64 = 200.0;
 
 impl Model {
-    /// Up to `count` equilibria under the controls and the load of one that is known, itself included.
-    ///
-    /// Newton's method for the deflated residual, which has no zero at the equilibria u_i that are known,
-    ///
-    /// ```text
-    /// m(u) r(u) = 0,    m(u) = prod_i (1 / |u - u_i|^2 + 1),    |v|^2 = sum_a V_a v_a . v_a / (V l^2)
-    /// ```
-    ///
-    /// (V_a the volumes of the nodes, l a tenth of the body's diagonal). Its step is Newton's, `K d = -r`, times `1 /
-    /// (1 - (grad log m) . d)`. Farrell, Birkisson, Funke, "Deflation techniques for finding distinct solutions of
-    /// nonlinear partial differential equations", SIAM J. Sci. Comput. 37 (2015). It starts on the straight lines from
-    /// the known equilibria along their three softest modes: where the potential is stationary on them, then 1, 3, 10
-    /// and 30 hundredths of the diagonal away. Every equilibrium found adds its own starts. What is not found may exist
-    /// all the same; what is found is an equilibrium of the discrete body, and a coarse mesh has some of its own.
-    ///
-    /// `watch` is called with every equilibrium, the known one first.
-    ///
-    /// # Errors
-    /// A count of zero; a state of another body; [`StateError::Cancelled`] (`watch` has seen what was found before);
-    /// modes that cannot be had, see [`modes`](Self::modes).
-    pub fn equilibria(
-        &self,
-        known: &State,
-        count: usize,
-        how: &SolveOptions,
-        workspace: &mut Workspace,
-        watch: &mut dyn FnMut(&Equilibrium),
-    ) -> Result<Equilibria, StateError> {
-        self.check_held()?;
-        self.supports(Feature::Deflation)?;
-        self.check_state(known)?;
-        self.check_start(known, how.parallel)?;
-        if count == 0 {
-            return Err(
-                FemError::Meaningless { what: "no equilibria are asked for; ask for 1 or more".to_owned() }.into()
-            );
-        }
-        let first = self.with_inertia(known.clone(), how);
-        watch(&first);
-        let mut all = Equilibria { found: vec![first], starts: 0, newton: 0 };
-        let mut from = 0;
-        while from < all.found.len() && all.found.len() < count {
-            for start in self.starts(&all.found[from].state, how)? {
-                all.starts += 1;
-                let mut report = SolveReport::default();
-                let found = self.deflated(&all.found, start, how, workspace, &mut report);
-                all.newton += report.newton;
-                match found {
-                    Ok(Some(state)) => {
-                        let next = self.with_inertia(state, how);
-                        watch(&next);
-                        all.found.push(next);
-                    }
-                    Ok(None) => workspace.forget(),
-                    // Another start may lead somewhere.
-                    Err(stop) => match stop.final_error() {
-                        Some(error) => return Err(error),
-                        None => workspace.forget(),
-                    },
-                }
-                if all.found.len() == count {
-                    break;
-                }
-            }
-            from += 1;
-        }
-        Ok(all)
-    }
-
     fn with_inertia(&self, state: State, how: &SolveOptions) -> Equilibrium {
-        let negative = self.negative_pivots_by(&state, how).ok();
+        let negative = self.stability().negative_pivots_by(&state, how).ok();
         Equilibrium { state, negative }
     }
 
@@ -126,7 +58,7 @@ impl Model {
     /// potential is stationary along the mode, then some of fixed amplitudes, of either those of lower potential first.
     fn starts(&self, state: &State, how: &SolveOptions) -> Result<Vec<Vec<f64>>, StateError> {
         let free = self.supports.fixed().iter().filter(|&&fixed| !fixed).count();
-        let modes = self.modes(state, MODES.min(free), &self.counting(how))?;
+        let modes = self.stability().modes(state, MODES.min(free), &self.stability().counting(how))?;
         let size = self.discretization().mesh().diagonal();
         let (mut stationary, mut further) = (Vec::new(), Vec::new());
         for shape in &modes.shapes {
@@ -156,7 +88,7 @@ impl Model {
     /// where another contribution refuses the straight move from it.
     pub(crate) fn energy_beside(&self, u: &[f64], state: &State, how: &SolveOptions) -> f64 {
         let at = |u| Instant { parallel: how.parallel, ..Instant::new(u, &state.controls, state.load) };
-        if !self.admissible_move_of_others(&at(&state.u), u).is_ok_and(|share| share >= 1.0) {
+        if !self.moves().admissible_move_of_others(&at(&state.u), u).is_ok_and(|share| share >= 1.0) {
             return f64::INFINITY;
         }
         let sums = self.evaluate(&at(u), Demand { energy: true, force: false });
@@ -177,10 +109,81 @@ impl Model {
         let known = Known::new(&equations, known.iter().map(|known| &known.state).collect());
         let solver = self.linear_solver(how, workspace);
         let mut direction = Deflated::new(&equations, &mut u, &known, solver);
-        let most = if self.bulk_over_shear() > HARD { ITERATIONS_HARD } else { ITERATIONS };
+        let most = if self.properties().bulk_over_shear() > HARD { ITERATIONS_HARD } else { ITERATIONS };
         Iteration::new(&equations, Limits::new(most, how.accuracy)).run(&mut u, &mut direction, report)?;
         let report = SolveReport { load_steps: 1, ..*report };
         let new = !known.contains(&u);
         Ok(new.then(|| State::equilibrium(u, (*first.controls).clone(), first.load, report)))
+    }
+}
+
+impl Stability<'_> {
+    /// Up to `count` equilibria under the controls and the load of one that is known, itself included.
+    ///
+    /// Newton's method for the deflated residual, which has no zero at the equilibria u_i that are known,
+    ///
+    /// ```text
+    /// m(u) r(u) = 0,    m(u) = prod_i (1 / |u - u_i|^2 + 1),    |v|^2 = sum_a V_a v_a . v_a / (V l^2)
+    /// ```
+    ///
+    /// (V_a the volumes of the nodes, l a tenth of the body's diagonal). Its step is Newton's, `K d = -r`, times `1 /
+    /// (1 - (grad log m) . d)`. Farrell, Birkisson, Funke, "Deflation techniques for finding distinct solutions of
+    /// nonlinear partial differential equations", SIAM J. Sci. Comput. 37 (2015). It starts on the straight lines from
+    /// the known equilibria along their three softest modes: where the potential is stationary on them, then 1, 3, 10
+    /// and 30 hundredths of the diagonal away. Every equilibrium found adds its own starts. What is not found may exist
+    /// all the same; what is found is an equilibrium of the discrete body, and a coarse mesh has some of its own.
+    ///
+    /// `watch` is called with every equilibrium, the known one first.
+    ///
+    /// # Errors
+    /// A count of zero; a state of another body; [`StateError::Cancelled`] (`watch` has seen what was found before);
+    /// modes that cannot be had, see [`modes`](Self::modes).
+    pub fn equilibria(
+        &self,
+        known: &State,
+        count: usize,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+        watch: &mut dyn FnMut(&Equilibrium),
+    ) -> Result<Equilibria, StateError> {
+        self.model.checks().check_held()?;
+        self.model.properties().supports(Feature::Deflation)?;
+        self.model.checks().check_state(known)?;
+        self.model.moves().check_start(known, how.parallel)?;
+        if count == 0 {
+            return Err(
+                FemError::Meaningless { what: "no equilibria are asked for; ask for 1 or more".to_owned() }.into()
+            );
+        }
+        let first = self.model.with_inertia(known.clone(), how);
+        watch(&first);
+        let mut all = Equilibria { found: vec![first], starts: 0, newton: 0 };
+        let mut from = 0;
+        while from < all.found.len() && all.found.len() < count {
+            for start in self.model.starts(&all.found[from].state, how)? {
+                all.starts += 1;
+                let mut report = SolveReport::default();
+                let found = self.model.deflated(&all.found, start, how, workspace, &mut report);
+                all.newton += report.newton;
+                match found {
+                    Ok(Some(state)) => {
+                        let next = self.model.with_inertia(state, how);
+                        watch(&next);
+                        all.found.push(next);
+                    }
+                    Ok(None) => workspace.forget(),
+                    // Another start may lead somewhere.
+                    Err(stop) => match stop.final_error() {
+                        Some(error) => return Err(error),
+                        None => workspace.forget(),
+                    },
+                }
+                if all.found.len() == count {
+                    break;
+                }
+            }
+            from += 1;
+        }
+        Ok(all)
     }
 }

@@ -3,6 +3,7 @@
 use crate::adjoint::inverted;
 use crate::linear_systems::tangent::TangentRef;
 use crate::linear_systems::tangent_systems::{Deformed, eliminate};
+use crate::model::views::Stability;
 use crate::model::{Feature, Model};
 use crate::search::options::SolveOptions;
 use nastic_body::error::StateError;
@@ -34,62 +35,6 @@ pub struct Modes {
 }
 
 impl Model {
-    /// The `count` algebraically smallest eigenvalues of the tangent at a state, all negative ones in any case, with
-    /// their modes.
-    ///
-    /// A block Davidson method ([`smallest_eigenpairs`]) with a factor, or with multigrid where that solves the systems of the body: then nothing
-    /// proves that none is missing ([`Modes::counted`]). Multiple
-    /// eigenvalues are found with all their modes; which basis of their span is returned has no meaning.
-    ///
-    /// # Errors
-    /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a
-    /// factor that would be too large; [`StateError::Problem`] for a state of another body; [`StateError::Cancelled`].
-    pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
-        let found =
-            self.lowest_modes(state, MassMatrix::Diagonal(&self.discretization().volumes_by_unknown()), count, how)?;
-        let Eigenpairs { values: eigenvalues, vectors, negative, counted, by_products, .. } = found;
-        let shapes = vectors.into_iter().map(normalized).collect();
-        Ok(Modes { eigenvalues, shapes, negative, counted, by_products })
-    }
-
-    /// The smallest eigenpairs of the tangent by a mass without fixed unknowns.
-    pub fn lowest_modes(
-        &self,
-        state: &State,
-        mass: MassMatrix,
-        count: usize,
-        how: &SolveOptions,
-    ) -> Result<Eigenpairs, StateError> {
-        self.check_state(state)?;
-        self.supports(Feature::Modes)?;
-        if self.multigrid_serves_modes(how)
-            && let Some(found) = self.modes_by_products(state, mass, count, how)?
-        {
-            return Ok(found);
-        }
-        let (mut matrix, constraints) = self.acting_tangent(state, how.parallel)?;
-        eliminate(self, &mut matrix);
-        let mut structure = self.tangent_structure().equations().clone();
-        if !matrix.beyond().is_empty() {
-            let joined =
-                JoinedStructure::new(&structure, &matrix).map_err(FactorError::from).map_err(LinearError::from)?;
-            matrix = joined.join(&matrix).ok_or(LinearError::from(FactorError::ForeignPattern))?;
-            structure = joined.structure().clone();
-        }
-        let configuration = Deformed::new(self, &state.u, how.parallel);
-        let system = configuration.system((&matrix).into());
-        let by = ByFactor { symbolic: structure.symbolic(), constraints: &constraints };
-        let inverse = ApproximateInverse::Factor(by);
-        let problem = Eigenproblem { product: &system, system, mass, inverse, cancel: how.cancel };
-        smallest_eigenpairs(&problem, count).map_err(cancelled)
-    }
-
-    /// The same request, for modes whose number decides something: with a factor where one fits, which counts them.
-    pub fn counting<'h>(&self, how: &SolveOptions<'h>) -> SolveOptions<'h> {
-        let plain = how.clone();
-        if self.factor_fits() { SolveOptions { solver: Some(Solver::DIRECT), ..plain } } else { plain }
-    }
-
     fn factor_fits(&self) -> bool {
         self.tangent_structure().equations().factor_fits()
     }
@@ -125,7 +70,7 @@ impl Model {
         let product: &dyn Operator = if tangent.is_unassembled() { &exact } else { &system };
         // of one body; several free ones may need a factor for few modes
         let rigid = if self.discretization().dim() == 3 { 6 } else { 3 };
-        let zeros = if self.is_held_without_contact() { 0 } else { rigid };
+        let zeros = if self.checks().is_held_without_contact() { 0 } else { rigid };
         let inverse = ApproximateInverse::Multigrid { zeros };
         let problem = Eigenproblem { product, system, mass, inverse, cancel: how.cancel };
         match smallest_eigenpairs(&problem, count).map_err(cancelled) {
@@ -153,4 +98,66 @@ pub fn normalized(mut shape: Vec<f64>) -> Vec<f64> {
     let scale = at.map_or(1.0, |at| largest * shape[at].signum());
     shape.iter_mut().for_each(|x| *x /= scale);
     shape
+}
+
+impl Stability<'_> {
+    /// The `count` algebraically smallest eigenvalues of the tangent at a state, all negative ones in any case, with
+    /// their modes.
+    ///
+    /// A block Davidson method ([`smallest_eigenpairs`]) with a factor, or with multigrid where that solves the systems of the body: then nothing
+    /// proves that none is missing ([`Modes::counted`]). Multiple
+    /// eigenvalues are found with all their modes; which basis of their span is returned has no meaning.
+    ///
+    /// # Errors
+    /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a
+    /// factor that would be too large; [`StateError::Problem`] for a state of another body; [`StateError::Cancelled`].
+    pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
+        let found = self.lowest_modes(
+            state,
+            MassMatrix::Diagonal(&self.model.discretization().volumes_by_unknown()),
+            count,
+            how,
+        )?;
+        let Eigenpairs { values: eigenvalues, vectors, negative, counted, by_products, .. } = found;
+        let shapes = vectors.into_iter().map(normalized).collect();
+        Ok(Modes { eigenvalues, shapes, negative, counted, by_products })
+    }
+
+    /// The smallest eigenpairs of the tangent by a mass without fixed unknowns.
+    pub fn lowest_modes(
+        &self,
+        state: &State,
+        mass: MassMatrix,
+        count: usize,
+        how: &SolveOptions,
+    ) -> Result<Eigenpairs, StateError> {
+        self.model.checks().check_state(state)?;
+        self.model.properties().supports(Feature::Modes)?;
+        if self.model.multigrid_serves_modes(how)
+            && let Some(found) = self.model.modes_by_products(state, mass, count, how)?
+        {
+            return Ok(found);
+        }
+        let (mut matrix, constraints) = self.model.acting_tangent(state, how.parallel)?;
+        eliminate(self.model, &mut matrix);
+        let mut structure = self.model.tangent_structure().equations().clone();
+        if !matrix.beyond().is_empty() {
+            let joined =
+                JoinedStructure::new(&structure, &matrix).map_err(FactorError::from).map_err(LinearError::from)?;
+            matrix = joined.join(&matrix).ok_or(LinearError::from(FactorError::ForeignPattern))?;
+            structure = joined.structure().clone();
+        }
+        let configuration = Deformed::new(self.model, &state.u, how.parallel);
+        let system = configuration.system((&matrix).into());
+        let by = ByFactor { symbolic: structure.symbolic(), constraints: &constraints };
+        let inverse = ApproximateInverse::Factor(by);
+        let problem = Eigenproblem { product: &system, system, mass, inverse, cancel: how.cancel };
+        smallest_eigenpairs(&problem, count).map_err(cancelled)
+    }
+
+    /// The same request, for modes whose number decides something: with a factor where one fits, which counts them.
+    pub fn counting<'h>(&self, how: &SolveOptions<'h>) -> SolveOptions<'h> {
+        let plain = how.clone();
+        if self.model.factor_fits() { SolveOptions { solver: Some(Solver::DIRECT), ..plain } } else { plain }
+    }
 }

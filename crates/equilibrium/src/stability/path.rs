@@ -1,7 +1,8 @@
 //! [`EquilibriumPath`]: equilibria along a path through limit points.
 
 use crate::linear_systems::workspace::Workspace;
-use crate::model::{Feature, Model};
+use crate::model::Feature;
+use crate::model::views::Stability;
 use crate::nonlinear::iterate::Stop;
 use crate::search::options::SolveOptions;
 use crate::stability::arc_length::{ITERATIONS, PathEquations, PathIterate};
@@ -112,7 +113,57 @@ const STRETCHES: i32 = 3;
 /// Newton iterations of a step that is as long as it should be.
 const WANTED: f64 = 4.0;
 
-impl Model {
+impl PathOptions {
+    fn check(&self) -> Result<(), FemError> {
+        let [low, high] = self.range;
+        let fits = self.step > 0.0 && self.step.is_finite() && low < 0.0 && high > 0.0;
+        let what = || format!("a path with steps of {} over s from {low} to {high} cannot begin at s = 0", self.step);
+        if fits { Ok(()) } else { Err(FemError::Meaningless { what: what() }) }
+    }
+}
+
+/// A step that was taken.
+struct Advance {
+    point: PathIterate,
+    path_point: PathPoint,
+    events: Vec<PathEvent>,
+    /// Whether s stands on an end of its range.
+    left: bool,
+}
+
+/// Of a step to a point that may be on another branch, or behind several events.
+pub(crate) fn too_long() -> Stop {
+    Stop::Slow { residual: 0.0 }
+}
+
+/// One step; a failure where it is too long.
+fn advance(
+    equations: &mut PathEquations,
+    path: &EquilibriumPath,
+    here: &PathIterate,
+    length: f64,
+    [low, high]: [f64; 2],
+) -> Result<Advance, Stop> {
+    let mut point = equations.step(here, length)?;
+    // A point that stands on an end has not left it.
+    let crosses = |end: &f64| here.s() != *end && (point.s() - end) * (here.s() - end) <= 0.0;
+    let end = [low, high].into_iter().find(crosses);
+    if let Some(end) = end {
+        point = equations.land(here, &point, end)?;
+    }
+    let separable = length > INSEPARABLE * FIRST;
+    if separable && equations.product(&here.tangent, &point.tangent) < STRAIGHT {
+        return Err(too_long());
+    }
+    let path_point = equations.path_point(&point);
+    // Of a point with a singular tangent nothing is known; what was known before it counts.
+    let before = path.points.iter().rev().find_map(|point| point.negative);
+    let between = Between { here, there: &point, before, after: path_point.negative, index: path.points.len() - 1 };
+    let events = events(equations, &between, separable)?;
+    Ok(Advance { left: end.is_some(), point, path_point, events })
+}
+
+impl Stability<'_> {
     /// Follows the path of equilibria from a state towards other controls and another load (1: the loads and prescribed
     /// displacements as given), past limit points, where a load or a control cannot rise any further.
     ///
@@ -144,13 +195,13 @@ impl Model {
         workspace: &mut Workspace,
         watch: &mut dyn FnMut(&PathPoint),
     ) -> Result<EquilibriumPath, StateError> {
-        self.check_held()?;
-        self.supports(Feature::Path)?;
-        self.check_state(from)?;
-        self.check_controls(to.0)?;
+        self.model.checks().check_held()?;
+        self.model.properties().supports(Feature::Path)?;
+        self.model.checks().check_state(from)?;
+        self.model.checks().check_controls(to.0)?;
         options.check()?;
-        self.check_start(from, how.parallel)?;
-        let mut equations = PathEquations::new(self, from, to, how, workspace);
+        self.model.moves().check_start(from, how.parallel)?;
+        let mut equations = PathEquations::new(self.model, from, to, how, workspace);
         let start = equations.start(from).map_err(|stop| stop.into_error(0, from))?;
         let mut path =
             EquilibriumPath { points: vec![equations.path_point(&start)], events: Vec::new(), end: PathEnd::Points };
@@ -200,54 +251,4 @@ impl Model {
         }
         Ok(path)
     }
-}
-
-impl PathOptions {
-    fn check(&self) -> Result<(), FemError> {
-        let [low, high] = self.range;
-        let fits = self.step > 0.0 && self.step.is_finite() && low < 0.0 && high > 0.0;
-        let what = || format!("a path with steps of {} over s from {low} to {high} cannot begin at s = 0", self.step);
-        if fits { Ok(()) } else { Err(FemError::Meaningless { what: what() }) }
-    }
-}
-
-/// A step that was taken.
-struct Advance {
-    point: PathIterate,
-    path_point: PathPoint,
-    events: Vec<PathEvent>,
-    /// Whether s stands on an end of its range.
-    left: bool,
-}
-
-/// Of a step to a point that may be on another branch, or behind several events.
-pub(crate) fn too_long() -> Stop {
-    Stop::Slow { residual: 0.0 }
-}
-
-/// One step; a failure where it is too long.
-fn advance(
-    equations: &mut PathEquations,
-    path: &EquilibriumPath,
-    here: &PathIterate,
-    length: f64,
-    [low, high]: [f64; 2],
-) -> Result<Advance, Stop> {
-    let mut point = equations.step(here, length)?;
-    // A point that stands on an end has not left it.
-    let crosses = |end: &f64| here.s() != *end && (point.s() - end) * (here.s() - end) <= 0.0;
-    let end = [low, high].into_iter().find(crosses);
-    if let Some(end) = end {
-        point = equations.land(here, &point, end)?;
-    }
-    let separable = length > INSEPARABLE * FIRST;
-    if separable && equations.product(&here.tangent, &point.tangent) < STRAIGHT {
-        return Err(too_long());
-    }
-    let path_point = equations.path_point(&point);
-    // Of a point with a singular tangent nothing is known; what was known before it counts.
-    let before = path.points.iter().rev().find_map(|point| point.negative);
-    let between = Between { here, there: &point, before, after: path_point.negative, index: path.points.len() - 1 };
-    let events = events(equations, &between, separable)?;
-    Ok(Advance { left: end.is_some(), point, path_point, events })
 }

@@ -1,6 +1,7 @@
 //! [`Ramp`]: equilibria one after the other on the straight way between two sets of controls.
 
 use crate::linear_systems::workspace::Workspace;
+use crate::model::views::Stability;
 use crate::model::{Feature, Model};
 use crate::search::options::SolveOptions;
 use nastic_body::controls::Controls;
@@ -47,61 +48,6 @@ pub struct CriticalPoint {
     pub state: State,
 }
 
-impl Model {
-    /// `count` equilibria from one set of controls to another, the first as [`solve_with`](Self::solve_with) finds it
-    /// with these options, the others each from the one before. Where the numbers of negative pivots of two neighbours
-    /// differ, the values between at which it changes are bisected to a thousandth of the step (less far where a solve
-    /// between fails): critical points of the branch that warm starts follow.
-    ///
-    /// A ramp that meets an equilibrium it cannot find keeps those before. `watch` is called with every point as it is
-    /// found.
-    ///
-    /// # Errors
-    /// Fewer than two points; a problem or controls that [`solve_with`](Self::solve_with) refuses.
-    pub fn ramp(
-        &self,
-        (from, to): (&Controls, &Controls),
-        count: usize,
-        how: &SolveOptions,
-        workspace: &mut Workspace,
-        watch: &mut dyn FnMut(&RampPoint),
-    ) -> Result<Ramp, StateError> {
-        self.check_held()?;
-        self.supports(Feature::Ramp)?;
-        self.check_controls(from)?;
-        self.check_controls(to)?;
-        if count < 2 {
-            let what = format!("a ramp of {count} equilibria has no two ends; ask for 2 or more");
-            return Err(FemError::Meaningless { what }.into());
-        }
-        let from = &self.with_designs(from.clone(), to);
-        let mut search = Search { model: self, from, to, how, workspace };
-        let mut ramp = Ramp { points: Vec::new(), critical: Vec::new(), failure: None };
-        for k in 0..count {
-            let s = k as f64 / (count - 1) as f64;
-            let point = match search.point(s, ramp.points.last().map(|point| &point.state)) {
-                Ok(point) => point,
-                Err(why) => {
-                    ramp.failure = Some((s, why));
-                    break;
-                }
-            };
-            watch(&point);
-            if let Some(before) = ramp.points.last() {
-                match search.crossings(before, &point) {
-                    Ok(found) => ramp.critical.extend(found),
-                    Err(cancelled) => ramp.failure = Some((s, cancelled)),
-                }
-            }
-            ramp.points.push(point);
-            if ramp.failure.is_some() {
-                break;
-            }
-        }
-        Ok(ramp)
-    }
-}
-
 struct Search<'a, 'w> {
     model: &'a Model,
     from: &'a Controls,
@@ -117,7 +63,7 @@ impl Search<'_, '_> {
             None => self.how.clone(),
         };
         let state = self.model.solve_with(&self.from.blend(self.to, s), &how, self.workspace)?;
-        let negative = match self.model.negative_pivots_by(&state, self.how) {
+        let negative = match self.model.stability().negative_pivots_by(&state, self.how) {
             Err(error) if error.is_final() => return Err(error),
             counted => counted.ok(),
         };
@@ -151,5 +97,60 @@ impl Search<'_, '_> {
             low = RampPoint { negative: Some(after), ..high };
         }
         Ok(found)
+    }
+}
+
+impl Stability<'_> {
+    /// `count` equilibria from one set of controls to another, the first as [`solve_with`](crate::model::Model::solve_with) finds it
+    /// with these options, the others each from the one before. Where the numbers of negative pivots of two neighbours
+    /// differ, the values between at which it changes are bisected to a thousandth of the step (less far where a solve
+    /// between fails): critical points of the branch that warm starts follow.
+    ///
+    /// A ramp that meets an equilibrium it cannot find keeps those before. `watch` is called with every point as it is
+    /// found.
+    ///
+    /// # Errors
+    /// Fewer than two points; a problem or controls that [`solve_with`](crate::model::Model::solve_with) refuses.
+    pub fn ramp(
+        &self,
+        (from, to): (&Controls, &Controls),
+        count: usize,
+        how: &SolveOptions,
+        workspace: &mut Workspace,
+        watch: &mut dyn FnMut(&RampPoint),
+    ) -> Result<Ramp, StateError> {
+        self.model.checks().check_held()?;
+        self.model.properties().supports(Feature::Ramp)?;
+        self.model.checks().check_controls(from)?;
+        self.model.checks().check_controls(to)?;
+        if count < 2 {
+            let what = format!("a ramp of {count} equilibria has no two ends; ask for 2 or more");
+            return Err(FemError::Meaningless { what }.into());
+        }
+        let from = &self.model.with_designs(from.clone(), to);
+        let mut search = Search { model: self.model, from, to, how, workspace };
+        let mut ramp = Ramp { points: Vec::new(), critical: Vec::new(), failure: None };
+        for k in 0..count {
+            let s = k as f64 / (count - 1) as f64;
+            let point = match search.point(s, ramp.points.last().map(|point| &point.state)) {
+                Ok(point) => point,
+                Err(why) => {
+                    ramp.failure = Some((s, why));
+                    break;
+                }
+            };
+            watch(&point);
+            if let Some(before) = ramp.points.last() {
+                match search.crossings(before, &point) {
+                    Ok(found) => ramp.critical.extend(found),
+                    Err(cancelled) => ramp.failure = Some((s, cancelled)),
+                }
+            }
+            ramp.points.push(point);
+            if ramp.failure.is_some() {
+                break;
+            }
+        }
+        Ok(ramp)
     }
 }

@@ -46,7 +46,7 @@ impl Solid {
 
     /// The mesh, for what has to know all of it.
     pub(crate) fn whole_mesh(&self, what: &str) -> Result<&Arc<Mesh>, FemError> {
-        self.model().refuse_ranks(what)?;
+        self.model().ranks().refuse_ranks(what)?;
         Ok(self.mesh())
     }
 }

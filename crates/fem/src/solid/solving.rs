@@ -53,28 +53,28 @@ impl Solid {
         self.model.adjoint_with(state, rhs, how, workspace)
     }
 
-    /// [`Model::negative_pivots`](nastic_equilibrium::model::Model::negative_pivots).
+    /// [`Stability::negative_pivots`](nastic_equilibrium::model::views::Stability::negative_pivots).
     ///
     /// # Errors
     /// As there.
     pub fn negative_pivots(&self, state: &State) -> Result<usize, StateError> {
-        self.model.negative_pivots(state)
+        self.model.stability().negative_pivots(state)
     }
 
-    /// [`Model::negative_pivots_by`](nastic_equilibrium::model::Model::negative_pivots_by).
+    /// [`Stability::negative_pivots_by`](nastic_equilibrium::model::views::Stability::negative_pivots_by).
     ///
     /// # Errors
     /// As there.
     pub fn negative_pivots_by(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
-        self.model.negative_pivots_by(state, how)
+        self.model.stability().negative_pivots_by(state, how)
     }
 
-    /// [`Model::modes`](nastic_equilibrium::model::Model::modes).
+    /// [`Stability::modes`](nastic_equilibrium::model::views::Stability::modes).
     ///
     /// # Errors
     /// As there.
     pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
-        self.model.modes(state, count, how)
+        self.model.stability().modes(state, count, how)
     }
 
     /// [`Model::rest`](nastic_equilibrium::model::Model::rest), and with the designs of controls [`Model::rest_under`](nastic_equilibrium::model::Model::rest_under).

@@ -123,7 +123,7 @@ impl Indentation {
     pub fn press(&self) -> Outcome<[Carried; 2]> {
         let (solid, how) = (self.solid()?, SolveOptions::default());
         let layered = solid.solve(&self.pressed(&solid), &how)?;
-        let exact = solid.model().exact_contact(&layered, &how, &mut Workspace::default())?;
+        let exact = solid.model().stability().exact_contact(&layered, &how, &mut Workspace::default())?;
         Ok([self.carried(solid.model(), &layered), self.carried(&exact.model, &exact.state)])
     }
 

@@ -82,7 +82,8 @@ impl Inspection {
         }
         let uncounted =
             |error: StateError| Uncounted { singular: error.is_singular(), moving: false, why: error.to_string() };
-        let found = || member.solid().model().tangent_inertia(state, &SolveOptions::default()).map_err(uncounted);
+        let found =
+            || member.solid().model().stability().tangent_inertia(state, &SolveOptions::default()).map_err(uncounted);
         Self::counted_by(member, state, || found().map(|found| (found.negative, Some(found.by_factor))))
     }
 
@@ -106,7 +107,8 @@ impl Inspection {
             || Shape::new(mesh, &positions, None).map(|shape| shape.self_intersection()).unwrap_or_default();
         let distort = || distorted(mesh, &positions);
         // that it cannot be told is told of the inertia
-        let neutral = || member.solid().model().neutral_motion(state, &SolveOptions::default()).ok().flatten();
+        let neutral =
+            || member.solid().model().stability().neutral_motion(state, &SolveOptions::default()).ok().flatten();
         let neutral = member.reduced().timeline().is_none().then(neutral).flatten();
         let (inertia, (intersection, distorted)) = rayon::join(count, || rayon::join(intersect, distort));
         let lowest = distorted.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1));

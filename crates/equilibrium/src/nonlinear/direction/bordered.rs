@@ -115,7 +115,7 @@ impl<'a> Bordered<'a> {
         let mut last = Vec::new();
         let Linearised { system, rhs, scales } = problem;
         let (rhs, scales): (&[f64], &[f64]) = (rhs, scales);
-        let symmetric = self.equations.model.has_potential();
+        let symmetric = self.equations.model.properties().has_potential();
         let mut trial = |acting: &[bool], softened: bool| {
             system.set_acting(acting, softened);
             let given = ActiveSets { x, rhs, inequalities, scales, symmetric };
@@ -156,7 +156,7 @@ impl Direction for Bordered<'_> {
 
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
         let (mut dx, negative, scale) = self.newton(here, report)?;
-        let definite = negative == Some(0) || !self.equations.model.has_potential();
+        let definite = negative == Some(0) || !self.equations.model.properties().has_potential();
         let curvature = if definite { Curvature::Positive } else { Curvature::Negative };
         let dofs = self.equations.dofs();
         if let Some(jump) = self.jump.take() {

@@ -88,7 +88,7 @@ fn newton(member: CaseMember<'_>) -> Result<(String, f64), String> {
         return Err("the memory does not suffice for a factor".to_owned());
     }
     if structure.factor_bytes() > LARGEST {
-        let faster = if solid.model().has_cell_products() {
+        let faster = if solid.model().tangents().has_cell_products() {
             "; bodies of hex27 as large as this one are solved in less by multigrid (\"linear_solver\": \"multigrid\")"
         } else {
             ""

@@ -23,8 +23,11 @@ pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
     let mut out = vec![line("solver", format!("{}: {}", model.solver(), model.solver().about()))];
     let megabytes = |bytes: usize| format!("{:.1} MB", bytes as f64 / 1e6);
     // steps in time assemble their tangents
-    let of_levels =
-        if problem.case.time.is_some() { model.assembled_multigrid_bytes() } else { model.multigrid_bytes() };
+    let of_levels = if problem.case.time.is_some() {
+        model.tangents().assembled_multigrid_bytes()
+    } else {
+        model.tangents().multigrid_bytes()
+    };
     let (factor, levels) = (megabytes(structure.factor_bytes()), megabytes(of_levels));
     let [least, most] = peak_by_multigrid(of_levels, problem.solid().discretization().dofs());
     let peak = format!("{} to {}", megabytes(least), megabytes(most));

@@ -59,7 +59,7 @@ impl BranchChanges {
         let connection = |index: usize, at: &Evaluated| {
             let own = before.states.iter().find(|(known, _)| *known == index);
             let Some((_, before)) = own else { return Some(Connection::Unknown(0.0)) };
-            match problem.member(index).solid().model().connection(before, at.state(), &how) {
+            match problem.member(index).solid().model().stability().connection(before, at.state(), &how) {
                 Err(StateError::Cancelled) => None,
                 found => Some(found.unwrap_or(Connection::Unknown(0.0))),
             }

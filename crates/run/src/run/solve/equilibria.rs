@@ -50,7 +50,7 @@ fn of_member(
         series.rows.push(row);
     };
     let model = member.solid().model();
-    let all = model.equilibria(at.state(), count, &how, &mut Workspace::default(), &mut found);
+    let all = model.stability().equilibria(at.state(), count, &how, &mut Workspace::default(), &mut found);
     let (starts, newton) = match all {
         Ok(all) => (Some(all.starts), Some(all.newton)),
         // What was found before Ctrl-C is kept.
@@ -60,7 +60,7 @@ fn of_member(
     let many = series.rows.len();
     if many < count {
         let from = starts.map_or_else(|| "before it was stopped".to_owned(), |starts| format!("from {starts} starts"));
-        let ratio = model.bulk_over_shear();
+        let ratio = model.properties().bulk_over_shear();
         let weak = match ratio > HARD {
             true => {
                 format!(": the search is weak in nearly incompressible bodies (bulk over shear modulus {ratio:.0})")

@@ -15,7 +15,7 @@ use nastic_report::record::ExactContactRecord;
 /// Refuses what does not go with it, before anything is solved.
 pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
     for (index, member) in session.problem.members().enumerate() {
-        let supported = member.solid().model().supports(Feature::ExactContact);
+        let supported = member.solid().model().properties().supports(Feature::ExactContact);
         supported.map_err(|error| session.member_failed((index, ControlError::from(StateError::from(error)))))?;
     }
     Ok(())
@@ -41,7 +41,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
     };
     let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let model = member.solid().model();
-    let found = model.exact_contact(at.state(), &how, &mut Workspace::default());
+    let found = model.stability().exact_contact(at.state(), &how, &mut Workspace::default());
     let found = found.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
     let layered = model.contacts().touches(&Instant::of(at.state()));
     let touches = found.model.contacts().touches(&Instant::of(&found.state));

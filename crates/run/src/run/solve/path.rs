@@ -75,7 +75,7 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Path
     };
     let model = member.solid().model();
     let (rest, options) = (model.rest_under(&controls), PathOptions { to_limit, ..PathOptions::default() });
-    let path = model.path(&rest, (&controls, 1.0), &options, &how, &mut Workspace::default(), &mut found);
+    let path = model.stability().path(&rest, (&controls, 1.0), &options, &how, &mut Workspace::default(), &mut found);
     let path = path.map_err(|error| failed(error.into()))?;
     let shown = |event: &PathEvent| member.layout().described(&controls_at(member, &start, event.s)).map_err(failed);
     let controls: Vec<Vec<ControlAt>> = path.events.iter().map(shown).collect::<Result<_, _>>()?;

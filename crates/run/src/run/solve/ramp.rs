@@ -156,7 +156,7 @@ impl Asked {
             series.rows.push(row);
         };
         let model = member.solid().model();
-        let ramp = model.ramp((&first, &last), self.count, &how, &mut Workspace::default(), &mut found);
+        let ramp = model.stability().ramp((&first, &last), self.count, &how, &mut Workspace::default(), &mut found);
         let ramp = ramp.map_err(|error| failed(error.into()))?;
         let critical = critical(session, &ramp, from, to, &field.unit);
         let mut warnings = series.inspect();

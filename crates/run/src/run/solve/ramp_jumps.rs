@@ -17,7 +17,7 @@ pub(super) fn jumps(series: &Series<'_>, how: &SolveOptions) -> (Vec<JumpRecord>
     let how = SolveOptions { parallel: false, watch: None, ..how.clone() };
     let connection = |rows: &[crate::run::solve::series::Row]| {
         let [before, here] = rows else { return Connection::Connected };
-        model.connection(&before.state, &here.state, &how).unwrap_or(Connection::Unknown(0.0))
+        model.stability().connection(&before.state, &here.state, &how).unwrap_or(Connection::Unknown(0.0))
     };
     let found: Vec<Connection> = series.rows.par_windows(2).with_max_len(1).map(connection).collect();
     let ends = |k: usize| (series.rows[k].parameter, series.rows[k + 1].parameter);
