@@ -8,9 +8,6 @@ use std::path::Path;
 /// Most files in one circle of a crate.
 const CIRCLE: usize = 9;
 
-/// Most methods of the trait `LinearSolver`.
-const SOLVER_METHODS: usize = 10;
-
 /// Files directly in `crates/linear/src`.
 const LINEAR_ROOT: usize = 10;
 
@@ -218,23 +215,6 @@ fn the_houses_of_linear_stand_in_order() {
             }
         }
     }
-}
-
-/// One Arnoldi process, one dense eigenproblem of a Rayleigh-Ritz method, a narrow trait.
-#[test]
-fn linear_has_one_gmres_one_eigensolver_and_a_narrow_solver() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/linear/src");
-    let mut files = Files::new();
-    read_files(&root, &[], &mut files);
-    let with = |name: &str| -> Vec<String> {
-        let found = files.iter().filter(|(_, file)| file.code.contains(name));
-        found.map(|(path, _)| path.join("::")).collect()
-    };
-    assert_eq!(with("rotations: Vec<[f64; 2]>"), ["krylov::gmres"], "rotations of a Hessenberg matrix");
-    assert_eq!(with("SymmetricEigen"), ["eigenpairs::davidson"], "Ritz pairs");
-    let (_, rest) = files[&["solver".to_owned()][..]].code.split_once("pub trait LinearSolver").unwrap();
-    let methods = rest.split("\n}").next().unwrap().matches("\n    fn ").count();
-    assert!((1..=SOLVER_METHODS).contains(&methods), "{methods} methods of LinearSolver");
 }
 
 #[test]

@@ -43,7 +43,8 @@ mod space;
 mod sums;
 
 pub use eigenpairs::{
-    ApproximateInverse, ByFactor, ByProducts, Eigenpairs, Eigenproblem, MassMatrix, smallest_eigenpairs,
+    ByProducts, Eigenpairs, Eigenproblem, MassMatrix, ProductEigenproblem, smallest_eigenpairs,
+    smallest_eigenpairs_by_products,
 };
 pub use error::{FactorError, NotCoupled, StructureError};
 pub use factor::factor_size::FactorSize;

@@ -5,14 +5,13 @@
 use crate::support;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
-use nastic_linear::solver::System;
 use nastic_linear::{
-    ApproximateInverse, ByFactor, Eigenpairs, Eigenproblem, FactorError, Graph, LinearError, MassMatrix, Ordering,
-    Pattern, Pivots, Rotations, SparseMatrix, Symbolic, smallest_eigenpairs,
+    Eigenpairs, Eigenproblem, FactorError, Graph, LinearError, MassMatrix, Ordering, Pattern, Pivots,
+    ProductEigenproblem, SparseMatrix, Symbolic, smallest_eigenpairs, smallest_eigenpairs_by_products,
 };
 use nastic_numeric::vector::dot;
 use std::sync::Arc;
-use support::case::{AtRest, Case};
+use support::case::Case;
 use support::{Grid, Random};
 
 fn mass_entry(mass: MassMatrix, row: usize, column: usize) -> f64 {
@@ -37,10 +36,8 @@ fn dense_eigenvalues(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool]) ->
 
 fn find(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool], count: usize) -> Result<Eigenpairs, LinearError> {
     let symbolic = Arc::new(Symbolic::new(matrix.pattern()));
-    let at = AtRest { points: Vec::new(), rotations: Arc::new(Rotations(Vec::new())) };
-    let system = System { matrix, products: None, fixed, configuration: &at, transposed: false, parallel: false };
-    let inverse = ApproximateInverse::Factor(ByFactor { symbolic: &symbolic, constraints: &[] });
-    smallest_eigenpairs(&Eigenproblem { product: &system, system, mass, inverse, cancel: None }, count)
+    let problem = Eigenproblem { matrix, mass, fixed, constraints: &[], symbolic: &symbolic, parallel: false };
+    smallest_eigenpairs(&problem, count)
 }
 
 /// Values against the dense ones, residuals, orthogonality.
@@ -221,8 +218,10 @@ fn find_by_products(
     count: usize,
 ) -> Result<Eigenpairs, LinearError> {
     let system = case.system(matrix);
-    let inverse = ApproximateInverse::Multigrid { zeros: 0 };
-    smallest_eigenpairs(&Eigenproblem { product: &system, system, mass, inverse, cancel: None }, count)
+    smallest_eigenpairs_by_products(
+        &ProductEigenproblem { product: &system, system, mass, zeros: 0, cancel: None },
+        count,
+    )
 }
 
 /// Semi-definite, definite and indefinite ones, by masses that differ by a factor of five or couple unknowns.

@@ -9,8 +9,8 @@ use crate::search::options::SolveOptions;
 use nastic_body::error::StateError;
 use nastic_body::state::State;
 use nastic_linear::{
-    ApproximateInverse, ByFactor, ByProducts, Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError,
-    MassMatrix, Operator, Solver, smallest_eigenpairs,
+    ByProducts, Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError, MassMatrix, Operator,
+    ProductEigenproblem, Solver, smallest_eigenpairs, smallest_eigenpairs_by_products,
 };
 
 /// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes'
@@ -71,23 +71,12 @@ impl Model {
         // of one body; several free ones may need a factor for few modes
         let rigid = if self.discretization().dim() == 3 { 6 } else { 3 };
         let zeros = if self.checks().is_held_without_contact() { 0 } else { rigid };
-        let inverse = ApproximateInverse::Multigrid { zeros };
-        let problem = Eigenproblem { product, system, mass, inverse, cancel: how.cancel };
-        match smallest_eigenpairs(&problem, count).map_err(cancelled) {
-            Err(StateError::Linear(error))
-                if !matches!(error, LinearError::EigenpairCount { .. }) && self.factor_fits() =>
-            {
-                Ok(None)
-            }
-            found => found.map(Some),
+        let problem = ProductEigenproblem { product, system, mass, zeros, cancel: how.cancel };
+        match smallest_eigenpairs_by_products(&problem, count) {
+            Err(LinearError::Cancelled) => Err(StateError::Cancelled),
+            Err(error) if !matches!(error, LinearError::EigenpairCount { .. }) && self.factor_fits() => Ok(None),
+            found => Ok(Some(found?)),
         }
-    }
-}
-
-fn cancelled(error: LinearError) -> StateError {
-    match error {
-        LinearError::Cancelled => StateError::Cancelled,
-        other => other.into(),
     }
 }
 
@@ -104,20 +93,16 @@ impl Stability<'_> {
     /// The `count` algebraically smallest eigenvalues of the tangent at a state, all negative ones in any case, with
     /// their modes.
     ///
-    /// A block Davidson method ([`smallest_eigenpairs`]) with a factor, or with multigrid where that solves the systems of the body: then nothing
-    /// proves that none is missing ([`Modes::counted`]). Multiple
+    /// Shift-invert Lanczos ([`smallest_eigenpairs`]) with a factor, or a block of vectors preconditioned by multigrid
+    /// ([`smallest_eigenpairs_by_products`]) where that solves the systems of the body: then nothing proves that none is missing ([`Modes::counted`]). Multiple
     /// eigenvalues are found with all their modes; which basis of their span is returned has no meaning.
     ///
     /// # Errors
     /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a
     /// factor that would be too large; [`StateError::Problem`] for a state of another body; [`StateError::Cancelled`].
     pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
-        let found = self.lowest_modes(
-            state,
-            MassMatrix::Diagonal(&self.model.discretization().volumes_by_unknown()),
-            count,
-            how,
-        )?;
+        let found =
+            self.lowest_modes(state, MassMatrix::Diagonal(&self.model.discretization().volumes_by_unknown()), count, how)?;
         let Eigenpairs { values: eigenvalues, vectors, negative, counted, by_products, .. } = found;
         let shapes = vectors.into_iter().map(normalized).collect();
         Ok(Modes { eigenvalues, shapes, negative, counted, by_products })
@@ -147,12 +132,15 @@ impl Stability<'_> {
             matrix = joined.join(&matrix).ok_or(LinearError::from(FactorError::ForeignPattern))?;
             structure = joined.structure().clone();
         }
-        let configuration = Deformed::new(self.model, &state.u, how.parallel);
-        let system = configuration.system((&matrix).into());
-        let by = ByFactor { symbolic: structure.symbolic(), constraints: &constraints };
-        let inverse = ApproximateInverse::Factor(by);
-        let problem = Eigenproblem { product: &system, system, mass, inverse, cancel: how.cancel };
-        smallest_eigenpairs(&problem, count).map_err(cancelled)
+        let problem = Eigenproblem {
+            matrix: &matrix,
+            mass,
+            fixed: self.model.supports.fixed(),
+            constraints: &constraints,
+            symbolic: structure.symbolic(),
+            parallel: how.parallel,
+        };
+        Ok(smallest_eigenpairs(&problem, count)?)
     }
 
     /// The same request, for modes whose number decides something: with a factor where one fits, which counts them.

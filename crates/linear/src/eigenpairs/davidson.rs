@@ -1,28 +1,25 @@
-//! [`smallest_eigenpairs`]: `A x = lambda M x` by a block Davidson method.
+//! [`smallest_eigenpairs_by_products`]: `A x = lambda M x` by a block Davidson method with multigrid as preconditioner.
 
-use super::factor::{ShiftedFactor, count_below, count_negative};
 use super::inner_product::{InnerProduct, SPANNED};
 use super::preconditioner::ShiftedLevels;
-use super::problem::LONGEST;
-use super::{ApproximateInverse, ByProducts, Eigenpairs, Eigenproblem};
+use super::{BASIS_BYTES, ByProducts, Eigenpairs, MassMatrix, ROUNDING};
 use crate::error::FactorError;
+use crate::memory;
+use crate::pattern::operator::Operator;
 use crate::solver::{LinearError, System};
 use crate::sums::{self, dot};
 use nalgebra::{DMatrix, SymmetricEigen};
 use nastic_numeric::Random;
 use rayon::prelude::*;
-use std::borrow::Cow;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A Ritz pair counts when the error of its vector in the energy norm is this share of it, as far as the preconditioned residual shows; that of the value is its square.
 const TOLERANCE: f64 = 1e-7;
-/// With a factor: `|B x - theta x|_M` as a share of theta, `B = (A + s M)^-1 M`, or of the largest theta where rounding allows no more.
-const EXACT: f64 = 1e-11;
-const LEAST: f64 = 16.0 * f64::EPSILON;
-/// With a factor: least distance of the lowest eigenvalue from minus the shift, as a multiple of its rounding, since of a singular A the factor is
-/// rounding alone; and how far above an eigenvalue the others are counted, as a share of that distance.
-const SEPARATION: f64 = 1e3;
-const ABOVE: f64 = 1e-6;
+/// Vectors of the basis before a restart, as a multiple of those of the block.
+const LONGEST: usize = 4;
+/// Vectors of the block beyond those that are wanted, as a share of these, and at least: the next eigenvalues decide the pace.
+const GUARD_SHARE: usize = 2;
+const GUARD: usize = 2;
 /// Iterations at most.
 const MOST: usize = 60;
 /// The first shift where the levels are not positive definite, as a share of the mean of `A_ii` over that of `M_ii`, from one to the next, and the largest.
@@ -32,69 +29,132 @@ const MOST_SHIFT: f64 = 1e3;
 /// Least distance of the lowest eigenvalue from minus the shift, as a share of the spread of those of the block, and what it becomes.
 const LEAST_SHARE: f64 = 1e-6;
 const SHARE: f64 = 1e-2;
+/// Magnitudes of a row of A over its diagonal entry, about.
+const COUPLINGS: f64 = 8.0;
 /// Levels at most that are made for other shifts.
 const SHIFTS: usize = 8;
 
-/// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones where these are more.
+/// `A x = lambda M x` on the unknowns that are not fixed, of a symmetric A that has no factor.
+#[derive(Clone, Copy)]
+pub struct ProductEigenproblem<'a> {
+    /// `out = A v`, zero where fixed for a v that is.
+    pub product: &'a dyn Operator,
+    /// A, or a matrix close to it: what the levels of multigrid are made of.
+    pub system: System<'a>,
+    /// M, positive definite on the unknowns that are not fixed.
+    pub mass: MassMatrix<'a>,
+    /// Eigenvalues that are zero, as those of rigid motions that nothing holds: the block goes beyond them, since nothing tells these apart.
+    pub zeros: usize,
+    /// Set to end between iterations.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+/// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones that are found where these are more.
 ///
-/// The Rayleigh-Ritz values of a space that grows by the residuals `A x - theta M x` of a block of Ritz vectors, preconditioned, and is restarted with those
-/// vectors and the ones before: the locally optimal gradients of Knyazev, "Toward the optimal preconditioned eigensolver", SIAM J. Sci. Comput. 23 (2001), with
-/// the orthogonal basis of Stathopoulos, Saad, "Restarting techniques for the (Jacobi-)Davidson symmetric eigenvalue methods", ETNA 7 (1998). From a
-/// seeded start.
-///
-/// The preconditioner is a V-cycle of A, where that is not positive definite of `A + s M`; or the inverse of that by a factor, and then values are those of
-/// `B = (A + s M)^-1 M`, whose residuals are the preconditioned ones of A: Ericsson, Ruhe, "The spectral transformation Lanczos method for the numerical
-/// solution of large sparse generalized symmetric eigenvalue problems", Math. Comp. 35 (1980). With a factor no eigenvalue is missed: those below the
-/// largest one returned are counted by the pivots of `A - mu M` (Sylvester's law of inertia), and the block grows while there are more than were
-/// found. Without one nothing proves that ([`Eigenpairs::counted`]): the block has half as many vectors again as are wanted, or are zero, and
-/// what is orthogonal to all of these was not met.
-///
-/// With constraints `C = (A + s M)^-1` becomes `C - C B S^-1 B^T C`, `S = B^T C B`, the inverse on the null space of `B^T`, and the
-/// number of eigenvalues below mu that of the negative pivots of `A - mu M` less the negative eigenvalues of `B^T (A - mu M)^-1 B`
-/// (Haynsworth's inertia additivity).
+/// The Rayleigh-Ritz values of a space that grows by the residuals `A x - theta M x` of a block of Ritz vectors, preconditioned by a V-cycle of A (where
+/// that is not positive definite of `A + s M`), and is restarted with those vectors and the ones before: the locally optimal gradients of Knyazev, "Toward the
+/// optimal preconditioned eigensolver", SIAM J. Sci. Comput. 23 (2001), with the orthogonal basis of Stathopoulos, Saad, "Restarting techniques for the
+/// (Jacobi-)Davidson symmetric eigenvalue methods", ETNA 7 (1998). From a seeded start. No factor is made, so nothing proves that no eigenvalue is missed
+/// ([`Eigenpairs::counted`]): the block has half as many vectors again as are wanted, or are zero, and what is orthogonal to all of these was not met.
 ///
 /// # Errors
-/// A matrix that is not symmetric or not finite; more eigenvalues wanted than there are unknowns, or than fit; a factor beyond 8 GiB;
-/// [`LinearError::Eigenpairs`] where the iteration does not find them; [`LinearError::Cancelled`].
-pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigenpairs, LinearError> {
-    let unknowns = problem.check(count)?;
+/// More eigenvalues wanted than there are unknowns, or than fit; [`LinearError::Eigenpairs`] where the iteration does not find them;
+/// [`LinearError::Cancelled`].
+pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usize) -> Result<Eigenpairs, LinearError> {
+    let unknowns = problem.system.fixed.iter().filter(|&&fixed| !fixed).count();
+    if count == 0 || count > unknowns {
+        return Err(LinearError::EigenpairCount { count, unknowns });
+    }
+    let mut wanted = count;
     let mut search = Search::begin(problem, unknowns)?;
-    let known = match problem.inverse {
-        ApproximateInverse::Factor(_) if search.shift == 0.0 => Some(0),
-        ApproximateInverse::Factor(by) => Some(count_negative(problem, by)?),
-        ApproximateInverse::Multigrid { .. } => None,
-    };
-    let least = count.max(known.unwrap_or(0));
-    let mut wanted = least;
     loop {
         search.widen(problem.block(wanted, unknowns)?, wanted)?;
         let found = search.run(wanted)?;
-        let below_zero = || found.values.iter().zip(&found.rounding).filter(|(value, rounding)| **value < -**rounding);
-        let negative = known.unwrap_or_else(|| below_zero().count());
-        let more = match problem.inverse {
-            ApproximateInverse::Factor(by) => {
-                let last = found.values[least - 1];
-                let mu = last + (ABOVE * (last + search.shift)).max(found.rounding[least - 1]);
-                let met = found.values.iter().filter(|value| **value < mu).count();
-                wanted + count_below(problem, by, mu)?.saturating_sub(met)
-            }
-            ApproximateInverse::Multigrid { .. } if negative == wanted => unknowns.min(2 * wanted),
-            ApproximateInverse::Multigrid { .. } => wanted,
-        };
-        if more == wanted {
-            return Ok(Eigenpairs { negative, counted: known.is_some(), ..found.first(count.max(negative)) });
+        let negative =
+            found.values.iter().zip(&found.rounding).filter(|(value, rounding)| **value < -**rounding).count();
+        if negative < wanted || wanted == unknowns {
+            let keep = count.max(negative);
+            let Eigenpairs { mut values, mut vectors, mut rounding, mut by_products, .. } = found;
+            values.truncate(keep);
+            vectors.truncate(keep);
+            rounding.truncate(keep);
+            by_products.iter_mut().for_each(|how| how.errors.truncate(keep));
+            return Ok(Eigenpairs { values, vectors, rounding, negative, counted: false, by_products });
         }
-        wanted = more;
+        wanted = unknowns.min(2 * wanted);
+    }
+}
+
+impl ProductEigenproblem<'_> {
+    /// Vectors of a block for so many eigenvalues.
+    fn block(&self, wanted: usize, unknowns: usize) -> Result<usize, LinearError> {
+        let block = unknowns.min(wanted.max(self.zeros) + GUARD.max(wanted / GUARD_SHARE));
+        // the basis and its products, and what a restart makes of them
+        let vectors = 2 * (LONGEST + 2) * block;
+        let bytes = vectors.saturating_mul(self.system.fixed.len() * size_of::<f64>());
+        if bytes > BASIS_BYTES {
+            let gib = bytes as f64 / f64::from(1 << 30);
+            return Err(LinearError::EigenpairsTooLarge { count: wanted, unknowns, gib });
+        }
+        memory::check("the vectors of eigenvalues", bytes)?;
+        Ok(block)
+    }
+
+    /// `A_ii`, of products too.
+    fn diagonal(&self) -> Vec<f64> {
+        let System { matrix, products, parallel, .. } = self.system;
+        match products {
+            Some(products) => products
+                .diagonal_blocks(parallel)
+                .as_flattened()
+                .iter()
+                .enumerate()
+                .map(|(at, row)| row[at % 3])
+                .collect(),
+            None => matrix.diagonal(),
+        }
+    }
+
+    /// `16 eps |x| . |A| |x|`, of products by some times the diagonal of A.
+    fn rounding(&self, vectors: &[Vec<f64>]) -> Vec<f64> {
+        let System { matrix, products, parallel, .. } = self.system;
+        if products.is_some() {
+            let diagonal = self.diagonal();
+            let of = |x: &Vec<f64>| x.iter().zip(&diagonal).map(|(x, d)| x * x * d.abs()).sum::<f64>();
+            return vectors.iter().map(|x| ROUNDING * COUPLINGS * of(x)).collect();
+        }
+        let magnitudes = matrix.magnitudes();
+        let of = |x: &Vec<f64>| {
+            let (x, mut product) = (x.iter().map(|x| x.abs()).collect::<Vec<_>>(), vec![0.0; x.len()]);
+            magnitudes.multiply_on(&x, &mut product, parallel);
+            ROUNDING * dot(&x, &product, parallel)
+        };
+        vectors.iter().map(of).collect()
+    }
+
+    /// `M_ii`.
+    fn mass_diagonal(&self) -> Vec<f64> {
+        match self.mass {
+            MassMatrix::Diagonal(mass) => mass.to_vec(),
+            MassMatrix::Sparse(mass) => mass.diagonal(),
+        }
+    }
+
+    /// The mean magnitude over free unknowns.
+    fn mean(&self, diagonal: &[f64]) -> f64 {
+        let free = diagonal.iter().zip(self.system.fixed).filter(|(_, fixed)| !**fixed);
+        let (sum, count) = free.fold((0.0, 0), |(sum, count), (d, _)| (sum + d.abs(), count + 1));
+        sum / f64::from(count.max(1))
     }
 }
 
 /// An orthonormal basis that grows, and its products.
 struct Search<'a> {
-    problem: &'a Eigenproblem<'a>,
+    problem: &'a ProductEigenproblem<'a>,
     inner: InnerProduct<'a>,
-    /// None while another one is made.
-    inverse: Option<Inverse<'a>>,
-    /// s of the inverse of `A + s diag(M)`; by products of A and the mean of that.
+    /// None while others are made.
+    levels: Option<ShiftedLevels<'a>>,
+    /// s of the levels of `A + s diag(M)`; by products of A and the mean of that.
     shift: f64,
     shifts: usize,
     /// The largest one that was not enough.
@@ -106,19 +166,12 @@ struct Search<'a> {
     /// Vectors of the block.
     block: usize,
     basis: Vec<Vec<f64>>,
-    /// `A x`, or with a factor `B x`.
-    images: Vec<Vec<f64>>,
-    /// `x_i . A x_k` of the basis, or `x_i . M B x_k`, `k <= i`.
+    products: Vec<Vec<f64>>,
+    /// `x_i . A x_k` of the basis, `k <= i`.
     projected: Vec<Vec<f64>>,
     random: Random,
     /// Iterations so far, those of smaller blocks too.
     iterations: usize,
-}
-
-/// What stands for `(A + s M)^-1`.
-enum Inverse<'a> {
-    Levels(Box<ShiftedLevels<'a>>),
-    Factor(ShiftedFactor<'a>),
 }
 
 /// Ritz values, ascending, and the coefficients of their vectors.
@@ -128,14 +181,14 @@ struct Ritz {
 }
 
 impl<'a> Search<'a> {
-    fn begin(problem: &'a Eigenproblem<'a>, unknowns: usize) -> Result<Self, LinearError> {
+    fn begin(problem: &'a ProductEigenproblem<'a>, unknowns: usize) -> Result<Self, LinearError> {
         let System { fixed, parallel, .. } = problem.system;
         let masses = problem.mass_diagonal();
         let means = (problem.mean(&problem.diagonal()), problem.mean(&masses));
         let mut search = Search {
             problem,
             inner: InnerProduct { mass: problem.mass, fixed, parallel },
-            inverse: None,
+            levels: None,
             shift: 0.0,
             shifts: 0,
             refused: 0.0,
@@ -144,43 +197,38 @@ impl<'a> Search<'a> {
             unknowns,
             block: 0,
             basis: Vec::new(),
-            images: Vec::new(),
+            products: Vec::new(),
             projected: Vec::new(),
             random: Random::new(0),
             iterations: 0,
         };
-        search.invert(0.0)?;
+        search.make_levels(0.0)?;
         Ok(search)
     }
 
-    /// A larger block: vectors of random numbers that the inverse has smoothed.
+    /// A larger block: vectors of random numbers that the levels have smoothed.
     fn widen(&mut self, block: usize, wanted: usize) -> Result<(), LinearError> {
-        let fixed = self.inner.fixed;
         for _ in self.block..block {
+            let fixed = self.inner.fixed;
             let scattered: Vec<f64> =
                 fixed.iter().map(|&fixed| if fixed { 0.0 } else { self.random.symmetric() }).collect();
-            let smooth = match &self.inverse {
-                Some(Inverse::Factor(factor)) => factor.images(&self.inner, &[&scattered]).pop(),
-                Some(Inverse::Levels(levels)) => Some(levels.apply(&self.inner.times_mass(&scattered))),
-                None => None,
-            };
+            let smooth = self.preconditioned(&self.inner.times_mass(&scattered));
             // levels of a singular matrix leave its kernel alone
-            let added = smooth.is_some_and(|smooth| self.add(smooth));
-            if !added && self.by_levels() {
+            if !self.add(smooth) {
                 self.add(scattered);
             }
         }
-        self.complete();
         self.block = block;
         if self.basis.len() < block { Err(LinearError::Eigenpairs { found: 0, wanted }) } else { Ok(()) }
     }
 
-    fn by_levels(&self) -> bool {
-        matches!(self.problem.inverse, ApproximateInverse::Multigrid { .. })
+    fn preconditioned(&self, residual: &[f64]) -> Vec<f64> {
+        self.levels.as_ref().map_or(residual.to_vec(), |levels| levels.apply(residual))
     }
 
     /// Adds what a vector has beyond the basis; whether that is anything.
     fn add(&mut self, mut vector: Vec<f64>) -> bool {
+        let parallel = self.inner.parallel;
         vector.iter_mut().zip(self.inner.fixed).for_each(|(x, &fixed)| *x = if fixed { 0.0 } else { *x });
         let size = self.inner.square(&vector).sqrt();
         let (_, left) = self.inner.orthogonalize(&mut vector, self.basis.iter());
@@ -188,47 +236,23 @@ impl<'a> Search<'a> {
             return false;
         }
         vector.iter_mut().for_each(|x| *x /= left);
+        let mut product = vec![0.0; vector.len()];
+        self.problem.product.apply(&vector, &mut product);
+        let at = self.basis.len();
         self.basis.push(vector);
+        self.products.push(product);
+        let (basis, products) = (&self.basis, &self.products);
+        self.projected.push(basis.iter().map(|x| dot(x, &products[at], parallel)).collect());
         true
-    }
-
-    /// Makes the images of what was added, and what they are by the basis.
-    fn complete(&mut self) {
-        let fresh: Vec<&[f64]> = self.basis[self.images.len()..].iter().map(Vec::as_slice).collect();
-        let images = match &self.inverse {
-            Some(Inverse::Factor(factor)) => factor.images(&self.inner, &fresh),
-            _ => fresh.iter().map(|x| self.product(x)).collect(),
-        };
-        self.images.extend(images);
-        let rows: Vec<Vec<f64>> = (self.projected.len()..self.basis.len()).map(|at| self.row(at)).collect();
-        self.projected.extend(rows);
-    }
-
-    fn product(&self, x: &[f64]) -> Vec<f64> {
-        let mut product = vec![0.0; x.len()];
-        self.problem.product.apply(x, &mut product);
-        product
-    }
-
-    fn row(&self, at: usize) -> Vec<f64> {
-        let image = &self.images[at];
-        let weighted = if self.by_levels() { Cow::Borrowed(image) } else { Cow::Owned(self.inner.times_mass(image)) };
-        self.basis[..=at].iter().map(|x| dot(x, &weighted, self.inner.parallel)).collect()
     }
 
     fn ritz(&self) -> Ritz {
         let SymmetricEigen { eigenvalues, eigenvectors } =
             DMatrix::from_fn(self.basis.len(), self.basis.len(), |i, k| self.projected[i.max(k)][i.min(k)])
                 .symmetric_eigen();
-        let value = |theta: f64| match self.by_levels() {
-            true => theta,
-            false if theta > 0.0 => 1.0 / theta - self.shift,
-            false => f64::INFINITY,
-        };
-        let values: Vec<f64> = eigenvalues.iter().map(|&theta| value(theta)).collect();
-        let mut order: Vec<usize> = (0..values.len()).collect();
-        order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let values = order.iter().map(|&k| values[k]).collect();
+        let mut order: Vec<usize> = (0..eigenvalues.len()).collect();
+        order.sort_by(|&a, &b| eigenvalues[a].total_cmp(&eigenvalues[b]));
+        let values = order.iter().map(|&k| eigenvalues[k]).collect();
         Ritz { values, vectors: eigenvectors.select_columns(&order) }
     }
 
@@ -241,10 +265,7 @@ impl<'a> Search<'a> {
             }
             self.iterations += 1;
             let ritz = self.ritz();
-            if self.adapt_shift(&ritz)? && !self.by_levels() {
-                before = self.restart(&ritz, &DMatrix::zeros(0, 0), self.block.min(self.basis.len()), true);
-                continue;
-            }
+            self.adapt_shift(&ritz)?;
             let block = self.block.min(self.basis.len());
             let (mut directions, mut errors, mut missing) = (Vec::new(), Vec::new(), 0);
             for k in 0..block {
@@ -261,13 +282,12 @@ impl<'a> Search<'a> {
                 return Ok(self.pairs(&ritz, errors));
             }
             if self.basis.len() + directions.len() > LONGEST * self.block {
-                before = self.restart(&ritz, &before, block, false);
+                before = self.restart(&ritz, &before, block);
             } else {
                 before = ritz.vectors.columns(0, block).into_owned();
             }
             let grown =
                 directions.into_iter().map(|direction| self.add(direction)).fold(false, |any, grown| any | grown);
-            self.complete();
             if !grown {
                 // nothing is left beyond the space, or what is left is no number
                 if self.basis.len() < self.unknowns {
@@ -281,22 +301,16 @@ impl<'a> Search<'a> {
         Err(LinearError::Eigenpairs { found, wanted })
     }
 
-    /// The preconditioned residual of a Ritz pair, and the relative error of its vector that this shows; with a factor a multiple of it.
+    /// The preconditioned residual of a Ritz pair, and the relative error of its vector that this shows.
     fn correction(&self, ritz: &Ritz, k: usize) -> (Vec<f64>, f64) {
         let parallel = self.inner.parallel;
         let coefficients = ritz.vectors.column(k);
         let x = combined(&self.basis, coefficients.as_slice(), parallel);
-        let mut residual = combined(&self.images, coefficients.as_slice(), parallel);
-        let value = ritz.values[k];
-        let Some(Inverse::Levels(levels)) = &self.inverse else {
-            let [theta, largest] = [value, ritz.values[0]].map(|value| 1.0 / (value + self.shift));
-            sums::zipped(&mut residual, &x, parallel, |r, x| *r -= theta * x);
-            let error = self.inner.square(&residual).sqrt();
-            return (residual, TOLERANCE * error / (EXACT * theta).max(LEAST * largest));
-        };
-        sums::zipped(&mut residual, &self.inner.times_mass(&x), parallel, |r, mx| *r -= value * mx);
+        let mut residual = combined(&self.products, coefficients.as_slice(), parallel);
+        let theta = ritz.values[k];
+        sums::zipped(&mut residual, &self.inner.times_mass(&x), parallel, |r, mx| *r -= theta * mx);
         residual.iter_mut().zip(self.inner.fixed).for_each(|(r, &fixed)| *r = if fixed { 0.0 } else { *r });
-        let direction = levels.apply(&residual);
+        let direction = self.preconditioned(&residual);
         let size = sums::norm(&residual, parallel);
         // where the preconditioner shows no energy of the error, a bound of it
         let squared = match dot(&residual, &direction, parallel) {
@@ -306,50 +320,37 @@ impl<'a> Search<'a> {
                 bound => bound,
             },
         };
-        (direction, (squared / (value + self.shift).max(f64::MIN_POSITIVE)).sqrt())
+        (direction, (squared / (theta + self.shift).max(f64::MIN_POSITIVE)).sqrt())
     }
 
-    /// An inverse for a shift that is at a distance from the lowest eigenvalue, where the one at hand is not; whether it is another one.
-    fn adapt_shift(&mut self, ritz: &Ritz) -> Result<bool, LinearError> {
+    /// Levels for a shift that is at a distance from the lowest eigenvalue, as a factor would need it, where that at hand is not.
+    fn adapt_shift(&mut self, ritz: &Ritz) -> Result<(), LinearError> {
         let (first, last) = (ritz.values[0], ritz.values[self.block.min(ritz.values.len()) - 1]);
         let (spread, distance) = (last - first, first + self.shift);
-        let mut least = LEAST_SHARE * spread;
-        if !self.by_levels() {
-            let x = combined(&self.basis, ritz.vectors.column(0).as_slice(), self.inner.parallel);
-            least = least.max(SEPARATION * self.problem.rounding(&[x])[0]);
-        }
         let too_far = self.shift > 0.0 && distance > spread;
-        let needed = ((SHARE * spread).max(least) - first).max(0.0);
-        let serves = distance >= least && !(too_far && needed > self.refused);
-        if self.shifts == SHIFTS || spread <= 0.0 || !spread.is_finite() || serves {
-            return Ok(false);
+        let needed = (SHARE * spread - first).max(0.0);
+        let serves = distance >= LEAST_SHARE * spread && !(too_far && needed > self.refused);
+        if self.shifts == SHIFTS || spread <= 0.0 || serves {
+            return Ok(());
         }
         self.shifts += 1;
-        self.invert(needed)?;
-        Ok(true)
+        self.make_levels(needed)
     }
 
-    /// The inverse of the first shift from this one on that is large enough as far as it shows.
-    fn invert(&mut self, from: f64) -> Result<(), LinearError> {
-        self.inverse = None;
+    /// The levels of the first shift from this one on that is large enough as far as they show.
+    fn make_levels(&mut self, from: f64) -> Result<(), LinearError> {
+        self.levels = None;
         let (stiffness, mass) = self.means;
         let (least, most) = (LEAST_SHIFT * stiffness / mass, MOST_SHIFT * stiffness / mass);
         self.shift = from;
         while self.shift <= most {
-            let made = match self.problem.inverse {
-                ApproximateInverse::Factor(by) => ShiftedFactor::new(self.problem, by, self.shift).map(Inverse::Factor),
-                ApproximateInverse::Multigrid { .. } => {
-                    let levels = ShiftedLevels::new(&self.problem.system, self.shift, (&self.masses, mass));
-                    levels.map(|made| Inverse::Levels(Box::new(made))).map_err(LinearError::from)
-                }
-            };
-            match made {
-                Err(LinearError::Factor(FactorError::NotPositive { .. })) => {
+            match ShiftedLevels::new(&self.problem.system, self.shift, (&self.masses, mass)) {
+                Err(FactorError::NotPositive { .. }) => {
                     self.refused = self.refused.max(self.shift);
                     self.shift = (SHIFT_GROWTH * self.shift).max(least);
                 }
                 made => {
-                    self.inverse = Some(made?);
+                    self.levels = Some(made?);
                     return Ok(());
                 }
             }
@@ -358,7 +359,7 @@ impl<'a> Search<'a> {
     }
 
     /// Keeps the Ritz vectors of the block, and what those before have beyond them; their coefficients in the new basis.
-    fn restart(&mut self, ritz: &Ritz, before: &DMatrix<f64>, block: usize, moved: bool) -> DMatrix<f64> {
+    fn restart(&mut self, ritz: &Ritz, before: &DMatrix<f64>, block: usize) -> DMatrix<f64> {
         let mut kept: Vec<Vec<f64>> = (0..block).map(|k| ritz.vectors.column(k).as_slice().to_vec()).collect();
         for column in before.column_iter() {
             let mut own = column.as_slice().to_vec();
@@ -378,10 +379,10 @@ impl<'a> Search<'a> {
         let parallel = self.inner.parallel;
         let all = |vectors: &[Vec<f64>]| kept.iter().map(|c| combined(vectors, c, parallel)).collect::<Vec<_>>();
         self.basis = all(&self.basis);
-        self.images = if moved { Vec::new() } else { all(&self.images) };
-        self.projected.clear();
-        self.complete();
+        self.products = all(&self.products);
         let n = self.basis.len();
+        let entry = |i: usize, k: usize| dot(&self.basis[i], &self.products[k], parallel);
+        self.projected = (0..n).map(|k| (0..=k).map(|i| entry(i, k)).collect()).collect();
         DMatrix::identity(n, block)
     }
 
@@ -391,7 +392,8 @@ impl<'a> Search<'a> {
         // of each alone: sums over a basis have the rounding of its roughest vectors
         let of = |k: usize| {
             let x = combined(&self.basis, ritz.vectors.column(k).as_slice(), parallel);
-            let product = self.product(&x);
+            let mut product = vec![0.0; x.len()];
+            self.problem.product.apply(&x, &mut product);
             (dot(&x, &product, parallel) / self.inner.square(&x), x)
         };
         let mut pairs: Vec<((f64, Vec<f64>), f64)> =
@@ -400,7 +402,7 @@ impl<'a> Search<'a> {
         let (pairs, errors): (Vec<(f64, Vec<f64>)>, Vec<f64>) = pairs.into_iter().unzip();
         let (values, vectors): (Vec<f64>, Vec<Vec<f64>>) = pairs.into_iter().unzip();
         let rounding = self.problem.rounding(&vectors);
-        let by_products = self.by_levels().then_some(ByProducts { iterations: self.iterations, errors });
+        let by_products = Some(ByProducts { iterations: self.iterations, errors });
         Eigenpairs { values, vectors, rounding, negative: 0, counted: false, by_products }
     }
 }

@@ -123,7 +123,7 @@ pub enum LinearError {
         /// Memory of the basis.
         gib: f64,
     },
-    /// The iteration does not find all eigenvalues.
+    /// Lanczos's method does not find all eigenvalues.
     #[error("only {found} of {wanted} eigenvalues were found; ask for fewer")]
     Eigenpairs {
         /// How many were found.
