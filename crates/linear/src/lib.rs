@@ -54,7 +54,7 @@ pub use factor::structure::Structure;
 pub use factor::symbolic::Symbolic;
 pub use factor::symmetric::{Factor, Pivots, Precision};
 pub use krylov::conjugate_gradients::{CgEnd, CgReport, StoppingTest, conjugate_gradient};
-pub use krylov::gmres::{GmresReport, gmres};
+pub use krylov::gmres::gmres;
 pub use krylov::refinement::refine;
 pub use krylov::volume_modes::VolumeModes;
 pub use multigrid::{CellProducts, CornerMatrix, Corners, Geometry, Multigrid};

@@ -1,7 +1,7 @@
 //! [`ShiftedLevels`]: an approximate inverse of `A + s M` by multigrid.
 
 use crate::error::{FactorError, StructureError};
-use crate::krylov::saddle_gmres::{Counts, SaddleGmres};
+use crate::krylov::saddle_gmres::{Aim, Counts, SaddleGmres, Start};
 use crate::krylov::volume_modes::VolumeModes;
 use crate::multigrid::{Geometry, Multigrid};
 use crate::pattern::matrix::SparseMatrix;
@@ -59,7 +59,7 @@ impl<'a> ShiftedLevels<'a> {
         let apply = |v: &[f64], out: &mut [f64]| self.matrix.multiply_on(v, out, self.system.parallel);
         let saddle = SaddleGmres { apply: &apply, modes, preconditioner: &self.levels, counts: Counts::Matrix };
         let (mut x, mut p) = (vec![0.0; b.len()], vec![0.0; modes.len()]);
-        saddle.solve(b, (&mut x, &mut p), (RESIDUAL, CYCLES));
+        saddle.solve(b, Start { u: &mut x, p: &mut p }, Aim { tolerance: RESIDUAL, most: CYCLES });
         x
     }
 }

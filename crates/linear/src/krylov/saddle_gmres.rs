@@ -1,6 +1,7 @@
 //! Nearly incompressible matrices by GMRES, with the pressures as unknowns of their own.
 
 use super::conjugate_gradients::{CgEnd, CgReport, relative};
+use super::gmres::{Cycle, CycleRules, FlexibleSystem, Next, flexible_gmres};
 use super::volume_modes::VolumeModes;
 use crate::pattern::operator::Preconditioner;
 use crate::sums::{self, dot};
@@ -41,29 +42,24 @@ pub(crate) enum Counts {
     System(f64),
 }
 
+/// Displacements and pressures to begin with, which the solution replaces.
+pub(crate) struct Start<'a> {
+    pub u: &'a mut [f64],
+    pub p: &'a mut [f64],
+}
+
+/// Residual wanted, and iterations at most.
+#[derive(Clone, Copy)]
+pub(crate) struct Aim {
+    pub tolerance: f64,
+    pub most: usize,
+}
+
 /// What an iteration did.
 pub(crate) struct SaddleReport {
     pub cg: CgReport,
     /// Whether A had positive curvature along all that was looked at, so that K has.
     pub positive: bool,
-}
-
-/// Forces, and differences of volumes in the place of which forces stand.
-struct Pair {
-    u: Vec<f64>,
-    p: Vec<f64>,
-}
-
-/// The vectors between restarts.
-struct Cycle {
-    basis: Vec<Pair>,
-    /// Rounded: GMRES does not mind what its preconditioner does.
-    directions: Vec<[Vec<f32>; 2]>,
-    /// Columns of the triangle that rotations make of Hessenberg's matrix, the rotations, and the right-hand side.
-    columns: Vec<Vec<f64>>,
-    rotations: Vec<[f64; 2]>,
-    rhs: Vec<f64>,
-    curvature: Curvature,
 }
 
 /// Cholesky's factor of `z_i . A z_j`, by rows; rows of what adds nothing are zero but for an infinite last entry.
@@ -73,10 +69,22 @@ struct Curvature {
 }
 
 /// Where an iteration stands.
-struct State<'x> {
-    u: &'x mut [f64],
-    p: &'x mut [f64],
-    iterations: usize,
+struct Run<'a> {
+    saddle: &'a SaddleGmres<'a>,
+    f: &'a [f64],
+    /// What residuals are shares of.
+    scale: f64,
+    tolerance: f64,
+    most: usize,
+    rows: Rows,
+    u: &'a mut [f64],
+    p: &'a mut [f64],
+    /// Displacements and pressures since the last restart, rounded: GMRES does not mind what its preconditioner does.
+    directions: Vec<[Vec<f32>; 2]>,
+    curvature: Curvature,
+    /// A negative curvature of K along the last one.
+    negative: Option<f64>,
+    /// Whether A had positive curvature along all of them.
     positive: bool,
     /// Residual of the saddle-point system at the last restart.
     left: f64,
@@ -92,172 +100,183 @@ impl SaddleGmres<'_> {
     }
 
     /// From the given displacements and pressures, which may be zero.
-    pub fn solve(&self, f: &[f64], (u, p): (&mut [f64], &mut [f64]), (tolerance, most): (f64, usize)) -> SaddleReport {
+    pub fn solve(&self, f: &[f64], start: Start, aim: Aim) -> SaddleReport {
         let scale = match self.counts {
             Counts::Matrix => sums::norm(f, self.preconditioner.parallel()),
             Counts::System(scale) => scale,
         };
-        let rows = Rows::of(self.modes);
-        let (seen, left) = (f64::INFINITY, f64::INFINITY);
-        let mut state = State { u, p, iterations: 0, positive: true, seen, left, next_look: tolerance };
-        let (end, residual) = loop {
-            if let Some(end) = self.cycle((f, scale), &rows, &mut state, (tolerance, most)) {
-                break end;
-            }
+        let mut run = Run {
+            saddle: self,
+            f,
+            scale,
+            tolerance: aim.tolerance,
+            most: aim.most,
+            rows: Rows::of(self.modes),
+            u: start.u,
+            p: start.p,
+            directions: Vec::new(),
+            curvature: Curvature::default(),
+            negative: None,
+            positive: true,
+            left: f64::INFINITY,
+            seen: f64::INFINITY,
+            next_look: aim.tolerance,
         };
-        let cg = CgReport { end, iterations: state.iterations, residual };
-        SaddleReport { cg, positive: state.positive }
+        let cg = flexible_gmres(&mut run);
+        SaddleReport { cg, positive: run.positive }
+    }
+}
+
+impl FlexibleSystem for Run<'_> {
+    fn rules(&self) -> CycleRules {
+        let (split, parallel) = (self.f.len(), self.saddle.preconditioner.parallel());
+        CycleRules { length: LENGTH, passes: 1, parallel, split }
     }
 
-    /// Until the next restart, or the end with its residual.
-    fn cycle(
-        &self,
-        (f, scale): (&[f64], f64),
-        rows: &Rows,
-        state: &mut State,
-        (tolerance, most): (f64, usize),
-    ) -> Option<(CgEnd, f64)> {
-        let parallel = self.preconditioner.parallel();
-        let first = self.residual(f, rows, state);
-        let size = first.norm(parallel);
+    /// Forces, and differences of volumes in the place of which forces stand.
+    fn residual(&mut self) -> Vec<f64> {
+        self.directions.clear();
+        self.curvature = Curvature::default();
+        let SaddleGmres { apply, modes, preconditioner, .. } = self.saddle;
+        let parallel = preconditioner.parallel();
+        let mut residual = vec![0.0; self.f.len() + modes.len()];
+        let (u, p) = residual.split_at_mut(self.f.len());
+        if self.u.iter().any(|&u| u != 0.0) || self.p.iter().any(|&p| p != 0.0) {
+            apply(self.u, u);
+            modes.of(self.u, p, parallel);
+            // A u + B^T p = K u + B^T (p - c B u)
+            let excess: Vec<f64> =
+                p.iter().zip(&*self.p).zip(modes.stiffness()).map(|((bu, p), [c, _])| p - c * bu).collect();
+            modes.add(&excess, u, parallel);
+            let each = p.iter_mut().zip(&excess).zip(modes.stiffness().iter().zip(&self.rows.scale));
+            each.for_each(|((p, excess), ([c, _], scale))| *p = excess * scale / c);
+        }
+        sums::zipped(u, self.f, parallel, |u, f| *u = f - *u);
+        residual
+    }
+
+    fn image(&mut self, newest: &[f64]) -> Vec<f64> {
+        let SaddleGmres { apply, modes, preconditioner, .. } = self.saddle;
+        let (parallel, stiffness) = (preconditioner.parallel(), modes.stiffness());
+        let (forces, differences) = newest.split_at(self.f.len());
+        let zp: Vec<f64> =
+            differences.iter().zip(&self.rows.size).map(|(p, size)| f64::from((-p / size) as f32)).collect();
+        let mut zu = forces.to_vec();
+        let negative: Vec<f64> = zp.iter().map(|p| -p).collect();
+        modes.add(&negative, &mut zu, parallel);
+        preconditioner.apply(&mut zu);
+        let zu: Vec<f32> = zu.iter().map(|&z| z as f32).collect();
+        let wide: Vec<f64> = zu.iter().map(|&z| f64::from(z)).collect();
+        let mut image = vec![0.0; newest.len()];
+        let (u, p) = image.split_at_mut(self.f.len());
+        apply(&wide, u);
+        modes.of(&wide, p, parallel);
+        let stiff: Vec<f64> = p.iter().zip(stiffness).map(|(bz, [c, _])| -c * bz).collect();
+        modes.add(&stiff, u, parallel);
+        self.directions.push([zu, zp.iter().map(|&p| p as f32).collect()]);
+        self.negative = self.negative_curvature(&wide, u);
+        modes.add(&zp, u, parallel);
+        for (at, out) in p.iter_mut().enumerate() {
+            *out = (*out - zp[at] / stiffness[at][0]) * self.rows.scale[at];
+        }
+        image
+    }
+
+    fn next(&mut self, cycle: &Cycle, iterations: usize) -> Next {
+        let end = if cycle.len() == 0 { self.end_at_restart(cycle) } else { self.end_after_step(cycle) };
+        if let Some((end, residual)) = end {
+            return Next::End(end, residual);
+        }
+        let spent = iterations == self.most || !self.positive && iterations >= MOST_UNSURE;
+        if cycle.is_over() || !spent {
+            return Next::Step;
+        }
+        let residual = self.look(cycle);
+        Next::End(if residual <= self.tolerance { CgEnd::Converged } else { CgEnd::Exhausted }, residual)
+    }
+
+    fn take(&mut self, cycle: &Cycle) {
+        let parallel = self.saddle.preconditioner.parallel();
+        for (factor, [u, p]) in cycle.coefficients().iter().zip(&self.directions) {
+            sums::add_single(*factor, u, self.u, parallel);
+            sums::add_single(*factor, p, self.p, parallel);
+        }
+    }
+}
+
+impl Run<'_> {
+    fn end_at_restart(&mut self, cycle: &Cycle) -> Option<(CgEnd, f64)> {
+        let (size, before) = (cycle.size(), std::mem::replace(&mut self.left, cycle.size()));
         if !size.is_finite() {
-            return Some((CgEnd::NotFinite, relative(size, scale)));
+            return Some((CgEnd::NotFinite, relative(size, self.scale)));
         }
         if size == 0.0 {
             return Some((CgEnd::Converged, 0.0));
         }
-        let stagnates = size > STAGNATION * state.left;
-        state.left = size;
-        let mut cycle = Cycle::begin(first, size);
-        if stagnates {
-            return Some((CgEnd::Stagnated, self.look((f, scale), &cycle, state)));
-        }
-        loop {
-            if state.iterations == most || !state.positive && state.iterations >= MOST_UNSURE {
-                let residual = self.look((f, scale), &cycle, state);
-                self.take(&cycle, state);
-                return Some((if residual <= tolerance { CgEnd::Converged } else { CgEnd::Exhausted }, residual));
-            }
-            state.iterations += 1;
-            let found = self.extend(&mut cycle, rows, state);
-            if let Some(curvature) = found {
-                self.take(&cycle, state);
-                return Some((CgEnd::NegativeCurvature { curvature }, f64::INFINITY));
-            }
-            let left = cycle.left() / scale;
-            if !left.is_finite() {
-                return Some((CgEnd::NotFinite, left));
-            }
-            if self.counts != Counts::Matrix && left <= tolerance {
-                self.take(&cycle, state);
-                return Some((CgEnd::Converged, left));
-            }
-            if self.counts == Counts::Matrix && left <= state.next_look {
-                let before = state.seen;
-                state.seen = self.look((f, scale), &cycle, state);
-                let stagnated = state.seen > 0.5 * before && left <= f64::EPSILON * NEXT_LOOK.recip();
-                if state.seen <= tolerance || stagnated {
-                    self.take(&cycle, state);
-                    let end = if state.seen <= tolerance { CgEnd::Converged } else { CgEnd::Stagnated };
-                    return Some((end, state.seen));
-                }
-                state.next_look = left * (MARGIN * tolerance / state.seen).clamp(NEXT_LOOK, MARGIN);
-            }
-            if cycle.directions.len() == LENGTH {
-                self.take(&cycle, state);
-                return None;
-            }
-        }
+        (size > STAGNATION * before).then(|| (CgEnd::Stagnated, self.look(cycle)))
     }
 
-    /// The residual of the saddle-point system.
-    fn residual(&self, f: &[f64], rows: &Rows, state: &State) -> Pair {
-        let (mut u, mut p) = (vec![0.0; f.len()], vec![0.0; self.modes.len()]);
-        let parallel = self.preconditioner.parallel();
-        if state.u.iter().any(|&u| u != 0.0) || state.p.iter().any(|&p| p != 0.0) {
-            (self.apply)(state.u, &mut u);
-            self.modes.of(state.u, &mut p, parallel);
-            // A u + B^T p = K u + B^T (p - c B u)
-            let excess: Vec<f64> =
-                p.iter().zip(&*state.p).zip(self.modes.stiffness()).map(|((bu, p), [c, _])| p - c * bu).collect();
-            self.modes.add(&excess, &mut u, parallel);
-            let each = p.iter_mut().zip(&excess).zip(self.modes.stiffness().iter().zip(&rows.scale));
-            each.for_each(|((p, excess), ([c, _], scale))| *p = excess * scale / c);
+    fn end_after_step(&mut self, cycle: &Cycle) -> Option<(CgEnd, f64)> {
+        if let Some(curvature) = self.negative {
+            return Some((CgEnd::NegativeCurvature { curvature }, f64::INFINITY));
         }
-        sums::zipped(&mut u, f, parallel, |u, f| *u = f - *u);
-        Pair { u, p }
-    }
-
-    /// One more direction; a negative curvature of K.
-    fn extend(&self, cycle: &mut Cycle, rows: &Rows, state: &mut State) -> Option<f64> {
-        let parallel = self.preconditioner.parallel();
-        let newest = cycle.basis.last()?;
-        let zp: Vec<f64> = newest.p.iter().zip(&rows.size).map(|(p, size)| f64::from((-p / size) as f32)).collect();
-        let mut zu = newest.u.clone();
-        let negative: Vec<f64> = zp.iter().map(|p| -p).collect();
-        self.modes.add(&negative, &mut zu, parallel);
-        self.preconditioner.apply(&mut zu);
-        let zu: Vec<f32> = zu.iter().map(|&z| z as f32).collect();
-        let wide: Vec<f64> = zu.iter().map(|&z| f64::from(z)).collect();
-        let (mut image, mut p) = (Pair { u: vec![0.0; wide.len()], p: vec![0.0; zp.len()] }, vec![0.0; zp.len()]);
-        (self.apply)(&wide, &mut image.u);
-        self.modes.of(&wide, &mut p, parallel);
-        let stiffness = self.modes.stiffness();
-        let stiff: Vec<f64> = p.iter().zip(stiffness).map(|(bz, [c, _])| -c * bz).collect();
-        self.modes.add(&stiff, &mut image.u, parallel);
-        cycle.directions.push([zu, zp.iter().map(|&p| p as f32).collect()]);
-        let curvature = self.curvature(cycle, (&wide, &image.u), state);
-        self.modes.add(&zp, &mut image.u, parallel);
-        for (at, out) in image.p.iter_mut().enumerate() {
-            *out = (p[at] - zp[at] / stiffness[at][0]) * rows.scale[at];
+        let left = cycle.left() / self.scale;
+        if !left.is_finite() {
+            return Some((CgEnd::NotFinite, left));
         }
-        cycle.orthogonalise(image, parallel);
-        curvature
+        if self.saddle.counts != Counts::Matrix {
+            return (left <= self.tolerance).then_some((CgEnd::Converged, left));
+        }
+        if left > self.next_look {
+            return None;
+        }
+        let before = self.seen;
+        self.seen = self.look(cycle);
+        if self.seen <= self.tolerance {
+            return Some((CgEnd::Converged, self.seen));
+        }
+        if self.seen > 0.5 * before && left <= f64::EPSILON * NEXT_LOOK.recip() {
+            return Some((CgEnd::Stagnated, self.seen));
+        }
+        self.next_look = left * (MARGIN * self.tolerance / self.seen).clamp(NEXT_LOOK, MARGIN);
+        None
     }
 
     /// Looks for negative curvature of A among the directions and, where there is some, of K.
-    fn curvature(&self, cycle: &mut Cycle, (z, az): (&[f64], &[f64]), state: &mut State) -> Option<f64> {
-        let parallel = self.preconditioner.parallel();
-        let (own, earlier) = (dot(z, az, parallel), cycle.directions.len() - 1);
-        let products = cycle.directions[..earlier].iter().map(|[u, _]| sums::dot_single(u, az, parallel)).collect();
-        let (pivot, along) = cycle.curvature.push(products, own);
+    fn negative_curvature(&mut self, z: &[f64], az: &[f64]) -> Option<f64> {
+        let SaddleGmres { modes, preconditioner, .. } = self.saddle;
+        let parallel = preconditioner.parallel();
+        let (own, earlier) = (dot(z, az, parallel), self.directions.len() - 1);
+        let products = self.directions[..earlier].iter().map(|[u, _]| sums::dot_single(u, az, parallel)).collect();
+        let (pivot, along) = self.curvature.push(products, own);
         if pivot > -DEPENDENT * own.abs() {
             return None;
         }
-        state.positive = false;
+        self.positive = false;
         let mut direction = z.to_vec();
-        for ([u, _], factor) in cycle.directions.iter().zip(&along) {
+        for ([u, _], factor) in self.directions.iter().zip(&along) {
             sums::add_single(-factor, u, &mut direction, parallel);
         }
-        let mut p = vec![0.0; self.modes.len()];
-        self.modes.of(&direction, &mut p, parallel);
-        let stiff: f64 = p.iter().zip(self.modes.stiffness()).map(|(p, [c, _])| c * p * p).sum();
+        let mut p = vec![0.0; modes.len()];
+        modes.of(&direction, &mut p, parallel);
+        let stiff: f64 = p.iter().zip(modes.stiffness()).map(|(p, [c, _])| c * p * p).sum();
         let of_k = pivot + stiff;
         (of_k <= 0.0).then(|| of_k / dot(&direction, &direction, parallel))
     }
 
     /// The residual that counts of what the directions make.
-    fn look(&self, (f, scale): (&[f64], f64), cycle: &Cycle, state: &State) -> f64 {
-        if self.counts != Counts::Matrix {
-            return cycle.left() / scale;
+    fn look(&self, cycle: &Cycle) -> f64 {
+        if self.saddle.counts != Counts::Matrix {
+            return cycle.left() / self.scale;
         }
-        let parallel = self.preconditioner.parallel();
-        let (mut u, mut r) = (state.u.to_vec(), vec![0.0; f.len()]);
-        for (factor, [z, _]) in cycle.coefficients().iter().zip(&cycle.directions) {
+        let parallel = self.saddle.preconditioner.parallel();
+        let (mut u, mut r) = (self.u.to_vec(), vec![0.0; self.f.len()]);
+        for (factor, [z, _]) in cycle.coefficients().iter().zip(&self.directions) {
             sums::add_single(*factor, z, &mut u, parallel);
         }
-        (self.apply)(&u, &mut r);
-        sums::zipped(&mut r, f, parallel, |r, f| *r = f - *r);
-        relative(sums::norm(&r, parallel), scale)
-    }
-
-    /// Adds what the directions make.
-    fn take(&self, cycle: &Cycle, state: &mut State) {
-        let parallel = self.preconditioner.parallel();
-        for (factor, [u, p]) in cycle.coefficients().iter().zip(&cycle.directions) {
-            sums::add_single(*factor, u, state.u, parallel);
-            sums::add_single(*factor, p, state.p, parallel);
-        }
+        (self.saddle.apply)(&u, &mut r);
+        sums::zipped(&mut r, self.f, parallel, |r, f| *r = f - *r);
+        relative(sums::norm(&r, parallel), self.scale)
     }
 }
 
@@ -267,8 +286,9 @@ pub(crate) fn residual_of_pressures(modes: &VolumeModes, f: &[f64], p: &[f64], p
     let negative: Vec<f64> = p.iter().map(|p| -p).collect();
     modes.add(&negative, &mut u, parallel);
     let rows = Rows::of(modes);
-    let scaled = p.iter().zip(modes.stiffness()).zip(&rows.scale).map(|((p, [c, _]), scale)| p * scale / c).collect();
-    Pair { u, p: scaled }.norm(parallel)
+    let scaled =
+        p.iter().zip(modes.stiffness()).zip(&rows.scale).map(|((p, [c, _]), scale)| p * scale / c).collect::<Vec<_>>();
+    (dot(&u, &u, parallel) + dot(&scaled, &scaled, parallel)).sqrt()
 }
 
 /// By row of the second block.
@@ -284,71 +304,6 @@ impl Rows {
         let size: Vec<f64> = modes.norms().map(|norm| if norm > 0.0 { norm } else { 1.0 }).collect();
         let scale = size.iter().zip(modes.stiffness()).map(|(size, &[c, g])| size / (1.0 / c + 1.0 / g)).collect();
         Rows { size, scale }
-    }
-}
-
-impl Pair {
-    fn norm(&self, parallel: bool) -> f64 {
-        (dot(&self.u, &self.u, parallel) + dot(&self.p, &self.p, parallel)).sqrt()
-    }
-
-    fn scaled(mut self, by: f64) -> Self {
-        self.u.iter_mut().chain(&mut self.p).for_each(|x| *x *= by);
-        self
-    }
-}
-
-impl Cycle {
-    fn begin(first: Pair, size: f64) -> Self {
-        Cycle {
-            basis: vec![first.scaled(1.0 / size)],
-            directions: Vec::new(),
-            columns: Vec::new(),
-            rotations: Vec::new(),
-            rhs: vec![size],
-            curvature: Curvature::default(),
-        }
-    }
-
-    /// What is left of the residual.
-    fn left(&self) -> f64 {
-        self.rhs.last().map_or(0.0, |last| last.abs())
-    }
-
-    /// Makes the image of the newest direction the next vector of the basis.
-    fn orthogonalise(&mut self, mut image: Pair, parallel: bool) {
-        let mut column = Vec::with_capacity(self.basis.len() + 1);
-        for v in &self.basis {
-            let share = dot(&v.u, &image.u, parallel) + dot(&v.p, &image.p, parallel);
-            sums::zipped(&mut image.u, &v.u, parallel, |w, v| *w -= share * v);
-            sums::zipped(&mut image.p, &v.p, parallel, |w, v| *w -= share * v);
-            column.push(share);
-        }
-        let length = image.norm(parallel);
-        for (k, &[c, s]) in self.rotations.iter().enumerate() {
-            let (a, b) = (column[k], column[k + 1]);
-            (column[k], column[k + 1]) = (c * a + s * b, c * b - s * a);
-        }
-        let last = column.len() - 1;
-        let size = column[last].hypot(length);
-        let [c, s] = if size > 0.0 { [column[last] / size, length / size] } else { [1.0, 0.0] };
-        column[last] = size;
-        let rhs = self.rhs[last];
-        self.rhs[last] = c * rhs;
-        self.rhs.push(-s * rhs);
-        self.rotations.push([c, s]);
-        self.columns.push(column);
-        self.basis.push(image.scaled(if length > 0.0 { 1.0 / length } else { 0.0 }));
-    }
-
-    /// The factors of the directions that leave the least residual.
-    fn coefficients(&self) -> Vec<f64> {
-        let mut y = self.rhs[..self.columns.len()].to_vec();
-        for i in (0..y.len()).rev() {
-            let known: f64 = (i + 1..y.len()).map(|j| self.columns[j][i] * y[j]).sum();
-            y[i] = if self.columns[i][i] == 0.0 { 0.0 } else { (y[i] - known) / self.columns[i][i] };
-        }
-        y
     }
 }
 

@@ -5,7 +5,8 @@ use crate::error::FactorError;
 use crate::factor::rotations::CorotatedPreconditioner;
 use crate::factor::structure::Structure;
 use crate::factor::symmetric::{Factor, Pivots};
-use crate::krylov::gmres::{GmresReport, gmres};
+use crate::krylov::conjugate_gradients::CgReport;
+use crate::krylov::gmres::gmres;
 use crate::pattern::matrix::SparseMatrix;
 use std::sync::Arc;
 
@@ -45,7 +46,7 @@ impl General {
         if let Some(kept) = &self.factor {
             let (x, report) = iterate(system, kept, b, tolerance, form, WORN);
             work.back_substitutions += report.iterations;
-            if report.converged {
+            if report.converged() {
                 work.reused += 1;
                 return Ok(x);
             }
@@ -198,7 +199,7 @@ fn iterate(
     tolerance: f64,
     form: Form,
     most: usize,
-) -> (Vec<f64>, GmresReport) {
+) -> (Vec<f64>, CgReport) {
     let preconditioner = CorotatedPreconditioner::new(factor, system.configuration.rotations(), system.fixed);
     let apply = |v: &[f64], out: &mut [f64]| match form {
         Form::Plain => system.multiply(v, out),

@@ -4,7 +4,8 @@ use super::{Accuracy, Curvature, Form, LinearError, LinearSolver, LinearWork, St
 use crate::error::FactorError;
 use crate::factor::lu_factor::{LuAnalysis, LuFactor};
 use crate::factor::structure::Structure;
-use crate::krylov::gmres::{GmresReport, gmres};
+use crate::krylov::conjugate_gradients::CgReport;
+use crate::krylov::gmres::gmres;
 use std::sync::Arc;
 
 /// Iterations after which a new factorisation is due.
@@ -53,7 +54,7 @@ impl Lu {
         if let Some(kept) = &self.factor {
             let (x, report) = iterate(system, kept, b, tolerance, form, WORN);
             work.back_substitutions += report.iterations;
-            if report.converged {
+            if report.converged() {
                 work.reused += 1;
                 return Ok(x);
             }
@@ -139,7 +140,7 @@ fn iterate(
     tolerance: f64,
     form: Form,
     most: usize,
-) -> (Vec<f64>, GmresReport) {
+) -> (Vec<f64>, CgReport) {
     match form {
         Form::Plain => gmres(&|v, out| system.multiply(v, out), factor, b, tolerance, most),
         Form::Transposed => {

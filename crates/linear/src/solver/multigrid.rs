@@ -4,7 +4,7 @@ use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork,
 use crate::error::{FactorError, StructureError};
 use crate::factor::structure::Structure;
 use crate::krylov::conjugate_gradients::{CgEnd, CgReport, StoppingTest, conjugate_gradient, conjugate_gradient_while};
-use crate::krylov::saddle_gmres::{Counts, SaddleGmres, residual_of_pressures};
+use crate::krylov::saddle_gmres::{self, Counts, SaddleGmres, Start, residual_of_pressures};
 use crate::krylov::volume_modes::VolumeModes;
 use crate::multigrid::{Geometry, Multigrid};
 use crate::pattern::entries::Pattern;
@@ -434,7 +434,7 @@ fn iterate(
     };
     let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
     let saddle = SaddleGmres { apply: &apply, modes, preconditioner: multigrid, counts };
-    let found = saddle.solve(b, (x, p), (aim.residual, most));
+    let found = saddle.solve(b, Start { u: x, p }, saddle_gmres::Aim { tolerance: aim.residual, most });
     work.cycles += found.cg.iterations;
     (found.cg, found.positive)
 }

@@ -1,7 +1,7 @@
 //! [`System`]: the matrix of a linear system, and where it was taken.
 
 use crate::factor::rotations::Rotations;
-use crate::krylov::gmres::GmresReport;
+use crate::krylov::conjugate_gradients::CgReport;
 use crate::krylov::volume_modes::VolumeModes;
 use crate::multigrid::{CellProducts, Corners};
 use crate::pattern::matrix::SparseMatrix;
@@ -77,9 +77,9 @@ impl System<'_> {
 
     /// Whether the solution of an iteration is as good as wanted, or as double precision has one where that is not far from it:
     /// `|r| <= 8 eps | |A| |x| |`, with the absolute values of the symmetric part of A. A body that hardly anything holds moves far.
-    pub(super) fn is_solved(&self, x: &[f64], report: &GmresReport, (b, tolerance): (&[f64], f64)) -> bool {
-        if report.converged || report.residual.is_nan() || report.residual > BESIDE * tolerance {
-            return report.converged;
+    pub(super) fn is_solved(&self, x: &[f64], report: &CgReport, (b, tolerance): (&[f64], f64)) -> bool {
+        if report.converged() || report.residual.is_nan() || report.residual > BESIDE * tolerance {
+            return report.converged();
         }
         let (magnitudes, mut sums) = (self.matrix.magnitudes(), vec![0.0; x.len()]);
         let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
