@@ -5,7 +5,7 @@ use crate::rows::Rows;
 use crate::session::PetscError;
 use crate::system::{Distributed, End};
 use nastic_fem::SolverFactory;
-use nastic_linear::solver::{Accuracy, Curvature, Inertia, Step, System};
+use nastic_linear::solver::{Accuracy, Curvature, Definite, Inertia, Solution, SolverState, Step, System};
 use nastic_linear::{LinearError, LinearSolver, LinearWork, Structure, Symmetry};
 use std::sync::Arc;
 
@@ -97,7 +97,7 @@ impl PetscSolver {
                 system.space().add_up(&mut x);
                 on_supports(system, b, &mut x);
             }
-            End::Indefinite => return Err(LinearError::Indefinite),
+            End::Indefinite => return Err(LinearError::Indefinite { quotient: None }),
             End::Spent => {
                 let residual = report.residual / system.space().norm(b);
                 return Err(LinearError::Singular { residual, wanted: tolerance });
@@ -111,7 +111,7 @@ impl PetscSolver {
         let space = system.space();
         match space.dot(&x, b) > 0.0 || space.norm(b) == 0.0 {
             true => Ok(x),
-            false => Err(LinearError::Indefinite),
+            false => Err(LinearError::Indefinite { quotient: None }),
         }
     }
 }
@@ -126,8 +126,9 @@ fn on_supports(system: &System, b: &[f64], x: &mut [f64]) {
 }
 
 impl LinearSolver for PetscSolver {
-    fn name(&self) -> &'static str {
-        NAME
+    fn state(&self) -> SolverState {
+        let bytes = self.numbering.as_ref().map_or(0, |numbering| 4 * numbering.global.len());
+        SolverState { name: NAME, takes_products: false, bytes }
     }
 
     fn restart(&mut self) {}
@@ -140,8 +141,7 @@ impl LinearSolver for PetscSolver {
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        let x = self.run(system, b, tolerance, work)?;
-        Ok(Step { x, curvature: Curvature::Positive })
+        Ok(Step::new(self.run(system, b, tolerance, work)?, Curvature::Positive))
     }
 
     fn solve(
@@ -150,20 +150,18 @@ impl LinearSolver for PetscSolver {
         b: &[f64],
         accuracy: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        self.run(system, b, accuracy.residual, work)
+    ) -> Result<Solution, LinearError> {
+        Ok(Solution { x: self.run(system, b, accuracy.residual, work)?, negative: None })
     }
 
     fn solve_definite(
         &mut self,
         system: &System,
         b: &[f64],
+        _: Definite,
         work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        match self.run(system, b, DEFINITE, work) {
-            Err(LinearError::Indefinite) => Ok(None),
-            found => found.map(Some),
-        }
+    ) -> Result<Vec<f64>, LinearError> {
+        self.run(system, b, DEFINITE, work)
     }
 
     /// By a factor of MUMPS.
@@ -178,15 +176,7 @@ impl LinearSolver for PetscSolver {
         }
     }
 
-    fn bytes(&self) -> usize {
-        self.numbering.as_ref().map_or(0, |numbering| 4 * numbering.global.len())
-    }
-
     fn anew(&self, _: &Arc<Structure>) -> Box<dyn LinearSolver> {
         Box::new(PetscSolver::default())
-    }
-
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
-        Box::new(self.clone())
     }
 }

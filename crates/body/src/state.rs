@@ -97,7 +97,7 @@ impl Default for SolveReport {
 impl SolveReport {
     /// Adds the work of a linear system.
     pub fn add_linear(&mut self, solver: &dyn LinearSolver, work: &LinearWork) {
-        self.solver = solver.name();
+        self.solver = solver.state().name;
         self.factorisations += work.factorisations;
         self.reused += work.reused;
         self.back_substitutions += work.back_substitutions;

@@ -6,7 +6,7 @@ use nastic_control::{
 };
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{Demand, Formulation, Instant, MovingSupport, Progress, Solid, SolveOptions, SolverFactory};
-use nastic_linear::solver::{Accuracy, Step, System};
+use nastic_linear::solver::{Accuracy, Definite, Solution, SolverState, Step, System};
 use nastic_linear::{LinearError, LinearSolver, LinearWork, Structure, Symmetry};
 use nastic_mesh::{CellKind, Mesh, box_mesh};
 use nastic_opt::Objective;
@@ -52,7 +52,7 @@ impl Meter {
 }
 
 /// [`Simple`], whose messages are counted apart.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Counted;
 
 fn apart<T>(work: impl FnOnce() -> T) -> T {
@@ -87,8 +87,8 @@ impl SolverFactory for Counted {
 }
 
 impl LinearSolver for Counted {
-    fn name(&self) -> &'static str {
-        "counted"
+    fn state(&self) -> SolverState {
+        SolverState { name: "counted", takes_products: false, bytes: 0 }
     }
 
     fn restart(&mut self) {}
@@ -109,7 +109,7 @@ impl LinearSolver for Counted {
         b: &[f64],
         to: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
+    ) -> Result<Solution, LinearError> {
         apart(|| Simple.solve(system, b, to, work))
     }
 
@@ -117,20 +117,13 @@ impl LinearSolver for Counted {
         &mut self,
         system: &System,
         b: &[f64],
+        which: Definite,
         work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        apart(|| Simple.solve_definite(system, b, work))
-    }
-
-    fn bytes(&self) -> usize {
-        0
+    ) -> Result<Vec<f64>, LinearError> {
+        apart(|| Simple.solve_definite(system, b, which, work))
     }
 
     fn anew(&self, _: &Arc<Structure>) -> Box<dyn LinearSolver> {
-        Box::new(Counted)
-    }
-
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(Counted)
     }
 }

@@ -162,7 +162,7 @@ fn what_goes_wrong_without_a_search_is_said() -> Outcome {
     let squeezed = State { u: Arc::new(nodal(solid.mesh(), |x| Vec3::new(-0.8 * x.x, 0.0, 0.0))), ..solid.rest() };
     let error = fail(squeezed, 1e3)?;
     let StateError::InStep { source, .. } = &error else { return Err(error.to_string().into()) };
-    assert!(matches!(**source, StateError::Linear(LinearError::Indefinite)), "{error}");
+    assert!(matches!(**source, StateError::Linear(LinearError::Indefinite { .. })), "{error}");
     assert!(error.to_string().contains("shorter steps may help"), "{error}");
 
     let refused = |solid: &Solid, begin: State| -> Outcome<String> {

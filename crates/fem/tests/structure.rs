@@ -11,7 +11,7 @@ use nastic_fem::{
     Controls, Foundation, Solid, SolveOptions, Solver, SolverFactory, Spring, StateError, StructureCounts, Tendon,
     Workspace,
 };
-use nastic_linear::solver::{Accuracy, Step, System};
+use nastic_linear::solver::{Accuracy, Definite, Solution, SolverState, Step, System};
 use nastic_linear::{LinearError, LinearSolver, LinearWork, Structure, Symmetry};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
@@ -66,7 +66,7 @@ fn a_body_is_analysed_once_and_only_for_a_factor() -> Outcome {
 #[derive(Debug)]
 struct Silent;
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct SilentSolver(Box<dyn LinearSolver>);
 
 impl SolverFactory for Silent {
@@ -88,8 +88,8 @@ impl SolverFactory for Silent {
 }
 
 impl LinearSolver for SilentSolver {
-    fn name(&self) -> &'static str {
-        "silent"
+    fn state(&self) -> SolverState {
+        SolverState { name: "silent", takes_products: false, ..self.0.state() }
     }
 
     fn restart(&mut self) {
@@ -114,29 +114,22 @@ impl LinearSolver for SilentSolver {
         b: &[f64],
         accuracy: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        self.0.solve(system, b, accuracy, work)
+    ) -> Result<Solution, LinearError> {
+        Ok(Solution { negative: None, ..self.0.solve(system, b, accuracy, work)? })
     }
 
     fn solve_definite(
         &mut self,
         system: &System,
         b: &[f64],
+        which: Definite,
         work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.0.solve_definite(system, b, work)
-    }
-
-    fn bytes(&self) -> usize {
-        self.0.bytes()
+    ) -> Result<Vec<f64>, LinearError> {
+        self.0.solve_definite(system, b, which, work)
     }
 
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
         Box::new(SilentSolver(self.0.anew(structure)))
-    }
-
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
-        Box::new(SilentSolver(self.0.boxed_clone()))
     }
 }
 

@@ -66,7 +66,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let matrix = matrix(&pattern, &elements, skew.parse()?)?;
     let rotations = Arc::new(Rotations(vec![Mat3::identity(); points.len()]));
     let (at, fixed) = (AtRest(points, rotations), vec![false; n]);
-    let system = System { matrix: &matrix, products: None, fixed: &fixed, configuration: &at, parallel: true };
+    let system = System {
+        matrix: &matrix,
+        products: None,
+        fixed: &fixed,
+        configuration: &at,
+        transposed: false,
+        parallel: true,
+    };
     let mut random = Random::new(1);
     let b: Vec<f64> = (0..n).map(|_| random.symmetric()).collect();
     let megabytes = |bytes: Option<usize>| bytes.map_or(f64::NAN, |bytes| bytes as f64 * 1e-6);
@@ -74,12 +81,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (mut solver, accuracy) = (factory.make(&structure), Accuracy { error: 1e-9, residual: 1e-10 });
     for what in ["first", "second", "transposed"] {
         let (mut work, began) = (LinearWork::default(), Instant::now());
-        let solved = match what {
-            "transposed" => solver.solve_transposed(&system, &b, accuracy, &mut work),
-            _ => solver.solve(&system, &b, accuracy, &mut work),
-        };
+        let system = System { transposed: what == "transposed", ..system };
+        let solved = solver.solve(&system, &b, accuracy, &mut work);
         let seconds = began.elapsed().as_secs_f64();
-        let outcome = solved.map_or_else(|error| error.to_string(), |_| format!("by {}", solver.name()));
+        let outcome = solved.map_or_else(|error| error.to_string(), |_| format!("by {}", solver.state().name));
         println!(
             "  {what}: {seconds:.2} s, {} factorisations, {} iterations; peak {:.0} MB, {outcome}",
             work.factorisations,

@@ -5,7 +5,9 @@
 use crate::support;
 
 use nalgebra::{DMatrix, DVector};
-use nastic_linear::solver::{Accuracy, Border, Curvature, Shift, solve_bordered};
+use nastic_linear::solver::{
+    Accuracy, Border, BorderedSolution, Curvature, Definite, Shift, Step, System, solve_bordered,
+};
 use nastic_linear::{
     FactorError, LinearError, LinearSolver, LinearWork, Pivots, Rotations, Solver, SparseMatrix, Structure, Symmetry,
     gmres,
@@ -46,12 +48,12 @@ fn general_systems_and_their_transposes_are_solved() {
     for skew in [0.0, 0.05, 0.4] {
         let (matrix, dense) = case.general(skew);
         let mut work = LinearWork::default();
-        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap().x;
         assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-9, "skew {skew}");
-        let x = own.solve_transposed(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        let x = own.solve(&case.system(&matrix).transpose(), &b, STRICT, &mut work).unwrap().x;
         assert!(relative_difference(&x, &solution(&dense.transpose(), &b)) < 1e-9, "skew {skew}, transposed");
         assert!(work.back_substitutions >= before, "a larger skew part takes no fewer iterations: {work:?}");
-        assert!(work.factorisations <= 1 && own.name() == "general", "{work:?}");
+        assert!(work.factorisations <= 1 && own.state().name == "general", "{work:?}");
         before = work.back_substitutions;
         let step = own.step(&case.system(&matrix), &b, 1e-3, &mut work).unwrap();
         assert_eq!(step.curvature, Curvature::Positive);
@@ -81,11 +83,11 @@ fn what_is_set_aside_preconditions_and_belongs_to_no_product() {
     assert!(support::negative_eigenvalues(&twin(&with.symmetric_part())) >= 20);
     let work = |matrix: &SparseMatrix| {
         let (mut own, mut work) = (Solver::GENERAL.make(&case.structure), LinearWork::default());
-        let x = own.solve(&case.system(matrix), &b, STRICT, &mut work).unwrap();
+        let x = own.solve(&case.system(matrix), &b, STRICT, &mut work).unwrap().x;
         assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-8);
-        let x = own.solve_transposed(&case.system(matrix), &b, STRICT, &mut work).unwrap();
+        let x = own.solve(&case.system(matrix).transpose(), &b, STRICT, &mut work).unwrap().x;
         assert!(relative_difference(&x, &solution(&dense.transpose(), &b)) < 1e-8);
-        assert_eq!(own.name(), "general");
+        assert_eq!(own.state().name, "general");
         work.back_substitutions
     };
     let (found, other) = (work(&with), work(&without));
@@ -125,7 +127,7 @@ fn an_indefinite_general_system_is_solved() {
     let b = Random::new(9).vector(case.pattern.dofs());
     let mut work = LinearWork::default();
     let mut own = Solver::GENERAL.make(&case.structure);
-    let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+    let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap().x;
     assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-8);
     assert_eq!(own.step(&case.system(&matrix), &b, 1e-3, &mut work).unwrap().curvature, Curvature::Negative);
 }
@@ -157,17 +159,17 @@ fn every_symmetric_solver_gives_the_same_answers() {
         let step = own.step(&case.system(&matrix), &b, 1e-6, &mut work).unwrap();
         assert_eq!(step.curvature, Curvature::Positive, "{kind}");
         assert!(relative_difference(&step.x, &exact) < 1e-3, "{kind}");
-        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap().x;
         assert!(relative_difference(&x, &exact) < 1e-9, "{kind}");
         assert_eq!(own.inertia(&case.system(&matrix)).unwrap().map(|found| found.negative), Some(0), "{kind}");
-        assert!(own.name() == kind.name() && work.factorisations + work.hierarchies <= 2, "{kind}: {work:?}");
+        assert!(own.state().name == kind.name() && work.factorisations + work.hierarchies <= 2, "{kind}: {work:?}");
         own.prepare(&case.system(&matrix), &mut work).unwrap();
         let made = (work.factorisations, work.hierarchies);
-        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap().x;
         assert!(relative_difference(&x, &exact) < 1e-9, "{kind}");
         assert_eq!(made, (work.factorisations, work.hierarchies), "{kind}: what was prepared is not used");
         own.clear();
-        assert_eq!(own.bytes(), 0);
+        assert_eq!(own.state().bytes, 0);
     }
 }
 
@@ -187,7 +189,7 @@ fn a_prepared_matrix_is_not_factorised_again() {
             own.prepare(&system, &mut work).unwrap();
             for _ in 0..3 {
                 let b = random.vector(case.pattern.dofs());
-                let x = own.solve(&system, &b, Accuracy { error: 1e-9, residual: 1e-7 }, &mut work).unwrap();
+                let x = own.solve(&system, &b, Accuracy { error: 1e-9, residual: 1e-7 }, &mut work).unwrap().x;
                 let mut image = vec![0.0; b.len()];
                 matrix.multiply(&x, &mut image);
                 assert!(relative_difference(&image, &b) < 1e-6, "{diagonal}");
@@ -223,16 +225,21 @@ fn levels_serve_for_all_shifts() {
     let (mut own, mut work) = (Solver::MULTIGRID.make(&case.structure), LinearWork::default());
     let system = case.system(&matrix);
     own.step(&case.system(&definite), &b, 1e-2, &mut work).unwrap();
-    let step = own.step(&system, &b, 1e-2, &mut work);
-    assert!(step.is_err() || step.is_ok_and(|step| step.curvature == Curvature::Negative));
-    let quotient = own.negative_quotient().expect("the matrix is indefinite");
+    let quotient = match own.step(&system, &b, 1e-2, &mut work) {
+        Ok(Step { curvature: Curvature::Negative, quotient, .. }) | Err(LinearError::Indefinite { quotient }) => {
+            quotient
+        }
+        other => panic!("the matrix is indefinite: {other:?}"),
+    };
+    let quotient = quotient.unwrap();
     let dense = DMatrix::from_fn(b.len(), b.len(), |i, j| matrix.get(i, j));
     let least = dense.symmetric_eigenvalues().min();
     assert!(quotient <= 0.0 && quotient >= least, "{quotient} of {least}");
-    let x = Shift::default().step(own.as_mut(), &system, &b, &mut work).unwrap();
+    let mut shift = Shift::default();
+    shift.note(Some(quotient));
+    let x = shift.step(own.as_mut(), &system, &b, &mut work).unwrap();
     assert!(x.iter().zip(&b).map(|(x, b)| x * b).sum::<f64>() > 0.0);
     assert!(work.hierarchies <= 1, "{work:?}");
-    assert_eq!(own.negative(), Some(0), "the shifted matrix is definite");
 }
 
 #[test]
@@ -288,16 +295,10 @@ fn bordered_systems_are_solved_by_block_elimination() {
         for transposed in [false, true] {
             let mut own: Box<dyn LinearSolver> = kind.make(&case.structure);
             let system = case.system(matrix);
-            let (x, y) = solve_bordered(
-                own.as_mut(),
-                &system,
-                &border,
-                (&f, &g),
-                transposed,
-                STRICT,
-                &mut LinearWork::default(),
-            )
-            .unwrap_or_else(|e| panic!("{name}: {e}"));
+            let system = System { transposed, ..system };
+            let solved = solve_bordered(own.as_mut(), &system, &border, (&f, &g), STRICT, &mut LinearWork::default());
+            let BorderedSolution { x, y, negative } = solved.unwrap_or_else(|e| panic!("{name}: {e}"));
+            assert_eq!(negative, (name != "general").then_some(0));
             let whole = if transposed { whole.transpose() } else { whole.clone() };
             let exact = solution(&whole, &[f.clone(), g.clone()].concat());
             let error = relative_difference(&[x, y].concat(), &exact);
@@ -309,19 +310,12 @@ fn bordered_systems_are_solved_by_block_elimination() {
     let system = case.system(&symmetric);
     let short = Border { columns: vec![vec![1.0; n - 1]], ..border.clone() };
     let (f, work) = (random.vector(n), &mut LinearWork::default());
-    let refused = solve_bordered(own.as_mut(), &system, &short, (&f, &[1.0]), false, STRICT, work);
+    let refused = solve_bordered(own.as_mut(), &system, &short, (&f, &[1.0]), STRICT, work);
     assert!(matches!(refused, Err(LinearError::ForeignBorder { scalars: 1, .. })), "{refused:?}");
     let halved = case.symbolic.factorize(&general, Pivots::AnySign, false).err();
     assert_eq!(halved, Some(FactorError::NotSymmetric), "its symmetric part would be factorised instead");
-    let failed = solve_bordered(
-        own.as_mut(),
-        &system,
-        &border,
-        (&vec![1.0; n], &[1.0]),
-        false,
-        STRICT,
-        &mut LinearWork::default(),
-    );
+    let failed =
+        solve_bordered(own.as_mut(), &system, &border, (&vec![1.0; n], &[1.0]), STRICT, &mut LinearWork::default());
     assert_eq!(failed.unwrap_err(), LinearError::Border { scalars: 1 });
 }
 
@@ -391,7 +385,7 @@ fn every_solver_has_a_name_of_its_own() {
         assert_eq!(Solver::named(factory.name()), Some(factory));
         assert!(!factory.about().is_empty());
         let mut own = factory.make(&case.structure);
-        assert_eq!((own.name(), own.bytes()), (factory.name(), 0));
+        assert_eq!((own.state().name, own.state().bytes), (factory.name(), 0));
         let solved = own.solve(&case.system(&general), &b, STRICT, &mut LinearWork::default());
         assert_eq!(solved.is_ok(), factory.takes() == Symmetry::General, "{factory}: {solved:?}");
     }
@@ -415,25 +409,25 @@ fn lu_solves_any_regular_matrix() {
         matrix.add_to_diagonal(shift);
         dense += shift * DMatrix::identity(n, n);
         let (mut own, mut work) = (Solver::LU.make(&case.structure), LinearWork::default());
-        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap().x;
         assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-9, "{name}");
-        let x = own.solve_transposed(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        let x = own.solve(&case.system(&matrix).transpose(), &b, STRICT, &mut work).unwrap().x;
         assert!(relative_difference(&x, &solution(&dense.transpose(), &b)) < 1e-9, "{name}, transposed");
         matrix.add_to_diagonal(1e-3);
         dense += 1e-3 * DMatrix::identity(n, n);
-        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap();
+        let x = own.solve(&case.system(&matrix), &b, STRICT, &mut work).unwrap().x;
         assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-9, "{name}, nearby");
         assert_eq!((work.factorisations, work.reused), (1, 2), "{name}");
-        assert!(work.back_substitutions <= 15 && own.bytes() > 0, "{name}: {work:?}");
-        assert_eq!((own.inertia(&case.system(&matrix)), own.negative()), (Ok(None), None), "{name}: it cannot count");
+        assert!(work.back_substitutions <= 15 && own.state().bytes > 0, "{name}: {work:?}");
+        assert_eq!(own.inertia(&case.system(&matrix)), Ok(None), "{name}: it cannot count");
         own.clear();
-        assert_eq!(own.bytes(), 0);
+        assert_eq!(own.state().bytes, 0);
     }
     let singular = case.grid.laplacian(&case.pattern, 0.0);
     let mut own = Solver::LU.make(&case.structure);
     let message = own.solve(&case.system(&singular), &b, STRICT, &mut LinearWork::default()).unwrap_err();
     assert!(message.is_singular(), "three free motions: {message}");
-    let refused = own.solve_definite(&case.system(&singular), &b, &mut LinearWork::default());
+    let refused = own.solve_definite(&case.system(&singular), &b, Definite::Once, &mut LinearWork::default());
     assert_eq!(refused, Err(LinearError::NotCounted { solver: "lu" }));
 }
 
@@ -447,11 +441,11 @@ fn what_rounding_leaves_is_solved() {
     for kind in [Solver::LU, Solver::GENERAL] {
         let mut own = kind.make(&case.structure);
         let x = own.solve(&case.system(&matrix), &b, STRICT, &mut LinearWork::default());
-        let x = x.unwrap_or_else(|error| panic!("{}: {error}", own.name()));
+        let x = x.unwrap_or_else(|error| panic!("{}: {error}", own.state().name)).x;
         let mut rest = vec![0.0; b.len()];
         matrix.multiply(&x, &mut rest);
         let residual = relative_difference(&rest, &b);
-        assert!(residual > STRICT.residual && residual < 1e3 * STRICT.residual, "{}: {residual:e}", own.name());
+        assert!(residual > STRICT.residual && residual < 1e3 * STRICT.residual, "{}: {residual:e}", own.state().name);
     }
 }
 
@@ -468,12 +462,12 @@ fn general_falls_back_on_lu() {
     for (name, (matrix, dense)) in [("skew part decides", case.general(300.0)), ("skew alone", no_symmetric_part)] {
         let (mut own, mut work) = (Solver::GENERAL.make(&case.structure), LinearWork::default());
         let accuracy = Accuracy { error: 1e-12, residual: 1e-10 };
-        let x = own.solve(&case.system(&matrix), &b, accuracy, &mut work).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let x = own.solve(&case.system(&matrix), &b, accuracy, &mut work).unwrap_or_else(|e| panic!("{name}: {e}")).x;
         assert!(relative_difference(&x, &solution(&dense, &b)) < 1e-7, "{name}");
         let (made, iterations) = (work.factorisations, work.back_substitutions);
-        let x = own.solve_transposed(&case.system(&matrix), &b, accuracy, &mut work).unwrap();
+        let x = own.solve(&case.system(&matrix).transpose(), &b, accuracy, &mut work).unwrap().x;
         assert!(relative_difference(&x, &solution(&dense.transpose(), &b)) < 1e-7, "{name}, transposed");
-        assert_eq!((own.name(), work.factorisations), ("lu", made), "{name}");
+        assert_eq!((own.state().name, work.factorisations), ("lu", made), "{name}");
         assert!(work.back_substitutions <= iterations + 10, "{name}: {work:?}");
     }
 }

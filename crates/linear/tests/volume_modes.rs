@@ -2,7 +2,7 @@
 
 use crate::support::Random;
 use crate::support::case::Case;
-use nastic_linear::solver::{Configuration, System};
+use nastic_linear::solver::{Configuration, Step, System};
 use nastic_linear::{Corners, LinearWork, Pattern, Rotations, Solver, SparseMatrix, VolumeModes};
 use std::sync::Arc;
 
@@ -103,14 +103,13 @@ fn a_step_that_expects_changes_leaves_some() -> Outcome {
     for expects in [true, false] {
         let own = if expects { modes.clone().expecting(expected.clone()) } else { modes.clone() };
         let at = WithModes(&case, own);
-        let system =
-            System { matrix: &matrix, products: None, fixed: &case.fixed, configuration: &at, parallel: false };
+        let system = System { configuration: &at, ..case.system(&matrix) };
         let mut solver = Solver::MULTIGRID.make(&case.structure);
         for _ in 0..2 {
             let mut work = LinearWork::default();
-            let x = solver.step(&system, &b, 1e-9, &mut work)?.x;
-            assert_eq!(solver.changes_left().is_some(), expects);
-            let left = residual(&x, solver.changes_left());
+            let Step { x, changes_left, .. } = solver.step(&system, &b, 1e-9, &mut work)?;
+            assert_eq!(changes_left.is_some(), expects);
+            let left = residual(&x, changes_left.as_deref());
             // the finest step there is
             let most = if expects { 10.0 * small } else { norm(&b) };
             assert!(left <= 1e-4 * most, "{left:e} of {most:e}");

@@ -256,7 +256,9 @@ fn in_step(error: StateError, time: f64, dt: f64) -> StateError {
     match error {
         StateError::Inadmissible { .. }
         | StateError::NoConvergence { .. }
-        | StateError::Linear(LinearError::Indefinite) => StateError::InStep { time, dt, source: Box::new(error) },
+        | StateError::Linear(LinearError::Indefinite { .. }) => {
+            StateError::InStep { time, dt, source: Box::new(error) }
+        }
         other => other,
     }
 }

@@ -239,7 +239,7 @@ impl Model {
         let u = self.nodal(at.u);
         system.transpose();
         system.prepare(systems, u, report)?;
-        Ok(system.solve(systems, u, rhs, EXACT, report)?.0)
+        Ok(system.solve(systems, u, rhs, EXACT, report)?.solved)
     }
 
     /// The same for a symmetric tangent by the products of its cells; nothing where the solver takes none or has to make a factor, or the model has none.

@@ -84,7 +84,7 @@ impl Model {
         let (system, anchor) = self.anchored(at, 1.0).map_err(|at| inverted(at, state))?;
         let u = self.nodal(at.u);
         system.prepare(systems, u, report)?;
-        let mut found = system.solve(systems, u, rhs, accuracy, report)?.0;
+        let mut found = system.solve(systems, u, rhs, accuracy, report)?.solved;
         let mut before = found.clone();
         for _ in 0..CORRECTIONS {
             let add = |(x, b): (&Vec<f64>, &&[f64])| {
@@ -94,7 +94,7 @@ impl Model {
             };
             let corrected: Vec<Vec<f64>> = found.iter().zip(rhs).map(add).collect();
             let columns: Vec<&[f64]> = corrected.iter().map(Vec::as_slice).collect();
-            before = std::mem::replace(&mut found, system.solve(systems, u, &columns, accuracy, report)?.0);
+            before = std::mem::replace(&mut found, system.solve(systems, u, &columns, accuracy, report)?.solved);
         }
         let (space, dofs) = (self.unknowns(), u.len());
         for ((x, before), b) in found.iter_mut().zip(&before).zip(rhs) {

@@ -171,7 +171,7 @@ impl<'a> SecondOrder<'a> {
             let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
             let u = model.nodal(&state.u);
             system.prepare(&mut systems, u, &mut self.report)?;
-            let (mut solved, _) = system.solve(&mut systems, u, &[&rhs], accuracy, &mut self.report)?;
+            let mut solved = system.solve(&mut systems, u, &[&rhs], accuracy, &mut self.report)?.solved;
             return Ok(solved.pop().unwrap_or_default());
         }
         let kept = self.workspace.take_tangent();

@@ -1,7 +1,7 @@
 //! [`SaddlePoint`]: the linear systems of a model with constraints.
 
 use crate::linear_systems::local_constraints::{Elimination, Known, LocalConstraints};
-use crate::linear_systems::tangent_systems::{TangentSystems, eliminate};
+use crate::linear_systems::tangent_systems::{Counted, TangentSystems, eliminate};
 use crate::model::Model;
 use nalgebra::DMatrix;
 use nastic_body::contribution::Contribution;
@@ -10,7 +10,7 @@ use nastic_body::discretization::supports::Supports;
 use nastic_body::error::Inadmissible;
 use nastic_body::instant::Instant;
 use nastic_body::state::SolveReport;
-use nastic_linear::solver::{Accuracy, Border, Inertia};
+use nastic_linear::solver::{Accuracy, Border, BorderedSolution, Inertia};
 use nastic_linear::{LinearError, Space, SparseMatrix};
 use nastic_numeric::vector::axpy;
 use std::collections::BTreeSet;
@@ -303,7 +303,7 @@ impl SaddlePoint {
 
     /// The solutions for right-hand sides over all unknowns, zero on supports and for multipliers of constraints that do not act, once it is
     /// [prepared](Self::prepare), and the number of negative eigenvalues beyond one for each constraint that acts, according to the factor at hand
-    /// it: 0 where K is positive definite on the null space of `B^T`, `None` where rounding decides.
+    /// it: 0 where K is positive definite on the null space of `B^T`.
     pub fn solve(
         &self,
         systems: &mut TangentSystems,
@@ -311,7 +311,7 @@ impl SaddlePoint {
         rhs: &[&[f64]],
         accuracy: Accuracy,
         report: &mut SolveReport,
-    ) -> Result<(Vec<Vec<f64>>, Option<usize>), LinearError> {
+    ) -> Result<Counted<Vec<f64>>, LinearError> {
         match self.solve_as_it_is(systems, u, rhs, accuracy, report) {
             Err(error) if !self.held && !self.springs.is_empty() && !error.is_lack_of_memory() => {
                 let mut held = self.clone();
@@ -330,14 +330,14 @@ impl SaddlePoint {
         rhs: &[&[f64]],
         accuracy: Accuracy,
         report: &mut SolveReport,
-    ) -> Result<(Vec<Vec<f64>>, Option<usize>), LinearError> {
+    ) -> Result<Counted<Vec<f64>>, LinearError> {
         let reduced: Vec<Reduced> = rhs.iter().map(|b| self.reduced(b)).collect::<Result<_, _>>()?;
         let springs = || vec![0.0; self.springs().len()];
         let of = |r: &Reduced| (self.unknown(r.f.clone()), r.g.iter().copied().chain(springs()).collect());
         let rhs: Vec<(Vec<f64>, Vec<f64>)> = reduced.iter().map(of).collect();
-        let (solved, negative) =
+        let Counted { solved, negative } =
             systems.eliminate_border((&self.matrix, self.transposed), u, &self.border(), &rhs, accuracy, report)?;
-        let whole = |((x, y), reduced): ((Vec<f64>, Vec<f64>), Reduced)| {
+        let whole = |(BorderedSolution { x, y, .. }, reduced): (BorderedSolution, Reduced)| {
             let mut p = vec![0.0; self.scales.len()];
             self.members().zip(&y).for_each(|(k, y)| p[k] = y * self.scales[k]);
             let mut x = self.whole(x, &y, reduced, &mut p)?;
@@ -346,7 +346,7 @@ impl SaddlePoint {
         };
         let beyond = |negative: usize| negative.saturating_sub(self.members().count());
         let solved = solved.into_iter().zip(reduced).map(whole).collect::<Result<_, LinearError>>()?;
-        Ok((solved, negative.map(beyond)))
+        Ok(Counted { solved, negative: negative.map(beyond) })
     }
 
     /// A right-hand side over all unknowns by the mixed ones, and what of them is known.

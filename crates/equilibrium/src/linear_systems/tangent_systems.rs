@@ -5,7 +5,8 @@ use crate::linear_systems::tangent::{Tangent, TangentRef};
 use crate::model::Model;
 use nastic_body::state::SolveReport;
 use nastic_linear::solver::{
-    Accuracy, BlockElimination, Border, Configuration, Curvature, Inertia, Shift, System, solve_bordered,
+    Accuracy, BlockElimination, Border, BorderedSolution, Configuration, Curvature, Definite, Inertia, Shift, Solution,
+    Step, System, solve_bordered,
 };
 use nastic_linear::{
     Corners, LinearError, LinearSolver, LinearWork, Operator, Rotations, Space, SparseMatrix, VolumeModes,
@@ -63,6 +64,14 @@ pub enum Transposition {
     Yes,
 }
 
+/// Solutions for several right-hand sides.
+pub struct Counted<S> {
+    /// One by right-hand side.
+    pub solved: Vec<S>,
+    /// Negative eigenvalues of the system, or why they are not known: rounding decides the sign of one, or the solver does not count.
+    pub negative: Result<usize, LinearError>,
+}
+
 /// Systems with the tangent of a model, by the solver of a workspace.
 pub struct TangentSystems<'a> {
     model: &'a Model,
@@ -96,19 +105,22 @@ impl<'a> TangentSystems<'a> {
             Deformed { expected: self.expected.as_deref(), ..Deformed::new(self.model, u, self.parallel) };
         let system = configuration.system(tangent.into());
         let mut work = LinearWork::default();
-        let step = match self.solver.step(&system, rhs, tolerance, &mut work) {
-            Ok(step) if wanted == StepWanted::Newton || step.curvature != Curvature::Negative => {
-                Ok((step.x, step.curvature))
-            }
-            Ok(_) | Err(LinearError::Indefinite) => {
-                self.shift.step(self.solver, &system, rhs, &mut work).map(|x| (x, Curvature::Negative))
+        let found = self.solver.step(&system, rhs, tolerance, &mut work);
+        if let Ok(Step { quotient, .. }) | Err(LinearError::Indefinite { quotient }) = &found {
+            self.shift.note(*quotient);
+        }
+        let step = match found {
+            Ok(step) if wanted == StepWanted::Newton || step.curvature != Curvature::Negative => Ok(step),
+            Ok(_) | Err(LinearError::Indefinite { .. }) => {
+                let shifted = self.shift.step(self.solver, &system, rhs, &mut work);
+                shifted.map(|x| Step::new(x, Curvature::Negative))
             }
             Err(other) => Err(other),
         };
-        self.left = self.solver.changes_left().map(<[f64]>::to_vec);
+        self.left = step.as_ref().ok().and_then(|step| step.changes_left.clone());
         report.add_linear(self.solver, &work);
         report.unassembled += usize::from(step.is_ok() && system.products.is_some());
-        step.map(|(x, curvature)| (self.extended(x), curvature))
+        step.map(|step| (self.extended(step.x), step.curvature))
     }
 
     /// Notes the changes of volume that the solutions of the next [steps](Self::step) are expected to have, by quadrature point.
@@ -116,7 +128,7 @@ impl<'a> TangentSystems<'a> {
         self.expected = changes;
     }
 
-    /// By volume mode, what the last step left between its pressures and its changes of volume ([`LinearSolver::changes_left`]).
+    /// By volume mode, what the last step left between its pressures and its changes of volume ([`Step::changes_left`]).
     pub fn changes_left(&self) -> Option<&[f64]> {
         self.left.as_deref()
     }
@@ -181,15 +193,24 @@ impl<'a> TangentSystems<'a> {
         transposition: Transposition,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
+        Ok(self.solution(accuracy, tangent.into(), u, b, transposition, report)?.x)
+    }
+
+    fn solution(
+        &mut self,
+        accuracy: Accuracy,
+        tangent: TangentRef,
+        u: &[f64],
+        b: &[f64],
+        transposition: Transposition,
+        report: &mut SolveReport,
+    ) -> Result<Solution, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(tangent.into());
+        let system = System { transposed: transposition == Transposition::Yes, ..configuration.system(tangent) };
         let mut work = LinearWork::default();
-        let solution = match transposition {
-            Transposition::No => self.solver.solve(&system, b, accuracy, &mut work),
-            Transposition::Yes => self.solver.solve_transposed(&system, b, accuracy, &mut work),
-        };
+        let solution = self.solver.solve(&system, b, accuracy, &mut work);
         report.add_linear(self.solver, &work);
-        solution.map(|x| self.extended(x))
+        solution.map(|Solution { x, negative }| Solution { x: self.extended(x), negative })
     }
 
     /// `K x = b` with a symmetric tangent by products of cells, whose moduli are rounded: corrected by the residual of K as the product `exact`,
@@ -245,20 +266,20 @@ impl<'a> TangentSystems<'a> {
     ) -> Result<Vec<f64>, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let mut work = LinearWork::default();
-        let solved = self.solver.solve_definite(&configuration.system(matrix.into()), b, &mut work);
+        let solved = self.solver.solve_definite(&configuration.system(matrix.into()), b, Definite::Once, &mut work);
         report.add_linear(self.solver, &work);
-        let mut x = solved?.ok_or(LinearError::Indefinite)?;
+        let mut x = solved?;
         let mut rest = vec![0.0; b.len()];
         configuration.system(matrix.into()).multiply(&x, &mut rest);
         rest.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
         // of multigrid, which shows at a coarser residual that a matrix is definite
         if self.model.unknowns().norm(&rest) > DEFINITE * self.model.unknowns().norm(b) {
-            let correction = self.solve_to(EXACT, matrix, u, &rest, Transposition::No, report)?;
+            let correction = self.solution(EXACT, matrix.into(), u, &rest, Transposition::No, report)?;
             // a factor that was fallen back on takes what is indefinite too
-            if self.solver.negative().is_some_and(|negative| negative > 0) {
-                return Err(LinearError::Indefinite);
+            if correction.negative.is_some_and(|negative| negative > 0) {
+                return Err(LinearError::Indefinite { quotient: None });
             }
-            x.iter_mut().zip(&correction).for_each(|(x, c)| *x += c);
+            x.iter_mut().zip(&correction.x).for_each(|(x, c)| *x += c);
         }
         Ok(self.extended(x))
     }
@@ -290,15 +311,14 @@ impl<'a> TangentSystems<'a> {
         let configuration = Deformed::new(self.model, u, self.parallel);
         let system = configuration.system(matrix.into());
         let mut work = LinearWork::default();
-        let found = solve_bordered(self.solver, &system, border, rhs, false, FULL_STEP, &mut work);
+        let found = solve_bordered(self.solver, &system, border, rhs, FULL_STEP, &mut work);
         report.add_linear(self.solver, &work);
-        found.map(|(x, y)| (self.extended(x), y))
+        found.map(|found| (self.extended(found.x), found.y))
     }
 
     /// The same, or with `K^T`, for several right-hand sides and a K that is [prepared](Self::prepare), and the number of negative eigenvalues of the
-    /// whole, `None` where rounding decides the sign of one or the solver does not count. K is counted by the factor that solves;
+    /// whole. K is counted by the factor that solves;
     /// multigrid solves positive definite matrices alone.
-    #[allow(clippy::type_complexity)] // pairs of vectors, in and out
     pub fn eliminate_border(
         &mut self,
         (matrix, transposed): (&SparseMatrix, bool),
@@ -307,34 +327,31 @@ impl<'a> TangentSystems<'a> {
         rhs: &[(Vec<f64>, Vec<f64>)],
         accuracy: Accuracy,
         report: &mut SolveReport,
-    ) -> Result<(Vec<(Vec<f64>, Vec<f64>)>, Option<usize>), LinearError> {
+    ) -> Result<Counted<BorderedSolution>, LinearError> {
         let configuration = Deformed::new(self.model, u, self.parallel);
-        let system = configuration.system(matrix.into());
+        let system = System { transposed, ..configuration.system(matrix.into()) };
+        let scalars = border.columns.len();
         let mut work = LinearWork::default();
         let mut solve = || {
-            let elimination = BlockElimination::new(self.solver, &system, border, transposed, accuracy, &mut work)?;
+            let elimination = BlockElimination::new(self.solver, &system, border, accuracy, &mut work)?;
             let of_border = elimination.negative();
             let mut solve = |(f, g): &(Vec<f64>, Vec<f64>)| elimination.solve(self.solver, &system, (f, g), &mut work);
-            let solved = rhs.iter().map(&mut solve).collect::<Result<Vec<(Vec<f64>, Vec<f64>)>, _>>();
+            let solved = rhs.iter().map(&mut solve).collect::<Result<Vec<BorderedSolution>, _>>();
             let solved = solved.map_err(|error| match (error.is_singular(), of_border) {
-                (true, None) => LinearError::Border { scalars: border.columns.len() },
+                (true, None) => LinearError::Border { scalars },
                 _ => error,
             })?;
-            let of_matrix = self.solver.negative();
-            let solved = solved.into_iter().map(|(x, y)| (self.extended(x), y)).collect();
-            Ok((solved, of_border.zip(of_matrix).map(|(of_border, of_matrix)| of_border + of_matrix)))
+            let uncounted = LinearError::NotCounted { solver: self.solver.state().name };
+            let of_matrix = solved.last().and_then(|solution| solution.negative).ok_or(uncounted);
+            let extended = |own: BorderedSolution| BorderedSolution { x: self.extended(own.x), ..own };
+            let solved = solved.into_iter().map(extended).collect();
+            let negative =
+                of_matrix.and_then(|of_matrix| Ok(of_matrix + of_border.ok_or(LinearError::Border { scalars })?));
+            Ok(Counted { solved, negative })
         };
         let solved = solve();
         report.add_linear(self.solver, &work);
         solved
-    }
-
-    /// Why [`eliminate_border`](Self::eliminate_border) did not show the number of negative eigenvalues.
-    pub fn uncounted(&self, scalars: usize) -> LinearError {
-        match self.solver.negative() {
-            None => LinearError::NotCounted { solver: self.solver.name() },
-            Some(_) => LinearError::Border { scalars },
-        }
     }
 
     /// Negative eigenvalues of `[K B; B^T D]`, K a tangent at u whose supports are eliminated.
@@ -349,7 +366,7 @@ impl<'a> TangentSystems<'a> {
         let system = configuration.system(matrix.into());
         let Inertia { negative: of_matrix, by_factor } = inertia(self.solver, &system)?;
         let mut work = LinearWork::default();
-        let elimination = BlockElimination::new(self.solver, &system, border, false, FULL_STEP, &mut work);
+        let elimination = BlockElimination::new(self.solver, &system, border, FULL_STEP, &mut work);
         report.add_linear(self.solver, &work);
         let scalars = border.columns.len();
         let of_border = elimination?.negative().ok_or(LinearError::Border { scalars })?;
@@ -383,7 +400,7 @@ impl<'a> TangentSystems<'a> {
 
     /// Whether products of cells may stand for the entries of a tangent.
     pub fn takes_products(&self) -> bool {
-        self.solver.takes_products()
+        self.solver.state().takes_products
     }
 
     /// Negative eigenvalues of a tangent whose supports are eliminated, and whether a factor shows them.
@@ -395,7 +412,7 @@ impl<'a> TangentSystems<'a> {
 
 /// Negative eigenvalues of a matrix; refused by a solver that does not count them.
 fn inertia(solver: &mut dyn LinearSolver, system: &System) -> Result<Inertia, LinearError> {
-    solver.inertia(system)?.ok_or(LinearError::NotCounted { solver: solver.name() })
+    solver.inertia(system)?.ok_or(LinearError::NotCounted { solver: solver.state().name })
 }
 
 /// Rows and columns of supported unknowns and of nodes that follow others become those of a multiple of the identity.
@@ -427,7 +444,7 @@ impl<'a> Deformed<'a> {
 
     pub fn system<'s>(&'s self, tangent: TangentRef<'s>) -> System<'s> {
         let (TangentRef { matrix, products }, fixed) = (tangent, self.model.supports.fixed());
-        System { matrix, products, fixed, configuration: self, parallel: self.parallel }
+        System { matrix, products, fixed, configuration: self, transposed: false, parallel: self.parallel }
     }
 }
 

@@ -100,7 +100,7 @@ impl Workspace {
 
     /// Memory of what is kept, in bytes.
     pub fn factor_bytes(&self) -> usize {
-        self.solver.as_ref().map_or(0, |kept| kept.solver.bytes())
+        self.solver.as_ref().map_or(0, |kept| kept.solver.state().bytes)
     }
 
     /// Drops everything: the next solve starts as if it were the first.
@@ -114,7 +114,7 @@ impl Clone for Workspace {
         let copy = |kept: &KeptSolver| KeptSolver {
             name: kept.name,
             pattern: kept.pattern.clone(),
-            solver: kept.solver.boxed_clone(),
+            solver: kept.solver.clone(),
         };
         let Workspace { tangent, unpredicted, .. } = self;
         Workspace { solver: self.solver.as_ref().map(copy), tangent: tangent.clone(), unpredicted: *unpredicted }

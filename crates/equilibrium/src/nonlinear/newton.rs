@@ -78,7 +78,7 @@ impl Equations<'_> {
         report: &mut SolveReport,
     ) -> Result<Option<Curvature>, Stop> {
         // a tangent by the products of its cells is not assembled for that
-        let of_entries = !(solver.takes_products() && self.model.has_cell_products());
+        let of_entries = !(solver.state().takes_products && self.model.has_cell_products());
         let predicts = of_entries && self.predicts_pressures();
         let Some(pressures) = predicts.then(|| PredictedPressures::new(self)).flatten() else {
             return Ok(None);

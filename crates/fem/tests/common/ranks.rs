@@ -1,11 +1,11 @@
 //! A linear solver that spans ranks, of the simplest kind: conjugate gradients with the diagonal.
 
 use nastic_fem::SolverFactory;
-use nastic_linear::solver::{Accuracy, Curvature, Step, System};
+use nastic_linear::solver::{Accuracy, Curvature, Definite, Solution, SolverState, Step, System};
 use nastic_linear::{LinearError, LinearSolver, LinearWork, Structure, Symmetry};
 use std::sync::Arc;
 
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Simple;
 
 impl SolverFactory for Simple {
@@ -63,8 +63,8 @@ fn solve(system: &System, b: &[f64], tolerance: f64) -> Option<Vec<f64>> {
 }
 
 impl LinearSolver for Simple {
-    fn name(&self) -> &'static str {
-        "simple"
+    fn state(&self) -> SolverState {
+        SolverState { name: "simple", takes_products: false, bytes: 0 }
     }
 
     fn restart(&mut self) {}
@@ -76,32 +76,26 @@ impl LinearSolver for Simple {
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, _: &mut LinearWork) -> Result<Step, LinearError> {
-        let x = solve(system, b, tolerance).ok_or(LinearError::Indefinite)?;
-        Ok(Step { x, curvature: Curvature::Positive })
+        let x = solve(system, b, tolerance).ok_or(LinearError::Indefinite { quotient: None })?;
+        Ok(Step::new(x, Curvature::Positive))
     }
 
-    fn solve(&mut self, system: &System, b: &[f64], _: Accuracy, _: &mut LinearWork) -> Result<Vec<f64>, LinearError> {
-        solve(system, b, 1e-12).ok_or(LinearError::Indefinite)
+    fn solve(&mut self, system: &System, b: &[f64], _: Accuracy, _: &mut LinearWork) -> Result<Solution, LinearError> {
+        let x = solve(system, b, 1e-12).ok_or(LinearError::Indefinite { quotient: None })?;
+        Ok(Solution { x, negative: None })
     }
 
     fn solve_definite(
         &mut self,
         system: &System,
         b: &[f64],
+        _: Definite,
         _: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        Ok(solve(system, b, 1e-13))
-    }
-
-    fn bytes(&self) -> usize {
-        0
+    ) -> Result<Vec<f64>, LinearError> {
+        solve(system, b, 1e-13).ok_or(LinearError::Indefinite { quotient: None })
     }
 
     fn anew(&self, _: &Arc<Structure>) -> Box<dyn LinearSolver> {
-        Box::new(Simple)
-    }
-
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
         Box::new(Simple)
     }
 }

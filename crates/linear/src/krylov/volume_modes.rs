@@ -62,7 +62,7 @@ impl VolumeModes {
     }
 
     /// The change by mode that the solution of the next step is expected to have, with which its pressures begin. Such a step may leave its pressures apart
-    /// from those of its changes ([`changes_left`](crate::LinearSolver::changes_left)).
+    /// from those of its changes ([`changes_left`](crate::solver::Step::changes_left)).
     #[must_use]
     pub fn expecting(self, changes: Vec<f64>) -> Self {
         VolumeModes { expected: Some(changes), ..self }

@@ -1,6 +1,6 @@
 //! [`BlockElimination`], [`solve_bordered`]: a few scalar unknowns beside the nodal ones.
 
-use super::{Accuracy, LinearError, LinearSolver, LinearWork, System};
+use super::{Accuracy, LinearError, LinearSolver, LinearWork, Solution, System};
 use crate::space::Space;
 use nalgebra::{DMatrix, DVector, Dyn, FullPivLU};
 use nastic_numeric::vector::axpy;
@@ -16,7 +16,23 @@ pub struct Border {
     pub corner: DMatrix<f64>,
 }
 
+/// The solution of a bordered system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BorderedSolution {
+    /// The nodal unknowns.
+    pub x: Vec<f64>,
+    /// The scalar ones.
+    pub y: Vec<f64>,
+    /// Negative eigenvalues of A, where what solved with it shows them.
+    pub negative: Option<usize>,
+}
+
 impl Border {
+    /// Columns beside the matrix of a system, and rows below it.
+    fn of(&self, system: &System) -> (&[Vec<f64>], &[Vec<f64>]) {
+        if system.transposed { (&self.rows, &self.columns) } else { (&self.columns, &self.rows) }
+    }
+
     fn check(&self, unknowns: usize, scalars: usize) -> Result<(), LinearError> {
         let long = |vectors: &[Vec<f64>]| vectors.len() == scalars && vectors.iter().all(|v| v.len() == unknowns);
         let fits = long(&self.columns) && long(&self.rows) && self.corner.shape() == (scalars, scalars);
@@ -39,13 +55,12 @@ const UNCERTAIN: f64 = 1e-12;
 /// Z = A^-1 B,   S = D - C^T Z,   S y = g - C^T A^-1 f,   x = A^-1 f - Z y
 /// ```
 ///
-/// corrected by its own residual. With `transposed`, the system is `[A^T C; B^T D^T]`, that of an adjoint. A itself must be
+/// corrected by its own residual. Of a [transposed](System::transposed) system it is `[A^T C; B^T D^T]`, that of an adjoint. A itself must be
 /// regular; it may be close to singular, as near a limit point. Govaerts, "Stable solvers and block elimination for bordered
 /// systems", SIAM J. Matrix Anal. 12 (1991).
 #[derive(Clone, Debug)]
 pub struct BlockElimination<'b> {
     border: &'b Border,
-    transposed: bool,
     accuracy: Accuracy,
     /// Z, column by column.
     z: Vec<Vec<f64>>,
@@ -62,20 +77,18 @@ impl<'b> BlockElimination<'b> {
         solver: &mut dyn LinearSolver,
         system: &System,
         border: &'b Border,
-        transposed: bool,
         accuracy: Accuracy,
         work: &mut LinearWork,
     ) -> Result<Self, LinearError> {
         border.check(system.fixed.len(), border.corner.nrows())?;
-        let (columns, rows) =
-            if transposed { (&border.rows, &border.columns) } else { (&border.columns, &border.rows) };
-        let corner = if transposed { border.corner.transpose() } else { border.corner.clone() };
-        let inverse = |b: &Vec<f64>| inverse(solver, system, b, (transposed, accuracy), work);
+        let (columns, rows) = border.of(system);
+        let corner = if system.transposed { border.corner.transpose() } else { border.corner.clone() };
+        let inverse = |b: &Vec<f64>| solver.solve(system, b, accuracy, work).map(|solution| solution.x);
         let z = columns.iter().map(inverse).collect::<Result<Vec<_>, _>>()?;
         let scalars = columns.len();
         let schur = DMatrix::from_fn(scalars, scalars, |i, j| corner[(i, j)] - system.space().dot(&rows[i], &z[j]));
         let factor = schur.clone().full_piv_lu();
-        Ok(BlockElimination { border, transposed, accuracy, z, schur, factor })
+        Ok(BlockElimination { border, accuracy, z, schur, factor })
     }
 
     /// Negative eigenvalues of S in a symmetric system, which with those of A are those of the whole system (Haynsworth's
@@ -110,19 +123,18 @@ impl<'b> BlockElimination<'b> {
         system: &System,
         (f, g): (&[f64], &[f64]),
         work: &mut LinearWork,
-    ) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
-        let Self { border, transposed, accuracy, .. } = *self;
+    ) -> Result<BorderedSolution, LinearError> {
+        let Self { border, accuracy, .. } = *self;
         border.check(f.len(), g.len())?;
         let space = system.space();
-        let (columns, rows) =
-            if transposed { (&border.rows, &border.columns) } else { (&border.columns, &border.rows) };
+        let (columns, rows) = border.of(system);
         let scalars = columns.len();
-        let corner = |i: usize, j: usize| if transposed { border.corner[(j, i)] } else { border.corner[(i, j)] };
+        let corner = |i: usize, j: usize| if system.transposed { border.corner[(j, i)] } else { border.corner[(i, j)] };
         let (mut x, mut y) = (vec![0.0; f.len()], vec![0.0; scalars]);
         let (mut residual_f, mut residual_g) = (f.to_vec(), g.to_vec());
         let wanted = accuracy.residual * space.norm(f).hypot(Space::LOCAL.norm(g));
         for _ in 0..=CORRECTIONS {
-            let inner = inverse(solver, system, &residual_f, (transposed, accuracy), work)?;
+            let Solution { x: inner, negative } = solver.solve(system, &residual_f, accuracy, work)?;
             let rhs = DVector::from_fn(scalars, |i, _| residual_g[i] - space.dot(&rows[i], &inner));
             // LU of nothing panics
             let dy = if scalars == 0 { Some(rhs) } else { self.factor.solve(&rhs) };
@@ -135,10 +147,7 @@ impl<'b> BlockElimination<'b> {
             }
             let settled = space.norm(&dx) <= SETTLED * space.norm(&x);
             axpy(1.0, &dx, &mut x);
-            match transposed {
-                true => system.multiply_transposed(&x, &mut residual_f),
-                false => system.multiply(&x, &mut residual_f),
-            }
+            system.multiply(&x, &mut residual_f);
             residual_f.iter_mut().zip(f).for_each(|(r, f)| *r = f - *r);
             for (k, b) in columns.iter().enumerate() {
                 axpy(-y[k], b, &mut residual_f);
@@ -148,25 +157,12 @@ impl<'b> BlockElimination<'b> {
                 residual_g[i] = g[i] - space.dot(&rows[i], &x) - corner;
             }
             if settled || space.norm(&residual_f).hypot(Space::LOCAL.norm(&residual_g)) <= wanted {
-                return Ok((x, y));
+                return Ok(BorderedSolution { x, y, negative });
             }
         }
         let residual =
             space.norm(&residual_f).hypot(Space::LOCAL.norm(&residual_g)) / space.norm(f).hypot(Space::LOCAL.norm(g));
         Err(LinearError::Singular { residual, wanted: accuracy.residual })
-    }
-}
-
-fn inverse(
-    solver: &mut dyn LinearSolver,
-    system: &System,
-    b: &[f64],
-    (transposed, accuracy): (bool, Accuracy),
-    work: &mut LinearWork,
-) -> Result<Vec<f64>, LinearError> {
-    match transposed {
-        true => solver.solve_transposed(system, b, accuracy, work),
-        false => solver.solve(system, b, accuracy, work),
     }
 }
 
@@ -179,10 +175,9 @@ pub fn solve_bordered(
     system: &System,
     border: &Border,
     rhs: (&[f64], &[f64]),
-    transposed: bool,
     accuracy: Accuracy,
     work: &mut LinearWork,
-) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
+) -> Result<BorderedSolution, LinearError> {
     border.check(rhs.0.len(), rhs.1.len())?;
-    BlockElimination::new(solver, system, border, transposed, accuracy, work)?.solve(solver, system, rhs, work)
+    BlockElimination::new(solver, system, border, accuracy, work)?.solve(solver, system, rhs, work)
 }

@@ -1,7 +1,9 @@
 //! [`Direct`]: a sparse factor, kept as preconditioner while it serves.
 
 use super::factor_reuse::FactorReuse;
-use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
+use super::{
+    Accuracy, Curvature, Definite, Inertia, LinearError, LinearSolver, LinearWork, Solution, SolverState, Step, System,
+};
 use crate::error::FactorError;
 use crate::factor::rotations::CorotatedPreconditioner;
 use crate::factor::structure::Structure;
@@ -158,12 +160,12 @@ impl Direct {
         self.reuse.spent += cg.iterations;
         if cg.converged() || (matches!(cg.end, CgEnd::Exhausted | CgEnd::Stagnated) && cg.residual <= ENOUGH) {
             work.reused += 1;
-            return Kept::Step(Step { x, curvature: Curvature::Positive });
+            return Kept::Step(Step::new(x, Curvature::Positive));
         }
         let indefinite = matches!(cg.end, CgEnd::NegativeCurvature { .. });
         if indefinite && cg.iterations > 1 && !self.reuse.cut_short {
             self.reuse.cut_short = true;
-            return Kept::Step(Step { x, curvature: Curvature::CutShort });
+            return Kept::Step(Step::new(x, Curvature::CutShort));
         }
         Kept::Nothing { indefinite }
     }
@@ -181,7 +183,7 @@ impl Direct {
         }
         let indefinite = match self.approximate(system, b, tolerance.into(), work) {
             Ok((x, cg)) if cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= ENOUGH) => {
-                return Ok(Kept::Step(Step { x, curvature: Curvature::Positive }));
+                return Ok(Kept::Step(Step::new(x, Curvature::Positive)));
             }
             Ok((_, cg)) => matches!(cg.end, CgEnd::NegativeCurvature { .. }),
             Err(FactorError::NotPositive { .. }) => true,
@@ -192,6 +194,61 @@ impl Direct {
         }
         Ok(Kept::Nothing { indefinite })
     }
+
+    /// `A x = b`, by what is kept or a new factor.
+    fn solution(
+        &mut self,
+        system: &System,
+        b: &[f64],
+        accuracy: Accuracy,
+        work: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        symmetric(system)?;
+        let test = StoppingTest::Error(accuracy.error);
+        if let Some(x) = self.solve_by_any_sign(system, b, accuracy, work) {
+            return Ok(x);
+        }
+        let own = self.is_of(system);
+        if let Some(kept) = self.kept() {
+            let worth = FactorReuse::worth(self.symbolic());
+            let (x, cg) = precondition(system, kept, system, b, test, if own { worth.max(FRESH) } else { worth });
+            work.back_substitutions += cg.iterations;
+            if exact(&cg, accuracy.residual) {
+                return Ok(x);
+            }
+        }
+        if self.precision == Precision::Single && !own {
+            match self.approximate(system, b, test, work) {
+                Ok((x, cg)) if exact(&cg, accuracy.residual) => return Ok(x),
+                // Else memory that is free again by now would decide between the factors.
+                Err(lacking @ (FactorError::Memory { .. } | FactorError::Limit(_))) => return Err(lacking.into()),
+                _ => (),
+            }
+        }
+        if self.kept().is_some_and(|factor| self.is_of(system) && factor.precision() == Precision::Single) {
+            // of a positive definite matrix: too coarse
+            self.precision = Precision::Double;
+        }
+        if !self.is_exact(system) {
+            self.refactorize_any(system, work)?;
+        }
+        let mut x = self.back_substitute(b, work);
+        let Some(fresh) = &self.factor else { return Err(LinearError::Indefinite { quotient: None }) };
+        let multiply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
+        let refined = refine(&multiply, fresh, b, &mut x, accuracy.residual, 10);
+        work.back_substitutions += refined.iterations;
+        // Refinement stalls where double precision ends: in thin bodies at residuals far above the tolerance, because large
+        // terms cancel in A x. A solution that one more correction leaves alone is still an answer, another is not.
+        if refined.converged() || refined.residual <= 1e3 * accuracy.residual || settled(system, fresh, b, &x) {
+            return Ok(x);
+        }
+        Err(LinearError::Singular { residual: refined.residual, wanted: accuracy.residual })
+    }
+
+    /// Negative eigenvalues of the matrix that the kept factor is of.
+    fn negative(&self) -> Option<usize> {
+        self.factor.as_ref().filter(|factor| factor.is_usable()).map(Factor::negative_pivots)
+    }
 }
 
 /// What a factor made of a step.
@@ -201,8 +258,8 @@ enum Kept {
 }
 
 impl LinearSolver for Direct {
-    fn name(&self) -> &'static str {
-        "direct"
+    fn state(&self) -> SolverState {
+        SolverState { name: "direct", takes_products: false, bytes: self.factor.as_ref().map_or(0, Factor::bytes) }
     }
 
     fn restart(&mut self) {
@@ -248,7 +305,7 @@ impl LinearSolver for Direct {
         }
         if !indefinite {
             match self.refactorize(system, Pivots::Positive, work) {
-                Ok(()) => return Ok(Step { x: self.back_substitute(b, work), curvature: Curvature::Positive }),
+                Ok(()) => return Ok(Step::new(self.back_substitute(b, work), Curvature::Positive)),
                 Err(FactorError::NotPositive { .. }) => (),
                 Err(other) => return Err(other.into()),
             }
@@ -260,7 +317,7 @@ impl LinearSolver for Direct {
         if definite {
             self.precision = Precision::Double;
         }
-        Ok(Step { x, curvature: if definite { Curvature::Positive } else { Curvature::Negative } })
+        Ok(Step::new(x, if definite { Curvature::Positive } else { Curvature::Negative }))
     }
 
     fn solve(
@@ -269,47 +326,8 @@ impl LinearSolver for Direct {
         b: &[f64],
         accuracy: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        symmetric(system)?;
-        let test = StoppingTest::Error(accuracy.error);
-        if let Some(x) = self.solve_by_any_sign(system, b, accuracy, work) {
-            return Ok(x);
-        }
-        let own = self.is_of(system);
-        if let Some(kept) = self.kept() {
-            let worth = FactorReuse::worth(self.symbolic());
-            let (x, cg) = precondition(system, kept, system, b, test, if own { worth.max(FRESH) } else { worth });
-            work.back_substitutions += cg.iterations;
-            if exact(&cg, accuracy.residual) {
-                return Ok(x);
-            }
-        }
-        if self.precision == Precision::Single && !own {
-            match self.approximate(system, b, test, work) {
-                Ok((x, cg)) if exact(&cg, accuracy.residual) => return Ok(x),
-                // Else memory that is free again by now would decide between the factors.
-                Err(lacking @ (FactorError::Memory { .. } | FactorError::Limit(_))) => return Err(lacking.into()),
-                _ => (),
-            }
-        }
-        if self.kept().is_some_and(|factor| self.is_of(system) && factor.precision() == Precision::Single) {
-            // of a positive definite matrix: too coarse
-            self.precision = Precision::Double;
-        }
-        if !self.is_exact(system) {
-            self.refactorize_any(system, work)?;
-        }
-        let mut x = self.back_substitute(b, work);
-        let Some(fresh) = &self.factor else { return Err(LinearError::Indefinite) };
-        let multiply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
-        let refined = refine(&multiply, fresh, b, &mut x, accuracy.residual, 10);
-        work.back_substitutions += refined.iterations;
-        // Refinement stalls where double precision ends: in thin bodies at residuals far above the tolerance, because large
-        // terms cancel in A x. A solution that one more correction leaves alone is still an answer, another is not.
-        if refined.converged() || refined.residual <= 1e3 * accuracy.residual || settled(system, fresh, b, &x) {
-            return Ok(x);
-        }
-        Err(LinearError::Singular { residual: refined.residual, wanted: accuracy.residual })
+    ) -> Result<Solution, LinearError> {
+        Ok(Solution { x: self.solution(system, b, accuracy, work)?, negative: self.negative() })
     }
 
     fn solve_by_products(
@@ -331,15 +349,16 @@ impl LinearSolver for Direct {
         &mut self,
         system: &System,
         b: &[f64],
+        _: Definite,
         work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
+    ) -> Result<Vec<f64>, LinearError> {
         match self.refactorize(system, Pivots::Positive, work) {
             Ok(()) => {
                 let x = self.back_substitute(b, work);
                 self.factor = None;
-                Ok(Some(x))
+                Ok(x)
             }
-            Err(FactorError::NotPositive { .. }) => Ok(None),
+            Err(FactorError::NotPositive { .. }) => Err(LinearError::Indefinite { quotient: None }),
             Err(other) => Err(other.into()),
         }
     }
@@ -375,20 +394,8 @@ impl LinearSolver for Direct {
         counted
     }
 
-    fn negative(&self) -> Option<usize> {
-        self.factor.as_ref().filter(|factor| factor.is_usable()).map(Factor::negative_pivots)
-    }
-
-    fn bytes(&self) -> usize {
-        self.factor.as_ref().map_or(0, Factor::bytes)
-    }
-
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
         Box::new(Direct::new(structure.clone()))
-    }
-
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
-        Box::new(self.clone())
     }
 }
 

@@ -58,7 +58,10 @@ pub enum LinearError {
     },
     /// The solver takes positive definite matrices alone.
     #[error("the tangent is not positive definite")]
-    Indefinite,
+    Indefinite {
+        /// A quotient `p . A p / p . p` that is not positive, where one was met.
+        quotient: Option<f64>,
+    },
     /// Multigrid does not serve, and for a factor there are products of cells alone.
     #[error("a factor is needed, and there are no entries to make it of")]
     NoEntries,

@@ -1,7 +1,8 @@
 //! [`MultigridOrDirect`]: multigrid while it converges, then a factor if that fits.
 
 use super::{
-    Accuracy, Curvature, Direct, Inertia, LinearError, LinearSolver, LinearWork, MultigridSolver, Step, System,
+    Accuracy, Curvature, Definite, Direct, Inertia, LinearError, LinearSolver, LinearWork, MultigridSolver, Solution,
+    SolverState, Step, System,
 };
 use crate::factor::structure::Structure;
 use crate::factor::symmetric::Precision;
@@ -14,7 +15,7 @@ const INDEFINITE: usize = 8;
 
 /// Multigrid, until it fails or meets an indefinite matrix of which an exact solution is asked; from then on [`Direct`],
 /// since whatever made multigrid fail stays true nearby. [`Direct`] too for the rest of a nonlinear solve that has met several indefinite matrices, if a factor
-/// fits. [`name`](LinearSolver::name) says which of the two serves.
+/// fits. [`state`](LinearSolver::state) says which of the two serves.
 #[derive(Clone, Debug)]
 pub struct MultigridOrDirect {
     structure: Arc<Structure>,
@@ -68,15 +69,16 @@ impl MultigridOrDirect {
         Ok(())
     }
 
-    /// By multigrid, or by a factor where that does not converge.
+    /// By multigrid, or by a factor where that fails for good.
     fn by_either<T>(
         &mut self,
         system: &System,
+        fails: fn(&LinearError) -> bool,
         mut solve: impl FnMut(&mut dyn LinearSolver) -> Result<T, LinearError>,
     ) -> Result<T, LinearError> {
         if let Some(multigrid) = self.serving_mut() {
             match solve(multigrid) {
-                Err(why @ LinearError::Multigrid { .. }) => self.fall_back(why)?,
+                Err(why) if fails(&why) => self.fall_back(why)?,
                 done => return done,
             }
         }
@@ -86,12 +88,10 @@ impl MultigridOrDirect {
 }
 
 impl LinearSolver for MultigridOrDirect {
-    fn name(&self) -> &'static str {
-        self.serving().map_or(self.direct.name(), |multigrid| multigrid.name())
-    }
-
-    fn takes_products(&self) -> bool {
-        self.serving().is_some()
+    fn state(&self) -> SolverState {
+        let (multigrid, direct) = (self.multigrid.as_ref().map(|multigrid| multigrid.state()), self.direct.state());
+        let bytes = direct.bytes + multigrid.map_or(0, |multigrid| multigrid.bytes);
+        SolverState { bytes, ..multigrid.filter(|_| !self.given_up).unwrap_or(direct) }
     }
 
     fn restart(&mut self) {
@@ -108,14 +108,7 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
-        if let Some(multigrid) = self.serving_mut() {
-            match multigrid.prepare(system, work) {
-                Ok(()) => return Ok(()),
-                Err(why) => self.fall_back(why)?,
-            }
-        }
-        entries(system)?;
-        self.direct.prepare(system, work)
+        self.by_either(system, |_| true, |solver| solver.prepare(system, work))
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
@@ -124,10 +117,10 @@ impl LinearSolver for MultigridOrDirect {
             self.multigrid.iter_mut().for_each(LinearSolver::clear);
         }
         let by_multigrid = self.serving().is_some();
-        let step = self.by_either(system, |solver| solver.step(system, b, tolerance, work));
+        let step = self.by_either(system, does_not_converge, |solver| solver.step(system, b, tolerance, work));
         let indefinite = match &step {
             Ok(step) => step.curvature == Curvature::Negative,
-            Err(why) => matches!(why, LinearError::Indefinite),
+            Err(why) => matches!(why, LinearError::Indefinite { .. }),
         };
         self.indefinite += usize::from(by_multigrid && indefinite);
         step
@@ -139,41 +132,19 @@ impl LinearSolver for MultigridOrDirect {
         b: &[f64],
         accuracy: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        if let Some(multigrid) = self.serving_mut() {
-            match multigrid.solve(system, b, accuracy, work) {
-                Err(why @ (LinearError::Multigrid { .. } | LinearError::Indefinite)) => self.fall_back(why)?,
-                done => return done,
-            }
-        }
-        entries(system)?;
-        self.direct.solve(system, b, accuracy, work)
+    ) -> Result<Solution, LinearError> {
+        let fails = |why: &LinearError| does_not_converge(why) || matches!(why, LinearError::Indefinite { .. });
+        self.by_either(system, fails, |solver| solver.solve(system, b, accuracy, work))
     }
 
     fn solve_definite(
         &mut self,
         system: &System,
         b: &[f64],
+        which: Definite,
         work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.by_either(system, |solver| solver.solve_definite(system, b, work))
-    }
-
-    fn negative_quotient(&self) -> Option<f64> {
-        self.serving().and_then(MultigridSolver::negative_quotient)
-    }
-
-    fn changes_left(&self) -> Option<&[f64]> {
-        self.serving().and_then(MultigridSolver::changes_left)
-    }
-
-    fn solve_shifted(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.by_either(system, |solver| solver.solve_shifted(system, b, work))
+    ) -> Result<Vec<f64>, LinearError> {
+        self.by_either(system, does_not_converge, |solver| solver.solve_definite(system, b, which, work))
     }
 
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
@@ -184,23 +155,15 @@ impl LinearSolver for MultigridOrDirect {
         }
     }
 
-    fn negative(&self) -> Option<usize> {
-        self.serving().map_or(self.direct.negative(), |multigrid| multigrid.negative())
-    }
-
-    fn bytes(&self) -> usize {
-        self.direct.bytes() + self.multigrid.as_ref().map_or(0, |multigrid| multigrid.bytes())
-    }
-
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
         let multigrid = self.multigrid.as_ref().map(|_| MultigridSolver::default());
         let (indefinite, given_up) = (self.indefinite, self.given_up);
         Box::new(MultigridOrDirect { multigrid, indefinite, given_up, ..MultigridOrDirect::new(structure.clone()) })
     }
+}
 
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
-        Box::new(self.clone())
-    }
+fn does_not_converge(why: &LinearError) -> bool {
+    matches!(why, LinearError::Multigrid { .. })
 }
 
 /// Refuses a system without entries, of which there is no factor: it has to come again with some.

@@ -1,6 +1,9 @@
 //! [`General`]: matrices that are not symmetric.
 
-use super::{Accuracy, Curvature, Form, Inertia, LinearError, LinearSolver, LinearWork, Lu, Step, System};
+use super::{
+    Accuracy, Curvature, Definite, Inertia, LinearError, LinearSolver, LinearWork, Lu, Solution, SolverState, Step,
+    System,
+};
 use crate::error::FactorError;
 use crate::factor::rotations::CorotatedPreconditioner;
 use crate::factor::structure::Structure;
@@ -37,14 +40,13 @@ impl General {
         system: &System,
         b: &[f64],
         tolerance: f64,
-        form: Form,
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
         if let Some(lu) = &mut self.lu {
-            return lu.run(system, b, tolerance, form, work);
+            return lu.run(system, b, tolerance, work);
         }
         if let Some(kept) = &self.factor {
-            let (x, report) = iterate(system, kept, b, tolerance, form, WORN);
+            let (x, report) = iterate(system, kept, b, tolerance, WORN);
             work.back_substitutions += report.iterations;
             if report.converged() {
                 work.reused += 1;
@@ -53,7 +55,7 @@ impl General {
         }
         let why = match self.factorise(system, system.matrix.stand_in(), work) {
             Ok(factor) => {
-                let (x, report) = iterate(system, factor, b, tolerance, form, MOST);
+                let (x, report) = iterate(system, factor, b, tolerance, MOST);
                 work.back_substitutions += report.iterations;
                 if system.is_solved(&x, &report, (b, tolerance)) {
                     return Ok(x);
@@ -66,7 +68,7 @@ impl General {
         };
         self.factor = None;
         let mut lu = Lu::new(self.structure.clone());
-        match lu.run(system, b, tolerance, form, work) {
+        match lu.run(system, b, tolerance, work) {
             Ok(x) => {
                 self.lu = Some(lu);
                 Ok(x)
@@ -98,8 +100,12 @@ impl General {
 }
 
 impl LinearSolver for General {
-    fn name(&self) -> &'static str {
-        self.lu.as_ref().map_or("general", |lu| lu.name())
+    fn state(&self) -> SolverState {
+        let bytes = self.factor.as_ref().map_or(0, Factor::bytes);
+        match &self.lu {
+            Some(lu) => SolverState { bytes: bytes + lu.state().bytes, ..lu.state() },
+            None => SolverState { name: "general", takes_products: false, bytes },
+        }
     }
 
     fn restart(&mut self) {}
@@ -128,9 +134,9 @@ impl LinearSolver for General {
 
     /// The curvature reported is that of the stand-in where a factor of it was made, else taken for positive.
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        let x = self.run(system, b, tolerance, Form::Plain, work)?;
+        let x = self.run(system, b, tolerance, work)?;
         let negative = self.factor.as_ref().is_some_and(|f| f.negative_pivots() > 0);
-        Ok(Step { x, curvature: if negative { Curvature::Negative } else { Curvature::Positive } })
+        Ok(Step::new(x, if negative { Curvature::Negative } else { Curvature::Positive }))
     }
 
     fn solve(
@@ -139,18 +145,8 @@ impl LinearSolver for General {
         b: &[f64],
         accuracy: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        self.run(system, b, accuracy.residual, Form::Plain, work)
-    }
-
-    fn solve_transposed(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        accuracy: Accuracy,
-        work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        self.run(system, b, accuracy.residual, Form::Transposed, work)
+    ) -> Result<Solution, LinearError> {
+        Ok(Solution { x: self.run(system, b, accuracy.residual, work)?, negative: None })
     }
 
     /// `A x = b` if the symmetric part is positive definite.
@@ -158,16 +154,18 @@ impl LinearSolver for General {
         &mut self,
         system: &System,
         b: &[f64],
+        _: Definite,
         work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
+    ) -> Result<Vec<f64>, LinearError> {
         let definite = match self.factorise(system, system.matrix.symmetric_part(), work) {
             Ok(factor) => factor.negative_pivots() == 0,
             Err(FactorError::Singular { .. }) => false,
             Err(other) => return Err(other.into()),
         };
-        let x = definite.then(|| self.run(system, b, 1e-4, Form::Plain, work));
+        let indefinite = Err(LinearError::Indefinite { quotient: None });
+        let x = if definite { self.run(system, b, 1e-4, work) } else { indefinite };
         self.clear();
-        x.transpose()
+        x
     }
 
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
@@ -178,32 +176,13 @@ impl LinearSolver for General {
         Ok(Some(Inertia { negative: factor.negative_pivots(), by_factor: true }))
     }
 
-    fn bytes(&self) -> usize {
-        self.factor.as_ref().map_or(0, Factor::bytes) + self.lu.as_ref().map_or(0, |lu| lu.bytes())
-    }
-
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
         let lu = self.lu.as_ref().map(|_| Lu::new(structure.clone()));
         Box::new(General { lu, ..General::new(structure.clone()) })
     }
-
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
-        Box::new(self.clone())
-    }
 }
 
-fn iterate(
-    system: &System,
-    factor: &Factor,
-    b: &[f64],
-    tolerance: f64,
-    form: Form,
-    most: usize,
-) -> (Vec<f64>, CgReport) {
+fn iterate(system: &System, factor: &Factor, b: &[f64], tolerance: f64, most: usize) -> (Vec<f64>, CgReport) {
     let preconditioner = CorotatedPreconditioner::new(factor, system.configuration.rotations(), system.fixed);
-    let apply = |v: &[f64], out: &mut [f64]| match form {
-        Form::Plain => system.multiply(v, out),
-        Form::Transposed => system.multiply_transposed(v, out),
-    };
-    gmres(&apply, &preconditioner, b, tolerance, most)
+    gmres(&|v, out| system.multiply(v, out), &preconditioner, b, tolerance, most)
 }

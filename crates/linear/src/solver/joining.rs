@@ -1,6 +1,6 @@
 //! [`Joining`]: a solver of matrices whose structure changes.
 
-use super::{Accuracy, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
+use super::{Accuracy, Definite, Inertia, LinearError, LinearSolver, LinearWork, Solution, SolverState, Step, System};
 use crate::error::FactorError;
 use crate::factor::joined_structure::JoinedStructure;
 use crate::factor::structure::Structure;
@@ -14,7 +14,7 @@ const KEPT: usize = 4;
 /// A solver for matrices with blocks [beyond their pattern](SparseMatrix::add_beyond): every matrix is handed to a solver of the pattern
 /// with these blocks [joined](JoinedStructure) to it. A structure serves while it has all pairs that are needed; a new one needs a new
 /// factor. A matrix without such blocks goes as it is.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Joining {
     first: Arc<Structure>,
     /// The last one first.
@@ -72,12 +72,8 @@ impl Joining {
 }
 
 impl LinearSolver for Joining {
-    fn name(&self) -> &'static str {
-        self.solver.name()
-    }
-
-    fn takes_products(&self) -> bool {
-        self.solver.takes_products()
+    fn state(&self) -> SolverState {
+        self.solver.state()
     }
 
     fn restart(&mut self) {
@@ -102,18 +98,8 @@ impl LinearSolver for Joining {
         b: &[f64],
         accuracy: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
+    ) -> Result<Solution, LinearError> {
         self.with(system, |solver, system| solver.solve(system, b, accuracy, work))
-    }
-
-    fn solve_transposed(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        accuracy: Accuracy,
-        work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        self.with(system, |solver, system| solver.solve_transposed(system, b, accuracy, work))
     }
 
     /// The product has all blocks in it; what is kept is that of the last structure.
@@ -133,50 +119,17 @@ impl LinearSolver for Joining {
         &mut self,
         system: &System,
         b: &[f64],
+        which: Definite,
         work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.with(system, |solver, system| solver.solve_definite(system, b, work))
-    }
-
-    fn negative_quotient(&self) -> Option<f64> {
-        self.solver.negative_quotient()
-    }
-
-    fn changes_left(&self) -> Option<&[f64]> {
-        self.solver.changes_left()
-    }
-
-    fn solve_shifted(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.with(system, |solver, system| solver.solve_shifted(system, b, work))
+    ) -> Result<Vec<f64>, LinearError> {
+        self.with(system, |solver, system| solver.solve_definite(system, b, which, work))
     }
 
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         self.with(system, |solver, system| solver.inertia(system))
     }
 
-    fn negative(&self) -> Option<usize> {
-        self.solver.negative()
-    }
-
-    fn bytes(&self) -> usize {
-        self.solver.bytes()
-    }
-
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
         Box::new(Joining::new(structure, self.solver.anew(structure)))
-    }
-
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
-        Box::new(Joining {
-            first: self.first.clone(),
-            joined: self.joined.clone(),
-            is_joined: self.is_joined,
-            solver: self.solver.boxed_clone(),
-        })
     }
 }

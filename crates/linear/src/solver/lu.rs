@@ -1,6 +1,8 @@
 //! [`Lu`]: a sparse LU factorisation, for matrices that are not symmetric.
 
-use super::{Accuracy, Curvature, Form, LinearError, LinearSolver, LinearWork, Step, System};
+use super::{
+    Accuracy, Curvature, Definite, LinearError, LinearSolver, LinearWork, Solution, SolverState, Step, System,
+};
 use crate::error::FactorError;
 use crate::factor::lu_factor::{LuAnalysis, LuFactor};
 use crate::factor::structure::Structure;
@@ -42,17 +44,16 @@ impl Lu {
         Ok(self.factor.insert(fresh))
     }
 
-    /// The solution to a relative residual, A or its transpose.
+    /// The solution to a relative residual.
     pub(super) fn run(
         &mut self,
         system: &System,
         b: &[f64],
         tolerance: f64,
-        form: Form,
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
         if let Some(kept) = &self.factor {
-            let (x, report) = iterate(system, kept, b, tolerance, form, WORN);
+            let (x, report) = iterate(system, kept, b, tolerance, WORN);
             work.back_substitutions += report.iterations;
             if report.converged() {
                 work.reused += 1;
@@ -60,7 +61,7 @@ impl Lu {
             }
         }
         let fresh = self.factorise(system, work)?;
-        let (x, report) = iterate(system, fresh, b, tolerance, form, MOST);
+        let (x, report) = iterate(system, fresh, b, tolerance, MOST);
         work.back_substitutions += report.iterations;
         match system.is_solved(&x, &report, (b, tolerance)) {
             true => Ok(x),
@@ -70,8 +71,10 @@ impl Lu {
 }
 
 impl LinearSolver for Lu {
-    fn name(&self) -> &'static str {
-        "lu"
+    /// The memory is that of the entries that the elimination order of the structure would give: a lower bound.
+    fn state(&self) -> SolverState {
+        let bytes = self.factor.as_ref().map_or(0, |factor| factor.least_bytes());
+        SolverState { name: "lu", takes_products: false, bytes }
     }
 
     fn restart(&mut self) {}
@@ -87,8 +90,7 @@ impl LinearSolver for Lu {
 
     /// The curvature is not known and taken for positive.
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        let x = self.run(system, b, tolerance, Form::Plain, work)?;
-        Ok(Step { x, curvature: Curvature::Positive })
+        Ok(Step::new(self.run(system, b, tolerance, work)?, Curvature::Positive))
     }
 
     fn solve(
@@ -97,55 +99,33 @@ impl LinearSolver for Lu {
         b: &[f64],
         accuracy: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        self.run(system, b, accuracy.residual, Form::Plain, work)
-    }
-
-    fn solve_transposed(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        accuracy: Accuracy,
-        work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        self.run(system, b, accuracy.residual, Form::Transposed, work)
+    ) -> Result<Solution, LinearError> {
+        Ok(Solution { x: self.run(system, b, accuracy.residual, work)?, negative: None })
     }
 
     /// Pivots of an LU factorisation do not show whether the matrix is positive definite.
     ///
     /// # Errors
     /// [`LinearError::NotCounted`].
-    fn solve_definite(&mut self, _: &System, _: &[f64], _: &mut LinearWork) -> Result<Option<Vec<f64>>, LinearError> {
-        Err(LinearError::NotCounted { solver: self.name() })
-    }
-
-    /// Of the entries that the elimination order of the structure would give: a lower bound.
-    fn bytes(&self) -> usize {
-        self.factor.as_ref().map_or(0, |factor| factor.least_bytes())
+    fn solve_definite(
+        &mut self,
+        _: &System,
+        _: &[f64],
+        _: Definite,
+        _: &mut LinearWork,
+    ) -> Result<Vec<f64>, LinearError> {
+        Err(LinearError::NotCounted { solver: self.state().name })
     }
 
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver> {
         Box::new(Lu::new(structure.clone()))
     }
-
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
-        Box::new(self.clone())
-    }
 }
 
-fn iterate(
-    system: &System,
-    factor: &LuFactor,
-    b: &[f64],
-    tolerance: f64,
-    form: Form,
-    most: usize,
-) -> (Vec<f64>, CgReport) {
-    match form {
-        Form::Plain => gmres(&|v, out| system.multiply(v, out), factor, b, tolerance, most),
-        Form::Transposed => {
-            let apply = |v: &[f64], out: &mut [f64]| system.multiply_transposed(v, out);
-            gmres(&apply, &factor.transposed(), b, tolerance, most)
-        }
+fn iterate(system: &System, factor: &LuFactor, b: &[f64], tolerance: f64, most: usize) -> (Vec<f64>, CgReport) {
+    let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
+    match system.transposed {
+        false => gmres(&apply, factor, b, tolerance, most),
+        true => gmres(&apply, &factor.transposed(), b, tolerance, most),
     }
 }

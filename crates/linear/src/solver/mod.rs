@@ -13,7 +13,7 @@ mod multigrid;
 mod shift;
 mod system;
 
-pub use bordered::{BlockElimination, Border, solve_bordered};
+pub use bordered::{BlockElimination, Border, BorderedSolution, solve_bordered};
 pub use direct::Direct;
 pub use error::LinearError;
 pub use factory::{Solver, SolverFactory};
@@ -58,6 +58,48 @@ pub struct Step {
     pub x: Vec<f64>,
     /// What the matrix turned out to be.
     pub curvature: Curvature,
+    /// A quotient `p . A p / p . p` that is not positive, where one was met.
+    pub quotient: Option<f64>,
+    /// By [volume mode](crate::VolumeModes), `b . x - p / c` where the pressures p are unknowns that did not become those of its changes; the forces
+    /// that it leaves are those without these differences. `None` where the pressures follow from x.
+    pub changes_left: Option<Vec<f64>>,
+}
+
+impl Step {
+    /// One of which nothing else is known.
+    pub fn new(x: Vec<f64>, curvature: Curvature) -> Self {
+        Step { x, curvature, quotient: None, changes_left: None }
+    }
+}
+
+/// The solution of a system.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Solution {
+    /// The unknowns.
+    pub x: Vec<f64>,
+    /// Negative eigenvalues of the matrix, where what solved it shows them.
+    pub negative: Option<usize>,
+}
+
+/// Which matrices are to be shown to be positive definite.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Definite {
+    /// One that does not come again: nothing is kept of it.
+    Once,
+    /// One of several that differ by multiples of the identity: coarsely, and with what serves of another one.
+    Shifted,
+}
+
+/// What a solver is at the moment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SolverState {
+    /// The name of what solves now: that of its [`SolverFactory`], or of what it fell back on.
+    pub name: &'static str,
+    /// Whether it takes systems with [products](System::products) in the place of entries; it may turn out to need entries on the way
+    /// ([`LinearError::NoEntries`]).
+    pub takes_products: bool,
+    /// Memory of what is kept.
+    pub bytes: usize,
 }
 
 /// Number of eigenvalues of either sign.
@@ -93,15 +135,9 @@ pub struct LinearWork {
 ///
 /// Rows of eliminated unknowns ([`System::fixed`]) have their diagonal alone, and are to be solved exactly, `x_i = b_i / A_ii`: what an iteration leaves there moves
 /// supports, within its tolerance and unseen by the residual.
-pub trait LinearSolver: Debug + Send + Sync {
-    /// The name of what solves now: that of its [`SolverFactory`], or of what it fell back on.
-    fn name(&self) -> &'static str;
-
-    /// Whether it takes systems with [products](System::products) in the place of entries; it may turn out to need entries on the way
-    /// ([`LinearError::NoEntries`]).
-    fn takes_products(&self) -> bool {
-        false
-    }
+pub trait LinearSolver: CloneSolver + Debug + Send + Sync {
+    /// What it is now.
+    fn state(&self) -> SolverState;
 
     /// Begins another nonlinear solve: counts that decide about new factors start again, what is kept stays.
     fn restart(&mut self);
@@ -122,7 +158,7 @@ pub trait LinearSolver: Debug + Send + Sync {
     /// [`LinearError::Indefinite`] where the solver finds no step in a matrix that is not positive definite.
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError>;
 
-    /// `A x = b`; A may be indefinite.
+    /// `A x = b`, of a [transposed](System::transposed) system `A^T x = b`; A may be indefinite.
     ///
     /// # Errors
     /// A matrix that is singular to working precision, or that this solver does not take.
@@ -132,21 +168,7 @@ pub trait LinearSolver: Debug + Send + Sync {
         b: &[f64],
         accuracy: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError>;
-
-    /// `A^T x = b`.
-    ///
-    /// # Errors
-    /// As [`solve`](Self::solve).
-    fn solve_transposed(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        accuracy: Accuracy,
-        work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
-        self.solve(system, b, accuracy, work)
-    }
+    ) -> Result<Solution, LinearError>;
 
     /// `A x = b` with A as a product alone, where what is kept is good enough for `most` iterations; `None` where it is not.
     fn solve_by_products(
@@ -161,41 +183,17 @@ pub trait LinearSolver: Debug + Send + Sync {
         None
     }
 
-    /// A quotient `p . A p / p . p` of the last matrix that is not positive, where one was met.
-    fn negative_quotient(&self) -> Option<f64> {
-        None
-    }
-
-    /// By [volume mode](crate::VolumeModes), `b . x - p / c` of the last step where its pressures p are unknowns that did not become those of its changes; the forces that it
-    /// leaves are those without these differences. `None` where the pressures follow from x.
-    fn changes_left(&self) -> Option<&[f64]> {
-        None
-    }
-
-    /// [`solve_definite`](Self::solve_definite) of one of several matrices that differ by multiples of the identity, coarsely and with what serves of
-    /// another one.
+    /// `A x = b` if A is positive definite.
     ///
     /// # Errors
-    /// As [`solve`](Self::solve).
-    fn solve_shifted(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.solve_definite(system, b, work)
-    }
-
-    /// `A x = b` if A is positive definite, else `None`; for a matrix that does not come again, of which nothing is kept.
-    ///
-    /// # Errors
-    /// As [`solve`](Self::solve).
+    /// [`LinearError::Indefinite`] where it is not; as [`solve`](Self::solve).
     fn solve_definite(
         &mut self,
         system: &System,
         b: &[f64],
+        which: Definite,
         work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError>;
+    ) -> Result<Vec<f64>, LinearError>;
 
     /// Counts negative eigenvalues; `None` where this solver cannot.
     ///
@@ -205,25 +203,24 @@ pub trait LinearSolver: Debug + Send + Sync {
         Ok(None)
     }
 
-    /// Negative eigenvalues of the matrix whose system was prepared or solved last, where what is kept
-    /// shows; else `None`.
-    fn negative(&self) -> Option<usize> {
-        None
-    }
-
-    /// Memory of what is kept, in bytes.
-    fn bytes(&self) -> usize;
-
     /// One of its kind for matrices of another structure, with nothing kept; what it fell back on stays.
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver>;
+}
 
-    /// A copy with what is kept.
+/// A solver that can be copied with what it keeps: every [`LinearSolver`] that is `Clone`.
+pub trait CloneSolver {
+    /// The copy.
     fn boxed_clone(&self) -> Box<dyn LinearSolver>;
 }
 
-/// Which system is solved.
-#[derive(Clone, Copy, PartialEq)]
-enum Form {
-    Plain,
-    Transposed,
+impl<S: LinearSolver + Clone + 'static> CloneSolver for S {
+    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
+        Box::new(self.clone())
+    }
+}
+
+impl Clone for Box<dyn LinearSolver> {
+    fn clone(&self) -> Self {
+        (**self).boxed_clone()
+    }
 }

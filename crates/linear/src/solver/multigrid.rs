@@ -1,6 +1,8 @@
 //! [`MultigridSolver`]: conjugate gradients with multigrid.
 
-use super::{Accuracy, Curvature, Inertia, LinearError, LinearSolver, LinearWork, Step, System};
+use super::{
+    Accuracy, Curvature, Definite, Inertia, LinearError, LinearSolver, LinearWork, Solution, SolverState, Step, System,
+};
 use crate::error::{FactorError, StructureError};
 use crate::factor::structure::Structure;
 use crate::krylov::conjugate_gradients::{CgEnd, CgReport, StoppingTest, conjugate_gradient, conjugate_gradient_while};
@@ -36,12 +38,6 @@ pub struct MultigridSolver {
     by_products: bool,
     /// Whether they are of what a matrix has beside its volume modes, and serve such alone.
     of_rest: bool,
-    /// Whether the last matrix showed positive curvature, and that alone.
-    positive: bool,
-    /// A quotient of it that is not positive.
-    quotient: Option<f64>,
-    /// What its step left between pressures and changes of volume.
-    left: Option<Vec<f64>>,
     /// Cycles per decade of the residual that they took on their own matrix.
     rate: Option<f64>,
     /// Cycles that they took beyond that on others. They are due when these cost as much as a renewal.
@@ -55,33 +51,32 @@ impl MultigridSolver {
     }
 }
 
-impl MultigridSolver {
-    /// A solution that leads downhill, of a matrix that showed positive curvature alone.
-    fn downhill(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        tolerance: f64,
-        work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        Ok(match self.run(system, b, Aim::residual(tolerance), work)? {
-            Outcome::Solved(x) if self.positive && system.space().dot(&x, b) > 0.0 => Some(x),
-            _ => None,
-        })
-    }
-}
-
 /// What became of a system.
 enum Outcome {
-    Solved(Vec<f64>),
+    Solved(Solved),
+    Indefinite(NotDefinite),
+}
+
+/// A solution.
+struct Solved {
+    x: Vec<f64>,
+    /// Whether the matrix showed positive curvature, and that alone.
+    positive: bool,
+    /// What a step left between pressures and changes of volume.
+    changes_left: Option<Vec<f64>>,
+}
+
+/// What was found of an indefinite matrix.
+struct NotDefinite {
     /// How far the iteration went before it met negative curvature, downhill on the quadratic model, if anywhere.
-    Indefinite(Option<Vec<f64>>),
+    x: Option<Vec<f64>>,
+    /// The Rayleigh quotient of that.
+    quotient: Option<f64>,
 }
 
 impl MultigridSolver {
     /// To an aim, or to the limit of double precision.
     fn run(&mut self, system: &System, b: &[f64], aim: Aim, work: &mut LinearWork) -> Result<Outcome, LinearError> {
-        self.left = None;
         if let Some(modes) = modes_of(system) {
             match self.run_by(system, Some(modes), b, aim, work) {
                 // what is positive definite by its volume modes alone
@@ -104,7 +99,6 @@ impl MultigridSolver {
         if !system.matrix.is_symmetric() {
             return Err(LinearError::NotSymmetric);
         }
-        (self.positive, self.quotient) = (false, None);
         let (mut x, mut p) = (vec![0.0; b.len()], modes.map_or(Vec::new(), VolumeModes::first_pressures));
         let same = (self.by_products, self.of_rest) == (system.products.is_some(), modes.is_some());
         let expects = modes.filter(|modes| aim.is_step && modes.expects());
@@ -116,38 +110,35 @@ impl MultigridSolver {
                 (Counts::System(scale), Aim::of_step(aim.asked / share))
             }
         };
+        let solved = |x: Vec<f64>, p: &[f64], positive| {
+            let changes_left = expects.map(|modes| modes.left(&x, p, system.parallel));
+            Ok(Outcome::Solved(Solved { x, positive, changes_left }))
+        };
+        let indefinite = |x, quotient| Ok(Outcome::Indefinite(NotDefinite { x: moved(system, x, b), quotient }));
         let mut reached = 1.0;
         if self.serves && same {
             match self.run_by_kept((system, modes, counts), b, (&mut x, &mut p), aim, work) {
-                WithKept::Solved => {
-                    self.left = expects.map(|modes| modes.left(&x, &p, system.parallel));
-                    return Ok(Outcome::Solved(x));
-                }
-                WithKept::Indefinite => return Ok(Outcome::Indefinite(moved(system, x, b))),
+                WithKept::Solved { positive } => return solved(x, &p, positive),
+                WithKept::Indefinite { curvature } => return indefinite(x, Some(curvature)),
                 WithKept::Left(left) => reached = left,
             }
         }
         match self.renew(system, modes, work) {
-            Err(FactorError::NotPositive { .. }) if modes.is_none() => {
-                return Ok(Outcome::Indefinite(moved(system, x, b)));
-            }
+            Err(FactorError::NotPositive { .. }) if modes.is_none() => return indefinite(x, None),
             renewed => renewed?,
         }
-        let Some(levels) = &self.levels else { return Ok(Outcome::Indefinite(None)) };
+        let Some(levels) = &self.levels else { return indefinite(Vec::new(), None) };
         let most = if modes.is_some() { MOST_OF_REST } else { MOST };
         let (cg, positive) = iterate((system, modes, counts), levels, b, (&mut x, &mut p), (aim, most), work);
         if let CgEnd::NegativeCurvature { curvature } = cg.end {
-            self.quotient = Some(curvature);
-            return Ok(Outcome::Indefinite(moved(system, x, b)));
+            return indefinite(x, Some(curvature));
         }
         if !arrived(system, levels, b, &x, &cg) {
             self.serves = false;
             return Err(LinearError::Multigrid { residual: cg.residual, cycles: cg.iterations, wanted: aim.residual });
         }
-        self.positive = positive;
         self.rate = Some(cg.iterations.max(1) as f64 / decades(cg.residual.max(aim.residual) / reached));
-        self.left = expects.map(|modes| modes.left(&x, &p, system.parallel));
-        Ok(Outcome::Solved(x))
+        solved(x, &p, positive)
     }
 
     /// The same with the levels that are kept, as long as new ones are not expected to be cheaper.
@@ -182,14 +173,10 @@ impl MultigridSolver {
         self.serves = self.excess < RENEWAL;
         match cg.end {
             // they may be as good for what is definite as they were
-            CgEnd::NegativeCurvature { curvature } => {
-                self.quotient = Some(curvature);
-                return WithKept::Indefinite;
-            }
+            CgEnd::NegativeCurvature { curvature } => return WithKept::Indefinite { curvature },
             _ if arrived(system, levels, b, x, &cg) => {
-                self.positive = positive;
                 work.reused += 1;
-                return WithKept::Solved;
+                return WithKept::Solved { positive };
             }
             // the next levels go on from there
             CgEnd::Exhausted if cg.residual < 1.0 => {}
@@ -229,7 +216,7 @@ impl MultigridSolver {
         (self.by_products, self.of_rest) = (system.products.is_some(), modes.is_some());
         // that of levels before, until these have solved a system
         self.rate = self.rate.filter(|_| same);
-        (self.excess, self.positive, self.quotient) = (0.0, false, None);
+        self.excess = 0.0;
         renewed
     }
 }
@@ -238,7 +225,6 @@ impl MultigridSolver {
     /// Whether what the matrix has beside its volume modes, which are not negative, shows no negative curvature.
     fn rest_is_definite(&mut self, system: &System, b: &[f64]) -> Result<bool, LinearError> {
         let Some(modes) = modes_of(system).filter(|_| system.matrix.is_symmetric()) else { return Ok(false) };
-        self.positive = false;
         match self.renew(system, Some(modes), &mut LinearWork::default()) {
             Err(FactorError::NotPositive { .. }) => return Ok(false),
             renewed => renewed?,
@@ -253,18 +239,15 @@ impl MultigridSolver {
         };
         let preconditioner: &Multigrid = levels;
         let cg = conjugate_gradient(&apply, preconditioner, b, &mut vec![0.0; b.len()], EVIDENCE, MOST);
-        (self.serves, self.positive) = (cg.converged(), cg.converged());
+        self.serves = cg.converged();
         Ok(cg.converged())
     }
 }
 
 impl LinearSolver for MultigridSolver {
-    fn name(&self) -> &'static str {
-        "multigrid"
-    }
-
-    fn takes_products(&self) -> bool {
-        true
+    fn state(&self) -> SolverState {
+        let bytes = self.levels.as_ref().map_or(0, |levels| levels.bytes());
+        SolverState { name: "multigrid", takes_products: true, bytes }
     }
 
     fn restart(&mut self) {}
@@ -283,12 +266,16 @@ impl LinearSolver for MultigridSolver {
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
         match self.run(system, b, Aim::of_step(tolerance), work)? {
             // nothing showed that it leads downhill
-            Outcome::Solved(x) if self.left.is_none() && system.space().dot(&x, b) <= 0.0 => {
-                Err(LinearError::Indefinite)
+            Outcome::Solved(Solved { x, changes_left: None, .. }) if system.space().dot(&x, b) <= 0.0 => {
+                Err(LinearError::Indefinite { quotient: None })
             }
-            Outcome::Solved(x) => Ok(Step { x, curvature: Curvature::Positive }),
-            Outcome::Indefinite(Some(x)) => Ok(Step { x, curvature: Curvature::Negative }),
-            Outcome::Indefinite(None) => Err(LinearError::Indefinite),
+            Outcome::Solved(Solved { x, changes_left, .. }) => {
+                Ok(Step { changes_left, ..Step::new(x, Curvature::Positive) })
+            }
+            Outcome::Indefinite(NotDefinite { x: Some(x), quotient }) => {
+                Ok(Step { quotient, ..Step::new(x, Curvature::Negative) })
+            }
+            Outcome::Indefinite(NotDefinite { x: None, quotient }) => Err(LinearError::Indefinite { quotient }),
         }
     }
 
@@ -298,41 +285,30 @@ impl LinearSolver for MultigridSolver {
         b: &[f64],
         accuracy: Accuracy,
         work: &mut LinearWork,
-    ) -> Result<Vec<f64>, LinearError> {
+    ) -> Result<Solution, LinearError> {
         match self.run(system, b, Aim::exact(accuracy), work)? {
-            Outcome::Solved(x) => Ok(x),
-            Outcome::Indefinite(_) => Err(LinearError::Indefinite),
+            Outcome::Solved(Solved { x, positive, .. }) => Ok(Solution { x, negative: positive.then_some(0) }),
+            Outcome::Indefinite(NotDefinite { quotient, .. }) => Err(LinearError::Indefinite { quotient }),
         }
     }
 
+    /// Levels of a matrix nearby show negative curvature as well as its own do.
     fn solve_definite(
         &mut self,
         system: &System,
         b: &[f64],
+        which: Definite,
         work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.serves = false;
-        let solved = self.downhill(system, b, STEP_TOLERANCE, work);
-        self.serves = false;
-        solved
-    }
-
-    fn negative_quotient(&self) -> Option<f64> {
-        self.quotient
-    }
-
-    fn changes_left(&self) -> Option<&[f64]> {
-        self.left.as_deref()
-    }
-
-    /// Levels of a matrix nearby show negative curvature as well as its own do.
-    fn solve_shifted(
-        &mut self,
-        system: &System,
-        b: &[f64],
-        work: &mut LinearWork,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
-        self.downhill(system, b, COARSEST_STEP, work)
+    ) -> Result<Vec<f64>, LinearError> {
+        let once = which == Definite::Once;
+        self.serves &= !once;
+        let found = self.run(system, b, Aim::residual(if once { STEP_TOLERANCE } else { COARSEST_STEP }), work);
+        self.serves &= !once;
+        match found? {
+            Outcome::Solved(Solved { x, positive: true, .. }) if system.space().dot(&x, b) > 0.0 => Ok(x),
+            Outcome::Solved(_) => Err(LinearError::Indefinite { quotient: None }),
+            Outcome::Indefinite(NotDefinite { quotient, .. }) => Err(LinearError::Indefinite { quotient }),
+        }
     }
 
     /// 0 for a matrix that is positive definite as far as conjugate gradients with a right-hand side of fixed random numbers
@@ -346,32 +322,23 @@ impl LinearSolver for MultigridSolver {
         }
         match self.run_by(system, None, &b, Aim::residual(EVIDENCE), &mut LinearWork::default())? {
             Outcome::Solved(_) => Ok(Some(Inertia { negative: 0, by_factor: false })),
-            Outcome::Indefinite(_) => Err(LinearError::Indefinite),
+            Outcome::Indefinite(NotDefinite { quotient, .. }) => Err(LinearError::Indefinite { quotient }),
         }
-    }
-
-    /// None: it solves positive definite matrices alone.
-    fn negative(&self) -> Option<usize> {
-        self.positive.then_some(0)
-    }
-
-    fn bytes(&self) -> usize {
-        self.levels.as_ref().map_or(0, |levels| levels.bytes())
     }
 
     fn anew(&self, _: &Arc<Structure>) -> Box<dyn LinearSolver> {
         Box::new(MultigridSolver::default())
     }
-
-    fn boxed_clone(&self) -> Box<dyn LinearSolver> {
-        Box::new(self.clone())
-    }
 }
 
 /// What became of a system with levels that were kept.
 enum WithKept {
-    Solved,
-    Indefinite,
+    Solved {
+        positive: bool,
+    },
+    Indefinite {
+        curvature: f64,
+    },
     /// Not solved, with the share of the residual that new levels begin from.
     Left(f64),
 }

@@ -1,6 +1,6 @@
 //! [`Shift`]: downhill steps where the matrix is not positive definite.
 
-use super::{LinearError, LinearSolver, LinearWork, System};
+use super::{Definite, LinearError, LinearSolver, LinearWork, System};
 use crate::multigrid::CellProducts;
 use std::sync::Arc;
 
@@ -18,15 +18,22 @@ const BEYOND: f64 = 2.0;
 #[derive(Clone, Debug)]
 pub struct Shift {
     last: f64,
+    /// A quotient `p . A p / p . p` of the last matrix that is not positive, where one was met.
+    quotient: Option<f64>,
 }
 
 impl Default for Shift {
     fn default() -> Self {
-        Shift { last: LEAST }
+        Shift { last: LEAST, quotient: None }
     }
 }
 
 impl Shift {
+    /// Notes a quotient of the matrix that is to be shifted which is not positive.
+    pub fn note(&mut self, quotient: Option<f64>) {
+        self.quotient = quotient;
+    }
+
     /// The step.
     ///
     /// # Errors
@@ -49,24 +56,56 @@ impl Shift {
         let own = space.own(&diagonal);
         let scale = space.total(own.iter().map(|d| d.abs()).sum()) / space.total(own.len() as f64);
         let (own, mut entries) = (own.len(), vec![0.0; diagonal.len()]);
-        let (mut shift, mut added) = (self.first(solver, scale), 0.0);
+        let (mut shift, mut added) = (self.first(scale), 0.0);
         while shift <= MOST {
             // matrices of ranks add up: each unknown is shifted by its owner alone
             entries[..own].fill((shift - added) * scale);
             matrix.add_diagonal(&entries);
             added = shift;
-            if let Some(step) = solver.solve_shifted(&System { matrix: &matrix, ..*system }, b, work)? {
-                self.last = shift;
+            if let Some(step) = self.attempt(shift, solver, &System { matrix: &matrix, ..*system }, b, work)? {
                 return Ok(step);
             }
-            shift = next(shift, solver, scale);
+            shift = self.next(shift, scale);
         }
         Err(LinearError::Shift)
     }
 
-    /// The first one to be tried, as a share of the mean diagonal, of a matrix that the solver has just met.
-    fn first(&self, solver: &dyn LinearSolver, scale: f64) -> f64 {
-        (self.last / 64.0).max(LEAST).max(needed(solver, scale))
+    /// The first one to be tried, as a share of the mean diagonal.
+    fn first(&self, scale: f64) -> f64 {
+        (self.last / 64.0).max(LEAST).max(self.needed(scale))
+    }
+
+    /// The next one.
+    fn next(&self, shift: f64, scale: f64) -> f64 {
+        (GROWTH * shift).max(shift + self.needed(scale))
+    }
+
+    fn needed(&self, scale: f64) -> f64 {
+        let needed = self.quotient.map_or(0.0, |quotient| -BEYOND * quotient / scale);
+        if needed.is_finite() { needed } else { 0.0 }
+    }
+
+    /// The step of a shifted system, if that is definite.
+    fn attempt(
+        &mut self,
+        shift: f64,
+        solver: &mut dyn LinearSolver,
+        system: &System,
+        b: &[f64],
+        work: &mut LinearWork,
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        self.quotient = None;
+        match solver.solve_definite(system, b, Definite::Shifted, work) {
+            Ok(step) => {
+                self.last = shift;
+                Ok(Some(step))
+            }
+            Err(LinearError::Indefinite { quotient }) => {
+                self.quotient = quotient;
+                Ok(None)
+            }
+            Err(other) => Err(other),
+        }
     }
 
     fn step_by_products(
@@ -83,46 +122,38 @@ impl Shift {
         let own = diagonal.filter(|(at, _)| !fixed[*at]);
         let (scale, count) = own.fold((0.0, 0), |(sum, count), (_, entry)| (sum + entry, count + 1));
         let scale = scale / count.max(1) as f64;
-        let mut shift = self.first(solver, scale);
+        let mut shift = self.first(scale);
         while shift <= MOST {
             let shifted = products.shifted(shift * scale);
-            if let Some(step) = solver.solve_shifted(&System { products: Some(&shifted), ..*system }, b, work)? {
-                self.last = shift;
+            let system = System { products: Some(&shifted), ..*system };
+            if let Some(step) = self.attempt(shift, solver, &system, b, work)? {
                 return Ok(step);
             }
-            shift = next(shift, solver, scale);
+            shift = self.next(shift, scale);
         }
         Err(LinearError::Shift)
     }
-}
-
-/// The next one.
-fn next(shift: f64, solver: &dyn LinearSolver, scale: f64) -> f64 {
-    (GROWTH * shift).max(shift + needed(solver, scale))
-}
-
-fn needed(solver: &dyn LinearSolver, scale: f64) -> f64 {
-    let needed = solver.negative_quotient().map_or(0.0, |quotient| -BEYOND * quotient / scale);
-    if needed.is_finite() { needed } else { 0.0 }
 }
 
 #[cfg(test)]
 mod tests {
     use super::Shift;
     use crate::multigrid::Corners;
-    use crate::solver::{Accuracy, Configuration, LinearError, LinearSolver, LinearWork, Step, System};
+    use crate::solver::{
+        Accuracy, Configuration, Definite, LinearError, LinearSolver, LinearWork, Solution, SolverState, Step, System,
+    };
     use crate::{Field, Pattern, Rotations, Share, Space, SparseMatrix, Structure};
     use nastic_team::Team;
     use nastic_team::threads::{self, Faults};
     use std::sync::Arc;
 
     /// Gives the diagonal of what it is to solve with.
-    #[derive(Debug)]
+    #[derive(Clone, Debug)]
     struct Diagonal;
 
     impl LinearSolver for Diagonal {
-        fn name(&self) -> &'static str {
-            "diagonal"
+        fn state(&self) -> SolverState {
+            SolverState { name: "diagonal", takes_products: false, bytes: 0 }
         }
         fn restart(&mut self) {}
         fn clear(&mut self) {}
@@ -130,28 +161,23 @@ mod tests {
             Ok(())
         }
         fn step(&mut self, _: &System, _: &[f64], _: f64, _: &mut LinearWork) -> Result<Step, LinearError> {
-            Err(LinearError::Indefinite)
+            Err(LinearError::Indefinite { quotient: None })
         }
-        fn solve(&mut self, _: &System, _: &[f64], _: Accuracy, _: &mut LinearWork) -> Result<Vec<f64>, LinearError> {
-            Err(LinearError::Indefinite)
+        fn solve(&mut self, _: &System, _: &[f64], _: Accuracy, _: &mut LinearWork) -> Result<Solution, LinearError> {
+            Err(LinearError::Indefinite { quotient: None })
         }
         fn solve_definite(
             &mut self,
             system: &System,
             _: &[f64],
+            _: Definite,
             _: &mut LinearWork,
-        ) -> Result<Option<Vec<f64>>, LinearError> {
+        ) -> Result<Vec<f64>, LinearError> {
             let mut diagonal = system.matrix.diagonal();
             system.space().add_up(&mut diagonal);
-            Ok(Some(diagonal))
-        }
-        fn bytes(&self) -> usize {
-            0
+            Ok(diagonal)
         }
         fn anew(&self, _: &Arc<Structure>) -> Box<dyn LinearSolver> {
-            Box::new(Diagonal)
-        }
-        fn boxed_clone(&self) -> Box<dyn LinearSolver> {
             Box::new(Diagonal)
         }
     }
@@ -184,9 +210,16 @@ mod tests {
             matrix.add_to_diagonal([1.0, 3.0][own]);
             let space = Space::new(2, 1).with(Field::nodal("displacement", 2)).shared(Some(share));
             let at = At(space, Arc::new(Rotations(Vec::new())));
-            let system =
-                System { matrix: &matrix, products: None, fixed: &[false; 4], configuration: &at, parallel: false };
-            let mut shift = Shift { last: 64.0 };
+            let fixed = &[false; 4];
+            let system = System {
+                matrix: &matrix,
+                products: None,
+                fixed,
+                configuration: &at,
+                transposed: false,
+                parallel: false,
+            };
+            let mut shift = Shift { last: 64.0, ..Shift::default() };
             let solved = shift.step(&mut Diagonal, &system, &[0.0; 4], &mut LinearWork::default());
             Ok::<_, Box<dyn std::error::Error + Send + Sync>>(solved?)
         });

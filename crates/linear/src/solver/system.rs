@@ -41,12 +41,14 @@ pub trait Configuration: Sync {
 pub struct System<'a> {
     /// The matrix.
     pub matrix: &'a SparseMatrix,
-    /// What stands for its entries, which there are none of then: for solvers that [take products](super::LinearSolver::takes_products) alone.
+    /// What stands for its entries, which there are none of then: for solvers that [take products](super::SolverState::takes_products) alone.
     pub products: Option<&'a Arc<dyn CellProducts>>,
     /// By unknown: whether its row and column were eliminated.
     pub fixed: &'a [bool],
     /// Where the matrix was taken.
     pub configuration: &'a dyn Configuration,
+    /// Whether the system is that of the transpose.
+    pub transposed: bool,
     /// Whether to use all threads; the bits are the same.
     pub parallel: bool,
 }
@@ -57,20 +59,20 @@ impl System<'_> {
         self.configuration.space()
     }
 
-    /// `out = A v`; of several ranks with the sum of their matrices.
+    /// The system of the transpose.
+    #[must_use]
+    pub fn transpose(self) -> Self {
+        System { transposed: !self.transposed, ..self }
+    }
+
+    /// `out = A v`, or `A^T v` of a transposed system; of several ranks with the sum of their matrices.
     pub fn multiply(&self, v: &[f64], out: &mut [f64]) {
         match self.products {
             Some(products) => products.multiply(v, out, self.parallel),
+            None if self.transposed && !self.matrix.is_symmetric() => {
+                self.matrix.multiply_transposed(v, out, self.parallel);
+            }
             None => self.matrix.multiply_on(v, out, self.parallel),
-        }
-        self.space().add_up(out);
-    }
-
-    /// `out = A^T v`; of several ranks with the sum of their matrices.
-    pub fn multiply_transposed(&self, v: &[f64], out: &mut [f64]) {
-        match self.products {
-            Some(products) => products.multiply(v, out, self.parallel),
-            None => self.matrix.multiply_transposed(v, out, self.parallel),
         }
         self.space().add_up(out);
     }
@@ -94,6 +96,6 @@ impl Operator for System<'_> {
     }
 
     fn apply_transposed(&self, v: &[f64], out: &mut [f64]) {
-        self.multiply_transposed(v, out);
+        self.transpose().multiply(v, out);
     }
 }

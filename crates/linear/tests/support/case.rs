@@ -53,7 +53,14 @@ impl Case {
     }
 
     pub fn system<'a>(&'a self, matrix: &'a SparseMatrix) -> System<'a> {
-        System { matrix, products: None, fixed: &self.fixed, configuration: &self.at, parallel: false }
+        System {
+            matrix,
+            products: None,
+            fixed: &self.fixed,
+            configuration: &self.at,
+            transposed: false,
+            parallel: false,
+        }
     }
 
     /// A Laplacian with a skew part of a relative size, and its dense twin.

@@ -15,7 +15,7 @@
 use super::active_set::{Trial, settle};
 use super::{Direction, Step, Take};
 use crate::linear_systems::saddle_point::SaddlePoint;
-use crate::linear_systems::tangent_systems::{FULL_STEP, TangentSystems, bordered_step};
+use crate::linear_systems::tangent_systems::{Counted, FULL_STEP, TangentSystems, bordered_step};
 use crate::nonlinear::equations::{Equations, Jump};
 use crate::nonlinear::iterate::{Iterate, Stop};
 use nastic_body::state::SolveReport;
@@ -108,8 +108,9 @@ impl<'a> Bordered<'a> {
             problem.system.prepare(systems, u, report)?;
         }
         if !inequalities.contains(&true) {
-            let (mut steps, negative) = problem.system.solve(systems, u, &[&problem.rhs], accuracy, report)?;
-            return Ok((steps.pop().unwrap_or_default(), negative));
+            let Counted { solved: mut steps, negative } =
+                problem.system.solve(systems, u, &[&problem.rhs], accuracy, report)?;
+            return Ok((steps.pop().unwrap_or_default(), negative.ok()));
         }
         let mut last = Vec::new();
         let Linearised { system, rhs, scales } = problem;
@@ -216,9 +217,9 @@ impl ActiveSets<'_> {
         let mut rhs = self.rhs.to_vec();
         let slack = || (0..scalars).filter(|&k| !acting[k]);
         slack().for_each(|k| system.add_column(k, x[dofs + k], &mut rhs[..dofs]));
-        let (mut steps, negative) = system.solve(systems, &x[..dofs], &[&rhs], FULL_STEP, report)?;
+        let Counted { solved: mut steps, negative } = system.solve(systems, &x[..dofs], &[&rhs], FULL_STEP, report)?;
         let negative = match negative {
-            None if self.symmetric => return Err(systems.uncounted(scalars)),
+            Err(why) if self.symmetric => return Err(why),
             known => known.unwrap_or(0),
         };
         let mut step = steps.pop().unwrap_or_default();

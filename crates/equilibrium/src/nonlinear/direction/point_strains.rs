@@ -12,7 +12,7 @@
 use super::bordered::failed;
 use super::{Direction, Step, Take};
 use crate::linear_systems::saddle_point::{BorderedTangent, SaddlePoint};
-use crate::linear_systems::tangent_systems::{StepWanted, TangentSystems, bordered_step, eliminate};
+use crate::linear_systems::tangent_systems::{Counted, StepWanted, TangentSystems, bordered_step, eliminate};
 use crate::nonlinear::equations::{Equations, Jump, moved};
 use crate::nonlinear::iterate::{Iterate, Stop};
 use nastic_body::body_energy::point_strains::PointStrains;
@@ -83,8 +83,8 @@ impl<'a> WithPointStrains<'a> {
         if !kept {
             system.prepare(&mut self.systems, u, report)?;
         }
-        let (mut steps, negative) = system.solve(&mut self.systems, u, &[rhs], accuracy, report)?;
-        let definite = negative == Some(0) || !self.equations.has_potential();
+        let Counted { solved: mut steps, negative } = system.solve(&mut self.systems, u, &[rhs], accuracy, report)?;
+        let definite = negative == Ok(0) || !self.equations.has_potential();
         let curvature = if definite { Curvature::Positive } else { Curvature::Negative };
         Ok((steps.pop().unwrap_or_default(), curvature))
     }
