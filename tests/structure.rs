@@ -8,6 +8,9 @@ use std::path::Path;
 /// Most files in one circle of a crate.
 const CIRCLE: usize = 9;
 
+/// Most methods of the trait `LinearSolver`.
+const SOLVER_METHODS: usize = 10;
+
 /// Files directly in `crates/linear/src`.
 const LINEAR_ROOT: usize = 10;
 
@@ -215,6 +218,22 @@ fn the_houses_of_linear_stand_in_order() {
             }
         }
     }
+}
+
+/// One Arnoldi process, a narrow trait.
+#[test]
+fn linear_has_one_gmres_and_a_narrow_solver() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/linear/src");
+    let mut files = Files::new();
+    read_files(&root, &[], &mut files);
+    let with = |name: &str| -> Vec<String> {
+        let found = files.iter().filter(|(_, file)| file.code.contains(name));
+        found.map(|(path, _)| path.join("::")).collect()
+    };
+    assert_eq!(with("rotations: Vec<[f64; 2]>"), ["krylov::gmres"], "rotations of a Hessenberg matrix");
+    let (_, rest) = files[&["solver".to_owned()][..]].code.split_once("pub trait LinearSolver").unwrap();
+    let methods = rest.split("\n}").next().unwrap().matches("\n    fn ").count();
+    assert!((1..=SOLVER_METHODS).contains(&methods), "{methods} methods of LinearSolver");
 }
 
 #[test]

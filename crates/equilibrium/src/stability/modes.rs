@@ -101,8 +101,12 @@ impl Stability<'_> {
     /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a
     /// factor that would be too large; [`StateError::Problem`] for a state of another body; [`StateError::Cancelled`].
     pub fn modes(&self, state: &State, count: usize, how: &SolveOptions) -> Result<Modes, StateError> {
-        let found =
-            self.lowest_modes(state, MassMatrix::Diagonal(&self.model.discretization().volumes_by_unknown()), count, how)?;
+        let found = self.lowest_modes(
+            state,
+            MassMatrix::Diagonal(&self.model.discretization().volumes_by_unknown()),
+            count,
+            how,
+        )?;
         let Eigenpairs { values: eigenvalues, vectors, negative, counted, by_products, .. } = found;
         let shapes = vectors.into_iter().map(normalized).collect();
         Ok(Modes { eigenvalues, shapes, negative, counted, by_products })
