@@ -94,7 +94,7 @@ fn at_rest(solid: &Solid, controls: Controls) -> State {
 
 /// Mean displacement by mass, and its derivative.
 fn centre(solid: &Solid) -> Result<Vec<f64>, Failure> {
-    let mass = solid.model().inertia().mass()?;
+    let mass = solid.model().energies().mass()?;
     let n = solid.rest().u.len();
     let ones: Vec<f64> = (0..n).map(|dof| f64::from(u8::from(dof % 3 == 2))).collect();
     let mut of = vec![0.0; n];

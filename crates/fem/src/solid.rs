@@ -406,7 +406,7 @@ impl Solid {
     /// A coefficient that is negative or not finite; cells without material, or no mass for a0, yet.
     pub fn rayleigh_damping(mut self, a0: f64, a1: f64) -> Result<Self, FemError> {
         let contribution =
-            self.whole_mesh("Rayleigh damping").and_then(|_| self.model.inertia().rayleigh_damping(a0, a1))?;
+            self.whole_mesh("Rayleigh damping").and_then(|_| self.model.energies().rayleigh_damping(a0, a1))?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)
     }

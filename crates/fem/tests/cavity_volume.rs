@@ -278,7 +278,7 @@ fn a_drop_keeps_its_volume_and_spreads() -> Outcome {
         let solid = Solid::new(regular(kind, size, [4, 4, 4])?)?
             .material("body", nastic_energy::NeoHooke::new(5.0, 0.0)?)?
             .body_force("body", nastic_tensor::Vec3::from(up) * (-gravity * density))?
-            .inertia(nastic_fem::views::Inertia::new("body", density))?
+            .inertia(nastic_fem::Inertia::new("body", density))?
             .contact(nastic_fem::Contact::of("floor", "skin", floor).thickness(2e-4).stiffness(5e3))?
             .cavity(Cavity::new("own", "skin").filled().by_volume())?;
         let mut trajectory = nastic_fem::Trajectory::from_given(solid.rest());

@@ -17,7 +17,7 @@ fn body(kind: CellKind, inertia: Inertia) -> Outcome<Solid> {
 /// `v . M v` of a velocity field.
 fn twice_kinetic(solid: &Solid, v: &[f64]) -> Outcome<f64> {
     let mut product = vec![0.0; v.len()];
-    solid.model().inertia().mass()?.multiply(v, &mut product);
+    solid.model().energies().mass()?.multiply(v, &mut product);
     Ok(v.iter().zip(&product).map(|(v, p)| v * p).sum())
 }
 
@@ -43,7 +43,7 @@ fn lumped_masses_are_positive_and_sum_to_the_mass() -> Outcome {
     for kind in kinds() {
         let mesh = distorted(unit(kind, 2)?, 0.05)?;
         let solid = Solid::new(mesh)?.inertia(Inertia::new("body", 3.0).and("body", 4.0).lumped())?;
-        let diagonal = solid.model().inertia().mass()?.diagonal();
+        let diagonal = solid.model().energies().mass()?.diagonal();
         assert!(diagonal.iter().all(|&m| m > 0.0), "{kind}");
         let sum: f64 = diagonal.iter().step_by(solid.discretization().dim()).sum();
         assert!((sum - DENSITY).abs() < 1e-12 * DENSITY, "{kind}: {sum}");
@@ -54,8 +54,8 @@ fn lumped_masses_are_positive_and_sum_to_the_mass() -> Outcome {
             let consistent = body(kind, Inertia::new("body", DENSITY))?;
             let ones = vec![1.0; consistent.discretization().dofs()];
             let mut sums = vec![0.0; ones.len()];
-            consistent.model().inertia().mass()?.multiply(&ones, &mut sums);
-            let lumped = body(kind, Inertia::new("body", DENSITY).lumped())?.model().inertia().mass()?.diagonal();
+            consistent.model().energies().mass()?.multiply(&ones, &mut sums);
+            let lumped = body(kind, Inertia::new("body", DENSITY).lumped())?.model().energies().mass()?.diagonal();
             let error = sums.iter().zip(&lumped).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(error < 1e-13, "{kind}: {error:e}");
         }

@@ -123,14 +123,14 @@ fn a_missing_coupling_ends_solves_and_adjoints() -> Outcome {
 #[test]
 fn a_missing_coupling_ends_motions_and_constrained_solves() -> Outcome {
     let (broken, nodes) = linked(false, 0.0)?;
-    let heavy = broken.clone().inertia(nastic_fem::views::Inertia::new("body", 1.0))?;
+    let heavy = broken.clone().inertia(nastic_fem::Inertia::new("body", 1.0))?;
     let controls = heavy.controls();
     let steps = [StepTo { dt: 0.1, controls }];
     let (mut motion, mut workspace) = (Trajectory::from_given(heavy.rest()), Workspace::default());
     let scheme = Scheme::backward_euler();
     message(heavy.model().advance(&mut motion, &scheme, &steps, &STRICT, &mut workspace).map(|_| ()), nodes);
     let (mass, nodes) = linked(false, 0.5)?;
-    let Err(FemError::NotCoupled { contribution, .. }) = mass.model().inertia().mass() else {
+    let Err(FemError::NotCoupled { contribution, .. }) = mass.model().energies().mass() else {
         panic!("its mass is dropped")
     };
     assert_eq!(contribution, "link");

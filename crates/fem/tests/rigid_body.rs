@@ -85,7 +85,7 @@ fn momenta(solid: &Solid, state: &State) -> Outcome<(Vec3, Vec3)> {
     let (dim, points) = (solid.mesh().dim(), solid.mesh().points());
     let n = points.len() * dim;
     let mut p = vec![0.0; n];
-    solid.model().inertia().mass()?.multiply(&state.velocity.as_ref().unwrap()[..n], &mut p);
+    solid.model().energies().mass()?.multiply(&state.velocity.as_ref().unwrap()[..n], &mut p);
     let of = |values: &[f64], a: usize| Vec3::from_fn(|i, _| if i < dim { values[dim * a + i] } else { 0.0 });
     let at = |a: usize| Vec3::from(points[a]) + of(&state.u, a);
     let sum = (0..points.len()).map(|a| of(&p, a)).sum();

@@ -112,7 +112,7 @@ fn a_step_is_a_linear_system_and_the_exact_modes() -> Outcome {
         let columns: Vec<Vec<f64>> = free.iter().map(column).collect();
         DMatrix::from_fn(free.len(), free.len(), |i, j| columns[j][free[i]])
     };
-    let (mass, mut tangent) = (model.inertia().mass()?, model.tangents().matrix());
+    let (mass, mut tangent) = (model.energies().mass()?, model.tangents().matrix());
     let at = Instant::new(&begin.u, &to[0].controls, 1.0);
     model.tangents().add_tangent(&at, &mut tangent)?;
     let (m, k) = (dense(&|x, y| mass.multiply(x, y)), dense(&|x, y| tangent.multiply(x, y)));

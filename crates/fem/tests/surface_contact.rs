@@ -370,7 +370,7 @@ fn an_impact_keeps_the_momentum() -> Outcome {
     let steps: Vec<_> = (0..60).map(|_| StepTo { dt: 5e-3, controls: solid.controls() }).collect();
     let mut trajectory = Trajectory::from_given(begin);
     solid.model().advance(&mut trajectory, &Scheme::backward_euler(), &steps, &STRICT, &mut Workspace::default())?;
-    let mass = solid.model().inertia().mass()?;
+    let mass = solid.model().energies().mass()?;
     let momentum = |state: &State| {
         let v = state.velocity.as_ref().unwrap();
         let mut image = vec![0.0; v.len()];

@@ -234,7 +234,7 @@ fn lift(solid: &Solid) -> Outcome<(f64, Touch, [usize; 3])> {
 fn pads_carry_a_disc_or_drop_it() -> Outcome {
     let solid = gripper(0.8)?;
     let (lifted, touch, [newton, factorisations, substitutions]) = lift(&solid)?;
-    let area = solid.model().inertia().mass()?;
+    let area = solid.model().energies().mass()?;
     let mut image = vec![0.0; solid.rest().u.len()];
     area.multiply(
         &common::nodal(solid.mesh(), |x| Vec3::new(0.0, f64::from(u8::from(x.x.abs() < 0.101)), 0.0)),

@@ -29,7 +29,7 @@ fn bar() -> Outcome<Solid> {
 fn energy(solid: &Solid, state: &State) -> Outcome<f64> {
     let at = Instant::new(&state.u, &state.controls, 1.0);
     let potential = solid.model().evaluate(&at, Demand { energy: true, force: false })?.energy;
-    let (mass, Some(v)) = (solid.model().inertia().mass()?, &state.velocity) else { return Ok(potential) };
+    let (mass, Some(v)) = (solid.model().energies().mass()?, &state.velocity) else { return Ok(potential) };
     let mut p = vec![0.0; v.len()];
     mass.multiply(v, &mut p);
     Ok(potential + 0.5 * v.iter().zip(&p).map(|(v, p)| v * p).sum::<f64>())

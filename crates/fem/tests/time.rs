@@ -97,7 +97,7 @@ fn the_midpoint_rule_keeps_momenta() -> Outcome {
     let solid = Solid::new(regular(CellKind::Hex8, [1.0, 0.4, 0.3], [2, 1, 1])?)?
         .material("body", NeoHooke::new(10.0, 20.0)?)?
         .inertia(Inertia::new("body", 1.0))?;
-    let mass = solid.model().inertia().mass()?;
+    let mass = solid.model().energies().mass()?;
     let momenta = |state: &State| -> [Vec3; 2] {
         let mut p = vec![0.0; state.u.len()];
         mass.multiply(velocity(state), &mut p);

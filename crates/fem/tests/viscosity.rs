@@ -198,7 +198,7 @@ fn motions_lose_energy_unless_they_are_rigid() -> Outcome {
     let energy = |solid: &Solid, state: &State| -> Outcome<f64> {
         let mut product = vec![0.0; state.u.len()];
         let v = state.velocity.as_deref().ok_or("no velocity")?;
-        solid.model().inertia().mass()?.multiply(v, &mut product);
+        solid.model().energies().mass()?.multiply(v, &mut product);
         let kinetic: f64 = v.iter().zip(&product).map(|(v, p)| 0.5 * v * p).sum();
         Ok(kinetic + solid.body().evaluate(&state.u, &solid.controls(), false, false)?.energy)
     };

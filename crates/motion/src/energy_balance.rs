@@ -155,7 +155,7 @@ impl EnergyLedger {
     /// # Errors
     /// A mass that cannot be added up.
     pub fn new(model: &Model, scheme: &Scheme) -> Result<Self, FemError> {
-        let mass = if scheme.is_quasi_static() { None } else { Some(model.inertia().mass()?) };
+        let mass = if scheme.is_quasi_static() { None } else { Some(model.energies().mass()?) };
         let ends_balanced = scheme.ends_at_its_last_stage();
         Ok(EnergyLedger { mass, ends_balanced, balance: EnergyBalance::default(), last: None })
     }

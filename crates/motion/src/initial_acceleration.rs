@@ -51,7 +51,7 @@ pub(crate) fn at_instant(model: &Model, state: &State, history: &History) -> Sta
 
 /// `M^-1 b` on the free unknowns; multipliers, whose forces b holds as they are, have none.
 pub(crate) fn divide_by_mass(model: &Model, mut b: Vec<f64>, parallel: bool) -> Result<Vec<f64>, StateError> {
-    let mut mass = model.inertia().mass()?;
+    let mut mass = model.energies().mass()?;
     mass.tie(model.supports.ties(), 1.0);
     let unknowns = b.len();
     b.truncate(model.discretization().dofs());

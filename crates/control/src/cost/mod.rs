@@ -205,7 +205,7 @@ pub trait Cost: Debug + Send + Sync {
 
     /// Whether it is one of a body over ranks ([`Solid::of_part`](nastic_fem::Solid::of_part)), if its points are: values of the whole body, the same on all ranks, partial
     /// derivatives whose sum over the ranks is that of the whole. All ranks call [`at`](Self::at) together; where that tells the others something it asks first whether
-    /// [all accept](nastic_fem::views::Ranks::all_accept) what they have to tell. So they do partial derivatives of points, but ask for figures each by itself.
+    /// [all accept](nastic_fem::views::OverRanks::all_accept) what they have to tell. So they do partial derivatives of points, but ask for figures each by itself.
     fn spans_ranks(&self) -> bool {
         false
     }

@@ -57,17 +57,17 @@ impl TrajectoryCost for KineticEnergy {
         let schedule = self.schedule(at.timeline)?;
         for (n, weight) in &schedule.weights {
             let state = &at.trajectory.states()[*n];
-            sum += weight * schedule.shape(self.weight * at.solid.model().inertia().kinetic_energy(state)?).0;
+            sum += weight * schedule.shape(self.weight * at.solid.model().energies().kinetic_energy(state)?).0;
         }
         Ok(sum)
     }
 
     fn add_partials(&self, at: &TrajectoryContext, out: &mut TrajectoryPartials) -> Result<(), ControlError> {
-        let (schedule, mass) = (self.schedule(at.timeline)?, at.solid.model().inertia().mass()?);
+        let (schedule, mass) = (self.schedule(at.timeline)?, at.solid.model().energies().mass()?);
         for (n, weight) in &schedule.weights {
             let state = &at.trajectory.states()[*n];
             let Some(velocity) = &state.velocity else { continue }; // at rest
-            let energy = self.weight * at.solid.model().inertia().kinetic_energy(state)?;
+            let energy = self.weight * at.solid.model().energies().kinetic_energy(state)?;
             let v = at.solid.model().nodal(velocity);
             let mut momentum = vec![0.0; v.len()];
             mass.multiply(v, &mut momentum);

@@ -1,7 +1,7 @@
 //! Internal variables of the body and of all contributions: those of a step, how they go on, and the transpose.
 
 use super::Model;
-use crate::model::views::Memory;
+use crate::model::views::InternalVariables;
 use nastic_body::error::Inadmissible;
 use nastic_body::history::{BeforeStep, History, Remembers};
 use nastic_body::instant::Instant;
@@ -15,7 +15,7 @@ impl Model {
     }
 }
 
-impl Memory<'_> {
+impl InternalVariables<'_> {
     /// Whether anything has internal variables.
     pub fn has_history(&self) -> bool {
         self.model.body.has_history() || self.model.others.iter().any(|c| c.remembers().is_some())

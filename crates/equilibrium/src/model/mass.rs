@@ -1,11 +1,11 @@
 //! The mass of a [`Model`].
 
-use crate::model::views::Inertia;
+use crate::model::views::Energies;
 use nastic_body::error::FemError;
 use nastic_body::state::State;
 use nastic_linear::SparseMatrix;
 
-impl Inertia<'_> {
+impl Energies<'_> {
     /// The mass matrix of all contributions, supports not eliminated; zero of a body without inertia.
     ///
     /// # Errors

@@ -1,7 +1,7 @@
 //! A [`Model`] over ranks: what they agree on, and what is refused there.
 
 use super::Model;
-use crate::model::views::Ranks;
+use crate::model::views::OverRanks;
 use nastic_body::contribution::Sums;
 use nastic_body::discretization::parted::{all_accept, not_over_ranks, unless_elsewhere};
 use nastic_body::error::{FemError, Inadmissible};
@@ -41,7 +41,7 @@ impl Model {
     }
 }
 
-impl Ranks<'_> {
+impl OverRanks<'_> {
     /// Whether it is the part of one rank among several.
     pub fn is_over_ranks(&self) -> bool {
         self.model.unknowns().share().is_some()

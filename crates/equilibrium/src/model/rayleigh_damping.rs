@@ -1,11 +1,11 @@
 //! The Rayleigh damping of a [`Model`].
 
-use crate::model::views::Inertia;
+use crate::model::views::Energies;
 use nastic_body::error::{FemError, Inadmissible};
 use nastic_forces::rayleigh_damping::RayleighDamping;
 use nastic_linear::StructureError;
 
-impl Inertia<'_> {
+impl Energies<'_> {
     /// The damping `(a0 M + a1 K(0)) v` of a model whose materials and masses are complete.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! [`StoredEnergy`]: what a state has stored.
 
-use crate::model::views::Inertia;
+use crate::model::views::Energies;
 use nastic_body::contribution::energy_role::EnergyRole;
 use nastic_body::contribution::point::Need;
 use nastic_body::contribution::{Contribution, Demand, Sums};
@@ -23,7 +23,7 @@ fn energy(contribution: &dyn Contribution, at: &Instant) -> Result<f64, Inadmiss
     Ok(sums.energy)
 }
 
-impl Inertia<'_> {
+impl Energies<'_> {
     /// What a state by itself has stored, with relaxed viscous laws; loads, fluids and drives have no part in it.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ pub struct Stability<'a> {
 
 /// The internal variables of a model: those of a step, how they go on, and the transpose: [`Model::memory`].
 #[derive(Debug, Clone, Copy)]
-pub struct Memory<'a> {
+pub struct InternalVariables<'a> {
     pub(crate) model: &'a Model,
 }
 
@@ -28,7 +28,7 @@ pub struct Tangents<'a> {
 
 /// A model over ranks: [`Model::ranks`].
 #[derive(Debug, Clone, Copy)]
-pub struct Ranks<'a> {
+pub struct OverRanks<'a> {
     pub(crate) model: &'a Model,
 }
 
@@ -50,9 +50,9 @@ pub struct Properties<'a> {
     pub(crate) model: &'a Model,
 }
 
-/// Mass, energies and damping of a model: [`Model::inertia`].
+/// Mass, energies and damping of a model: [`Model::energies`].
 #[derive(Debug, Clone, Copy)]
-pub struct Inertia<'a> {
+pub struct Energies<'a> {
     pub(crate) model: &'a Model,
 }
 
@@ -63,8 +63,8 @@ impl Model {
     }
 
     /// The internal variables of a model: those of a step, how they go on, and the transpose.
-    pub fn memory(&self) -> Memory<'_> {
-        Memory { model: self }
+    pub fn memory(&self) -> InternalVariables<'_> {
+        InternalVariables { model: self }
     }
 
     /// The unknowns of a model that contributions hold at values of their controls.
@@ -78,8 +78,8 @@ impl Model {
     }
 
     /// A model over ranks.
-    pub fn ranks(&self) -> Ranks<'_> {
-        Ranks { model: self }
+    pub fn ranks(&self) -> OverRanks<'_> {
+        OverRanks { model: self }
     }
 
     /// Which moves every contribution of a model bears, and where one leads.
@@ -98,7 +98,7 @@ impl Model {
     }
 
     /// Mass, energies and damping of a model.
-    pub fn inertia(&self) -> Inertia<'_> {
-        Inertia { model: self }
+    pub fn energies(&self) -> Energies<'_> {
+        Energies { model: self }
     }
 }

@@ -166,7 +166,7 @@ pub(crate) fn shape(member: CaseMember<'_>, state: &State) -> StateRecord {
 pub(crate) fn state(member: CaseMember<'_>, state: &State) -> StateRecord {
     let is_equilibrium = member.reduced().timeline().is_none();
     let reactions = is_equilibrium.then(|| reactions(member, None, state));
-    let stored = if is_equilibrium { member.solid().model().inertia().stored_energy(state).ok() } else { None };
+    let stored = if is_equilibrium { member.solid().model().energies().stored_energy(state).ok() } else { None };
     StateRecord { reactions, energy: stored.map(energy), ..shape(member, state) }
 }
 

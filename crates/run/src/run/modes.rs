@@ -91,7 +91,7 @@ fn check(session: &Session<'_>, count: usize) -> Result<(), RunError> {
     for member in session.problem.members() {
         let model = member.solid().model();
         // what is wrong with a mass is reported where modes are sought
-        if model.inertia().mass().is_ok_and(|mass| mass.diagonal().iter().all(|mass| *mass == 0.0)) {
+        if model.energies().mass().is_ok_and(|mass| mass.diagonal().iter().all(|mass| *mass == 0.0)) {
             let what = "\"modes\" needs masses: give every material a \"density\", as in \"1000 kg/m^3\"".to_owned();
             return Err(session.problem.complain("materials", what).into());
         }

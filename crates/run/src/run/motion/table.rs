@@ -215,6 +215,6 @@ pub(super) fn touches(member: CaseMember<'_>, before: Option<&State>, state: &St
 /// Kinetic energy (none without inertia), and the potential of stresses, actuations and loads.
 pub(crate) fn energies(member: CaseMember<'_>, state: &State) -> [f64; 2] {
     let without_inertia = member.reduced().timeline().is_some_and(|timeline| timeline.scheme().is_quasi_static());
-    let kinetic = if without_inertia { Ok(0.0) } else { member.solid().model().inertia().kinetic_energy(state) };
+    let kinetic = if without_inertia { Ok(0.0) } else { member.solid().model().energies().kinetic_energy(state) };
     [kinetic.unwrap_or(f64::NAN), summary::potential(member, state)]
 }

@@ -73,7 +73,7 @@ impl<'p> Series<'p> {
         self.found = self.rows.par_iter().with_max_len(1).map(look).collect();
         let carried = |row: &Row| Carried {
             forces: summary::forces(member, None, &row.state),
-            energy: member.solid().model().inertia().stored_energy(&row.state).ok(),
+            energy: member.solid().model().energies().stored_energy(&row.state).ok(),
         };
         self.carried = self.rows.par_iter().with_max_len(1).map(carried).collect();
         let mut shown: Vec<(Warning, usize)> = Vec::new();
