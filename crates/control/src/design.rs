@@ -44,7 +44,8 @@ impl Consumer {
     fn target(
         &self,
         solid: &Solid,
-        (actuation, group): (usize, SlotGroup),
+        actuation: usize,
+        group: SlotGroup,
         (of_body, space, alone): (Option<&Arc<Basis>>, Space, bool),
         fail: impl Fn(&'static str) -> ControlError,
     ) -> Result<ControlTarget, ControlError> {
@@ -106,7 +107,13 @@ impl Layout {
             if targets.iter().any(|other| other.overlaps(actuation, &(first..end))) {
                 return Err(fail("it is a consumer already"));
             }
-            targets.push(consumer.target(solid, found, (of_body.as_ref(), space, consumers.len() == 1), fail)?);
+            targets.push(consumer.target(
+                solid,
+                found.0,
+                found.1,
+                (of_body.as_ref(), space, consumers.len() == 1),
+                fail,
+            )?);
         }
         let Some(first) = targets.first() else {
             return Err(ControlError::Consumer { name: name.to_owned(), of: String::new(), why: "there is none" });

@@ -242,7 +242,8 @@ impl H1Block {
     /// Of a field with the pieces of all ranks, where there are several.
     fn new(
         disc: &Discretization,
-        (block, gathered): (&ControlBlock, Option<Vec<Piece>>),
+        block: &ControlBlock,
+        gathered: Option<Vec<Piece>>,
         weights: &[f64],
         length: f64,
     ) -> Result<Self, ControlError> {
@@ -288,7 +289,7 @@ impl H1 {
         for block in layout.blocks() {
             let gathered = pieces_of_all(disc, &block.basis)?;
             // the pieces of the next one would wait for a rank that has failed
-            blocks.push(whole.agreed(H1Block::new(disc, (block, gathered), weights, length))?);
+            blocks.push(whole.agreed(H1Block::new(disc, block, gathered, weights, length))?);
         }
         Ok(H1 { len: layout.len(), blocks })
     }

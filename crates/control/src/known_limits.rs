@@ -37,7 +37,7 @@ const ON: f64 = 1e-9;
 
 impl KnownLimits {
     /// Notes a limit point on a step from a control, and the normal of the surface there, to whichever side.
-    pub fn add(&mut self, at: &LimitAhead, (from, step): (&[f64], Vec<f64>), mut normal: Vec<f64>) {
+    pub fn add(&mut self, at: &LimitAhead, from: &[f64], step: Vec<f64>, mut normal: Vec<f64>) {
         if dot(&normal, &step) < 0.0 {
             normal.iter_mut().for_each(|n| *n = -*n);
         }

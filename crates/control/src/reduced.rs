@@ -395,7 +395,7 @@ impl Reduced {
         workspace: &mut ReducedWorkspace,
     ) -> Result<Evaluated, ControlError> {
         match &self.motion {
-            Some(motion) => self.evaluate_motion(motion, (m, how), Some(observer), workspace),
+            Some(motion) => self.evaluate_motion(motion, m, how, Some(observer), workspace),
             None => self.evaluate_typed(m, how, workspace),
         }
     }
@@ -407,7 +407,7 @@ impl Reduced {
         workspace: &mut ReducedWorkspace,
     ) -> Result<Evaluated, ControlError> {
         if let Some(motion) = &self.motion {
-            return self.evaluate_motion(motion, (m, how), None, workspace);
+            return self.evaluate_motion(motion, m, how, None, workspace);
         }
         self.check_same_control(m)?;
         self.solid.model().ranks().unless_parted(self.evaluate_static(m, how, workspace))

@@ -244,8 +244,14 @@ fn designs_hold_from_the_first_load_step_on() -> Outcome {
     assert_eq!(with_slots.model().unactuated(&controls), controls);
     // A ramp has the designs of its end throughout.
     let ends = (&with_slots.controls(), &controls);
-    let ramp =
-        with_slots.model().stability().ramp(ends, 3, &how, &mut nastic_fem::Workspace::default(), &mut |_| ())?;
+    let ramp = with_slots.model().stability().ramp(
+        ends.0,
+        ends.1,
+        3,
+        &how,
+        &mut nastic_fem::Workspace::default(),
+        &mut |_| (),
+    )?;
     assert!(ramp.points.iter().all(|point| *point.state.controls == controls));
     Ok(())
 }

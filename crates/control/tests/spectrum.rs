@@ -41,7 +41,7 @@ fn spectrum(problem: &Reduced, best: &Best<Evaluated>, count: usize) -> Outcome<
     let domain = Domain { set: Arc::new(bounds()), metric: problem.inner_product()?, cancel: None };
     let mut workspace = ReducedWorkspace::default();
     let at = (best.m.as_slice(), &mut best.point.clone());
-    Ok(Spectrum::at(problem, at, &domain, &SpectrumOptions::leading(count), &mut workspace)?)
+    Ok(Spectrum::at(problem, at.0, at.1, &domain, &SpectrumOptions::leading(count), &mut workspace)?)
 }
 
 #[test]

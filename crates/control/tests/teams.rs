@@ -208,7 +208,7 @@ fn blocks_of_members_are_the_same_on_any_number_of_ranks() -> Outcome {
     let m = start(bars(Mean)?.len());
     let blocks = |all: &Ensemble, work: Option<[usize; MEMBERS]>| {
         if let Some(work) = work {
-            all.share_anew(&work, (&[], 1));
+            all.share_anew(&work, &[], 1);
         }
         let point = all.evaluate(&m, &Request::default(), &mut EnsembleWorkspace::default()).unwrap();
         let saved = SavedMembers::from_bytes(&all.save(&point)).unwrap();
@@ -273,7 +273,7 @@ fn members_that_move_between_ranks_change_no_bit() -> Outcome {
         for work in [[100, 1, 1, 1, 1], [1, 1, 1, 1, 100]] {
             let found = run(size, &Faults::default(), |rank| {
                 let (_team, all) = on(rank, bars(Mean).unwrap());
-                two(&all, &|| all.share_anew(&work, (&[], 1)) && !all.share_anew(&work, (&[], 1)))
+                two(&all, &|| all.share_anew(&work, &[], 1) && !all.share_anew(&work, &[], 1))
             });
             assert!(found.iter().all(|found| *found == serial), "{size} ranks, {work:?}");
         }
@@ -333,7 +333,7 @@ fn motions_that_move_are_solved_once_more_where_they_go_and_no_others() -> Outco
     let found = run(2, &Faults::default(), |rank| {
         let (_team, all) = on(rank, arms().unwrap());
         // in 2 solves each the third one took 10 iterations: 5 more are less than what is gained
-        moved_motions(all, |all, point| all.share_anew(&work, (&[point], 2))).unwrap()
+        moved_motions(all, |all, point| all.share_anew(&work, &[point], 2)).unwrap()
     });
     assert!(found.iter().all(|(bits, _)| *bits == serial));
     assert!(found[0].1.is_empty(), "{:?}", found[0].1);
@@ -342,7 +342,7 @@ fn motions_that_move_are_solved_once_more_where_they_go_and_no_others() -> Outco
     let stays = run(2, &Faults::default(), |rank| {
         let (_team, all) = on(rank, arms().unwrap());
         let point = all.evaluate(&start(all.len()), &Request::default(), &mut EnsembleWorkspace::default()).unwrap();
-        !all.share_anew(&work, (&[&point; 3], 1))
+        !all.share_anew(&work, &[&point; 3], 1)
     });
     assert_eq!(stays, [true, true]);
     Ok(())

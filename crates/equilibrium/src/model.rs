@@ -239,7 +239,7 @@ impl Model {
         tangent: &mut BorderedTangent,
     ) -> Result<(), Inadmissible> {
         let (u, driving) = (self.nodal(at.u), Driving::of(at));
-        self.body.add_with_point_strains((u, driving), strains, sums, &mut tangent.matrix, at.parallel)?;
+        self.body.add_with_point_strains(u, driving, strains, sums, &mut tangent.matrix, at.parallel)?;
         let demand = Demand { energy: false, force: true };
         self.dead_load.add_residual(&Instant { u, ..*at }, demand, sums)?;
         self.each_other(at, |contribution, at| {

@@ -192,13 +192,14 @@ impl Solid {
     /// An unknown name, field or component; an earlier support prescribes another value.
     pub fn hold(
         mut self,
-        (field, component): (&str, usize),
+        field: &str,
+        component: usize,
         surface: impl Into<GroupNames>,
         value: f64,
     ) -> Result<Self, FemError> {
         let surface = surface.into();
         let nodes = self.nodes_of(&surface)?;
-        self.model.prescribe((field, component), (&surface.to_string(), &nodes), value)?;
+        self.model.prescribe(field, component, &surface.to_string(), &nodes, value)?;
         Ok(self)
     }
 

@@ -173,13 +173,13 @@ fn memory_is_told_beforehand() -> Outcome {
     let (model, scheme) = (solid.model(), Scheme::bdf2());
     let all = Checkpoints::all(200, 8)?;
     let whole = all.bytes(model, &scheme);
-    assert_eq!(Checkpoints::within(whole, 200, 8, (model, &scheme))?, all);
-    let half = Checkpoints::within(whole / 2, 200, 8, (model, &scheme))?;
+    assert_eq!(Checkpoints::within(whole, 200, 8, model, &scheme)?, all);
+    let half = Checkpoints::within(whole / 2, 200, 8, model, &scheme)?;
     assert!(half.bytes(model, &scheme) <= whole / 2 && half.recomputed_steps() > 0);
     let most = half.most().ok_or("checkpoints")?;
     let more = Checkpoints::at_most(most + 1, 200, 8)?;
     assert!(more.bytes(model, &scheme) > whole / 2 || most == half.segments(), "{most}");
-    let refused = Checkpoints::within(1000, 200, 8, (model, &scheme)).err().ok_or("too little")?.to_string();
+    let refused = Checkpoints::within(1000, 200, 8, model, &scheme).err().ok_or("too little")?.to_string();
     let least = Checkpoints::at_most(1, 200, 8)?.bytes(model, &scheme);
     assert!(refused.contains(&least.to_string()), "{refused}");
     assert!(Checkpoints::at_most(0, 8, 2).is_err() && Checkpoints::all(8, 0).is_err());

@@ -204,7 +204,7 @@ fn paths_and_ramps_go_along_constraints() -> Outcome {
             let fits = path.points.iter().zip(&multipliers).all(|(point, p)| (*p > 0.0) == taut(point.s));
             assert!(fits && multipliers.iter().all(|p| *p >= 0.0), "{multipliers:?}");
         }
-        let ramp = model.stability().ramp((&from, &to), 5, &STRICT, &mut Workspace::default(), &mut |_| ())?;
+        let ramp = model.stability().ramp(&from, &to, 5, &STRICT, &mut Workspace::default(), &mut |_| ())?;
         assert!(ramp.failure.is_none() && ramp.critical.is_empty(), "{name}: {:?}", ramp.failure);
         let apart = norm(&sub(&ramp.points[4].state.u, &state.u)) / norm(&state.u);
         assert!(apart < 1e-8, "{name}: {apart:e}");

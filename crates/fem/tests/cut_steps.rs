@@ -102,14 +102,13 @@ fn a_cut_step_is_written_down() -> Outcome {
     let record = trajectory.last_step(&scheme).unwrap();
     assert!(record.starts && record.parts > 1 && record.stages.len() == 2 * record.parts, "{} parts", record.parts);
     let mut other =
-        Trajectory::from_end(trajectory.begin(), (0, trajectory.states().to_vec()), Some(record.clone()), &scheme)?;
+        Trajectory::from_end(trajectory.begin(), 0, trajectory.states().to_vec(), Some(record.clone()), &scheme)?;
     go_on(&mut trajectory)?;
     go_on(&mut other)?;
     assert_eq!(trajectory.end().u, other.end().u);
     let unknown = nastic_fem::StepRecord { parts: 3, ..record };
     assert!(
-        Trajectory::from_end(trajectory.begin(), (0, trajectory.states()[..2].to_vec()), Some(unknown), &scheme)
-            .is_err()
+        Trajectory::from_end(trajectory.begin(), 0, trajectory.states()[..2].to_vec(), Some(unknown), &scheme).is_err()
     );
     Ok(())
 }

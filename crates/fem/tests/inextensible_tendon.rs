@@ -310,7 +310,7 @@ fn a_ramp_passes_the_onset() -> Outcome {
         controls
     };
     let ends = (&at(-0.1), &at(0.2));
-    let ramp = solid.model().stability().ramp(ends, 7, &STRICT, &mut Workspace::default(), &mut |_| ())?;
+    let ramp = solid.model().stability().ramp(ends.0, ends.1, 7, &STRICT, &mut Workspace::default(), &mut |_| ())?;
     assert!(ramp.points.len() == 7 && ramp.critical.is_empty() && ramp.failure.is_none(), "{:?}", ramp.failure);
     let mut before = 0.0;
     for point in &ramp.points {

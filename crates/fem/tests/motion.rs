@@ -90,8 +90,7 @@ fn paths_and_ramps_go_along_a_rotation() -> Outcome {
     )?;
     let end = path.points.last().ok_or("no points")?;
     assert!(difference(&end.state.u, &direct.u) < 1e-6, "{:e}", difference(&end.state.u, &direct.u));
-    let ramp =
-        solid.model().stability().ramp((&solid.controls(), &controls), 3, &STRICT, &mut workspace, &mut |_| {})?;
+    let ramp = solid.model().stability().ramp(&solid.controls(), &controls, 3, &STRICT, &mut workspace, &mut |_| {})?;
     let last = ramp.points.last().ok_or("no points")?;
     assert!(ramp.failure.is_none() && difference(&last.state.u, &direct.u) < 1e-8);
     Ok(())

@@ -36,7 +36,7 @@ fn cable() -> Tendon {
 /// With the field, zero at both ends.
 fn with_field(solid: Solid) -> Outcome<Solid> {
     let poisson = Poisson::on(solid.mesh(), CONDUCTIVITY, PUSH);
-    Ok(solid.contribution(poisson)?.hold(("phi", 0), "x-", 0.0)?.hold(("phi", 0), "x+", 0.0)?)
+    Ok(solid.contribution(poisson)?.hold("phi", 0, "x-", 0.0)?.hold("phi", 0, "x+", 0.0)?)
 }
 
 fn solve(solid: &Solid, source: f64) -> Outcome<State> {
@@ -127,9 +127,9 @@ fn what_knows_of_the_displacement_alone_is_refused() -> Outcome {
         matches!(&moved, Err(FemError::Unsupported { what, with, .. }) if what.contains("phi") && with == "grip"),
         "{moved:?}"
     );
-    let unknown = solid.clone().hold(("temperature", 0), "x+", 1.0).err().ok_or("it holds")?;
+    let unknown = solid.clone().hold("temperature", 0, "x+", 1.0).err().ok_or("it holds")?;
     assert!(unknown.to_string().contains("displacement, phi"), "{unknown}");
-    let conflict = solid.clone().hold(("phi", 0), "x+", 1.0).err().ok_or("it holds")?;
+    let conflict = solid.clone().hold("phi", 0, "x+", 1.0).err().ok_or("it holds")?;
     assert!(conflict.to_string().contains("0 of \"phi\""), "{conflict}");
     // multigrid knows of rigid motions alone
     let how = SolveOptions { solver: Some(Solver::MULTIGRID), ..STRICT };

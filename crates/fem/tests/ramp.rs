@@ -27,7 +27,8 @@ fn pressure(solid: &Solid, p: f64) -> Outcome<Controls> {
 fn ramp(solid: &Solid, from: f64, to: f64, count: usize, how: &SolveOptions) -> Outcome<Ramp> {
     let ends = (&pressure(solid, from)?, &pressure(solid, to)?);
     let mut seen = 0;
-    let found = solid.model().stability().ramp(ends, count, how, &mut Workspace::default(), &mut |_| seen += 1)?;
+    let found =
+        solid.model().stability().ramp(ends.0, ends.1, count, how, &mut Workspace::default(), &mut |_| seen += 1)?;
     assert_eq!(seen, found.points.len());
     Ok(found)
 }
@@ -98,7 +99,8 @@ fn a_ramp_that_fails_keeps_what_it_has() -> Outcome {
     assert!((s - found.points.len() as f64 / 10.0).abs() < 1e-12);
     assert!(found.points.iter().all(|point| point.state.report.residual < 1e-10));
     let one = solid.model().stability().ramp(
-        (&solid.controls(), &solid.controls()),
+        &solid.controls(),
+        &solid.controls(),
         1,
         &STRICT,
         &mut Workspace::default(),

@@ -64,7 +64,7 @@ impl Evaluation {
         smoothing: Smoothing,
         summation: Summation,
     ) -> Result<Self, HausdorffError> {
-        Self::together(body, target, (smoothing, summation), None)
+        Self::together(body, target, smoothing, summation, None)
     }
 
     /// The same by several processes that have the same clouds and form the sums over pairs together; so they do those of [`partials`](Self::partials).
@@ -73,7 +73,8 @@ impl Evaluation {
     pub fn together(
         body: &Cloud,
         target: &Cloud,
-        (smoothing, summation): (Smoothing, Summation),
+        smoothing: Smoothing,
+        summation: Summation,
         together: Option<Arc<dyn Together>>,
     ) -> Result<Self, HausdorffError> {
         let pairs = Pairs::new(body, target, smoothing.phi(), smoothing.alpha(), summation)?.together(together);

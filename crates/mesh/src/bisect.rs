@@ -22,13 +22,13 @@ impl Mesh {
         let middles: Vec<[f64; 3]> = self.blocks.iter().flat_map(CellBlock::iter).map(middle).collect();
         let mut owners = vec![0; middles.len()];
         let mut cells: Vec<u32> = (0..middles.len() as u32).collect();
-        bisect(&middles, &mut cells, (0, parts), &mut owners);
+        bisect(&middles, &mut cells, 0, parts, &mut owners);
         Ok(owners)
     }
 }
 
 /// Gives cells to so many parts from the first one on.
-fn bisect(middles: &[[f64; 3]], cells: &mut [u32], (first, parts): (usize, usize), owners: &mut [u32]) {
+fn bisect(middles: &[[f64; 3]], cells: &mut [u32], first: usize, parts: usize, owners: &mut [u32]) {
     if parts == 1 {
         cells.iter().for_each(|&cell| owners[cell as usize] = first as u32);
         return;
@@ -40,6 +40,6 @@ fn bisect(middles: &[[f64; 3]], cells: &mut [u32], (first, parts): (usize, usize
     cells.sort_unstable_by(|&a, &b| along(a).total_cmp(&along(b)).then(a.cmp(&b)));
     let half = parts / 2;
     let (left, right) = cells.split_at_mut(cells.len() * half / parts);
-    bisect(middles, left, (first, half), owners);
-    bisect(middles, right, (first + half, parts - half), owners);
+    bisect(middles, left, first, half, owners);
+    bisect(middles, right, first + half, parts - half, owners);
 }

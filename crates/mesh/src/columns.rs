@@ -39,7 +39,7 @@ impl Mesh {
                 if out[first as usize][axis].cells > 0 {
                     continue;
                 }
-                let (chain, ring) = chain(&across, axes, (first, axis));
+                let (chain, ring) = chain(&across, axes, first, axis);
                 let length: f64 = chain.iter().map(|&(cell, axis)| out[cell as usize][axis].extent).sum();
                 let length = if ring { f64::INFINITY } else { length };
                 for &(cell, axis) in &chain {
@@ -76,7 +76,8 @@ fn opposite_faces(kind: CellKind) -> &'static [[u8; 2]] {
 fn chain(
     across: &[[Option<Facet>; FACES]],
     axes: impl Fn(u32) -> &'static [[u8; 2]],
-    (first, axis): (u32, usize),
+    first: u32,
+    axis: usize,
 ) -> (Vec<(u32, usize)>, bool) {
     let mut chain = vec![(first, axis)];
     for side in 0..2 {

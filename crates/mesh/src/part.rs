@@ -163,7 +163,7 @@ impl Mesh {
         }
         let receivers = self.receivers(owners, sets).map_err(|why| self.no_part(number, why))?;
         let sets: Vec<(u32, &[u32])> = receivers.into_iter().zip(sets.iter().map(Vec::as_slice)).collect();
-        let Division { nodes, owned, shared, further } = self.divided(owners, (number, &cells), &sets);
+        let Division { nodes, owned, shared, further } = self.divided(owners, number, &cells, &sets);
         let (node_numbers, cell_numbers) =
             (Numbers::new(self.points.len(), &nodes), Numbers::new(owners.len(), &cells));
         let mut sharers: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
@@ -180,9 +180,9 @@ impl Mesh {
         };
         let outer_faces = self.neighbours.iter().filter_map(|(a, b)| outer((a, b)).or_else(|| outer((b, a)))).collect();
         let all_pieces = self.pieces();
-        let (patches, cut_patches) = self.patches_of_part(owners, (number, &cells));
+        let (patches, cut_patches) = self.patches_of_part(owners, number, &cells);
         Ok(Part {
-            mesh: Arc::new(self.restricted(&nodes, &cells, (&node_numbers, &cell_numbers))),
+            mesh: Arc::new(self.restricted(&nodes, &cells, &node_numbers, &cell_numbers)),
             owned,
             sharers: sharers.into_iter().collect(),
             surface_nodes: surfaces.map(on_surface).collect(),
@@ -249,7 +249,7 @@ impl Mesh {
     }
 
     /// The patches of the cells of a part, and those that are cut.
-    fn patches_of_part(&self, owners: &[u32], (number, cells): (u32, &[u32])) -> (Vec<u32>, BTreeMap<u32, u32>) {
+    fn patches_of_part(&self, owners: &[u32], number: u32, cells: &[u32]) -> (Vec<u32>, BTreeMap<u32, u32>) {
         if !self.may_have_patches() {
             return ((0..cells.len() as u32).collect(), BTreeMap::new());
         }
@@ -262,7 +262,7 @@ impl Mesh {
     }
 
     /// The nodes of a part, with sets that parts are to have whole.
-    fn divided(&self, owners: &[u32], (number, cells): (u32, &[u32]), sets: &[(u32, &[u32])]) -> Division {
+    fn divided(&self, owners: &[u32], number: u32, cells: &[u32], sets: &[(u32, &[u32])]) -> Division {
         let of_cells = self.nodes_of_cells(cells);
         let reached = sets.iter().filter(|(receiver, _)| *receiver == number).flat_map(|(_, nodes)| *nodes);
         let reached: BTreeSet<u32> = reached.copied().collect();
@@ -289,7 +289,7 @@ impl Mesh {
     }
 
     /// Some of its nodes and cells, with all names.
-    fn restricted(&self, nodes: &[u32], cells: &[u32], (of_node, of_cell): (&Numbers, &Numbers)) -> Mesh {
+    fn restricted(&self, nodes: &[u32], cells: &[u32], of_node: &Numbers, of_cell: &Numbers) -> Mesh {
         let (mut blocks, mut first) = (Vec::new(), 0);
         for block in &self.blocks {
             let kept = block.iter().zip(block.first as u32..).filter(|(_, cell)| of_cell.of(*cell).is_some());

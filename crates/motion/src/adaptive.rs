@@ -55,7 +55,7 @@ pub(crate) fn advance_adaptively(
     how: &SolveOptions,
     workspace: &mut Workspace,
 ) -> Result<AdaptiveReport, StateError> {
-    adapt(model, (trajectory, &mut |_| ()), scheme, goals, controls, (how, workspace))
+    adapt(model, trajectory, &mut |_| (), scheme, goals, controls, (how, workspace))
 }
 
 /// [`TimeStepping::find_steps`](crate::TimeStepping::find_steps).
@@ -73,7 +73,7 @@ pub(crate) fn find_steps(
         instants.push(trajectory.end().time);
         *trajectory = trajectory.tail(scheme);
     };
-    let report = adapt(model, (trajectory, &mut keep_end), scheme, goals, controls, (how, workspace))?;
+    let report = adapt(model, trajectory, &mut keep_end, scheme, goals, controls, (how, workspace))?;
     Ok((instants, report))
 }
 
@@ -88,7 +88,8 @@ pub(crate) fn last_step_error(model: &Model, trajectory: &Trajectory) -> Option<
     let mut points = Points::new(
         &step.scheme,
         step.dt,
-        (&states[begin], before),
+        &states[begin],
+        before,
         step.started.as_ref(),
         model.discretization().dofs(),
     );
@@ -102,7 +103,8 @@ pub(crate) fn last_step_error(model: &Model, trajectory: &Trajectory) -> Option<
 /// Calls with the trajectory after every step.
 fn adapt(
     model: &Model,
-    (trajectory, each): (&mut Trajectory, &mut dyn FnMut(&mut Trajectory)),
+    trajectory: &mut Trajectory,
+    each: &mut dyn FnMut(&mut Trajectory),
     scheme: &Scheme,
     (instants, tolerance): (&[f64], Tolerance),
     controls: &dyn Fn(f64) -> Result<Controls, FemError>,
@@ -122,7 +124,7 @@ fn adapt(
             let dt = fitting(h, goal - begin);
             let to = StepTo { dt, controls: controls(begin + dt)? };
             model.checks().check_controls(&to.controls)?;
-            let mut found = match step(model, trajectory, (scheme.clone(), false), &to, how, workspace) {
+            let mut found = match step(model, trajectory, scheme.clone(), false, &to, how, workspace) {
                 Ok(found) => found,
                 Err(error) => {
                     let may_help = matches!(error, StateError::InStep { .. } | StateError::EndOfStep { .. });

@@ -60,7 +60,8 @@ impl Checkpoints {
         bytes: usize,
         steps: usize,
         segment: usize,
-        (model, scheme): (&Model, &Scheme),
+        model: &Model,
+        scheme: &Scheme,
     ) -> Result<Self, FemError> {
         let all = Checkpoints::all(steps, segment)?;
         if all.bytes(model, scheme) <= bytes {

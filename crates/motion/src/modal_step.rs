@@ -40,7 +40,8 @@ pub(crate) struct ModalStep {
 pub(crate) fn modal_step(
     model: &Model,
     count: usize,
-    (begin, controls): (&State, &Controls),
+    begin: &State,
+    controls: &Controls,
     step: &TimeStep,
     how: &SolveOptions,
 ) -> Result<ModalStep, StateError> {

@@ -72,7 +72,7 @@ impl Scheme {
     ///
     /// # Errors
     /// As [`amplification`](Self::amplification).
-    pub fn modal_damping(&self, h: f64, w: f64, (a0, a1): (f64, f64)) -> Result<ModalDamping, FemError> {
+    pub fn modal_damping(&self, h: f64, w: f64, a0: f64, a1: f64) -> Result<ModalDamping, FemError> {
         let (hw, physical) = (h * w, a0 / w + a1 * w);
         let factor = self.amplification(hw, physical)?;
         let oscillates = physical < 2.0;
@@ -95,7 +95,7 @@ impl Scheme {
         };
         let begin = state(unit(0), unit(1), carries.then(|| unit(2)));
         let before = two_states.then(|| state(unit(n - 2), unit(n - 1), None));
-        let mut points = Points::new(self, 1.0, (&begin, before.as_ref()), None, n);
+        let mut points = Points::new(self, 1.0, &begin, before.as_ref(), None, n);
         for _ in 0..self.stages() {
             let step = points.next(&begin.controls);
             let ((c_v, b_v), (c_a, b_a)) = (&step.velocity, &step.acceleration);

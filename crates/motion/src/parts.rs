@@ -17,20 +17,20 @@ impl Scheme {
             for stage in &self.stages {
                 stages.push(Stage {
                     time: (part as f64 + stage.time) / n as f64,
-                    velocity: self.placed(&stage.velocity, Quantity::Velocity, (part, n)),
-                    acceleration: self.placed(&stage.acceleration, Quantity::Acceleration, (part, n)),
+                    velocity: self.placed(&stage.velocity, Quantity::Velocity, part, n),
+                    acceleration: self.placed(&stage.acceleration, Quantity::Acceleration, part, n),
                 });
             }
         }
-        let of_end = |of: Quantity, terms: &[Term]| self.placed(terms, of, (n - 1, n));
+        let of_end = |of: Quantity, terms: &[Term]| self.placed(terms, of, n - 1, n);
         let [displacement, velocity, acceleration] = self.end.combinations().map(|(of, terms)| of_end(of, terms));
-        let error = (0..n).flat_map(|part| self.placed(&self.error, Quantity::Displacement, (part, n))).collect();
+        let error = (0..n).flat_map(|part| self.placed(&self.error, Quantity::Displacement, part, n)).collect();
         let end = End { displacement, velocity, acceleration };
         Some(Scheme { stages, end, start: None, error, parts: n * self.parts, ..self.clone() })
     }
 
     /// A combination of a part as one of the whole step, of n parts.
-    fn placed(&self, terms: &[Term], of: Quantity, (part, n): (usize, usize)) -> Vec<Term> {
+    fn placed(&self, terms: &[Term], of: Quantity, part: usize, n: usize) -> Vec<Term> {
         let mut out = Vec::new();
         for term in terms {
             let scale = term.factor * (n as f64).powi(of.power() - term.of.power());
@@ -43,7 +43,7 @@ impl Scheme {
                 _ => {
                     let [u, v, a] = self.end.combinations();
                     let (_, ended) = [u, v, a].into_iter().find(|(of, _)| *of == term.of).unwrap_or(u);
-                    let ended = self.placed(ended, term.of, (part - 1, n));
+                    let ended = self.placed(ended, term.of, part - 1, n);
                     out.extend(ended.into_iter().map(|end| Term { factor: scale * end.factor, ..end }));
                 }
             }
@@ -69,7 +69,7 @@ mod tests {
 
     /// A mass on a spring with a damper after a step.
     fn step(scheme: &Scheme, h: f64, begin: &State) -> State {
-        let mut points = Points::new(scheme, h, (begin, None), None, 1);
+        let mut points = Points::new(scheme, h, begin, None, None, 1);
         for _ in &scheme.stages {
             let at = points.next(&begin.controls);
             let ((c_v, b_v), (c_a, b_a)) = (&at.velocity, &at.acceleration);

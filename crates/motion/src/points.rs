@@ -47,7 +47,8 @@ impl<'a> Points<'a> {
     pub fn new(
         scheme: &'a Scheme,
         h: f64,
-        (begin, before): (&'a State, Option<&State>),
+        begin: &'a State,
+        before: Option<&State>,
         started: Option<&Arc<Vec<f64>>>,
         dofs: usize,
     ) -> Self {

@@ -185,7 +185,7 @@ impl Recording {
             let end = (begin + self.plan.segment()).min(self.plan.steps());
             self.kept.truncate(self.kept.partition_point(|kept| kept.segment <= segment));
             if self.segment != Some(segment) {
-                self.reach(segment, &mut |run, n| run.again(model, n, to, how, (&mut workspace, &mut work)))?;
+                self.reach(segment, &mut |run, n| run.again(model, n, to, how, &mut workspace, &mut work))?;
             }
             for n in (begin..end).rev() {
                 each(&self.part, n - self.part.first())?;
@@ -221,7 +221,8 @@ impl Recording {
         segment: usize,
         to: &mut dyn FnMut(usize) -> Result<StepTo, E>,
         how: &SolveOptions,
-        (workspace, work): (&mut Workspace, &mut SolveReport),
+        workspace: &mut Workspace,
+        work: &mut SolveReport,
     ) -> Result<(), E> {
         (self.part, self.segment) = (self.part.tail(&self.scheme), None);
         let begin = segment * self.plan.segment();

@@ -136,7 +136,7 @@ impl<'a> ReverseSweep<'a> {
         let before = k.checked_sub(1).map(|k| &states[k]);
         let history = self.model.memory().next_history(begin, self.how.parallel).map_err(|at| inverted(at, begin))?;
         let mut points =
-            Points::new(&step.scheme, h, (begin, before), step.started.as_ref(), self.model.discretization().dofs());
+            Points::new(&step.scheme, h, begin, before, step.started.as_ref(), self.model.discretization().dofs());
         let mut time_steps = Vec::new();
         for (u, stage) in step.stages.iter().zip(&step.scheme.stages) {
             let of_stage = Arc::new(self.model.memory().history_of_step(&history, stage.time * h));
@@ -194,7 +194,7 @@ impl<'a> ReverseSweep<'a> {
             self.add_controls(BEGIN, 1.0 - stage.time, &by.controls);
             add(1.0, &by.velocity, &mut adjoints.velocity);
             add(1.0, &by.acceleration, &mut adjoints.acceleration);
-            self.pass_rates((stage, k, h), adjoints, &mut stages);
+            self.pass_rates(stage, k, h, adjoints, &mut stages);
             if k + 1 == step.stages.len() {
                 of_last = lambda;
             }
@@ -304,7 +304,9 @@ impl<'a> ReverseSweep<'a> {
     /// displacement owes is in the solve.
     fn pass_rates(
         &mut self,
-        (stage, k, h): (&Stage, usize, f64),
+        stage: &Stage,
+        k: usize,
+        h: f64,
         mut adjoints: InstantAdjoint,
         stages: &mut [InstantAdjoint],
     ) {

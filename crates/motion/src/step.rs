@@ -107,7 +107,7 @@ fn step_or_parts(
         false => None,
     };
     let mut next = parted(1);
-    let mut failed = match step(model, trajectory, (scheme.clone(), next.is_some()), to, how, workspace) {
+    let mut failed = match step(model, trajectory, scheme.clone(), next.is_some(), to, how, workspace) {
         Err(error @ StateError::InStep { .. }) => error,
         done => return done,
     };
@@ -115,7 +115,7 @@ fn step_or_parts(
     for cut in 2.. {
         let Some(parts) = next.filter(|_| !failed.is_final()) else { break };
         next = parted(cut);
-        match step(model, trajectory, (parts, next.is_some()), to, how, workspace) {
+        match step(model, trajectory, parts, next.is_some(), to, how, workspace) {
             Ok(mut found) => {
                 found.state.report.newton += spent;
                 found.state.report.cuts += 1;
@@ -135,7 +135,8 @@ fn step_or_parts(
 pub(crate) fn step(
     model: &Model,
     trajectory: &Trajectory,
-    (scheme, shorter): (Arc<Scheme>, bool),
+    scheme: Arc<Scheme>,
+    shorter: bool,
     to: &StepTo,
     how: &SolveOptions,
     workspace: &mut Workspace,
@@ -148,7 +149,7 @@ pub(crate) fn step(
         true => Some(Arc::new(initial_acceleration(model, begin, &history, how.parallel)?)),
         false => None,
     };
-    let mut points = Points::new(&scheme, h, (begin, before), started.as_ref(), model.discretization().dofs());
+    let mut points = Points::new(&scheme, h, begin, before, started.as_ref(), model.discretization().dofs());
     let (mut stages, mut work) = (Vec::new(), SolveReport::default());
     let mut modes = None;
     let mut here = begin.clone();
@@ -159,12 +160,12 @@ pub(crate) fn step(
         let options = SolveOptions { near: Some(&here), guess: None, ..how.clone() };
         modes = match scheme.exact_modes() {
             0 => None,
-            count => Some(modal_step(model, count, (begin, &controls), &time_step, how)?),
+            count => Some(modal_step(model, count, begin, &controls, &time_step, how)?),
         };
         let exact = modes.as_ref().map(|modes: &ModalStep| |step: &mut [f64]| modes.replace(step));
         let replace = exact.as_ref().map(|exact| exact as &dyn Fn(&mut [f64]));
         let found = match scheme.is_linearised() {
-            true => model.moves().iterate_once(&controls, begin, (&options, &time_step), replace, workspace),
+            true => model.moves().iterate_once(&controls, begin, &options, &time_step, replace, workspace),
             false => {
                 let predicted = points.predict(&time_step, &here);
                 let guesses = match model.properties().depends_on_path() {
@@ -173,9 +174,9 @@ pub(crate) fn step(
                         vec![predicted, points.coast(&time_step), model.moves().carried(&here, &controls, how.parallel)]
                     }
                 };
-                let guess = nearest(model, guesses, &here, (&controls, &time_step), how.parallel);
+                let guess = nearest(model, guesses, &here, &controls, &time_step, how.parallel);
                 let options = SolveOptions { guess: guess.as_deref(), ..options };
-                model.find(&controls, &options, (Some(&time_step), shorter), workspace)
+                model.find(&controls, &options, Some(&time_step), shorter, workspace)
             }
         };
         let mut found = found.map_err(|error| in_step(error, begin.time, h))?;
@@ -207,7 +208,8 @@ fn nearest(
     model: &Model,
     guesses: Vec<Option<Vec<f64>>>,
     than: &State,
-    (controls, step): (&Controls, &TimeStep),
+    controls: &Controls,
+    step: &TimeStep,
     parallel: bool,
 ) -> Option<Vec<f64>> {
     let energy = model.properties().has_potential();

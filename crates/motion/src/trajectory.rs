@@ -122,7 +122,8 @@ impl Trajectory {
     /// No state, more than two, a step without two of them; vectors of different lengths, or a number of stages that is not the scheme's.
     pub fn from_end(
         begin: Begin,
-        (first, states): (usize, Vec<State>),
+        first: usize,
+        states: Vec<State>,
         step: Option<StepRecord>,
         scheme: &Scheme,
     ) -> Result<Self, FemError> {

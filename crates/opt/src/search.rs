@@ -214,7 +214,7 @@ impl<O: Objective> Setting<O> {
             if !rules.accepts(reference, predicted, slack, cost) {
                 let wanted = reference + rules.armijo * predicted;
                 let jump = self.objective.jump(&at.point, &point, workspace);
-                let reason = line.come_back(rules, jump, ([at.cost, predicted, cost], wanted))?;
+                let reason = line.come_back(rules, jump, [at.cost, predicted, cost], wanted)?;
                 observer.trial(&self.trial_line(progress, at, trial.parts(Some(&point), Some(cost), reason)));
                 continue;
             }
@@ -356,7 +356,8 @@ impl Line {
         &mut self,
         rules: &LineSearch,
         jump: Option<Failed>,
-        (costs, wanted): ([f64; 3], f64),
+        costs: [f64; 3],
+        wanted: f64,
     ) -> Result<Reason, Stop> {
         if let Some(fatal) = jump.as_ref().filter(|failed| failed.is_fatal()) {
             return Err(Stop::Aborted(fatal.clone()));

@@ -95,7 +95,8 @@ impl Spectrum {
     /// [`SpectrumError`].
     pub fn at<O: Objective>(
         objective: &O,
-        (m, point): (&[f64], &mut O::Point),
+        m: &[f64],
+        point: &mut O::Point,
         domain: &Domain,
         options: &SpectrumOptions,
         workspace: &mut O::Workspace,

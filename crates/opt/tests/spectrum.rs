@@ -131,7 +131,7 @@ fn spectrum(
     count: usize,
 ) -> Result<Spectrum, SpectrumError> {
     let domain = Domain { set: Arc::new(set), metric: metric.clone(), cancel: None };
-    Spectrum::at(problem, (m, &mut m.to_vec()), &domain, &SpectrumOptions::leading(count), &mut ())
+    Spectrum::at(problem, m, &mut m.to_vec(), &domain, &SpectrumOptions::leading(count), &mut ())
 }
 
 fn box_of_one() -> Bounds {
@@ -307,12 +307,12 @@ fn same_bits_twice_and_typed_errors() {
     assert!(matches!(error, Err(SpectrumError::Lengths { control: N, metric: 3 })));
     let raised = Some(Arc::new(AtomicBool::new(true)));
     let domain = Domain { set: Arc::new(box_of_one()), metric, cancel: raised };
-    let error = Spectrum::at(&problem, (&m, &mut m.clone()), &domain, &SpectrumOptions::leading(2), &mut ());
+    let error = Spectrum::at(&problem, &m, &mut m.clone(), &domain, &SpectrumOptions::leading(2), &mut ());
     assert!(matches!(error, Err(SpectrumError::Cancelled)));
 
     // Too few products: what did converge is reported, no more.
     let domain = Domain { cancel: None, ..domain };
     let few = SpectrumOptions { max_products: 9, ..SpectrumOptions::leading(20) };
-    let found = Spectrum::at(&problem, (&m, &mut m.clone()), &domain, &few, &mut ()).unwrap();
+    let found = Spectrum::at(&problem, &m, &mut m.clone(), &domain, &few, &mut ()).unwrap();
     assert!(found.values.len() < 20 && found.residuals.iter().all(|residual| *residual < 1e-7));
 }

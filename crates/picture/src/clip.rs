@@ -106,7 +106,7 @@ fn section(body: &Body, plane: &Plane, fineness: usize) -> Vec<Vec<SurfacePoint>
         };
         let cuts = if cell.kind.order() > 1 { fineness.max(1) } else { 1 };
         for corners in tetrahedra(cell.kind, cuts) {
-            let points = corners.map(|xi| point(cell.kind, (&positions, &values), &xi, plane.normal));
+            let points = corners.map(|xi| point(cell.kind, &positions, &values, &xi, plane.normal));
             pieces.extend(cut_tetrahedron(&points, plane));
         }
     }
@@ -114,7 +114,7 @@ fn section(body: &Body, plane: &Plane, fineness: usize) -> Vec<Vec<SurfacePoint>
 }
 
 /// The point of a cell at reference coordinates.
-fn point(kind: CellKind, (positions, values): (&[V3], &[f64]), xi: &V3, normal: V3) -> SurfacePoint {
+fn point(kind: CellKind, positions: &[V3], values: &[f64], xi: &V3, normal: V3) -> SurfacePoint {
     let mut shapes = [0.0; 27];
     let shapes = &mut shapes[..kind.nodes()];
     kind.shapes(xi, shapes);

@@ -10,7 +10,7 @@ use super::shade::{self, Ground};
 use super::vector::{V3, add, scale, sub};
 
 pub(super) fn draw(picture: &Picture, scene: &Scene, marks: &[Mark]) -> String {
-    let mut out = head(&picture.title, (picture.width, picture.height), scene.ground);
+    let mut out = head(&picture.title, picture.width, picture.height, scene.ground);
     for item in items(scene) {
         let _ = writeln!(out, "{}", item.text);
     }
@@ -19,7 +19,7 @@ pub(super) fn draw(picture: &Picture, scene: &Scene, marks: &[Mark]) -> String {
 
 /// Marks alone, on the same ground.
 pub(super) fn flat(title: &str, size: (u32, u32), marks: &[Mark]) -> String {
-    finish(head(title, size, Ground::Shaded), marks)
+    finish(head(title, size.0, size.1, Ground::Shaded), marks)
 }
 
 /// Whole drawings, each with the left upper corner at its place.
@@ -34,7 +34,7 @@ pub(super) fn sheet([width, height]: [usize; 2], panels: &[([usize; 2], String)]
     out
 }
 
-fn head(title: &str, (width, height): (u32, u32), ground: Ground) -> String {
+fn head(title: &str, width: u32, height: u32, ground: Ground) -> String {
     let mut out = String::new();
     let (top, bottom) = (ground.at(0.0).hex(), ground.at(1.0).hex());
     // Writing to a string cannot fail.

@@ -53,13 +53,13 @@ pub fn figure(directory: &Path, request: &FigureRequest) -> Result<Picture, Repo
     let folder = ResultFolder::open(directory)?;
     let state = State::find(&folder, request.state.as_deref())?;
     if let Some(plane) = request.clip {
-        check_plane(plane, &state.shot, &folder.result.units.length)?;
+        check_plane(plane.0, plane.1, &state.shot, &folder.result.units.length)?;
     }
     compose(&folder, &state, request)
 }
 
 /// A plane cuts the displaced body: one beside it would leave all or nothing without a word.
-pub(crate) fn check_plane((normal, offset): ([f64; 3], f64), shot: &Snapshot, unit: &str) -> Result<(), ReportError> {
+pub(crate) fn check_plane(normal: [f64; 3], offset: f64, shot: &Snapshot, unit: &str) -> Result<(), ReportError> {
     let u = shot.point_array("displacement");
     let along = |(node, x): (usize, &[f64; 3])| -> f64 {
         let moved = |i: usize| x[i] + u.and_then(|u| u.values.get(node * u.components + i)).copied().unwrap_or(0.0);

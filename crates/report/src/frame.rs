@@ -29,7 +29,8 @@ pub(crate) fn of_snapshot(
     label: &str,
     shot: &Snapshot,
     surface: &BodySurface,
-    (amount, material): (Amount, &[String]),
+    amount: Amount,
+    material: &[String],
 ) -> Value {
     let positions = shot.positions();
     let mut fields = Map::new();

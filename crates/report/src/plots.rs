@@ -39,7 +39,7 @@ fn convergence(result: &RunRecord, trials: &[&TrialRecord]) -> Vec<Value> {
         costs.extend(terms.iter().take(6).map(term));
     }
     let x: Vec<Option<f64>> = trials.iter().map(|trial| Some(trial.trial as f64)).collect();
-    let plot = |title: &str, y: &str, curves: Vec<Curve>| plot((title, "trial", y), &x, curves);
+    let plot = |title: &str, y: &str, curves: Vec<Curve>| plot(title, "trial", y, &x, curves);
     let all = [
         plot("Cost", "cost", costs),
         plot(
@@ -75,7 +75,7 @@ fn convergence(result: &RunRecord, trials: &[&TrialRecord]) -> Vec<Value> {
 
 /// A plot of the curves that have two values or more; none without one. Logarithmic where all values are positive (zeros
 /// are left out then) and span more than a decade, but for small whole numbers.
-fn plot((title, x_label, y_label): (&str, &str, &str), x: &[Option<f64>], curves: Vec<Curve>) -> Option<Value> {
+fn plot(title: &str, x_label: &str, y_label: &str, x: &[Option<f64>], curves: Vec<Curve>) -> Option<Value> {
     let shown = |curve: &Curve| curve.values.iter().flatten().count() > 1;
     let mut curves: Vec<Curve> = curves.into_iter().filter(shown).collect();
     let values = || curves.iter().flat_map(|curve| curve.values.iter().flatten());
@@ -109,7 +109,7 @@ fn scenarios(result: &RunRecord) -> Option<Value> {
     let what = if begin.iter().any(Option::is_some) { "at the optimum" } else { "cost" };
     let curves =
         vec![Curve { label: what.to_owned(), values: now }, Curve { label: "at the start".to_owned(), values: begin }];
-    let mut plot = plot(("Costs of the scenarios", "scenario, in the order of costs", "cost"), &ranks, curves)?;
+    let mut plot = plot("Costs of the scenarios", "scenario, in the order of costs", "cost", &ranks, curves)?;
     plot["points"] = json!(true);
     Some(plot)
 }

@@ -76,8 +76,8 @@ impl Scene {
         let mut names: Vec<(String, String)> = Vec::new();
         let start = if folder.wrote(&file("optimum.vtu")) { "start" } else { "equilibrium" };
         names.extend([(file("start.vtu"), start.to_owned()), (file("optimum.vtu"), "optimum".to_owned())]);
-        names.extend(rows(folder, member, ("ramp", |state| state.ramp.as_ref())));
-        names.extend(rows(folder, member, ("path", |state| state.path.as_ref())));
+        names.extend(rows(folder, member, "ramp", |state| state.ramp.as_ref()));
+        names.extend(rows(folder, member, "path", |state| state.path.as_ref()));
         let instants = instants(folder, member)?;
         if !instants.is_empty() && start != "start" {
             // the end of the motion, which is among the instants
@@ -119,8 +119,8 @@ impl Scene {
         if self.first.is_none() {
             (self.first, self.last) = (Some(first.clone()), Some(last.clone()));
         }
-        let mut targets = self.targets(folder, ("target", &member.record.targets))?;
-        targets.extend(self.targets(folder, ("obstacle", &member.record.obstacles))?);
+        let mut targets = self.targets(folder, "target", &member.record.targets)?;
+        targets.extend(self.targets(folder, "obstacle", &member.record.obstacles)?);
         self.views
             .push(json!({ "name": member.record.name, "surface": surface, "frames": frames, "targets": targets, "obstacles": obstacles_label(&member.record.obstacle_names) }));
         Ok(())
@@ -138,7 +138,7 @@ impl Scene {
     }
 
     fn frame(&self, label: &str, shot: &Snapshot, surface: usize, amount: Amount) -> Value {
-        frame::of_snapshot(label, shot, &self.surfaces[surface], (amount, &self.material))
+        frame::of_snapshot(label, shot, &self.surfaces[surface], amount, &self.material)
     }
 
     /// The kept iterations behind the start, as many as fit.
@@ -172,7 +172,7 @@ impl Scene {
     }
 
     /// Targets or obstacles as `{ "label", "surface", "x" }`; of a tracking target the faces that are tracked.
-    fn targets(&mut self, folder: &ResultFolder, (label, files): (&str, &[String])) -> Result<Vec<Value>, ReportError> {
+    fn targets(&mut self, folder: &ResultFolder, label: &str, files: &[String]) -> Result<Vec<Value>, ReportError> {
         let mut out = Vec::new();
         for file in files.iter().filter(|file| folder.wrote(file)) {
             let shot = folder.snapshot(file)?;
@@ -245,7 +245,8 @@ fn chosen<'a, 'b>(members: &'a [ListedMember<'b>]) -> Vec<&'a ListedMember<'b>> 
 fn rows(
     folder: &ResultFolder,
     member: &ListedMember<'_>,
-    (name, series): (&str, fn(&StateRecord) -> Option<&SeriesRecord>),
+    name: &str,
+    series: fn(&StateRecord) -> Option<&SeriesRecord>,
 ) -> Vec<(String, String)> {
     let files = folder.series(&format!("{}{name}_", member.record.stem), ".vtu");
     let step = files.len().div_ceil(MOST_ROWS).max(1);

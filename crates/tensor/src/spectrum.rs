@@ -31,7 +31,7 @@ impl SymmetricSpectrum {
         for _ in 0..MAX_SWEEPS {
             let mut turned = false;
             for (p, q, r) in [(0, 1, 2), (0, 2, 1), (1, 2, 0)] {
-                turned |= turn(&mut diagonal, &mut beside, &mut axes, (p, q, r));
+                turned |= turn(&mut diagonal, &mut beside, &mut axes, p, q, r);
             }
             if !turned {
                 break;
@@ -47,7 +47,9 @@ fn turn(
     diagonal: &mut [f64; 3],
     beside: &mut [f64; 3],
     axes: &mut [[f64; 3]; 3],
-    (p, q, r): (usize, usize, usize),
+    p: usize,
+    q: usize,
+    r: usize,
 ) -> bool {
     let entry = beside[r];
     if entry.abs() <= NEGLIGIBLE * diagonal[p].abs().min(diagonal[q].abs()) || !entry.is_finite() {

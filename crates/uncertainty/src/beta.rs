@@ -85,7 +85,7 @@ impl Law for Beta {
         let (a, b) = (self.alpha, self.beta);
         let log_scale = ln_gamma(a + b) - ln_gamma(a) - ln_gamma(b);
         let density = |x: f64| (log_scale + (a - 1.0) * x.ln() + (b - 1.0) * (-x).ln_1p()).exp();
-        invert(p, (0.0, 1.0), self.mean(), |x| self.cumulative(x), density)
+        invert(p, 0.0, 1.0, self.mean(), |x| self.cumulative(x), density)
     }
 
     fn draw(&self, random: &mut Random) -> f64 {

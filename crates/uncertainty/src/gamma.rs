@@ -110,7 +110,7 @@ impl Law for Gamma {
             high *= 2.0;
         }
         let density = |x: f64| ((k - 1.0) * x.ln() - x - ln_gamma(k)).exp();
-        self.scale * invert(p, (0.0, high), k, cumulative, density)
+        self.scale * invert(p, 0.0, high, k, cumulative, density)
     }
 
     fn draw(&self, random: &mut Random) -> f64 {

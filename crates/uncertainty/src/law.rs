@@ -91,7 +91,8 @@ pub(super) fn standard_normal(random: &mut Random) -> f64 {
 /// The bracket must hold the answer; it is halved where Newton leaves it.
 pub(super) fn invert(
     p: f64,
-    (mut low, mut high): (f64, f64),
+    mut low: f64,
+    mut high: f64,
     start: f64,
     cumulative: impl Fn(f64) -> f64,
     density: impl Fn(f64) -> f64,

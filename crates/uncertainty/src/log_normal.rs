@@ -55,7 +55,9 @@ impl LogNormalField {
     pub fn new(
         mesh: &Mesh,
         region: impl Into<GroupNames>,
-        (mean, variation, length): (f64, f64, f64),
+        mean: f64,
+        variation: f64,
+        length: f64,
         modes: Modes,
     ) -> Result<Self, StochasticError> {
         for (name, value) in [("mean", mean), ("variation", variation), ("length", length)] {

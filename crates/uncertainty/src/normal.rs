@@ -61,7 +61,7 @@ impl Law for Normal {
 
     fn quantile(&self, p: f64) -> f64 {
         let density = |x: f64| (-0.5 * x * x).exp() / (2.0 * std::f64::consts::PI).sqrt();
-        self.mean + self.deviation * invert(p, (-FAR, FAR), 0.0, normal_cumulative, density)
+        self.mean + self.deviation * invert(p, -FAR, FAR, 0.0, normal_cumulative, density)
     }
 
     fn draw(&self, random: &mut Random) -> f64 {

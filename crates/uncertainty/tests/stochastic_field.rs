@@ -19,7 +19,7 @@ fn covariance(field: &LogNormalField, i: usize, j: usize) -> f64 {
 #[test]
 fn all_modes_reproduce_the_covariance() -> Outcome {
     let (mesh, length) = (block()?, 0.5);
-    let field = LogNormalField::new(&mesh, "body", (2e5, 0.3, length), Modes::Energy(1.0))?;
+    let field = LogNormalField::new(&mesh, "body", 2e5, 0.3, length, Modes::Energy(1.0))?;
     let variance = 1.09f64.ln();
     assert!((field.captured() - 1.0).abs() < 1e-12);
     for i in 0..mesh.cells() {
@@ -40,7 +40,7 @@ fn captured_energy_is_that_of_the_modes() -> Outcome {
     let volume = 0.08 / mesh.cells() as f64;
     let mut last = 0.0;
     for count in [1, 3, 8, 20] {
-        let field = LogNormalField::new(&mesh, "body", (1.0, 0.2, 0.4), Modes::Count(count))?;
+        let field = LogNormalField::new(&mesh, "body", 1.0, 0.2, 0.4, Modes::Count(count))?;
         assert_eq!((field.modes().len(), field.laws().len()), (count, count));
         let held: f64 = (0..mesh.cells()).map(|i| volume * covariance(&field, i, i)).sum();
         assert!((held / (field.variance() * 0.08) - field.captured()).abs() < 1e-12);
@@ -48,8 +48,8 @@ fn captured_energy_is_that_of_the_modes() -> Outcome {
         assert!(field.captured() > last);
         last = field.captured();
     }
-    let field = LogNormalField::new(&mesh, "body", (1.0, 0.2, 0.4), Modes::Energy(0.9))?;
-    let fewer = LogNormalField::new(&mesh, "body", (1.0, 0.2, 0.4), Modes::Count(field.modes().len() - 1))?;
+    let field = LogNormalField::new(&mesh, "body", 1.0, 0.2, 0.4, Modes::Energy(0.9))?;
+    let fewer = LogNormalField::new(&mesh, "body", 1.0, 0.2, 0.4, Modes::Count(field.modes().len() - 1))?;
     assert!(field.captured() >= 0.9 && fewer.captured() < 0.9);
     Ok(())
 }
@@ -60,7 +60,7 @@ fn captured_energy_is_that_of_the_modes() -> Outcome {
 fn eigenvalues_of_a_bar_are_the_closed_ones() -> Outcome {
     let (length, area) = (0.7, 1e-4);
     let mesh = box_mesh([1.0, 1e-2, 1e-2], [200, 1, 1], CellKind::Hex8)?;
-    let field = LogNormalField::new(&mesh, "body", (1.0, 0.5, length), Modes::Count(4))?;
+    let field = LogNormalField::new(&mesh, "body", 1.0, 0.5, length, Modes::Count(4))?;
     for (k, value) in field.eigenvalues().iter().enumerate() {
         // The k-th root lies where w/2 is in (k pi/2, (k+1) pi/2).
         let (mut low, mut high) = (k as f64 * std::f64::consts::PI, (k + 1) as f64 * std::f64::consts::PI);
@@ -83,7 +83,7 @@ fn eigenvalues_of_a_bar_are_the_closed_ones() -> Outcome {
 #[test]
 fn values_have_the_stated_mean_and_variance() -> Outcome {
     let mesh = block()?;
-    let field = LogNormalField::new(&mesh, "body", (3e4, 0.3, 0.6), Modes::Count(2))?;
+    let field = LogNormalField::new(&mesh, "body", 3e4, 0.3, 0.6, Modes::Count(2))?;
     let rule = Sample::tensor(&field.laws(), &[12, 12])?;
     let at = |xi: &[f64], cell: usize| match field.realise(xi) {
         Ok(Field::Cell(values)) => values[cell],
@@ -110,10 +110,10 @@ fn fields_that_make_no_sense_are_refused() -> Outcome {
         ((1.0, 0.1, 0.1), Modes::Count(0), "keeps no mode"),
         ((1.0, 0.1, 0.1), Modes::Energy(1.5), "keeps no mode"),
     ] {
-        let text = LogNormalField::new(&mesh, "body", numbers, modes).unwrap_err().to_string();
+        let text = LogNormalField::new(&mesh, "body", numbers.0, numbers.1, numbers.2, modes).unwrap_err().to_string();
         assert!(text.contains(what), "{text}");
     }
-    let text = LogNormalField::new(&mesh, "bdy", (1.0, 0.1, 0.1), Modes::Count(2)).unwrap_err().to_string();
+    let text = LogNormalField::new(&mesh, "bdy", 1.0, 0.1, 0.1, Modes::Count(2)).unwrap_err().to_string();
     assert!(text.contains("bdy") && text.contains("body"), "{text}");
     Ok(())
 }

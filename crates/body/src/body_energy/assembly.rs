@@ -41,7 +41,8 @@ struct PatchResult {
 /// Adds to `total` and, where it is wanted, to `tangent`; puts `1 + grad u` at the points of the body into `known`.
 pub(super) fn add(
     body: &BodyEnergy,
-    (to, driving): (Displaced, Driving),
+    to: Displaced,
+    driving: Driving,
     demand: Terms,
     (total, mut tangent, mut known): (&mut Sums, Option<&mut SparseMatrix>, Option<&mut [Mat3]>),
     parallel: bool,

@@ -17,13 +17,14 @@ pub(super) fn add(
     body: &BodyEnergy,
     at: (Displaced, Driving),
     lambda: &[f64],
-    (controls, history): (&mut Controls, &mut History),
+    controls: &mut Controls,
+    history: &mut History,
     parallel: bool,
 ) -> Result<(), Inadmissible> {
     for (cells, patches) in body.groups() {
         let work = ControlVjp { body, cells, to: at.0, driving: at.1, lambda };
         sweep(&work, patches, parallel, |patch, values: &Vec<f64>| {
-            add_by_slot(body, cells, patch, values, (&mut *controls, &mut *history));
+            add_by_slot(body, cells, patch, values, &mut *controls, &mut *history);
         })?;
     }
     Ok(())
@@ -35,7 +36,8 @@ pub(super) fn add_by_slot(
     cells: Cells,
     patch: Patch,
     mut values: &[f64],
-    (controls, history): (&mut Controls, &mut History),
+    controls: &mut Controls,
+    history: &mut History,
 ) {
     let (part, points) = (cells.part, cells.part.table.points);
     for &c in patch.cells {

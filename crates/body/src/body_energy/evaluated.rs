@@ -43,7 +43,8 @@ impl ContributionPoint for EvaluatedBody<'_> {
         let terms = Terms { energy: demand.energy, force: demand.force, tangent: false };
         let keeps = self.keeps && self.gradients.get().is_none();
         let mut found = keeps.then(|| vec![Mat3::zeros(); self.body.discretization().points().len()]);
-        assembly::add(self.body, self.place(at), terms, (sums, None, found.as_deref_mut()), at.parallel)?;
+        let (to, driving) = self.place(at);
+        assembly::add(self.body, to, driving, terms, (sums, None, found.as_deref_mut()), at.parallel)?;
         if let Some(found) = found {
             self.gradients.get_or_init(|| found);
         }
@@ -52,7 +53,8 @@ impl ContributionPoint for EvaluatedBody<'_> {
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         let terms = Terms { energy: false, force: false, tangent: true };
-        assembly::add(self.body, self.place(at), terms, (&mut Sums::zero(0), Some(tangent), None), at.parallel)
+        let (to, driving) = self.place(at);
+        assembly::add(self.body, to, driving, terms, (&mut Sums::zero(0), Some(tangent), None), at.parallel)
     }
 
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
@@ -65,7 +67,7 @@ impl ContributionPoint for EvaluatedBody<'_> {
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         let into = (&mut into.controls, &mut into.before.history);
-        control_vjp::add(self.body, self.place(at), lambda, into, at.parallel)
+        control_vjp::add(self.body, self.place(at), lambda, into.0, into.1, at.parallel)
     }
 
     fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
@@ -79,6 +81,6 @@ impl ContributionPoint for EvaluatedBody<'_> {
         along: &Increment,
         into: &mut SecondSensitivities,
     ) -> Result<(), SecondDerivativeError> {
-        second_order::add(self.body, self.place(at), (lambda, along), into, at.parallel)
+        second_order::add(self.body, self.place(at), lambda, along, into, at.parallel)
     }
 }

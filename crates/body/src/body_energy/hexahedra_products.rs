@@ -45,11 +45,12 @@ impl HexahedraProducts {
         v: &[f64],
         left_out: impl Fn(usize) -> bool + Sync,
         put: impl Fn(usize, f64) -> f64 + Sync,
-        (out, parallel): (&mut [f64], bool),
+        out: &mut [f64],
+        parallel: bool,
     ) {
         let kept = self.rooms.lock().unwrap_or_else(PoisonError::into_inner).pop();
         let mut room = kept.unwrap_or_default();
-        self.of_all_cells(v, (|x| x, left_out), &mut room, parallel);
+        self.of_all_cells(v, |x| x, left_out, &mut room, parallel);
         let rows = &room[4 * (v.len() / 3)..];
         let add = |(task, out): (usize, &mut [f64])| {
             for (node, out) in (NODES_OF_TASK * task..).zip(out.as_chunks_mut::<3>().0) {
@@ -68,7 +69,8 @@ impl HexahedraProducts {
     fn of_all_cells<T: Copy + Default + Send + Sync>(
         &self,
         v: &[f64],
-        (rounded, left_out): (impl Fn(f64) -> T + Sync, impl Fn(usize) -> bool + Sync),
+        rounded: impl Fn(f64) -> T + Sync,
+        left_out: impl Fn(usize) -> bool + Sync,
         room: &mut Vec<T>,
         parallel: bool,
     ) where
@@ -138,15 +140,15 @@ impl HexahedraProducts {
 impl CellProducts for HexahedraProducts {
     fn multiply(&self, v: &[f64], out: &mut [f64], parallel: bool) {
         let put = |at: usize, sum: f64| if self.fixed[at] { v[at] } else { sum + self.shift * v[at] };
-        self.multiply_with(v, |at| self.fixed[at], put, (out, parallel));
+        self.multiply_with(v, |at| self.fixed[at], put, out, parallel);
     }
 
     fn multiply_whole(&self, v: &[f64], out: &mut [f64], parallel: bool) {
-        self.multiply_with(v, |_| false, |at, sum| sum + self.shift * v[at], (out, parallel));
+        self.multiply_with(v, |_| false, |at, sum| sum + self.shift * v[at], out, parallel);
     }
 
     fn of_cells(&self, v: &[f64], room: &mut Vec<f32>, parallel: bool) {
-        self.of_all_cells(v, (|x| x as f32, |at| self.fixed[at]), room, parallel);
+        self.of_all_cells(v, |x| x as f32, |at| self.fixed[at], room, parallel);
     }
 
     #[inline]

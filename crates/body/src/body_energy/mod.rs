@@ -318,7 +318,7 @@ impl BodyEnergy {
     pub fn evaluate(&self, u: &[f64], controls: &Controls, force: bool, parallel: bool) -> Result<Sums, Inadmissible> {
         let mut sums = Sums::zero(if force { self.disc.dofs() } else { 0 });
         let terms = Terms { energy: true, force, tangent: false };
-        assembly::add(self, (Displaced::by(u), Driving::relaxed(controls)), terms, (&mut sums, None, None), parallel)?;
+        assembly::add(self, Displaced::by(u), Driving::relaxed(controls), terms, (&mut sums, None, None), parallel)?;
         Ok(sums)
     }
 
@@ -337,7 +337,8 @@ impl BodyEnergy {
         let terms = Terms { energy: true, force: true, tangent: true };
         assembly::add(
             self,
-            (Displaced::by(u), Driving::relaxed(controls)),
+            Displaced::by(u),
+            Driving::relaxed(controls),
             terms,
             (&mut sums, Some(tangent), None),
             parallel,
@@ -359,7 +360,8 @@ impl BodyEnergy {
         let terms = Terms { energy: false, force: false, tangent: true };
         assembly::add(
             self,
-            (Displaced::by(u), Driving::relaxed(controls)),
+            Displaced::by(u),
+            Driving::relaxed(controls),
             terms,
             (&mut Sums::zero(0), Some(tangent), None),
             parallel,
@@ -406,7 +408,7 @@ impl BodyEnergy {
     ) -> Result<Controls, Inadmissible> {
         let mut out = self.controls().zeroed();
         let (at, mut none) = ((Displaced::by(u), Driving::relaxed(controls)), History::default());
-        control_vjp::add(self, at, lambda, (&mut out, &mut none), parallel)?;
+        control_vjp::add(self, at, lambda, &mut out, &mut none, parallel)?;
         Ok(out)
     }
 }

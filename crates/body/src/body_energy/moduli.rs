@@ -28,7 +28,8 @@ impl BodyEnergy {
     /// [`Inadmissible`] where u is.
     pub fn cell_products(
         &self,
-        (to, driving): (Displaced, Driving),
+        to: Displaced,
+        driving: Driving,
         fixed: &[bool],
         parallel: bool,
     ) -> Result<Option<Arc<HexahedraProducts>>, Inadmissible> {

@@ -114,7 +114,8 @@ impl BodyEnergy {
     /// Adds residual and tangent of the linearised equations.
     pub fn add_with_point_strains(
         &self,
-        (u, driving): (&[f64], Driving),
+        u: &[f64],
+        driving: Driving,
         strains: &PointStrains,
         total: &mut Sums,
         tangent: &mut SparseMatrix,
@@ -347,7 +348,7 @@ mod tests {
             let sums = body.evaluate_tangent(&u, &controls, &mut expected, false)?;
             let strains = PointStrains::of(&body, &u, Driving::relaxed(&controls), false)?;
             let mut own = Sums::zero(u.len());
-            body.add_with_point_strains((&u, Driving::relaxed(&controls)), &strains, &mut own, &mut tangent, false)?;
+            body.add_with_point_strains(&u, Driving::relaxed(&controls), &strains, &mut own, &mut tangent, false)?;
             let apart = |a: &[f64], b: &[f64]| {
                 let largest = b.iter().fold(0.0, |most: f64, b| most.max(b.abs()));
                 a.iter().zip(b).fold(0.0, |most: f64, (a, b)| most.max((a - b).abs())) / largest

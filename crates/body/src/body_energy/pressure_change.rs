@@ -20,7 +20,8 @@ impl BodyEnergy {
         &self,
         to: Displaced,
         weighted: &[f64],
-        (force, tangent): (&mut [f64], &mut SparseMatrix),
+        force: &mut [f64],
+        tangent: &mut SparseMatrix,
         parallel: bool,
     ) -> Result<(), Inadmissible> {
         for (cells, patches) in self.groups() {
@@ -82,7 +83,7 @@ impl CellWork for Change<'_> {
         let tangents: Vec<Tangent> = own().map(second).collect();
         cells.clear_rows(patch, rows);
         cells.force(&scratch.g, &stress, rows);
-        cells.tangent(patch, (&scratch.g, &tangents), matrix, &mut scratch.work);
+        cells.tangent(patch, &scratch.g, &tangents, matrix, &mut scratch.work);
         Ok(())
     }
 }

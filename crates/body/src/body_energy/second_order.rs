@@ -28,7 +28,8 @@ use std::ops::Range;
 pub(super) fn add(
     body: &BodyEnergy,
     at: (Displaced, Driving),
-    (lambda, along): (&[f64], &Increment),
+    lambda: &[f64],
+    along: &Increment,
     out: &mut SecondSensitivities,
     parallel: bool,
 ) -> Result<(), SecondDerivativeError> {
@@ -37,7 +38,7 @@ pub(super) fn add(
         let work = SecondOrder { body, cells, to: at.0, driving: at.1, lambda, along };
         sweep(&work, patches, parallel, |patch, answer: &PatchAnswer| {
             cells.scatter(patch, &answer.rows, u);
-            add_by_slot(body, cells, patch, &answer.by_slot, (&mut *controls, &mut History::default()));
+            add_by_slot(body, cells, patch, &answer.by_slot, &mut *controls, &mut History::default());
         })?;
     }
     Ok(())
@@ -101,7 +102,7 @@ impl CellWork for SecondOrder<'_> {
                 if law.slots().is_empty() || law.evolution().is_some() {
                     // a viscous law has second derivatives where it is relaxed
                     if let Some(bend) = &mut bend {
-                        bend.add(law, (&at, &range), m, changes, stress);
+                        bend.add(law, &at, &range, m, changes, stress);
                     }
                     continue;
                 }
@@ -115,7 +116,7 @@ impl CellWork for SecondOrder<'_> {
                     by_point.extend(by_control.iter().map(|stress| stress.dot(of_lambda)));
                 }
                 if let Some(bend) = &mut bend {
-                    bend.add(law, (&at, &range), m, changes, stress);
+                    bend.add(law, &at, &range, m, changes, stress);
                     law.stress_by_control(&at, m, by_control);
                     add_weighted(by_control, v, &mut bend.of_along[range.clone()]);
                     let second = bend.second[range.clone()].iter();
@@ -177,7 +178,8 @@ impl Bend {
     fn add(
         &mut self,
         law: &dyn EnergyTerm,
-        (at, range): (&PointBatch, &Range<usize>),
+        at: &PointBatch,
+        range: &Range<usize>,
         m: Slots,
         changes: [&[Mat3]; 2],
         mixed: &mut [Mat3],

@@ -32,7 +32,8 @@ impl BodyEnergy {
     pub fn volume_modes(
         &self,
         to: Displaced,
-        (fixed, expected): (&[bool], Option<&[f64]>),
+        fixed: &[bool],
+        expected: Option<&[f64]>,
         parallel: bool,
     ) -> Result<Option<VolumeModes>, Inadmissible> {
         let (mut modes, mut changes) = (VolumeModes::none(self.disc.dim()), Vec::new());

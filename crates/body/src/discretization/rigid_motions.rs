@@ -62,7 +62,7 @@ impl Supports {
             let own = springs.iter().zip(&between).filter(|(_, row)| row.first().is_some_and(|q| together.contains(q)));
             let own: Vec<&Vec<(u32, f64)>> = own.map(|(terms, _)| *terms).collect();
             let nodes: Vec<(&[u32], Extent)> = together.iter().map(|&q| (parts[q].as_slice(), extents[q])).collect();
-            if let Some((count, example, which)) = self.free_motions((disc, &places), &nodes, &own) {
+            if let Some((count, example, which)) = self.free_motions(disc, &places, &nodes, &own) {
                 let named = |&which: &usize| {
                     let first = nodes[which].0.first().copied();
                     match (first.and_then(|node| self.body_of(node)), first, parts.len()) {
@@ -84,7 +84,8 @@ impl Supports {
     /// How many rigid motions of parts, of which these are the nodes, stay free; in words those of the first part that has some, and which parts have.
     fn free_motions(
         &self,
-        (disc, places): (&Discretization, &Places),
+        disc: &Discretization,
+        places: &Places,
         parts: &[(&[u32], Extent)],
         springs: &[&Vec<(u32, f64)>],
     ) -> Option<(usize, String, Vec<usize>)> {

@@ -58,7 +58,7 @@ impl Supports {
         }
         for (c, value) in values.iter().enumerate().take(self.dim) {
             if let Some(value) = *value {
-                self.hold(name, nodes, (c, AXES[c]), value)?;
+                self.hold(name, nodes, c, AXES[c], value)?;
             }
         }
         if values.iter().all(Option::is_none) {
@@ -72,7 +72,8 @@ impl Supports {
         &mut self,
         name: &str,
         nodes: &[u32],
-        (place, component): (usize, &str),
+        place: usize,
+        component: &str,
         value: f64,
     ) -> Result<(), FemError> {
         if !value.is_finite() {
@@ -223,12 +224,12 @@ impl Supports {
             }
         }
         for (node, c) in implied {
-            self.hold_implied(masters, (*node, *c));
+            self.hold_implied(masters, *node, *c);
         }
         for (node, weights) in follows {
             for c in 0..self.dim {
                 if self.holds(*node, c) {
-                    self.hand_over(name, (*node, c), weights)?;
+                    self.hand_over(name, *node, c, weights)?;
                 }
             }
         }
@@ -243,7 +244,7 @@ impl Supports {
     }
 
     /// Holds a component of a corner for the supports that hold it at others.
-    fn hold_implied(&mut self, masters: &[u32], (node, c): (u32, usize)) {
+    fn hold_implied(&mut self, masters: &[u32], node: u32, c: usize) {
         let own = self.dof(node, c);
         let others: Vec<u32> = masters.iter().map(|&other| self.dof(other, c) as u32).collect();
         self.fixed[own] = true;
@@ -254,7 +255,7 @@ impl Supports {
     }
 
     /// Lets the nodes that a held one follows be held in its place; they have to be so.
-    fn hand_over(&mut self, name: &str, (node, c): (u32, usize), weights: &[(u32, f64)]) -> Result<(), FemError> {
+    fn hand_over(&mut self, name: &str, node: u32, c: usize, weights: &[(u32, f64)]) -> Result<(), FemError> {
         let followed: Vec<u32> =
             weights.iter().filter(|(_, weight)| weight.abs() > ON_TIES).map(|(node, _)| *node).collect();
         if let Some(free) = followed.iter().find(|master| !self.holds(**master, c)) {

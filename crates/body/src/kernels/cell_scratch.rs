@@ -98,7 +98,7 @@ impl Scratch {
             patch.cells.iter().for_each(|c| self.gradients.extend_from_slice(of_cell(c)));
         } else {
             self.gradients.resize(patch.cells.len() * points, Mat3::identity());
-            add_gradients(cells, patch, (&self.g, &mut self.rows), to.u, &mut self.gradients);
+            add_gradients(cells, patch, &self.g, &mut self.rows, to.u, &mut self.gradients);
         }
         self.kinematics.clear();
         for (q, f) in self.gradients.iter().enumerate() {
@@ -113,12 +113,12 @@ impl Scratch {
     pub fn change_by(&mut self, cells: Cells, patch: Patch, v: &[f64]) {
         self.change.clear();
         self.change.resize(patch.cells.len() * cells.part.table.points, Mat3::zeros());
-        add_gradients(cells, patch, (&self.g, &mut self.rows), v, &mut self.change);
+        add_gradients(cells, patch, &self.g, &mut self.rows, v, &mut self.change);
     }
 }
 
 /// Adds the gradient of a nodal field at the points of a patch, for which there are rows of one cell.
-fn add_gradients(cells: Cells, patch: Patch, (g, rows): (&[f64], &mut [f64]), nodal: &[f64], out: &mut [Mat3]) {
+fn add_gradients(cells: Cells, patch: Patch, g: &[f64], rows: &mut [f64], nodal: &[f64], out: &mut [Mat3]) {
     let table = &cells.part.table;
     let each = g.chunks_exact(table.gradients.len()).zip(out.chunks_exact_mut(table.points));
     for (&c, (g, out)) in patch.cells.iter().zip(each) {

@@ -133,7 +133,8 @@ impl<'a> Cells<'a> {
     pub fn tangent(
         &self,
         patch: Patch,
-        (g, weighted): (&[f64], &[Tangent]),
+        g: &[f64],
+        weighted: &[Tangent],
         matrix: &mut PatchMatrix,
         work: &mut Vec<f64>,
     ) {

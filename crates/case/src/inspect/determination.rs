@@ -15,7 +15,7 @@ pub fn determination(problem: &CaseProblem, m: &[f64]) -> Option<Warning> {
     let costs = problem.members().flat_map(|member| member.reduced().costs());
     let numbers = costs.map(|cost| cost.numbers()).sum::<Option<usize>>().filter(|numbers| *numbers > 0)?;
     let blocks = ensemble.blocks().iter().zip(&problem.controls);
-    let free: usize = blocks.map(|(block, field)| free(problem, (block, field), m)).sum();
+    let free: usize = blocks.map(|(block, field)| free(problem, block, field, m)).sum();
     let message = || {
         let values = if numbers == 1 { "1 number".to_owned() } else { format!("{numbers} numbers") };
         format!(
@@ -28,7 +28,7 @@ pub fn determination(problem: &CaseProblem, m: &[f64]) -> Option<Warning> {
 }
 
 /// Values of a control that can change to both sides.
-fn free(problem: &CaseProblem, (block, field): (&EnsembleBlock, &ControlField), m: &[f64]) -> usize {
+fn free(problem: &CaseProblem, block: &EnsembleBlock, field: &ControlField, m: &[f64]) -> usize {
     let (m, components) = (block.of(m), problem.control_block(block).components.max(1));
     if let Some(bounds) = &field.bounds {
         let inside = |i: &usize| {

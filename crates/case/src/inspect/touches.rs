@@ -42,7 +42,7 @@ pub fn is_between(member: CaseMember<'_>, thickness: f64, [depth, approach]: [f6
 }
 
 /// What is said of that.
-pub fn between(member: CaseMember<'_>, name: &str, (depth, approach): (f64, f64), place: &str) -> Warning {
+pub fn between(member: CaseMember<'_>, name: &str, depth: f64, approach: f64, place: &str) -> Warning {
     let of = |value: f64| quantity(value, Dimension::LENGTH, member.problem().units());
     let mut message =
         format!("contact \"{name}\": between its samples the body is {} inside the obstacle {place}", of(depth));
@@ -106,7 +106,7 @@ pub fn warnings(member: CaseMember<'_>, state: &State) -> Vec<Warning> {
         if let (Some((gap, place)), Some(of)) = (touch.between, parameters(member, &name)) {
             let depth = -gap - of.inset;
             if is_between(member, of.thickness, [depth, touch.approach]) {
-                out.push(between(member, &name, (depth, touch.approach), &format!("at {}", vector(&place))));
+                out.push(between(member, &name, depth, touch.approach, &format!("at {}", vector(&place))));
             }
         }
     }

@@ -25,9 +25,7 @@ use std::sync::Arc;
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for actuation in &case.actuation {
         match &actuation.means {
-            Means::Law { row, region, parameters } => {
-                add_law(case, actuation, (row, region, parameters), solid, context)
-            }
+            Means::Law { row, region, parameters } => add_law(case, actuation, row, region, parameters, solid, context),
             Means::Contribution { form, values, .. } => {
                 let mut values = values.clone();
                 if form.one_of {
@@ -57,7 +55,9 @@ fn driver(case: &Case, actuation: &Actuation, context: &mut Context<'_>) -> Opti
 fn add_law(
     case: &Case,
     actuation: &Actuation,
-    (row, region, parameters): (&ActuationRow, &GroupNames, &BTreeMap<&'static str, Input>),
+    row: &ActuationRow,
+    region: &GroupNames,
+    parameters: &BTreeMap<&'static str, Input>,
     solid: &mut Solid,
     context: &mut Context<'_>,
 ) {
@@ -159,15 +159,15 @@ fn fix_slot(
         if let Some(time) = &case.time
             && controllable[index].holds
         {
-            check_rest(time, (value, &at), context)?;
+            check_rest(time, value, &at, context)?;
         }
-        return fix_number((&actuation.name, &at), (key, only_pulls), value, (index, first), reduced, context);
+        return fix_number(&actuation.name, &at, (key, only_pulls), value, (index, first), reduced, context);
     };
     let points = SamplePoints::of_body(case, &disc, cells);
-    let first_values = columns(value, (&points, &at), context)?;
+    let first_values = columns(value, &points, &at, context)?;
     if let Some(dimension) = dimension_of(controllable[index].slots[first].unit) {
         let largest = longest(&first_values);
-        magnitude::check_field((dimension, key), (largest, "it reaches"), (&at, context));
+        magnitude::check_field(dimension, key, largest, "it reaches", &at, context);
         if dimension == Dimension::PRESSURE && !uses_time(value) {
             pressures::check_given(largest, reduced.solid(), &at, context);
         }
@@ -190,7 +190,7 @@ fn fix_slot(
     if !uses_time(value) {
         return Some(reduced);
     }
-    fix_in_time((value, &at), (index, first, only_pulls.then_some(key)), reduced, points.places(), context)
+    fix_in_time(value, &at, (index, first, only_pulls.then_some(key)), reduced, points.places(), context)
 }
 
 /// The length of the longest vector of some components by point.
@@ -201,7 +201,7 @@ fn longest(components: &[Vec<f64>]) -> f64 {
 }
 
 /// The values at the points, component by component.
-fn columns(value: &Fixed, (points, at): (&SamplePoints<'_>, &At), context: &mut Context<'_>) -> Option<Vec<Vec<f64>>> {
+fn columns(value: &Fixed, points: &SamplePoints<'_>, at: &At, context: &mut Context<'_>) -> Option<Vec<Vec<f64>>> {
     Some(match value {
         Fixed::Scalar(value) => vec![points.scalars(value, at, context)?],
         Fixed::Vector(value) => {
@@ -223,7 +223,8 @@ pub(super) fn uses_time(value: &Fixed) -> bool {
 
 /// Lets the slots from `first` on follow a value that changes in time, at the places of the points.
 pub(super) fn fix_in_time(
-    (value, at): (&Fixed, &At),
+    value: &Fixed,
+    at: &At,
     (index, first, only_pulls): (usize, usize, Option<&str>),
     mut reduced: Reduced,
     places: Vec<[f64; 3]>,
@@ -248,7 +249,7 @@ pub(super) fn fix_in_time(
     }
     for (component, formula) in formulas.into_iter().enumerate() {
         let places = places.clone();
-        coarse_steps::check(&instants, (&formula, &places), (at, context));
+        coarse_steps::check(&instants, &formula, &places, at, context);
         let values = move |t: f64| {
             let formula = formula.at_time(t);
             places.iter().map(|place| formula.at(*place)).collect::<Result<Vec<f64>, _>>()
@@ -257,7 +258,7 @@ pub(super) fn fix_in_time(
         let each = context.take(at, each)?;
         let slot = &reduced.solid().model().controllable()[index].slots[first];
         if let Some(dimension) = dimension_of(slot.unit) {
-            magnitude::check_field_in_time((dimension, slot.group), &each, (at, context));
+            magnitude::check_field_in_time((dimension, slot.group), &each, at, context);
             if dimension == Dimension::PRESSURE {
                 let largest = each.iter().flatten().map(|value| value.abs()).fold(0.0, f64::max);
                 pressures::check_given(largest, reduced.solid(), at, context);
@@ -290,7 +291,8 @@ pub(super) fn vector_at_time(formulas: &[Formula], t: f64) -> Result<[f64; 3], E
 
 /// The fixed value of a contribution as a whole: one number, or one vector.
 pub(super) fn fix_number(
-    (name, at): (&str, &At),
+    name: &str,
+    at: &At,
     (key, only_pulls): (&str, bool),
     value: &Fixed,
     (index, slot): (usize, usize),
@@ -324,11 +326,11 @@ pub(super) fn fix_number(
     if !uses_time(value) {
         return Some(reduced);
     }
-    fix_in_time((value, at), (index, slot, only_pulls.then_some(key)), reduced, vec![[0.0; 3]], context)
+    fix_in_time(value, at, (index, slot, only_pulls.then_some(key)), reduced, vec![[0.0; 3]], context)
 }
 
 /// Refuses a surface that is elsewhere at t = 0 than on a body at rest.
-fn check_rest(time: &Time, (value, at): (&Fixed, &At), context: &mut Context<'_>) -> Option<()> {
+fn check_rest(time: &Time, value: &Fixed, at: &At, context: &mut Context<'_>) -> Option<()> {
     let away = everywhere(value).is_some_and(|first| first.iter().any(|component| *component != 0.0));
     if time.start != Beginning::Rest || !away {
         return Some(());

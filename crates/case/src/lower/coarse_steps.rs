@@ -17,11 +17,7 @@ const WITHIN: [f64; 3] = [0.25, 0.5, 0.75];
 const POINTS: usize = 20;
 
 /// Warns of a value given in time that steps do not resolve, at the places of the points of a field, or one.
-pub(super) fn check(
-    instants: &[f64],
-    (formula, places): (&Formula, &[[f64; 3]]),
-    (at, context): (&At, &mut Context<'_>),
-) {
+pub(super) fn check(instants: &[f64], formula: &Formula, places: &[[f64; 3]], at: &At, context: &mut Context<'_>) {
     let places: Vec<[f64; 3]> = places.iter().step_by(places.len().div_ceil(POINTS).max(1)).copied().collect();
     let values = |t: f64| {
         let formula = formula.at_time(t);

@@ -62,7 +62,7 @@ pub(super) fn add(
         let bound = match (&block.obstacle, &block.cost) {
             (Some(keep_out), _) => {
                 let bound = distance(case, keep_out, &reduced, context);
-                bound.inspect(|bound| look_at_rest(case, (block, keep_out), bound.as_ref(), &reduced, context))
+                bound.inspect(|bound| look_at_rest(case, block, keep_out, bound.as_ref(), &reduced, context))
             }
             (None, Some(cost)) => {
                 check_at_instants(cost, context)?;
@@ -95,7 +95,7 @@ fn distance(case: &Case, block: &KeepOut, reduced: &Reduced, context: &mut Conte
     let solid = reduced.solid();
     let place = NamedGroups::of(&block.surface, &block.region, &block.nodes)?;
     place.nodes(solid.mesh(), &block.at, context)?;
-    let shape = obstacle::of(case, (&block.shape, block.clearance), context)?;
+    let shape = obstacle::of(case, &block.shape, block.clearance, context)?;
     let distance = match place.kind {
         Kind::Surface => ObstacleDistance::surface(place.names, shape),
         Kind::Region => ObstacleDistance::region(place.names, shape),
@@ -107,14 +107,15 @@ fn distance(case: &Case, block: &KeepOut, reduced: &Reduced, context: &mut Conte
 /// Warns where the body at rest, or a support of it, is inside of an obstacle.
 fn look_at_rest(
     case: &Case,
-    (block, keep_out): (&Block, &KeepOut),
+    block: &Block,
+    keep_out: &KeepOut,
     bound: &dyn Constraint,
     reduced: &Reduced,
     context: &mut Context<'_>,
 ) {
     let solid = reduced.solid();
     let (mesh, dim, supports) = (solid.mesh(), solid.discretization().dim(), solid.supports());
-    let Some(shape) = obstacle::of(case, (&keep_out.shape, keep_out.clearance), context) else { return };
+    let Some(shape) = obstacle::of(case, &keep_out.shape, keep_out.clearance, context) else { return };
     let unit = context.units.length().symbol;
     let tolerance = ROUNDING * mesh.diagonal();
     let (mut held, mut free) = (Vec::new(), Vec::new());

@@ -37,11 +37,11 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         }
         let thickness = contact.thickness.unwrap_or_else(|| nastic_fem::Contact::usual_thickness(&mesh, &facets));
         let outline = (touched.outline(), thickness);
-        let Some(shape) = obstacle::build(outline, context) else { continue };
+        let Some(shape) = obstacle::build(outline.0, outline.1, context) else { continue };
         let built = build(case, (contact, touched), shape.clone(), &mesh);
         attempt(solid, &contact.at, context, |solid| solid.contact(built));
         check_outside(case, (contact, touched), (&shape, solid), context);
-        obstacle_grid::check(touched, &contact.name(), (&shape, solid), context);
+        obstacle_grid::check(touched, &contact.name(), &shape, solid, context);
     }
     for untouched in case.obstacles.iter().filter(|own| !case.contact.iter().any(|contact| contact.is_on(&own.name))) {
         if let Some((key, _)) = untouched.pose().next() {
@@ -168,7 +168,7 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
                 let controllable = reduced.solid().model().controllable();
                 let Some(index) = controllable.iter().position(|own| own.name == contact.name()) else { continue };
                 let first = controllable[index].slots.iter().position(|slot| slot.group == key)?;
-                reduced = fix_number((&touched.name, &at), (key, false), value, (index, first), reduced, context)?;
+                reduced = fix_number(&touched.name, &at, (key, false), value, (index, first), reduced, context)?;
             }
         }
     }

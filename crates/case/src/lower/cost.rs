@@ -60,12 +60,12 @@ pub(super) fn add(
         let shape = cost.target(reduced.solid());
         let shape = shape
             .map(|shape| TargetShape::of(block.at().clone(), block.name(), shape, reduced.solid().discretization()));
-        far_target::check((block, cost.as_ref(), shape.as_ref()), &reduced, context);
+        far_target::check(block, cost.as_ref(), shape.as_ref(), &reduced, context);
         shapes.extend(shape);
         terms.push((block, target, Named::new(block.name(), cost)));
     }
     for (block, target, term) in terms {
-        reduced = add_term(case, (block, target.as_ref(), term), reduced, context)?;
+        reduced = add_term(case, block, target.as_ref(), term, reduced, context)?;
     }
     for (block, cost) in of_motion {
         let term = NamedMotionTerm { name: block.name().to_owned(), cost };
@@ -77,7 +77,9 @@ pub(super) fn add(
 /// A term, in a motion with the part of it over which it counts.
 fn add_term(
     case: &Case,
-    (block, target, term): (&Block, Option<&TargetShape>, Named),
+    block: &Block,
+    target: Option<&TargetShape>,
+    term: Named,
     reduced: Reduced,
     context: &mut Context<'_>,
 ) -> Option<Reduced> {
@@ -88,13 +90,15 @@ fn add_term(
     if !block.uses_time() {
         return context.take(&at, reduced.cost_when(when, term));
     }
-    along_path(case, (block, target, when), reduced, context)
+    along_path(case, block, target, when, reduced, context)
 }
 
 /// A term whose target moves: one for every instant at which it counts.
 fn along_path(
     case: &Case,
-    (block, target, when): (&Block, Option<&TargetShape>, When),
+    block: &Block,
+    target: Option<&TargetShape>,
+    when: When,
     reduced: Reduced,
     context: &mut Context<'_>,
 ) -> Option<Reduced> {

@@ -39,7 +39,7 @@ impl Lowering<'_> {
         let given: Vec<(&CostKey, &TermValue)> = given.collect();
         for (key, value) in &given {
             let at = term.at.key(key.name);
-            if let Some(value) = self.value(key, (term, value, &at), &fault, context) {
+            if let Some(value) = self.value(key, term, value, &at, &fault, context) {
                 values.insert(key.name, value);
             }
         }
@@ -69,7 +69,9 @@ impl Lowering<'_> {
     fn value(
         &self,
         key: &CostKey,
-        (term, value, at): (&CostTerm, &TermValue, &At),
+        term: &CostTerm,
+        value: &TermValue,
+        at: &At,
         fault: &Fault,
         context: &mut Context<'_>,
     ) -> Option<CostValue> {
@@ -102,10 +104,10 @@ impl Lowering<'_> {
             TermValue::Position(position) => CostValue::Position(position_of(position, context)?),
             // a table that could not be read was complained about
             TermValue::Path(_) => return None,
-            TermValue::Target(block) => CostValue::Target(self.positions((block, at), fault, context)?),
+            TermValue::Target(block) => CostValue::Target(self.positions(block, at, fault, context)?),
             TermValue::Mesh(_) => CostValue::Mesh(self.target?.mesh.clone()),
             TermValue::Obstacle(shape) => {
-                CostValue::Obstacle(obstacle::of(self.case, (shape, clearance(term)), context)?)
+                CostValue::Obstacle(obstacle::of(self.case, shape, clearance(term), context)?)
             }
             TermValue::Contact(name) => CostValue::Name(name.clone()),
             // the library's name of a control is that of its actuation
@@ -117,7 +119,7 @@ impl Lowering<'_> {
     }
 
     /// Positions of all points.
-    fn positions(&self, (block, at): (&TargetBlock, &At), fault: &Fault, context: &mut Context<'_>) -> Option<Target> {
+    fn positions(&self, block: &TargetBlock, at: &At, fault: &Fault, context: &mut Context<'_>) -> Option<Target> {
         let mesh = self.reduced.solid().mesh();
         let dim = mesh.dim();
         match block {

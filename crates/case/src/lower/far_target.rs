@@ -15,7 +15,9 @@ const FREE: f64 = 100.0;
 
 /// Warns of a target that the body at rest is many times its size away from.
 pub(super) fn check(
-    (block, cost, shape): (&Block, &dyn Cost, Option<&TargetShape>),
+    block: &Block,
+    cost: &dyn Cost,
+    shape: Option<&TargetShape>,
     reduced: &Reduced,
     context: &mut Context<'_>,
 ) {

@@ -22,7 +22,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             context.complain(&at, message);
         }
         if uses_time(value) {
-            dense(case).for_each(|(material, density)| add_varying((load, material, density), &at, solid, context));
+            dense(case).for_each(|(material, density)| add_varying(load, material, density, &at, solid, context));
             continue;
         }
         let Some(gravity) = field.constant() else { continue };
@@ -49,12 +49,7 @@ fn name_of(load: &Load, material: &Material) -> String {
     format!("gravity in time, {}, {}", load.at, material.at)
 }
 
-fn add_varying(
-    (load, material, density): (&Load, &Material, f64),
-    at: &At,
-    solid: &mut Solid,
-    context: &mut Context<'_>,
-) {
+fn add_varying(load: &Load, material: &Material, density: f64, at: &At, solid: &mut Solid, context: &mut Context<'_>) {
     let mesh = solid.mesh().clone();
     let region = &material.region;
     let Some(cells) = named_groups::cells(&mesh, region, &material.at.key("region"), context) else { return };
@@ -87,7 +82,7 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
                 let fixed = reduced.fix(index, component, &[*first]);
                 reduced = context.take(&at, fixed)?;
             }
-            reduced = fix_in_time((value, &at), (index, 0, None), reduced, vec![[0.0; 3]], context)?;
+            reduced = fix_in_time(value, &at, (index, 0, None), reduced, vec![[0.0; 3]], context)?;
         }
     }
     Some(reduced)

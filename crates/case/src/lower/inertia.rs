@@ -56,8 +56,8 @@ fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
 fn add_viscosity(case: &Case, material: &Material, solid: &mut Solid, context: &mut Context<'_>) {
     let mut laws = Vec::new();
     for branch in &material.maxwell {
-        let shear = sampled(case, material, (&branch.shear, &branch.at.key("shear")), solid, context);
-        let relaxation = sampled(case, material, (&branch.relaxation, &branch.at.key("relaxation")), solid, context);
+        let shear = sampled(case, material, &branch.shear, &branch.at.key("shear"), solid, context);
+        let relaxation = sampled(case, material, &branch.relaxation, &branch.at.key("relaxation"), solid, context);
         let Some((shear, relaxation)) = shear.zip(relaxation) else { continue };
         let measure = match branch.measure {
             MeasureBlock::Hencky => SpringMeasure::Hencky,
@@ -75,18 +75,19 @@ fn add_viscosity(case: &Case, material: &Material, solid: &mut Solid, context: &
     });
     let Some(dashpot) = &material.kelvin_voigt else { return };
     let mut viscosity = |value: &Option<Parameter>, key: &str| match value {
-        Some(value) => sampled(case, material, (value, &dashpot.at.key(key)), solid, context),
+        Some(value) => sampled(case, material, value, &dashpot.at.key(key), solid, context),
         None => Some(Field::Uniform(0.0)),
     };
     let (shear, bulk) = (viscosity(&dashpot.shear, "shear"), viscosity(&dashpot.bulk, "bulk"));
     if let Some((shear, bulk)) = shear.zip(bulk) {
-        attach(material, (KelvinVoigt::new(shear, bulk), &dashpot.at), solid, context);
+        attach(material, KelvinVoigt::new(shear, bulk), &dashpot.at, solid, context);
     }
 }
 
 fn attach<L: nastic_energy::EnergyTerm + 'static>(
     material: &Material,
-    (law, at): (Result<L, EnergyError>, &At),
+    law: Result<L, EnergyError>,
+    at: &At,
     solid: &mut Solid,
     context: &mut Context<'_>,
 ) {
@@ -99,7 +100,8 @@ fn attach<L: nastic_energy::EnergyTerm + 'static>(
 fn sampled(
     case: &Case,
     material: &Material,
-    (value, at): (&Parameter, &At),
+    value: &Parameter,
+    at: &At,
     solid: &Solid,
     context: &mut Context<'_>,
 ) -> Option<Field<f64>> {

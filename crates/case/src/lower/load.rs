@@ -72,7 +72,7 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
             let fixed = reduced.fix(index, component, &values);
             reduced = context.take(&at, fixed)?;
         }
-        reduced = fix_in_time((value, &at), (index, 0, None), reduced, points.places(), context)?;
+        reduced = fix_in_time(value, &at, (index, 0, None), reduced, points.places(), context)?;
     }
     Some(reduced)
 }

@@ -51,7 +51,7 @@ impl CaseProblem {
         };
         let mut context = Context::new(&document, case.units);
         context.free = free;
-        let lowered = members(&case, &document, (cancel, instants), &mut context);
+        let lowered = members(&case, &document, cancel, instants, &mut context);
         let files = context.files();
         let Findings { problems, warnings, notes } = context.found;
         let Lowered { ensemble, labels, differences, controls, probes, ordering } = match (lowered, problems.is_empty())
@@ -106,7 +106,8 @@ struct Lowered {
 fn members(
     case: &Case,
     document: &Document,
-    (cancel, instants): (Arc<AtomicBool>, &[Vec<f64>]),
+    cancel: Arc<AtomicBool>,
+    instants: &[Vec<f64>],
     context: &mut Context<'_>,
 ) -> Option<Lowered> {
     let Some(mesh) = mesh::body(case, context) else {

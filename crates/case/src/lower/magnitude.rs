@@ -54,9 +54,12 @@ const STRONGEST: [Strongest; 3] = [
 
 /// Warns of a field whose largest value, in the case's unit, no apparatus reaches.
 pub(super) fn check_field(
-    (dimension, slot): (Dimension, &str),
-    (largest, what): (f64, &str),
-    (at, context): (&At, &mut Context<'_>),
+    dimension: Dimension,
+    slot: &str,
+    largest: f64,
+    what: &str,
+    at: &At,
+    context: &mut Context<'_>,
 ) {
     let of = |one: &&Strongest| one.dimension == dimension && one.slot.is_none_or(|own| own == slot);
     let Some(strongest) = STRONGEST.iter().find(of) else { return };
@@ -71,15 +74,11 @@ pub(super) fn check_field(
 }
 
 /// The same of a component over the time, where that at t = 0, which is looked at by itself, is a usual one.
-pub(super) fn check_field_in_time(
-    field: (Dimension, &str),
-    values: &[Vec<f64>],
-    (at, context): (&At, &mut Context<'_>),
-) {
+pub(super) fn check_field_in_time(field: (Dimension, &str), values: &[Vec<f64>], at: &At, context: &mut Context<'_>) {
     let largest = |values: &Vec<f64>| values.iter().map(|value| value.abs()).fold(0.0, f64::max);
     let most = values.iter().map(largest).fold(0.0, f64::max);
     if values.first().is_some_and(|first| largest(first) < most) {
-        check_field(field, (most, "over the time it reaches"), (at, context));
+        check_field(field.0, field.1, most, "over the time it reaches", at, context);
     }
 }
 
@@ -99,7 +98,7 @@ pub(super) fn check_controls(case: &Case, controls: &[ControlField], context: &m
         let slot = slot.and_then(|block| block.of.rsplit('.').next()).unwrap_or_default();
         for dimension in [Dimension::FIELD, Dimension::ELECTRIC_FIELD] {
             if field.unit == context.units.label(dimension) {
-                check_field((dimension, slot), (most, "the bounds reach"), (&field.at, context));
+                check_field(dimension, slot, most, "the bounds reach", &field.at, context);
             }
         }
     }

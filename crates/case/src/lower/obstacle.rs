@@ -6,13 +6,13 @@ use nastic_language::schema::{AlignedBox, Case, Outline, Shape, ShapeOrName};
 use nastic_mesh::spatial::Obstacle;
 
 /// Of a shape from which distances up to a reach matter.
-pub(super) fn build((outline, reach): (Outline<'_>, f64), context: &mut Context<'_>) -> Option<Obstacle> {
+pub(super) fn build(outline: Outline<'_>, reach: f64, context: &mut Context<'_>) -> Option<Obstacle> {
     let built = match outline.shape {
         Shape::Mesh(source) => {
             let at = super::mesh::place(source);
             let mesh = super::mesh::load(source, &at, context)?;
             match outline.grid {
-                Some((spacing, block)) => obstacle_grid::build((block, spacing), (&mesh, reach), context)?,
+                Some((spacing, block)) => obstacle_grid::build(block, spacing, &mesh, reach, context)?,
                 None => context.take(&at, Obstacle::solid(&mesh))?,
             }
         }
@@ -45,6 +45,6 @@ fn aligned_box(block: &AlignedBox) -> Obstacle {
 }
 
 /// Of a cost or constraint with a clearance; a name that is not there has been complained about.
-pub(super) fn of(case: &Case, (shape, clearance): (&ShapeOrName, f64), context: &mut Context<'_>) -> Option<Obstacle> {
-    build((shape.among(&case.obstacles)?, clearance), context)
+pub(super) fn of(case: &Case, shape: &ShapeOrName, clearance: f64, context: &mut Context<'_>) -> Option<Obstacle> {
+    build(shape.among(&case.obstacles)?, clearance, context)
 }

@@ -15,8 +15,10 @@ const MARGIN: f64 = 2.0;
 
 /// Of a block with a spacing; distances up to a reach matter. Told are its size and what it loses of the solid.
 pub(super) fn build(
-    (block, spacing): (&schema::Obstacle, f64),
-    (mesh, reach): (&Arc<Mesh>, f64),
+    block: &schema::Obstacle,
+    spacing: f64,
+    mesh: &Arc<Mesh>,
+    reach: f64,
     context: &mut Context<'_>,
 ) -> Option<Obstacle> {
     let margin = MARGIN * reach.max(0.0);
@@ -44,7 +46,8 @@ pub(super) fn build(
 pub(super) fn check(
     block: &schema::Obstacle,
     contact: &str,
-    (shape, solid): (&Obstacle, &Solid),
+    shape: &Obstacle,
+    solid: &Solid,
     context: &mut Context<'_>,
 ) {
     let layer = solid.model().contacts().parameters().into_iter().find(|(own, _)| own == contact);

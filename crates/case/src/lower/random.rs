@@ -104,7 +104,7 @@ impl Variable {
                     Some(length) => {
                         let region = field_region(one, case, context)?;
                         let modes = law.modes.map_or(Modes::Energy(ENERGY), Modes::Count);
-                        let field = LogNormalField::new(disc.mesh(), region, (law.mean, variation, length), modes);
+                        let field = LogNormalField::new(disc.mesh(), region, law.mean, variation, length, modes);
                         let field = context.take(&one.at.key("lognormal"), field)?;
                         let share = 100.0 * field.captured();
                         let count = field.modes().len();

@@ -26,7 +26,8 @@ impl SweepPlan {
     /// What cannot be read, a command that no sweep has, paths that the case lacks.
     pub fn read(
         catalogue: &Catalogue,
-        (command, warm): (&Command, bool),
+        command: &Command,
+        warm: bool,
         case: &Path,
         set: &[String],
     ) -> Result<Self, Diagnostics> {

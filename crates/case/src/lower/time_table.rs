@@ -18,14 +18,14 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
     let end = case.time.as_ref().map(|time| time.end);
     for control in &mut case.controls {
         let Some(Start::Table(table)) = &control.start else { continue };
-        if let Some(formulas) = formulas((table, end), &control.at.key("start"), context) {
+        if let Some(formulas) = formulas(table, end, &control.at.key("start"), context) {
             control.start = Some(match <[Formula; 1]>::try_from(formulas) {
                 Ok([formula]) => Start::Scalar(formula),
                 Err(several) => Start::Vector(several),
             });
         }
     }
-    resolve_poses((&mut case.obstacles, end), context);
+    resolve_poses(&mut case.obstacles, end, context);
     for load in &mut case.loads {
         let at = load.at.clone();
         let parts =
@@ -34,13 +34,13 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
     }
     for block in &mut case.costs {
         if let Cost::Term(term) = block {
-            resolve_paths((term, end), context);
+            resolve_paths(term, end, context);
         }
     }
     for actuation in &mut case.actuation {
         for (key, fixed) in &mut actuation.fixed {
             let Fixed::Table(table) = fixed else { continue };
-            if let Some(formulas) = formulas((table, end), &actuation.at.key(key), context) {
+            if let Some(formulas) = formulas(table, end, &actuation.at.key(key), context) {
                 *fixed = match <[Formula; 1]>::try_from(formulas) {
                     Ok([formula]) => Fixed::Scalar(Parameter::Formula(formula)),
                     Err(several) => Fixed::Vector(VectorField::Formulas(several)),
@@ -51,11 +51,11 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
 }
 
 /// The same of positions that a term aims at.
-fn resolve_paths((term, end): (&mut CostTerm, Option<f64>), context: &mut Context<'_>) {
+fn resolve_paths(term: &mut CostTerm, end: Option<f64>, context: &mut Context<'_>) {
     for (key, value) in &mut term.values {
         let TermValue::Path(table) = value else { continue };
         let at = term.at.key(key);
-        if let Some(formulas) = formulas((table, end), &at, context) {
+        if let Some(formulas) = formulas(table, end, &at, context) {
             let mut given = formulas.into_iter();
             let by_component = table.components().into_iter().map(|column| column.and_then(|_| given.next())).collect();
             *value = TermValue::Position(Box::new(Coordinates::of(by_component, &at)));
@@ -64,7 +64,7 @@ fn resolve_paths((term, end): (&mut CostTerm, Option<f64>), context: &mut Contex
 }
 
 /// The same of the poses of obstacles.
-fn resolve_poses((obstacles, end): (&mut [Obstacle], Option<f64>), context: &mut Context<'_>) {
+fn resolve_poses(obstacles: &mut [Obstacle], end: Option<f64>, context: &mut Context<'_>) {
     for obstacle in obstacles {
         let at = obstacle.at.clone();
         let parts = [("translation", &mut obstacle.translation), ("rotation", &mut obstacle.rotation)];
@@ -82,20 +82,20 @@ fn resolve_vectors<const N: usize>(
     for (key, part) in parts {
         let Some(VectorInTime(fixed)) = part else { continue };
         let Fixed::Table(table) = fixed else { continue };
-        if let Some(formulas) = formulas((table, end), &at.key(key), context) {
+        if let Some(formulas) = formulas(table, end, &at.key(key), context) {
             *fixed = Fixed::Vector(VectorField::Formulas(formulas));
         }
     }
 }
 
-fn formulas((table, end): (&TimeTable, Option<f64>), at: &At, context: &mut Context<'_>) -> Option<Vec<Formula>> {
+fn formulas(table: &TimeTable, end: Option<f64>, at: &At, context: &mut Context<'_>) -> Option<Vec<Formula>> {
     let path = context.file(&table.file);
     let text = std::fs::read_to_string(&path).map_err(|error| format!("{}: {error}", path.display()));
     let text = context.take(&at.key("file"), text)?;
     let columns = columns(&text, &table.names()).map_err(|why| format!("{}: {why}", table.file));
     let columns = context.take(&at.key("file"), columns)?;
     if let (Some(end), Some(rows)) = (end, columns.first()) {
-        check_unit(table, (rows, end), &at.key("file"), context);
+        check_unit(table, rows, end, &at.key("file"), context);
     }
     let named =
         |(name, rows): (&str, Vec<(f64, f64)>)| Formula::over_time(&format!("{name} of {}", table.file), rows.into());
@@ -103,7 +103,7 @@ fn formulas((table, end): (&TimeTable, Option<f64>), at: &At, context: &mut Cont
 }
 
 /// Warns of times that look as if they were in another unit than that of the motion.
-fn check_unit(table: &TimeTable, (rows, end): (&[(f64, f64)], f64), at: &At, context: &mut Context<'_>) {
+fn check_unit(table: &TimeTable, rows: &[(f64, f64)], end: f64, at: &At, context: &mut Context<'_>) {
     let last = rows.last().map_or(0.0, |(t, _)| *t);
     // one row is a constant, whatever its time
     if rows.len() < 2 || last <= end * APART {

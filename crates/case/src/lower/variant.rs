@@ -47,7 +47,7 @@ pub(super) fn all(
     }
     for (index, scenario) in scenarios.iter().enumerate() {
         for load_case in &load_cases {
-            match make(case, document, (index, scenario), *load_case) {
+            match make(case, document, index, scenario, *load_case) {
                 Ok(variant) => out.push(variant),
                 Err(found) => problems.extend(found),
             }
@@ -70,7 +70,8 @@ fn counted(case: &Case, context: &mut Context<'_>) -> Vec<Option<usize>> {
 fn make(
     case: &Case,
     document: &Document,
-    (index, scenario): (usize, &Scenario),
+    index: usize,
+    scenario: &Scenario,
     load_case: Option<usize>,
 ) -> Result<Variant, Vec<Diagnostic>> {
     let block = load_case.map(|k| &case.load_cases[k]);

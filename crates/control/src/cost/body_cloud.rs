@@ -22,7 +22,8 @@ impl BodyCloud {
     pub fn of(
         mesh: &Mesh,
         region: Option<&GroupNames>,
-        (points, length): (Option<usize>, f64),
+        points: Option<usize>,
+        length: f64,
         share: Option<Arc<Share>>,
     ) -> Result<(Self, Cloud), ControlError> {
         let cells = match region {

@@ -113,7 +113,8 @@ impl Cost for BoundHausdorff {
         let (cloud, own) = setup.body.gathered(body.positions(at.solid.mesh(), Some(at.u)), weights)?;
         let smoothing = setup.stage(at.stage).smoothing;
         let how = (smoothing, Summation::default());
-        let evaluation = Evaluation::together(&cloud, &setup.cloud, how, setup.body.together()).map_err(failed)?;
+        let evaluation =
+            Evaluation::together(&cloud, &setup.cloud, how.0, how.1, setup.body.together()).map_err(failed)?;
         let discretization = at.solid.discretization().clone();
         Ok(Arc::new(HausdorffPoint { setup, discretization, u: at.u.to_vec(), stage: at.stage, evaluation, own }))
     }

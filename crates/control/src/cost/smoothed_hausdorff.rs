@@ -117,7 +117,7 @@ impl SmoothedHausdorff {
         // before messages that would wait for a rank that refuses
         let Given { weight, stages, length, cloud, shape } = model.ranks().all_accept(self.checked(solid.mesh()))?;
         let (resolution, share) = ((self.quadrature, length), model.unknowns().share().cloned());
-        let (body, body_cloud) = BodyCloud::of(solid.mesh(), self.region.as_ref(), resolution, share)?;
+        let (body, body_cloud) = BodyCloud::of(solid.mesh(), self.region.as_ref(), resolution.0, resolution.1, share)?;
         let spacing = body_cloud.spacing().max(cloud.spacing());
         let stages = match stages {
             Some(stages) => stages,
@@ -167,7 +167,7 @@ impl SmoothedHausdorff {
             None => automatic_stages::finest(self.target.diagonal_of(self.target_region.as_ref())?),
         };
         let resolution = (self.quadrature, length);
-        let (_, cloud) = BodyCloud::of(&self.target, self.target_region.as_ref(), resolution, None)?;
+        let (_, cloud) = BodyCloud::of(&self.target, self.target_region.as_ref(), resolution.0, resolution.1, None)?;
         let shape = Shape::of(&self.target, self.target.points(), self.target_region.as_ref());
         let shape = shape.map_err(|e| fail(e.to_string()))?;
         Ok(Given { weight, stages, length, cloud, shape })

@@ -41,7 +41,7 @@ impl Constrained for Ensemble {
         along: (&[f64], Hessian),
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, Failed> {
-        Ok(self.lagrangian_hessian_typed(point, weights, along, workspace)?)
+        Ok(self.lagrangian_hessian_typed(point, weights, along.0, along.1, workspace)?)
     }
 }
 
@@ -132,7 +132,8 @@ impl Ensemble {
         &self,
         point: &EnsemblePoint,
         weights: [&[f64]; 2],
-        (v, which): (&[f64], Hessian),
+        v: &[f64],
+        which: Hessian,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
         self.check_len(v)?;
@@ -140,7 +141,7 @@ impl Ensemble {
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let weight = |member: &Member| if bends { 0.0 } else { by_cost[member.scenario] * member.weight };
         let shares = self.shares(point, weights, weight);
-        let mut out = self.product_of(&shares, point, (v, which), workspace)?;
+        let mut out = self.product_of(&shares, point, v, which, workspace)?;
         if bends {
             axpy(1.0, &self.second_derivative(point, v, which, workspace)?, &mut out);
         }
@@ -155,19 +156,21 @@ impl Ensemble {
         &self,
         point: &EnsemblePoint,
         y: &[f64],
-        (v, which): (&[f64], Hessian),
+        v: &[f64],
+        which: Hessian,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
         self.check_len(v)?;
         let shares = self.shares(point, [y, &vec![0.0; y.len()]], |_| 0.0);
-        self.product_of(&shares, point, (v, which), workspace)
+        self.product_of(&shares, point, v, which, workspace)
     }
 
     fn product_of(
         &self,
         shares: &[Share],
         point: &EnsemblePoint,
-        (v, which): (&[f64], Hessian),
+        v: &[f64],
+        which: Hessian,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
         let first = self.ranks.own().start;
@@ -175,7 +178,7 @@ impl Ensemble {
             let share = shares.get(index - first).filter(|share| !share.is_nothing());
             let (Some(share), Some(at)) = (share, point.member(index)) else { return Ok(None) };
             let (of, along) = (Lagrangian { costs: share.costs, y: &share.y }, gather(&self.blocks, member, v));
-            member.problem.lagrangian_second_derivative(at, (of, &share.w), (&along, which), workspace).map(Some)
+            member.problem.lagrangian_second_derivative(at, of, &share.w, &along, which, workspace).map(Some)
         };
         let (found, _) = self.side_by_side(workspace, of, |_, _| ())?;
         self.sum(shares.iter().zip(&found).map(|(share, product)| Some((share.factor, product.as_deref()?))))

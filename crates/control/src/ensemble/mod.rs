@@ -259,7 +259,8 @@ impl Ensemble {
         };
         let found = self.side_by_side(workspace, evaluate, |_, at| MemberValues::of(at));
         self.ranks.took(began.elapsed());
-        self.joined(m, found?)
+        let (points, values) = found?;
+        self.joined(m, points, values)
     }
 
     fn check_len(&self, m: &[f64]) -> Result<(), EnsembleError> {
@@ -271,7 +272,8 @@ impl Ensemble {
     fn joined(
         &self,
         m: &[f64],
-        (members, reports): (Vec<Evaluated>, Vec<MemberValues>),
+        members: Vec<Evaluated>,
+        reports: Vec<MemberValues>,
     ) -> Result<EnsemblePoint, EnsembleError> {
         let mut costs = vec![0.0; self.names.len()];
         for (member, report) in self.members.iter().zip(&reports) {
@@ -346,7 +348,8 @@ impl Ensemble {
             Some(at) => member.problem.restage_typed(stage, at),
             None => Err(ControlError::Length { found: point.members.len(), expected: self.members.len() }),
         };
-        self.joined(&point.m, self.side_by_side(none, restage, |_, at| MemberValues::of(at))?)
+        let (points, values) = self.side_by_side(none, restage, |_, at| MemberValues::of(at))?;
+        self.joined(&point.m, points, values)
     }
 
     /// Calls `watch` after every evaluated member from now on, as [`EnsembleBuilder::watched_by`] does.

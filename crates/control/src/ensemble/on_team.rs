@@ -29,7 +29,7 @@ impl Ensemble {
     ///
     /// A load solves motions once more. Of `kept`, points that will be loaded, this rank keeps the motions that stay with it until
     /// [`forget`](Self::forget) is called; those that move are counted, with what they took for each of so many `solves`.
-    pub fn share_anew(&self, work: &[usize], (kept, solves): (&[&EnsemblePoint], usize)) -> bool {
+    pub fn share_anew(&self, work: &[usize], kept: &[&EnsemblePoint], solves: usize) -> bool {
         if work.len() != self.members.len() {
             return false;
         }
@@ -115,7 +115,7 @@ impl Ensemble {
         let stage = own.first().map_or(0, |at| at.stage);
         let how = Request { stage, ..Request::default() };
         let first = own.len();
-        let load = |(k, bytes): (usize, &Vec<u8>)| self.load_member(first + k, (&point.m, bytes), &how);
+        let load = |(k, bytes): (usize, &Vec<u8>)| self.load_member(first + k, &point.m, bytes, &how);
         let sent: Vec<Evaluated> = sent.par_iter().enumerate().with_max_len(1).map(load).collect::<Result<_, _>>()?;
         Ok(Some(own.into_iter().chain(sent).collect()))
     }
@@ -123,7 +123,8 @@ impl Ensemble {
     fn load_member(
         &self,
         index: usize,
-        (m, bytes): (&[f64], &[u8]),
+        m: &[f64],
+        bytes: &[u8],
         how: &Request<'_, Evaluated>,
     ) -> Result<Evaluated, EnsembleError> {
         let member = &self.members[index];
@@ -162,7 +163,7 @@ impl Ensemble {
             loaded.map_err(|failed| unloaded(&failed))
         };
         let found = self.side_by_side(&mut EnsembleWorkspace::default(), load, |_, at| MemberValues::of(at))?;
-        self.joined(m, found)
+        self.joined(m, found.0, found.1)
     }
 }
 

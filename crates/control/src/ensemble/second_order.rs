@@ -54,7 +54,7 @@ impl Ensemble {
             let along = gather(&self.blocks, member, v);
             match point.member(index) {
                 Some(at) if bends || by_cost[member.scenario] != 0.0 => {
-                    let found = member.problem.second_derivative(at, None, (&along, which, bends), workspace)?;
+                    let found = member.problem.second_derivative(at, None, &along, which, bends, workspace)?;
                     let slope = if bends { dot(&found.derivative, &along) } else { 0.0 };
                     Ok(Some((found, slope)))
                 }

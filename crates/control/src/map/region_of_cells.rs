@@ -26,14 +26,15 @@ pub(super) fn region_of_cells(
     let parts =
         parts().filter(|(_, ((name, _), shared))| if divided { divides(name, **shared) } else { is_named(name) });
     let parts: Vec<(u32, &String, &Vec<u32>)> = parts.map(|(r, ((name, of), _))| (r as u32, name, of)).collect();
-    whole.agreed(given(mesh, named, (cells, &acts), &parts))
+    whole.agreed(given(mesh, named, cells, &acts, &parts))
 }
 
 /// The same of cells that these regions divide.
 fn given(
     mesh: &Mesh,
     named: &GroupNames,
-    (cells, acts): (&[u32], &BTreeSet<u32>),
+    cells: &[u32],
+    acts: &BTreeSet<u32>,
     parts: &[(u32, &String, &Vec<u32>)],
 ) -> Result<Vec<u32>, ControlError> {
     let mut of_cell = vec![u32::MAX; mesh.cells()];

@@ -60,11 +60,7 @@ impl Reduced {
     ///
     /// # Errors
     /// Controls of the wrong length.
-    pub fn between_nodes(
-        &self,
-        m: &[f64],
-        (n, state): (usize, &State),
-    ) -> Result<Vec<Option<BetweenNodes>>, ControlError> {
+    pub fn between_nodes(&self, m: &[f64], n: usize, state: &State) -> Result<Vec<Option<BetweenNodes>>, ControlError> {
         let m = self.at_instant(m, state.time)?;
         let context = self.context(state, &m, 0);
         let between = |(k, constraint): (usize, &dyn Constraint)| {
@@ -118,7 +114,7 @@ impl Reduced {
         let (derivative, adjoint) = match &self.motion {
             Some(motion) => {
                 let (at, of) = ((point.m.as_slice(), point.stage), Functional::Lagrangian(of));
-                self.derivative_of_motion(motion, (at, &mut point.solved.clone()), of, workspace)?
+                self.derivative_of_motion(motion, at, &mut point.solved.clone(), of, workspace)?
             }
             None => self.sensitivity_of(point, self.lagrangian_partials(point, of)?, workspace)?,
         };
@@ -180,6 +176,6 @@ impl Constrained for Reduced {
         along: (&[f64], Hessian),
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, Failed> {
-        Ok(self.lagrangian_second_derivative(point, (Lagrangian { costs: true, y }, w), along, workspace)?)
+        Ok(self.lagrangian_second_derivative(point, Lagrangian { costs: true, y }, w, along.0, along.1, workspace)?)
     }
 }

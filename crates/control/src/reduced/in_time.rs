@@ -199,7 +199,7 @@ impl Reduced {
         values: impl Fn(f64) -> Result<Vec<f64>, ControlError> + Send + Sync + 'static,
     ) -> Result<Self, ControlError> {
         let instants = self.needs_time("values in time")?.timeline.instants();
-        let fixed = FixedInTime::new((actuation, slot), values, instants)?;
+        let fixed = FixedInTime::new(actuation, slot, values, instants)?;
         let mut controls = self.solid.controls();
         (0..instants.len()).try_for_each(|n| fixed.put(n, &mut controls))?;
         if let Some(motion) = &mut self.motion {
@@ -262,7 +262,7 @@ impl Reduced {
             MotionMemory::All => Checkpoints::all(steps, segment)?,
             MotionMemory::Checkpoints(most) => Checkpoints::at_most(most, steps, segment)?,
             MotionMemory::AtMost { bytes } => {
-                Checkpoints::within(bytes, steps, segment, (self.solid.model(), timeline.scheme()))?
+                Checkpoints::within(bytes, steps, segment, self.solid.model(), timeline.scheme())?
             }
         })
     }

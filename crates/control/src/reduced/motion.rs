@@ -61,7 +61,8 @@ impl Reduced {
     pub(super) fn evaluate_motion(
         &self,
         motion: &Motion,
-        (m, how): (&[f64], &Request<'_, Evaluated>),
+        m: &[f64],
+        how: &Request<'_, Evaluated>,
         observer: Option<&dyn MotionObserver>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Evaluated, ControlError> {
@@ -69,7 +70,7 @@ impl Reduced {
         let (mut found, from) = match &resumed {
             Some(bytes) => {
                 let lens: Vec<usize> = self.constraints.iter().map(|constraint| constraint.group().len).collect();
-                let read = Progress::from_bytes(bytes, motion, (&self.solid, &lens));
+                let read = Progress::from_bytes(bytes, motion, &self.solid, &lens);
                 let (found, from) = read.map_err(|error| ControlError::Cost { what: error.to_string() })?;
                 (found, Some(from))
             }
@@ -79,10 +80,10 @@ impl Reduced {
         let estimates = motion.timeline.scheme().estimates_error();
         let is_resumable = !motion.costs.iter().any(|cost| cost.needs_states());
         let options = self.solve_options(how.accuracy);
-        let recording = self.run_motion(motion, (m, &options), from, workspace, &mut |n, recording| {
+        let recording = self.run_motion(motion, m, &options, from, workspace, &mut |n, recording| {
             let part = recording.part();
             found.add(part, estimates.then(|| self.solid.model().last_step_error(part)).flatten());
-            self.add_values(motion, (n, part.end()), (m, how.stage), &mut found.values)?;
+            self.add_values(motion, (n, part.end()), m, how.stage, &mut found.values)?;
             let Some(observer) = observer else { return Ok(()) };
             observer.reached(n, part.end())?;
             if is_resumable && (recording.begins_anew() || n == motion.timeline.steps()) {
@@ -93,14 +94,15 @@ impl Reduced {
         let Progress { values, mut work, min_j, error } = found;
         work.solver = recording.part().end().report.solver;
         let solved = SolvedStates { recording, accuracy: how.accuracy, min_j, error, resumed: resumed.is_some() };
-        self.valued_motion(motion, (solved, work), (m, how.stage), values)
+        self.valued_motion(motion, solved, work, m, how.stage, values)
     }
 
     /// Runs it from t = 0, or from the end of a part of it, and calls at every state.
     fn run_motion(
         &self,
         motion: &Motion,
-        (m, options): (&[f64], &SolveOptions<'_>),
+        m: &[f64],
+        options: &SolveOptions<'_>,
         from: Option<Trajectory>,
         workspace: &mut ReducedWorkspace,
         each: &mut dyn FnMut(usize, &Recording) -> Result<(), ControlError>,
@@ -177,7 +179,7 @@ impl Reduced {
                 let each = &mut |n: usize, recording: &Recording| each(n, recording.part().end());
                 // a run that is being cancelled still writes what it found
                 let options = SolveOptions { cancel: None, ..self.solve_options(solved.accuracy) };
-                self.run_motion(motion, (&point.m, &options), None, &mut ReducedWorkspace::default(), each).map(drop)
+                self.run_motion(motion, &point.m, &options, None, &mut ReducedWorkspace::default(), each).map(drop)
             }
             _ => point.states().iter().enumerate().try_for_each(|(n, state)| each(n, state)),
         }
@@ -199,7 +201,7 @@ impl Reduced {
         if wanted.contains(&true) {
             self.for_each_state(point, &mut |n, state| {
                 for &(k, place) in &counting[n] {
-                    self.cost_point(motion, (k, place), (n, state), (&point.m, point.stage), &mut |cost| {
+                    self.cost_point(motion, k, place, (n, state), (&point.m, point.stage), &mut |cost| {
                         let own = cost.figures()?.into_iter().filter(|one| one.kind == FigureKind::PositionDistance);
                         all[k].extend(own.map(|one| one.value));
                         Ok(())
@@ -220,20 +222,22 @@ impl Reduced {
     ) -> Result<Evaluated, ControlError> {
         let mut values = InstantValues::new(motion);
         let at = (point.m.as_slice(), stage);
-        self.for_each_state(point, &mut |n, state| self.add_values(motion, (n, state), at, &mut values))?;
-        self.valued_motion(motion, (point.solved.clone(), point.work), at, values)
+        self.for_each_state(point, &mut |n, state| self.add_values(motion, (n, state), at.0, at.1, &mut values))?;
+        self.valued_motion(motion, point.solved.clone(), point.work, at.0, at.1, values)
     }
 
     /// The values of costs and constraints of a motion.
     fn valued_motion(
         &self,
         motion: &Motion,
-        (solved, work): (SolvedStates, SolveReport),
-        (m, stage): (&[f64], usize),
+        solved: SolvedStates,
+        work: SolveReport,
+        m: &[f64],
+        stage: usize,
         values: InstantValues,
     ) -> Result<Evaluated, ControlError> {
         let mut terms = values.terms(motion);
-        let context = self.motion_context(motion, &solved, (m, stage));
+        let context = self.motion_context(motion, &solved, m, stage);
         for cost in &motion.costs {
             terms.push(cost.value(&context)?);
         }
@@ -249,7 +253,8 @@ impl Reduced {
         &'a self,
         motion: &'a Motion,
         solved: &'a SolvedStates,
-        (m, stage): (&'a [f64], usize),
+        m: &'a [f64],
+        stage: usize,
     ) -> TrajectoryContext<'a> {
         let (timeline, trajectory) = (&motion.timeline, solved.recording.part());
         TrajectoryContext { solid: &self.solid, layout: &self.layout, timeline, trajectory, m, stage }
@@ -260,11 +265,12 @@ impl Reduced {
         &self,
         motion: &Motion,
         at: (usize, &State),
-        (m, stage): (&[f64], usize),
+        m: &[f64],
+        stage: usize,
         into: &mut InstantValues,
     ) -> Result<(), ControlError> {
         for place in into.counting[at.0].clone() {
-            self.cost_point(motion, place, at, (m, stage), &mut |cost| {
+            self.cost_point(motion, place.0, place.1, at, (m, stage), &mut |cost| {
                 into.values[place.0][place.1] = cost.value();
                 Ok(())
             })?;
@@ -272,7 +278,7 @@ impl Reduced {
         let InstantValues { constraints, .. } = into;
         for (k, own) in constraints.iter_mut().enumerate() {
             if motion.constrained_at[k].binary_search(&at.0).is_ok() {
-                own.extend(self.constraint_point(motion, k, at, m)?.values());
+                own.extend(self.constraint_point(motion, k, at.0, at.1, m)?.values());
             }
         }
         Ok(())
@@ -291,7 +297,8 @@ impl Reduced {
         &self,
         motion: &Motion,
         k: usize,
-        (n, state): (usize, &State),
+        n: usize,
+        state: &State,
         m: &[f64],
     ) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
         let at_instant = self.layout.at(m, motion.timeline.instants()[n])?;
@@ -303,7 +310,8 @@ impl Reduced {
     pub(super) fn cost_point(
         &self,
         motion: &Motion,
-        (k, place): (usize, usize),
+        k: usize,
+        place: usize,
         (n, state): (usize, &State),
         (m, stage): (&[f64], usize),
         call: &mut dyn FnMut(&dyn CostPoint) -> Result<(), ControlError>,

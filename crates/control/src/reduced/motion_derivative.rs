@@ -60,11 +60,12 @@ impl<'a> InstantPartials<'a> {
     fn new(
         problem: &'a Reduced,
         motion: &'a Motion,
-        (at, solved): ((&'a [f64], usize), &SolvedStates),
+        at: (&'a [f64], usize),
+        solved: &SolvedStates,
         of: Functional<'a>,
     ) -> Result<Self, ControlError> {
         let mut out = TrajectoryPartials::zero(motion.timeline.instants().len(), at.0.len());
-        let context = problem.motion_context(motion, solved, at);
+        let context = problem.motion_context(motion, solved, at.0, at.1);
         for (k, cost) in motion.costs.iter().enumerate() {
             if of.has_term(motion.schedules.len() + k) {
                 cost.add_partials(&context, &mut out)?;
@@ -84,7 +85,7 @@ impl<'a> InstantPartials<'a> {
         let mut first = y.len().saturating_sub(lens.iter().sum());
         for (rate, len) in rates.iter().zip(lens) {
             let y = y.get(first..first + len).unwrap_or_default();
-            rate.add_partials(layout, (self.at.0, y), &mut self.out.m)?;
+            rate.add_partials(layout, self.at.0, y, &mut self.out.m)?;
             first += len;
         }
         Ok(())
@@ -106,7 +107,7 @@ impl<'a> InstantPartials<'a> {
             if y.iter().all(|y| *y == 0.0) {
                 continue;
             }
-            let point = problem.constraint_point(motion, k, (n, state), self.at.0)?;
+            let point = problem.constraint_point(motion, k, n, state, self.at.0)?;
             let zero = || Partials::zero(state.u.len(), motion.layout.len());
             point.add_partials_in_motion(y, own.get_or_insert_with(zero), &mut more)?;
         }
@@ -126,7 +127,7 @@ impl<'a> InstantPartials<'a> {
             let schedule = &motion.schedules[k];
             let mut own = Partials::zero(state.u.len(), motion.layout.len());
             let (mut factor, mut more) = (0.0, MotionPartials::default());
-            problem.cost_point(motion, (k, place), (n, state), self.at, &mut |cost| {
+            problem.cost_point(motion, k, place, (n, state), self.at, &mut |cost| {
                 factor = schedule.weights[place].1 * schedule.shape(cost.value()).1;
                 cost.add_partials_in_motion(&mut own, &mut more)
             })?;
@@ -172,7 +173,8 @@ impl Reduced {
     pub(super) fn derivative_of_motion(
         &self,
         motion: &Motion,
-        (at, solved): ((&[f64], usize), &mut SolvedStates),
+        at: (&[f64], usize),
+        solved: &mut SolvedStates,
         of: Functional<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
@@ -180,7 +182,7 @@ impl Reduced {
             let what = "the states of a motion that was resumed are not all there: evaluate it anew for its derivative";
             return Err(ControlError::Cost { what: what.to_owned() });
         }
-        let swept = self.sweep_motion(motion, (at, solved), of, workspace);
+        let swept = self.sweep_motion(motion, at, solved, of, workspace);
         self.forget(workspace);
         swept
     }
@@ -188,13 +190,14 @@ impl Reduced {
     fn sweep_motion(
         &self,
         motion: &Motion,
-        (at, solved): ((&[f64], usize), &mut SolvedStates),
+        at: (&[f64], usize),
+        solved: &mut SolvedStates,
         of: Functional<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<(Vec<f64>, Option<AdjointState>), ControlError> {
         let (model, last) = (self.solid.model(), motion.timeline.steps());
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
-        let mut partials = InstantPartials::new(self, motion, (at, solved), of)?;
+        let mut partials = InstantPartials::new(self, motion, at, solved, of)?;
         let mut sweep = ReverseSweep::new(model, &how, &mut workspace.solve);
         let (mut lambda, mut first) = (Vec::new(), None);
         let recomputed = solved.recording.backwards(

@@ -74,7 +74,8 @@ impl Progress {
     pub fn from_bytes(
         bytes: &[u8],
         motion: &Motion,
-        (solid, lens): (&Solid, &[usize]),
+        solid: &Solid,
+        lens: &[usize],
     ) -> Result<(Self, Trajectory), SavedRunError> {
         let mut input = Reader::new(bytes, MAGIC)?;
         if input.text()? != motion.timeline.scheme().name() {
@@ -109,7 +110,7 @@ impl Progress {
             false => None,
         };
         input.finish()?;
-        let part = Trajectory::from_end(begin, (first, states), step, motion.timeline.scheme());
+        let part = Trajectory::from_end(begin, first, states, step, motion.timeline.scheme());
         let part = part.map_err(|_| input.damaged("states and a step that do not fit each other"))?;
         let states = part.first().saturating_add(part.states().len());
         if states > motion.timeline.instants().len() {

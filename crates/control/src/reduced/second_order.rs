@@ -45,7 +45,7 @@ impl Reduced {
         v: &[f64],
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, ControlError> {
-        Ok(self.second_derivative(point, None, (v, Hessian::Exact, false), workspace)?.product)
+        Ok(self.second_derivative(point, None, v, Hessian::Exact, false, workspace)?.product)
     }
 
     /// The same with the state and the fields linearised, `du = -K^-1 r_m v` (Gauss-Newton's matrix, if the cost is a sum of squares):
@@ -64,7 +64,7 @@ impl Reduced {
         v: &[f64],
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, ControlError> {
-        Ok(self.second_derivative(point, None, (v, Hessian::GaussNewton, false), workspace)?.product)
+        Ok(self.second_derivative(point, None, v, Hessian::GaussNewton, false, workspace)?.product)
     }
 
     /// The same of one term.
@@ -78,7 +78,7 @@ impl Reduced {
         v: &[f64],
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, ControlError> {
-        Ok(self.second_derivative(point, Some(term), (v, Hessian::Exact, false), workspace)?.product)
+        Ok(self.second_derivative(point, Some(term), v, Hessian::Exact, false, workspace)?.product)
     }
 
     /// Of all terms, or of one, along v; with the first derivative if asked.
@@ -86,7 +86,9 @@ impl Reduced {
         &self,
         point: &Evaluated,
         term: Option<usize>,
-        (v, which, first): (&[f64], Hessian, bool),
+        v: &[f64],
+        which: Hessian,
+        first: bool,
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
         self.solid().model().ranks().refuse_ranks("second derivatives")?;
@@ -110,8 +112,10 @@ impl Reduced {
     pub(crate) fn lagrangian_second_derivative(
         &self,
         point: &Evaluated,
-        (of, w): (Lagrangian<'_>, &[f64]),
-        (v, which): (&[f64], Hessian),
+        of: Lagrangian<'_>,
+        w: &[f64],
+        v: &[f64],
+        which: Hessian,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Vec<f64>, ControlError> {
         let lambda = match &point.adjoint {

@@ -70,7 +70,7 @@ impl Reduced {
         if let Some(motion) = &self.motion {
             let of = term.map_or(Functional::costs(), Functional::Term);
             let at = (point.m.as_slice(), point.stage);
-            return self.derivative_of_motion(motion, (at, &mut point.solved.clone()), of, workspace);
+            return self.derivative_of_motion(motion, at, &mut point.solved.clone(), of, workspace);
         }
         self.sensitivity_of_all(point, self.partials(point, term), workspace)
     }
@@ -85,7 +85,7 @@ impl Reduced {
         let (derivative, adjoint) = match &self.motion {
             Some(motion) => {
                 let at = (point.m.as_slice(), point.stage);
-                self.derivative_of_motion(motion, (at, &mut point.solved), Functional::Lagrangian(of), workspace)?
+                self.derivative_of_motion(motion, at, &mut point.solved, Functional::Lagrangian(of), workspace)?
             }
             None => self.sensitivity_of_all(point, self.lagrangian_partials(point, of), workspace)?,
         };

@@ -79,7 +79,7 @@ impl Reduced {
         if let Some(near) = near
             && workspace.limits.are_crossed(&near.m, trial.m)
         {
-            if let Some(state) = self.along_path((near, trial), &how, &mut spent, workspace)? {
+            if let Some(state) = self.along_path(near, trial, &how, &mut spent, workspace)? {
                 return Ok(state);
             }
             looked = true;
@@ -91,7 +91,7 @@ impl Reduced {
         match (self.solid().solve_with(&trial.controls, &options, &mut workspace.solve), near) {
             (Err(error), Some(near)) if !looked && may_be_limit(&error) => {
                 spent.newton += iterations(&error);
-                let found = self.along_path((near, trial), &how, &mut spent, workspace)?;
+                let found = self.along_path(near, trial, &how, &mut spent, workspace)?;
                 found.ok_or(ControlError::State(error))
             }
             (solved, _) => Ok(after(solved?, &spent)),
@@ -104,7 +104,8 @@ impl Reduced {
     /// [`ControlError::LimitPoint`] where it turns back.
     fn along_path(
         &self,
-        (near, trial): (&Evaluated, &Trial<'_>),
+        near: &Evaluated,
+        trial: &Trial<'_>,
         how: &SolveOptions<'_>,
         spent: &mut SolveReport,
         workspace: &mut ReducedWorkspace,
@@ -116,7 +117,7 @@ impl Reduced {
             Err(_) | Ok(Ahead::Unknown(_)) => Ok(None),
             Ok(Ahead::LimitPoint(at)) => {
                 let limit = self.layout().limit_point([&near.m, trial.m], at.share);
-                self.note(&at, (near, trial), workspace);
+                self.note(&at, near, trial, workspace);
                 Err(ControlError::LimitPoint { limit, newton: spent.newton })
             }
             Ok(Ahead::Clear(state)) => {
@@ -149,7 +150,7 @@ impl Reduced {
     }
 
     /// Remembers a limit point, with the normal of the surface of limit points there.
-    fn note(&self, at: &LimitAhead, (near, trial): (&Evaluated, &Trial<'_>), workspace: &mut ReducedWorkspace) {
+    fn note(&self, at: &LimitAhead, near: &Evaluated, trial: &Trial<'_>, workspace: &mut ReducedWorkspace) {
         let mut instant = Instant::of(&at.state);
         instant.parallel = self.parallel;
         // a state that was found is admissible
@@ -158,7 +159,7 @@ impl Reduced {
         let mut m = near.m.clone();
         axpy(at.share, &step, &mut m);
         let normal = self.layout().control_vjp(&m, &by.controls);
-        workspace.limits.add(at, (&near.m, step), normal);
+        workspace.limits.add(at, &near.m, step, normal);
     }
 }
 

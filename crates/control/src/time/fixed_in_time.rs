@@ -19,7 +19,8 @@ impl FixedInTime {
     /// # Errors
     /// What `values` returns at an instant.
     pub fn new(
-        (actuation, slot): (usize, usize),
+        actuation: usize,
+        slot: usize,
         values: impl Fn(f64) -> Result<Vec<f64>, ControlError> + Send + Sync + 'static,
         instants: &[f64],
     ) -> Result<Self, ControlError> {

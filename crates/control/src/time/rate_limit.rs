@@ -51,7 +51,8 @@ impl RateLimit {
     pub(crate) fn add_partials(
         &self,
         layout: &Layout,
-        (m, y): (&[f64], &[f64]),
+        m: &[f64],
+        y: &[f64],
         out: &mut [f64],
     ) -> Result<(), ControlError> {
         let mut weights = y.iter();

@@ -74,13 +74,13 @@ impl Graph {
             }
             Node::Power(a, b) => {
                 let (da, db) = (slope(self, a), slope(self, b));
-                self.power_slope(id, (a, b), (da, db))
+                self.power_slope(id, a, b, da, db)
             }
             Node::Minimum(a, b) | Node::Maximum(a, b) => {
                 let (da, db) = (slope(self, a), slope(self, b));
                 let least = matches!(node, Node::Minimum(..));
                 let (a, b) = if least { (a, b) } else { (b, a) };
-                self.choose(a, b, (da, db))
+                self.choose(a, b, da, db)
             }
             Node::Whole(a, _)
             | Node::ThirdRoot(a)
@@ -133,7 +133,7 @@ impl Graph {
     }
 
     /// `(a^b)' = b a^(b-1) a' + a^b log(a) b'`.
-    fn power_slope(&mut self, id: Id, (a, b): (Id, Id), (da, db): (Id, Id)) -> Id {
+    fn power_slope(&mut self, id: Id, a: Id, b: Id, da: Id, db: Id) -> Id {
         let one = self.constant(1.0);
         let less = self.subtract(b, one);
         let lower = self.power(a, less);
@@ -149,7 +149,7 @@ impl Graph {
     }
 
     /// `da` where `a < b`, else `db`.
-    fn choose(&mut self, a: Id, b: Id, (da, db): (Id, Id)) -> Id {
+    fn choose(&mut self, a: Id, b: Id, da: Id, db: Id) -> Id {
         let one = self.constant(1.0);
         let first = self.less(a, b);
         let second = self.subtract(one, first);

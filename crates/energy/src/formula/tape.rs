@@ -218,8 +218,8 @@ fn instruction(graph: &Graph, id: Id) -> (Code, [Option<Id>; 2]) {
         return (Code::Affine(c, s), [Some(x), None]);
     }
     let code = match graph.node(id) {
-        Node::Add(a, b) => return sum(graph, (a, b), 1.0),
-        Node::Subtract(a, b) => return sum(graph, (a, b), -1.0),
+        Node::Add(a, b) => return sum(graph, a, b, 1.0),
+        Node::Subtract(a, b) => return sum(graph, a, b, -1.0),
         Node::Constant(bits) => Code::Constant(f64::from_bits(bits)),
         Node::Invariant(_) => Code::Input,
         Node::Parameter(_) => Code::Parameter,
@@ -246,7 +246,7 @@ fn instruction(graph: &Graph, id: Id) -> (Code, [Option<Id>; 2]) {
 }
 
 /// `a + sign b`, in which one of them may be affine.
-fn sum(graph: &Graph, (a, b): (Id, Id), sign: f64) -> (Code, [Option<Id>; 2]) {
+fn sum(graph: &Graph, a: Id, b: Id, sign: f64) -> (Code, [Option<Id>; 2]) {
     let (c, s, x) = affine(graph, b);
     if x != b {
         return (Code::AddAffine(sign * c, s), [Some(a), Some(x)]);

@@ -114,7 +114,8 @@ impl FiberFamily {
         &self,
         owner: &'static str,
         direction: &'static str,
-        (cells, points): (usize, usize),
+        cells: usize,
+        points: usize,
     ) -> Result<(), EnergyError> {
         self.k1.check_len(owner, "k1", cells, points)?;
         self.k2.check_len(owner, "k2", cells, points)?;
@@ -184,7 +185,7 @@ impl IsochoricLaw for FiberFamily {
     }
 
     fn check_lengths(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
-        self.check_of(Self::NAME, "fiber", (cells, points))
+        self.check_of(Self::NAME, "fiber", cells, points)
     }
 
     fn along(&self, at: MaterialPoint) -> Option<Vec3> {

@@ -228,7 +228,8 @@ impl FormulaLaw {
         &self,
         at: &PointBatch,
         m: Slots,
-        (change, v): (&[Mat3], Slots),
+        change: &[Mat3],
+        v: Slots,
         mut each: impl FnMut(usize, [HyperDual; 4], &[Mat3; 4], usize),
     ) {
         for (q, k) in at.kinematics.iter().enumerate() {
@@ -324,7 +325,7 @@ impl EnergyTerm for FormulaLaw {
 
     fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
         let still = vec![Mat3::zeros(); at.len()];
-        self.by_parameter(at, m, (&still, Slots::none()), |n, w, slopes, _| {
+        self.by_parameter(at, m, &still, Slots::none(), |n, w, slopes, _| {
             let first = w.map(|w| w.first[0]);
             out[n] = combination(&first, slopes);
         });
@@ -339,7 +340,7 @@ impl EnergyTerm for FormulaLaw {
         v: Slots,
         out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
-        self.by_parameter(at, m, (change, v), |n, w, slopes, q| {
+        self.by_parameter(at, m, change, v, |n, w, slopes, q| {
             let curved = self.curved_by(at.place(q), &at.kinematics[q], &w.map(|w| w.first[0]), &change[q]);
             out[n] = combination(&w.map(|w| w.both), slopes) + curved;
         });

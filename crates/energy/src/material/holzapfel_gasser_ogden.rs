@@ -97,7 +97,7 @@ impl IsochoricLaw for HolzapfelGasserOgden {
         self.mu.check_len(Self::NAME, "mu", cells, points)?;
         self.bulk.check_len(Self::NAME, "bulk", cells, points)?;
         let mut families = self.families.iter().zip(DIRECTIONS);
-        families.try_for_each(|(family, name)| family.check_of(Self::NAME, name, (cells, points)))
+        families.try_for_each(|(family, name)| family.check_of(Self::NAME, name, cells, points))
     }
 
     fn along(&self, at: MaterialPoint) -> Option<Vec3> {

@@ -84,7 +84,7 @@ impl MaxwellBranch {
 
     fn neo_hooke_of_any(&self, at: MaterialPoint, k: &Kinematics, m: &[f64]) -> NeoHookeStep {
         let inverse = inverse(m);
-        NeoHookeStep::new((self.shear.at(at), m[STEP]), k.f() * inverse, inverse)
+        NeoHookeStep::new(self.shear.at(at), m[STEP], k.f() * inverse, inverse)
     }
 
     fn is_hencky(&self) -> bool {

@@ -41,7 +41,7 @@ fn without_mean(v: &Vec3) -> Vec3 {
 
 impl NeoHookeStep {
     /// Of a spring of shear modulus mu, with `F_e` and `F_v^-1`.
-    pub fn new((mu, s): (f64, f64), elastic: Mat3, inverse: Mat3) -> Self {
+    pub fn new(mu: f64, s: f64, elastic: Mat3, inverse: Mat3) -> Self {
         let spectrum = Spectrum::new(&(elastic.transpose() * elastic));
         let trial = without_mean(&Vec3::from(spectrum.values().map(|x| 0.5 * x.ln())));
         let mut step = Self { mu, s, inverse, elastic, spectrum, trial, strain: trial * s, solve: Mat3::zeros() };

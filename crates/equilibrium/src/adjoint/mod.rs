@@ -69,7 +69,7 @@ impl Model {
         if self.unknowns().multipliers() == 0
             && !self.touches_something()
             && let [b] = columns[..]
-            && let Some(lambda) = self.solve_by_products(state, b, how, (EXACT, &mut systems), &mut report)
+            && let Some(lambda) = self.solve_by_products(state, b, how, EXACT, &mut systems, &mut report)
         {
             return Ok(Adjoint { lambda: vec![lambda], report });
         }
@@ -96,7 +96,8 @@ impl Model {
         state: &State,
         b: &[f64],
         how: &SolveOptions,
-        (accuracy, systems): (Accuracy, &mut TangentSystems),
+        accuracy: Accuracy,
+        systems: &mut TangentSystems,
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
         let quadratic = self.discretization().points().parts.iter().all(|part| part.kind == CellKind::Hex27);
@@ -105,7 +106,7 @@ impl Model {
         }
         let at = self.instant(state, None, how.parallel);
         let product = |v: &[f64], out: &mut [f64]| self.product_or_nan(&at, v, out);
-        systems.solve_by_products(&product, &state.u, b, (accuracy, PRODUCTS), report)
+        systems.solve_by_products(&product, &state.u, b, accuracy, PRODUCTS, report)
     }
 
     /// Where a state was evaluated, at the end of a time step if there is one.
@@ -134,7 +135,7 @@ impl Model {
         self.check_spans_ranks(how.solver)?;
         let at = self.instant(state, None, how.parallel);
         if self.loose(&at).is_some() {
-            return self.count_anchored((&at, 1.0), state, how, workspace);
+            return self.count_anchored(&at, 1.0, state, how, workspace);
         }
         if self.unknowns().multipliers() > 0 {
             let system = self.saddle_point_at(&at).map_err(|at| inverted(at, state))?;
@@ -193,7 +194,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Vec<Vec<f64>>, StateError> {
         if let Some(free) = self.loose(at) {
-            return self.solve_neutral((at, &free), rhs, (state, EXACT), systems, report);
+            return self.solve_neutral(at, &free, rhs, (state, EXACT), systems, report);
         }
         if self.unknowns().multipliers() == 0 {
             if let Some(solved) = self.solve_by_cells(at, rhs, state, systems, report)? {
@@ -242,7 +243,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, LinearError> {
         let exact = |v: &[f64], out: &mut [f64]| self.product_or_nan(at, v, out);
-        systems.solve_corrected(accuracy, (tangent, &exact), at.u, b, report)
+        systems.solve_corrected(accuracy, tangent, &exact, at.u, b, report)
     }
 
     /// `out = K v` of a displacement that has been evaluated, zero on the supports; NaN, which ends iterations, where a contribution needs a matrix.

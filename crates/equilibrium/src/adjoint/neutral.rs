@@ -31,7 +31,8 @@ impl Model {
     /// The negative eigenvalues with so many of the weakest anchor.
     pub(super) fn count_anchored(
         &self,
-        (at, factor): (&Instant, f64),
+        at: &Instant,
+        factor: f64,
         state: &State,
         how: &SolveOptions,
         workspace: &mut Workspace,
@@ -61,7 +62,8 @@ impl Model {
     /// does not vanish the derivative is not determined; what rounding left of it is taken out. The derivative is that of the equilibrium nearest to this one.
     pub(super) fn solve_neutral(
         &self,
-        (at, free): (&Instant, &FreeMotion),
+        at: &Instant,
+        free: &FreeMotion,
         rhs: &[&[f64]],
         (state, accuracy): (&State, Accuracy),
         systems: &mut TangentSystems,
@@ -116,7 +118,7 @@ impl Stability<'_> {
         let Some(free) = self.model.loose(&at) else { return Ok(None) };
         let mut workspace = Workspace::default();
         let mut count = |factor: f64| {
-            self.model.count_anchored((&at, factor), state, how, &mut workspace).map(|counted| counted.negative)
+            self.model.count_anchored(&at, factor, state, how, &mut workspace).map(|counted| counted.negative)
         };
         Ok((count(-NEUTRAL)? > count(1.0)?).then_some(free))
     }

@@ -163,7 +163,7 @@ impl<'a> SecondOrder<'a> {
         let at = self.instant();
         if let Some(free) = model.loose(&at) {
             let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
-            let found = model.solve_neutral((&at, &free), &[&rhs], (state, accuracy), &mut systems, &mut self.report);
+            let found = model.solve_neutral(&at, &free, &[&rhs], (state, accuracy), &mut systems, &mut self.report);
             return Ok(found?.pop().unwrap_or_default());
         }
         if model.unknowns().multipliers() > 0 {
@@ -181,7 +181,7 @@ impl<'a> SecondOrder<'a> {
         let mut systems = TangentSystems::new(model, how.parallel, model.linear_solver(how, self.workspace));
         if !again
             && kept.is_none()
-            && let Some(x) = model.solve_by_products(state, &rhs, how, (accuracy, &mut systems), &mut self.report)
+            && let Some(x) = model.solve_by_products(state, &rhs, how, accuracy, &mut systems, &mut self.report)
         {
             return Ok(x);
         }

@@ -98,7 +98,8 @@ impl<'a> TangentSystems<'a> {
         tangent: impl Into<TangentRef<'m>>,
         u: &[f64],
         rhs: &[f64],
-        (tolerance, wanted): (f64, StepWanted),
+        tolerance: f64,
+        wanted: StepWanted,
         report: &mut SolveReport,
     ) -> Result<(Vec<f64>, Curvature), LinearError> {
         let configuration =
@@ -221,7 +222,8 @@ impl<'a> TangentSystems<'a> {
     pub fn solve_corrected(
         &mut self,
         accuracy: Accuracy,
-        (tangent, exact): (&Tangent, &dyn Operator),
+        tangent: &Tangent,
+        exact: &dyn Operator,
         u: &[f64],
         b: &[f64],
         report: &mut SolveReport,
@@ -335,7 +337,7 @@ impl<'a> TangentSystems<'a> {
         let mut solve = || {
             let elimination = BlockElimination::new(self.solver, &system, border, accuracy, &mut work)?;
             let of_border = elimination.negative();
-            let mut solve = |(f, g): &(Vec<f64>, Vec<f64>)| elimination.solve(self.solver, &system, (f, g), &mut work);
+            let mut solve = |(f, g): &(Vec<f64>, Vec<f64>)| elimination.solve(self.solver, &system, f, g, &mut work);
             let solved = rhs.iter().map(&mut solve).collect::<Result<Vec<BorderedSolution>, _>>();
             let solved = solved.map_err(|error| match (error.is_singular(), of_border) {
                 (true, None) => LinearError::Border { scalars },
@@ -380,7 +382,8 @@ impl<'a> TangentSystems<'a> {
         product: &dyn Operator,
         u: &[f64],
         b: &[f64],
-        (accuracy, most): (Accuracy, usize),
+        accuracy: Accuracy,
+        most: usize,
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
         let configuration = Deformed::new(self.model, u, self.parallel);

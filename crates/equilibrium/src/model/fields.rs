@@ -60,8 +60,10 @@ impl Model {
     /// No such field or component; a value that is not finite, or not that of an earlier support.
     pub fn prescribe(
         &mut self,
-        (field, component): (&str, usize),
-        (support, nodes): (&str, &[u32]),
+        field: &str,
+        component: usize,
+        support: &str,
+        nodes: &[u32],
         value: f64,
     ) -> Result<(), FemError> {
         let (first, known) = self.nodal_field(field)?;
@@ -72,7 +74,8 @@ impl Model {
         Arc::make_mut(&mut self.supports).hold(
             support,
             nodes,
-            (first + component, &format!("{component} of \"{field}\"")),
+            first + component,
+            &format!("{component} of \"{field}\""),
             value,
         )
     }

@@ -104,7 +104,7 @@ impl ModelPoint<'_> {
             return Ok(None);
         }
         let place = (self.displaced(self.model.nodal(at.u)), Driving::of(at));
-        let products = body.cell_products(place, supports.fixed(), at.parallel)?;
+        let products = body.cell_products(place.0, place.1, supports.fixed(), at.parallel)?;
         Ok(products.map(|products| products as Arc<dyn CellProducts>))
     }
 

@@ -19,7 +19,7 @@ impl Model {
         if !plain || !self.supports.ties().is_empty() || self.ranks().is_over_ranks() {
             return None;
         }
-        self.body.volume_modes(Displaced::by(u), (self.supports.fixed(), expected), parallel).ok().flatten()
+        self.body.volume_modes(Displaced::by(u), self.supports.fixed(), expected, parallel).ok().flatten()
     }
 }
 

@@ -189,7 +189,8 @@ impl<'a> Equations<'a> {
     /// Puts the residuals `-g` of all inequalities, of slack ones too, among the others, and gives what their rounding is measured against.
     pub fn put_slack(
         &self,
-        (point, x): (&ModelPoint, &[f64]),
+        point: &ModelPoint,
+        x: &[f64],
         inequalities: &[bool],
         residual: &mut [f64],
     ) -> Result<Vec<f64>, Inadmissible> {
@@ -240,14 +241,14 @@ impl<'a> Equations<'a> {
     /// What the prescribed components still have to move; `None` when they are in place.
     pub fn jump(&self, x: &[f64]) -> Jump {
         let Drive::Held { controls, load, time_step, share } = self.drive else { return None };
-        let prescribed = self.prescribed((controls, load), time_step, share);
+        let prescribed = self.prescribed(controls, load, time_step, share);
         let wanted = self.model.supports.fixed().iter().zip(&prescribed).zip(x);
         let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { v - u } else { 0.0 }).collect();
         self.model.unknowns().any(jump.iter().any(|&d| d != 0.0)).then_some(jump)
     }
 
     /// Where the prescribed components are wanted: those of an extrapolated end are on the way from the state before to that end.
-    fn prescribed(&self, (controls, load): (&Controls, f64), time_step: Option<&TimeStep>, share: f64) -> Vec<f64> {
+    fn prescribed(&self, controls: &Controls, load: f64, time_step: Option<&TimeStep>, share: f64) -> Vec<f64> {
         let Some((step, end)) = time_step.and_then(|step| Some((step, step.end.as_ref()?))) else {
             return self.model.prescribed(controls, load);
         };

@@ -153,7 +153,7 @@ impl<'a> Iteration<'a> {
                 }
                 return Ok(last.curvature);
             }
-            if self.gives_up((iteration, report.shifted - shifted), relative, least, &last) {
+            if self.gives_up(iteration, report.shifted - shifted, relative, least, &last) {
                 return Err(Stop::Slow { residual: relative });
             }
             (before, least) = (relative, relative.min(least));
@@ -214,7 +214,7 @@ impl<'a> Iteration<'a> {
     }
 
     /// Whether an iteration that tangents were shifted in so many times leads nowhere.
-    fn gives_up(&self, (iteration, shifts): (usize, usize), relative: f64, least: f64, last: &Reached) -> bool {
+    fn gives_up(&self, iteration: usize, shifts: usize, relative: f64, least: f64, last: &Reached) -> bool {
         let limits = &self.limits;
         // multipliers may still move where the body does not
         let unresolved = last.tiny && !last.apart && self.equations.model.unknowns().multipliers() == 0;

@@ -170,7 +170,8 @@ impl Moves<'_> {
         &self,
         controls: &Controls,
         from: &State,
-        (how, time_step): (&SolveOptions, &TimeStep),
+        how: &SolveOptions,
+        time_step: &TimeStep,
         replace: Option<StepCorrection>,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {

@@ -83,7 +83,7 @@ impl<'a> PredictedPressures<'a> {
         self.volumes = now;
         let weighted: Vec<f64> = self.errors.iter().zip(&self.stiffness).map(|(e, k)| -k * e).collect();
         let mut residual = here.residual.to_vec();
-        model.body.add_pressures(at, &weighted, (&mut residual, tangent), options.parallel)?;
+        model.body.add_pressures(at, &weighted, &mut residual, tangent, options.parallel)?;
         model.supports.restrict(&mut residual);
         let space = model.unknowns();
         let (left, all) = (space.norm(&residual), space.norm(here.residual));

@@ -55,7 +55,7 @@ impl Model {
         let budget = how.budget.map(|budget| budget.saturating_sub(*newton));
         let how = SolveOptions { near: None, guess: None, budget, ..how.clone() };
         let (mut kept, mut report) = (Workspace::default(), SolveReport::default());
-        let at = match self.ahead_within(NEAR, (last, (to, 1.0)), &how, &mut kept, &mut report) {
+        let at = match self.ahead_within(NEAR, last, (to, 1.0), &how, &mut kept, &mut report) {
             Err(StateError::Cancelled) => return StateError::Cancelled,
             Ok(Ahead::LimitPoint(at)) => *reached + at.share * (1.0 - *reached),
             _ => return error,
@@ -74,7 +74,8 @@ impl Model {
     fn ahead_within(
         &self,
         points: usize,
-        (from, to): (&State, (&Controls, f64)),
+        from: &State,
+        to: (&Controls, f64),
         how: &SolveOptions,
         workspace: &mut Workspace,
         report: &mut SolveReport,
@@ -114,6 +115,6 @@ impl Moves<'_> {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Ahead, StateError> {
-        self.model.ahead_within(POINTS, (from, to), how, workspace, report)
+        self.model.ahead_within(POINTS, from, to, how, workspace, report)
     }
 }

@@ -46,7 +46,8 @@ impl Model {
         from: &State,
         to: &State,
         how: &SolveOptions,
-        (workspace, fit): (&mut Workspace, &OnceCell<Option<GradientFit>>),
+        workspace: &mut Workspace,
+        fit: &OnceCell<Option<GradientFit>>,
     ) -> Result<bool, StateError> {
         let report = &to.report;
         if report.shifted > 0 || report.restarts > 0 {
@@ -78,7 +79,8 @@ impl Model {
         from: &State,
         to: &State,
         how: &SolveOptions,
-        (workspace, fit): (&mut Workspace, &OnceCell<Option<GradientFit>>),
+        workspace: &mut Workspace,
+        fit: &OnceCell<Option<GradientFit>>,
     ) -> Result<bool, StateError> {
         // Solves of parts are of the whole load.
         if from.load != 1.0 || to.load != 1.0 {
@@ -90,7 +92,7 @@ impl Model {
             let controls = from.controls.blend(&to.controls, next);
             match self.solve_with(&controls, &SolveOptions { near: Some(&here), guess: None, ..how.clone() }, workspace)
             {
-                Ok(there) if !self.may_have_jumped(&here, &there, how, (workspace, fit))? => {
+                Ok(there) if !self.may_have_jumped(&here, &there, how, workspace, fit)? => {
                     (here, share, part) = (there, next, 2.0 * part);
                 }
                 Err(error) if error.is_final() => return Err(error),
@@ -139,8 +141,8 @@ impl Stability<'_> {
         let change = self.model.unknowns().norm(&sub(self.model.nodal(&to.u), self.model.nodal(&from.u)));
         let (mut workspace, fit) = (Workspace::default(), OnceCell::new());
         if change <= SMALL * self.model.unknowns().norm(self.model.nodal(&to.u))
-            || !self.model.may_have_jumped(from, to, how, (&mut workspace, &fit))?
-            || self.model.is_reached_in_parts(from, to, how, (&mut workspace, &fit))?
+            || !self.model.may_have_jumped(from, to, how, &mut workspace, &fit)?
+            || self.model.is_reached_in_parts(from, to, how, &mut workspace, &fit)?
         {
             return Ok(Connection::Connected);
         }

@@ -90,7 +90,7 @@ impl Model {
     ) -> Result<State, StateError> {
         self.check()?;
         self.properties().supports(Feature::Equilibrium)?;
-        self.find(controls, how, (None, false), workspace)
+        self.find(controls, how, None, false, workspace)
     }
 
     /// The equilibrium, of a time step if there is one.
@@ -98,10 +98,11 @@ impl Model {
         &self,
         controls: &Controls,
         how: &SolveOptions,
-        (time_step, shorter): (Option<&TimeStep>, bool),
+        time_step: Option<&TimeStep>,
+        shorter: bool,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
-        let found = self.search(controls, how, (time_step, shorter), workspace);
+        let found = self.search(controls, how, time_step, shorter, workspace);
         self.ranks().unless_parted(found).inspect_err(|_| workspace.forget())
     }
 
@@ -109,7 +110,8 @@ impl Model {
         &self,
         controls: &Controls,
         how: &SolveOptions,
-        (time_step, shorter): (Option<&TimeStep>, bool),
+        time_step: Option<&TimeStep>,
+        shorter: bool,
         workspace: &mut Workspace,
     ) -> Result<State, StateError> {
         self.ranks().all_accept(self.check_request(controls, how))?;
@@ -121,12 +123,12 @@ impl Model {
             self.moves().check_start(start, how.parallel)?;
         }
         if let Some(guess) = how.guess
-            && let Some(found) = self.jump(guess, controls, (how, time_step), workspace, &mut spent)?
+            && let Some(found) = self.jump(guess, controls, how, time_step, workspace, &mut spent)?
         {
             return Ok(found);
         }
         if let (Some(step), Some(near)) = (time_step, how.near)
-            && let Some(found) = self.slide(near, controls, (how, step), workspace, &mut spent)?
+            && let Some(found) = self.slide(near, controls, how, step, workspace, &mut spent)?
         {
             return Ok(found);
         }
@@ -301,7 +303,8 @@ impl Model {
         &self,
         guess: &[f64],
         controls: &Controls,
-        (how, time_step): (&SolveOptions, Option<&TimeStep>),
+        how: &SolveOptions,
+        time_step: Option<&TimeStep>,
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
@@ -310,7 +313,7 @@ impl Model {
         let brief = SolveOptions { max_newton: how.max_newton.min(most), ..how.clone() };
         let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
         let is_borne = match how.near {
-            Some(near) => self.bears(near, (controls, guess), (how, time_step)),
+            Some(near) => self.bears(near, controls, guess, how, time_step),
             None => newton.admissible_chord(guess, guess).is_ok(),
         };
         // a step of Newton's method may carry what is free anywhere
@@ -383,7 +386,7 @@ impl Model {
                 self.moves().admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
             // where obstacles move, what they touch goes with them, unless that has just led nowhere; else the body may go on as it did
             let tangent = match obstacles_move && !failed {
-                true => self.rate_along((&here, from, to), how, (steps.done, bears), workspace, report),
+                true => self.rate_along((&here, from, to), how, steps.done, bears, workspace, report),
                 false => None,
             };
             let rate = tangent.or_else(|| follow.take().filter(|_| bears < 1.0));

@@ -80,7 +80,7 @@ impl Laplacian {
     fn solve(&self, b: &mut Vec<f64>, parallel: bool) {
         match self {
             Laplacian::Factor(factor) => factor.solve(b, 1),
-            Laplacian::Cells(of) => *b = of.solve(b, FIT, parallel),
+            Laplacian::Cells(of) => *b = of.solve(b, FIT.0, FIT.1, parallel),
             Laplacian::Multigrid(of) => {
                 let mut x = vec![0.0; b.len()];
                 let product = |v: &[f64], out: &mut [f64]| of.0.multiply_on(v, out, parallel);

@@ -21,7 +21,8 @@ impl Model {
         &self,
         (here, from, to): (&State, &State, &Controls),
         how: &SolveOptions,
-        (done, bears): (f64, f64),
+        done: f64,
+        bears: f64,
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Option<Vec<f64>> {
@@ -42,7 +43,7 @@ impl Model {
         self.supports.restrict(&mut rhs);
         let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
         let tangent = now.at(&here.u, |at| self.eliminated(at, false)).ok()?;
-        let (rate, curvature) = systems.step(&tangent, &here.u, &rhs, (ROUGH, StepWanted::Newton), report).ok()?;
+        let (rate, curvature) = systems.step(&tangent, &here.u, &rhs, ROUGH, StepWanted::Newton, report).ok()?;
         (curvature != Curvature::Negative).then_some(rate)
     }
 }

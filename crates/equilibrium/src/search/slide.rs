@@ -47,7 +47,8 @@ impl Model {
         &self,
         near: &State,
         controls: &Controls,
-        (how, step): (&SolveOptions, &TimeStep),
+        how: &SolveOptions,
+        step: &TimeStep,
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
@@ -55,7 +56,7 @@ impl Model {
             return Ok(None);
         }
         let starts = [how.guess.map(<[f64]>::to_vec), Some(near.u.to_vec())];
-        let borne = |u: &Vec<f64>| self.bears(near, (controls, u), (how, Some(step)));
+        let borne = |u: &Vec<f64>| self.bears(near, controls, u, how, Some(step));
         let Some(start) = starts.into_iter().flatten().find(borne) else { return Ok(None) };
         let found = |u: Vec<f64>, rounds: usize, report: &mut SolveReport| {
             report.load_steps += 1 + rounds;
@@ -140,8 +141,10 @@ impl Model {
     pub(crate) fn bears(
         &self,
         near: &State,
-        (controls, u): (&Controls, &[f64]),
-        (how, step): (&SolveOptions, Option<&TimeStep>),
+        controls: &Controls,
+        u: &[f64],
+        how: &SolveOptions,
+        step: Option<&TimeStep>,
     ) -> bool {
         let at = self.instant(near, step, how.parallel);
         let to = Instant { u, controls, ..at };

@@ -41,7 +41,7 @@ pub(crate) fn events(
         let (s, state, direction) = (found.s(), equations.state(&found), found.direction());
         return Ok(vec![PathEvent { kind: EventKind::LimitPoint, point: index, s, state, direction, before, after }]);
     }
-    counts.map_or(Ok(Vec::new()), |counts| bifurcations(equations, here, there, counts, index))
+    counts.map_or(Ok(Vec::new()), |counts| bifurcations(equations, here, there, counts.0, counts.1, index))
 }
 
 /// Where s' = 0 between two points: regula falsi with the Illinois weights on the step length from the first.
@@ -100,7 +100,8 @@ fn bifurcations(
     equations: &mut PathEquations,
     here: &PathIterate,
     there: &PathIterate,
-    (mut before, last): (usize, usize),
+    mut before: usize,
+    last: usize,
     index: usize,
 ) -> Result<Vec<PathEvent>, Stop> {
     let end = equations.along(here, there);

@@ -113,7 +113,8 @@ impl Stability<'_> {
     /// Fewer than two points; a problem or controls that [`solve_with`](crate::model::Model::solve_with) refuses.
     pub fn ramp(
         &self,
-        (from, to): (&Controls, &Controls),
+        from: &Controls,
+        to: &Controls,
         count: usize,
         how: &SolveOptions,
         workspace: &mut Workspace,

@@ -127,7 +127,7 @@ pub(crate) fn read_inputs(
         let Some(member) = members.iter().find(|member| member.key == parameter.name) else { continue };
         let at = at.key(parameter.name);
         let input = match parameter.takes {
-            Takes::Energy { .. } => read_energy(&member.node, &at, (forms, members), reader),
+            Takes::Energy { .. } => read_energy(&member.node, &at, forms, members, reader),
             _ => read_input(parameter, &member.node, &at, reader),
         };
         if let Some(input) = input {
@@ -163,7 +163,7 @@ fn read_input(parameter: &catalogue::Parameter, node: &Node, at: &At, reader: &m
 }
 
 /// An energy, whose names are those of the numbers that stand beside it.
-fn read_energy(node: &Node, at: &At, (forms, members): (Forms, &[Property]), reader: &mut Reader<'_>) -> Option<Input> {
+fn read_energy(node: &Node, at: &At, forms: Forms, members: &[Property], reader: &mut Reader<'_>) -> Option<Input> {
     let Value::Text(text) = &node.value else {
         reader.expected(node, at, "a text with a formula, as \"mu / 2 * (I1 - 3 - 2 * log(J))\",");
         return None;

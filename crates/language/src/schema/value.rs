@@ -27,7 +27,7 @@ impl Read for Formula {
                 return None;
             }
         };
-        if let Some(why) = unexpected_time(&formula, (at, want), reader) {
+        if let Some(why) = unexpected_time(&formula, at, want, reader) {
             reader.complain(node, at, why);
             return None;
         }
@@ -55,7 +55,7 @@ impl Read for Formula {
 }
 
 /// Why a formula cannot be one of the time here.
-fn unexpected_time(formula: &Formula, (at, want): (&At, Want), reader: &Reader<'_>) -> Option<String> {
+fn unexpected_time(formula: &Formula, at: &At, want: Want, reader: &Reader<'_>) -> Option<String> {
     if !formula.uses_time() {
         return None;
     }

@@ -344,7 +344,7 @@ impl<'a> Search<'a> {
         let (least, most) = (LEAST_SHIFT * stiffness / mass, MOST_SHIFT * stiffness / mass);
         self.shift = from;
         while self.shift <= most {
-            match ShiftedLevels::new(&self.problem.system, self.shift, (&self.masses, mass)) {
+            match ShiftedLevels::new(&self.problem.system, self.shift, &self.masses, mass) {
                 Err(FactorError::NotPositive { .. }) => {
                     self.refused = self.refused.max(self.shift);
                     self.shift = (SHIFT_GROWTH * self.shift).max(least);

@@ -27,7 +27,7 @@ impl<'a> ShiftedLevels<'a> {
     ///
     /// # Errors
     /// [`FactorError::NotPositive`] where the levels show that more has to be added.
-    pub fn new(system: &System<'a>, shift: f64, (masses, mean): (&[f64], f64)) -> Result<Self, FactorError> {
+    pub fn new(system: &System<'a>, shift: f64, masses: &[f64], mean: f64) -> Result<Self, FactorError> {
         let modes = if system.products.is_some() { None } else { system.configuration.volume_modes() };
         let mut matrix = Cow::Borrowed(system.matrix);
         if shift != 0.0 && system.products.is_none() {

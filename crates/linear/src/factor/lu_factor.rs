@@ -59,7 +59,7 @@ impl LuAnalysis {
         each_block(pattern, |block, row, column, transposed| {
             let height = self.starts[dim * column + 1] - self.starts[dim * column];
             for (c, r) in (0..dim).flat_map(|c| (0..dim).map(move |r| (c, r))) {
-                values[next[column] + height * c + r] = matrix.block_entry(block, (r, c), transposed);
+                values[next[column] + height * c + r] = matrix.block_entry(block, r, c, transposed);
             }
             next[column] += dim;
             debug_assert!(row < pattern.nodes());

@@ -38,7 +38,8 @@ impl CornerCells {
             }
         }
         let rows = BlockRows::collect(
-            (count, count),
+            count,
+            count,
             parallel,
             || (),
             |(), row, out| {

@@ -17,7 +17,8 @@ pub(super) struct BlockRows {
 impl BlockRows {
     /// From what a function appends for every row: its columns, in any order.
     pub fn collect<M>(
-        (rows, block_columns): (usize, usize),
+        rows: usize,
+        block_columns: usize,
         parallel: bool,
         memory: impl Fn() -> M + Sync + Send,
         columns: impl Fn(&mut M, usize, &mut Vec<u32>) + Sync + Send,

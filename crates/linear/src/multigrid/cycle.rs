@@ -29,7 +29,8 @@ impl Vectors {
 /// `x = B r` on the first of the levels, which stand above the factorised one; with the matrix of that first one where it is not its own. The same
 /// polynomial before and after the correction makes B symmetric.
 pub(super) fn v_cycle(
-    (levels, first): (&[Level], Option<&BlockMatrix>),
+    levels: &[Level],
+    first: Option<&BlockMatrix>,
     coarsest: &Factor,
     vectors: &mut [Vectors],
     parallel: bool,
@@ -45,7 +46,7 @@ pub(super) fn v_cycle(
     matrix.subtract(&here.d, &mut here.r, parallel);
     let Some(next) = below.first_mut() else { return };
     level.transfer.restrict(&here.r, &mut next.r, parallel);
-    v_cycle((deeper, None), coarsest, below, parallel);
+    v_cycle(deeper, None, coarsest, below, parallel);
     let Some(next) = below.first() else { return };
     level.transfer.prolong(&next.x, &mut here.z, parallel);
     add(&here.z, &mut here.x, parallel);

@@ -22,7 +22,8 @@ const NOWHERE: u32 = u32::MAX;
 /// The couplings of `P^T A P`.
 pub(super) fn couplings(fine: &Couplings, transfer: &Transfer, parallel: bool) -> Arc<Couplings> {
     let rows = BlockRows::collect(
-        (transfer.rows.block_columns, transfer.rows.block_columns),
+        transfer.rows.block_columns,
+        transfer.rows.block_columns,
         parallel,
         || (vec![NOWHERE; fine.rows.rows()], vec![NOWHERE; transfer.rows.block_columns], Vec::new()),
         |(seen_fine, seen, reached): &mut (Vec<u32>, Vec<u32>, Vec<u32>), row, out| {

@@ -208,7 +208,7 @@ impl Multigrid {
             }
         }
         matrix.fill(values, None, parallel);
-        match Level::of_aggregates(matrix, (modes::count(self.finest.size), COARSENING), parallel) {
+        match Level::of_aggregates(matrix, modes::count(self.finest.size), COARSENING, parallel) {
             Some(level) => self.levels.push(level),
             None => self.coarsest = Some(Coarsest { symbolic: coarsest::analyse(&couplings)?, factor: None }),
         }
@@ -291,7 +291,7 @@ impl Multigrid {
         let kept = lock(&self.vectors).pop();
         let mut vectors = kept.unwrap_or_else(|| self.sizes().into_iter().map(Vectors::new).collect());
         vectors[0].r.copy_from_slice(vector);
-        v_cycle((&self.levels, finest), factor, &mut vectors, self.parallel);
+        v_cycle(&self.levels, finest, factor, &mut vectors, self.parallel);
         vector.copy_from_slice(&vectors[0].x);
         lock(&self.vectors).push(vectors);
     }

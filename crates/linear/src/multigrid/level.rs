@@ -71,7 +71,7 @@ impl Level {
     }
 
     /// Of aggregates of its nodes with so many unknowns each; nothing where these have more than a share of the nodes.
-    pub fn of_aggregates(matrix: BlockMatrix, (unknowns, most): (usize, f64), parallel: bool) -> Option<Self> {
+    pub fn of_aggregates(matrix: BlockMatrix, unknowns: usize, most: f64, parallel: bool) -> Option<Self> {
         let strength = Strength::of(&matrix, parallel);
         let aggregates = Aggregates::new(&matrix, &strength);
         let (couplings, count) = (&*matrix.couplings, aggregates.count());
@@ -106,14 +106,8 @@ impl Level {
                 Ok(Inherited { values, modes: None })
             }
             Nodes::Aggregates(aggregates, _) => {
-                let tentative = tentative(aggregates, modes, self.transfer.shape, parallel);
-                prolongator::smooth(
-                    &self.matrix,
-                    &self.smoother,
-                    (aggregates, &tentative),
-                    &mut self.transfer,
-                    parallel,
-                );
+                let tentative = tentative(aggregates, modes, self.transfer.shape.0, self.transfer.shape.1, parallel);
+                prolongator::smooth(&self.matrix, &self.smoother, aggregates, &tentative, &mut self.transfer, parallel);
                 let values = galerkin::product(&matrix, &self.transfer, &self.below, &tentative.idle, parallel);
                 Ok(Inherited { values, modes: Some(tentative.modes) })
             }

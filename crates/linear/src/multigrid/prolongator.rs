@@ -19,7 +19,8 @@ const NOWHERE: u32 = u32::MAX;
 pub(super) fn rows(couplings: &Couplings, aggregates: &Aggregates, parallel: bool) -> BlockRows {
     let size = (couplings.rows.rows(), aggregates.count());
     BlockRows::collect(
-        size,
+        size.0,
+        size.1,
         parallel,
         || (),
         |(), i, out| {
@@ -38,7 +39,8 @@ pub(super) fn rows(couplings: &Couplings, aggregates: &Aggregates, parallel: boo
 pub(super) fn smooth(
     matrix: &BlockMatrix,
     smoother: &Smoother,
-    (aggregates, tentative): (&Aggregates, &Tentative),
+    aggregates: &Aggregates,
+    tentative: &Tentative,
     transfer: &mut Transfer,
     parallel: bool,
 ) {

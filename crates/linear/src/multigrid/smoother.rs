@@ -110,7 +110,7 @@ impl Smoother {
         for k in 1..self.degree {
             let k = k as f64;
             let factors = ((2.0 * k - 1.0) / (2.0 * k + 3.0), (8.0 * k + 4.0) / ((2.0 * k + 3.0) * self.bound));
-            self.step::<N>(matrix, factors, [x, r, z], d, parallel);
+            self.step::<N>(matrix, factors.0, factors.1, [x, r, z], d, parallel);
             std::mem::swap(d, z);
         }
     }
@@ -119,7 +119,8 @@ impl Smoother {
     fn step<const N: usize>(
         &self,
         matrix: &BlockMatrix,
-        (old, new): (f64, f64),
+        old: f64,
+        new: f64,
         [x, r, next]: [&mut Vec<f64>; 3],
         d: &[f64],
         parallel: bool,

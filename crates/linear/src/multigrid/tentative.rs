@@ -18,12 +18,7 @@ pub(super) struct Tentative {
 }
 
 /// `T R = modes` with orthonormal columns of T on each aggregate; `modes` has `dim x count` values per node, column by column.
-pub(super) fn tentative(
-    aggregates: &Aggregates,
-    modes: &[f64],
-    (dim, count): (usize, usize),
-    parallel: bool,
-) -> Tentative {
+pub(super) fn tentative(aggregates: &Aggregates, modes: &[f64], dim: usize, count: usize, parallel: bool) -> Tentative {
     let members = &aggregates.members;
     let mut blocks = vec![0.0; dim * count * members.columns.len()];
     let mut out = vec![0.0; aggregates.count() * count * count];

@@ -203,7 +203,7 @@ impl SparseMatrix {
     }
 
     /// Entry `(r, c)` of the stored block of a number, or of its mirror image in the other triangle.
-    pub(crate) fn block_entry(&self, block: usize, (r, c): (usize, usize), mirrored: bool) -> f64 {
+    pub(crate) fn block_entry(&self, block: usize, r: usize, c: usize, mirrored: bool) -> f64 {
         let dim = self.pattern.dim();
         let at = dim * dim * block + if mirrored { dim * r + c } else { dim * c + r };
         let skew = self.skew.as_ref().map_or(0.0, |skew| skew[at]);

@@ -44,7 +44,7 @@ impl SparseMatrix {
                     if !nodes[k + 1..].contains(&other) {
                         let block = rows.rows(dim * k, dim);
                         let by_rows: Vec<f64> = (0..dim * dim).map(|at| block[(at / dim, at % dim)]).collect();
-                        self.add_part((node, other), part, &by_rows);
+                        self.add_part(node, other, part, &by_rows);
                     }
                 }
             }

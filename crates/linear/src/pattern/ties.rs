@@ -156,7 +156,7 @@ impl SparseMatrix {
                         let block = if both { (0..dim * dim).map(twice).collect() } else { block };
                         // of a diagonal block (a, b) and (b, a) come each by itself, and one of both is stored
                         if row != column || a >= b {
-                            self.add_part((a, b), k, &block);
+                            self.add_part(a, b, k, &block);
                         }
                     }
                 }
@@ -204,7 +204,7 @@ impl SparseMatrix {
     }
 
     /// Adds a block `A_ab`, given by rows, to the symmetric (0) or the skew (1) part, and so its mirror image.
-    pub(crate) fn add_part(&mut self, (a, b): (u32, u32), part: usize, block: &[f64]) {
+    pub(crate) fn add_part(&mut self, a: u32, b: u32, part: usize, block: &[f64]) {
         let pattern = self.pattern().clone();
         let (dim, sign) = (pattern.dim(), [1.0, -1.0][part]);
         let Ok(code) = pattern.block_code(a, b) else {

@@ -121,7 +121,8 @@ impl<'b> BlockElimination<'b> {
         &self,
         solver: &mut dyn LinearSolver,
         system: &System,
-        (f, g): (&[f64], &[f64]),
+        f: &[f64],
+        g: &[f64],
         work: &mut LinearWork,
     ) -> Result<BorderedSolution, LinearError> {
         let Self { border, accuracy, .. } = *self;
@@ -179,5 +180,5 @@ pub fn solve_bordered(
     work: &mut LinearWork,
 ) -> Result<BorderedSolution, LinearError> {
     border.check(rhs.0.len(), rhs.1.len())?;
-    BlockElimination::new(solver, system, border, accuracy, work)?.solve(solver, system, rhs, work)
+    BlockElimination::new(solver, system, border, accuracy, work)?.solve(solver, system, rhs.0, rhs.1, work)
 }

@@ -57,7 +57,7 @@ impl General {
             Ok(factor) => {
                 let (x, report) = iterate(system, factor, b, tolerance, MOST);
                 work.back_substitutions += report.iterations;
-                if system.is_solved(&x, &report, (b, tolerance)) {
+                if system.is_solved(&x, &report, b, tolerance) {
                     return Ok(x);
                 }
                 let (residual, iterations) = (report.residual, report.iterations);

@@ -63,7 +63,7 @@ impl Lu {
         let fresh = self.factorise(system, work)?;
         let (x, report) = iterate(system, fresh, b, tolerance, MOST);
         work.back_substitutions += report.iterations;
-        match system.is_solved(&x, &report, (b, tolerance)) {
+        match system.is_solved(&x, &report, b, tolerance) {
             true => Ok(x),
             false => Err(LinearError::Singular { residual: report.residual, wanted: tolerance }),
         }

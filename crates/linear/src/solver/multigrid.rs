@@ -117,7 +117,7 @@ impl MultigridSolver {
         let indefinite = |x, quotient| Ok(Outcome::Indefinite(NotDefinite { x: moved(system, x, b), quotient }));
         let mut reached = 1.0;
         if self.serves && same {
-            match self.run_by_kept((system, modes, counts), b, (&mut x, &mut p), aim, work) {
+            match self.run_by_kept((system, modes, counts), b, &mut x, &mut p, aim, work) {
                 WithKept::Solved { positive } => return solved(x, &p, positive),
                 WithKept::Indefinite { curvature } => return indefinite(x, Some(curvature)),
                 WithKept::Left(left) => reached = left,
@@ -129,7 +129,7 @@ impl MultigridSolver {
         }
         let Some(levels) = &self.levels else { return indefinite(Vec::new(), None) };
         let most = if modes.is_some() { MOST_OF_REST } else { MOST };
-        let (cg, positive) = iterate((system, modes, counts), levels, b, (&mut x, &mut p), (aim, most), work);
+        let (cg, positive) = iterate((system, modes, counts), levels, b, &mut x, &mut p, (aim, most), work);
         if let CgEnd::NegativeCurvature { curvature } = cg.end {
             return indefinite(x, Some(curvature));
         }
@@ -146,7 +146,8 @@ impl MultigridSolver {
         &mut self,
         (system, modes, counts): (&System, Option<&VolumeModes>, Counts),
         b: &[f64],
-        (x, p): (&mut [f64], &mut [f64]),
+        x: &mut [f64],
+        p: &mut [f64],
         aim: Aim,
         work: &mut LinearWork,
     ) -> WithKept {
@@ -163,10 +164,10 @@ impl MultigridSolver {
             cycles < MOST as f64 && pays
         };
         let (cg, positive) = match modes {
-            None => (by_cg(system, levels, (b, x), (aim, &go_on), work), true),
+            None => (by_cg(system, levels, b, x, aim, &go_on, work), true),
             Some(_) => {
                 let most = (wanted + RENEWAL - excess).ceil() as usize;
-                iterate((system, modes, counts), levels, b, (x, p), (aim, most.min(MOST)), work)
+                iterate((system, modes, counts), levels, b, x, p, (aim, most.min(MOST)), work)
             }
         };
         self.excess += (cg.iterations as f64 - wanted).max(0.0);
@@ -392,12 +393,13 @@ fn iterate(
     (system, modes, counts): (&System, Option<&VolumeModes>, Counts),
     multigrid: &Multigrid,
     b: &[f64],
-    (x, p): (&mut [f64], &mut [f64]),
+    x: &mut [f64],
+    p: &mut [f64],
     (aim, most): (Aim, usize),
     work: &mut LinearWork,
 ) -> (CgReport, bool) {
     let Some(modes) = modes else {
-        return (by_cg(system, multigrid, (b, x), (aim, &|cycles, _| cycles < most), work), true);
+        return (by_cg(system, multigrid, b, x, aim, &|cycles, _| cycles < most, work), true);
     };
     let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
     let saddle = SaddleGmres { apply: &apply, modes, preconditioner: multigrid, counts };
@@ -410,8 +412,10 @@ fn iterate(
 fn by_cg(
     system: &System,
     multigrid: &Multigrid,
-    (b, x): (&[f64], &mut [f64]),
-    (aim, go_on): (Aim, &dyn Fn(usize, f64) -> bool),
+    b: &[f64],
+    x: &mut [f64],
+    aim: Aim,
+    go_on: &dyn Fn(usize, f64) -> bool,
     work: &mut LinearWork,
 ) -> CgReport {
     let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);

@@ -47,7 +47,7 @@ impl Shift {
     ) -> Result<Vec<f64>, LinearError> {
         work.shifted += 1;
         if let Some(products) = system.products {
-            return self.step_by_products(solver, (system, products), b, work);
+            return self.step_by_products(solver, system, products, b, work);
         }
         let mut matrix = system.matrix.clone();
         let space = system.space();
@@ -111,7 +111,8 @@ impl Shift {
     fn step_by_products(
         &mut self,
         solver: &mut dyn LinearSolver,
-        (system, products): (&System, &Arc<dyn CellProducts>),
+        system: &System,
+        products: &Arc<dyn CellProducts>,
         b: &[f64],
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {

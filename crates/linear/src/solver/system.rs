@@ -79,7 +79,7 @@ impl System<'_> {
 
     /// Whether the solution of an iteration is as good as wanted, or as double precision has one where that is not far from it:
     /// `|r| <= 8 eps | |A| |x| |`, with the absolute values of the symmetric part of A. A body that hardly anything holds moves far.
-    pub(super) fn is_solved(&self, x: &[f64], report: &CgReport, (b, tolerance): (&[f64], f64)) -> bool {
+    pub(super) fn is_solved(&self, x: &[f64], report: &CgReport, b: &[f64], tolerance: f64) -> bool {
         if report.converged() || report.residual.is_nan() || report.residual > BESIDE * tolerance {
             return report.converged();
         }

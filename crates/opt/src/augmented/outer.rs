@@ -46,7 +46,8 @@ impl Outer {
         &mut self,
         options: &AugmentedLagrangian,
         multipliers: &Multipliers,
-        (c, settled): (&[f64], bool),
+        c: &[f64],
+        settled: bool,
     ) -> (Vec<f64>, f64) {
         let measure = multipliers.measure(c);
         let values = multipliers.updated(c, LARGEST * self.first_penalty);

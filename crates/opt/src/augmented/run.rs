@@ -170,7 +170,7 @@ impl<O: Constrained> AugmentedRun<O> {
         let before = outer.clone();
         let c = self.run.objective().objective.constraint_values(self.run.point());
         let settled = !matches!(stop, Stop::MaxIterations { .. });
-        let end = self.end(&mut outer, (stop, settled), &c);
+        let end = self.end(&mut outer, stop, settled, &c);
         if let Some(stop) = end {
             self.outer = Some(outer);
             self.close(&stop);
@@ -178,7 +178,7 @@ impl<O: Constrained> AugmentedRun<O> {
         }
         self.run.progress.ends.pop();
         let multipliers = &self.run.objective().multipliers;
-        let (values, penalty) = outer.update(&self.options, multipliers, (&c, settled));
+        let (values, penalty) = outer.update(&self.options, multipliers, &c, settled);
         let known = (multipliers.values.clone(), multipliers.penalty);
         let change = |o: &mut Augmented<O>| (o.multipliers.values, o.multipliers.penalty) = (values, penalty);
         outer.limit = self.limit();
@@ -207,7 +207,7 @@ impl<O: Constrained> AugmentedRun<O> {
     }
 
     /// Why the whole run ends where an inner one ended, if it does.
-    fn end(&mut self, outer: &mut Outer, (stop, settled): (Stop, bool), c: &[f64]) -> Option<Stop> {
+    fn end(&mut self, outer: &mut Outer, stop: Stop, settled: bool, c: &[f64]) -> Option<Stop> {
         let first = outer.first_gradient;
         let (norm, tolerance) = self.stationary(outer);
         let gradient_norm = self.run.gradient_norm();

@@ -84,7 +84,7 @@ fn check_clip(folder: &ResultFolder, names: &[String], request: &FigureRequest) 
     let Some(plane) = request.clip else { return Ok(()) };
     let mut cut = Ok(());
     for name in names {
-        cut = check_plane(plane, &State::find(folder, Some(name))?.shot, &folder.result.units.length);
+        cut = check_plane(plane.0, plane.1, &State::find(folder, Some(name))?.shot, &folder.result.units.length);
         if cut.is_ok() {
             break;
         }

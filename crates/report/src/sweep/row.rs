@@ -62,9 +62,11 @@ impl SweepRow {
     /// The run of this index, by the exit code and the error it ended with and by what it left in its `result.json`.
     #[must_use]
     pub fn of(
-        (index, directory): (usize, &str),
+        index: usize,
+        directory: &str,
         values: Vec<(String, String)>,
-        (exit, error): (u8, Option<String>),
+        exit: u8,
+        error: Option<String>,
         record: RunRecord,
     ) -> Self {
         let controls = record.controls.iter().flatten();

@@ -45,10 +45,10 @@ fn values(basis: &Basis, values: &[f64], components: usize) -> Option<ControlVal
 /// What became of every control.
 pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> ByName<ControlRecord> {
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
-    fields.map(|(block, field)| (field.name.clone(), control(problem, (block, field), m))).collect()
+    fields.map(|(block, field)| (field.name.clone(), control(problem, block, field, m))).collect()
 }
 
-fn control(problem: &CaseProblem, (block, field): (&EnsembleBlock, &ControlField), m: &[f64]) -> ControlRecord {
+fn control(problem: &CaseProblem, block: &EnsembleBlock, field: &ControlField, m: &[f64]) -> ControlRecord {
     let own = problem.control_block(block);
     let (n, unknowns) = (own.components, block.of(m));
     let values_of = &own.values_of(unknowns)[..];

@@ -60,13 +60,13 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
     let mut pictures: Vec<Picture> = appearances(member, body)
         .into_iter()
         .map(|appearance| {
-            let ground = ground((member, body), (&drawing.title, &drawing.subtitle), &drawing.ghosts);
+            let ground = ground(member, body, &drawing.title, &drawing.subtitle, &drawing.ghosts);
             ground.body(with_marks(Body::of(label, body).appearance(appearance), body))
         })
         .collect();
     for (title, state) in &drawing.scenarios {
         let Some(appearance) = appearances(member, state).into_iter().next() else { continue };
-        let ground = ground((member, state), (title, ""), &[]);
+        let ground = ground(member, state, title, "", &[]);
         pictures.push(ground.body(with_marks(Body::of(label, state).appearance(appearance), state)));
     }
     if let Some((title, mean)) = &drawing.mean
@@ -75,7 +75,7 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
         let unit = member.problem().units().length().symbol;
         let field = Field::at_nodes("standard deviation", unit, spread.values.clone());
         let title = format!("{title}: mean of the scenarios");
-        let ground = ground((member, mean), (&title, "coloured by the standard deviation of positions"), &[]);
+        let ground = ground(member, mean, &title, "coloured by the standard deviation of positions", &[]);
         pictures.push(ground.body(Body::of("mean", mean).appearance(Appearance::Field(field))));
     }
     pictures
@@ -85,7 +85,8 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
 pub(crate) fn of_modes(
     member: CaseMember<'_>,
     title: &str,
-    (about, state): (&str, &Snapshot),
+    about: &str,
+    state: &Snapshot,
     modes: &[(String, Snapshot)],
 ) -> Vec<Picture> {
     let unit = member.problem().units().length().symbol;
@@ -101,8 +102,10 @@ pub(crate) fn of_modes(
 
 /// Title, ghosts, targets, and obstacles where a state has them.
 fn ground(
-    (member, state): (CaseMember<'_>, &Snapshot),
-    (title, subtitle): (&str, &str),
+    member: CaseMember<'_>,
+    state: &Snapshot,
+    title: &str,
+    subtitle: &str,
     ghosts: &[(&str, &Snapshot)],
 ) -> Picture {
     let mut picture = Picture::new(title).subtitle(subtitle).length_unit(member.problem().units().length().symbol);

@@ -98,7 +98,7 @@ pub(crate) fn execute(mut session: Session<'_>, options: &Options) -> Result<(Ou
                 Share::Part(part) => {
                     let named = directory(&session.command, &session.problem, options);
                     let out = named.unwrap_or_else(|| session.usual_directory());
-                    optimize::run_part(&mut session, optimizer.as_ref(), part, (&out, restart))
+                    optimize::run_part(&mut session, optimizer.as_ref(), part, &out, restart)
                 }
             }
         }

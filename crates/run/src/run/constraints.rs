@@ -86,7 +86,7 @@ impl Session<'_> {
         }
         for (member, at) in self.problem.members().zip(&point.members) {
             let own: Vec<&ConstraintReport> = groups.by_ref().take(member.reduced().constraints().len()).collect();
-            found.extend(look(member, at, &own).map_err(|error| self.member_failed((member.index(), error)))?);
+            found.extend(look(member, at, &own).map_err(|error| self.member_failed(member.index(), error))?);
         }
         Ok(found)
     }
@@ -116,7 +116,7 @@ fn look(member: CaseMember<'_>, at: &Evaluated, groups: &[&ConstraintReport]) ->
         return Ok(found);
     }
     reduced.for_each_state(at, &mut |n, state| {
-        let between = reduced.between_nodes(&at.m, (n, state))?;
+        let between = reduced.between_nodes(&at.m, n, state)?;
         let time = instants.map(|_| state.time);
         for (between, known) in between.into_iter().zip(&mut found) {
             let node = known.worst.as_ref().filter(|worst| worst.state == n).and_then(|worst| known.node(worst.index));

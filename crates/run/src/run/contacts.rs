@@ -46,7 +46,7 @@ impl Session<'_> {
                 self.console.say(line(name, touch, member));
                 let Some(parameters) = touches::parameters(member, name) else { continue };
                 let history = History::of(table, name, touch.sliding);
-                let warnings = history.warnings((name, &parameters), member);
+                let warnings = history.warnings(name, &parameters, member);
                 found.extend(warnings.into_iter().map(|warning| warning.of(member.name())));
             }
         }
@@ -139,7 +139,7 @@ impl History {
         history
     }
 
-    fn warnings(&self, (name, of): (&str, &TouchParameters), member: CaseMember<'_>) -> Vec<Warning> {
+    fn warnings(&self, name: &str, of: &TouchParameters, member: CaseMember<'_>) -> Vec<Warning> {
         let units = member.problem().units();
         let length = |value: f64| quantity(value, Dimension::LENGTH, units);
         let at = |time: f64| format!("at t = {}", quantity(time, Dimension::TIME, units));
@@ -151,7 +151,7 @@ impl History {
         // what overlaps the body where it was says little of one that has moved
         let depth = -of.inset - self.between.0;
         if touches::is_between(member, of.thickness, [depth, 0.0]) {
-            out.push(touches::between(member, name, (depth, 0.0), &at(self.between.1)));
+            out.push(touches::between(member, name, depth, 0.0, &at(self.between.1)));
         }
         if self.gap.0 < -of.inset {
             out.push(touches::penetrated(member, name, -of.inset - self.gap.0, &at(self.gap.1)));

@@ -78,7 +78,7 @@ fn write(
     let problem = &session.problem;
     out.write_json("derivative.json", &controls::by_control(problem, derivative))?;
     let mut files = vec!["derivative.json".to_owned()];
-    files.extend(write_states(problem, "start", (point, derivative, found), &out)?);
+    files.extend(write_states(problem, "start", point, derivative, found, &out)?);
     files.extend(write_targets(problem, &out)?);
     files.extend(write_collections(problem, "start", &out)?);
     say_files(session, files);
@@ -89,7 +89,9 @@ fn write(
 pub(super) fn write_states(
     problem: &CaseProblem,
     what: &str,
-    (point, derivative, found): (&EnsemblePoint, &[f64], &[Inspection]),
+    point: &EnsemblePoint,
+    derivative: &[f64],
+    found: &[Inspection],
     out: &Directory,
 ) -> Result<Vec<String>, RunError> {
     let gradient = problem.inner_product().map(|product| product.riesz(derivative));

@@ -81,7 +81,7 @@ fn beginnings(session: &Session<'_>) -> Result<Vec<(State, Vec<f64>)>, RunError>
     let of = |member: CaseMember<'_>| {
         let m = member.local(&session.problem.start);
         let state = member.reduced().initial_state(&m, START_ACCURACY);
-        let state = state.map_err(|error| session.member_failed((member.index(), error)))?;
+        let state = state.map_err(|error| session.member_failed(member.index(), error))?;
         Ok((state.unwrap_or_else(|| member.solid().rest()), m))
     };
     session.problem.members().map(of).collect()
@@ -108,7 +108,7 @@ fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> 
     let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
     let of = |(member, (state, m)): (CaseMember<'_>, (State, Vec<f64>))| {
         let modes = member.solid().model().vibration_modes(&state, count, &how);
-        let modes = modes.map_err(|error| session.member_failed((member.index(), ControlError::from(error))))?;
+        let modes = modes.map_err(|error| session.member_failed(member.index(), ControlError::from(error)))?;
         let seen = seen(member, &modes);
         Ok(StateModes { state, m, modes, seen })
     };
@@ -125,7 +125,7 @@ fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<ModesInSteps>
     let rayleigh = time.rayleigh.as_ref().map_or((0.0, 0.0), |damping| (damping.mass, damping.stiffness));
     let of = |(k, mode): (usize, &VibrationMode)| {
         let ModeKind::Vibration { angular_frequency: w } = mode.kind() else { return None };
-        let seen = timeline.scheme().modal_damping(step, w, rayleigh).ok()?;
+        let seen = timeline.scheme().modal_damping(step, w, rayleigh.0, rayleigh.1).ok()?;
         let exact = ModalDamping { effective: seen.physical, frequency: seen.frequency.map(|_| 1.0), ..seen };
         Some(if k < timeline.scheme().exact_modes() { exact } else { seen })
     };
@@ -289,7 +289,7 @@ fn write(
             let drawn = own.modes.iter().take(DRAWN).enumerate();
             let drawn = drawn.map(|(k, mode)| Ok((label(k + 1, mode, problem.units()), moved(&shot, k + 1)?)));
             let drawn = drawn.collect::<Result<Vec<_>, ControlError>>()?;
-            picture::write(member, picture::of_modes(member, &title(member), (about, &shot), &drawn), &out)?;
+            picture::write(member, picture::of_modes(member, &title(member), about, &shot, &drawn), &out)?;
             files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
         }
     }

@@ -75,7 +75,7 @@ fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, 
     let record = |(member, at): (CaseMember<'_>, &Evaluated)| {
         let mut record = Record::new(member, at.m.clone());
         let all = member.reduced().for_each_state(at, &mut |n, state| record.add(member, n, state));
-        all.map_err(|error| session.member_failed((member.index(), error)))?;
+        all.map_err(|error| session.member_failed(member.index(), error))?;
         Ok(record)
     };
     session.problem.members().zip(&point.members).map(record).collect()

@@ -88,8 +88,8 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
     all.extend((1..session.problem.case.optimizer.starts).map(StartRun::waiting));
     let position = Position { gradient_check, starts: all, ..Position::default() };
     let (began, mut starts) = (Instant::now(), Starts::default());
-    let ran = starts.run(session, optimizer, position, (&journal, false));
-    conclude(session, (starts, ran), journal, began)
+    let ran = starts.run(session, optimizer, position, &journal, false);
+    conclude(session, starts, ran, journal, began)
 }
 
 /// The start as written, evaluated, with its gradient check; `None` if that says that the gradient is wrong.
@@ -154,14 +154,15 @@ pub(super) fn resume(
     session.leaves_results = true;
     let began = Instant::now();
     let mut starts = Starts::default();
-    let ran = starts.run(session, optimizer, position, (&journal, true));
-    conclude(session, (starts, ran), journal, began)
+    let ran = starts.run(session, optimizer, position, &journal, true);
+    conclude(session, starts, ran, journal, began)
 }
 
 /// Reports what was found, then what could not be written on the way.
 fn conclude(
     session: &mut Session<'_>,
-    (mut starts, ran): (Starts, Result<(), RunError>),
+    mut starts: Starts,
+    ran: Result<(), RunError>,
     journal: SharedJournal,
     began: Instant,
 ) -> Result<Exit, RunError> {

@@ -119,7 +119,7 @@ impl Session<'_> {
     pub(super) fn entries(&self, point: &EnsemblePoint, found: &[Inspection]) -> Result<StateRecord, RunError> {
         let reports = member_report::of_inspected(&self.problem, point, found);
         let entries = reports.and_then(|reports| member_report::entries(&self.problem, &reports, Detail::Full));
-        entries.map_err(|error| self.member_failed(error))
+        entries.map_err(|error| self.member_failed(error.0, error.1))
     }
 
     /// A run that cannot begin leaves its directory as it is.

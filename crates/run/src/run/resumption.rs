@@ -44,7 +44,7 @@ pub(super) fn open<'c>(
         (out, case, Command::Optimize, Resumed::Optimization(position))
     };
     let document = case.reopen(catalogue, directory)?;
-    let session = Session::resume((command, document), case.settings, (directory, out), options, console)?;
+    let session = Session::resume(command, document, case.settings, directory, out, options, console)?;
     Ok((session, place))
 }
 

@@ -162,9 +162,11 @@ impl<'c> Session<'c> {
 
     /// Goes on with a command whose case was read and whose directory is claimed.
     pub fn resume(
-        (command, document): (Command, Document),
+        command: Command,
+        document: Document,
         settings: Vec<String>,
-        (directory, out): (&Path, Option<Directory>),
+        directory: &Path,
+        out: Option<Directory>,
         options: &Options,
         console: &'c Console,
     ) -> Result<Self, RunError> {
@@ -399,7 +401,7 @@ impl<'c> Session<'c> {
         match error {
             EnsembleError::Member { who, source } => {
                 let at = self.problem.ensemble.members().iter().position(|part| part.name() == who);
-                self.member_failed((at.unwrap_or(0), *source))
+                self.member_failed(at.unwrap_or(0), *source)
             }
             EnsembleError::Team(error) => error.into(),
             other => {
@@ -435,13 +437,13 @@ impl<'c> Session<'c> {
     }
 
     /// The same, of a member.
-    pub fn member_failed(&self, (index, error): (usize, ControlError)) -> RunError {
+    pub fn member_failed(&self, index: usize, error: ControlError) -> RunError {
         if let ControlError::State(StateError::Cancelled) = error {
             return RunError::Cancelled;
         }
         let member = self.problem.member(index);
         // The start control is what was asked for; the state shows how far the body came.
-        let write = |state| self.write_failure(member, ("failure.vtu", &member.local(&self.problem.start)), state);
+        let write = |state| self.write_failure(member, "failure.vtu", &member.local(&self.problem.start), state);
         let file = match if let ControlError::State(state) = &error { write(state) } else { Ok(None) } {
             Ok(file) => file,
             Err(error) => return error,
@@ -454,7 +456,8 @@ impl<'c> Session<'c> {
     pub fn write_failure(
         &self,
         member: CaseMember<'_>,
-        (name, m): (&str, &[f64]),
+        name: &str,
+        m: &[f64],
         error: &StateError,
     ) -> Result<Option<PathBuf>, RunError> {
         let (Some(out), Some(last)) = (&self.own_out, failure::last_state(error)) else { return Ok(None) };

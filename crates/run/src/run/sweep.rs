@@ -114,7 +114,7 @@ fn make(
     options: &Options,
     console: &Console,
 ) -> Result<SweepOutcome, RunError> {
-    let plan = SweepPlan::read(catalogue, (&sweep.command, sweep.warm), case, &options.set)?;
+    let plan = SweepPlan::read(catalogue, &sweep.command, sweep.warm, case, &options.set)?;
     check_quantity(sweep.quantity.as_deref())?;
     let own = || directory_of(&plan.document, plan.document.json()["output"]["directory"].as_str());
     let out = options.out.clone().unwrap_or_else(own);
@@ -249,7 +249,7 @@ impl Work<'_> {
         };
         let Left { exit, error, record } = left;
         let values = self.plan.swept_values(run);
-        let mut row = SweepRow::of((index, &run.directory), values, (exit.code(), error), record);
+        let mut row = SweepRow::of(index, &run.directory, values, exit.code(), error, record);
         row.warm_from = self.warm_from.clone();
         Ok((row, origin))
     }

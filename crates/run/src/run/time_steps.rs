@@ -24,7 +24,7 @@ impl Session<'_> {
         let found = self.timed("steps", find);
         self.console.clear();
         let (problem, steps) = found.map_err(|error| match error {
-            StepsError::Motion { member, error } => self.member_failed((member, error)),
+            StepsError::Motion { member, error } => self.member_failed(member, error),
             StepsError::Input(problems) => problems.into(),
         })?;
         self.take_steps(problem, steps);

@@ -95,9 +95,9 @@ impl CellFormulation for ProjectedDilatation {
     fn tangent(&self, cells: Cells, patch: Patch, scratch: &mut Scratch, matrix: &mut PatchMatrix) {
         let factors = Factors::of(scratch);
         local_tangents(scratch, &factors);
-        cells.tangent(patch, (&scratch.g, &scratch.tangent), matrix, &mut scratch.work);
+        cells.tangent(patch, &scratch.g, &scratch.tangent, matrix, &mut scratch.work);
         let changes = self.changes_of_modes(cells, patch, scratch);
-        for [changes, forces] in coupled(cells, patch, (scratch, changes), &factors) {
+        for [changes, forces] in coupled(cells, patch, scratch, changes, &factors) {
             cells.add_symmetric_product(patch, &changes, &forces, matrix);
         }
     }
@@ -178,7 +178,8 @@ fn local_tangents(scratch: &mut Scratch, factors: &Factors) {
 fn coupled(
     cells: Cells,
     patch: Patch,
-    (scratch, changes): (&Scratch, Vec<Vec<f64>>),
+    scratch: &Scratch,
+    changes: Vec<Vec<f64>>,
     factors: &Factors,
 ) -> Vec<[Vec<f64>; 2]> {
     let Scratch { dilatation, g, .. } = scratch;

@@ -58,6 +58,6 @@ impl CellFormulation for Standard {
     }
 
     fn tangent(&self, cells: Cells, patch: Patch, scratch: &mut Scratch, matrix: &mut PatchMatrix) {
-        cells.tangent(patch, (&scratch.g, &scratch.tangent), matrix, &mut scratch.work);
+        cells.tangent(patch, &scratch.g, &scratch.tangent, matrix, &mut scratch.work);
     }
 }

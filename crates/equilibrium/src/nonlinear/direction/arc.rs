@@ -60,7 +60,7 @@ impl Direction for ArcStep<'_> {
         let force: Vec<f64> = here.residual.iter().map(|r| -r).collect();
         let tangent = self.equations.bordered_tangent(here.point, here.x)?;
         let scale = self.equations.energy_scale(&tangent.matrix, self.equations.split(here.x).0, here.now);
-        let mut dx = self.solve((here.point, here.x), tangent, (&force, short), report)?;
+        let mut dx = self.solve(here.point, here.x, tangent, &force, short, report)?;
         self.equations.keep_positive(here.x, &mut dx);
         Ok(Step { scale, ..Step::whole(dx, Curvature::Positive, self.equations.model.unknowns()) })
     }
@@ -72,15 +72,17 @@ impl ArcStep<'_> {
         let none = vec![0.0; x.len() - 1];
         let point = self.equations.point(x)?;
         let tangent = self.equations.bordered_tangent(&point, x)?;
-        self.solve((&point, x), tangent, (&none, 1.0), &mut SolveReport::default())
+        self.solve(&point, x, tangent, &none, 1.0, &mut SolveReport::default())
     }
 
     /// `K y + B q + r_s t = f`, `B^T y + .. = g`, `<normal, (y, t)> = h`: y with the supports' motion, q and t.
     fn solve(
         &mut self,
-        (point, x): (&ModelPoint, &[f64]),
+        point: &ModelPoint,
+        x: &[f64],
         tangent: BorderedTangent,
-        (f, h): (&[f64], f64),
+        f: &[f64],
+        h: f64,
         report: &mut SolveReport,
     ) -> Result<Vec<f64>, Stop> {
         let equations = self.equations;
@@ -118,7 +120,7 @@ impl Equations<'_> {
             return Ok(vec![true; inequalities.len()]);
         }
         let mut residual = vec![0.0; dofs + inequalities.len()];
-        self.put_slack((point, x), &inequalities, &mut residual)?;
+        self.put_slack(point, x, &inequalities, &mut residual)?;
         let acts = |k: usize| !inequalities[k] || x[dofs + k] > 0.0 || residual[dofs + k] > 0.0;
         Ok((0..inequalities.len()).map(acts).collect())
     }

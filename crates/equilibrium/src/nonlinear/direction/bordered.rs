@@ -77,7 +77,7 @@ impl<'a> Bordered<'a> {
         let equations = self.equations;
         let tangent = equations.bordered_tangent(here.point, here.x)?;
         let mut residual = here.residual.to_vec();
-        let scales = equations.put_slack((here.point, here.x), &self.inequalities, &mut residual)?;
+        let scales = equations.put_slack(here.point, here.x, &self.inequalities, &mut residual)?;
         let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
         if let Some(jump) = &self.jump {
             let mut all = jump.clone();

@@ -106,14 +106,14 @@ impl Plain<'_> {
         };
         let wanted = (accuracy, StepWanted::Newton);
         let kept = report.reused;
-        let (mut dx, mut curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
+        let (mut dx, mut curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted.0, wanted.1, report)?;
         if self.pressures.is_some() && self.systems.changes_left().is_none() {
             let left = || left_by(&*tangent, &dx, &self.rhs, equations);
             let poor = curvature == Curvature::CutShort
                 || report.reused > kept && curvature == Curvature::Positive && left() > POOR * accuracy.max(FINEST);
             if poor {
                 self.systems.forget();
-                (dx, curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted, report)?;
+                (dx, curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted.0, wanted.1, report)?;
             }
         }
         let jump = self.jump.take();

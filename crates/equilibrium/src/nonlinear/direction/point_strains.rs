@@ -79,7 +79,7 @@ impl<'a> WithPointStrains<'a> {
         let model = self.equations.model;
         if model.unknowns().multipliers() == 0 {
             eliminate(model, &mut self.tangent.matrix);
-            return self.systems.step(&self.tangent.matrix, here.x, rhs, (LINEAR, StepWanted::Downhill), report);
+            return self.systems.step(&self.tangent.matrix, here.x, rhs, LINEAR, StepWanted::Downhill, report);
         }
         let (system, u) = (SaddlePoint::new(model, self.tangent.clone()), model.nodal(here.x));
         let (accuracy, kept) = bordered_step(here.relative, self.equations.options.accuracy);

@@ -61,7 +61,7 @@ impl DistanceGrid {
         let (dim, (low, high)) = (solid.dim(), solid.bounds());
         let size: [f64; 3] = std::array::from_fn(|i| if i < dim { high[i] - low[i] } else { 0.0 });
         let nodes_at = |spacing: f64| {
-            let margin = widened(margin, (spacing, size));
+            let margin = widened(margin, spacing, size);
             // next to its border d is less than on it
             let cells = |i: usize| ((size[i] + 2.0 * margin) / spacing + 2.0 * BORDER).ceil();
             let nodes: [f64; 3] = std::array::from_fn(|i| if i < dim { cells(i) + 1.0 } else { 1.0 });
@@ -75,7 +75,7 @@ impl DistanceGrid {
             let coarser = coarser.unwrap_or(f64::INFINITY);
             return Err(SpatialError::LargeGrid { spacing, numbers, most: MOST_NUMBERS, coarser });
         }
-        let margin = widened(margin, (spacing, size));
+        let margin = widened(margin, spacing, size);
         // the rest of the last cell goes to both sides alike
         let nodes = nodes.map(|n| n as usize);
         let first = |i: usize| 0.5 * (low[i] + high[i] - spacing * (nodes[i] - 1) as f64);
@@ -222,7 +222,7 @@ fn signed_distance(d: &Partials) -> SignedDistance {
 }
 
 /// The margin of a grid of a spacing around a solid of a size.
-fn widened(margin: f64, (spacing, size): (f64, [f64; 3])) -> f64 {
+fn widened(margin: f64, spacing: f64, size: [f64; 3]) -> f64 {
     margin.max(MARGIN[0] * spacing).max(MARGIN[1] * V::from(size).norm())
 }
 

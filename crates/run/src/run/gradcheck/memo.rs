@@ -236,7 +236,7 @@ impl Objective for Column<'_> {
         match &self.term.of {
             Functional::Cost => Objective::hessian_vector(ensemble, base, v, which, &mut known.workspace),
             Functional::Constraint(y) => {
-                Ok(ensemble.constraint_hessian_vector(base, y, (v, which), &mut known.workspace)?)
+                Ok(ensemble.constraint_hessian_vector(base, y, v, which, &mut known.workspace)?)
             }
             Functional::Term(_) if which != Hessian::Exact => {
                 Err(Failed::because("of a single term there is the exact one alone"))

@@ -42,7 +42,7 @@ impl Record {
     pub fn add(&mut self, member: CaseMember<'_>, n: usize, state: &State) -> Result<(), ControlError> {
         let balance = self.balance(member, state)?;
         let table = self.table.get_or_insert_with(|| Table::head(member, state));
-        table.add(member, &self.m, (self.last.as_ref(), state), balance)?;
+        table.add(member, &self.m, self.last.as_ref(), state, balance)?;
         self.touches = table::touches(member, self.last.as_ref(), state);
         self.reactions = Some(reactions(member, self.last.as_ref(), state));
         self.before = self.last.replace(state.clone());

@@ -49,7 +49,7 @@ pub(in crate::run) fn solve(
     session.note_time("solve", began.elapsed().as_secs_f64());
     match found {
         Ok(point) => Ok((point, records)),
-        Err(error) => Err(unfinished(session, (&records, repeated), error)),
+        Err(error) => Err(unfinished(session, &records, repeated, error)),
     }
 }
 
@@ -62,7 +62,8 @@ fn may_go_on(error: &EnsembleError) -> bool {
 /// The error of motions that ended early, which says where they are; `repeated`: how many steps of each come again where it goes on, if it can.
 fn unfinished(
     session: &mut Session<'_>,
-    (records, repeated): (&[Record], Option<Vec<usize>>),
+    records: &[Record],
+    repeated: Option<Vec<usize>>,
     error: EnsembleError,
 ) -> RunError {
     let source = Box::new(session.forward_failed(error));

@@ -77,7 +77,8 @@ impl Table {
         &mut self,
         member: CaseMember<'_>,
         m: &[f64],
-        (before, state): (Option<&State>, &State),
+        before: Option<&State>,
+        state: &State,
         balance: Option<EnergyBalance>,
     ) -> Result<(), ControlError> {
         let (report, [kinetic, potential]) = (&state.report, energies(member, state));

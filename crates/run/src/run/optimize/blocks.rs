@@ -46,7 +46,9 @@ pub(super) fn remove(out: &Directory) {
 
 /// Writes the files of a set, each rank its own: what all have written, at all ranks, or the first failure.
 pub(super) fn write<'p>(
-    (ensemble, team, out): (&Ensemble, &dyn Team, &Directory),
+    ensemble: &Ensemble,
+    team: &dyn Team,
+    out: &Directory,
     runs: impl Iterator<Item = &'p Parted>,
     set: usize,
 ) -> Result<Blocks, RunError> {

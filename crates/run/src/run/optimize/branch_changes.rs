@@ -49,7 +49,8 @@ impl BranchChanges {
     /// The search was cancelled.
     pub fn add(
         &mut self,
-        (problem, cancel): (&CaseProblem, &AtomicBool),
+        problem: &CaseProblem,
+        cancel: &AtomicBool,
         before: &Before,
         point: &EnsemblePoint,
         iteration: usize,
@@ -66,7 +67,7 @@ impl BranchChanges {
         };
         let found = problem.ensemble.gathered(point, connection).map_err(|_| StateError::Cancelled)?;
         let found: Vec<Connection> = found.into_iter().collect::<Option<_>>().ok_or(StateError::Cancelled)?;
-        let at = |share: f64| control_value(problem, (&before.m, &point.m), share);
+        let at = |share: f64| control_value(problem, &before.m, &point.m, share);
         let (mut changed, mut unknown) = (Vec::new(), Vec::new());
         for (member, connection) in problem.members().zip(found) {
             let shown = match connection {
@@ -132,7 +133,7 @@ fn named(member: CaseMember<'_>) -> String {
 }
 
 /// ` (0.2 T)`, the value of the only control at this share of the way; nothing where there are more.
-fn control_value(problem: &CaseProblem, (before, here): (&[f64], &[f64]), share: f64) -> String {
+fn control_value(problem: &CaseProblem, before: &[f64], here: &[f64], share: f64) -> String {
     match (before, here, problem.controls.as_slice()) {
         ([from], [to], [field]) => {
             format!(" ({} = {} {})", field.name, short(from + share * (to - from)), field.unit)

@@ -101,7 +101,7 @@ impl Checkpoint {
         let mut input = Reader::new(&body, "").map_err(unfit)?;
         let case = input.list().and_then(|case| CaseRecord::from_bytes(&case)).map_err(unfit)?;
         let position = match input.flag().map_err(unfit)? {
-            true => Some(read_position(&mut input, (directory, wanted), &unfit)?),
+            true => Some(read_position(&mut input, directory, wanted, &unfit)?),
             false => None,
         };
         input.finish().map_err(unfit)?;
@@ -201,7 +201,8 @@ pub(super) fn before_the_start(case: &CaseRecord) -> Vec<u8> {
 
 fn read_position(
     input: &mut Reader<'_>,
-    (directory, wanted): (&Path, Wanted<'_>),
+    directory: &Path,
+    wanted: Wanted<'_>,
     unfit: &dyn Fn(SavedRunError) -> CheckpointError,
 ) -> Result<Position, CheckpointError> {
     let mut head = || Ok((read_json(input)?, input.number()?, input.list()?, input.flag()?, input.count(8)?));

@@ -207,7 +207,7 @@ impl Journal {
     }
 
     /// Writes a scheduled checkpoint of a start under way.
-    pub fn save_start(&mut self, index: usize, (run, iteration): (Parted, usize), ensemble: &Ensemble) {
+    pub fn save_start(&mut self, index: usize, run: Parted, iteration: usize, ensemble: &Ensemble) {
         self.record.starts[index] = checkpoint::SavedStart { run, iteration, ended: false };
         self.save(ensemble);
     }
@@ -246,7 +246,7 @@ impl Journal {
     /// The points by all ranks, what belongs to all by the first one.
     fn save_in_blocks(&mut self, ensemble: &Ensemble, team: &dyn Team, own: &Directory) -> Result<bool, RunError> {
         let set = 1 - self.set;
-        let blocks = blocks::write((ensemble, team, own), self.record.runs(), set)?;
+        let blocks = blocks::write(ensemble, team, own, self.record.runs(), set)?;
         let written = match &self.out {
             Some(out) => checkpoint_file::write(out, checkpoint_file::NAME, &self.content(Some(&blocks))),
             None => Ok(()),

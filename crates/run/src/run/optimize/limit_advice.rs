@@ -51,7 +51,7 @@ fn volumes(session: &Session<'_>, ended: &FinishedRun) -> Volumes {
     for (field, control) in met(session, ended) {
         let mut actuations = session.problem.case.actuation.iter();
         if actuations.any(|of| of.kind() == CAVITY && of.name == control.of)
-            && let Some(added) = added_volume(session, (&ended.limits.member, &ended.best.point), &control.of)
+            && let Some(added) = added_volume(session, &ended.limits.member, &ended.best.point, &control.of)
         {
             let (at, upper) = (&field.at, FARTHER * added);
             out.names.push(field.name.clone());
@@ -87,7 +87,7 @@ fn met<'s>(session: &'s Session<'_>, ended: &'s FinishedRun) -> impl Iterator<It
 }
 
 /// The volume added to a cavity so far, in the member that met the limit point last.
-fn added_volume(session: &Session<'_>, (met, best): (&str, &EnsemblePoint), cavity: &str) -> Option<f64> {
+fn added_volume(session: &Session<'_>, met: &str, best: &EnsemblePoint, cavity: &str) -> Option<f64> {
     let mut members = session.problem.members().zip(&best.members);
     let (member, at) = members.find(|(member, _)| member.name() == met)?;
     let all = member.solid().model().quantities(&Instant::of(at.state())).ok()?;

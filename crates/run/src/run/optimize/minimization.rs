@@ -62,8 +62,10 @@ pub(crate) enum Minimized {
 /// Runs the optimiser to its end, to a number of iterations, or until `halt` is raised. `saved` is the iteration of the checkpoint that
 /// the run comes from.
 pub(crate) fn minimize<'s>(
-    (session, optimizer): (&'s Session<'s>, &dyn Optimizer),
-    (mut run, mut start): (AugmentedRun<&'s Ensemble>, EnsemblePoint),
+    session: &'s Session<'s>,
+    optimizer: &dyn Optimizer,
+    mut run: AugmentedRun<&'s Ensemble>,
+    mut start: EnsemblePoint,
     mut recorder: Recorder<'_>,
     mut saved: Option<usize>,
     (limit, halt): (usize, &AtomicBool),

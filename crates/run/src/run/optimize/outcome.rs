@@ -42,7 +42,7 @@ pub(super) fn write_start(
 ) -> Result<(), RunError> {
     let Some(out) = &session.out else { return Ok(()) };
     write_targets(&session.problem, out)?;
-    write_states(&session.problem, "start", (start, derivative, found), out).map(|_| ())
+    write_states(&session.problem, "start", start, derivative, found, out).map(|_| ())
 }
 
 /// Fills the result, writes files, says how it went.
@@ -57,14 +57,14 @@ pub(super) fn report(
     let records = session.motions(&best.point)?;
     let problem = &session.problem;
     let reports = member_report::of_inspected(problem, &best.point, &found);
-    let mut reports = reports.map_err(|error| session.member_failed(error))?;
+    let mut reports = reports.map_err(|error| session.member_failed(error.0, error.1))?;
     reports.iter_mut().zip(work).for_each(|(one, work)| one.work = *work);
     let entries = member_report::entries(problem, &reports, Detail::Full);
-    let entries = entries.map_err(|error| session.member_failed(error))?;
+    let entries = entries.map_err(|error| session.member_failed(error.0, error.1))?;
     drop(reports);
     let begin =
         begin.map(|start| member_report::entries(problem, &member_report::of_point(problem, start)?, Detail::Costs));
-    let begin = begin.transpose().map_err(|error| session.member_failed(error))?;
+    let begin = begin.transpose().map_err(|error| session.member_failed(error.0, error.1))?;
     let derivative_norm = controls::derivative_norm(problem, &best.derivative);
     let controls = controls::controls(problem, &best.m);
     session.record.state = entries;
@@ -82,11 +82,10 @@ pub(super) fn report(
     summary::add_work(&mut session.record, &total);
     session.console.say("");
     table_of_starts::say(session, entries_of_starts, index);
-    say(session, (ended, known, diagnosis), resumable);
+    say(session, ended, known, diagnosis, resumable);
     session.report_contacts(&best.point);
-    session.timed("write", |session| {
-        write(session, (ended, diagnosis), (&found, &records), (index, entries_of_starts.len()))
-    })?;
+    session
+        .timed("write", |session| write(session, ended, diagnosis, &found, &records, index, entries_of_starts.len()))?;
     Ok(found)
 }
 
@@ -144,7 +143,9 @@ pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: V
 
 fn say(
     session: &Session<'_>,
-    (ended, known, diagnosis): (&FinishedRun, &[Known], Option<&Diagnosis>),
+    ended: &FinishedRun,
+    known: &[Known],
+    diagnosis: Option<&Diagnosis>,
     resumable: Option<Written>,
 ) {
     let best = &ended.best;
@@ -239,9 +240,12 @@ pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteratio
 
 fn write(
     session: &mut Session<'_>,
-    (ended, diagnosis): (&FinishedRun, Option<&Diagnosis>),
-    (found, records): (&[Inspection], &[motion::Record]),
-    (best_start, starts): (usize, usize),
+    ended: &FinishedRun,
+    diagnosis: Option<&Diagnosis>,
+    found: &[Inspection],
+    records: &[motion::Record],
+    best_start: usize,
+    starts: usize,
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone().filter(|_| !session.leaves_results) else { return Ok(()) };
     let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
@@ -256,7 +260,7 @@ fn write(
     if let Some(diagnosis) = diagnosis {
         files.extend(diagnosis.write(problem, &out)?);
     }
-    files.extend(write_states(problem, "optimum", (&best.point, &best.derivative, found), &out)?);
+    files.extend(write_states(problem, "optimum", &best.point, &best.derivative, found, &out)?);
     let mut together: Vec<Picture> = Vec::new();
     for member in problem.leads() {
         let shot = |point: &EnsemblePoint, member: CaseMember<'_>| {

@@ -59,8 +59,10 @@ impl<'s> Recorder<'s> {
     /// For the start of this number.
     pub fn new(
         session: &'s Session<'_>,
-        (index, record): (usize, &'s StartRecord),
-        (journal, output): (&SharedJournal, &'s StartOutput),
+        index: usize,
+        record: &'s StartRecord,
+        journal: &SharedJournal,
+        output: &'s StartOutput,
     ) -> Self {
         let problem = &session.problem;
         Self {
@@ -114,7 +116,7 @@ impl<'s> Recorder<'s> {
         let now: Vec<usize> = self.trials.work.iter().map(|work| work.newton).collect();
         let since: Vec<usize> = now.iter().zip(&self.counted.0).map(|(now, before)| now - before).collect();
         let (_, solves) = std::mem::replace(&mut self.counted, (now, 0));
-        let moves = since.iter().any(|work| *work > 0) && self.problem.ensemble.share_anew(&since, (kept, solves));
+        let moves = since.iter().any(|work| *work > 0) && self.problem.ensemble.share_anew(&since, kept, solves);
         moves.then(|| {
             let start = read_record(session, self.record)?;
             self.moved_start = Some(self.problem.ensemble.save(&start));
@@ -144,7 +146,7 @@ impl<'s> Recorder<'s> {
             start.clone_from(moved);
         }
         let iteration = run.run.progress.counts.iterations;
-        self.journal.lock().save_start(self.start.0, (saved, iteration), &self.problem.ensemble);
+        self.journal.lock().save_start(self.start.0, saved, iteration, &self.problem.ensemble);
     }
 
     pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {
@@ -220,7 +222,7 @@ impl<'s> Recorder<'s> {
         }
         let before = self.before.replace(Before::new(point)).filter(|_| !fresh);
         let Some(before) = before else { return Some(false) };
-        let changed = self.trials.changes.add((self.problem, &self.cancel), &before, point, trial.iteration);
+        let changed = self.trials.changes.add(self.problem, &self.cancel, &before, point, trial.iteration);
         self.last = Instant::now();
         self.broken_off |= changed.is_err();
         changed.ok().flatten()

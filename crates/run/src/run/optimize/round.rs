@@ -149,9 +149,9 @@ impl Round<'_> {
         self.announce(index, output);
         match start.phase {
             Phase::UnderWay(_) => self.go_on(start, output),
-            Phase::Evaluated(begun) => self.begin(index, (*begun, GradientCheckRecord::default()), output),
+            Phase::Evaluated(begun) => self.begin(index, *begun, GradientCheckRecord::default(), output),
             Phase::Waiting => match self.evaluate(index, output) {
-                Evaluation::Right(begun, certificate) => self.begin(index, (*begun, certificate), output),
+                Evaluation::Right(begun, certificate) => self.begin(index, *begun, certificate, output),
                 Evaluation::Failed(warnings, entry) => self.end(failed(index, warnings, *entry), None),
                 Evaluation::BrokenOff => StartRun::waiting(index),
             },
@@ -221,7 +221,8 @@ impl Round<'_> {
     fn begin(
         &self,
         index: usize,
-        (mut begun, certificate): (Begun, GradientCheckRecord),
+        mut begun: Begun,
+        certificate: GradientCheckRecord,
         output: &StartOutput,
     ) -> StartRun {
         let start = begun.point.clone();
@@ -230,10 +231,10 @@ impl Round<'_> {
         let record = StartRecord { warnings, m: start.m.clone(), start: saved, certificate };
         match begin_run(self.session, self.optimizer, begun) {
             Ok(run) => {
-                let recorder = Recorder::new(self.session, (index, &record), (self.journal, output));
+                let recorder = Recorder::new(self.session, index, &record, self.journal, output);
                 let (limit, halt) = (self.limit, &self.halt);
-                let ended = minimize((self.session, self.optimizer), (run, start), recorder, None, (limit, halt));
-                self.settle(index, (record, ended), output)
+                let ended = minimize(self.session, self.optimizer, run, start, recorder, None, (limit, halt));
+                self.settle(index, record, ended, output)
             }
             Err(error) => self.give_up(index, record.warnings, error),
         }
@@ -252,15 +253,15 @@ impl Round<'_> {
         };
         let how = if self.resumed { "resumed" } else { "goes on" };
         output.console.say(format!("{how:<12}at iteration {iteration}"));
-        let mut recorder = Recorder::new(self.session, (index, &record), (self.journal, output));
+        let mut recorder = Recorder::new(self.session, index, &record, self.journal, output);
         recorder.restore(trials, run.point());
         let (limit, halt) = (self.limit, &self.halt);
-        let ended = minimize((self.session, self.optimizer), (run, start), recorder, Some(iteration), (limit, halt));
-        self.settle(index, (record, ended), output)
+        let ended = minimize(self.session, self.optimizer, run, start, recorder, Some(iteration), (limit, halt));
+        self.settle(index, record, ended, output)
     }
 
     /// Keeps what became of a run.
-    fn settle(&self, index: usize, (record, ran): (StartRecord, Minimized), output: &StartOutput) -> StartRun {
+    fn settle(&self, index: usize, record: StartRecord, ran: Minimized, output: &StartOutput) -> StartRun {
         match ran {
             Minimized::Paused(run, trials) => {
                 let under_way = UnderWay { record, trials, run: *run };
@@ -270,7 +271,7 @@ impl Round<'_> {
                 let found = trials.changes.warnings(self.session, index);
                 found.iter().for_each(|warning| say_warning(&output.console, warning));
                 write_iterates(self.session, index, &trials, self.journal);
-                let ended = ended(self.session, (index, &run), (record, trials), found);
+                let ended = ended(self.session, index, &run, record, trials, found);
                 self.end(ended, Some(*run))
             }
         }
@@ -355,8 +356,10 @@ pub(super) fn failed(index: usize, warnings: Vec<nastic_case::warning::Warning>,
 /// A start that has ended, with what deserves attention in its run.
 pub(super) fn ended(
     session: &Session<'_>,
-    (index, run): (usize, &FinishedRun),
-    (record, trials): (StartRecord, RunTrials),
+    index: usize,
+    run: &FinishedRun,
+    record: StartRecord,
+    trials: RunTrials,
     found: Vec<nastic_case::warning::Warning>,
 ) -> StartRun {
     let StartRecord { mut warnings, certificate, .. } = record;

@@ -65,7 +65,7 @@ pub(super) fn find(session: &mut Session<'_>, best: &Best<EnsemblePoint>) -> Res
     let (mut point, mut workspace) = (best.point.clone(), EnsembleWorkspace::default());
     let options = SpectrumOptions::leading(request.count);
     let found = session.timed("spectrum", |session| {
-        Spectrum::at(&session.problem.ensemble, (&best.m, &mut point), &domain, &options, &mut workspace)
+        Spectrum::at(&session.problem.ensemble, &best.m, &mut point, &domain, &options, &mut workspace)
     });
     session.console.clear();
     match found {

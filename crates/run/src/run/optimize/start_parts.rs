@@ -53,7 +53,8 @@ pub(in crate::run) fn run_part(
     session: &mut Session<'_>,
     optimizer: &dyn Optimizer,
     part: Part,
-    (out, restart): (&Path, bool),
+    out: &Path,
+    restart: bool,
 ) -> Result<Exit, RunError> {
     check(session, optimizer)?;
     session.find_steps()?;
@@ -64,7 +65,7 @@ pub(in crate::run) fn run_part(
     for index in (0..starts).filter(|index| part.has(*index)) {
         let ran = match session.is_cancelled() {
             true => Err(RunError::Cancelled),
-            false => run_one(session, optimizer, index, (&directory(out, index), restart)),
+            false => run_one(session, optimizer, index, &directory(out, index), restart),
         };
         // The lock is that of the start.
         (session.out, session.own_out) = (None, None);
@@ -107,7 +108,8 @@ fn run_one(
     session: &mut Session<'_>,
     optimizer: &dyn Optimizer,
     index: usize,
-    (directory, restart): (&Path, bool),
+    directory: &Path,
+    restart: bool,
 ) -> Result<One, RunError> {
     let out = session.claim(directory.to_owned())?;
     session.out = Some(out.clone());
@@ -136,7 +138,7 @@ fn run_one(
     };
     let journal = SharedJournal::new(journal);
     let mut starts = Starts::default();
-    starts.run(session, optimizer, position, (&journal, resumed))?;
+    starts.run(session, optimizer, position, &journal, resumed)?;
     let exit = match (starts.interrupted, starts.aborted.is_some()) {
         (_, true) => Exit::ForwardFailed,
         (true, _) => Exit::NotConverged,
@@ -207,13 +209,13 @@ pub(in crate::run) fn join(
     session.record.gradient_check = position.gradient_check.clone();
     let journal = SharedJournal::new(Journal::begin(session)?);
     let (began, mut joined) = (Instant::now(), Starts::default());
-    let ran = joined.run(session, optimizer, position, (&journal, true));
+    let ran = joined.run(session, optimizer, position, &journal, true);
     match missing.is_empty() {
         true if session.problem.case.output.checkpoint > 0 => journal.lock().save(&session.problem.ensemble),
         true => {}
         false => out.remove(checkpoint_file::NAME)?,
     }
-    let exit = conclude(session, (joined, ran), journal, began)?;
+    let exit = conclude(session, joined, ran, journal, began)?;
     Ok(if missing.is_empty() { exit } else { exit.worst(Exit::NotConverged) })
 }
 

@@ -60,7 +60,8 @@ impl Starts {
         session: &Session<'_>,
         optimizer: &dyn Optimizer,
         position: Position,
-        (journal, resumed): (&SharedJournal, bool),
+        journal: &SharedJournal,
+        resumed: bool,
     ) -> Result<(), RunError> {
         let Position { gradient_check, round, history, best, starts, .. } = position;
         let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
@@ -184,7 +185,7 @@ impl Rounds<'_> {
         let found = trials.changes.warnings(self.session, index);
         found.iter().for_each(|warning| say_warning(self.session.console, warning));
         write_iterates(self.session, index, &trials, self.journal);
-        self.starts[index] = ended(self.session, (index, &finished), (record, trials), found);
+        self.starts[index] = ended(self.session, index, &finished, record, trials, found);
         Ok(Some(finished))
     }
 

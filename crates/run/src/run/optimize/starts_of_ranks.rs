@@ -32,7 +32,7 @@ pub(super) fn share(
     for (rank, bytes) in all.iter().enumerate().filter(|(rank, _)| *rank != team.rank()) {
         let unfit = |_| TeamError::Unexpected { rank, what: "starts of another form" };
         let Told { starts: theirs, best, interrupted, aborted } =
-            heard(bytes, (rank, team), starts.len()).map_err(unfit)?;
+            heard(bytes, rank, team, starts.len()).map_err(unfit)?;
         if let Some(best) = best {
             let best = read_best(session, &best).map_err(|failed| session.evaluation_failed(&failed))?;
             found.add(best.0, best.1);
@@ -75,7 +75,7 @@ fn told(session: &Session<'_>, starts: &[StartRun], found: &RoundEnd) -> Vec<u8>
     out.finish()
 }
 
-fn heard(bytes: &[u8], (rank, team): (usize, &dyn Team), starts: usize) -> Result<Told, SavedRunError> {
+fn heard(bytes: &[u8], rank: usize, team: &dyn Team, starts: usize) -> Result<Told, SavedRunError> {
     let mut input = Reader::new(bytes, "")?;
     let own = (0..starts).filter(|index| index % team.size() == rank);
     let starts =

@@ -55,7 +55,7 @@ fn of_member(
         Ok(all) => (Some(all.starts), Some(all.newton)),
         // What was found before Ctrl-C is kept.
         Err(StateError::Cancelled) => (None, None),
-        Err(error) => return Err(session.member_failed((index, ControlError::from(error)))),
+        Err(error) => return Err(session.member_failed(index, ControlError::from(error))),
     };
     let many = series.rows.len();
     if many < count {

@@ -43,7 +43,7 @@ pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Res
         _ => Vec::new(),
     };
     modes::report(session, &modes);
-    session.timed("write", |session| write(session, &point, (&found, &[]), &modes))?;
+    session.timed("write", |session| write(session, &point, &found, &[], &modes))?;
     let exit = match analysis {
         Analysis::Equilibria(count) => equilibria::run(session, &point, *count)?,
         Analysis::ExactContact => exact_contact::run(session, &point)?,
@@ -139,7 +139,8 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
 pub(crate) fn write(
     session: &mut Session<'_>,
     point: &EnsemblePoint,
-    (found, records): (&[Inspection], &[motion::Record]),
+    found: &[Inspection],
+    records: &[motion::Record],
     modes: &[Modes],
 ) -> Result<(), RunError> {
     let Some(out) = session.out.clone() else { return Ok(()) };

@@ -16,7 +16,7 @@ use nastic_report::record::ExactContactRecord;
 pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
     for (index, member) in session.problem.members().enumerate() {
         let supported = member.solid().model().properties().supports(Feature::ExactContact);
-        supported.map_err(|error| session.member_failed((index, ControlError::from(StateError::from(error)))))?;
+        supported.map_err(|error| session.member_failed(index, ControlError::from(StateError::from(error))))?;
     }
     Ok(())
 }
@@ -42,7 +42,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
     let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let model = member.solid().model();
     let found = model.stability().exact_contact(at.state(), &how, &mut Workspace::default());
-    let found = found.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
+    let found = found.map_err(|error| session.member_failed(index, ControlError::from(error)))?;
     let layered = model.contacts().touches(&Instant::of(at.state()));
     let touches = found.model.contacts().touches(&Instant::of(&found.state));
     let units = member.problem().units();
@@ -69,7 +69,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
             quantity(exact.largest_pressure, Dimension::PRESSURE, units)
         ));
     }
-    let entry = entry((&found, moved), &touches, member.mesh().dim());
+    let entry = entry(&found, moved, &touches, member.mesh().dim());
     let name = format!("{}.vtu", member.file("exact_contact"));
     let mut files = Vec::new();
     if let Some(out) = &session.out {
@@ -83,7 +83,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
 }
 
 /// What is put into the result, in the units of the case.
-fn entry((found, moved): (&ExactEquilibrium, f64), touches: &[(String, Touch)], dim: usize) -> ExactContactRecord {
+fn entry(found: &ExactEquilibrium, moved: f64, touches: &[(String, Touch)], dim: usize) -> ExactContactRecord {
     let contacts = touches.iter().map(|(name, touch)| (name.clone(), quantities(touch, dim))).collect();
     ExactContactRecord {
         rounds: found.rounds,

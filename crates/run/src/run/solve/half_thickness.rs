@@ -43,7 +43,7 @@ pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Ex
 }
 
 /// What contacts carry in a state, of a motion at the end of its last step.
-fn touches((member, at): (CaseMember<'_>, &Evaluated)) -> Vec<(String, Touch)> {
+fn touches(member: CaseMember<'_>, at: &Evaluated) -> Vec<(String, Touch)> {
     let step = match at.states() {
         [.., before, end] => Some(TimeStep::between(before, end)),
         _ => None,
@@ -71,7 +71,7 @@ fn say(
         length(change),
         member.inside()
     ));
-    let (before, after) = (touches(whole), touches(half));
+    let (before, after) = (touches(whole.0, whole.1), touches(half.0, half.1));
     for ((name, after), (_, before)) in after.iter().zip(&before) {
         let percent = 100.0 * (after.pressing / before.pressing - 1.0);
         let changed =

@@ -15,7 +15,7 @@ pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Re
         let (member, at) = (session.problem.member(index), &point.members[index]);
         let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
         let found = member.solid().model().stability().descend(at.state(), &how, &mut Workspace::default());
-        let found = found.map_err(|error| session.member_failed((index, ControlError::from(error))))?;
+        let found = found.map_err(|error| session.member_failed(index, ControlError::from(error)))?;
         if found.saddles > 0 {
             let (from, to) = (at.state().report.energy, found.state.report.energy);
             session.console.say(format!(

@@ -25,7 +25,7 @@ pub(super) fn find(session: &Session<'_>, point: &EnsemblePoint, count: usize) -
     }
     let of = |(member, at): (CaseMember<'_>, &nastic_control::Evaluated)| {
         let modes = member.solid().modes(at.state(), count, &how);
-        modes.map_err(|error| session.member_failed((member.index(), ControlError::from(error))))
+        modes.map_err(|error| session.member_failed(member.index(), ControlError::from(error)))
     };
     session.problem.members().zip(&point.members).map(of).collect()
 }

@@ -31,7 +31,7 @@ pub(super) fn run(
     }
     report(session, &point, &found)?;
     session.report_motions(&records, &point);
-    session.timed("write", |session| write(session, &point, (&found, &records), &[]))?;
+    session.timed("write", |session| write(session, &point, &found, &records, &[]))?;
     if *analysis == Analysis::HalfThickness {
         half_thickness::run(session, &point)?;
     }

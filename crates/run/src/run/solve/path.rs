@@ -55,7 +55,7 @@ struct PathFindings {
 fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<PathFindings, RunError> {
     let member = session.problem.member(index);
     let start = member.local(&session.problem.start);
-    let failed = |error: ControlError| session.member_failed((index, error));
+    let failed = |error: ControlError| session.member_failed(index, error);
     let controls = member.layout().to_points(&start).map_err(failed)?;
 
     let mut series = Series::new(member, "path", ("s".to_owned(), String::new()));

@@ -135,7 +135,7 @@ impl Asked {
             m
         };
         let points = |value: f64| member.layout().to_points(&at(value));
-        let failed = |error: ControlError| session.member_failed((index, error));
+        let failed = |error: ControlError| session.member_failed(index, error);
         let (first, last) = (points(from).map_err(failed)?, points(to).map_err(failed)?);
 
         let mut series = Series::new(member, "ramp", (field.array.clone(), field.unit.clone()));
@@ -156,7 +156,7 @@ impl Asked {
             series.rows.push(row);
         };
         let model = member.solid().model();
-        let ramp = model.stability().ramp((&first, &last), self.count, &how, &mut Workspace::default(), &mut found);
+        let ramp = model.stability().ramp(&first, &last, self.count, &how, &mut Workspace::default(), &mut found);
         let ramp = ramp.map_err(|error| failed(error.into()))?;
         let critical = critical(session, &ramp, from, to, &field.unit);
         let mut warnings = series.inspect();
@@ -177,7 +177,7 @@ impl Asked {
             let stopped = RampFailure { error: &error, before, target: value(s), unit: &field.unit };
             shown = Some(stopped.record(member));
             let (name, m) = (member.file("failure.vtu"), at(stopped.reached()));
-            files.extend(session.write_failure(member, (&name, &m), &error)?.map(|_| name));
+            files.extend(session.write_failure(member, &name, &m, &error)?.map(|_| name));
             failure = Some((format!("{}: {}", stopped.at(), stopped.why()), error));
         }
         let entry = SeriesRecord {
