@@ -152,7 +152,7 @@ fn numbers_that_a_law_is_written_with_are_unknowns_beside_a_tension_and_a_chambe
     assert_orders_within(&problem, &bounds, &m, "young by region, poisson, tension, pressure")?;
     let slots = problem.layout().to_points(&m)?;
     let young: Vec<f64> = slots.values(0).chunks_exact(2).map(|at| at[0]).collect();
-    assert!((young[0] / 2.4e5 - 1.0).abs() < 1e-14 && (young[young.len() - 1] / 3.3e5 - 1.0).abs() < 1e-14);
+    assert!((young[0] / 2.4e5 - 1.0).abs() < 1e-13 && (young[young.len() - 1] / 3.3e5 - 1.0).abs() < 1e-13);
     assert_eq!(problem.layout().block("rubber.young")?.values_of(&m[..1]), vec![young[0]]);
     let refused = Reduced::new(problem.solid().clone()).control("rubber.young", Space::Region)?.by_logarithm("rubber");
     assert!(matches!(refused, Err(ControlError::UnknownControl { .. })));
@@ -209,7 +209,7 @@ fn slots_of_global_scope_are_the_uniform_fields_of_those_at_points() -> Outcome 
         found.push((point.terms[0], derivative, problem.solid().controls().values(0).len()));
     }
     let ((cost, derivative, points), (same, own, one)) = (&found[0], &found[1]);
-    assert_eq!((*one, *points > 100), (3, true));
+    assert_eq!((*one, *points), (3, 3 * 32));
     assert!((cost / same - 1.0).abs() < 1e-12, "{cost} {same}");
     for (a, b) in derivative.iter().zip(own) {
         assert!((a - b).abs() <= 1e-9 * a.abs(), "{derivative:?} {own:?}");

@@ -41,7 +41,7 @@ fn aimed(text: &str) -> String {
 
 fn place(tip: &Value) -> String {
     let u: Vec<f64> = tip.as_array().unwrap().iter().map(|u| u.as_f64().unwrap()).collect();
-    format!("[{:?}, {:?}, {:?}]", 0.1 + u[0], 0.01 + u[1], 0.01 + u[2])
+    format!(r#"{{ "x": {:?}, "y": {:?}, "z": {:?} }}"#, 0.1 + u[0], 0.01 + u[1], 0.01 + u[2])
 }
 
 #[test]
