@@ -74,7 +74,7 @@ fn derivatives_are_those_by_the_unknown() {
     let formula = with(&formula, "rubber.young", "rubber.mu");
     for case in [case, plain, formula] {
         let checked = run(Command::Gradcheck, &case);
-        assert_eq!(checked["gradient_check"]["passed"], true, "{checked}");
+        assert_eq!(checked["gradcheck"]["passed"], true, "{checked}");
     }
 }
 
