@@ -138,7 +138,7 @@ fn contradictions_between_blocks_are_found() {
         COMPLETE,
         "materials/0/mu1\": \"90 kPa\"",
         "materials/0/mu\": \"90 kPa\"",
-        ": materials/0/mu: unknown key \"mu\": did you mean \"mu1\"? (one of: region, law, formulation, rigid, density, maxwell, kelvin_voigt, mu1, mu2, mu3, mu4, fiber)",
+        ": materials/0/mu: unknown key \"mu\": did you mean \"mu1\"? (one of: name, region, law, formulation, rigid, density, maxwell, kelvin_voigt, mu1, mu2, mu3, mu4, fiber)",
     );
     one(
         COMPLETE,

@@ -14,7 +14,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         COMPLETE,
         "\"mu3\"",
         "\"mu9\": 1, \"mu3\"",
-        "materials/0/mu9: unknown key \"mu9\": did you mean \"mu1\"? (one of: region, law, formulation, rigid, density, maxwell, kelvin_voigt, mu1, mu2, mu3, mu4, fiber)",
+        "materials/0/mu9: unknown key \"mu9\": did you mean \"mu1\"? (one of: name, region, law, formulation, rigid, density, maxwell, kelvin_voigt, mu1, mu2, mu3, mu4, fiber)",
     );
     one(
         COMPLETE,

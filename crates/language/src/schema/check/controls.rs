@@ -31,7 +31,9 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
         return;
     }
     let Some((_, slot)) = slots.iter().find(|(name, _)| *name == control.of) else {
-        if ["actuation", "obstacles", "contact", "materials"].iter().all(|block| blocks.complete(block)) {
+        // a material with a mistake may be what "rubber.mu" is of
+        let read = blocks.complete("materials") || !control.of.contains('.');
+        if read && ["actuation", "obstacles", "contact"].iter().all(|block| blocks.complete(block)) {
             let known: Vec<&str> = slots.iter().map(|(name, _)| name.as_str()).collect();
             let owner = blocks.actuation.iter().find_map(|actuation| {
                 let slot = control.of.strip_prefix(&actuation.name)?.strip_prefix('.')?;
