@@ -4,7 +4,7 @@ use super::parts::{carve, join, shifted};
 use super::{Stuff, block, cells, kind, place, sides};
 use crate::common::{between, pick};
 use crate::problem::{Facts, Failure, Problem, Task};
-use nastic::fem::{Inertia, SurfaceContact};
+use nastic::fem::{Contact, Inertia};
 use nastic::numeric::Random;
 use nastic::prelude::*;
 use std::sync::Arc;
@@ -30,8 +30,8 @@ pub fn pushed(random: &mut Random) -> Result<Problem, Failure> {
     let to = place(kind, aside, 0.3 * aside, -depth);
     let solid = stuff[1].on(stuff[0].on(Solid::new(mesh)?, "low")?, "up")?;
     let solid = solid.clamp(low_bottom.as_str())?.displace(up_top.as_str(), held(kind, to))?;
-    let contact = SurfaceContact::between("between", surfaces[0].as_str(), surfaces[1].as_str());
-    let solid = solid.surface_contact(contact)?;
+    let contact = Contact::between("between", surfaces[0].as_str(), surfaces[1].as_str());
+    let solid = solid.contact(contact)?;
     let about = format!(
         "lower {}, upper {}; width {width:.2}, heights {:.2} and {:.2}, down by {depth:.3}, aside by {aside:.3}",
         stuff[0].about, stuff[1].about, heights[0], heights[1]
@@ -85,7 +85,7 @@ pub fn closing(random: &mut Random) -> Result<Problem, Failure> {
     let mut to = [Some(0.0), Some(0.0), (kind.dim() == 3).then_some(0.0)];
     (to[0], to[up]) = (None, Some(-depth));
     let solid = stuff.on(Solid::new(mesh)?, "body")?.clamp("bottom")?.displace("top", to)?;
-    let solid = solid.surface_contact(SurfaceContact::between("slot", "slot", "slot"))?;
+    let solid = solid.contact(Contact::between("slot", "slot", "slot"))?;
     let about = format!("{}; arms {arm:.2}, slot {slot:.3}, down by {depth:.3}", stuff.about);
     let mut facts = stuff.facts(0.0);
     facts.pairs.push(("slot".into(), ["slot".into(), "slot".into()]));
@@ -113,9 +113,9 @@ pub fn colliding(random: &mut Random) -> Result<Problem, Failure> {
     let wave = (stuff[0].young.min(stuff[1].young) / density).sqrt();
     let (speed, aside) = (between(random, 0.02, 0.15) * wave, between(random, -0.3, 0.3));
     let mu = if random.unit() < 0.4 { between(random, 0.1, 1.0) } else { 0.0 };
-    let contact = SurfaceContact::between("between", surfaces[0].as_str(), surfaces[1].as_str());
+    let contact = Contact::between("between", surfaces[0].as_str(), surfaces[1].as_str());
     let contact = if mu > 0.0 { contact.friction(mu, 0.05 * speed) } else { contact };
-    let solid = stuff[1].on(stuff[0].on(Solid::new(mesh)?, "low")?, "up")?.surface_contact(contact)?;
+    let solid = stuff[1].on(stuff[0].on(Solid::new(mesh)?, "low")?, "up")?.contact(contact)?;
     let solid = solid.inertia(Inertia::new("low", density).and("up", density))?;
     let scheme = pick(random, &["backward_euler", "bdf2", "tr_bdf2"]);
     let nodes = solid.mesh().points().iter();

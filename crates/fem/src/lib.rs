@@ -53,7 +53,7 @@ pub use nastic_equilibrium::stability::modes::Modes;
 pub use nastic_equilibrium::stability::path::{EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint};
 pub use nastic_equilibrium::stability::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use nastic_forces::cavity::{Cavity, Lumen};
-pub use nastic_forces::contact::{Contact, ContactLaw, SurfaceContact};
+pub use nastic_forces::contact::{Contact, ContactLaw};
 pub use nastic_forces::foundation::Foundation;
 pub use nastic_forces::inertia::Inertia;
 pub use nastic_forces::moving_support::MovingSupport;

@@ -12,7 +12,6 @@ use nastic_energy::EnergyTerm;
 use nastic_equilibrium::model::Model;
 use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::Contact;
-use nastic_forces::contact::surfaces::SurfaceContact;
 use nastic_forces::foundation::Foundation;
 use nastic_forces::inertia::BodyInertia;
 use nastic_forces::inertia::Inertia;
@@ -369,22 +368,14 @@ impl Solid {
         self.contribution(contribution)
     }
 
-    /// Lets a surface touch an obstacle; the materials come before it.
+    /// Lets a surface touch an obstacle, another surface or itself; the materials come before it.
     ///
     /// # Errors
     /// As [`Contact`] says; a name that is taken.
-    pub fn contact(self, contact: Contact) -> Result<Self, FemError> {
+    pub fn contact(mut self, contact: Contact) -> Result<Self, FemError> {
         let contribution = self.whole_mesh("a contact").and_then(|_| contact.on(self.body()))?;
-        self.contribution(contribution)
-    }
-
-    /// Lets two surfaces touch each other, or one itself; the materials come before it.
-    ///
-    /// # Errors
-    /// As [`SurfaceContact`] says; a name that is taken.
-    pub fn surface_contact(self, contact: SurfaceContact) -> Result<Self, FemError> {
-        let contribution = self.whole_mesh("a contact").and_then(|_| contact.on(self.body()))?;
-        self.contribution(contribution)
+        self.model.add(contribution)?;
+        Ok(self)
     }
 
     /// Gives the body a mass, which acts in motion alone.

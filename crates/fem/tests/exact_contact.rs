@@ -7,7 +7,7 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Contact, ContactLaw, ExactEquilibrium, Instant, Solid, StateError, SurfaceContact, Touch, Workspace};
+use nastic_fem::{Contact, ContactLaw, ExactEquilibrium, Instant, Solid, StateError, Touch, Workspace};
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 use nastic_tensor::Vec3;
@@ -113,12 +113,12 @@ fn what_does_not_go_with_exact_contact_is_refused() -> Outcome {
         Ok(Solid::new(regular(CellKind::Hex8, [1.0; 3], [1, 1, 1])?)?.material("body", law())?.clamp("z-")?)
     };
     let floor = Contact::of("floor", "z+", Obstacle::half_space([0.0, 0.0, 2.0], [0.0, 0.0, -1.0]));
-    let between = SurfaceContact::between("sides", "x-", "x+");
+    let between = Contact::between("sides", "x-", "x+");
     for (solid, message) in [
         (block()?, "nothing touches it"),
         (block()?.contact(floor.clone().law(ContactLaw::Log))?, "with the cubic law"),
         (block()?.contact(floor.friction(0.5, 1e-3))?, "friction depends on the path"),
-        (block()?.surface_contact(between)?, "for obstacles"),
+        (block()?.contact(between)?, "for obstacles"),
     ] {
         let refused = solid.model().stability().exact_contact(&solid.rest(), &STRICT, &mut Workspace::default());
         let error = match refused {

@@ -11,8 +11,8 @@ use common::{Outcome, regular};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::schemes::SCHEMES;
 use nastic_fem::{
-    Cavity, Contact, Controls, Feature, Inertia, Instant, RigidBody, Scheme, Solid, Solver, State, StepTo,
-    SurfaceContact, Tendon, TimeStepping, Trajectory, Workspace,
+    Cavity, Contact, Controls, Feature, Inertia, Instant, RigidBody, Scheme, Solid, Solver, State, StepTo, Tendon,
+    TimeStepping, Trajectory, Workspace,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, RawMesh};
@@ -340,9 +340,7 @@ fn a_rigid_block_falls_on_a_soft_one() -> Outcome {
         .body_force("hard", Vec3::new(0.0, -100.0, 0.0))?
         .inertia(Inertia::new("soft", 1.0).and("hard", 10.0))?
         .contact(Contact::of("floor", "skin", floor).thickness(layer).stiffness(k).settled().friction(0.5, 1e-2))?
-        .surface_contact(
-            SurfaceContact::between("between", "skin", "skin").thickness(layer).stiffness(k).friction(0.5, 1e-2),
-        )?
+        .contact(Contact::between("between", "skin", "skin").thickness(layer).stiffness(k).friction(0.5, 1e-2))?
         .rigid(&RigidBody::new("block", "hard"))?
         .rayleigh_damping(0.0, 0.05)?;
     let mut begin = solid.rest();

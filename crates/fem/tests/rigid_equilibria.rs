@@ -11,7 +11,6 @@ use common::block::STRICT;
 use nastic_energy::NeoHooke;
 use nastic_fem::{
     Cause, Contact, FemError, Foundation, Instant, MovingSupport, RigidBody, Solid, SolveOptions, State, StateError,
-    SurfaceContact,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, box_mesh};
@@ -30,7 +29,7 @@ fn between_pads(floor: Option<f64>) -> Outcome<Solid> {
         .motion(MovingSupport::of("left pad", "left"))?
         .motion(MovingSupport::of("right pad", "right"))?
         .rigid(&RigidBody::new("ball", "hard"))?;
-    let grip = |solid: Solid| solid.surface_contact(SurfaceContact::between("grip", "ball", "inner"));
+    let grip = |solid: Solid| solid.contact(Contact::between("grip", "ball", "inner"));
     match floor {
         Some(height) => {
             let floor = Obstacle::half_space([0.0, height, 0.0], [0.0, 1.0, 0.0]);

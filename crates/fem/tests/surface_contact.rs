@@ -8,8 +8,8 @@ use common::block::STRICT;
 use common::{Outcome, cut, largest, noise, regular};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::{
-    ContactLaw, Demand, FemError, Inertia, Instant, Scheme, Solid, SolveOptions, State, StateError, StepTo,
-    SurfaceContact, TimeStepping, Trajectory, Workspace,
+    Contact, ContactLaw, Demand, FemError, Inertia, Instant, Scheme, Solid, SolveOptions, State, StateError, StepTo,
+    TimeStepping, Trajectory, Workspace,
 };
 use nastic_mesh::spatial::Shape;
 use nastic_mesh::{CellKind, Mesh};
@@ -72,13 +72,12 @@ fn pressed_blocks_are_uniform() -> Outcome {
             values[axis] = Some(0.0);
             solid = solid.displace(*name, values)?;
         }
-        let contact = SurfaceContact::between("between", "lower", "upper");
+        let contact = Contact::between("between", "lower", "upper");
         let thickness = 1e-3;
         // what the gap takes up with the layer
         let pressed = 0.2 + GAP - 2.0 * thickness;
-        let solid = solid
-            .displace("z+", [None, None, Some(-pressed)])?
-            .surface_contact(contact.thickness(thickness).refine(refine))?;
+        let solid =
+            solid.displace("z+", [None, None, Some(-pressed)])?.contact(contact.thickness(thickness).refine(refine))?;
         let state = solid.solve(&solid.controls(), &STRICT)?;
         let pressing = quantity(&solid, &state, "pressing");
         // nominal pressure at 0.9; the remaining gap of the layer is pressed too
@@ -106,8 +105,8 @@ fn pressed_blocks_are_uniform() -> Outcome {
 #[test]
 fn forces_and_moments_balance() -> Outcome {
     for kind in [CellKind::Hex8, CellKind::Hex27, CellKind::Tet10] {
-        let contact = SurfaceContact::between("between", "lower", "upper").thickness(0.009).refine(2);
-        let solid = Solid::new(blocks(kind, 1.7)?)?.material("body", law())?.clamp("z-")?.surface_contact(contact)?;
+        let contact = Contact::between("between", "lower", "upper").thickness(0.009).refine(2);
+        let solid = Solid::new(blocks(kind, 1.7)?)?.material("body", law())?.clamp("z-")?.contact(contact)?;
         let u: Vec<f64> = (0..solid.rest().u.len()).map(|i| 0.006 * noise(i)).collect();
         let controls = solid.controls();
         let at = Instant::new(&u, &controls, 1.0);
@@ -132,9 +131,8 @@ fn forces_and_moments_balance() -> Outcome {
 /// The force that is reported is that on the nodes of the first surface; what presses has the derivatives of differences.
 #[test]
 fn what_is_told_is_what_acts() -> Outcome {
-    let contact = SurfaceContact::between("between", "lower", "upper").thickness(0.009).refine(2);
-    let solid =
-        Solid::new(blocks(CellKind::Hex8, 1.7)?)?.material("body", law())?.clamp("z-")?.surface_contact(contact)?;
+    let contact = Contact::between("between", "lower", "upper").thickness(0.009).refine(2);
+    let solid = Solid::new(blocks(CellKind::Hex8, 1.7)?)?.material("body", law())?.clamp("z-")?.contact(contact)?;
     let u: Vec<f64> = (0..solid.rest().u.len()).map(|i| 0.006 * noise(i)).collect();
     let controls = solid.controls();
     let (model, mesh) = (solid.model(), solid.mesh());
@@ -182,8 +180,8 @@ fn closing(kind: CellKind, touches: bool) -> Outcome<Solid> {
         .actuate("body", "fibre", FiberTension::along(Vec3::new(0.3, 1.0, 0.0).normalize())?)?
         .clamp("bottom")?
         .traction("top", Vec3::new(0.0, -3e3, 0.0))?;
-    let contact = SurfaceContact::between("slot", "slot", "slot");
-    if touches { Ok(solid.surface_contact(contact)?) } else { Ok(solid) }
+    let contact = Contact::between("slot", "slot", "slot");
+    if touches { Ok(solid.contact(contact)?) } else { Ok(solid) }
 }
 
 fn crosses_itself(solid: &Solid, state: &State) -> Outcome<bool> {
@@ -249,7 +247,7 @@ fn the_adjoint_of_touching_surfaces_is_that_of_differences() -> Outcome {
 #[test]
 fn no_move_crosses() -> Outcome {
     let solid = Solid::new(blocks(CellKind::Hex8, 0.8)?)?.material("body", law())?.clamp("z-")?;
-    let solid = solid.surface_contact(SurfaceContact::between("between", "lower", "upper"))?;
+    let solid = solid.contact(Contact::between("between", "lower", "upper"))?;
     let (controls, rest) = (solid.controls(), solid.rest().u);
     let down = |by: f64| -> Vec<f64> {
         common::nodal(solid.mesh(), |x| Vec3::new(0.0, 0.0, if x.z > 1.005 { -by } else { 0.0 }))
@@ -267,8 +265,8 @@ fn no_move_crosses() -> Outcome {
 #[test]
 fn random_moves_do_not_cross() -> Outcome {
     let solid = Solid::new(blocks(CellKind::Hex8, 0.8)?)?.material("body", law())?.clamp("z-")?;
-    let contact = SurfaceContact::between("between", ["lower", "upper"], ["lower", "upper"]).refine(2);
-    let solid = solid.surface_contact(contact)?;
+    let contact = Contact::between("between", ["lower", "upper"], ["lower", "upper"]).refine(2);
+    let solid = solid.contact(contact)?;
     let controls = solid.controls();
     let from = Instant::new(&solid.rest().u, &controls, 1.0).u.to_vec();
     let mut shortened = 0;
@@ -297,12 +295,12 @@ fn random_moves_do_not_cross() -> Outcome {
 /// A surface with itself is two surfaces with each other: the same forces, pressures and areas, on any number of threads.
 #[test]
 fn a_surface_with_itself_is_two_with_each_other() -> Outcome {
-    let solid = |contact: SurfaceContact| -> Outcome<Solid> {
+    let solid = |contact: Contact| -> Outcome<Solid> {
         let body = Solid::new(blocks(CellKind::Hex8, 1.7)?)?.material("body", law())?.clamp("z-")?.clamp("z+")?;
-        Ok(body.surface_contact(contact.thickness(0.009))?)
+        Ok(body.contact(contact.thickness(0.009))?)
     };
-    let two = solid(SurfaceContact::between("between", "lower", "upper"))?;
-    let one = solid(SurfaceContact::between("between", ["lower", "upper"], ["lower", "upper"]))?;
+    let two = solid(Contact::between("between", "lower", "upper"))?;
+    let one = solid(Contact::between("between", ["lower", "upper"], ["lower", "upper"]))?;
     let u: Vec<f64> = (0..one.rest().u.len()).map(|i| 0.006 * noise(i)).collect();
     let controls = one.controls();
     let at = Instant::new(&u, &controls, 1.0);
@@ -337,20 +335,20 @@ fn a_surface_with_itself_is_two_with_each_other() -> Outcome {
 #[test]
 fn contact_between_free_bodies_is_no_support() -> Outcome {
     let body = || -> Outcome<Solid> { Ok(Solid::new(blocks(CellKind::Hex8, 1.0)?)?.material("body", law())?) };
-    let contact = || SurfaceContact::between("between", ["lower", "upper"], ["lower", "upper"]);
+    let contact = || Contact::between("between", ["lower", "upper"], ["lower", "upper"]);
     let free = |solid: &Solid| match solid.solve(&solid.controls(), &STRICT) {
         Err(StateError::Problem(FemError::RigidMotion { free, .. })) => free,
         other => panic!("{other:?}"),
     };
     assert_eq!(free(&body()?), 6);
     // together, as one body
-    assert_eq!(free(&body()?.surface_contact(contact())?), 6);
+    assert_eq!(free(&body()?.contact(contact())?), 6);
     // without a load the upper one stays where it is, near the lower one or not
-    let held = body()?.clamp("z-")?.surface_contact(contact())?;
+    let held = body()?.clamp("z-")?.contact(contact())?;
     let state = held.solve(&held.controls(), &STRICT)?;
     assert!(state.u.iter().all(|u| *u == 0.0) && held.model().stability().neutral_motion(&state, &STRICT)?.is_some());
     let rollers = body()?.displace("x-", [Some(0.0), None, None])?.displace("y-", [None, Some(0.0), None])?;
-    let above = rollers.clamp("z-")?.surface_contact(contact())?.body_force("body", Vec3::new(0.0, 0.0, -100.0))?;
+    let above = rollers.clamp("z-")?.contact(contact())?.body_force("body", Vec3::new(0.0, 0.0, -100.0))?;
     // the upper block of 1 m^3; its nodes lie a little aside of those below
     let state = above.solve(&above.controls(), &STRICT)?;
     let pressing = quantity(&above, &state, "pressing");
@@ -363,7 +361,7 @@ fn contact_between_free_bodies_is_no_support() -> Outcome {
 fn an_impact_keeps_the_momentum() -> Outcome {
     let solid = Solid::new(blocks(CellKind::Hex8, 0.8)?)?.material("body", law())?;
     let solid = solid.inertia(Inertia::new("body", 1e3).lumped())?;
-    let solid = solid.surface_contact(SurfaceContact::between("between", "lower", "upper"))?;
+    let solid = solid.contact(Contact::between("between", "lower", "upper"))?;
     let mut begin = solid.rest();
     let thrown = common::nodal(solid.mesh(), |x| Vec3::new(0.0, 0.0, if x.z > 1.005 { -1.0 } else { 0.0 }));
     begin.velocity = Some(thrown.into());
@@ -396,25 +394,24 @@ fn an_impact_keeps_the_momentum() -> Outcome {
 fn what_cannot_touch_is_refused() -> Outcome {
     let body =
         || -> Outcome<Solid> { Ok(Solid::new(blocks(CellKind::Hex8, 1.0)?)?.material("body", law())?.clamp("z-")?) };
-    let message = |contact: SurfaceContact| -> Outcome<String> {
-        Ok(body()?.surface_contact(contact).err().ok_or("not refused")?.to_string())
-    };
-    let between = || SurfaceContact::between("between", "lower", "upper");
+    let message =
+        |contact: Contact| -> Outcome<String> { Ok(body()?.contact(contact).err().ok_or("not refused")?.to_string()) };
+    let between = || Contact::between("between", "lower", "upper");
     let near = message(between().thickness(0.011))?;
     assert!(near.contains("2.000e-2 apart at rest at (0.0") && near.contains("thickness"), "{near}");
     assert!(message(between().thickness(-1.0))?.contains("thickness is -1"));
     assert!(message(between().stiffness(0.0))?.contains("stiffness is 0"));
     assert!(message(between().refine(0))?.contains("refine is 0"));
-    assert!(message(SurfaceContact::between("between", "lower", "uper"))?.contains("upper"));
+    assert!(message(Contact::between("between", "lower", "uper"))?.contains("upper"));
     let near = message(between().thickness(0.00996).law(ContactLaw::Log))?;
     assert!(near.contains("at least 2.1 times the thickness"), "{near}");
     for gap in [0.0, -0.1] {
         let body = Solid::new(blocks_apart(CellKind::Hex8, 0.8, gap)?)?.material("body", law())?;
-        let meets = body.surface_contact(between()).err().ok_or("not refused")?.to_string();
+        let meets = body.contact(between()).err().ok_or("not refused")?.to_string();
         assert!(meets.contains("at rest; they are nearest at ("), "{meets}");
     }
     let cell = Solid::new(regular(CellKind::Hex8, [1.0; 3], [1, 1, 1])?)?.material("body", law())?;
-    let alone = cell.surface_contact(SurfaceContact::between("side", "x-", "x-")).err().ok_or("not refused")?;
+    let alone = cell.contact(Contact::between("side", "x-", "x-")).err().ok_or("not refused")?;
     assert!(alone.to_string().contains("neighbours of each other"), "{alone}");
     Ok(())
 }

@@ -7,7 +7,7 @@ use crate::common;
 use common::block::STRICT;
 use common::{Outcome, cut, noise, regular};
 use nastic_energy::NeoHooke;
-use nastic_fem::{Inadmissible, Instant, Solid, State, StateError, SurfaceContact};
+use nastic_fem::{Contact, Inadmissible, Instant, Solid, State, StateError};
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Shape;
 use nastic_tensor::Vec3;
@@ -35,9 +35,9 @@ fn beams(refine: usize) -> Outcome<Solid> {
             ("top", &|x| x.z > 3.0 - 1e-9),
         ],
     )?;
-    let contact = SurfaceContact::between("beams", "lower", "upper").refine(refine);
+    let contact = Contact::between("beams", "lower", "upper").refine(refine);
     let law = NeoHooke::new(4e4, 6e4)?;
-    Ok(Solid::new(mesh)?.material("body", law)?.clamp("bottom")?.surface_contact(contact)?)
+    Ok(Solid::new(mesh)?.material("body", law)?.clamp("bottom")?.contact(contact)?)
 }
 
 fn crosses(solid: &Solid, u: &[f64]) -> Outcome<bool> {

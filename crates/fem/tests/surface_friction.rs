@@ -10,8 +10,8 @@ use common::{Outcome, cut, noise, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::schemes::SCHEMES;
 use nastic_fem::{
-    Contact, Controls, Demand, Inertia, Instant, MovingSupport, Scheme, Solid, State, StepTo, SurfaceContact, TimeStep,
-    TimeStepping, Touch, Trajectory, Workspace,
+    Contact, Controls, Demand, Inertia, Instant, MovingSupport, Scheme, Solid, State, StepTo, TimeStep, TimeStepping,
+    Touch, Trajectory, Workspace,
 };
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh};
@@ -22,11 +22,11 @@ fn scheme(name: &str) -> Scheme {
 }
 
 fn pressed_blocks(kind: CellKind, refine: usize) -> Outcome<Solid> {
-    let contact = SurfaceContact::between("between", "lower", "upper").thickness(0.009).refine(refine);
+    let contact = Contact::between("between", "lower", "upper").thickness(0.009).refine(refine);
     Ok(Solid::new(blocks(kind, 1.7)?)?
         .material("body", NeoHooke::new(4e4, 6e4)?)?
         .clamp("z-")?
-        .surface_contact(contact.friction(0.7, 0.3))?)
+        .contact(contact.friction(0.7, 0.3))?)
 }
 
 /// A step that ends at a displacement with a velocity.
@@ -119,14 +119,14 @@ fn stacked(sideways: f64, mu: f64) -> Outcome<Solid> {
         |x| if x.y > 0.7 { upper(x) } else { x },
         &[("bottom", &on(0.0)), ("lower", &on(0.5)), ("upper", &on(0.75))],
     )?;
-    let contact = SurfaceContact::between("between", "upper", "lower").thickness(1e-3).stiffness(4e5);
+    let contact = Contact::between("between", "upper", "lower").thickness(1e-3).stiffness(4e5);
     Ok(Solid::new(mesh)?
         .material("body", NeoHooke::new(4e9, 4e9)?)?
         .body_force("body", 1000.0 * 9.81 * Vec3::new(sideways, -1.0, 0.0))?
         .inertia(Inertia::new("body", 1000.0))?
         .clamp("bottom")?
         .rayleigh_damping(2.0, 0.0)?
-        .surface_contact(contact.friction(mu, 1e-3))?)
+        .contact(contact.friction(mu, 1e-3))?)
 }
 
 fn at_rest(solid: &Solid) -> State {
@@ -204,7 +204,7 @@ fn gripper(mu: f64) -> Outcome<Solid> {
         .motion(MovingSupport::of("left pad", "left"))?
         .motion(MovingSupport::of("right pad", "right"))?
         .contact(Contact::of("floor", "ball", Obstacle::half_space([0.0, -1e-4, 0.0], [0.0, 1.0, 0.0])))?
-        .surface_contact(SurfaceContact::between("grip", "ball", "inner").friction(mu, 1e-3))?)
+        .contact(Contact::between("grip", "ball", "inner").friction(mu, 1e-3))?)
 }
 
 /// How far the disc was lifted, and what the grip carries at the end.
@@ -245,10 +245,10 @@ fn pads_carry_a_disc_or_drop_it() -> Outcome {
     assert!((touch.force[1] / weight - 1.0).abs() < 1e-3, "{} for {weight}", touch.force[1]);
     assert!(touch.force[0].abs() < 1e-6 * touch.pressing && touch.sliding.unwrap().sticking == 1.0, "{touch:?}");
     assert!(newton < 150 * 6, "{newton} Newton iterations");
-    // 18 a system where friction's symmetric part has no stand-in
+    // 16 to 17 a system, by how rounding falls: factors are kept for long
     assert!(
-        factorisations <= 20 && substitutions < 16 * newton,
-        "{factorisations} factors, {substitutions} substitutions"
+        factorisations <= 20 && substitutions < 18 * newton,
+        "{newton} iterations, {factorisations} factors, {substitutions} substitutions"
     );
     let needed = weight / touch.pressing;
     let (held, ..) = lift(&gripper(1.3 * needed)?)?;
@@ -263,10 +263,10 @@ fn friction_of_surfaces_has_no_static_equilibrium() -> Outcome {
     let message = solid.solve(&solid.controls(), &STRICT).err().ok_or("not refused")?;
     assert!(message.to_string().contains("quasi_static for slow loads"), "{message}");
     let refused = |coefficient: f64, speed: f64| -> Outcome<String> {
-        let contact = SurfaceContact::between("between", "lower", "upper").friction(coefficient, speed);
+        let contact = Contact::between("between", "lower", "upper").friction(coefficient, speed);
         let body: Mesh = blocks(CellKind::Hex8, 1.0)?;
         let body = Solid::new(body)?.material("body", NeoHooke::new(4e4, 6e4)?)?;
-        Ok(body.surface_contact(contact).err().ok_or("not refused")?.to_string())
+        Ok(body.contact(contact).err().ok_or("not refused")?.to_string())
     };
     assert!(refused(-0.1, 1.0)?.contains("\"between\": its friction coefficient is -0.1"));
     assert!(refused(0.1, 0.0)?.contains("\"between\": its slip speed is 0"));

@@ -9,12 +9,12 @@ use common::driven_motion::{DrivenMotion, Part, Wanted, block};
 use common::{Outcome, cut, regular};
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_fem::schemes::SCHEMES;
-use nastic_fem::{Controls, Inertia, Instant, MovingSupport, Solid, State, SurfaceContact, TimeStep, Trajectory};
+use nastic_fem::{Contact, Controls, Inertia, Instant, MovingSupport, Solid, State, TimeStep, Trajectory};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 
 /// A strip that is held below, in plane strain, and a finger that comes down on it, drags it along, turns and leaves.
-fn bodies(of_friction: fn(SurfaceContact) -> SurfaceContact) -> Outcome<Solid> {
+fn bodies(of_friction: fn(Contact) -> Contact) -> Outcome<Solid> {
     let full = regular(CellKind::Quad4, [3.0, 2.5, 0.0], [6, 5, 0])?;
     let finger = |x: Vec3| Vec3::new(0.9 * x.x + 0.113, x.y - 0.35, 0.0);
     let on = |y: f64| move |x: Vec3| (x.y - y).abs() < 1e-9;
@@ -24,7 +24,7 @@ fn bodies(of_friction: fn(SurfaceContact) -> SurfaceContact) -> Outcome<Solid> {
         |x| if x.y > 1.2 { finger(x) } else { x },
         &[("bottom", &on(0.0)), ("strip", &on(1.0)), ("finger", &on(1.5)), ("held", &on(2.5))],
     )?;
-    let contact = SurfaceContact::between("rub", "finger", "strip").thickness(0.05).stiffness(3.0);
+    let contact = Contact::between("rub", "finger", "strip").thickness(0.05).stiffness(3.0);
     Ok(Solid::new(mesh)?
         .material("body", NeoHooke::new(1.0, 2.0)?)?
         .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
@@ -32,7 +32,7 @@ fn bodies(of_friction: fn(SurfaceContact) -> SurfaceContact) -> Outcome<Solid> {
         .inertia(Inertia::new("body", 1.0))?
         .rayleigh_damping(0.0, 0.05)?
         .motion(MovingSupport::of("motion", "held"))?
-        .surface_contact(of_friction(contact.friction(0.12, 0.02)))?)
+        .contact(of_friction(contact.friction(0.12, 0.02)))?)
 }
 
 /// At `t`: the fibre works, the finger comes down, drags, turns.
@@ -77,7 +77,7 @@ fn the_gradient_of_motions_that_stick_and_slip_is_exact() -> Outcome {
 
 #[test]
 fn the_gradient_with_lagged_friction_is_exact() -> Outcome {
-    check(&bodies(SurfaceContact::lagged)?)
+    check(&bodies(Contact::lagged)?)
 }
 
 /// Of samples between nodes, whose own nodes are among the corners around them.

@@ -7,7 +7,7 @@ use super::strides::{self, Course};
 use super::{contact_doubts, named_groups, obstacle, obstacle_grid};
 use crate::warning::{INPUT, INSIDE_OBSTACLE};
 use nastic_control::Reduced;
-use nastic_fem::{ContactLaw, Solid, SurfaceContact};
+use nastic_fem::{ContactLaw, Solid};
 use nastic_language::number::short;
 use nastic_language::schema::{Case, Contact, Fixed, Obstacle, PressureLaw, Shape, VectorField};
 use nastic_language::syntax::quoted;
@@ -21,11 +21,13 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let mesh = solid.mesh().clone();
         let facets = named_groups::facets(&mesh, &contact.surface, &contact.at.key("surface"), context);
         let Some(facets) = facets else { continue };
-        contact_doubts::warn(case, contact, solid, diagonal(&mesh, &contact.surface), context);
+        let size = diagonal(&mesh, &contact.surface);
+        contact_doubts::warn(case, contact, solid, size, context);
         if let Some(with) = &contact.with {
             if named_groups::facets(&mesh, with, &contact.at.key("with"), context).is_some() {
-                let built = between(case, (contact, with), &mesh);
-                attempt(solid, &contact.at, context, |solid| solid.surface_contact(built));
+                let built = nastic_fem::Contact::between(&contact.name(), &contact.surface, with);
+                let built = specified(built, case, contact, size.min(diagonal(&mesh, with)));
+                attempt(solid, &contact.at, context, |solid| solid.contact(built));
             }
             continue;
         }
@@ -36,9 +38,12 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             continue;
         }
         let thickness = contact.thickness.unwrap_or_else(|| nastic_fem::Contact::usual_thickness(&mesh, &facets));
-        let outline = (touched.outline(), thickness);
-        let Some(shape) = obstacle::build(outline.0, outline.1, context) else { continue };
-        let built = build(case, (contact, touched), shape.clone(), &mesh);
+        let Some(shape) = obstacle::build(touched.outline(), thickness, context) else { continue };
+        let built = nastic_fem::Contact::of(&contact.name(), &contact.surface, shape.clone());
+        let mut built = specified(built, case, contact, size).pose_of(&touched.name).settled();
+        if let Some(centre) = &touched.centre {
+            built = built.about(centre.xyz());
+        }
         attempt(solid, &contact.at, context, |solid| solid.contact(built));
         check_outside(case, (contact, touched), (&shape, solid), context);
         obstacle_grid::check(touched, &contact.name(), &shape, solid, context);
@@ -51,45 +56,25 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     }
 }
 
-fn law(contact: &Contact) -> ContactLaw {
-    match contact.law {
+/// A contact with what was given, whatever it touches, of surfaces whose least one is so large.
+fn specified(mut built: nastic_fem::Contact, case: &Case, contact: &Contact, size: f64) -> nastic_fem::Contact {
+    built = built.law(match contact.law {
         PressureLaw::Cubic => ContactLaw::Cubic,
         PressureLaw::Log => ContactLaw::Log,
+    });
+    if let Some(thickness) = contact.thickness {
+        built = built.thickness(thickness);
     }
-}
-
-/// Of a surface with another, or with itself.
-fn between(case: &Case, (contact, with): (&Contact, &GroupNames), mesh: &Mesh) -> SurfaceContact {
-    let built = SurfaceContact::between(&contact.name(), &contact.surface, with).law(law(contact));
-    let built = contact.thickness.into_iter().fold(built, SurfaceContact::thickness);
-    let built = contact.stiffness.into_iter().fold(built, SurfaceContact::stiffness);
-    let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));
-    let built = if contact.lagged { built.lagged() } else { built };
-    let size = diagonal(mesh, &contact.surface).min(diagonal(mesh, with));
-    friction(case, contact, size).into_iter().fold(built, |built, (friction, speed)| built.friction(friction, speed))
-}
-
-/// Coefficient and slip speed of a contact whose surface is so large.
-fn friction(case: &Case, contact: &Contact, size: f64) -> Option<(f64, f64)> {
-    let (friction, time) = (contact.friction?, case.time.as_ref()?);
-    Some((friction, contact.slip_speed.unwrap_or(SLIP * size / time.end)))
-}
-
-fn build(
-    case: &Case,
-    (contact, touched): (&Contact, &Obstacle),
-    shape: spatial::Obstacle,
-    mesh: &Mesh,
-) -> nastic_fem::Contact {
-    let built = nastic_fem::Contact::of(&contact.name(), &contact.surface, shape);
-    let built = built.law(law(contact)).pose_of(&touched.name).settled();
-    let built = contact.thickness.into_iter().fold(built, nastic_fem::Contact::thickness);
-    let built = contact.stiffness.into_iter().fold(built, nastic_fem::Contact::stiffness);
-    let built = contact.refine.into_iter().fold(built, |built, refine| built.refine(refine as usize));
-    let built = if contact.lagged { built.lagged() } else { built };
-    let built = touched.centre.iter().fold(built, |built, centre| built.about(centre.xyz()));
-    let friction = friction(case, contact, diagonal(mesh, &contact.surface));
-    friction.into_iter().fold(built, |built, (friction, speed)| built.friction(friction, speed))
+    if let Some(stiffness) = contact.stiffness {
+        built = built.stiffness(stiffness);
+    }
+    if let Some(refine) = contact.refine {
+        built = built.refine(refine as usize);
+    }
+    if let (Some(friction), Some(time)) = (contact.friction, &case.time) {
+        built = built.friction(friction, contact.slip_speed.unwrap_or(SLIP * size / time.end));
+    }
+    if contact.lagged { built.lagged() } else { built }
 }
 
 /// Warns of a body at rest that reaches deeper into an obstacle than a contact bears, also where no surface touches it: not into one that moves in a

@@ -10,7 +10,7 @@ use nastic_body::discretization::quadrature_points::QuadraturePoints;
 use nastic_body::error::FemError;
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_forces::cavity::Cavity;
-use nastic_forces::contact::{Contact, ContactLaw, SurfaceContact};
+use nastic_forces::contact::{Contact, ContactLaw};
 use nastic_forces::foundation::Foundation;
 use nastic_forces::inertia::{BodyInertia, Inertia};
 use nastic_forces::moving_support::MovingSupport;
@@ -173,26 +173,25 @@ pub const CATALOGUE: &[Entry] = &[
         name: "contact of surfaces",
         form: None,
         example: || {
-            let contact = SurfaceContact::between("contact of surfaces", "lower", "upper");
-            bodies()?.surface_contact(contact.thickness(0.24).stiffness(2e4))
+            let contact = Contact::between("contact of surfaces", "lower", "upper");
+            bodies()?.contact(contact.thickness(0.24).stiffness(2e4))
         },
     },
     Entry {
         name: "contact of surfaces by the log law",
         form: None,
         example: || {
-            let both =
-                SurfaceContact::between("contact of surfaces by the log law", ["lower", "upper"], ["lower", "upper"]);
+            let both = Contact::between("contact of surfaces by the log law", ["lower", "upper"], ["lower", "upper"]);
             // gaps of more samples are smaller, and what differences round away of this law larger
-            bodies()?.surface_contact(both.thickness(0.2).stiffness(2e3).law(ContactLaw::Log).refine(1))
+            bodies()?.contact(both.thickness(0.2).stiffness(2e3).law(ContactLaw::Log).refine(1))
         },
     },
     Entry {
         name: "friction of surfaces",
         form: None,
         example: || {
-            let contact = SurfaceContact::between("friction of surfaces", "lower", "upper").friction(1e3, 9e3);
-            bodies()?.surface_contact(contact.thickness(0.24).stiffness(2e4))
+            let contact = Contact::between("friction of surfaces", "lower", "upper").friction(1e3, 9e3);
+            bodies()?.contact(contact.thickness(0.24).stiffness(2e4))
         },
     },
     Entry {
@@ -200,9 +199,9 @@ pub const CATALOGUE: &[Entry] = &[
         form: None,
         example: || {
             let both = ["lower", "upper"];
-            let contact = SurfaceContact::between("friction of surfaces by the log law", both, both).friction(1e3, 9e3);
+            let contact = Contact::between("friction of surfaces by the log law", both, both).friction(1e3, 9e3);
             // as above
-            bodies()?.surface_contact(contact.thickness(0.2).stiffness(2e3).law(ContactLaw::Log).refine(1))
+            bodies()?.contact(contact.thickness(0.2).stiffness(2e3).law(ContactLaw::Log).refine(1))
         },
     },
     Entry { name: "rigid body", form: None, example: || loose()?.rigid(&RigidBody::new("rigid body", "body")) },

@@ -1,7 +1,7 @@
 //! What a contact takes where it is not given.
 
 use super::ContactLaw;
-use super::layer::Layer;
+use super::layer::Settings;
 use nalgebra::Matrix6;
 use nastic_body::body_energy::BodyEnergy;
 use nastic_energy::{PointBatch, Response, Slots, Want};
@@ -62,11 +62,11 @@ pub(super) fn check_stiffness(given: Option<f64>, usual: Option<f64>) -> Result<
 }
 
 /// What is wrong with a given thickness or refinement on the facets of a surface.
-pub(super) fn check_layer(layer: &Layer, mesh: &Mesh, facets: &[Facet]) -> Result<(), String> {
+pub(super) fn check_layer(given: &Settings, mesh: &Mesh, facets: &[Facet]) -> Result<(), String> {
     let nodes = mesh.nodes_of_facets(facets);
     let farthest =
         nodes.iter().flat_map(|&node| mesh.points()[node as usize]).fold(0.0, |far: f64, x| far.max(x.abs()));
-    match layer.thickness {
+    match given.thickness {
         Some(given) if !(given > 0.0 && given.is_finite()) => {
             return Err(format!("its thickness is {given}; it must be positive and finite"));
         }
@@ -81,7 +81,7 @@ pub(super) fn check_layer(layer: &Layer, mesh: &Mesh, facets: &[Facet]) -> Resul
         _ => {}
     }
     let pieces = |n: usize| (n as f64).powi(mesh.dim() as i32 - 1) * facets.len() as f64;
-    match layer.refine {
+    match given.refine {
         Some(0) => Err("refine is 0; it is 1 or more".to_owned()),
         Some(n) if pieces(n) > MAX_PIECES => Err(format!(
             "a refine of {n} cuts {} facets into {:.0e} pieces, and {MAX_PIECES:.0e} is the most: take a smaller one, or a finer mesh",
@@ -115,24 +115,22 @@ fn young(body: &BodyEnergy, (cell, first): (usize, usize)) -> Option<f64> {
     (mean > 0.0 && mean.is_finite()).then_some(1.0 / mean)
 }
 
+/// Opposite corners of an obstacle that is not round.
+fn bounds(obstacle: &Obstacle) -> Option<([f64; 3], [f64; 3])> {
+    match obstacle {
+        Obstacle::Box { low, high, .. } => Some((*low, *high)),
+        Obstacle::Solid { of, .. } => Some(of.bounds()),
+        Obstacle::Grid(grid) => Some(grid.solid().bounds()),
+        Obstacle::Sphere { .. } | Obstacle::Capsule { .. } | Obstacle::HalfSpace { .. } => None,
+    }
+}
+
 /// Half of an obstacle's least width; infinite of a half-space.
-pub(super) fn half_width(obstacle: &Obstacle, dim: usize) -> f64 {
-    let half = |low: &[f64; 3], high: &[f64; 3]| {
-        let sides = (0..dim).map(|i| high[i] - low[i]);
-        0.5 * sides.fold(f64::INFINITY, f64::min)
-    };
+fn half_width(obstacle: &Obstacle, dim: usize) -> f64 {
+    let least = |(low, high): ([f64; 3], [f64; 3])| (0..dim).map(|i| high[i] - low[i]).fold(f64::INFINITY, f64::min);
     match obstacle {
         Obstacle::Sphere { radius, .. } | Obstacle::Capsule { radius, .. } => *radius,
-        Obstacle::HalfSpace { .. } => f64::INFINITY,
-        Obstacle::Box { low, high, .. } => half(low, high),
-        Obstacle::Solid { of, .. } => {
-            let (low, high) = of.bounds();
-            half(&low, &high)
-        }
-        Obstacle::Grid(grid) => {
-            let (low, high) = grid.solid().bounds();
-            half(&low, &high)
-        }
+        _ => bounds(obstacle).map_or(f64::INFINITY, |corners| 0.5 * least(corners)),
     }
 }
 
@@ -162,19 +160,11 @@ pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facet: &Facet) -> usize {
 
 /// The point about which an obstacle turns.
 pub(super) fn centre(obstacle: &Obstacle) -> [f64; 3] {
-    let middle = |a: &[f64; 3], b: &[f64; 3]| std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
+    let middle = |(a, b): ([f64; 3], [f64; 3])| std::array::from_fn(|i| 0.5 * (a[i] + b[i]));
     match obstacle {
         Obstacle::Sphere { center, .. } => *center,
+        Obstacle::Capsule { ends: [from, to], .. } => middle((*from, *to)),
         Obstacle::HalfSpace { point, .. } => *point,
-        Obstacle::Capsule { ends: [from, to], .. } => middle(from, to),
-        Obstacle::Box { low, high, .. } => middle(low, high),
-        Obstacle::Solid { of, .. } => {
-            let (low, high) = of.bounds();
-            middle(&low, &high)
-        }
-        Obstacle::Grid(grid) => {
-            let (low, high) = grid.solid().bounds();
-            middle(&low, &high)
-        }
+        _ => bounds(obstacle).map_or([0.0; 3], middle),
     }
 }

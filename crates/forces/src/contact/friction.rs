@@ -63,21 +63,24 @@ impl<'a> Elsewhere<'a> {
     /// Where a step begins, if friction is `lagged`; else where a step that is not found at once says.
     pub fn of(at: &Instant<'a>, lagged: bool) -> Option<Self> {
         let step = at.step?;
-        match (&step.lag, lagged) {
-            (lag, true) => {
-                let smoothing = lag.as_ref().map_or(1.0, |lag| lag.smoothing);
-                Some(Elsewhere { u: &step.before.u, controls: &step.before.controls, smoothing })
-            }
-            (Some(lag), false) => Some(Elsewhere { u: &lag.u, controls: &lag.controls, smoothing: lag.smoothing }),
-            (None, false) => None,
+        let (lag, before) = (step.lag.as_ref(), &step.before);
+        let smoothing = lag.map_or(1.0, |lag| lag.smoothing);
+        match lagged {
+            true => Some(Elsewhere { u: &before.u, controls: &before.controls, smoothing }),
+            false => lag.map(|lag| Elsewhere { u: &lag.u, controls: &lag.controls, smoothing }),
         }
     }
 }
 
-/// Without the step where normal forces are taken elsewhere: then the samples of the instant push alone.
-pub(super) fn without_lagged<'a>(at: &Instant<'a>, lagged: bool) -> Instant<'a> {
-    let step = at.step.filter(|_| Elsewhere::of(at, lagged).is_none());
-    Instant { step, ..*at }
+/// Friction that acts in a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Coulomb {
+    /// mu
+    pub coefficient: f64,
+    /// e
+    pub slip_speed: f64,
+    /// `dv/du` of the scheme.
+    pub rate: f64,
 }
 
 /// `f(v) = g(|v|) v` and its derivative, with `g(s) = 2/e - s/e^2` below the slip speed e and `1/s` above: Coulomb's friction over its largest

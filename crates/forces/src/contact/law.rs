@@ -1,7 +1,6 @@
 //! [`ContactLaw`]: the pressure of a contact by its gap.
 
-use nastic_mesh::spatial::SignedDistance;
-use nastic_tensor::Vec3;
+use nastic_body::kernels::hyper_dual::Scalar;
 
 /// The potential of a contact per reference area, `psi(d)`, d the signed distance, delta the thickness of its layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -15,7 +14,7 @@ pub enum ContactLaw {
 }
 
 /// Energy per area and pressure at a distance, with derivatives by the distance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Pressure {
     /// psi
     pub energy: f64,
@@ -27,21 +26,14 @@ pub(super) struct Pressure {
     pub second: f64,
 }
 
-/// What presses at a sample, per area: `P = p m`, `m = |grad d|`, which is 1 but for a distance on a grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Push {
-    /// P, Pa
-    pub value: f64,
-    /// `dP/dx = p' m grad d + p dm/dx`
-    pub change: Vec3,
-}
+impl Pressure {
+    pub fn times(self, k: f64) -> Self {
+        Pressure { energy: k * self.energy, value: k * self.value, slope: k * self.slope, second: k * self.second }
+    }
 
-impl Push {
-    /// Of the pressure p at a distance d.
-    pub fn of(pressure: &Pressure, distance: &SignedDistance) -> Self {
-        let m = distance.steepness();
-        let along = pressure.slope * m * Vec3::from(distance.gradient);
-        Push { value: pressure.value * m, change: along + pressure.value * Vec3::from(distance.steepness_change()) }
+    /// p where the gap differs by a change of value zero, with its derivatives.
+    pub fn along<T: Scalar>(&self, change: T) -> T {
+        T::of(self.value) + (T::of(self.slope) + T::of(0.5 * self.second) * change) * change
     }
 }
 

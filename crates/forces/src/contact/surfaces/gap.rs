@@ -1,7 +1,6 @@
 //! [`Gap`]: the smooth least distance of a sample from pieces of a surface.
 
 use super::simplex::{Nearest, nearest};
-use crate::contact::ContactLaw;
 use nastic_body::kernels::hyper_dual::Scalar;
 
 /// Pieces further away than the nearest by more than this, in units of e, have no part in the least distance.
@@ -9,7 +8,7 @@ const FAR: f64 = 30.0;
 
 /// A sample near a surface: its nearest pieces.
 #[derive(Debug, Clone)]
-pub(super) struct Gap {
+pub(crate) struct Gap {
     pub sample: usize,
     /// Least distance of a piece.
     pub least: f64,
@@ -51,7 +50,7 @@ impl Gap {
     }
 
     /// The smooth least distance, and the pieces that have a part in it.
-    pub fn near<T: Scalar>(&self, x: [T; 3], nodes: &[[T; 3]]) -> (T, Vec<Foot<'_, T>>) {
+    pub(super) fn near<T: Scalar>(&self, x: [T; 3], nodes: &[[T; 3]]) -> (T, Vec<Foot<'_, T>>) {
         let corners = |of: &Vec<usize>| of.iter().map(|&i| nodes[i]).collect::<Vec<_>>();
         let found: Vec<_> = self.between.iter().map(|of| nearest(x, &corners(of))).collect();
         let (least, e) = (T::of(self.least), T::of(self.smooth));
@@ -62,31 +61,16 @@ impl Gap {
         (least - e * sum.ln(), feet)
     }
 
-    /// The smooth least distance, and its derivatives by the place of the sample and by those of the nodes.
-    pub fn distance<T: Scalar>(&self, x: [T; 3], nodes: &[[T; 3]]) -> (T, Vec<[T; 3]>) {
-        let (distance, feet) = self.near(x, nodes);
-        let mut by = vec![[T::of(0.0); 3]; nodes.len() + 1];
+    /// The derivatives of that by the place of the sample and by those of the nodes.
+    pub(super) fn gradient<T: Scalar>(&self, feet: &[Foot<'_, T>]) -> Vec<[T; 3]> {
+        let mut by = vec![[T::of(0.0); 3]; self.nodes.len() + 1];
         for Foot { nearest, between, part } in feet {
             let mut add = |slot: usize, share: T| {
-                by[slot].iter_mut().zip(nearest.normal).for_each(|(by, n)| *by = *by + share * part * n);
+                by[slot].iter_mut().zip(nearest.normal).for_each(|(by, n)| *by = *by + share * *part * n);
             };
             add(0, T::of(1.0));
             between.iter().zip(nearest.shares).for_each(|(&node, share)| add(node + 1, T::of(0.0) - share));
         }
-        (distance, by)
+        by
     }
-}
-
-/// `psi'(d)` of a law per unit of stiffness; zero beyond its layer.
-pub(super) fn slope<T: Scalar>(law: ContactLaw, d: T, delta: f64) -> T {
-    let (s, one) = (d / T::of(delta), T::of(1.0));
-    if s.value() >= 1.0 {
-        return T::of(0.0);
-    }
-    let t = s - one;
-    T::of(0.0)
-        - match law {
-            ContactLaw::Cubic => t * t,
-            ContactLaw::Log => T::of(2.0) * t * s.ln() + t * t / s,
-        }
 }

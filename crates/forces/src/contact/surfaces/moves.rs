@@ -1,19 +1,17 @@
 //! Moves on which no sample goes through the other surface, and no edge through another one.
 
-use super::bound::BoundSurfaces;
+use super::Surfaces;
 use super::side::Side;
 use super::simplex::distance;
+use crate::contact::advance::{Advance, NEAR};
 use nastic_mesh::spatial::Aabb;
 use nastic_tensor::Vec3;
 use std::collections::BTreeSet;
 
 /// Of a distance this share is left.
 const REST: f64 = 0.1;
-/// Tries of conservative advancement, and the share of the way at which it ends.
-const ADVANCES: usize = 64;
-const NEAR: f64 = 1e-3;
 
-impl BoundSurfaces {
+impl Surfaces {
     /// The longest share of a straight move that leaves every sample on its side: a tenth of its distance is left from every piece, and of the distances of
     /// edges from each other.
     pub(super) fn longest_move(&self, u: &[f64], du: &[f64]) -> f64 {
@@ -66,19 +64,8 @@ fn advance((x, dx): (Vec3, Vec3), (corners, moves): (&[Vec3], &[Vec3]), most: f6
     advance_within(at, speed, most)
 }
 
-/// How far a distance that changes by no more than `speed` over the whole way may go, `most` at most: a distance changes no faster than its ends move
-/// against each other. Li, Kaufman, Jiang, "Codimensional incremental potential contact", ACM Trans. Graph. 40 (2021), appendix B.
+/// How far a distance that changes by no more than `speed` over the whole way may go, `most` at most.
 pub(super) fn advance_within(distance: impl Fn(f64) -> f64, speed: f64, most: f64) -> f64 {
-    let (start, mut share) = (distance(0.0), 0.0);
-    for _ in 0..ADVANCES {
-        let room = distance(share) - REST * start;
-        if room >= (most - share) * speed {
-            return most;
-        }
-        if room <= NEAR * start {
-            break;
-        }
-        share += room / speed;
-    }
-    share
+    let start = distance(0.0);
+    Advance { floor: REST * start, nearest: (REST + NEAR) * start, reach: speed, most }.share(distance)
 }

@@ -1,11 +1,11 @@
 //! [`Pressures`]: how hard two surfaces press each other, place by place.
 
-use super::bound::BoundSurfaces;
-use super::gap::slope;
-use super::point::SurfacePoint;
 use super::recovery::Recovery;
-use super::sample::Sample;
-use nastic_body::kernels::hyper_dual::Scalar;
+use super::stencil::BeforeSurface;
+use super::{Near, Surfaces, SurfacesContact};
+use crate::contact::slots::scaled;
+use crate::contact::stencil::{Counterpart, Stencil};
+use nastic_body::kernels::hyper_dual::{HyperDual, Scalar};
 
 /// Gap, in thicknesses, beyond which a corner does not look at the other surface; less than what gaps are known to.
 const BESIDE: f64 = 2.5;
@@ -27,7 +27,7 @@ const COARSE: [f64; 2] = [2.5, 5.0];
 /// small patch over all of a facet: `w_cd` is 1 up to 2.5 times the length of facets, and zero from 5 times on.
 pub(super) struct Pressures<'a> {
     recovery: &'a Recovery,
-    samples: Vec<Sample<'a>>,
+    samples: Vec<BeforeSurface<'a>>,
     /// By the loads of their surface alone.
     own: Vec<f64>,
     /// Samples at corners that are near the other surface.
@@ -47,26 +47,26 @@ struct Beside {
 }
 
 impl<'a> Pressures<'a> {
-    pub fn at(of: &'a BoundSurfaces, point: &'a SurfacePoint, u: &[f64]) -> Self {
-        let (recovery, samples) = (&of.recovery, point.samples());
+    pub fn at(of: &'a SurfacesContact, near: &'a Near, u: &'a [f64]) -> Self {
+        let (recovery, samples) = (&of.with.recovery, Surfaces::stencils(of, near, u));
         let (mut loads, mut beside) = (vec![0.0; recovery.areas.len()], Vec::new());
         for (number, sample) in samples.iter().enumerate() {
-            let places: Vec<[f64; 3]> = sample.places(u).into_iter().map(Into::into).collect();
+            let places: Vec<[f64; 3]> = sample.places.iter().map(|x| (*x).into()).collect();
             let (gap, shares) = sample.foot(&places);
-            let load = -sample.weight() * slope(of.law, gap, of.thickness);
-            let other = sample.gap.nodes.iter().zip(&shares);
+            let load = sample.weight() * of.layer.pressure(1.0, gap).value;
+            let other = sample.near.nodes.iter().zip(&shares);
             let at: Vec<(usize, f64)> = other
                 .flat_map(|(&node, share)| recovery.of(node).iter().map(move |(c, part)| (*c, part * share)))
                 .collect();
             if load > 0.0 {
-                let own = sample.side.samples.parts(sample.gap.sample).iter();
+                let own = sample.side.samples.parts(sample.near.sample).iter();
                 let own =
                     own.flat_map(|(node, shape)| recovery.of(*node).iter().map(move |(c, part)| (*c, part * shape)));
                 own.chain(at.iter().copied()).for_each(|(corner, share)| loads[corner] += share * load);
             }
-            let chi = chi(gap, of.thickness);
+            let chi = chi(gap, of.layer.thickness);
             if let Some(corner) = sample.corner().filter(|_| chi > 0.0) {
-                let weighed = |(other, share)| (other, share * recovery.finer(corner, other, of.dim));
+                let weighed = |(other, share)| (other, share * recovery.finer(corner, other, of.layer.dim));
                 beside.push(Beside { sample: number, corner, chi, at: at.into_iter().map(weighed).collect() });
             }
         }
@@ -83,7 +83,7 @@ impl<'a> Pressures<'a> {
     }
 
     /// Adds the derivatives by the unknowns of `sum_c f_c P_c`, P the pressures that are told.
-    pub fn add_derivatives(&self, u: &[f64], f: &[f64], mut add: impl FnMut(usize, f64)) {
+    pub fn add_derivatives(&self, f: &[f64], mut add: impl FnMut(usize, f64)) {
         let mut by_own: Vec<f64> = f.iter().zip(&self.weights).map(|(f, weight)| f / weight).collect();
         for beside in &self.beside {
             let (sample, scale) = (&self.samples[beside.sample], f[beside.corner] / self.weights[beside.corner]);
@@ -91,32 +91,32 @@ impl<'a> Pressures<'a> {
                 continue;
             }
             let differs = |other: usize| {
-                self.recovery.finer(beside.corner, other, sample.of.dim)
+                self.recovery.finer(beside.corner, other, sample.of.layer.dim)
                     * (self.own[other] - self.of_corners[beside.corner])
             };
             let of_node = |node: &u32| self.recovery.of(*node).iter().map(|(other, part)| part * differs(*other)).sum();
-            let of_slots: Vec<f64> = std::iter::once(0.0).chain(sample.gap.nodes.iter().map(of_node)).collect();
-            let by = sample.weighed(u, &of_slots, |gap| chi(gap, sample.of.thickness));
-            sample.spread(&by.iter().map(|by| scale * by).collect::<Vec<_>>(), &mut add);
+            let of_slots: Vec<f64> = std::iter::once(0.0).chain(sample.near.nodes.iter().map(of_node)).collect();
+            let by = sample.weighed(&of_slots, |gap| chi(gap, sample.of.layer.thickness));
+            sample.spread(&scaled(by, scale), &mut add);
             beside.at.iter().for_each(|&(corner, share)| by_own[corner] += scale * beside.chi * share);
         }
         let by_loads = self.recovery.pressures(&by_own);
-        for sample in self.samples.iter().filter(|sample| sample.touches()) {
+        for sample in self.samples.iter().filter(|sample| sample.touches(&sample.of.layer)) {
             let of_slots = self.of_slots(sample, &by_loads);
             if of_slots.iter().all(|of| *of == 0.0) {
                 continue;
             }
-            let (law, thickness, weight) = (sample.of.law, sample.of.thickness, sample.weight());
-            let by = sample.weighed(u, &of_slots, |gap| slope(law, gap, thickness));
-            sample.spread(&by.iter().map(|by| -weight * by).collect::<Vec<_>>(), &mut add);
+            let (pressure, here) = (sample.of.layer.pressure(1.0, sample.gap()), HyperDual::of(sample.gap()));
+            let by = sample.weighed(&of_slots, |gap| pressure.along(gap - here));
+            sample.spread(&scaled(by, sample.weight()), &mut add);
         }
     }
 
     /// Values of corners at the slots of the potential of a sample.
-    fn of_slots(&self, sample: &Sample, of_corners: &[f64]) -> Vec<f64> {
-        let parts = sample.side.samples.parts(sample.gap.sample).iter();
+    fn of_slots(&self, sample: &BeforeSurface, of_corners: &[f64]) -> Vec<f64> {
+        let parts = sample.side.samples.parts(sample.near.sample).iter();
         let own = parts.map(|&(node, shape)| shape * self.recovery.at(node, of_corners)).sum();
-        let other = sample.gap.nodes.iter().map(|&node| self.recovery.at(node, of_corners));
+        let other = sample.near.nodes.iter().map(|&node| self.recovery.at(node, of_corners));
         std::iter::once(own).chain(other).collect()
     }
 }

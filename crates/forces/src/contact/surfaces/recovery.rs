@@ -26,9 +26,9 @@ pub(super) struct Recovery {
 }
 
 impl Recovery {
-    pub fn new(mesh: &Mesh, surfaces: &[GroupNames; 2]) -> Result<Self, FemError> {
+    pub fn new(mesh: &Mesh, surfaces: [&GroupNames; 2]) -> Result<Self, FemError> {
         // a facet that is of both counts once
-        let union: Vec<String> = surfaces.iter().flat_map(GroupNames::iter).map(str::to_owned).collect();
+        let union: Vec<String> = surfaces.iter().flat_map(|names| names.iter()).map(str::to_owned).collect();
         let (mut corners, mut shares) = (BTreeMap::new(), BTreeMap::new());
         let mut of_facets = Vec::new();
         for facet in mesh.facets_of(&union.into())? {

@@ -14,10 +14,12 @@ use std::sync::Arc;
 
 /// The samples of one surface before the pieces of another.
 #[derive(Debug)]
-pub(super) struct Side {
+pub(crate) struct Side {
     mesh: Arc<Mesh>,
     pub samples: Samples,
-    pub pieces: Pieces,
+    /// The number of its first sample among those of the contact.
+    pub first: usize,
+    pub(super) pieces: Pieces,
     /// Of every sample the facets of the other surface that are its neighbours in the body, ascending.
     neighbours: Vec<Vec<u32>>,
     /// Of every sample the other corners of its own facets, by which its surface turns.
@@ -25,17 +27,13 @@ pub(super) struct Side {
 }
 
 impl Side {
-    pub fn new(
-        disc: &Discretization,
-        (surface, refine): (&GroupNames, usize),
-        facets: &[Facet],
-    ) -> Result<Self, FemError> {
+    pub fn new(disc: &Discretization, surface: &GroupNames, refine: usize, facets: &[Facet]) -> Result<Self, FemError> {
         let (mesh, pieces) = (disc.mesh().clone(), Pieces::new(disc, facets));
         let samples = Samples::new(&mesh, surface, |_| refine)?;
         let nodes = |sample| samples.parts(sample).iter().map(|(node, _)| *node).collect();
         let neighbours = pieces.around((0..samples.len()).map(nodes));
         let rings = rings(&mesh, &mesh.facets_of(surface)?, &samples);
-        Ok(Side { mesh, samples, pieces, neighbours, rings })
+        Ok(Side { mesh, samples, first: 0, pieces, neighbours, rings })
     }
 
     /// Where a node is.
@@ -57,15 +55,14 @@ impl Side {
         self.neighbours[sample].binary_search(&self.pieces.all[piece].1).is_err()
     }
 
-    /// The least distance of a sample from the other surface, with the sample and the piece.
-    pub fn least(&self, u: &[f64]) -> Option<(f64, usize, usize)> {
+    /// Of every sample the nearest piece of the other surface that is no neighbour, and how far away it is.
+    pub fn nearest_pieces(&self, u: &[f64]) -> Vec<Option<(f64, usize)>> {
         let placed = self.pieces.placed(&[&|node| self.node(u, node)]);
         let of_sample = |sample: usize| {
             let x = self.place(u, sample);
-            let to = |piece| self.may_touch(sample, piece).then(|| distance(&x, &self.corners(u, piece)));
-            placed.least(&x, to).map(|(d, piece)| (d, sample, piece))
+            placed.least(&x, |piece| self.may_touch(sample, piece).then(|| distance(&x, &self.corners(u, piece))))
         };
-        (0..self.samples.len()).filter_map(of_sample).min_by(|a, b| a.0.total_cmp(&b.0))
+        (0..self.samples.len()).map(of_sample).collect()
     }
 
     /// The gaps of samples nearer to the other surface than a reach.

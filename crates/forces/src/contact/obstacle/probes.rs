@@ -1,8 +1,7 @@
 //! [`Probes`]: places between the samples of a surface, where an obstacle is looked for that none of them meets.
 
-use super::bound::BoundContact;
-use super::pose::Pose;
-use super::samples::{pieces, place};
+use crate::contact::pose::Pose;
+use crate::contact::samples::{pieces, place};
 use nastic_body::error::FemError;
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Facet, GroupNames, Mesh};
@@ -47,22 +46,22 @@ impl Probes {
     }
 
     /// The smallest signed distance between samples, where they have that of `nearest` at least, and where it is: theirs where none is smaller.
-    pub fn least(&self, of: &BoundContact, pose: &Pose, u: &[f64], nearest: (f64, Vec3)) -> (f64, Vec3) {
-        if self.within_nodes && matches!(of.obstacle, Obstacle::HalfSpace { .. }) {
+    pub fn least(&self, obstacle: &Obstacle, pose: &Pose, u: &[f64], nearest: (f64, Vec3)) -> (f64, Vec3) {
+        if self.within_nodes && matches!(obstacle, Obstacle::HalfSpace { .. }) {
             return nearest;
         }
-        let steepest = of.obstacle.steepest();
+        let steepest = obstacle.steepest();
         let mut least = nearest;
         for (nodes, table) in &self.facets {
             let nodes: Vec<Vec3> = nodes.iter().map(|&node| place(&self.mesh, u, node)).collect();
             let middle = nodes.iter().sum::<Vec3>() / nodes.len() as f64;
             let reach = CURVED * nodes.iter().map(|x| (x - middle).norm()).fold(0.0, f64::max);
-            if pose.guarded(&of.obstacle, &middle) - steepest * reach >= least.0 {
+            if pose.guarded(obstacle, &middle) - steepest * reach >= least.0 {
                 continue;
             }
             for shapes in &self.shapes[*table] {
                 let x: Vec3 = shapes.iter().zip(&nodes).map(|(shape, x)| *shape * x).sum();
-                let d = pose.distance(&of.obstacle, &x);
+                let d = pose.distance(obstacle, &x);
                 if d < least.0 {
                     least = (d, x);
                 }
