@@ -69,30 +69,28 @@ def figures(out):
         "newton": sum(trial["newton"] or 0 for trial in trials),
         "first": trials[0]["cost"],
         "cost": result["cost"]["total"],
-        "distance": result.get("hausdorff", {}).get("true"),
         "stop": result["stop"],
     }
 
 
 def table():
-    rows = ["| Case | Method | Iterations | Trials | Products | Newton | Cost | True distance | End | User s |", "|" + "---|" * 10]
+    rows = [f"| Case | {' | '.join(f'`{method}`' for method in METHODS)} |", "|" + "---|" * (1 + len(METHODS))]
     for case in CASES:
-        for method in METHODS:
-            path = OUT / f"{case}.{method}.json"
-            if path.exists():
-                rows.append(row(json.loads(path.read_text(encoding="utf-8"))))
+        paths = [OUT / f"{case}.{method}.json" for method in METHODS]
+        if any(path.exists() for path in paths):
+            cells = [cell(json.loads(path.read_text(encoding="utf-8"))) if path.exists() else "" for path in paths]
+            rows.append(f"| `{case}` | {' | '.join(cells)} |")
     return "\n".join(rows) + "\n"
 
 
-def row(of):
-    name, seconds = f"| `{of['case']}` | `{of['method']}` |", f"{of['user_seconds']:.1f}"
+def cell(of):
+    """Iterations, trials, products, Newton iterations: cost (how the run ended, if it did not converge)."""
     if "error" in of:
-        return f"{name} | | | | | | {of['error'].replace('|', '/')} | {seconds} |"
+        return of["error"].replace("|", "/")
     end = of["stop"].split(":")[0].split(" after")[0] if of["limit"] is None else f"limit of {of['limit']:g} s"
-    distance = "" if of["distance"] is None else f"{of['distance']:.4g}"
     trials = f"{of['trials']} ({of['failed']} failed)" if of["failed"] else of["trials"]
-    products = of["products"] or ""
-    return f"{name} {of['iterations']} | {trials} | {products} | {of['newton']} | {of['cost']:.5g} | {distance} | {end} | {seconds} |"
+    counts = [of["iterations"], trials, *([of["products"]] if of["products"] else []), of["newton"]]
+    return f"{', '.join(map(str, counts))}: {of['cost']:.5g}" + ("" if end == "converged" else f" ({end})")
 
 
 def write():

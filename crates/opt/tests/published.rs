@@ -93,7 +93,7 @@ fn minimize(optimizer: &dyn Optimizer, problem: &Bounded, target: f64) -> Fared 
     Fared { cost: best.cost, stop: best.stop.to_string(), whole, reached }
 }
 
-/// Runs a driver over all problems and prints the table of `docs/development/optimisers.md`.
+/// Runs a driver over all problems and prints what it takes of each; `docs/development/optimisers.md` has the sums.
 fn table(name: &str, max_iterations: usize) -> Vec<(Bounded, Scipy, Fared)> {
     let options = Options { tolerance: 1e-10, max_iterations, stagnation: 0.0, ..Options::default() };
     let optimizer = by_name(name, options).unwrap();
