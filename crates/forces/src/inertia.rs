@@ -166,7 +166,7 @@ impl ContributionPoint for BodyInertia {
         let Some(step) = at.step else { return Ok(()) };
         let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
         let force = self.mass.times(&acceleration, at.parallel);
-        add_linear(at, step.acceleration.0, (&acceleration, &force), demand, sums);
+        add_linear(at, step.acceleration.0, &acceleration, &force, demand, sums);
         Ok(())
     }
 
@@ -204,7 +204,7 @@ impl ContributionPoint for BodyInertia {
 
 /// Adds the force `A y` with `y = c u + b` and a constant symmetric A, and its incremental potential `y . A y / (2
 /// c)`, which is `u . A y` where y does not depend on u.
-pub(crate) fn add_linear(at: &Instant, c: f64, (y, force): (&[f64], &[f64]), demand: Demand, sums: &mut Sums) {
+pub(crate) fn add_linear(at: &Instant, c: f64, y: &[f64], force: &[f64], demand: Demand, sums: &mut Sums) {
     if demand.energy {
         let (along, factor) = if c == 0.0 { (at.u, 1.0) } else { (y, 0.5 / c) };
         sums.energy += factor * at.space.dot(along, force);

@@ -57,7 +57,7 @@ impl ContributionPoint for RayleighDamping {
         let Some(step) = at.step else { return Ok(()) };
         let velocity: Vec<f64> = (0..at.u.len()).map(|dof| at.velocity(dof)).collect();
         let force = self.times(&velocity, at.parallel);
-        add_linear(at, step.velocity.0, (&velocity, &force), demand, sums);
+        add_linear(at, step.velocity.0, &velocity, &force, demand, sums);
         Ok(())
     }
 

@@ -202,7 +202,7 @@ pub struct Sliding {
 
 impl Touch {
     /// Of what does not touch, by its smallest gap and where that is.
-    pub fn none((smallest_gap, deepest): (f64, [f64; 3])) -> Self {
+    pub fn none(smallest_gap: f64, deepest: [f64; 3]) -> Self {
         Touch {
             force: [0.0; 3],
             pressing: 0.0,

@@ -45,7 +45,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             built = built.about(centre.xyz());
         }
         attempt(solid, &contact.at, context, |solid| solid.contact(built));
-        check_outside(case, (contact, touched), (&shape, solid), context);
+        check_outside(case, contact, touched, &shape, solid, context);
         obstacle_grid::check(touched, &contact.name(), &shape, solid, context);
     }
     for untouched in case.obstacles.iter().filter(|own| !case.contact.iter().any(|contact| contact.is_on(&own.name))) {
@@ -81,8 +81,10 @@ fn specified(mut built: nastic_fem::Contact, case: &Case, contact: &Contact, siz
 /// motion, whose pose at t = 0 it begins with; an equilibrium begins where its shape is.
 fn check_outside(
     case: &Case,
-    (contact, touched): (&Contact, &Obstacle),
-    (shape, solid): (&spatial::Obstacle, &Solid),
+    contact: &Contact,
+    touched: &Obstacle,
+    shape: &spatial::Obstacle,
+    solid: &Solid,
     context: &mut Context<'_>,
 ) {
     let pose = ["translation", "rotation"].map(|part| format!("{}.{part}", touched.name));

@@ -239,7 +239,7 @@ impl<'a> LineSearch<'a> {
             let trial = path(length);
             // the straight move to the longest one was checked
             let reached = along == Along::Straight || self.equations.chord(here.point, here.x, &trial)? >= 1.0;
-            let found = if reached { merit.value(self.equations, (&trial, length)).ok() } else { None };
+            let found = if reached { merit.value(self.equations, &trial, length).ok() } else { None };
             Ok(found.filter(|(_, now)| now.sums.min_j >= least_j).map(|(value, now)| (trial, value, now)))
         };
         for _ in 0..rule.tries {
@@ -257,7 +257,7 @@ impl<'a> LineSearch<'a> {
                         None => break,
                     }
                 }
-                let now = merit.accepted(self.equations, (&best.0, length), best.2)?;
+                let now = merit.accepted(self.equations, &best.0, length, best.2)?;
                 return Ok(Some(Taken { x: best.0, now, length }));
             }
             // the vertex of the parabola through the start, its slope and this value

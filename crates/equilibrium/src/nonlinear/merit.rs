@@ -28,7 +28,12 @@ pub(super) trait Merit {
     ///
     /// # Errors
     /// [`Inadmissible`] outside of the admissible set.
-    fn value<'e>(&self, equations: &Equations<'e>, trial: (&[f64], f64)) -> Result<(f64, Evaluated<'e>), Inadmissible>;
+    fn value<'e>(
+        &self,
+        equations: &Equations<'e>,
+        trial: &[f64],
+        length: f64,
+    ) -> Result<(f64, Evaluated<'e>), Inadmissible>;
 
     /// Whether it is made of energies, whose minima along a line parabolas show, and which collapsed cells may lower.
     fn is_energy(&self) -> bool {
@@ -42,7 +47,8 @@ pub(super) trait Merit {
     fn accepted<'e>(
         &self,
         _equations: &Equations<'e>,
-        _trial: (&[f64], f64),
+        _trial: &[f64],
+        _length: f64,
         found: Evaluated<'e>,
     ) -> Result<Evaluated<'e>, Inadmissible> {
         Ok(found)

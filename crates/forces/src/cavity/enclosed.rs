@@ -200,7 +200,7 @@ impl Enclosed {
         }
         for lid in &self.lids {
             let x: Vec<Vec3> = lid.nodes.iter().map(|&node| position(node)).collect();
-            call(Patch { nodes: &lid.nodes, dim, volume: lid.volume(&x, second, (&self.origin, constants)) });
+            call(Patch { nodes: &lid.nodes, dim, volume: lid.volume(&x, second, &self.origin, constants) });
         }
     }
 }
@@ -214,7 +214,7 @@ impl Patch<'_> {
     }
 
     /// Entry of the second derivative by components i, j of the a-th and b-th node.
-    fn second(&self, (a, i): (usize, usize), (b, j): (usize, usize)) -> f64 {
+    fn second(&self, a: usize, i: usize, b: usize, j: usize) -> f64 {
         self.volume.hessian[3 * self.nodes.len() * (3 * a + i) + 3 * b + j]
     }
 
@@ -223,7 +223,7 @@ impl Patch<'_> {
         let (n, dim) = (self.nodes.len(), self.dim);
         let entry = |at: usize| {
             let (row, column) = (at / (dim * n), at % (dim * n));
-            factor * self.second((row / dim, row % dim), (column / dim, column % dim))
+            factor * self.second(row / dim, row % dim, column / dim, column % dim)
         };
         let element: Vec<f64> = (0..(dim * n).pow(2)).map(entry).collect();
         tangent.add_pairs(self.nodes, &element)
@@ -235,7 +235,7 @@ impl Patch<'_> {
             for (b, &column) in self.nodes.iter().enumerate() {
                 for i in 0..self.dim {
                     let sum: f64 =
-                        (0..self.dim).map(|j| self.second((a, i), (b, j)) * v[self.dim * column as usize + j]).sum();
+                        (0..self.dim).map(|j| self.second(a, i, b, j) * v[self.dim * column as usize + j]).sum();
                     out[self.dim * row as usize + i] += factor * sum;
                 }
             }
@@ -277,7 +277,7 @@ impl Lid {
     }
 
     /// By the rim's nodes, whose places x are from o: c is their mean, on the planes of symmetry. See [`Volume::add`].
-    fn volume(&self, x: &[Vec3], second: bool, (origin, constants): (&Vec3, f64)) -> Volume {
+    fn volume(&self, x: &[Vec3], second: bool, origin: &Vec3, constants: f64) -> Volume {
         let n = self.nodes.len();
         let share = 1.0 / n as f64;
         let mut c = share * x.iter().sum::<Vec3>();

@@ -43,7 +43,13 @@ pub(super) fn stiffness(law: ContactLaw, body: &BodyEnergy, facets: &[Facet]) ->
     let moduli: Option<Vec<f64>> = {
         let points = body.discretization().points_of_cells();
         let cell = |facet: &Facet| (facet.cell as usize, points[facet.cell as usize].0);
-        facets.iter().map(|facet| young(body, cell(facet))).collect()
+        facets
+            .iter()
+            .map(|facet| {
+                let (cell, first) = cell(facet);
+                young(body, cell, first)
+            })
+            .collect()
     };
     moduli.map(|moduli| factor * moduli.iter().sum::<f64>() / moduli.len() as f64)
 }
@@ -93,7 +99,7 @@ pub(super) fn check_layer(given: &Settings, mesh: &Mesh, facets: &[Facet]) -> Re
 }
 
 /// The mean over the axes of stress over strain of a bar that is free to contract, at rest, all passive laws of a cell together.
-fn young(body: &BodyEnergy, (cell, first): (usize, usize)) -> Option<f64> {
+fn young(body: &BodyEnergy, cell: usize, first: usize) -> Option<f64> {
     let rest = [Kinematics::rest()];
     let at = PointBatch { kinematics: &rest, cell, first };
     let mut sum = [Tangent::zero()];

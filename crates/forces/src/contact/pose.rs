@@ -98,7 +98,7 @@ impl Pose {
 
     /// How far at most an obstacle that goes to another pose moves near x, against a point there that goes by dx meanwhile, or one whose place and
     /// move differ from these by so much.
-    pub fn reach(&self, to: &Pose, (x, dx): (&Vec3, &Vec3), [apart, differs]: [f64; 2]) -> f64 {
+    pub fn reach(&self, to: &Pose, x: &Vec3, dx: &Vec3, [apart, differs]: [f64; 2]) -> f64 {
         if self.is_at(to) {
             return dx.norm() + differs;
         }

@@ -76,7 +76,7 @@ impl Spring {
             End::Body(point) => self.attach(mesh, point, "to")?,
             End::Ground(place) => self.ground(mesh, *place)?,
         };
-        self.held_by(from, to, (mesh.dim(), mesh.diagonal()))
+        self.held_by(from, to, mesh.dim(), mesh.diagonal())
     }
 
     /// The nodes that its ends are at, those of the first end first: a body over ranks has to have them in [one part](Mesh::part_reaching).
@@ -107,7 +107,8 @@ impl Spring {
         &self,
         from: AttachedPoint,
         to: AttachedPoint,
-        (dim, diagonal): (usize, f64),
+        dim: usize,
+        diagonal: f64,
     ) -> Result<SpringForce, FemError> {
         if from.weights == to.weights {
             return Err(self.refuse("has both ends at one point of the body; move one of them".to_owned()));

@@ -31,7 +31,7 @@ impl Spring {
             End::Body(to) => vec![(&self.from, "from"), (to, "to")],
         };
         let weights: Vec<Weights> =
-            ends.iter().map(|(end, name)| self.told(mesh, parted, (end, name))).collect::<Result<_, _>>()?;
+            ends.iter().map(|(end, name)| self.told(mesh, parted, end, name)).collect::<Result<_, _>>()?;
         let numbers: BTreeMap<u32, u32> = parted.part.nodes().iter().copied().zip(0..).collect();
         let here = |weights: &Weights| -> Option<AttachedPoint> {
             let own = weights.iter().map(|(node, weight)| Some((*numbers.get(node)?, *weight)));
@@ -51,7 +51,7 @@ impl Spring {
         let mut ends = held.filter(|_| lowest[0] == own).into_iter().flatten().chain(ground);
         let spring = match (ends.next(), ends.next()) {
             (Some(from), Some(to)) => {
-                let spring = self.held_by(from, to, (mesh.dim(), parted.part.diagonal()));
+                let spring = self.held_by(from, to, mesh.dim(), parted.part.diagonal());
                 spring.map(|spring| Arc::new(spring) as Arc<dyn Contribution>)
             }
             _ => Ok(elsewhere()),
@@ -61,7 +61,7 @@ impl Spring {
 
     /// An end: of a place by who has the lowest cell of the whole that it is in, as [`nodes`](Self::nodes) finds it (beside a face both cells have it, to
     /// rounding), of a node set by all.
-    fn told(&self, mesh: &Mesh, parted: &Parted, (end, name): (&BodyPoint, &str)) -> Result<Weights, FemError> {
+    fn told(&self, mesh: &Mesh, parted: &Parted, end: &BodyPoint, name: &str) -> Result<Weights, FemError> {
         let (share, whole) = (&parted.share, parted.part.nodes());
         match end {
             BodyPoint::At(place) => {

@@ -90,13 +90,13 @@ impl StoppingTest {
     }
 
     /// By the residual itself, where the recurrence had another one.
-    fn holds(&self, (relative, carried): (f64, f64), steps: &Steps, asked: f64) -> bool {
+    fn holds(&self, relative: f64, carried: f64, steps: &Steps, asked: f64) -> bool {
         match *self {
             StoppingTest::Residual(tolerance) => relative <= tolerance,
             StoppingTest::Error(tolerance) => relative <= DRIFT * carried || corrected(steps, asked, tolerance),
             StoppingTest::Either { error, residual } => {
                 relative <= residual
-                    || relative <= near(residual) && StoppingTest::Error(error).holds((relative, carried), steps, asked)
+                    || relative <= near(residual) && StoppingTest::Error(error).holds(relative, carried, steps, asked)
             }
         }
     }
@@ -190,7 +190,7 @@ pub(crate) fn conjugate_gradient_while(
             let carried = size;
             residual(apply, b, x, &mut r);
             size = norm(&r);
-            let holds = aim.holds((relative(size, scale), relative(carried, scale)), &steps, asked);
+            let holds = aim.holds(relative(size, scale), relative(carried, scale), &steps, asked);
             if holds {
                 break CgEnd::Converged;
             }

@@ -73,7 +73,8 @@ impl Merit for Augmented {
     fn value<'e>(
         &self,
         equations: &Equations<'e>,
-        (trial, _): (&[f64], f64),
+        trial: &[f64],
+        _length: f64,
     ) -> Result<(f64, Evaluated<'e>), Inadmissible> {
         let dofs = equations.dofs();
         let at_new = equations.evaluate(&self.with_multipliers(trial, dofs))?;
@@ -83,7 +84,8 @@ impl Merit for Augmented {
     fn accepted<'e>(
         &self,
         equations: &Equations<'e>,
-        (x, length): (&[f64], f64),
+        x: &[f64],
+        length: f64,
         at_new: Evaluated<'e>,
     ) -> Result<Evaluated<'e>, Inadmissible> {
         if length == 1.0 {

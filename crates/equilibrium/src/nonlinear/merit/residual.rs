@@ -28,7 +28,8 @@ impl Merit for Residual {
     fn value<'e>(
         &self,
         equations: &Equations<'e>,
-        (trial, _): (&[f64], f64),
+        trial: &[f64],
+        _length: f64,
     ) -> Result<(f64, Evaluated<'e>), Inadmissible> {
         let now = equations.evaluate(trial)?;
         let (residual, relative) = equations.residual(&now.sums);

@@ -26,9 +26,10 @@ impl Merit for WithoutVolumeErrors<'_> {
     fn value<'e>(
         &self,
         equations: &Equations<'e>,
-        (trial, length): (&[f64], f64),
+        trial: &[f64],
+        length: f64,
     ) -> Result<(f64, Evaluated<'e>), Inadmissible> {
-        let (energy, now) = self.energy.value(equations, (trial, length))?;
+        let (energy, now) = self.energy.value(equations, trial, length)?;
         Ok((energy - self.pressures.energy_of_errors(now.point.displaced(trial), length)?, now))
     }
 }

@@ -69,7 +69,7 @@ impl Gaps {
                 return Err(of.layer.penetrates(&place, -d));
             }
             if d < of.layer.thickness {
-                let distance = of.with.signed_distance(&self.pose, (sample, &place));
+                let distance = of.with.signed_distance(&self.pose, sample, &place);
                 self.touches.push(Touch { sample, place, distance });
             }
         }

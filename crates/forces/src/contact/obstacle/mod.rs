@@ -96,12 +96,12 @@ impl RigidObstacle {
     }
 
     /// What the pressure at a sample depends on: its distance from the obstacle at a pose, and the offset.
-    fn distance(&self, pose: &Pose, (sample, x): (usize, &Vec3)) -> f64 {
+    fn distance(&self, pose: &Pose, sample: usize, x: &Vec3) -> f64 {
         pose.distance(&self.obstacle, x) + self.offset(sample)
     }
 
     /// The same with its derivatives.
-    fn signed_distance(&self, pose: &Pose, (sample, x): (usize, &Vec3)) -> SignedDistance {
+    fn signed_distance(&self, pose: &Pose, sample: usize, x: &Vec3) -> SignedDistance {
         pose.signed_distance(&self.obstacle, x).plus(self.offset(sample))
     }
 
@@ -112,7 +112,7 @@ impl RigidObstacle {
     /// Place of a sample, and what the pressure there depends on.
     fn placed(&self, pose: &Pose, sample: usize, u: &[f64]) -> (Vec3, f64) {
         let place = self.place(sample, u);
-        (place, self.distance(pose, (sample, &place)))
+        (place, self.distance(pose, sample, &place))
     }
 
     /// Whether the distances of samples differ by no more than the samples are apart.
@@ -121,14 +121,14 @@ impl RigidObstacle {
     }
 
     /// The distance by which it is known how far a sample may go: of a grid one that changes no faster than the obstacle is steep.
-    fn guarded(&self, pose: &Pose, (sample, x): (usize, &Vec3)) -> f64 {
+    fn guarded(&self, pose: &Pose, sample: usize, x: &Vec3) -> f64 {
         pose.guarded(&self.obstacle, x) + self.offset(sample)
     }
 
     /// The same of a sample whose distance is known.
     fn guarded_from(&self, pose: &Pose, sample: usize, (x, d): &(Vec3, f64)) -> f64 {
         match self.obstacle {
-            Obstacle::Grid(_) => self.guarded(pose, (sample, x)),
+            Obstacle::Grid(_) => self.guarded(pose, sample, x),
             _ => *d,
         }
     }
@@ -161,7 +161,7 @@ impl Counterpart for RigidObstacle {
         let remaining = |&(sample, (x, d)): &Placed| (x, d - own.offset(sample));
         let (place, gap) = state.all.iter().map(remaining).min_by(|a, b| a.1.total_cmp(&b.1))?;
         let sunk = state.all.iter().map(|(_, (_, d))| -d).fold(f64::NEG_INFINITY, f64::max);
-        let depth = |sample| own.offset(sample) - own.distance(&state.pose, (sample, &own.reference[sample]));
+        let depth = |sample| own.offset(sample) - own.distance(&state.pose, sample, &own.reference[sample]);
         let approach = state.touches.iter().map(|touch| depth(touch.sample)).fold(0.0, f64::max);
         Some(Nearest { gap, place, sunk, approach })
     }
@@ -189,19 +189,19 @@ impl Counterpart for RigidObstacle {
         let end = by.to.map_or(*pose, |to| Pose::at(&at.under(to), own.centre));
         let steepest = own.obstacle.steepest();
         let safe = |least: f64, [x, dx]: [&Vec3; 2], differ: [f64; 2]| {
-            least - steepest * pose.reach(&end, (x, dx), differ) >= floor(law, least, depth)
+            least - steepest * pose.reach(&end, x, dx, differ) >= floor(law, least, depth)
         };
         let shares =
             gaps.moving(of, at.u, |sample| own.moved(sample, by.way), safe).into_iter().map(|((sample, here), dx)| {
                 let (x, d) = (here.0, own.guarded_from(pose, sample, &here));
-                let (reach, floor) = (steepest * pose.reach(&end, (&x, &dx), [0.0; 2]), floor(law, d, depth));
+                let (reach, floor) = (steepest * pose.reach(&end, &x, &dx, [0.0; 2]), floor(law, d, depth));
                 if d - reach >= floor {
                     return 1.0;
                 }
                 let pose_at = |share: f64| {
                     by.to.map_or(*pose, |to| Pose::at(&at.under(&at.controls.blend(to, share)), own.centre))
                 };
-                let distance = |share: f64| own.guarded(&pose_at(share), (sample, &(x + share * dx)));
+                let distance = |share: f64| own.guarded(&pose_at(share), sample, &(x + share * dx));
                 Advance { floor, nearest: floor + NEAR * (d - floor), reach, most: 1.0 }.share(distance)
             });
         shares.fold(1.0, f64::min)

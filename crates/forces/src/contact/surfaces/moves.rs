@@ -45,7 +45,7 @@ impl Side {
                 if self.may_touch(sample, piece) {
                     let corners = self.corners(u, piece);
                     let moves: Vec<Vec3> = self.corners(end, piece).iter().zip(&corners).map(|(b, a)| b - a).collect();
-                    share = advance((x, to - x), (&corners, &moves), share);
+                    share = advance(x, to - x, &corners, &moves, share);
                 }
             }
         }
@@ -54,7 +54,7 @@ impl Side {
 }
 
 /// Additive advancement of a sample and a piece.
-fn advance((x, dx): (Vec3, Vec3), (corners, moves): (&[Vec3], &[Vec3]), most: f64) -> f64 {
+fn advance(x: Vec3, dx: Vec3, corners: &[Vec3], moves: &[Vec3], most: f64) -> f64 {
     let mean = (moves.iter().sum::<Vec3>() + dx) / (moves.len() + 1) as f64;
     let speed = (dx - mean).norm() + moves.iter().map(|by| (by - mean).norm()).fold(0.0, f64::max);
     let at = |s: f64| {

@@ -6,13 +6,13 @@ use nastic_tensor::Vec3;
 /// The corners of a segment or triangle between which its nearest point to x is: one of a corner, two of an edge, three of the inside.
 pub(super) fn feature(x: &Vec3, corners: &[Vec3]) -> Vec<usize> {
     match corners {
-        [a, b] => on_edge(x, (0, a), (1, b)),
+        [a, b] => on_edge(x, 0, a, 1, b),
         [a, b, c] => on_triangle(x, [a, b, c]),
         _ => vec![0],
     }
 }
 
-fn on_edge(x: &Vec3, (i, a): (usize, &Vec3), (j, b): (usize, &Vec3)) -> Vec<usize> {
+fn on_edge(x: &Vec3, i: usize, a: &Vec3, j: usize, b: &Vec3) -> Vec<usize> {
     let along = (x - a).dot(&(b - a));
     if along <= 0.0 {
         vec![i]
@@ -36,7 +36,7 @@ fn on_triangle(x: &Vec3, corners: [&Vec3; 3]) -> Vec<usize> {
     if edges.is_empty() {
         return vec![0, 1, 2];
     }
-    let found = edges.into_iter().map(|i| on_edge(x, (i, corners[i]), ((i + 1) % 3, corners[(i + 1) % 3])));
+    let found = edges.into_iter().map(|i| on_edge(x, i, corners[i], (i + 1) % 3, corners[(i + 1) % 3]));
     let distance = |feature: &Vec<usize>| {
         let corners: Vec<[f64; 3]> = feature.iter().map(|&i| (*corners[i]).into()).collect();
         nearest((*x).into(), &corners).distance
