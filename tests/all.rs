@@ -5,5 +5,6 @@ mod cases;
 mod examples;
 mod key_tables;
 mod mutation;
+mod signatures;
 mod structure;
 mod test_programs;

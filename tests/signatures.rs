@@ -1,0 +1,103 @@
+//! What signatures look like: few parameters are tuples that are taken apart at once, and a model hands out what is asked of it by subject.
+#![allow(clippy::unwrap_used)] // helpers of a test
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Tuples taken apart in the signatures of all crates, at most.
+const TUPLES: usize = 40;
+/// Public methods of `Model` over all its `impl`, at most.
+const METHODS_OF_MODEL: usize = 44;
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        match entry.is_dir() {
+            true => sources(&entry, found),
+            false => found.extend((entry.extension().is_some_and(|end| end == "rs")).then_some(entry)),
+        }
+    }
+}
+
+/// The text of every source file of the crates that are wanted.
+fn texts(wanted: impl Fn(&str) -> bool) -> Vec<String> {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    let mut files = Vec::new();
+    for entry in fs::read_dir(crates).unwrap().map(Result::unwrap) {
+        if wanted(&entry.file_name().to_string_lossy()) {
+            sources(&entry.path().join("src"), &mut files);
+        }
+    }
+    files.iter().map(|file| fs::read_to_string(file).unwrap()).collect()
+}
+
+/// What stands between an opening bracket, the first sign of the text, and the one that closes it.
+fn inside(text: &str) -> &str {
+    let mut depth = 0_usize;
+    for (at, sign) in text.char_indices() {
+        match sign {
+            '(' | '{' => depth += 1,
+            ')' | '}' if depth == 1 => return &text[1..at],
+            ')' | '}' => depth -= 1,
+            _ => {}
+        }
+    }
+    ""
+}
+
+/// The parameters of a signature.
+fn parameters(text: &str) -> Vec<&str> {
+    let (mut depth, mut from, mut out) = (0_i32, 0, Vec::new());
+    for (at, sign) in text.char_indices() {
+        match sign {
+            '(' | '[' | '<' => depth += 1,
+            ')' | ']' => depth -= 1,
+            '>' if !text[..at].ends_with('-') => depth -= 1,
+            ',' if depth == 0 => {
+                out.push(text[from..at].trim());
+                from = at + 1;
+            }
+            _ => {}
+        }
+    }
+    out.push(text[from..].trim());
+    out
+}
+
+/// The names of the functions with such parameters, each as often as it has one.
+fn taken_apart(code: &str) -> Vec<&str> {
+    let mut out = Vec::new();
+    for (at, _) in code.match_indices("fn ") {
+        let rest = &code[at + 3..];
+        let name = rest.split(|sign: char| !(sign.is_alphanumeric() || sign == '_')).next().unwrap();
+        // behind the generic parameters, which may have brackets of their own
+        let generic = rest[name.len()..].starts_with('<');
+        let open = if generic { rest.find(">(").map(|at| at + 1) } else { Some(name.len()) };
+        let Some(list) = open.map(|open| &rest[open..]).filter(|list| list.starts_with('(') && !name.is_empty()) else {
+            continue;
+        };
+        let tuples = parameters(inside(list)).into_iter().filter(|one| one.trim_start_matches('&').starts_with('('));
+        out.extend(tuples.map(|_| name));
+    }
+    out
+}
+
+#[test]
+fn few_signatures_take_tuples_apart() {
+    assert_eq!(
+        taken_apart("fn f<T>((a, b): (T, T), c: &[(u8, u8)]) {}\nfn g(x: (u8, u8), &(y, z): &(u8, u8)) {}"),
+        ["f", "g"]
+    );
+    let texts = texts(|_| true);
+    let found: Vec<&str> = texts.iter().flat_map(|code| taken_apart(code)).collect();
+    assert!(texts.len() > 500 && found.len() <= TUPLES, "{} tuples: {found:?}", found.len());
+}
+
+#[test]
+fn a_model_hands_out_what_is_asked_of_it_by_subject() {
+    let own = |code: &String| -> usize {
+        let blocks = code.match_indices("\nimpl Model {").map(|(at, _)| inside(&code[at + "\nimpl Model ".len()..]));
+        blocks.map(|block| block.matches("\n    pub fn ").count()).sum()
+    };
+    let methods: usize = texts(|name| ["equilibrium", "motion"].contains(&name)).iter().map(own).sum();
+    assert!((20..=METHODS_OF_MODEL).contains(&methods), "{methods} public methods of Model");
+}
