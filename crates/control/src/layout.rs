@@ -146,8 +146,13 @@ impl Layout {
     /// An unknown name, a field of vectors or of amplitudes along a direction.
     pub fn by_logarithm(&mut self, of: &str) -> Result<(), ControlError> {
         let known = self.block(of)?;
-        if known.components > 1 || known.targets.iter().any(|target| target.adds) {
-            let what = format!("\"{of}\" is a vector: the logarithm is that of a positive number");
+        if known.log {
+            return Ok(());
+        }
+        if known.components > 1 || known.targets.iter().any(|target| target.map.len() > 1) {
+            let what = format!(
+                "\"{of}\" is a vector, or has a map of its own: the logarithm is that of a positive number as it is"
+            );
             return Err(ControlError::Cost { what });
         }
         let first = known.first;

@@ -87,9 +87,9 @@ impl Reduced {
         }
         for (k, block) in self.layout_of_instant().blocks().iter().enumerate() {
             let name = fields.names.get(k).copied().unwrap_or(&block.name);
-            shot = self.with_field(shot, block, name, &m)?;
+            shot = self.with_field(shot, block, name, &m, true)?;
             if let Some(gradient) = &gradient {
-                shot = self.with_field(shot, block, &format!("gradient_{name}"), gradient)?;
+                shot = self.with_field(shot, block, &format!("gradient_{name}"), gradient, false)?;
             }
         }
         shot = self.with_actuations(shot, fields.state)?;
@@ -129,7 +129,7 @@ impl Reduced {
     fn with_fields(&self, mut shot: Snapshot, m: &[f64], names: &[&str]) -> Result<Snapshot, ControlError> {
         for (k, block) in self.layout_of_instant().blocks().iter().enumerate() {
             let name = names.get(k).copied().unwrap_or(&block.name);
-            shot = self.with_field(shot, block, name, m)?;
+            shot = self.with_field(shot, block, name, m, false)?;
         }
         Ok(shot)
     }
@@ -140,12 +140,22 @@ impl Reduced {
         self.solid().model().nodal(u).chunks_exact(self.solid().mesh().dim()).flat_map(triple).collect()
     }
 
-    /// A field of the control space, by node or by cell; that of a contribution is none of the body.
-    fn with_field(&self, shot: Snapshot, block: &ControlBlock, name: &str, m: &[f64]) -> Result<Snapshot, MeshError> {
-        let (n, values) = (block.components, &block.values_of(block.of(m))[..]);
+    /// A field of the control space, by node or by cell; that of a contribution is none of the body. Of a control the values, of anything else, a
+    /// gradient or a direction, what it is of the unknowns.
+    fn with_field(
+        &self,
+        shot: Snapshot,
+        block: &ControlBlock,
+        name: &str,
+        m: &[f64],
+        is_control: bool,
+    ) -> Result<Snapshot, MeshError> {
+        let (n, unknowns) = (block.components, block.of(m));
         if block.basis.is_of_contribution() {
             return Ok(shot);
         }
+        let owned = if is_control { block.values_of(unknowns) } else { unknowns.to_vec() };
+        let values = &owned[..];
         match block.basis.space() {
             Space::Node => {
                 let actuations = self.solid().body().actuations();
@@ -153,7 +163,12 @@ impl Reduced {
                 let cells: Vec<u32> = of.flat_map(|attached| attached.cells.iter().copied()).collect();
                 shot.with_points(name, n, by_node(self.solid().discretization(), &cells, block, values))
             }
-            Space::Grid(_) | Space::Point => shot.with_cells(name, n, self.cell_means(block, values)),
+            Space::Grid(_) | Space::Point => {
+                // between the nodes of a grid the unknowns are linear
+                let at_points = block.basis.values(unknowns, n);
+                let at_points = if is_control { block.values_of(&at_points) } else { at_points };
+                shot.with_cells(name, n, self.solid().discretization().cell_average(&at_points, n))
+            }
             _ => shot.with_cells(name, n, self.by_cell(block, values)),
         }
     }
@@ -168,12 +183,6 @@ impl Reduced {
             }
         }
         out
-    }
-
-    /// The means over the cells of a field that varies in them; zero where it does not act.
-    fn cell_means(&self, block: &ControlBlock, values: &[f64]) -> Vec<f64> {
-        let (disc, n) = (self.solid().discretization(), block.components);
-        disc.cell_average(&block.basis.values(values, n), n)
     }
 
     /// Scalar slots nobody controls, and remanence and applied field of all magnets together: the means of each cell.

@@ -53,6 +53,8 @@ fn a_modulus_is_found_again_and_results_have_its_value() {
     assert_eq!((bounds, found["controls"]["rubber.young"]["unit"].as_str()), ([5e4, 1e6], Some("Pa")));
     let said = CaseDirectory::new().text(Command::Check, &case, &[]);
     assert!(said.contains("rubber.young: by uniform, 1 unknown by their logarithms, start 200000 Pa"), "{said}");
+    // an upper bound alone, of one that a logarithm keeps positive
+    CaseDirectory::new().text(Command::Check, &with(&case, r#""lower": "50 kPa", "#, ""), &[]);
     // without "start" it begins at the material's own value
     let own = CaseDirectory::new().text(Command::Check, &with(&case, r#""start": "200 kPa", "#, ""), &[]);
     assert!(own.contains("start 300000 Pa"), "{own}");

@@ -77,8 +77,12 @@ impl BodyEnergy {
         least
     }
 
-    /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none.
+    /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none, as one does whose
+    /// numbers are slots: it states a bound of the values that it is written with alone.
     fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
+        if self.materials_of(at.cell).any(|law| !law.slots().is_empty()) {
+            return None;
+        }
         let mut bounds = self.materials_of(at.cell).map(|law| law.fiber_bound(at));
         let first = bounds.next()??;
         bounds.try_fold(first, |sum, next| Some(sum + next?))

@@ -173,7 +173,8 @@ fn field(
         Admission::Bounds(bounds) => {
             let all = (0..own.len()).map(|i| bounds.at(i));
             let (lower, upper) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, u), (a, b)| (l.min(a), u.max(b)));
-            (Admitted::Between { lower, upper }, Some(bounds.clone()))
+            let value = |x: f64| if own.log { x.exp() } else { x };
+            (Admitted::Between { lower: value(lower), upper: value(upper) }, Some(bounds.clone()))
         }
     };
     if let Admitted::Between { lower, upper } = admitted {

@@ -17,6 +17,9 @@ use nastic_language::quantity::Dimension;
 use nastic_language::schema::{Beginning, Bound, Case, Cells, Contact, Control, Parameter, Space as SpaceBlock, Start};
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
 
+/// A number of a law so many times its own is as good as infinite.
+const LARGE: f64 = 1e9;
+
 /// What becomes of the block `controls`.
 pub(super) struct Lowered {
     pub controls: Vec<ControlField>,
@@ -262,7 +265,8 @@ impl Lowering<'_> {
     /// Whether start and bounds are of the dimension of what they control, where the mesh decides it (a volume is an area in
     /// the plane).
     fn check_dimension(&self, context: &mut Context<'_>) -> Option<()> {
-        let dimension = nastic_language::expression::dimension_of(self.block.unit)?;
+        // of a formula's parameter, whose unit is the user's
+        let Some(dimension) = nastic_language::expression::dimension_of(self.block.unit) else { return Some(()) };
         let start = if let Some(Start::Scalar(formula)) = &self.control.start { Some(formula) } else { None };
         let bounds = [("lower", &self.control.lower), ("upper", &self.control.upper)].map(|(key, bound)| {
             (key, if let Some(Bound::Scalar(Parameter::Formula(formula))) = bound { Some(formula) } else { None })
@@ -324,6 +328,7 @@ impl Lowering<'_> {
                 upper
             }
             (None, Some(default)) => Limit::Uniform(default),
+            (None, None) if self.refuses_large(context) => return None,
             (None, None) if self.block.log => Limit::Uniform(f64::INFINITY),
             (None, None) => {
                 context.warn(&UNBOUNDED, &self.control.at, "no \"upper\" bound is given, and the law reports none");
@@ -332,7 +337,7 @@ impl Lowering<'_> {
         };
         let lowest = if self.block.log { least(&lower).max(0.0) } else { least(&lower) };
         let admitted = Admitted::Between { lower: lowest, upper: greatest(&upper) };
-        let ends = [lowest, greatest(&upper)];
+        let ends = [if self.block.log && lowest <= 0.0 { f64::NEG_INFINITY } else { lowest }, greatest(&upper)];
         let refused = material::refused(self.case, &self.control.of, ends, self.reduced.solid(), context);
         if let Some(refused) = refused.filter(|_| self.control.lower.is_some() || self.control.upper.is_some()) {
             context.complain(&self.control.at, format!("the bounds leave what its law admits: {refused}"));
@@ -353,6 +358,17 @@ impl Lowering<'_> {
                 None
             }
         }
+    }
+
+    /// Complains where the law of a number bounds it above, as Poisson's ratio, and nothing else does.
+    fn refuses_large(&self, context: &mut Context<'_>) -> bool {
+        let large = [LARGE * self.slot().map_or(1.0, |slot| slot.rest().abs().max(1.0)), f64::INFINITY];
+        let refused = material::refused(self.case, &self.control.of, large, self.reduced.solid(), context);
+        if let Some(refused) = &refused {
+            let message = format!("give an \"upper\" bound, up to which its law holds: {refused}");
+            context.complain(&self.control.at, message);
+        }
+        refused.is_some()
     }
 
     /// Whether it is a number of a material.

@@ -48,8 +48,8 @@ impl Lowering<'_> {
     /// What its slots hold at rest: zero of a load, of a number of the body the mean over each unknown's part of it.
     fn at_rest(&self) -> Vec<f64> {
         let target = &self.block.targets[0];
-        let own = self.slot().map_or(0.0, |slot| slot.rest());
-        if own == 0.0 || self.block.basis.is_of_contribution() {
+        let (own, is_design) = self.slot().map_or((0.0, false), |slot| (slot.rest(), slot.is_design()));
+        if !is_design || self.block.basis.is_of_contribution() {
             return vec![own; self.block.size()];
         }
         let controls = self.reduced.solid().model().controls();

@@ -8,7 +8,7 @@ use crate::warning::INPUT;
 use nastic_energy::EnergyError;
 use nastic_energy::catalogue::Inputs;
 use nastic_fem::{Discretization, RigidBody, Solid};
-use nastic_language::schema::{Case, Input};
+use nastic_language::schema::{Case, Control, Input};
 use nastic_language::syntax::At;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -52,7 +52,14 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
                 attempt(solid, &material.at, context, |solid| solid.actuate(of, name, law));
             }),
         };
-        added.unwrap_or_else(|error| complain_of_law(&material.at, &error, context));
+        added.unwrap_or_else(|error| {
+            let named = |control: &&Control| match &error {
+                EnergyError::NotLinear { name, .. } => material.number_of(&control.of) == Some(name),
+                _ => false,
+            };
+            let of = case.controls.iter().find(named).map(|control| control.at.key("of"));
+            complain_of_law(of.as_ref().unwrap_or(&material.at), &error, context);
+        });
     }
     for (k, material) in case.materials.iter().enumerate() {
         let bare = (0..covered.len()).filter(|&cell| covered[cell].is_none() && reinforced[cell] == Some(k)).count();

@@ -39,7 +39,7 @@ pub(super) enum Unbounded {
 /// What a random value of a control lacks, if anything.
 pub(super) fn unbounded(field: &ControlField) -> Option<Unbounded> {
     match field.admitted {
-        Admitted::Between { lower, .. } if !lower.is_finite() => Some(Unbounded::Below),
+        Admitted::Between { lower, .. } if !lower.is_finite() || field.log && lower <= 0.0 => Some(Unbounded::Below),
         Admitted::Between { upper, .. } if !upper.is_finite() => Some(Unbounded::Above),
         Admitted::Any => Some(Unbounded::Length),
         _ => None,

@@ -20,6 +20,11 @@ impl Chain {
         self
     }
 
+    /// Number of links.
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     pub(crate) fn push(&mut self, link: Arc<dyn ControlMap>) {
         self.0.push(link);
     }

@@ -259,6 +259,10 @@ fn check(control: &Control, reader: &mut Reader<'_>) {
             reader.complain_at(&control.at.key(key), message);
         }
     }
+    if control.log && control.rate.is_some() {
+        let message = "a rate is that of the value, the unknown is its logarithm: leave one of them out";
+        reader.complain_at(&control.at.key("rate"), message);
+    }
     if let (Some(_), None) = (&control.rate, &control.in_time) {
         let message = "the rate of a control that does not change in time: give \"in_time\": { \"every\": \"50 ms\" }";
         reader.complain_at(&control.at.key("rate"), message);

@@ -178,6 +178,7 @@ pub fn test_gradient<O: Objective>(
 /// Size of a control where neither its set nor its values show: the law's bound on it, or the one bound it has.
 pub(super) fn size(problem: &CaseProblem) -> Option<f64> {
     problem.controls.iter().find_map(|field| match field.admitted {
+        Admitted::Between { .. } if field.log => Some(1.0),
         Admitted::Between { lower, upper } => {
             let bounds = [field.limit.unwrap_or(0.0), lower, upper];
             bounds.into_iter().map(f64::abs).find(|bound| *bound > 0.0 && bound.is_finite())

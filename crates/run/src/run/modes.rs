@@ -13,7 +13,7 @@ use crate::run::solve::equilibrium::report;
 use crate::run::solve::modes::with_fields;
 use nastic_case::lower::CaseMember;
 use nastic_control::{ControlError, EnsembleWorkspace, StateFields};
-use nastic_fem::{ModalDamping, ModeKind, SolveOptions, State, TimeStepping, VibrationMode};
+use nastic_fem::{Controls, ModalDamping, ModeKind, SolveOptions, State, TimeStepping, VibrationMode};
 use nastic_language::number::{quantity, short};
 use nastic_language::quantity::{Dimension, Units};
 use nastic_language::schema::Beginning;
@@ -54,7 +54,7 @@ pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit
     let in_time = time.is_some();
     let mut inspections = Vec::new();
     let states: Vec<(State, Vec<f64>)> = if undeformed {
-        let of = |member: CaseMember<'_>| (member.solid().rest(), vec![0.0; member.layout().len()]);
+        let of = |member: CaseMember<'_>| at_rest(member, &session.problem.start);
         session.problem.members().map(of).collect()
     } else if in_time {
         session.timed("solve", |session| beginnings(session))?
@@ -146,7 +146,7 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
     let wanted = if solid.check().is_ok() { SHOWN } else { SHOWN + rigid };
     // stresses of actuations in a body at rest are no equilibrium
     let from_rest = member.case().time.as_ref().is_some_and(|time| time.start == Beginning::Rest);
-    let rest = from_rest.then(|| solid.rest());
+    let rest = from_rest.then(|| solid.model().rest_under(&begin.controls));
     let about = rest.as_ref().unwrap_or(begin);
     let modes = match solid.model().vibration_modes(about, wanted.min(free), &how) {
         Ok(modes) => modes,
@@ -315,4 +315,18 @@ fn moved(shot: &Snapshot, number: usize) -> Result<Snapshot, ControlError> {
     let (u, mode) = (array("displacement"), array(&format!("mode_{number}")).to_vec());
     let values = u.iter().zip(mode).map(|(u, phi)| u + scale * phi).collect();
     Ok(Snapshot::new(shot.mesh.clone()).with_points("displacement", 3, values)?)
+}
+
+/// The body at rest, with its numbers that are controls as they start and no loads, and that control vector.
+fn at_rest(member: CaseMember<'_>, start: &[f64]) -> (State, Vec<f64>) {
+    let (solid, mut m) = (member.solid(), member.local(start));
+    let controllable = solid.model().controllable();
+    for block in member.layout().blocks() {
+        let target = &block.targets[0];
+        if !controllable[target.actuation].slots.get(target.slot).is_some_and(|slot| slot.is_design()) {
+            m[block.first..block.first + block.len()].fill(0.0);
+        }
+    }
+    let under = |controls: Controls| solid.model().rest_under(&controls);
+    (member.layout().to_points(&m).map_or_else(|_| solid.rest(), under), m)
 }

@@ -245,7 +245,19 @@ fn check_group(blocks: &Blocks, shared: &[Control], own: &[Control], costs: &[Co
     if !blocks.complete("controls") || !blocks.complete("load_cases") {
         return;
     }
+    let all = || shared.iter().chain(own);
     for cost in costs {
+        let squared = |(of, _): &(&str, At)| all().any(|control| control.log && control.name() == *of);
+        if cost.kind() == "control_norm" && cost.controls().any(|one| squared(&one)) {
+            let message = "the square of a logarithm depends on the unit: take \"control_smoothness\", or the control without \"log\"";
+            reader.complain_at(&cost.at().key("of"), message);
+        }
+        let number = |control: &Control| blocks.materials.iter().any(|own| own.number_of(&control.of).is_some());
+        if cost.kind() == "actuation_work" && all().any(number) {
+            let message =
+                "work of actuations does not go with controls that are numbers of a material: leave one of them out";
+            reader.complain_at(cost.at(), message);
+        }
         for (of, at) in cost.controls().filter(|(of, _)| !names.contains(of)) {
             let clause =
                 if names.is_empty() { ": the case has no controls".into() } else { nearest::clause(of, &names) };
@@ -298,5 +310,8 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
 
 fn varies(blocks: &Blocks, at: &At) -> bool {
     let mut paths = crate::schema::check::variants::paths(blocks);
-    paths.any(|path| path.starts_with(at.as_str()))
+    let own = at.as_str();
+    let within =
+        |path: &str, of: &str| path.strip_prefix(of).is_some_and(|rest| rest.is_empty() || rest.starts_with('/'));
+    paths.any(|path| within(path, own))
 }

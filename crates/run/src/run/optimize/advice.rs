@@ -204,7 +204,12 @@ fn narrowed(session: &Session<'_>) -> Vec<String> {
         _ => None,
     });
     let finite = bounds.flatten().filter(|(.., value)| value.is_finite() && *value != 0.0);
-    finite.map(|(field, key, value)| format!("{}/{key}={}", field.at, 0.5 * value)).collect()
+    finite.map(|(field, key, value)| format!("{}/{key}={}", field.at, value * value / wider(key, value))).collect()
+}
+
+/// A bound at twice its distance from zero, or half of it, so that more is admitted.
+fn wider(key: &str, bound: f64) -> f64 {
+    if (key == "lower") == (bound > 0.0) { 0.5 * bound } else { 2.0 * bound }
 }
 
 /// Wider bounds, where most values of a control lie on them.
@@ -225,7 +230,8 @@ fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> 
             // those of a vector are a list
             let many = many && components == 1;
             let borne = field.limit.is_none_or(|limit| 2.0 * bound <= limit);
-            (many && borne && bound.is_finite() && bound != 0.0).then(|| format!("{}/{key}={}", field.at, 2.0 * bound))
+            (many && borne && bound.is_finite() && bound != 0.0)
+                .then(|| format!("{}/{key}={}", field.at, wider(key, bound)))
         })
         .collect();
     let why = "most values lie on a bound: widen it, if the body bears that".to_owned();

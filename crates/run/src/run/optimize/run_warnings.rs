@@ -107,7 +107,8 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, sessio
         let values = session.problem.control_block(block).values_of(m);
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let (falls_below, falls_above) = (derivative.iter().all(|d| *d > 0.0), derivative.iter().all(|d| *d < 0.0));
-        let at_zero = (0..m.len()).all(|i| m[i] == 0.0 && (limits.at(i).0 == 0.0 || limits.at(i).1 == 0.0));
+        let at_zero =
+            !field.log && (0..m.len()).all(|i| m[i] == 0.0 && (limits.at(i).0 == 0.0 || limits.at(i).1 == 0.0));
         if at_zero && (falls_below || falls_above) {
             let (bound, side) = if falls_below { ("lower", "below") } else { ("upper", "above") };
             let mut message =

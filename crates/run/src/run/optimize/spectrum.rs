@@ -177,7 +177,8 @@ impl Diagnosis {
         let left_out = if *negative > 0 { " (not counting directions of negative curvature)" } else { "" };
         for (field, range) in &self.ranges(&session.problem).unwrap_or_default() {
             let of = |number: Number| short(number.unwrap_or(f64::NAN));
-            let unit = session.problem.controls.iter().find(|own| own.name == *field).map(|own| own.unit.as_str());
+            let unit = session.problem.controls.iter().find(|own| own.name == *field);
+            let unit = unit.map(|own| if own.log { "(of its logarithm)" } else { own.unit.as_str() });
             let unit = unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" {unit}"));
             console.say(format!(
                 "            {field} may differ by {} to {}{unit} at least until the cost rises by {}{left_out}",

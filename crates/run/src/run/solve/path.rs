@@ -105,7 +105,9 @@ fn controls_at(member: CaseMember<'_>, start: &[f64], s: f64) -> Vec<f64> {
         let is_load =
             |target: &ControlTarget| all[target.actuation].slots.get(target.slot).is_none_or(|slot| !slot.is_design());
         if block.targets.iter().all(is_load) {
-            m[block.first..block.first + block.len()].iter_mut().for_each(|m| *m *= s);
+            m[block.first..block.first + block.len()]
+                .iter_mut()
+                .for_each(|m| if block.log { *m += s.ln() } else { *m *= s });
         }
     }
     m

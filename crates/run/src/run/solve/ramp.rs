@@ -95,10 +95,16 @@ impl Asked {
     }
 
     /// Both ends, in the case's units.
-    fn ends(&self, block: &ControlBlock) -> Result<[f64; 2], String> {
+    fn ends(&self, member: CaseMember<'_>, block: &ControlBlock) -> Result<[f64; 2], String> {
         if block.components != 1 {
             let name = &self.control;
             return Err(format!("control \"{name}\" is a vector; give it a \"direction\", then its amplitude can go"));
+        }
+        if is_number(member, block) {
+            let name = &self.control;
+            return Err(format!(
+                "\"{name}\" is a number of the body, which loads do not change: give it value by value, nastic sweep CASE --set controls/K/start=A,B"
+            ));
         }
         let dimension = dimension_of(block.unit).unwrap_or(Dimension::NONE);
         self.from.check(dimension)?;
@@ -114,7 +120,7 @@ impl Asked {
     fn doubt(&self, session: &mut Session<'_>, index: usize) {
         let member = session.problem.member(index);
         let Some((block, field)) = self.field(member) else { return };
-        let Ok(ends) = self.ends(block) else { return };
+        let Ok(ends) = self.ends(member, block) else { return };
         let doubt = |end: &f64| doubt_of_ramp(member.case(), field, *end, member.solid());
         if let Some(why) = ends.iter().rev().find_map(doubt) {
             session.warn(Warning::new(&BOUNDS, why));
@@ -127,7 +133,7 @@ impl Asked {
         let member = problem.member(index);
         let complain = |what: String| RunError::from(problem.complain("controls", format!("--ramp: {what}")));
         let Some((block, field)) = self.field(member) else { return Err(complain(self.control.clone())) };
-        let [from, to] = self.ends(block).map_err(complain)?;
+        let [from, to] = self.ends(member, block).map_err(complain)?;
         let start = member.local(&problem.start);
         let at = |value: f64| {
             let mut m = start.clone();
@@ -213,4 +219,10 @@ fn critical(session: &Session<'_>, ramp: &Ramp, from: f64, to: f64, unit: &str) 
         PointRecord { value: value.into(), error: error.into(), before, after, ..PointRecord::default() }
     };
     ramp.critical.iter().map(of).collect()
+}
+
+/// Whether a control is a number of the body, such as a modulus.
+fn is_number(member: CaseMember<'_>, block: &ControlBlock) -> bool {
+    let all = member.solid().model().controllable();
+    block.targets.iter().any(|target| all[target.actuation].slots.get(target.slot).is_some_and(|slot| slot.is_design()))
 }

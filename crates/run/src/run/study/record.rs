@@ -24,7 +24,7 @@ pub(super) fn identity(
         let own = &owner.layout().blocks()[block.field];
         let entry = json!({
             "space": space(own.basis.space()), "values": block.len, "set": format!("{set:?}"), "start": hash(&control.start),
-            "weight": own.weight, "length": own.length(), "metric": format!("{:?}", owner.metric_kind()),
+            "weight": own.weight, "length": own.length(), "log": own.log, "metric": format!("{:?}", owner.metric_kind()),
         });
         (block.name.clone(), entry)
     });
