@@ -64,7 +64,7 @@ impl Scheme {
     ///
     /// ```
     /// # use nastic_fem::Scheme;
-    /// let seen = Scheme::backward_euler().modal_damping(0.1, 10.0, (0.0, 0.0))?;
+    /// let seen = Scheme::backward_euler().modal_damping(0.1, 10.0, 0.0, 0.0)?;
     /// assert_eq!(seen.physical, 0.0);
     /// assert!((seen.effective - 2f64.ln()).abs() < 1e-14); // a damping ratio of 0.35
     /// # Ok::<(), nastic_fem::FemError>(())
