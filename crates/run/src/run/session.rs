@@ -31,8 +31,7 @@ use nastic_report::OnTrial;
 use nastic_report::record::{DiscretizationRecord, RunRecord, StateRecord, UnitsRecord, VersionsRecord};
 use nastic_team::Team;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, atomic::AtomicBool, atomic::Ordering};
 use std::time::Instant;
 
 /// Relative accuracy of the state at the start; its residual is a hundredth of that.
