@@ -75,8 +75,7 @@ impl Reduced {
         let t = fields.state.time;
         let (m, gradient) =
             (self.at_instant(fields.m, t)?, fields.gradient.map(|gradient| self.at_instant(gradient, t)).transpose()?);
-        let mesh = self.solid().mesh();
-        let mut shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, self.vectors(&fields.state.u))?;
+        let mut shot = self.moved(fields.state)?;
         // a motion that begins at rest, so that all its states have the same arrays
         let at_rest = || self.timeline().map(|_| vec![0.0; fields.state.u.len()]);
         if let Some(velocity) = fields.state.velocity.as_deref().cloned().or_else(at_rest) {
@@ -107,13 +106,20 @@ impl Reduced {
     /// # Errors
     /// Vectors of the wrong length.
     pub fn moved_controls(&self, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
-        let mesh = self.solid().mesh();
-        let shot = Snapshot::new(mesh.clone()).with_points("displacement", 3, self.vectors(&fields.state.u))?;
         self.layout().check(fields.m)?;
-        self.with_fields(shot, &self.at_instant(fields.m, fields.state.time)?, fields.names)
+        let m = self.at_instant(fields.m, fields.state.time)?;
+        self.with_fields(self.moved(fields.state)?, &m, fields.names, true)
     }
 
-    /// Adds a vector of the control space (a control, a gradient, a direction) to a snapshot of this body, one array for each control field
+    /// The displaced body alone.
+    ///
+    /// # Errors
+    /// A displacement of another body.
+    pub fn moved(&self, state: &State) -> Result<Snapshot, ControlError> {
+        Ok(Snapshot::new(self.solid().mesh().clone()).with_points("displacement", 3, self.vectors(&state.u))?)
+    }
+
+    /// Adds a vector of the control space (a gradient, a direction) to a snapshot of this body, one array for each control field
     /// that has one, under these names in the order of the fields; under their own names where there are none. Of fields in time it is the
     /// value at the end.
     ///
@@ -122,14 +128,20 @@ impl Reduced {
     pub fn with_controls(&self, shot: Snapshot, m: &[f64], names: &[&str]) -> Result<Snapshot, ControlError> {
         self.layout().check(m)?;
         let end = self.timeline().map_or(0.0, Timeline::end);
-        self.with_fields(shot, &self.at_instant(m, end)?, names)
+        self.with_fields(shot, &self.at_instant(m, end)?, names, false)
     }
 
-    /// Of the fields at one instant.
-    fn with_fields(&self, mut shot: Snapshot, m: &[f64], names: &[&str]) -> Result<Snapshot, ControlError> {
+    /// Of the fields at one instant, controls or another vector of their space.
+    fn with_fields(
+        &self,
+        mut shot: Snapshot,
+        m: &[f64],
+        names: &[&str],
+        is_control: bool,
+    ) -> Result<Snapshot, ControlError> {
         for (k, block) in self.layout_of_instant().blocks().iter().enumerate() {
             let name = names.get(k).copied().unwrap_or(&block.name);
-            shot = self.with_field(shot, block, name, m, false)?;
+            shot = self.with_field(shot, block, name, m, is_control)?;
         }
         Ok(shot)
     }

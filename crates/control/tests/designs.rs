@@ -193,7 +193,7 @@ fn slots_of_global_scope_are_the_uniform_fields_of_those_at_points() -> Outcome 
     let law = FormulaLaw::new(&fung(), &numbers, None)?.parametrised()?;
     let names = ["net.a", "net.c", "net.k"];
     let (m, mut found) = ([0.8, 5e4, 2.5e5], Vec::new());
-    let laws: [Arc<dyn EnergyTerm>; 2] = [Arc::new(law.clone()), Arc::new(Shared::new(law))];
+    let laws: [Arc<dyn EnergyTerm>; 2] = [Arc::new(law.clone()), Arc::new(Shared::new(law)?)];
     for law in laws {
         let body = Solid::new(mesh()?)?.actuate("body", "net", law)?;
         let body = body.actuate("body", "fiber", FiberTension::along(Vec3::x())?)?;
@@ -215,7 +215,7 @@ fn slots_of_global_scope_are_the_uniform_fields_of_those_at_points() -> Outcome 
     for (a, b) in derivative.iter().zip(own) {
         assert!((a - b).abs() <= 1e-9 * a.abs(), "{derivative:?} {own:?}");
     }
-    let refused = Reduced::new(weight(Solid::new(mesh()?)?.actuate("body", "net", Shared::new(Turgor::new()))?)?);
+    let refused = Reduced::new(weight(Solid::new(mesh()?)?.actuate("body", "net", Shared::new(Turgor::new())?)?)?);
     assert!(refused.control("net", Space::Cell).is_err());
     Ok(())
 }

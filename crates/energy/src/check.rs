@@ -128,7 +128,7 @@ pub struct Evaluation {
     pub tangent: Tangent,
 }
 
-/// One-point evaluation with the controls `m` (empty for a passive term).
+/// One-point evaluation with the slots `m` (empty of a law without).
 pub fn evaluate(term: &dyn EnergyTerm, at: MaterialPoint, k: &Kinematics, m: &[f64]) -> Evaluation {
     let (mut energy, mut stress, mut tangent) = ([0.0], [Mat3::zeros()], [Tangent::zero()]);
     let mut out = Response { energy: &mut energy, stress: &mut stress, tangent: &mut tangent };

@@ -1,7 +1,7 @@
 //! [`Shared`]: a law whose slots have one value for the whole body.
 
 use crate::term::{forward_law, forward_statements};
-use crate::{EnergyTerm, Slot};
+use crate::{EnergyError, EnergyTerm, Slot};
 
 /// A law with its slots in [global scope](crate::Scope): one value of each for all points, and one derivative, the sum over the points. So
 /// weights of a network, which are many and the same everywhere, take no array over the points.
@@ -12,10 +12,16 @@ pub struct Shared<L> {
 }
 
 impl<L: EnergyTerm> Shared<L> {
-    /// Of a law with slots that are no internal variables.
-    pub fn new(law: L) -> Self {
+    /// Of a law with slots.
+    ///
+    /// # Errors
+    /// [`EnergyError::NoParameters`] of a law whose slots are internal variables, which differ from point to point.
+    pub fn new(law: L) -> Result<Self, EnergyError> {
+        if law.slots().iter().any(Slot::is_internal) {
+            return Err(EnergyError::NoParameters { owner: std::any::type_name::<L>() });
+        }
         let slots = law.slots().iter().map(|slot| slot.global()).collect();
-        Shared { law, slots }
+        Ok(Shared { law, slots })
     }
 }
 

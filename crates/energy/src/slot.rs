@@ -117,7 +117,7 @@ pub struct SlotGroup {
 }
 
 impl SlotGroup {
-    /// The groups of an actuation's slots, in their order.
+    /// The groups of slots, in their order.
     pub fn of(slots: &[Slot]) -> Vec<Self> {
         let mut groups: Vec<Self> = Vec::new();
         for (first, slot) in slots.iter().enumerate() {

@@ -81,7 +81,7 @@ impl<'a> Slots<'a> {
         if self.shared { *self } else { Slots { values: &self.values[q * self.width..(q + 1) * self.width], ..*self } }
     }
 
-    /// Slot `k` at the `q`-th point; zero where nothing drives it, as when an actuation is used as a passive term.
+    /// Slot `k` at the `q`-th point; zero where nothing gives a value.
     #[inline]
     pub fn get(&self, q: usize, k: usize) -> f64 {
         match (self.width, self.shared) {
@@ -225,7 +225,7 @@ pub trait EnergyTerm: Debug + Send + Sync {
     /// ask for it.
     ///
     /// # Errors
-    /// [`EnergyError::NoSecondDerivatives`] where the actuation does not implement it, the same at every point.
+    /// [`EnergyError::NoSecondDerivatives`] where the law does not implement it, the same at every point.
     fn control_stress_change(
         &self,
         _at: &PointBatch,
@@ -247,7 +247,7 @@ pub trait EnergyTerm: Debug + Send + Sync {
         self.slots().iter().all(Slot::is_design)
     }
 
-    /// The number at every point that this actuation has to be judged by, if there is one.
+    /// The number at every point that the law has to be judged by, if there is one.
     fn point_quantity(&self) -> Option<PointQuantity> {
         None
     }

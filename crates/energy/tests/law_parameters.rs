@@ -60,6 +60,21 @@ fn every_form_of_every_law_has_its_moduli_as_slots_and_refuses_the_others() {
             }
             let others: Vec<f64> = own.iter().map(|value| 1.02 * value).collect();
             for values in [&own, &others] {
+                let keyed = free.iter().all(|name| row.parameters().iter().any(|parameter| parameter.name == *name));
+                if keyed {
+                    // the conversion away from the values that it is written with
+                    let at = |inputs: Inputs, (name, value): (&&str, &f64)| inputs.number(name, *value);
+                    let law = row.build(&free.iter().zip(values).fold(inputs.clone(), at)).unwrap();
+                    let k = check::states()[0];
+                    let own = check::evaluate(&term, HERE, &k, values);
+                    let expected = check::evaluate(&law, HERE, &k, &[]);
+                    let scale = expected.tangent.0.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+                    assert!(
+                        (own.stress - expected.stress).norm() <= 1e-12 * scale,
+                        "{} {form} at {values:?}",
+                        row.name
+                    );
+                }
                 let report =
                     check::actuation(&*term, HERE, values).unwrap_or_else(|e| panic!("{} {form}: {e}", row.name));
                 let second = |what: &str| report.findings.iter().any(|finding| finding.check.starts_with(what));

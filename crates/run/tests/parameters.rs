@@ -6,6 +6,8 @@ use crate::common;
 
 use common::{CaseDirectory, with};
 use nastic_language::schema::Command;
+use nastic_run::console::Console;
+use nastic_run::run::{Analysis, Options};
 use serde_json::Value;
 
 /// A bar of 0.1 m whose end sinks under its load as one of 300 kPa and 0.4 does; the control begins at 200 kPa.
@@ -78,6 +80,43 @@ fn derivatives_are_those_by_the_unknown() {
         let checked = run(Command::Gradcheck, &case);
         assert_eq!(checked["gradcheck"]["passed"], true, "{checked}");
     }
+}
+
+/// Arrays have the values; gradients and records of iterations too, each what its name says.
+#[test]
+fn arrays_have_values_and_gradients_those_of_logarithms() {
+    let place = CaseDirectory::new();
+    let every = with(&aimed(MODULUS), r#""optimizer""#, r#""output": { "every": 1, "directory": "out" }, "optimizer""#);
+    place.run(Command::Optimize, &every, &[]).unwrap();
+    let range = |file: &str, array: &str| -> (f64, f64) {
+        let read = nastic_io::read_array(place.path("out").join(file), array).unwrap();
+        read.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
+    };
+    let close =
+        |(low, high): (f64, f64), value: f64| (low / value - 1.0).abs() < 1e-6 && (high / value - 1.0).abs() < 1e-6;
+    assert!(close(range("start.vtu", "rubber.young"), 2e5) && close(range("iteration_0000.vtu", "rubber.young"), 2e5));
+    let (low, high) = range("start.vtu", "gradient_rubber.young");
+    assert!(low == high && low < 0.0, "{low} {high}");
+}
+
+#[test]
+fn ramps_are_of_loads_and_corners_of_bounds_are_looked_at() {
+    let place = CaseDirectory::new();
+    let options = Options { analysis: Analysis::Ramp("rubber.young=100 kPa:1 MPa:3".to_owned()), ..place.options(&[]) };
+    let error = place.run_with(Command::Solve, MODULUS, &Console::silent(), &options).unwrap_err().to_string();
+    assert!(error.contains("is a number of the body, which loads do not change"), "{error}");
+    let two = with(MODULUS, r#""young": "300 kPa", "poisson": 0.4"#, r#""shear": "100 kPa", "bulk": "400 kPa""#);
+    let two = with(
+        &two,
+        r#"{ "of": "rubber.young", "space": "uniform", "log": true, "start": "200 kPa", "lower": "50 kPa", "upper": "1 MPa" }"#,
+        r#"{ "of": "rubber.shear", "space": "uniform", "lower": "50 kPa", "upper": "500 kPa" },
+           { "of": "rubber.bulk", "space": "uniform", "lower": "100 kPa", "upper": "1 MPa" }"#,
+    );
+    let said = CaseDirectory::new().text(Command::Check, &two, &[]);
+    assert!(
+        said.contains("within the bounds of its controls, at shear = 500000, bulk = 100000, its law does not hold"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -92,7 +92,7 @@ pub(super) fn lower(
     let mut out = Lowered { controls: vec![], start: vec![], set: Product::new() };
     let mut known: Vec<(Option<usize>, usize)> = vec![];
     let mut whole = true;
-    for ((variant, body), context) in variants.iter().zip(bodies).zip(contexts) {
+    for ((variant, body), context) in variants.iter().zip(bodies).zip(&mut *contexts) {
         let fields = variant.case.controls.iter().zip(body.layout().blocks()).enumerate();
         for (k, (control, block)) in fields {
             let load_case = variant.load_case.filter(|_| k >= shared);
@@ -115,6 +115,9 @@ pub(super) fn lower(
                 None => whole = false,
             }
         }
+    }
+    if let (true, [variant, ..], [body, ..], [context, ..]) = (whole, variants, bodies, contexts) {
+        material::warn_of_corners(&variant.case, &out.controls, body.solid(), context);
     }
     whole.then_some(out)
 }
@@ -170,8 +173,9 @@ impl Lowering<'_> {
         let allowed = self.allowed(context);
         let start = self.start(context);
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
-        let start = self.unknowns(start, context)?;
         let start = self.settle(start, set.as_ref(), context)?;
+        let start = self.unknowns(start, context)?;
+        let (bounds, set) = self.of_unknowns(bounds, set);
         self.check_at_rest(bounds.as_ref(), context)?;
         let unit = nastic_language::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
         let unit = if self.slot().is_some_and(|slot| slot.group == "rotation") {
@@ -335,7 +339,19 @@ impl Lowering<'_> {
                 Limit::Uniform(f64::INFINITY)
             }
         };
-        let lowest = if self.block.log { least(&lower).max(0.0) } else { least(&lower) };
+        // what is positive has no lower bound below zero, and none that says so
+        let lower = match lower {
+            Limit::Uniform(f64::NEG_INFINITY) if self.block.log => Limit::Uniform(0.0),
+            lower => lower,
+        };
+        let bounded = [("lower", self.control.lower.is_some(), least(&lower)), ("upper", true, least(&upper))];
+        if let Some((key, _, value)) =
+            bounded.into_iter().find(|(_, given, value)| *given && *value <= 0.0 && self.block.log)
+        {
+            context.complain(&self.control.at.key(key), no_logarithm(value));
+            return None;
+        }
+        let lowest = least(&lower);
         let admitted = Admitted::Between { lower: lowest, upper: greatest(&upper) };
         let ends = [if self.block.log && lowest <= 0.0 { f64::NEG_INFINITY } else { lowest }, greatest(&upper)];
         let refused = material::refused(self.case, &self.control.of, ends, self.reduced.solid(), context);
@@ -343,7 +359,7 @@ impl Lowering<'_> {
             context.complain(&self.control.at, format!("the bounds leave what its law admits: {refused}"));
             return None;
         }
-        match Bounds::new(self.limit_of_unknowns(lower), self.limit_of_unknowns(upper)) {
+        match Bounds::new(lower, upper) {
             Ok(bounds) => Some(Allowed { admitted, bounds: Some(bounds.clone()), set: Box::new(bounds) }),
             Err(nastic_opt::SetError::Crossed { index, lower, upper }) => {
                 let place = self.place(index);
@@ -377,27 +393,26 @@ impl Lowering<'_> {
             && self.case.materials.iter().any(|own| own.number_of(&self.control.of).is_some())
     }
 
-    /// The limit of unknowns from that of values; a bound at or below zero of positive values is none.
-    fn limit_of_unknowns(&self, limit: Limit) -> Limit {
-        let log = |value: f64| if value > 0.0 { value.ln() } else { f64::NEG_INFINITY };
-        match limit {
-            limit if !self.block.log => limit,
-            Limit::Uniform(value) => Limit::Uniform(log(value)),
-            Limit::Each(values) => Limit::Each(values.into_iter().map(log).collect()),
+    /// The bounds, and the set of bounds, of unknowns from those of values.
+    fn of_unknowns(&self, bounds: Option<Bounds>, set: Box<dyn Admissible>) -> (Option<Bounds>, Box<dyn Admissible>) {
+        let Some(values) = bounds.as_ref().filter(|_| self.block.log) else { return (bounds, set) };
+        let (lower, upper) = (0..self.block.len()).map(|i| values.at(i)).map(|(l, u)| (l.ln(), u.ln())).unzip();
+        match Bounds::new(Limit::Each(lower), Limit::Each(upper)) {
+            Ok(own) => (Some(own.clone()), Box::new(own)),
+            Err(_) => (bounds, set),
         }
     }
 
     /// Unknowns with these values.
     fn unknowns(&self, values: Vec<f64>, context: &mut Context<'_>) -> Option<Vec<f64>> {
-        if !self.block.log {
-            return Some(values);
+        match values.iter().find(|value| self.block.log && **value <= 0.0) {
+            Some(value) => {
+                context.complain(&self.control.at.key("start"), no_logarithm(*value));
+                None
+            }
+            None if self.block.log => Some(values.into_iter().map(f64::ln).collect()),
+            None => Some(values),
         }
-        if let Some(value) = values.iter().find(|value| **value <= 0.0) {
-            let message = format!("{value} has no logarithm: with \"log\" all values are positive");
-            context.complain(&self.control.at.key("start"), message);
-            return None;
-        }
-        Some(values.into_iter().map(f64::ln).collect())
     }
 
     /// A bound by unknown. The outer option is a complaint, the inner one a bound left out.
@@ -420,6 +435,10 @@ impl Lowering<'_> {
         };
         Some(Some(Limit::Each(values.repeat(self.block.values_in_time()))))
     }
+}
+
+fn no_logarithm(value: f64) -> String {
+    format!("{value} has no logarithm: with \"log\" all values are positive")
 }
 
 fn least(limit: &Limit) -> f64 {

@@ -201,6 +201,7 @@ impl Lowering<'_> {
     fn outside(&self, outside: &Outside) -> String {
         let place = self.place(outside.index / self.block.components);
         let allowed = &outside.allowed;
-        format!("the start {} at {place} lies outside what is allowed: {allowed}", outside.value)
+        let start = if self.control.start.is_some() { "start" } else { "own value, where no \"start\" is given," };
+        format!("the {start} {} at {place} lies outside what is allowed: {allowed}", outside.value)
     }
 }

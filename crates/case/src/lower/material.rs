@@ -4,11 +4,13 @@ use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
 use super::named_groups;
-use crate::warning::INPUT;
+use crate::lower::control_field::{Admitted, ControlField};
+use crate::warning::{CONVEXITY, INPUT};
 use nastic_energy::EnergyError;
 use nastic_energy::catalogue::Inputs;
 use nastic_fem::{Discretization, RigidBody, Solid};
-use nastic_language::schema::{Case, Control, Input};
+use nastic_language::number::short;
+use nastic_language::schema::{Case, Control, Input, Material};
 use nastic_language::syntax::At;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -99,11 +101,42 @@ pub(super) fn refused(
 ) -> Option<EnergyError> {
     let material = case.materials.iter().find(|material| material.number_of(of).is_some())?;
     let number = material.number_of(of).filter(|number| material.parameters.contains_key(number))?;
-    let cells = solid.mesh().cells_of(&material.region).ok()?;
-    let points = SamplePoints::of_body(case, solid.discretization(), &cells);
-    let inputs = inputs(&material.parameters, &material.at, &points, context)?;
+    let inputs = inputs_of(case, material, solid, context)?;
     let finite = values.into_iter().filter(|value| value.is_finite());
     finite.map(|value| material.law.build(&inputs.clone().number(number, value))).find_map(Result::err)
+}
+
+fn inputs_of(case: &Case, material: &Material, solid: &Solid, context: &mut Context<'_>) -> Option<Inputs> {
+    let cells = solid.mesh().cells_of(&material.region).ok()?;
+    inputs(&material.parameters, &material.at, &SamplePoints::of_body(case, solid.discretization(), &cells), context)
+}
+
+/// Warns of bounds of several numbers of one law, each of which holds by itself, but not all ends together.
+pub(super) fn warn_of_corners(case: &Case, fields: &[ControlField], solid: &Solid, context: &mut Context<'_>) {
+    for material in &case.materials {
+        let own = |control: &Control| {
+            let number = material.number_of(&control.of).filter(|number| material.parameters.contains_key(number))?;
+            match fields.iter().find(|field| field.at == control.at)?.admitted {
+                Admitted::Between { lower, upper } if upper.is_finite() => Some((number.to_owned(), [lower, upper])),
+                _ => None,
+            }
+        };
+        let own: Vec<(String, [f64; 2])> = case.controls.iter().filter_map(own).collect();
+        let Some(inputs) = inputs_of(case, material, solid, context).filter(|_| (2..=8).contains(&own.len())) else {
+            continue;
+        };
+        let refused = |corner: usize| {
+            let at: Vec<(&str, f64)> =
+                own.iter().enumerate().map(|(k, (name, ends))| (name.as_str(), ends[corner >> k & 1])).collect();
+            let given = at.iter().fold(inputs.clone(), |inputs, (name, value)| inputs.number(name, *value));
+            let named = || at.iter().map(|(name, value)| format!("{name} = {}", short(*value))).collect::<Vec<_>>();
+            material.law.build(&given).err().map(|error| (named().join(", "), error))
+        };
+        if let Some((named, error)) = (0..1 << own.len()).find_map(refused) {
+            let message = format!("within the bounds of its controls, at {named}, its law does not hold: {error}");
+            context.warn(&CONVEXITY, &material.at, message);
+        }
+    }
 }
 
 /// What keeps the parameters of a material from being one: `None` if nothing does, or something else is wrong with it.

@@ -61,8 +61,8 @@ impl<'s, S: Stencil + 's> Rubbing<'s, S> {
     }
 
     /// `sum_i P_i (|v_t,i| / e)^2q` with its derivatives by the slots, at fixed velocities, and by these.
-    pub fn slipping(&self, q: i32) -> (f64, [S::Slots; 2]) {
-        let e = self.coulomb.slip_speed;
+    pub fn slipping(&self, q: u32) -> (f64, [S::Slots; 2]) {
+        let (e, q) = (self.coulomb.slip_speed, i32::try_from(q).unwrap_or(i32::MAX));
         let share = |foot| {
             let slides = self.stencil.slides(foot, &self.velocities);
             (slides, slides.norm_squared() / (e * e))

@@ -137,7 +137,7 @@ impl<W: Counterpart> Touches for BoundContact<W> {
         let (mut sum, mut by_pose, acting) = (0.0, ByPose::default(), Acting::sliding(self, at));
         acting.each(self, &W::state(self, at, false)?, |Pressed { stencil, friction, .. }| {
             let Some(friction) = friction else { return };
-            let (value, by) = friction.slipping(q as i32);
+            let (value, by) = friction.slipping(q);
             let [by_place, by_velocity] = by.map(|by| scaled(by, stencil.weight()));
             sum += stencil.weight() * value;
             stencil.spread(&by_place, |dof, value| by_u[dof] += value);

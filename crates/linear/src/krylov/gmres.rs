@@ -134,6 +134,7 @@ impl Cycle {
             }
         }
         let length = dot(&image, &image, rules).sqrt();
+        let whole = column.iter().fold(length, |norm, h| norm.hypot(*h));
         for (k, &[c, s]) in self.rotations.iter().enumerate() {
             (column[k], column[k + 1]) = (c * column[k] + s * column[k + 1], c * column[k + 1] - s * column[k]);
         }
@@ -146,7 +147,7 @@ impl Cycle {
         self.rhs.push(-s * rhs);
         self.rotations.push([c, s]);
         self.columns.push(column);
-        self.exhausted = length <= f64::EPSILON * self.size;
+        self.exhausted = length <= f64::EPSILON * whole;
         self.basis.push(unit(image, length));
     }
 
@@ -228,9 +229,12 @@ impl FlexibleSystem for Preconditioned<'_> {
 
     fn next(&mut self, cycle: &Cycle, iterations: usize) -> Next {
         let (left, wanted) = (cycle.left(), self.tolerance * self.scale);
+        if cycle.len() > 0 && !left.is_finite() {
+            return Next::End(CgEnd::NotFinite, relative(cycle.size(), self.scale));
+        }
         if cycle.len() > 0 {
             // a restart shows what the residual is
-            let is_over = left <= wanted || !left.is_finite() || iterations == self.most;
+            let is_over = left <= wanted || iterations == self.most;
             return if is_over { Next::Restart } else { Next::Step };
         }
         let end = match self.before {

@@ -94,7 +94,7 @@ impl Solver {
     /// three times the cost that multigrid is expected to have.
     ///
     /// The costs compared are the operations of one factorisation, and 400 passes over both triangles of the tangent at
-    /// 19 operations per entry. docs/development/performance.md has the measurements behind these numbers.
+    /// 19 operations per entry. docs/development/large-bodies.md has the measurements behind these numbers.
     pub fn cheaper(structure: &Structure) -> &'static dyn SolverFactory {
         let factor = structure.factor_size();
         let most = multigrid_flops(2.0 * structure.pattern().values() as f64);

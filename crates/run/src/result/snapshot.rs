@@ -37,17 +37,10 @@ pub(crate) fn control_fields(
     state: &State,
     vectors: &[(&str, Vec<f64>)],
 ) -> Result<Snapshot, ControlError> {
-    let named = |name: &str| member.fields().map(|(_, field)| format!("{}_{name}", field.array)).collect::<Vec<_>>();
-    let mut shot: Option<Snapshot> = None;
-    for (name, m) in vectors {
-        let own = named(name);
-        let names: Vec<&str> = own.iter().map(String::as_str).collect();
-        shot = Some(match shot {
-            Some(shot) => member.reduced().with_controls(shot, m, &names)?,
-            None => member.reduced().moved_controls(&StateFields { names: &names, ..StateFields::new(state, m) })?,
-        });
-    }
-    Ok(shot.unwrap_or_else(|| Snapshot::new(member.mesh().clone())))
+    vectors.iter().try_fold(member.reduced().moved(state)?, |shot, (name, vector)| {
+        let names: Vec<String> = member.fields().map(|(_, field)| format!("{}_{name}", field.array)).collect();
+        member.reduced().with_controls(shot, vector, &names.iter().map(String::as_str).collect::<Vec<_>>())
+    })
 }
 
 /// Names of the control fields that are vectors of the material, and turn with it.
