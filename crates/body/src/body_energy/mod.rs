@@ -8,6 +8,7 @@ use crate::error::{FemError, Inadmissible, InvertedAt};
 use crate::history::History;
 use crate::instant::Instant;
 use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::CellWork;
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::{Patch, Patches};
@@ -24,7 +25,6 @@ use std::sync::Arc;
 
 pub(crate) mod assembly;
 mod bulk_over_shear;
-mod control_product;
 mod control_vjp;
 pub mod dilatations;
 pub mod driving;
@@ -38,8 +38,8 @@ mod moduli;
 pub mod point_peaks;
 pub mod point_strains;
 pub(crate) mod pressure_change;
-mod second_order;
-mod tangent_product;
+mod product;
+mod second_vjp;
 pub(crate) mod tensions;
 pub mod volume_modes;
 
@@ -130,6 +130,26 @@ impl BodyEnergy {
     /// The cells by kind, with the patches that their formulations take together.
     pub(crate) fn groups(&self) -> impl Iterator<Item = (Cells<'_>, &Patches)> {
         self.patches.iter().enumerate().filter_map(|(p, patches)| Some((Cells::of(&self.disc, p)?, patches)))
+    }
+
+    /// Computes something of every patch, in parallel, and takes the answers up in mesh order; `numbers` are those that an answer has of one cell.
+    pub(crate) fn sweep<'b, A, E>(
+        &'b self,
+        parallel: bool,
+        numbers: impl Fn(&Cells<'b>) -> usize,
+        compute: impl Fn(Cells<'b>, Patch, &mut Scratch, &mut A) -> Result<(), E> + Sync,
+        mut take: impl FnMut(Cells<'b>, Patch, &A) + Send,
+    ) -> Result<(), E>
+    where
+        A: Clone + Default + Send + Sync,
+        E: Clone + Send + Sync,
+    {
+        for (cells, patches) in self.groups() {
+            let compute = |patch: Patch, scratch: &mut Scratch, answer: &mut A| compute(cells, patch, scratch, answer);
+            let work = CellWork { cells, patches, numbers: numbers(&cells), compute };
+            work.run(parallel, |patch, answer| take(cells, patch, answer))?;
+        }
+        Ok(())
     }
 
     /// The discretisation.
@@ -391,7 +411,8 @@ impl BodyEnergy {
         parallel: bool,
     ) -> Result<(), Inadmissible> {
         out.fill(0.0);
-        tangent_product::add(self, (Displaced::by(u), Driving::relaxed(controls)), v, out, parallel)
+        let at = (Displaced::by(u), Driving::relaxed(controls));
+        product::add(self, at, product::Along::Displacement(v), out, parallel)
     }
 
     /// Derivative of the body's virtual work with respect to the controls at the points: for every actuation,
