@@ -1,7 +1,7 @@
 //! [`ByParameters`]: a law with moduli as slots, by the numbers that it is written with.
 
 use crate::term::forward_statements;
-use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
+use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, Outside, PointBatch, Response, Slot, Slots, Want};
 use nastic_tensor::{HyperDual, Mat3};
 use std::sync::Arc;
 
@@ -173,6 +173,11 @@ impl EnergyTerm for ByParameters {
     ) -> Result<(), EnergyError> {
         let theta = self.moduli_of(at, m);
         self.law.second_stress_change(at, self.slots_of(&theta), changes, out)
+    }
+
+    fn check_domain(&self, at: &PointBatch, m: Slots) -> Result<(), Outside> {
+        let theta = self.moduli_of(at, m);
+        self.law.check_domain(at, self.slots_of(&theta))
     }
 
     fn slots(&self) -> &[Slot] {

@@ -83,7 +83,7 @@ impl Job<'_> {
         scratch: &mut Scratch,
         result: &mut PatchResult,
     ) -> Result<(), Inadmissible> {
-        self.body.kinematics(cells, patch, self.to, scratch)?;
+        self.body.kinematics(cells, patch, self.to, Some(self.driving), scratch)?;
         if self.keeps {
             result.gradients.clone_from(&scratch.gradients);
         }
@@ -99,11 +99,11 @@ impl Job<'_> {
                 tangent: wanted(&mut scratch.tangent, &range),
             };
             for (law, m) in self.body.materials(&at, self.driving) {
-                law.respond(&at, m, want, &mut out);
+                law.respond(&at, m.get(), want, &mut out);
             }
             out.stress = wanted(&mut scratch.driving, &range);
             for (law, m) in self.body.laws(&at, self.driving).filter(|(law, _)| !law.is_material()) {
-                law.respond(&at, m, want, &mut out);
+                law.respond(&at, m.get(), want, &mut out);
             }
         }
         let weights = &scratch.weights;

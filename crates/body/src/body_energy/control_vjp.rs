@@ -48,17 +48,28 @@ pub(super) fn add_by_slot(
 ) {
     let (part, points) = (cells.part, cells.part.table.points);
     for &c in patch.cells {
-        for &k in &body.composition_of(part.cells[c as usize] as usize).actuations {
-            let first = part.first_point(c as usize);
-            let (width, sums) = match history.width(k) {
-                0 => (controls.slots(k), controls.values_mut(k)),
-                width => (width, history.values_mut(k)),
-            };
-            let shared = sums.len() == width;
-            let (own, rest) = values.split_at(if shared { width } else { width * points });
-            let sums = &mut sums[if shared { 0 } else { width * first }..][..own.len()];
-            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-            values = rest;
+        let first = part.first_point(c as usize);
+        for law in body.laws_of(part.cells[c as usize] as usize) {
+            let width: usize = law.blocks.iter().map(|&k| controls.slots(k).max(history.width(k))).sum();
+            let (mut behind, mut taken) = (0, 0);
+            for &k in &law.blocks {
+                let (own, sums) = match history.width(k) {
+                    0 => (controls.slots(k), controls.values_mut(k)),
+                    width => (width, history.values_mut(k)),
+                };
+                let shared = sums.len() == own;
+                if shared && law.blocks.len() == 1 {
+                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+                    taken = own;
+                    continue;
+                }
+                for q in 0..points {
+                    let sums = &mut sums[if shared { 0 } else { own * (first + q) }..][..own];
+                    sums.iter_mut().zip(&values[q * width + behind..]).for_each(|(sum, value)| *sum += value);
+                }
+                (behind, taken) = (behind + own, width * points);
+            }
+            values = &values[taken..];
         }
     }
 }
@@ -82,15 +93,14 @@ impl ControlVjp<'_> {
         if !self.body.is_actuated(cells, patch) {
             return Ok(());
         }
-        self.body.kinematics(cells, patch, self.to, scratch)?;
+        self.body.kinematics(cells, patch, self.to, Some(self.driving), scratch)?;
         self.body.arithmetic_of(cells.first(patch)).change(cells, patch, self.lambda, scratch);
         for (range, at) in cells.batches(patch, &scratch.kinematics) {
-            for &k in &self.body.composition_of(at.cell).actuations {
-                let m = self.driving.slots(k, &at);
+            for (law, m) in self.body.laws(&at, self.driving) {
+                let m = m.get();
                 if m.width == 0 {
-                    continue; // relaxed
+                    continue; // without slots, or relaxed
                 }
-                let law = &self.body.actuations[k].law;
                 let (changes, weights) = (&scratch.change[range.clone()], &scratch.weights[range.clone()]);
                 let first = values.len();
                 values.resize(first + m.count(at.len()), 0.0);

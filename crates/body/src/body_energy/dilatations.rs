@@ -60,7 +60,7 @@ impl At<'_> {
         if body.stiff_share(cells, patch).is_none() {
             return Ok(());
         }
-        body.kinematics(cells, patch, self.to, scratch)?;
+        body.kinematics(cells, patch, self.to, None, scratch)?;
         match self.what {
             Dilatation::Value => found.extend(scratch.kinematics.iter().map(Kinematics::j)),
             Dilatation::Stiffness => {

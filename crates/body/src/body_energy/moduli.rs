@@ -79,13 +79,13 @@ impl Moduli<'_> {
         moduli: &mut Vec<f32>,
     ) -> Result<(), Inadmissible> {
         let c = cells.number(patch);
-        self.body.kinematics(cells, patch, self.to, scratch)?;
+        self.body.kinematics(cells, patch, self.to, Some(self.driving), scratch)?;
         let want = Want { energy: false, stress: false, tangent: true };
         scratch.clear(want);
         for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let mut out = Response { energy: &mut [], stress: &mut [], tangent: &mut scratch.tangent[range] };
             for (law, m) in self.body.laws(&at, self.driving) {
-                law.respond(&at, m, want, &mut out);
+                law.respond(&at, m.get(), want, &mut out);
             }
         }
         moduli.resize(NODES * MODULI, 0.0);

@@ -147,10 +147,10 @@ impl BodyEnergy {
         let stretches = c.iter().enumerate().map(stretch).collect::<Result<Vec<_>, _>>()?;
         let (mut stress, mut tangent) = (vec![Mat3::zeros(); c.len()], vec![Tangent::zero(); c.len()]);
         let at = PointBatch { kinematics: &stretches, cell, first };
-        self.check_domain_of_materials(&at)?;
+        self.check_domain_of_materials(&at, driving)?;
         let mut response = Response { energy: &mut [], stress: &mut stress, tangent: &mut tangent };
         for (law, m) in self.materials(&at, driving) {
-            law.respond(&at, m, Want::TANGENT, &mut response);
+            law.respond(&at, m.get(), Want::TANGENT, &mut response);
         }
         Ok(stretches.iter().zip(&stress).zip(&tangent).map(|((u, p), a)| material(u, p, a)).collect())
     }
@@ -209,7 +209,7 @@ impl Linearised<'_> {
         scratch: &mut Scratch,
         (rows, matrix): &mut RowsAndMatrix,
     ) -> Result<(), Inadmissible> {
-        self.body.kinematics(cells, patch, Displaced::by(self.u), scratch)?;
+        self.body.kinematics(cells, patch, Displaced::by(self.u), Some(self.driving), scratch)?;
         scratch.clear(Want::TANGENT);
         // what bends with F where that is not affine in u: the extrapolated stress, as in the rest of the tangent
         let mut geometric = Vec::with_capacity(scratch.kinematics.len());
@@ -217,7 +217,7 @@ impl Linearised<'_> {
             let (stress, tangent) = (&mut scratch.stress[range.clone()], &mut scratch.tangent[range.clone()]);
             let mut out = Response { energy: &mut [], stress, tangent };
             for (law, m) in self.body.laws(&at, self.driving).filter(|(law, _)| !law.is_material()) {
-                law.respond(&at, m, Want::TANGENT, &mut out);
+                law.respond(&at, m.get(), Want::TANGENT, &mut out);
             }
             let own = at.first..at.first + at.len();
             let passive = self.body.second_stresses(at.cell, at.first, self.driving, &self.strains.c[own])?;
@@ -267,7 +267,7 @@ impl Extrapolate<'_> {
         scratch: &mut Scratch,
         new: &mut PatchStrains,
     ) -> Result<(), Inadmissible> {
-        self.body.kinematics(cells, patch, Displaced::by(self.u), scratch)?;
+        self.body.kinematics(cells, patch, Displaced::by(self.u), Some(self.driving), scratch)?;
         new.c.clear();
         new.c.extend(scratch.kinematics.iter().map(|k| k.f().transpose() * k.f()));
         new.s.clear();

@@ -61,7 +61,7 @@ impl Change<'_> {
         if pressures.iter().all(|p| *p == 0.0) {
             return Ok(());
         }
-        body.kinematics(cells, patch, self.to, scratch)?;
+        body.kinematics(cells, patch, self.to, None, scratch)?;
         pressures.iter_mut().zip(&scratch.weights).for_each(|(p, w)| *p /= w);
         let formulation = body.arithmetic_of(cells.first(patch));
         let mut pressures = formulation.projected(scratch, &pressures).unwrap_or(pressures);

@@ -1,7 +1,7 @@
 //! The change of the internal forces along a displacement and along controls, for which no matrix is assembled.
 
 use crate::body_energy::BodyEnergy;
-use crate::body_energy::driving::{Driving, slots};
+use crate::body_energy::driving::Driving;
 use crate::body_energy::formulation::StressJet;
 use crate::controls::Controls;
 use crate::error::Inadmissible;
@@ -58,7 +58,7 @@ impl Product<'_> {
         if matches!(self.along, Along::Controls(_)) && !self.body.is_actuated(cells, patch) {
             return Ok(());
         }
-        self.body.kinematics(cells, patch, self.to, scratch)?;
+        self.body.kinematics(cells, patch, self.to, Some(self.driving), scratch)?;
         let formulation = self.body.arithmetic_of(cells.first(patch));
         if let Along::Displacement(v) = self.along {
             formulation.change(cells, patch, v, scratch);
@@ -69,7 +69,7 @@ impl Product<'_> {
             match self.along {
                 Along::Displacement(_) => {
                     for (law, m) in self.body.laws(&at, self.driving) {
-                        law.stress_change(&at, m, &scratch.change[range.clone()], stress);
+                        law.stress_change(&at, m.get(), &scratch.change[range.clone()], stress);
                     }
                 }
                 Along::Controls(v) => self.add_by_controls(v, &at, &mut scratch.by_control, stress),
@@ -88,13 +88,14 @@ impl Product<'_> {
     }
 
     fn add_by_controls(&self, v: &Controls, at: &PointBatch, by_control: &mut Vec<Mat3>, stress: &mut [Mat3]) {
-        for &k in &self.body.composition_of(at.cell).actuations {
-            let (m, v) = (self.driving.slots(k, at), slots(v, k, at));
+        for own in self.body.laws_of(at.cell) {
+            let (m, v) = (self.driving.of_law(own, at), self.driving.changes(own, v, at));
+            let (m, v) = (m.get(), v.get());
             if v.width == 0 {
-                continue; // a viscous law
+                continue; // without slots, or a viscous law
             }
             by_control.resize(at.len() * m.width, Mat3::zeros());
-            self.body.actuations[k].law.stress_by_control(at, m, by_control);
+            own.law.stress_by_control(at, m, by_control);
             add_weighted(by_control, v, stress);
         }
     }
@@ -119,7 +120,7 @@ impl BodyEnergy {
         for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let mut out = Response { energy: &mut [], stress: &mut stress[range], tangent: &mut [] };
             for (law, m) in self.laws(&at, driving) {
-                law.respond(&at, m, Want::STRESS, &mut out);
+                law.respond(&at, m.get(), Want::STRESS, &mut out);
             }
         }
         stress

@@ -70,7 +70,7 @@ impl SecondVjp<'_> {
         answer: &mut PatchAnswer,
     ) -> Result<(), SecondDerivativeError> {
         let PatchAnswer { rows, by_slot, of_lambda } = answer;
-        self.body.kinematics(cells, patch, self.to, scratch)?;
+        self.body.kinematics(cells, patch, self.to, Some(self.driving), scratch)?;
         let formulation = self.body.arithmetic_of(cells.first(patch));
         let curved = !formulation.is_affine();
         formulation.change(cells, patch, self.lambda, scratch);
@@ -83,10 +83,12 @@ impl SecondVjp<'_> {
         for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let changes: [&[Mat3]; 2] = [&of_lambda[range.clone()], &scratch.change[range.clone()]];
             let stress = &mut scratch.stress[range.clone()];
-            let changed = self.body.laws(&at, Driving { controls: self.along.controls, ..self.driving });
-            for ((law, m), (_, v)) in self.body.laws(&at, self.driving).zip(changed) {
+            for own in self.body.laws_of(at.cell) {
+                let (law, m) = (&own.law, self.driving.of_law(own, &at));
+                let v = self.driving.changes(own, self.along.controls, &at);
+                let (m, v) = (m.get(), v.get());
                 law.second_stress_change(&at, m, changes, stress)?;
-                if law.slots().is_empty() || law.evolution().is_some() {
+                if m.width == 0 || law.evolution().is_some() {
                     // a viscous law has second derivatives where it is relaxed
                     if let Some(bend) = &mut bend {
                         bend.add(law, &at, &range, m, changes, stress);

@@ -122,7 +122,7 @@ impl Modes<'_> {
             return Ok(());
         }
         let Some(share) = body.stiff_share(cells, patch) else { return Ok(()) };
-        body.kinematics(cells, patch, self.to, scratch)?;
+        body.kinematics(cells, patch, self.to, None, scratch)?;
         let stiffness = body.volume_stiffness(cells, patch, scratch).into_iter().fold(f64::INFINITY, f64::min);
         if !stiffness.is_finite() || stiffness <= 0.0 {
             return Ok(());

@@ -418,14 +418,13 @@ impl EnergyTerm for FormulaLaw {
         Ok(())
     }
 
-    fn check_domain(&self, at: &PointBatch) -> Result<(), Outside> {
-        // of a law with slots the parameters are not known here: what is not finite there fails the solve
-        if self.curvature.is_safe() && self.energy.is_safe() || !self.slots.is_empty() {
+    fn check_domain(&self, at: &PointBatch, m: Slots) -> Result<(), Outside> {
+        if self.curvature.is_safe() && self.energy.is_safe() {
             return Ok(());
         }
         for (point, k) in at.kinematics.iter().enumerate() {
             let place = at.place(point);
-            let (y, theta) = (self.invariants(place, k), self.parameters(at, Slots::none(), point));
+            let (y, theta) = (self.invariants(place, k), self.parameters(at, m, point));
             let [w] = self.energy.evaluate::<f64, 1>(y, &theta);
             let slopes: [f64; 14] = self.curvature.evaluate(y, &theta);
             if w.is_finite() && slopes.iter().all(|w| w.is_finite()) {
