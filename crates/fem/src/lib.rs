@@ -62,6 +62,7 @@ pub use nastic_forces::rigid_body::RigidBody;
 pub use nastic_forces::spring::Spring;
 pub use nastic_forces::tendon::Tendon;
 pub use nastic_forces::varying_load::VaryingLoad;
+pub use nastic_forces::weak_form::{CellSum, FormDual, FormPoint, WeakForm};
 pub use nastic_linear::memory::{
     LimitError as MemoryLimitError, available as available_memory, limit as memory_limit, peak as peak_memory,
 };

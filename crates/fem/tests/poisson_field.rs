@@ -4,7 +4,7 @@ use crate::common;
 
 use common::block::STRICT;
 use common::own_contributions::Oscillators;
-use common::poisson::Poisson;
+use common::poisson::{Coupled, Poisson, forces};
 use common::{Outcome, distance, largest, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
@@ -35,7 +35,7 @@ fn cable() -> Tendon {
 
 /// With the field, zero at both ends.
 fn with_field(solid: Solid) -> Outcome<Solid> {
-    let poisson = Poisson::on(solid.mesh(), CONDUCTIVITY, PUSH);
+    let poisson = Poisson::on(solid.discretization(), CONDUCTIVITY, PUSH);
     Ok(solid.contribution(poisson)?.hold("phi", 0, "x-", 0.0)?.hold("phi", 0, "x+", 0.0)?)
 }
 
@@ -61,7 +61,7 @@ fn the_field_has_its_closed_form() -> Outcome {
         println!("phi {error:.3e} of {:.3e}, {}", largest(&exact), state.report.solver);
         assert!(error < 1e-12 * largest(&exact), "{error:e}");
         // the body by itself under the forces of the exact field
-        let forces = Poisson::on(solid.mesh(), CONDUCTIVITY, PUSH).forces(&exact);
+        let forces = forces(solid.discretization(), PUSH, &exact);
         let alone = loaded(bar()?)?.nodal_force(&forces)?;
         let expected = alone.solve(&alone.controls(), &STRICT)?;
         let u = solid.model().displacement(&state.u);
@@ -76,6 +76,11 @@ fn the_field_has_its_closed_form() -> Outcome {
 #[test]
 fn contributions_keep_their_contract_among_fields() -> Outcome {
     let solid = with_field(loaded(bar()?)?)?.tendon(cable())?;
+    let coupled = bar()?;
+    let coupled = coupled.clone().contribution(Coupled::on(coupled.discretization()))?;
+    for seed in 0..3 {
+        check_contribution(coupled.model(), "coupled", seed)?;
+    }
     for name in ["poisson", "spring", "foundation on z-", "cable", "dead load"] {
         check_contribution(solid.model(), name, 3)?;
     }

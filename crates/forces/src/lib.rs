@@ -14,3 +14,4 @@ pub mod rigid_motion;
 pub mod spring;
 pub mod tendon;
 pub mod varying_load;
+pub mod weak_form;
