@@ -52,7 +52,7 @@ pub struct SweptInstant {
 }
 
 /// A reverse sweep that is given the steps of a motion one by one, from the last to the first, and then its beginning: see
-/// [`TimeStepping::reverse_sweep`](crate::TimeStepping::reverse_sweep). It holds what three instants owe, and no states.
+/// [`TimeStepping::reverse_sweep`](crate::TimeStepping::reverse_sweep). It holds the sensitivities by three instants, and no states.
 #[derive(Debug)]
 pub struct ReverseSweep<'a> {
     model: &'a Model,
