@@ -300,8 +300,8 @@ impl<'a> ReverseSweep<'a> {
         add(factor, adjoints, to.of(term.of));
     }
 
-    /// Adds the derivative through the velocity and acceleration of the k-th stage of a step to those by what they are taken from; what its own
-    /// displacement owes is in the solve.
+    /// Adds the derivative through the velocity and acceleration of the k-th stage of a step to those by what they are taken from; the part of its own
+    /// displacement is in the solve.
     fn pass_rates(
         &mut self,
         stage: &Stage,
