@@ -30,7 +30,7 @@ struct Problem {
 
 /// Young's modulus of all bodies, Pa.
 const YOUNG: f64 = 1e5;
-/// Newton iterations above which a solve is told.
+/// Newton iterations above which a solve is listed.
 const MANY: usize = 1_000;
 
 fn main() -> Result<(), Failure> {

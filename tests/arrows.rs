@@ -1,4 +1,4 @@
-//! The arrows between our crates are those of ARCHITECTURE.md, read from the manifests.
+//! The arrows between our crates, read from the manifests: those of the figure in ARCHITECTURE.md and what they imply.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 

@@ -80,7 +80,7 @@ pub fn median<E>(repeat: usize, mut work: impl FnMut() -> Result<(), E>) -> Resu
     Ok(times[times.len() / 2])
 }
 
-/// The process's largest resident memory so far in megabytes; NaN where the system does not tell.
+/// The process's largest resident memory so far in megabytes; NaN where the system does not say.
 pub fn peak_memory() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));

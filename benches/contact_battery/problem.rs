@@ -1,4 +1,4 @@
-//! What a problem is: a body for the program, what it has to do, and the facts that the judge is told.
+//! What a problem is: a body for the program, what it has to do, and the facts for the judge.
 
 use crate::judge::law::Law;
 use crate::judge::shape::Shape;

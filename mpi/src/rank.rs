@@ -26,7 +26,7 @@ pub struct MpiRank {
 }
 
 impl MpiRank {
-    /// Which of how many; `commands` go to whoever calls MPI.
+    /// Which of how many; `commands` go to the thread that calls MPI.
     pub fn new((rank, size): (usize, usize), commands: Sender<Command>) -> Self {
         Self { rank, size, commands: Mutex::new(commands), limit: Mutex::new(FOR_EVER) }
     }

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 /// As good as for ever.
 const FOR_EVER: Duration = Duration::from_secs(1 << 32);
-/// What tells these messages from PETSc's own.
+/// What distinguishes these messages from PETSc's own.
 const TAG: c_int = 7203;
 
 /// A rank of MPI's world, whose messages go out from the thread of the [`Session`](crate::Session) alone. A send may wait for the other rank to receive, and messages are

@@ -85,7 +85,7 @@ impl Distributed {
         Ok(system)
     }
 
-    /// On own unknowns that whoever asks keeps as long as the vector.
+    /// On own unknowns, which the caller keeps as long as the vector.
     fn vector(&self, values: *const f64) -> Result<Owned, PetscError> {
         // SAFETY: as many values as this rank has unknowns, which outlive the vector.
         Owned::make(VEC, "VecCreateMPIWithArray", |vec| unsafe {

@@ -52,7 +52,7 @@ impl Spoil {
         Spoil::Energy,
     ];
 
-    /// What is told of a problem.
+    /// The facts of a problem.
     pub fn problem(self, problem: &mut Problem) {
         let facts = &mut problem.facts;
         match self {

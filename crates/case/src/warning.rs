@@ -310,7 +310,7 @@ pub const IDLE: WarningKind = WarningKind {
     advice: "begin where it acts (\"start\", or \"optimizer\": { \"starts\" }), and raise a \"lower\" bound to keep a cable taut",
 };
 
-/// More controls than the cost can tell apart.
+/// More controls than the cost determines.
 pub const UNDETERMINED: WarningKind = WarningKind {
     code: "undetermined",
     about: "the cost looks at fewer numbers than the control has free values: other controls do as well as the one found",

@@ -345,7 +345,7 @@ pub struct Analysis {
     /// Also the equilibrium whose contacts have no layer, for verification (exact_contact.vtu): how far are forces and places from it?
     #[arg(long)]
     pub exact_contact: bool,
-    /// Also the state, equilibrium or motion, whose contacts have layers half as thick: what do forces and places owe to the layer?
+    /// Also the state, equilibrium or motion, whose contacts have layers half as thick: the share of the layer in forces and places
     #[arg(long)]
     pub half_thickness: bool,
     /// Instead N equilibria with one control going from a value to another: --ramp "air=0 Pa:60 kPa:12"

@@ -255,7 +255,7 @@ pub(crate) fn while_shown<T>(what: &str, work: impl FnOnce(&Console) -> T) -> T 
     out
 }
 
-/// Whether all ranks have a part in it; or are told that they have none.
+/// Whether all ranks have a part in it; else they get the message that they have none.
 fn is_shared(command: &Command) -> bool {
     use Command::{Gradcheck, Gradient, Modes, Optimize, Resume, Solve, Sweep};
     matches!(command, Optimize(_) | Resume(_) | Sweep(_) | Solve(_) | Modes(_) | Gradient(_) | Gradcheck(_))

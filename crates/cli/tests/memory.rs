@@ -1,4 +1,4 @@
-//! Limits of memory: what does not fit is refused or told, before it is allocated.
+//! Limits of memory: what does not fit is refused or reported, before it is allocated.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 

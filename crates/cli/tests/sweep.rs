@@ -166,7 +166,7 @@ fn what_is_missing_is_named_and_decides_the_exit_code() {
     }
 }
 
-/// Runs that were made with another case or other options are told from those that are missing, and the table that they have stays.
+/// Runs that were made with another case or other options are distinguished from those that are missing, and the table that they have stays.
 #[test]
 fn joining_with_another_case_leaves_the_table_and_says_what_to_do() {
     let place = CaseDirectory::new(BAR);

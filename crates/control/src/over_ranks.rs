@@ -1,4 +1,4 @@
-//! What the ranks of a body tell each other beside sums over unknowns.
+//! What the ranks of a body send each other beside sums over unknowns.
 
 use crate::error::ControlError;
 use nastic_fem::{FemError, Share};

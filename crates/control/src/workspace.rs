@@ -4,7 +4,7 @@ use crate::known_limits::KnownLimits;
 use crate::state_predictor::StatePredictor;
 use nastic_fem::Workspace;
 
-/// The preconditioner of the last solve, the predictor of the next state, and limit points that were met. Owned by whoever makes the evaluations, one
+/// The preconditioner of the last solve, the predictor of the next state, and limit points that were met. Owned by the run that makes the evaluations, one
 /// after the other; results depend on it only within the accuracy asked of them, but that a trial behind a
 /// limit point which was met before is given up where the path of equilibria turns back; the same history gives the same bits.
 #[derive(Debug, Default)]

@@ -165,13 +165,13 @@ struct Row {
 /// On p ranks: `messages = A p ceil(log2 p) + X q + 2 T (p - 1)`, `bytes = 8 p (p - 1) (A + N) + 8 d s X + 16 L (p - 1) + P (p - 1)`.
 #[derive(Default)]
 struct Expected {
-    /// A, and N: the numbers that a rank tells in all of them.
+    /// A, and N: the numbers that a rank sends in all of them.
     agreements: [usize; 2],
     /// X, of d = 3 numbers per node.
     exchanges: usize,
     /// T sums along a tree, L their lengths together.
     sums: Vec<usize>,
-    /// P: bytes of all ranks that are told to all beside these.
+    /// P: bytes of all ranks that are sent to all beside these.
     told: usize,
 }
 

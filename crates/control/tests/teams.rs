@@ -104,7 +104,7 @@ fn second_derivatives_have_the_same_bits_on_any_number_of_ranks() -> Outcome {
     Ok(())
 }
 
-/// The formulas of docs/development/messages-of-ranks.md. `of` has the bytes that are told of a member.
+/// The formulas of docs/development/messages-of-ranks.md. `of` has the bytes that are sent of a member.
 fn exchanged(shares: &Shares, of: usize) -> Traffic {
     let ranks = shares.ranks();
     let rounds = ranks.next_power_of_two().trailing_zeros() as usize;
@@ -202,7 +202,7 @@ fn a_failed_member_is_the_same_failure_on_all_ranks() -> Outcome {
     Ok(())
 }
 
-/// Whoever owns which members, the block of the members 0 to 3 and that of the fifth one have the same bytes.
+/// Whichever rank owns which members, the block of the members 0 to 3 and that of the fifth one have the same bytes.
 #[test]
 fn blocks_of_members_are_the_same_on_any_number_of_ranks() -> Outcome {
     let m = start(bars(Mean)?.len());

@@ -185,7 +185,7 @@ pub struct Outside {
     pub law: &'static str,
     /// What is bounded.
     pub measure: &'static str,
-    /// What was found (not a number where the deformation is none).
+    /// What was found (NaN where the deformation is).
     pub value: f64,
     /// What it must stay below.
     pub limit: f64,

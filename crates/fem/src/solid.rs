@@ -33,7 +33,7 @@ mod solving;
 /// A body that can be solved: find u with `u = u_D` on the supports such that
 /// `int P(F(u), m) : grad v dX = int b . v dX + int t . v dA` for all admissible v.
 ///
-/// Built by chaining; each call says what it could not find. Cheap to clone: the mesh side is shared.
+/// Built by chaining; each call says what it could not find. Clones share the mesh side.
 ///
 /// ```
 /// use nastic_fem::Solid;

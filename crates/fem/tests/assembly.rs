@@ -54,7 +54,7 @@ fn every_sum_has_the_same_bits_for_any_number_of_threads() -> Outcome {
     Ok(())
 }
 
-/// The same cell is blamed, the first in the mesh, whoever finds another one earlier.
+/// The same cell is named, the first in the mesh, whichever thread finds another one earlier.
 #[test]
 fn the_first_inverted_cell_is_blamed_for_any_number_of_threads() -> Outcome {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build()?;

@@ -168,7 +168,7 @@ fn a_rigid_block_slides_into_a_corner() -> Outcome {
     Ok(())
 }
 
-/// On a floor alone it lies where it fell: it may slide and spin, which is told and does not count as unstable. What it presses has derivatives that differences confirm; where it lies has none.
+/// On a floor alone it lies where it fell: it may slide and spin, which is reported and does not count as unstable. What it presses has derivatives that differences confirm; where it lies has none.
 #[test]
 fn a_rigid_block_on_a_floor_is_neutral() -> Outcome {
     let solid = block_above(&[FLOOR], (0.4, Vec3::new(1.0, 0.4, 0.1)), 0.01, (0.0, -Vec3::z()))?;

@@ -51,7 +51,7 @@ fn block(kind: CellKind, filled: bool) -> Outcome<(Mesh, usize)> {
 }
 
 /// `int J dX` over the filler is the volume of the room, so the turgor's energy is that of the pressure, and all that differs is the
-/// energy of the filler, in proportion to its modulus. Prints the table of docs/model.md.
+/// energy of the filler, in proportion to its modulus. Prints the numbers of docs/model/equilibrium.md at four moduli.
 #[test]
 fn a_soft_filler_with_a_turgor_converges_to_a_cavity() -> Outcome {
     let pressure = 0.05;

@@ -109,7 +109,7 @@ fn springs_across_parts_act_as_in_one_process() -> Outcome {
     Ok(())
 }
 
-/// Beside a face between parts both sides have a place, to rounding: its nodes are those of one process, whoever has them.
+/// Beside a face between parts both sides have a place, to rounding: its nodes are those of one process, whichever rank has them.
 #[test]
 fn places_beside_a_face_between_parts_have_the_nodes_of_one_process() -> Outcome {
     let mesh = regular(CellKind::Hex8, [1.0, 0.2, 0.2], [2, 1, 1])?;

@@ -1,4 +1,4 @@
-//! Sums over unknowns have one seam, `Space::dot`, `norm` and `max_abs`: whoever distributes vectors replaces these alone.
+//! Sums over unknowns have one seam, `Space::dot`, `norm` and `max_abs`: to distribute vectors these alone are replaced.
 
 use crate::common;
 

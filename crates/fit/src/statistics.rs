@@ -111,5 +111,5 @@ pub(crate) fn covariance(jacobian: &DMatrix<f64>, border: &[bool], variance: f64
     Some(out)
 }
 
-/// Beside the largest, an effect of this share is none.
+/// Beside the largest, an effect of this share counts as zero.
 const NO_EFFECT: f64 = 1e-7;

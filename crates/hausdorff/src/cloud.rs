@@ -9,7 +9,7 @@ use super::error::HausdorffError;
 use super::tree::Tree;
 
 /// Points (metres; z = 0 in two dimensions) with positive weights (their share of the volume or area, deformed
-/// measure), checked once and sorted into a tree of boxes. Cheap to clone.
+/// measure), checked once and sorted into a tree of boxes. Clones share them.
 #[derive(Clone, Debug)]
 pub struct Cloud {
     inner: Arc<Inner>,

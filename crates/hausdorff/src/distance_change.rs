@@ -10,7 +10,7 @@ use super::second::{Motion, Seeds};
 pub struct SecondPartials {
     /// The changes of d rho / d x_q and of d rho / d w_q.
     pub change: Partials,
-    /// d rho / d w_q itself: whoever makes weights of displacements needs it for their own second derivatives.
+    /// d rho / d w_q itself, for second derivatives of weights that depend on displacements.
     pub weights: Vec<f64>,
 }
 

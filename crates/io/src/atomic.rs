@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use crate::error::WriteError;
 
 /// Writes a file beside its place and renames it there when it is complete; makes missing directories on the way.
-/// Whoever reads `path` meanwhile sees the old content or the new one, never a part. Of a link at `path` the link is replaced, not what it leads to.
+/// A reader of `path` meanwhile sees the old content or the new one, never a part. Of a link at `path` the link is replaced, not what it leads to.
 ///
 /// # Errors
 ///

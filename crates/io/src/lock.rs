@@ -7,7 +7,7 @@ use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// The file that is locked. It stays behind: whoever removed it could remove the one that another program has just
+/// The file that is locked. It stays behind: a program that removed it could remove the one that another program has just
 /// locked.
 const NAME: &str = ".lock";
 

@@ -1,4 +1,4 @@
-//! The JSON Schema: complete, valid, and of one mind with the reader.
+//! The JSON Schema: complete, valid, and in agreement with the reader.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 

@@ -152,7 +152,7 @@ pub(crate) fn recomputed(l: usize, s: usize) -> usize {
     r * l - beta * r / (s + 1)
 }
 
-/// How many of l > 1 segments to go before the next of s > 1 checkpoints, least work in sight: those before it are swept with all
+/// How many of l > 1 segments to go before the next of s > 1 checkpoints, with the least work in all: those before it are swept with all
 /// checkpoints, those behind it with one less.
 pub(crate) fn split(l: usize, s: usize) -> usize {
     let work = |j: usize| j + recomputed(j, s) + recomputed(l - j, s - 1);

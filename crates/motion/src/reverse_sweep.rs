@@ -52,7 +52,7 @@ pub struct SweptInstant {
 }
 
 /// A reverse sweep that is given the steps of a motion one by one, from the last to the first, and then its beginning: see
-/// [`TimeStepping::reverse_sweep`](crate::TimeStepping::reverse_sweep). It holds what three instants owe, and no states.
+/// [`TimeStepping::reverse_sweep`](crate::TimeStepping::reverse_sweep). It holds the sensitivities by three instants, and no states.
 #[derive(Debug)]
 pub struct ReverseSweep<'a> {
     model: &'a Model,
@@ -300,8 +300,8 @@ impl<'a> ReverseSweep<'a> {
         add(factor, adjoints, to.of(term.of));
     }
 
-    /// Adds the derivative through the velocity and acceleration of the k-th stage of a step to those by what they are taken from; what its own
-    /// displacement owes is in the solve.
+    /// Adds the derivative through the velocity and acceleration of the k-th stage of a step to those by what they are taken from; the part of its own
+    /// displacement is in the solve.
     fn pass_rates(
         &mut self,
         stage: &Stage,

@@ -146,7 +146,7 @@ pub trait TimeStepping: Borrow<Model> {
     /// dj/db_v = dj/dv + l . dr/dv,    dj/db_a = dj/da + l . dr/da,    dj/dm = l . dr/dm
     /// ```
     ///
-    /// one transposed solve per stage; then the combinations transposed. Unknowns D that controls hold owe to them `(dj/dw + c_v dj/dv + c_a dj/da + K^T l)_D .
+    /// one transposed solve per stage; then the combinations transposed. Unknowns D that controls hold have the sensitivity by them `(dj/dw + c_v dj/dv + c_a dj/da + K^T l)_D .
     /// dw_D/dm`. An acceleration `M a = -r(u, v, 0; m)` at
     /// the beginning and an equilibrium there take a solve each. A static problem is a trajectory of one instant, and
     /// this its adjoint. Source: docs/model/motion.md.

@@ -26,7 +26,7 @@ use thiserror::Error;
 /// remainder linear in t, larger steps are asked.
 ///
 /// With [`second`](Self::second), the remainder r2(t) = |j(m(t)) - j(m) - dj.(m(t) - m) - t^2/2 d.Hd| falls as t^3 if H is the
-/// second derivative, on curved paths too: their bend is in the linear term, and changes the quadratic one by t^3.
+/// second derivative, on curved paths too: their curvature is in the linear term, and changes the quadratic one by t^3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taylor {
     /// Number of random directions.

@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex};
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
-/// `(m - 10)^2` where m < 3, nothing or another branch beyond; whoever asks learns how far the step may go, or not.
+/// `(m - 10)^2` where m < 3, nothing or another branch beyond; asked, it says how far the step may go, or not.
 struct Cliff {
     tells: bool,
     /// Whether there is another branch.

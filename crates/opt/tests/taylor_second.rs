@@ -61,7 +61,7 @@ fn right_second_derivatives_pass_and_wrong_ones_do_not() {
     }
 }
 
-/// The curves bend there: what they bend by belongs to the first derivative.
+/// The paths are curved there: their curvature belongs to the first derivative.
 #[test]
 fn along_spheres_in_balls_and_at_bounds() {
     let m = [0.06, 0.08, 0.0, 0.0, 0.0, -0.1, 0.0, 0.012, 0.016];

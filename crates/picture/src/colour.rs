@@ -17,7 +17,7 @@ impl Colour {
     pub const RED: Colour = Colour([206, 66, 58]);
     /// Near black.
     pub const INK: Colour = Colour([38, 43, 51]);
-    /// Colours that can be told apart, for curves and paths.
+    /// Colours that can be distinguished, for curves and paths.
     pub const DISTINCT: [Colour; 12] = [
         Colour::BLUE,
         Colour::ORANGE,

@@ -33,7 +33,7 @@ pub(crate) fn send_line(to: &Sender<TrialLine>, line: String) {
     }
 }
 
-/// Tells how far a command is, and goes on.
+/// Reports how far a command is, and goes on.
 pub(crate) fn tell(to: &Sender<TrialLine>, line: String) {
     // whoever has left hears nothing
     let _ = to.send(TrialLine { line, heard: None });

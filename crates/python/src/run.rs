@@ -179,7 +179,7 @@ pub(crate) fn figure(
     drawn.map_err(|problem| error::of_run(py, &problem))
 }
 
-/// Where it is told how far a command is, until it has ended.
+/// Reports how far a command is, until it has ended.
 #[derive(Clone)]
 struct Listener(Arc<Mutex<Option<Sender<TrialLine>>>>);
 

@@ -23,11 +23,11 @@ pub struct Console {
     /// When the last line was said, and how long none has to be until a line about a solve is.
     last_line: Arc<Mutex<Instant>>,
     silence: Duration,
-    /// Who is told how far the command is.
+    /// The observer of the progress.
     watcher: Option<Watcher>,
 }
 
-/// Who is told how far a command is, and when that was done last.
+/// The observer of the progress, and when it was called last.
 #[derive(Clone)]
 struct Watcher {
     tell: Arc<dyn Fn(&Standing) + Send + Sync>,
@@ -85,7 +85,7 @@ impl Console {
         self
     }
 
-    /// With somebody who is told how far the command is: where a phase, a step or an iteration begins, and within a solve ten times a second at most. No
+    /// With an observer of the progress: where a phase, a step or an iteration begins, and within a solve ten times a second at most. No
     /// result depends on it.
     #[must_use]
     pub fn watched(mut self, tell: impl Fn(&Standing) + Send + Sync + 'static) -> Self {
@@ -93,7 +93,7 @@ impl Console {
         self
     }
 
-    /// Tells the watcher; of what happens often not always.
+    /// Calls the observer; of frequent events not always.
     fn tell(&self, is_often: bool) {
         let Some(watcher) = &self.watcher else { return };
         {
@@ -137,7 +137,7 @@ impl Console {
         self
     }
 
-    /// With a line in a log every so often that tells what is done at the moment, where there is no terminal.
+    /// With a line in a log every so often that says what is done at the moment, where there is no terminal.
     #[must_use]
     pub fn with_log(self, mut log: impl Write + Send + 'static, every: Duration) -> Self {
         repeat(&self.status, every, move |line| writeln!(log, "nastic: {line}").and_then(|()| log.flush()).is_ok());

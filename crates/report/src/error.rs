@@ -108,7 +108,7 @@ pub enum ReportError {
         /// Of the second.
         b: String,
     },
-    /// A factor of lengths that is none.
+    /// An invalid factor of lengths.
     #[error("a scale of lengths is positive and finite, not {scale}")]
     Scale {
         /// What was given.

@@ -23,7 +23,7 @@ fn number(found: &Value, path: &str) -> f64 {
     find(found, path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path} in {found}"))
 }
 
-/// The largest pressure over one that is expected at most, as results, the cost's figure and the VTU file tell it, and all pressures of the file.
+/// The largest pressure over one that is expected at most, as results, the cost's figure and the VTU file have it, and all pressures of the file.
 fn told(place: &CaseDirectory, found: &Value) -> (f64, Snapshot, Vec<f64>) {
     let largest = number(found, "contributions/between/largest_pressure");
     let shown = nastic_io::read_snapshot(place.path("out/start.vtu")).unwrap();

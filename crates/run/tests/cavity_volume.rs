@@ -110,7 +110,7 @@ fn tube() -> String {
     text + "*SURFACE, NAME=inner\nbody, S4\n*SURFACE, NAME=low\n1, S1\n*SURFACE, NAME=left\n8, S3\n"
 }
 
-/// Who pumps a chamber to many times its volume is told that it has ballooned.
+/// A chamber that is pumped to many times its volume is warned about.
 #[test]
 fn chambers_that_have_ballooned_are_told() {
     let case = |volume: &str| {

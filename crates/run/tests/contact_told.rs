@@ -58,7 +58,7 @@ fn obstacles_and_states_are_called_what_they_are() {
     assert!(picture.contains(">obstacle<"), "{picture}");
 }
 
-/// What can be solved but is hardly meant: told by `check`, before anything is solved.
+/// What can be solved but is hardly meant: reported by `check`, before anything is solved.
 #[test]
 fn unusual_contacts_are_told() {
     let of = |case: &str| CaseDirectory::new().text(Command::Check, case, &[]);

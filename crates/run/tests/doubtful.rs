@@ -1,4 +1,4 @@
-//! Cases that are probably not what was meant: each is told, with the likely reason, and the usual one beside it is not.
+//! Cases that are probably not what was meant: each is warned about, with the likely reason, and the usual one beside it is not.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
@@ -193,7 +193,7 @@ fn free_fall() {
     assert_eq!(messages(&solve(&upwards), "free_flight").len(), 1);
 }
 
-/// Of a motion the smallest J is told once: that of all instants.
+/// Of a motion the smallest J is reported once: that of all instants.
 #[test]
 fn the_smallest_j_of_a_motion_once() {
     let pressed = bar_with(

@@ -1,4 +1,4 @@
-//! Laws whose energy is a formula, in case files: solves, parameters by scenario and over the body, what is told of mistakes.
+//! Laws whose energy is a formula, in case files: solves, parameters by scenario and over the body, messages for mistakes.
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 

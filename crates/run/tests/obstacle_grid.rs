@@ -57,7 +57,7 @@ fn pose_and_stiffness_are_controls_with_exact_derivatives() {
     }
 }
 
-/// What is solved tells the grid, draws the solid itself, and reports gaps and pressures that go together.
+/// The solve names the grid, draws the solid itself, and reports gaps and pressures that go together.
 #[test]
 fn the_solid_is_drawn_and_its_grid_told() {
     let place = CaseDirectory::new();
@@ -145,7 +145,7 @@ fn mistakes_get_answers() {
     assert_eq!(message.matches("coarse_grid").count(), 1, "{message}");
 }
 
-/// A wall that the grid goes through on both sides is told, and how thick it is.
+/// A wall that the grid goes through on both sides is reported, and how thick it is.
 #[test]
 fn a_wall_that_the_grid_loses_is_told() {
     let place = CaseDirectory::new();

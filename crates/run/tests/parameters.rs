@@ -1,4 +1,4 @@
-//! Numbers of materials as controls: moduli found again from where a tip went, by their logarithms, by region, of a formula; what is told of mistakes.
+//! Numbers of materials as controls: moduli found again from where a tip went, by their logarithms, by region, of a formula; messages for mistakes.
 
 #![allow(clippy::unwrap_used)] // helpers of tests
 

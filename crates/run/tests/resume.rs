@@ -323,7 +323,7 @@ fn what_was_found_stays_when_a_resumed_run_is_stopped_early() {
     assert_eq!(format!("{before:?}"), format!("{:?}", content(&place)));
 }
 
-/// A checkpoint is written before its turn where iterations are dear.
+/// A checkpoint is written before its turn where iterations are expensive.
 #[test]
 fn dear_iterations_are_kept_before_their_turn() {
     let place = CaseDirectory::new();

@@ -290,7 +290,7 @@ fn a_body_in_millimetres_that_is_taken_for_metres_is_warned_of() -> Result {
     Ok(())
 }
 
-/// `sum_a |u_a|^2`, with a derivative that is `factor` times the right one; no number where that is none.
+/// `sum_a |u_a|^2`, with a derivative that is `factor` times the right one; NaN where that is.
 #[derive(Debug)]
 struct Stillness {
     factor: f64,

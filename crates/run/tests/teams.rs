@@ -267,7 +267,7 @@ fn runs_of_a_sweep_are_shared_out() {
     }
 }
 
-/// However the runs of a rank ended: who started the ranks is told of one code, that of the first.
+/// However the runs of a rank ended: one exit code is returned, that of the first.
 #[test]
 fn all_ranks_of_a_sweep_end_with_the_code_of_the_first() {
     let ends = |set: &[&str], strict: bool, before: &dyn Fn(&CaseDirectory)| {

@@ -1,4 +1,4 @@
-//! A worst case over scenarios is told as it is; what is optimised in its place is smoothed.
+//! A worst case over scenarios is reported as it is; what is optimised in its place is smoothed.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 

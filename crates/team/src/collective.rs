@@ -36,7 +36,7 @@ pub fn broadcast(team: &dyn Team, message: Vec<u8>) -> Result<Vec<u8>, TeamError
 }
 
 /// The messages of all ranks, in their order, at all ranks. Rank r passes on what it knows of the ranks from r on to the rank 1, 2, 4, .. before it: so all know
-/// everything after `ceil(log2 size)` rounds, in each of which every rank sends one message and receives one, and no message is told twice to
+/// everything after `ceil(log2 size)` rounds, in each of which every rank sends one message and receives one, and no message is sent twice to
 /// the same rank (J. Bruck, C.-T. Ho, S. Kipnis, E. Upfal, D. Weathersby, IEEE Trans. Parallel Distrib. Syst. 8, 1997, 1143-1156).
 ///
 /// # Errors

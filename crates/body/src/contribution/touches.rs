@@ -44,7 +44,7 @@ pub trait Touches {
         into: &mut Sensitivities,
     ) -> Result<f64, Inadmissible>;
 
-    /// The same of the pressures that are told (`largest_pressure`, [`nodal_pressures`](Self::nodal_pressures)), over their places and areas. Those of the samples before an
+    /// The same of the pressures that are reported (`largest_pressure`, [`nodal_pressures`](Self::nodal_pressures)), over their places and areas. Those of the samples before an
     /// obstacle; between surfaces of bodies means, since samples of both sides share what presses unevenly.
     ///
     /// # Errors

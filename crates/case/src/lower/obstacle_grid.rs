@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// How much wider than what matters the grid is.
 const MARGIN: f64 = 2.0;
 
-/// Of a block with a spacing; distances up to a reach matter. Told are its size and what it loses of the solid.
+/// Of a block with a spacing; distances up to a reach matter. Reports its size and what it loses of the solid.
 pub(super) fn build(
     block: &schema::Obstacle,
     spacing: f64,

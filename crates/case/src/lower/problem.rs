@@ -128,7 +128,7 @@ impl CaseProblem {
             .ok_or_else(|| self.document.complain(&self.case.optimizer.at.key("method"), "not supported yet").into())
     }
 
-    /// Lets unstable equilibria fail where the case says so (`"unstable": "refuse"`): for whoever optimises.
+    /// Lets unstable equilibria fail where the case says so (`"unstable": "refuse"`), for optimisations.
     pub fn refuse_unstable_if_asked(&mut self) {
         if self.case.optimizer.unstable == Unstable::Refuse {
             self.ensemble.refuse_unstable(true);

@@ -23,7 +23,7 @@ const LARGEST_STRAIN: f64 = 10.0;
 /// The tables of a data file, with what deserves attention in them.
 ///
 /// # Errors
-/// A file that cannot be read, a row that is none: all that is wrong with any.
+/// A file that cannot be read, an invalid row: all that is wrong with any.
 pub fn read_tests(document: &Document, asked: &FitData) -> Result<(Vec<Test>, Vec<String>), Diagnostics> {
     let (mut tests, mut doubtful, mut problems) = (Vec::new(), Vec::new(), Vec::new());
     for test in &asked.tests {

@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// ```
 ///
 /// over the samples s of area w_s and traction t_s (docs/contact.md): how heavy the body lies on a floor, what carries it. Friction acts in steps in time, at the velocities of
-/// the time scheme; it is none where a motion begins. Depends on displacement and velocity, on the pose at both ends of the step, on stiffness and coefficient.
+/// the time scheme; zero where a motion begins. Depends on displacement and velocity, on the pose at both ends of the step, on stiffness and coefficient.
 /// Not between surfaces of bodies, not with lagged friction, which depends on the displacement before. Units: N (N/m in plane strain). First derivatives alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactResultant {

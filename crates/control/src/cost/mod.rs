@@ -204,8 +204,8 @@ pub trait Cost: Debug + Send + Sync {
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError>;
 
     /// Whether it is one of a body over ranks ([`Solid::of_part`](nastic_fem::Solid::of_part)), if its points are: values of the whole body, the same on all ranks, partial
-    /// derivatives whose sum over the ranks is that of the whole. All ranks call [`at`](Self::at) together; where that tells the others something it asks first whether
-    /// [all accept](nastic_fem::views::OverRanks::all_accept) what they have to tell. So they do partial derivatives of points, but ask for figures each by itself.
+    /// derivatives whose sum over the ranks is that of the whole. All ranks call [`at`](Self::at) together; where that sends the others something it asks first whether
+    /// [all accept](nastic_fem::views::OverRanks::all_accept) what they have to send. So they do partial derivatives of points, but ask for figures each by itself.
     fn spans_ranks(&self) -> bool {
         false
     }
@@ -225,7 +225,7 @@ pub trait Cost: Debug + Send + Sync {
         vec![]
     }
 
-    /// What decides how long it takes, for whoever looks at a problem before solving it: its numbers of points, say.
+    /// What decides how long it takes, for checks before a solve: its numbers of points, say.
     fn size(&self) -> Option<String> {
         None
     }

@@ -28,7 +28,7 @@ use std::sync::Arc;
 /// stated): far below the differences that line searches and gradient checks look at.
 ///
 /// Of a body over ranks every rank has the points of all, in the order of the ranks; they form the sums together, each those of some of
-/// the points, whoever has these in its cells.
+/// the points, whichever rank has these in its cells.
 ///
 /// Source: survey, eq. (7); docs/model/costs.md.
 #[derive(Debug, Clone)]

@@ -288,7 +288,7 @@ impl Ensemble {
         Ok(EnsemblePoint { m: m.to_vec(), members, costs, risk, held })
     }
 
-    /// Runs `each` for every member of this rank, and tells the others what `tell` makes of it: results of the own, and what was told of all, in
+    /// Runs `each` for every member of this rank, and sends the others what `tell` makes of it: own results, and what was sent of all, in
     /// the members' order. Which of those behind a failure had run already depends on timing: their factors and the limit points that they
     /// met are dropped, so that the next evaluation does not depend on it.
     fn side_by_side<T: Send, R: Parcel>(

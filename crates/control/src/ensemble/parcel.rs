@@ -1,4 +1,4 @@
-//! [`Parcel`]: what ranks tell each other of their members, as bytes.
+//! [`Parcel`]: what ranks send each other of their members, as bytes.
 
 use crate::control_limit::{ControlAt, ControlLimit};
 use crate::error::{ControlError, RemoteFailure};
@@ -9,7 +9,7 @@ use nastic_opt::bytes::{Reader, Writer};
 use nastic_opt::{SavedRunError, Summary};
 use nastic_team::TeamError;
 
-/// What is told of a member to the other ranks.
+/// What is sent of a member to the other ranks.
 pub trait Parcel: Sized {
     /// Adds it to a message.
     fn pack(&self, out: &mut Writer);

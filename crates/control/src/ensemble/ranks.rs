@@ -19,14 +19,14 @@ const LEAST: Duration = Duration::from_secs(60);
 /// As long as one rank works for itself the others wait for it.
 const FOR_EVER: Duration = Duration::from_secs(1 << 32);
 
-/// The ranks of a team, each with a range of the members. What they tell each other is what all have to know to go on alike: small
+/// The ranks of a team, each with a range of the members. They exchange what all need to go on alike: small
 /// reports, the first failure, whether somebody asks for an end; and sums.
 #[derive(Debug)]
 pub(super) struct Ranks {
     team: Arc<dyn Team>,
     /// Read by every message, written by [`share_anew`](Self::share_anew) between evaluations.
     shares: RwLock<Shares>,
-    /// Raised by whoever wants this rank to stop.
+    /// Raised where this rank is to stop.
     signal: Option<Arc<AtomicBool>>,
     /// Raised on all ranks at the same message.
     agreed: Option<Arc<AtomicBool>>,
@@ -102,7 +102,7 @@ impl Ranks {
         self.team.wait_at_most(FOR_EVER);
     }
 
-    /// What every rank has to tell of its own members, or the first failure of these: of all members, or the first failure of all.
+    /// What every rank sends of its own members, or the first failure of these: of all members, or the first failure of all.
     pub fn share<R: Parcel>(
         &self,
         own: Result<Vec<R>, (usize, ControlError)>,
@@ -146,7 +146,7 @@ impl Ranks {
         })
     }
 
-    /// What one rank told: whether it was asked to stop, and its reports or its failure.
+    /// What one rank sent: whether it was asked to stop, and its reports or its failure.
     #[allow(clippy::type_complexity)] // a message and its two halves
     fn told<R: Parcel>(
         &self,

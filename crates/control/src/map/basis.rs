@@ -313,7 +313,7 @@ impl Basis {
         Ok(sums.into_iter().map(|s| [s[0] / s[3], s[1] / s[3], s[2] / s[3]]).collect())
     }
 
-    /// The nodes that the unknowns are on, each told by the rank that it belongs to.
+    /// The nodes that the unknowns are on, each sent by the rank that it belongs to.
     fn at_nodes(&self, points: &[[f64; 3]], numbers: &[u32], whole: &WholeBody) -> Result<Vec<[f64; 3]>, ControlError> {
         let mut out = vec![[0.0; 3]; self.len()];
         for (x, node) in points.iter().zip(numbers).take(whole.owned()) {

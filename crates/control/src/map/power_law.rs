@@ -4,7 +4,7 @@ use super::ControlMap;
 
 /// `y = low + (high - low) x^p`, entry by entry: a modulus between two by a density x (SIMP), a multiplier of one.
 ///
-/// `y' = (high - low) p x^(p-1)`, `y'' = (high - low) p (p-1) x^(p-2)`. Not a number of `x < 0` where p is none that is whole.
+/// `y' = (high - low) p x^(p-1)`, `y'' = (high - low) p (p-1) x^(p-2)`. NaN for `x < 0` where p is not whole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PowerLaw {
     /// y(0)

@@ -32,7 +32,7 @@ impl<'d> WholeBody<'d> {
         })
     }
 
-    /// Quadrature points are numbered cell by cell, so all ranks tell how many each of their cells has.
+    /// Quadrature points are numbered cell by cell, so all ranks send how many each of their cells has.
     fn points(&self, part: &Part, share: &Share) -> Result<Vec<u32>, ControlError> {
         let own = self.disc.points_of_cells();
         let told: Vec<f64> =

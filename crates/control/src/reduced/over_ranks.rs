@@ -35,7 +35,7 @@ impl Reduced {
     }
 }
 
-/// The length of a vector and a hash of its bits, as numbers that are told exactly (64 bits in two halves).
+/// The length of a vector and a hash of its bits, as numbers that are sent exactly (64 bits in two halves).
 fn fingerprint(m: &[f64]) -> [f64; 3] {
     let mix = |hash: u64, x: &f64| (hash ^ x.to_bits()).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29);
     let hash = m.iter().fold(0xcbf2_9ce4_8422_2325, mix);

@@ -48,7 +48,7 @@ pub trait TrajectoryCost: Debug + Send + Sync {
     /// Whether it can be evaluated on such a problem.
     ///
     /// # Errors
-    /// A control it does not find, an instant that is none.
+    /// A control it does not find, an invalid instant.
     fn check(&self, _layout: &Layout, _timeline: &Timeline) -> Result<(), ControlError> {
         Ok(())
     }

@@ -291,7 +291,7 @@ impl Stability<'_> {
     ///
     /// On a body that is solved by multigrid, 0 means that conjugate gradients with a right-hand side of fixed random
     /// numbers converged to 1e-8 and met no negative curvature; only where they did meet it is a factor made to count
-    /// ([`tangent_inertia`](Self::tangent_inertia) tells which).
+    /// ([`tangent_inertia`](Self::tangent_inertia) says which).
     ///
     /// # Errors
     /// [`StateError::Linear`] where the tangent is singular: the state sits on a bifurcation.

@@ -10,7 +10,7 @@ use std::fmt;
 use std::sync::Arc;
 
 /// What one solve leaves behind for the next on the same body: a linear solver with what it keeps (a factor of a recent
-/// tangent, a multigrid hierarchy), used as preconditioner while that is cheaper than a new one. Owned by whoever makes the
+/// tangent, a multigrid hierarchy), used as preconditioner while that is cheaper than a new one. Owned by the run that makes the
 /// solves, one after the other; results depend on it only within the accuracy asked of them, and the same history gives the
 /// same bits.
 #[derive(Default)]

@@ -86,7 +86,7 @@ impl Contacts<'_> {
         self.summed(at, name, |touches, at, by_u, into| touches.add_pressing(at, by, by_u, into))
     }
 
-    /// The same of the pressures that are told, those of [`nodal_pressures`](Self::nodal_pressures): `sum_c A_c g(P_c)` over their places, with half of
+    /// The same of the reported pressures, those of [`nodal_pressures`](Self::nodal_pressures): `sum_c A_c g(P_c)` over their places, with half of
     /// the areas where two surfaces touch each other.
     ///
     /// # Errors

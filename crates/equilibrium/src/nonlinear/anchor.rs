@@ -1,4 +1,4 @@
-//! [`Anchor`]: a pull back to where a body is.
+//! [`Anchor`]: a proximal term about the present displacement.
 
 use crate::model::Model;
 use nastic_body::contribution::Sums;

@@ -20,7 +20,7 @@ const NOISY: f64 = 1e-8;
 const NOISE: f64 = 16.0 * f64::EPSILON;
 /// Rounding of the residual of a body without stress, as a share of the forces that its moduli make.
 const NOISE_OF_MODULI: f64 = 64.0 * f64::EPSILON;
-/// Share of the forces that moduli make to which residuals are told where the forces at hand are smaller.
+/// Share of the forces that moduli make, by which residuals are divided where the forces at hand are smaller.
 const LEAST_FORCE: f64 = 1e-6;
 /// A full step shorter than this share of the body's size is below what double precision resolves.
 pub(crate) const RESOLUTION: f64 = 1e-12;
@@ -260,7 +260,7 @@ impl<'a> Iteration<'a> {
             && !model.touches_something()
     }
 
-    /// Tells a watch of the step just taken; without messages between ranks, of which some may have none.
+    /// Reports the step just taken to a watch; without messages between ranks, of which some may have none.
     fn watched(&self, load: f64, residual: f64, now: &Sums, report: &SolveReport) {
         if let Some(watch) = self.equations.options.watch {
             watch(&Progress { load, newton: report.newton, residual, step: self.length, energy: now.energy });

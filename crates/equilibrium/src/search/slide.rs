@@ -29,7 +29,7 @@ struct Patience {
     finer: f64,
 }
 
-/// First in haste: what goes, goes in long steps.
+/// First in long steps, as far as these succeed.
 const HASTE: Patience = Patience { at_once: (3, 0.1), round: (4, 0.03), rougher: 100.0, finer: 10.0 };
 const PATIENCE: Patience = Patience { at_once: (usize::MAX, 0.0), round: (usize::MAX, 0.0), rougher: 10.0, finer: 3.0 };
 /// Relative residual to which a round is solved, and below which what is left of friction is tried at once.

@@ -5,7 +5,7 @@ use nastic_body::error::FemError;
 use nastic_mesh::{GroupNames, Mesh};
 use std::sync::Arc;
 
-/// A volume below this share of that of the body's box is none.
+/// A volume below this share of that of the body's box counts as zero.
 const NONE: f64 = 1e-12;
 
 /// The volume that a surface encloses, that of a [`Cavity`] of its walls with openings closed by lids,

@@ -2,7 +2,7 @@
 
 /// Tries.
 const ADVANCES: usize = 64;
-/// The share of the way to the floor that is left.
+/// The share of the way to the lower bound that is left.
 pub(super) const NEAR: f64 = 1e-3;
 
 /// How far a distance may go that changes by no more than `reach` over the whole way: a distance changes no faster than its ends move

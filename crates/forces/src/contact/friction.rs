@@ -18,7 +18,7 @@ impl Friction {
     /// Its coefficient, a design.
     ///
     /// # Errors
-    /// A slip speed or coefficient that is none.
+    /// An invalid slip speed or coefficient.
     pub fn slot(&self, contact: &str) -> Result<Slot, FemError> {
         let refuse = |what: String| FemError::Meaningless { what: format!("contact \"{contact}\": {what}") };
         let Friction { coefficient, slip_speed } = *self;

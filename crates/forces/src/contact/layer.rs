@@ -47,7 +47,7 @@ impl Settings {
     /// The layer on some surfaces, with a thickness where none is given.
     ///
     /// # Errors
-    /// Numbers that are none; no stiffness given and no material behind a surface.
+    /// Numbers that are NaN or infinite; no stiffness given and no material behind a surface.
     pub fn on(&self, surfaces: &[Surface], body: &BodyEnergy, thickness: f64) -> Result<Layer, FemError> {
         let refuse = |what| self.refusal(what);
         let thickness = positive("thickness", self.thickness.unwrap_or(thickness)).map_err(refuse)?;

@@ -131,7 +131,7 @@ impl Contact {
 
     /// Samples of each facet as of `refine^2` pieces. If not given, between surfaces 2 in space, where edges that cross between samples carry nothing, and 1 in the plane, and before an obstacle of each facet as many (4 at most) as leave its samples no
     /// further apart than half of its least width, two at least where its edges are sharper than half of the facet: a sphere of radius R enters by
-    /// `h^2/(8 R)` where they are h apart, and [`Touch::between`](nastic_body::contribution::touches::Touch::between) tells what is inside between them.
+    /// `h^2/(8 R)` where they are h apart, and [`Touch::between`](nastic_body::contribution::touches::Touch::between) has what is inside between them.
     #[must_use]
     pub fn refine(mut self, refine: usize) -> Self {
         self.settings.refine = Some(refine);
@@ -168,7 +168,7 @@ impl Contact {
     /// The contribution on a body whose materials are there.
     ///
     /// # Errors
-    /// An unknown surface, an obstacle or numbers that are none; no stiffness given and no material behind a surface; surfaces that are nearer at rest than
+    /// An unknown surface, an invalid obstacle, numbers that are NaN or infinite; no stiffness given and no material behind a surface; surfaces that are nearer at rest than
     /// twice the thickness, or that are asked for what an obstacle has.
     pub fn on(&self, body: &BodyEnergy) -> Result<Arc<dyn Contribution>, FemError> {
         match (&self.with, self.unfit) {

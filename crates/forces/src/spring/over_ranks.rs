@@ -16,7 +16,7 @@ type Weights = Vec<(u32, f64)>;
 
 impl Spring {
     /// The contribution of a rank, of which the lowest that has the nodes of both ends has the spring, and the others nothing but its name. Who has an end
-    /// in its cells tells all ranks where it is.
+    /// in its cells sends all ranks where it is.
     ///
     /// # Errors
     /// As [`on`](Self::on); [`FemError::Unsupported`] where no rank has the nodes of both ends.

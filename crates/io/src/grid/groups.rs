@@ -17,7 +17,7 @@ pub(crate) const TAGS: [&str; 6] = ["region", "gmsh:physical", "medit:ref", "nas
 const ENTITIES: &str = "CellEntityIds";
 /// VTK's array of cells that are not the file's own.
 pub(crate) const GHOSTS: &str = "vtkGhostType";
-/// Bits of [`GHOSTS`] by which a cell is none of the body: a copy of a cell of another part, a cell that was refined, a hidden one.
+/// Bits of [`GHOSTS`] by which a cell does not belong to the body: a copy of a cell of another part, a cell that was refined, a hidden one.
 const NO_CELL: i32 = 1 | 8 | 32;
 
 /// Whether a field array names a group.

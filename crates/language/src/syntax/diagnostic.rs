@@ -49,7 +49,7 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Problems that are told at once: nobody reads more, and a generated file may have a hundred thousand.
+    /// Problems that are reported at once: nobody reads more, and a generated file may have a hundred thousand.
     pub const MOST: usize = 100;
 
     /// In the order of lines, each problem once, at the deepest of its paths.

@@ -183,7 +183,7 @@ impl Document {
         out
     }
 
-    /// Problems that do not keep the rest from being read: keys given twice, numbers out of range. Whoever reads the case
+    /// Problems that do not keep the rest from being read: keys given twice, numbers out of range. The reader of the case
     /// reports them too.
     #[must_use]
     pub fn problems(&self) -> &[Diagnostic] {

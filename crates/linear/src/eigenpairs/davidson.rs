@@ -43,7 +43,7 @@ pub struct ProductEigenproblem<'a> {
     pub system: System<'a>,
     /// M, positive definite on the unknowns that are not fixed.
     pub mass: MassMatrix<'a>,
-    /// Eigenvalues that are zero, as those of rigid motions that nothing holds: the block goes beyond them, since nothing tells these apart.
+    /// Eigenvalues that are zero, as those of rigid motions that nothing holds: the block goes beyond them, since nothing distinguishes these.
     pub zeros: usize,
     /// Set to end between iterations.
     pub cancel: Option<&'a AtomicBool>,

@@ -79,7 +79,7 @@ struct Run<'a> {
     rows: Rows,
     u: &'a mut [f64],
     p: &'a mut [f64],
-    /// Displacements and pressures since the last restart, rounded: GMRES does not mind what its preconditioner does.
+    /// Displacements and pressures since the last restart, rounded: flexible GMRES takes any preconditioner.
     directions: Vec<[Vec<f32>; 2]>,
     curvature: Curvature,
     /// A negative curvature of K along the last one.

@@ -1,7 +1,7 @@
 //! Buffers of dense products: address space that the products of a factor take beside it.
 //!
 //! `private-gemm-x86` 0.1, which `faer` multiplies with, keeps two buffers on each thread, each as large as the third cache of one core times the number of cores.
-//! They are hardly touched, so that no resident memory tells of them, but limits of address space and of data count them: 600 MiB a thread where the cache has 300.
+//! They are hardly touched, so that resident memory does not show them, but limits of address space and of data count them: 600 MiB a thread where the cache has 300.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 

@@ -59,7 +59,7 @@ struct Coarsest {
 /// A level is factorised when its factor has no more entries than this share of the finest matrix: a cycle then spends
 /// no more on it than on smoothing.
 const COARSEST_SHARE: f64 = 0.5;
-/// Larger levels are not even looked at with factorising in mind: ordering them costs more than a level.
+/// Larger levels are not considered for a factor: ordering them costs more than a level.
 const ANALYSED: usize = 60_000;
 /// A level with more than this share of the nodes of the one above does not pay.
 const COARSENING: f64 = 0.7;

@@ -346,7 +346,7 @@ impl SparseMatrix {
 
     /// Replaces rows and columns of the dofs marked `fixed` by those of `diagonal` times the identity.
     ///
-    /// Whoever prescribes values other than zero moves `A x` to the right-hand side first.
+    /// To prescribe values other than zero, move `A x` to the right-hand side first.
     pub fn eliminate(&mut self, fixed: &[bool], diagonal: f64) {
         let dim = self.pattern.dim();
         self.beyond.iter_mut().chain(&mut self.aside).for_each(|block| block.eliminate(dim, fixed));

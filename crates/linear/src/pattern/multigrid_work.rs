@@ -4,7 +4,7 @@
 const PASSES: f64 = 400.0;
 /// Arithmetic operations of a factorisation that take as long as passing one entry (single precision, from memory).
 const FLOPS_PER_ENTRY: f64 = 19.0;
-/// A factor serves several tangents and the adjoint, and does not mind an indefinite tangent or a nearly incompressible
+/// A factor serves several tangents and the adjoint, and takes an indefinite tangent or a nearly incompressible
 /// material: multigrid is taken where it is expected to be cheaper by this much.
 const MARGIN: f64 = 3.0;
 

@@ -62,7 +62,7 @@ impl Direct {
         self.structure.symbolic()
     }
 
-    /// The kept factor, if it serves as a preconditioner.
+    /// The factor held in the workspace, if it serves as a preconditioner.
     fn kept(&self) -> Option<&Factor> {
         self.factor.as_ref().filter(|f| f.pivots() == Pivots::Positive)
     }
@@ -149,7 +149,7 @@ impl Direct {
         x
     }
 
-    /// With the kept factor: a step, or whether the matrix showed to be indefinite.
+    /// With the factor held: a step, or whether the matrix showed to be indefinite.
     fn step_by_kept(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Kept {
         let Some(kept) = self.kept().filter(|_| self.reuse.serves(self.symbolic(), tolerance)) else {
             return Kept::Nothing { indefinite: false };
@@ -245,7 +245,7 @@ impl Direct {
         Err(LinearError::Singular { residual: refined.residual, wanted: accuracy.residual })
     }
 
-    /// Negative eigenvalues of the matrix that the kept factor is of.
+    /// Negative eigenvalues of the matrix that the factor held was made of.
     fn negative(&self) -> Option<usize> {
         self.factor.as_ref().filter(|factor| factor.is_usable()).map(Factor::negative_pivots)
     }

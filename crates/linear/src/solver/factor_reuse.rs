@@ -1,4 +1,4 @@
-//! [`FactorReuse`]: when a kept factor serves as a preconditioner and when a new one is due.
+//! [`FactorReuse`]: when a factor held in the workspace serves as a preconditioner and when a new one is due.
 
 use crate::factor::symbolic::Symbolic;
 
@@ -9,11 +9,11 @@ const FACTORISING: f64 = 0.4;
 /// Accuracy of a step from which the equilibrium is near.
 const NEAR_EQUILIBRIUM: f64 = 1e-3;
 
-/// Counts iterations with the kept factor: when they have cost as much as a factorisation, one is due. That is at most
+/// Counts iterations with the factor held: when they have cost as much as a factorisation, one is due. That is at most
 /// twice the least possible work, and the last factor is one from near the end.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FactorReuse {
-    /// Iterations with the kept factor since it was made, in this nonlinear solve.
+    /// Iterations with the factor held since it was made, in this nonlinear solve.
     pub spent: usize,
     /// Whether a step has been cut short where the curvature turned negative. Once in a nonlinear solve that is cheaper
     /// than knowing the whole tangent, which is positive again at most next iterates; where it is not, a factor shows.
@@ -21,13 +21,13 @@ pub(super) struct FactorReuse {
 }
 
 impl FactorReuse {
-    /// Iterations with a kept factor that are worth it instead of a factorisation.
+    /// Iterations with the factor held that are worth it instead of a factorisation.
     pub fn worth(symbolic: &Symbolic) -> usize {
         let ratio = FACTORISING * (symbolic.flops() / (symbolic.nonzeros() as f64).max(1.0)).sqrt();
         ratio.round().clamp(5.0, 40.0) as usize
     }
 
-    /// Whether the kept factor may be used for a step of this accuracy. A factor made near the equilibrium serves the
+    /// Whether the factor held may be used for a step of this accuracy. A factor made near the equilibrium serves the
     /// adjoint and the next solve nearby as well, which take some six iterations more with an old one: it is due earlier.
     pub fn serves(&self, symbolic: &Symbolic, tolerance: f64) -> bool {
         let worth = Self::worth(symbolic);

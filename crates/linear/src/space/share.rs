@@ -34,7 +34,7 @@ impl PartialEq for Share {
 
 impl Eq for Share {}
 
-/// Numbers that are told to all ranks where they are summed, no more.
+/// Numbers that are sent to all ranks where they are summed, no more.
 const FEW: usize = 64;
 
 impl Share {
@@ -88,7 +88,7 @@ impl Share {
         }
     }
 
-    /// Each number becomes its sum over all ranks. A few are told to all; many are added along a tree of the ranks, so that none holds those of all.
+    /// Each number becomes its sum over all ranks. A few are sent to all; many are added along a tree of the ranks, so that none holds those of all.
     pub fn sum(&self, values: &mut [f64]) {
         if values.len() <= FEW {
             return self.joined(values, |sum, next| sum + next);
@@ -121,7 +121,7 @@ impl Share {
         Ok(all.iter().map(|one| numbers(one).collect()).collect())
     }
 
-    /// Each number becomes the least one of all ranks; not a number where one is none.
+    /// Each number becomes the least one of all ranks; NaN where one is.
     pub fn least(&self, values: &mut [f64]) {
         self.joined(values, |least, next| if next < least || next.is_nan() { next } else { least });
     }

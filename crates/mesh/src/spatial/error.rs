@@ -93,7 +93,7 @@ pub enum SpatialError {
         /// Sides of the bounding box.
         size: Vec<f64>,
     },
-    /// An obstacle that is none.
+    /// An invalid obstacle.
     #[error("{what}")]
     Obstacle {
         /// What is wrong.

@@ -42,7 +42,7 @@ pub enum ComparedPart {
 /// States of one mesh are compared node by node too.
 ///
 /// # Errors
-/// [`ReportError`]: something that is none of these, a part that is not there, units that differ.
+/// [`ReportError`]: anything else, a part that is not there, units that differ.
 pub fn compare(a: &Path, b: &Path, request: &CompareRequest) -> Result<ComparisonRecord, ReportError> {
     if let Some(scale) = request.scale.filter(|scale| !(scale.is_finite() && *scale > 0.0)) {
         return Err(ReportError::Scale { scale });

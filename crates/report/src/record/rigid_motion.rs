@@ -3,7 +3,7 @@
 use crate::number::short;
 use crate::record::{Numbers, number_of};
 
-/// Radians that are none, and the share of a vector that a component which is none has.
+/// Radians that count as zero, and the share of a vector below which a component does.
 const ROUNDING: f64 = 1e-9;
 
 /// How a rigid body moved, in space or in the plane, where the components outside of it are zero.

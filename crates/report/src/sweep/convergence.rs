@@ -3,7 +3,7 @@
 use crate::record::{ConvergenceRecord, DiscretizationRecord, SweptRecord};
 use crate::sweep::row::SweepRow;
 
-/// Orders beyond are none that elements have: 1 beside the weakest corners, 2 p for energies with elements of order p.
+/// Orders beyond are not those of elements: 1 beside the weakest corners, 2 p for energies with elements of order p.
 const ORDERS: [f64; 2] = [0.25, 8.0];
 /// Halvings of that range.
 const HALVINGS: usize = 60;

@@ -64,7 +64,7 @@ impl SweepTable {
             + &paragraph("The order is that of this mesh and the two before it; sweep_table.tex has this table.")
     }
 
-    /// The numbers of the chart, and what else tells runs from each other at a glance.
+    /// The numbers of the chart, and what else distinguishes runs.
     fn figures_shown(&self) -> Vec<String> {
         let mut out: Vec<String> = self.figures().into_iter().map(|figure| figure.path).collect();
         for more in ["min_J", "iterations", "newton_iterations"] {

@@ -35,7 +35,7 @@ pub struct FitOutcome {
 /// Fits the laws of a data file to its tests, writes `fit.json`, `fit.html` and `fit.svg` to `out` (else to `out/DATA` beside the file), and says what was found.
 ///
 /// # Errors
-/// [`RunError::Input`]: a file that cannot be read, a row of a table that is none; [`RunError::Fit`]: no law could be fitted;
+/// [`RunError::Input`]: a file that cannot be read, an invalid row of a table; [`RunError::Fit`]: no law could be fitted;
 /// [`RunError::Write`], [`RunError::InUse`].
 pub fn fit(data: &Path, out: Option<PathBuf>, console: &Console) -> Result<FitOutcome, RunError> {
     fit_with(data, &LoneTable::default(), out, console)

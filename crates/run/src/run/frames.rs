@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const GIF: &str = "frames.gif";
 
 /// Draws the states of a motion, ramp or path, to `frame_0000.png` .. and `frames.gif` in the result folder, or in the directory that is named;
-/// where the animated picture went. `drawn` is told how many of them are drawn.
+/// where the animated picture went. `drawn` gets how many of them are drawn.
 ///
 /// # Errors
 /// [`RunError::Report`]: the folder holds no results, or has not what is asked for; as [`figure`](crate::run::figure).

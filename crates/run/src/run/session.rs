@@ -301,7 +301,7 @@ impl<'c> Session<'c> {
         found
     }
 
-    /// Looks into the states and says what deserves attention there; whoever asks keeps the warnings.
+    /// Looks into the states and says what deserves attention there; the caller keeps the warnings.
     pub fn look_into(&self, console: &Console, what: &str, point: &EnsemblePoint) -> (Vec<Inspection>, Vec<Warning>) {
         let found = Inspection::of_point(&self.problem, point);
         let members = self.problem.members().zip(&found);
@@ -473,7 +473,7 @@ fn start_files(document: &Document) -> Vec<PathBuf> {
     files.map(|file| document.resolve(file)).collect()
 }
 
-/// Says a warning; whoever asks keeps it.
+/// Says a warning; the caller keeps it.
 pub(super) fn say_warning(console: &Console, warning: &Warning) {
     console.say(format!("WARNING     {warning}"));
 }

@@ -27,7 +27,7 @@ pub enum SpectrumRefusal {
     /// No eigenpair was asked for.
     #[error("ask for one eigenpair at least")]
     Count,
-    /// A rise that is none.
+    /// An invalid rise of the cost.
     #[error("the rise of the cost is {0:e}; it is a positive number in the unit of the cost")]
     Rise(f64),
     /// Constraints on the state.

@@ -134,7 +134,7 @@ fn make(
     Ok(SweepOutcome { exit: work.exit(), result })
 }
 
-/// Refuses a quantity that no results have, before any run; those of the first tell the rest.
+/// Refuses a quantity that no results have, before any run; those of the first show the rest.
 fn check_quantity(quantity: Option<&str>) -> Result<(), RunError> {
     let Some(quantity) = quantity else { return Ok(()) };
     let schema = RunRecord::schema();
@@ -275,7 +275,7 @@ impl Work<'_> {
         self.table.rows.push(row);
     }
 
-    /// The first run tells whether results have what is to be shown: before all others are made.
+    /// The first run shows whether results have what is to be shown: before all others are made.
     fn check_quantity(&self) -> Result<(), RunError> {
         let (Some(quantity), Some(known)) = (&self.sweep.quantity, self.table.lacks_quantity()) else { return Ok(()) };
         Err(wrong_quantity(format!("\"{quantity}\" is no number of these results; there are: {}", known.join(", "))))

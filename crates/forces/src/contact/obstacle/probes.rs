@@ -14,7 +14,7 @@ const FINER: usize = 4;
 /// By this factor a facet of second order may reach further from its middle than its nodes do.
 const CURVED: f64 = 1.25;
 
-/// Places of a surface, four times as dense as its samples. They carry nothing: they tell how deep an edge or a corner of an obstacle is inside of
+/// Places of a surface, four times as dense as its samples. They carry nothing: they show how deep an edge or a corner of an obstacle is inside of
 /// the body between samples.
 #[derive(Debug, Clone)]
 pub(super) struct Probes {

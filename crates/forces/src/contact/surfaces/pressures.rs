@@ -34,7 +34,7 @@ pub(super) struct Pressures<'a> {
     beside: Vec<Beside>,
     /// `1 + sum_d f_cd`
     weights: Vec<f64>,
-    /// What is told.
+    /// What is reported.
     pub of_corners: Vec<f64>,
 }
 
@@ -82,7 +82,7 @@ impl<'a> Pressures<'a> {
         Pressures { recovery, samples, own, beside, weights, of_corners }
     }
 
-    /// Adds the derivatives by the unknowns of `sum_c f_c P_c`, P the pressures that are told.
+    /// Adds the derivatives by the unknowns of `sum_c f_c P_c`, P the reported pressures.
     pub fn add_derivatives(&self, f: &[f64], mut add: impl FnMut(usize, f64)) {
         let mut by_own: Vec<f64> = f.iter().zip(&self.weights).map(|(f, weight)| f / weight).collect();
         for beside in &self.beside {

@@ -46,7 +46,7 @@ impl SignedDistance {
         SignedDistance { value, gradient: normal, bend: Bend::Round { curvature, straight: V::from(straight) } }
     }
 
-    /// By all derivatives, of which it is told the coordinates that they are taken by.
+    /// By all derivatives, given the coordinates that they are taken by.
     pub(super) fn interpolated(of: impl Fn(&[usize]) -> f64) -> Self {
         let bend = Bend::Entries { second: Matrix3::from_fn(|i, j| of(&[i, j])), third: THIRD.map(|axes| of(&axes)) };
         SignedDistance { value: of(&[]), gradient: [0, 1, 2].map(|i| of(&[i])), bend }

@@ -132,7 +132,7 @@ impl Obstacle {
         }
     }
 
-    /// What d is replaced by to tell how far a point may go: it differs from d on a grid alone, and there only where d is at least the grid's margin, and
+    /// What d is replaced by to bound how far a point may go: it differs from d on a grid alone, and there only where d is at least the grid's margin, and
     /// changes by no more than [`Obstacle::steepest`] times the way.
     pub fn guarded(&self, x: &[f64; 3]) -> f64 {
         match self {

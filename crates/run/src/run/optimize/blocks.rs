@@ -1,6 +1,6 @@
 //! [`Blocks`]: the files of a checkpoint that have the points, a file for each block of members.
 //!
-//! Blocks are by the members' numbers: whoever owns the first member of one writes its file, and any ranks read those that they need. There are two
+//! Blocks are by the members' numbers: the owner of the first member of one writes its file, and any ranks read those that they need. There are two
 //! sets of files, that of the last checkpoint and that of the next one: `checkpoint.bin`, which is written last, says which one counts and what is in it.
 
 use crate::result::checkpoint_file;

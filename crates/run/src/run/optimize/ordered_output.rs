@@ -88,7 +88,7 @@ impl OrderedOutput {
 }
 
 impl StartOutput {
-    /// A trial's line of `history.jsonl`, which goes to whoever listens.
+    /// A trial's line of `history.jsonl`, which goes to listeners.
     pub fn add_line(&self, line: TrialRecord) {
         self.output.lock().add(self.part, Event::Trial(Box::new(line)));
     }

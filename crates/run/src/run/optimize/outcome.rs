@@ -133,7 +133,7 @@ struct Earlier {
     iterations: Option<usize>,
 }
 
-/// Keeps the best states for whoever runs the command.
+/// Keeps the best states for the caller of the command.
 pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: Vec<Inspection>) {
     let FinishedRun { start, best, .. } = ended;
     let subtitle = subtitle(session, &best);

@@ -99,7 +99,7 @@ impl<'s> Recorder<'s> {
         self.before = Some(Before::new(point));
     }
 
-    /// Whether a checkpoint is due behind so many iterations: by the schedule, and where iterations are dear before that.
+    /// Whether a checkpoint is due behind so many iterations: by the schedule, and where iterations are expensive earlier.
     pub fn is_checkpoint_due(&self, iterations: usize) -> bool {
         let every = self.problem.case.output.checkpoint;
         every > 0 && (iterations.is_multiple_of(every) || self.newton_since >= NEWTON_BETWEEN_CHECKPOINTS)

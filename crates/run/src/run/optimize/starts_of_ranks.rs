@@ -1,4 +1,4 @@
-//! Starts shared out over ranks: what each has found in a round, told to all.
+//! Starts shared out over ranks: what each has found in a round, sent to all.
 
 use crate::run::error::RunError;
 use crate::run::optimize::journal::SharedJournal;
@@ -19,7 +19,7 @@ struct Told {
     aborted: Option<(usize, String)>,
 }
 
-/// Tells the starts of this rank to all and takes over those of the others, so that all ranks go on alike; the first one writes their lines of
+/// Sends the starts of this rank to all and takes over those of the others, so that all ranks go on alike; the first one writes their lines of
 /// `history.jsonl`, in the order of the starts.
 pub(super) fn share(
     session: &Session<'_>,

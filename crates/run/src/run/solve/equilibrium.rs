@@ -54,7 +54,7 @@ pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Res
     Ok(exit)
 }
 
-/// Keeps the equilibria at the start controls for whoever runs the command.
+/// Keeps the equilibria at the start controls for the caller of the command.
 pub(crate) fn show(
     session: &mut Session<'_>,
     point: EnsemblePoint,
