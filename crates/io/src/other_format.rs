@@ -11,7 +11,11 @@ pub(crate) fn advice(file: &Path) -> String {
             "convert it by Python's meshio: `meshio convert {name} {stem}.vtu`; its numbers of groups become the names of regions and surfaces"
         ),
         "med" => format!("convert it by Gmsh, which keeps the names of groups: `gmsh {name} -save -o {stem}.msh`"),
-        "xdmf" | "xmf" | "fem" | "e" | "exo" | "ex2" | "avs" => {
+        "e" | "exo" | "ex2" => format!(
+            "convert it by Python's pyvista: `pyvista.read(\"{name}\").combine(merge_points=True).save(\"{stem}.vtu\")` (meshio 5.3.5 leaves the nodes of \
+             second-order hexahedra in an order of its own)"
+        ),
+        "xdmf" | "xmf" | "fem" | "avs" => {
             format!(
                 "convert it, for instance by Python's meshio: `meshio convert {name} {stem}.vtu`. That keeps nodes and cells, but not the \
              names of sets: where the case names regions or surfaces, save the mesh from Gmsh as .msh, with physical groups of those names"
@@ -22,7 +26,8 @@ pub(crate) fn advice(file: &Path) -> String {
         }
         "stl" | "obj" | "ply" | "off" => format!(
             "this is a surface, and a body of cells is wanted: fill it by Gmsh, with a script {stem}.geo of the lines `Merge \"{name}\"; \
-             Surface Loop(1) = {{1}}; Volume(1) = {{1}}; Physical Volume(\"body\") = {{1}}; Physical Surface(\"skin\") = {{1}};` and \
+             CreateTopology; Surface Loop(1) = Surface{{:}}; Volume(1) = {{1}}; Physical Volume(\"body\") = {{1}}; \
+             Physical Surface(\"skin\") = Surface{{:}};` (closed chambers stay empty) and \
              `gmsh -3 {stem}.geo -order 2 -o {stem}.msh`. Several solids (`gmsh {name}` counts them) want a loop and a volume each: of the others \
              nothing is meshed, without a word"
         ),

@@ -69,12 +69,12 @@ fn a_mesh_without_its_cells_names_the_cause_and_the_cure() {
 #[test]
 fn files_of_other_programs_are_answered_with_how_to_convert_them() {
     for (file, parts) in [
-        ("parts/arm.e", ["`meshio convert", "arm.vtu`. That keeps nodes and cells, but not the names of sets"]),
+        ("parts/arm.e", ["`pyvista.read(", ".combine(merge_points=True).save("]),
         ("arm.med", ["which keeps the names of groups", "-save -o "]),
         ("arm.bdf", ["`meshio convert", "numbers of groups become the names"]),
         ("arm.XDMF", ["`meshio convert", "physical groups of those names"]),
         ("arm.stl", ["this is a surface", "Physical Volume(\"body\") = {1};"]),
-        ("arm.obj", ["Surface Loop(1) = {1};", "want a loop and a volume each"]),
+        ("arm.obj", ["Surface Loop(1) = Surface{:};", "want a loop and a volume each"]),
         ("arm.step", ["SetFactory(\"OpenCASCADE\"); Merge \"", "\"scale\": 1e-3 }"]),
         ("arm.geo", ["a script of Gmsh", "`gmsh -3 "]),
         ("arm.txt", ["must end in .msh", "or .vtk"]),
