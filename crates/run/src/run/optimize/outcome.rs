@@ -197,7 +197,8 @@ fn say(
     say_stability(session, result);
     say_members(session, result);
     for (name, control) in result.controls.iter().flatten() {
-        let unit = control.unit.as_ref().map_or_else(String::new, |unit| format!(" {unit}"));
+        let unit = control.unit.as_ref().filter(|unit| *unit != "1");
+        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
         let area = format!("{}^{}", session.problem.units().length().symbol, session.problem.mesh().dim() - 1);
         let variation = control.total_variation.filter(|_| control.space.as_deref() != Some("uniform"));
         let variation =
