@@ -117,10 +117,18 @@ impl ControlBlock {
 
     /// Its values at its unknowns: these themselves behind its [`field`](Self::field), or what they are the logarithms of.
     pub fn values_of(&self, unknowns: &[f64]) -> Vec<f64> {
-        let field: Vec<f64> = match self.field.is_empty() {
+        self.of_field(match self.field.is_empty() {
             true => unknowns.to_vec(),
             false => unknowns.chunks(self.size().max(1)).flat_map(|at_knot| self.field.values(at_knot)).collect(),
-        };
+        })
+    }
+
+    /// Its values at the quadrature points of the body, of unknowns at one instant.
+    pub fn values_at_points(&self, unknowns: &[f64]) -> Vec<f64> {
+        self.of_field(self.basis.values(&self.field.values(unknowns), self.components))
+    }
+
+    fn of_field(&self, field: Vec<f64>) -> Vec<f64> {
         if self.log { Exponential.values(&field) } else { field }
     }
 

@@ -170,15 +170,15 @@ impl Reduced {
         let values = &owned[..];
         match block.basis.space() {
             Space::Node => {
-                let actuations = self.solid().body().actuations();
-                let of = block.targets.iter().filter_map(|target| actuations.get(target.actuation));
-                let cells: Vec<u32> = of.flat_map(|attached| attached.cells.iter().copied()).collect();
+                let all = self.solid().model().controllable();
+                let of = block.targets.iter().filter_map(|target| all.get(target.actuation)?.cells);
+                let cells: Vec<u32> = of.flatten().copied().collect();
                 shot.with_points(name, n, by_node(self.solid().discretization(), &cells, block, values))
             }
             Space::Grid(_) | Space::Point => {
-                // between the nodes of a grid the unknowns are linear
-                let at_points = block.basis.values(unknowns, n);
-                let at_points = if is_control { block.values_of(&at_points) } else { at_points };
+                // between the nodes of a grid the field is linear
+                let at_points =
+                    if is_control { block.values_at_points(unknowns) } else { block.basis.values(unknowns, n) };
                 shot.with_cells(name, n, self.solid().discretization().cell_average(&at_points, n))
             }
             _ => shot.with_cells(name, n, self.by_cell(block, values)),

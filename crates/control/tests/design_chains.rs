@@ -67,6 +67,7 @@ fn a_field_is_filtered_and_projected_once_for_all_its_consumers() -> Outcome {
         assert_eq!(seen, projection.values(&filter.values(&m)));
         let controls = problem.layout().to_points(&m)?;
         let rho = block.basis.values(&seen, 1);
+        assert_eq!(block.values_at_points(&m), rho);
         for (q, rho) in rho.iter().enumerate() {
             assert!((controls.values(0)[2 * q] - (1e4 + 1.1e5 * rho.powi(3))).abs() < 1e-9);
             assert!(
