@@ -5,7 +5,7 @@ use nastic_control::{
     Consumer, ControlError, ControlMap, Direction, Filter, PowerLaw, Projection, Reduced, Space, Target, Tracking,
 };
 use nastic_energy::{EnergyError, FiberTension, KinematicGrowth, MooneyRivlin, NeoHooke, Parametrised, Turgor};
-use nastic_fem::{Cavity, FilledForce, Formulation, Solid, SolveOptions};
+use nastic_fem::{Cavity, Formulation, Solid, SolveOptions, VaryingLoad};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::Bounds;
 use nastic_tensor::Vec3;
@@ -93,7 +93,7 @@ fn weight_follows_the_density_that_stiffness_follows() -> Outcome {
         Ok(body.clamp("x-")?)
     };
     let body = base()?;
-    let weight = FilledForce::new("weight", body.discretization(), ["root", "arm"], force)?;
+    let weight = VaryingLoad::filled("weight", body.discretization(), ["root", "arm"], force)?;
     let body = body.contribution(weight)?;
     let consumers = [
         Consumer::of("law.mu").through(PowerLaw { low: 1e4, high: 1.2e5, exponent: 3.0 }),

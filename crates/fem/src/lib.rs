@@ -54,7 +54,6 @@ pub use nastic_equilibrium::stability::path::{EquilibriumPath, EventKind, PathEn
 pub use nastic_equilibrium::stability::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use nastic_forces::cavity::{Cavity, Lumen};
 pub use nastic_forces::contact::{Contact, ContactLaw};
-pub use nastic_forces::filled_force::FilledForce;
 pub use nastic_forces::foundation::Foundation;
 pub use nastic_forces::inertia::Inertia;
 pub use nastic_forces::moving_support::MovingSupport;

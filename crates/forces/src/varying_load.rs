@@ -1,25 +1,27 @@
-//! [`VaryingLoad`]: a dead load that changes in time.
+//! [`VaryingLoad`]: a dead load that changes in time, or with the design of a body.
 
 use nastic_body::contribution::energy_role::EnergyRole;
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use nastic_body::contribution::{Contribution, Demand, Sums};
-use nastic_body::controls::{ControlPoint, Controls};
+use nastic_body::contribution::{Contribution, Demand, OverCells, Sums};
+use nastic_body::controls::{ControlPoint, Controls, check_finite};
+use nastic_body::discretization::Discretization;
 use nastic_body::discretization::quadrature_points::QuadraturePoints;
-use nastic_body::error::{Inadmissible, SecondDerivativeError};
+use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_body::instant::Instant;
 use nastic_energy::Slot;
 use nastic_linear::SparseMatrix;
-use nastic_mesh::Mesh;
+use nastic_mesh::{GroupNames, Mesh};
+use nastic_tensor::Vec3;
 
 /// Forces per reference area of a surface, or per reference volume of a region, with a value t(X_q) at every point of a rule, which a motion gives
 /// anew at every instant: the potential
 ///
 /// ```text
-/// - s sum_q w_q t(X_q) . u(X_q)
+/// - l sum_q w_q sum_k m_k(X_q) d_k . u(X_q)
 /// ```
 ///
-/// with the share s of the load. It keeps its direction, as all dead loads. Its values are data of the problem as those of a constant one are, not work of
+/// with the share l of the load, the slots m_k and the vectors d_k along which they act: the components of t and the axes, or a fill and the weight of the full body. It keeps its direction, as all dead loads. Its values are data of the problem as those of a constant one are, not work of
 /// actuations. In plane strain per unit of thickness.
 ///
 /// Units: t in Pa on surfaces, in N/m^3 on regions; an acceleration in m/s^2 of [`weight`](Self::weight).
@@ -28,10 +30,17 @@ pub struct VaryingLoad {
     name: String,
     dim: usize,
     slots: Vec<Slot>,
+    /// By slot, d_k.
+    along: Vec<[f64; 3]>,
     points: Vec<ControlPoint>,
     /// Node, point and shape function of every pair.
     pairs: Vec<(u32, u32, f64)>,
+    /// Where the slots are a field over the body: regions, their cells.
+    over: Option<(GroupNames, Vec<u32>)>,
 }
+
+const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+const FILL: Slot = Slot::design("fill", "1", 1.0);
 
 impl VaryingLoad {
     /// A load at the points of a rule on a surface or a region.
@@ -47,8 +56,45 @@ impl VaryingLoad {
             dim: mesh.dim(),
             slots: (0..3).map(of).collect(),
             points: positions.map(|(position, weight)| ControlPoint { position, weight: *weight }).collect(),
+            along: AXES.to_vec(),
             pairs,
+            over: None,
         }
+    }
+
+    /// A force per volume of regions (N/m^3 of the full body) times the fill at every quadrature point of the body, 1 at rest: weight that follows a density.
+    ///
+    /// # Errors
+    /// An unknown region; a force that is not finite, or across a body in plane strain.
+    pub fn filled(
+        name: &str,
+        disc: &Discretization,
+        regions: impl Into<GroupNames>,
+        force: Vec3,
+    ) -> Result<Self, FemError> {
+        check_finite(name, force.as_slice())?;
+        let (regions, mesh) = (regions.into(), disc.mesh());
+        if mesh.dim() == 2 && force.z != 0.0 {
+            return Err(FemError::Meaningless { what: format!("{name} has a z component on a plane-strain body") });
+        }
+        let cells = mesh.cells_of(&regions)?;
+        let of_point = disc.points().cells();
+        let mut pairs = Vec::new();
+        disc.points().for_each_pair(|point, node, shape| {
+            if cells.binary_search(&of_point[point]).is_ok() {
+                pairs.push((node as u32, point as u32, shape));
+            }
+        });
+        let weighted = |weight: &f64| ControlPoint { position: [0.0; 3], weight: *weight };
+        Ok(VaryingLoad {
+            name: name.to_owned(),
+            dim: mesh.dim(),
+            slots: vec![FILL],
+            along: vec![force.into()],
+            points: disc.points().weights().iter().map(weighted).collect(),
+            pairs,
+            over: Some((regions, cells)),
+        })
     }
 
     /// The weight of a region of one density (kg/m^3) under an acceleration g(t), the same everywhere: `- s rho int g(t) . u dX`, with one point for g.
@@ -67,16 +113,21 @@ impl VaryingLoad {
             dim: mesh.dim(),
             slots: (0..3).map(of).collect(),
             points: vec![ControlPoint { position: middle, weight: volume }],
+            along: AXES.to_vec(),
             pairs: shares.map(|(node, share)| (node as u32, 0, density * share / volume)).collect(),
+            over: None,
         }
     }
 
-    /// Calls with every unknown, the point and the component of a pair, and `w_q N_a(X_q)`.
+    /// Calls with every unknown, the point and the slot of a pair, and `w_q N_a(X_q)` times the component of the slot's vector.
     fn each(&self, mut call: impl FnMut(usize, (usize, usize), f64)) {
         for &(node, point, shape) in &self.pairs {
             let point = point as usize;
             let factor = self.points[point].weight * shape;
-            (0..self.dim).for_each(|i| call(self.dim * node as usize + i, (point, i), factor));
+            for (k, along) in self.along.iter().enumerate() {
+                let acting = along.iter().enumerate().take(self.dim).filter(|(_, along)| **along != 0.0);
+                acting.for_each(|(i, along)| call(self.dim * node as usize + i, (point, k), factor * along));
+            }
         }
     }
 }
@@ -91,7 +142,11 @@ impl Contribution for VaryingLoad {
     }
 
     fn control_points(&self) -> &[ControlPoint] {
-        &self.points
+        if self.over.is_some() { &[] } else { &self.points }
+    }
+
+    fn over_cells(&self) -> Option<OverCells<'_>> {
+        self.over.as_ref().map(|(regions, cells)| OverCells { regions, cells, points: self.points.len() })
     }
 
     fn is_stiff(&self) -> bool {
@@ -109,8 +164,8 @@ impl Contribution for VaryingLoad {
 
 impl ContributionPoint for VaryingLoad {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        self.each(|dof, (point, i), factor| {
-            let force = at.load * factor * at.control_at(point, i);
+        self.each(|dof, (point, k), factor| {
+            let force = at.load * factor * at.control_at(point, k);
             if demand.energy {
                 sums.energy -= force * at.u[dof];
                 sums.energy_scale += (force * at.u[dof]).abs();
@@ -132,12 +187,12 @@ impl ContributionPoint for VaryingLoad {
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
-        self.each(|dof, (point, i), factor| into.add_control_at(at, point, i, -at.load * factor * lambda[dof]));
+        self.each(|dof, (point, k), factor| into.add_control_at(at, point, k, -at.load * factor * lambda[dof]));
         Ok(())
     }
 
     fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
-        self.each(|dof, (point, i), factor| out[dof] -= at.load * factor * at.slot_at(v, point, i));
+        self.each(|dof, (point, k), factor| out[dof] -= at.load * factor * at.slot_at(v, point, k));
         Ok(())
     }
 

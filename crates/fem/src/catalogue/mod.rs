@@ -11,7 +11,6 @@ use nastic_body::error::FemError;
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::{Contact, ContactLaw};
-use nastic_forces::filled_force::FilledForce;
 use nastic_forces::foundation::Foundation;
 use nastic_forces::inertia::{BodyInertia, Inertia};
 use nastic_forces::moving_support::MovingSupport;
@@ -72,7 +71,8 @@ pub const CATALOGUE: &[Entry] = &[
         form: None,
         example: || {
             let solid = block()?;
-            let force = FilledForce::new("weight by fill", solid.discretization(), "body", Vec3::new(3.0, 0.0, -20.0))?;
+            let force =
+                VaryingLoad::filled("weight by fill", solid.discretization(), "body", Vec3::new(3.0, 0.0, -20.0))?;
             solid.contribution(force)
         },
     },
