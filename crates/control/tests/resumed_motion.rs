@@ -80,8 +80,8 @@ fn observe(problem: &Reduced, at: usize, from: Option<Vec<u8>>) -> Done<(Result<
 fn bits(state: &State) -> Vec<u64> {
     let controls = (0..state.controls.len()).flat_map(|k| state.controls.values(k));
     let rates = state.velocity.iter().chain(&state.acceleration).flat_map(|rate| rate.iter());
-    let history = state.history.to_floats();
-    let numbers = state.u.iter().chain(&history).chain(controls).chain(rates);
+    let history = (0..state.history.len()).flat_map(|k| state.history.values(k)).chain([&state.history.dt]);
+    let numbers = state.u.iter().chain(history).chain(controls).chain(rates);
     numbers.chain([&state.time, &state.report.min_j]).map(|x| x.to_bits()).collect()
 }
 
