@@ -174,7 +174,7 @@ fn bytes_of_another_problem_are_refused() -> Done {
     let other_scheme = problem(Scheme::implicit_midpoint(), MotionMemory::All)?;
     for (problem, bytes, wanted) in [
         (&other, bytes.clone(), "costs at other instants"),
-        (&own, bytes[..bytes.len() - 3].to_vec(), "more bytes are needed"),
+        (&own, bytes[..bytes.len() - 3].to_vec(), "they end early"),
         (&own, b"something else".to_vec(), "not a saved run"),
         (&other_scheme, bytes.clone(), "by another time scheme"),
     ] {

@@ -130,7 +130,7 @@ pub fn resume(
             resumption::Resumed::Motion(checkpoint) => solve::resume(&mut session, checkpoint),
             resumption::Resumed::Optimization(position) => {
                 let optimizer = session.problem.optimizer()?;
-                optimize::resume(&mut session, optimizer.as_ref(), position)
+                optimize::resume(&mut session, optimizer.as_ref(), *position)
             }
         };
         conclude(session, exit, true).map(|(outcome, _)| outcome)

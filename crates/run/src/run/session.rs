@@ -1,19 +1,20 @@
 //! What the commands share: the case at hand, the clock, the place for results.
 
 use crate::console::Console;
-use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
 use crate::result::listed::listed;
 use crate::result::target_files::named_targets;
 use crate::result::warning_record::warning_record;
-use crate::result::{checkpoint_file, failure, smoothing};
+use crate::result::{failure, smoothing};
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::output_directory::{directory, usual_directory};
 use crate::run::progress;
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
+use crate::saved;
+use crate::saved::CheckpointError;
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::output_names::OutputNames;
 use nastic_case::part::Share;
@@ -40,7 +41,7 @@ pub(super) const START_ACCURACY: f64 = 1e-10;
 const MOST_ITERATIONS: usize = 4000;
 
 /// A command under way.
-pub(super) struct Session<'c> {
+pub(crate) struct Session<'c> {
     pub command: Command,
     pub problem: CaseProblem,
     pub console: &'c Console,
@@ -420,7 +421,7 @@ impl<'c> Session<'c> {
         if self.is_cancelled() {
             return RunError::Cancelled;
         }
-        let file = self.out.as_ref().map(|out| out.file(checkpoint_file::NAME)).unwrap_or_default();
+        let file = self.out.as_ref().map(|out| out.file(saved::NAME)).unwrap_or_default();
         CheckpointError::Content { file, what: what.to_owned() }.into()
     }
 

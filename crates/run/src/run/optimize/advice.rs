@@ -1,8 +1,8 @@
 //! What to try after an optimisation that stopped before it converged, or whose bounds decided: each with the command.
 
 use crate::result::controls;
-use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::optimize::limit_advice;
+use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::Admitted;
 use nastic_control::{EnsemblePoint, Smoothing};

@@ -1,7 +1,7 @@
 //! What to try after trials that met a limit point: another control there, or bounds before it.
 
 use crate::run::optimize::advice::{Advice, optimize};
-use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::ControlField;
 use nastic_control::EnsemblePoint;
@@ -66,7 +66,7 @@ fn volumes(session: &Session<'_>, ended: &FinishedRun) -> Volumes {
 
 /// Bounds of scalars before their values at the limit point.
 fn bounds(session: &Session<'_>, ended: &FinishedRun) -> Vec<String> {
-    let values = |name: &str| ended.limits.at.iter().find(|(met, ..)| met == name).map(|(_, range, _)| *range);
+    let values = |name: &str| ended.limits.at.iter().find(|met| met.name == name).map(|met| met.range);
     let of = |(field, _): (&ControlField, &Control)| {
         let [low, high] = values(&field.name)?;
         let (key, value) = if high > -low { ("upper", high) } else { ("lower", low) };
@@ -80,7 +80,7 @@ fn met<'s>(session: &'s Session<'_>, ended: &'s FinishedRun) -> impl Iterator<It
     let controls = &session.problem.case.controls;
     let of = |field: &'s ControlField| {
         let control = controls.iter().find(|control| control.at == field.at)?;
-        let is_met = ended.limits.at.iter().any(|(name, ..)| *name == field.name);
+        let is_met = ended.limits.at.iter().any(|met| met.name == field.name);
         (is_met && field.bounds.is_some()).then_some((field, control))
     };
     session.problem.controls.iter().filter_map(of)

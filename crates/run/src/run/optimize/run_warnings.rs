@@ -3,7 +3,7 @@
 use crate::result::controls;
 use crate::run::constraints::Known;
 use crate::run::error::RunError;
-use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::inspect::determination;
 use nastic_case::lower::{CONTRACTION, ControlField};

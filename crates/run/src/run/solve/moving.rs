@@ -2,10 +2,10 @@
 
 use crate::run::error::{Exit, RunError};
 use crate::run::motion;
-use crate::run::motion::MotionCheckpoint;
 use crate::run::session::Session;
 use crate::run::solve::equilibrium::{report, show, write};
 use crate::run::solve::half_thickness;
+use crate::saved::motion_checkpoint::MotionCheckpoint;
 use nastic_case::analysis::Analysis;
 use nastic_case::inspect::stillness;
 use nastic_language::number::count;

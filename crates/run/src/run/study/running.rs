@@ -1,7 +1,6 @@
 //! A [`Study`] is made a problem of the command line's kind, and run.
 
 use crate::console::Console;
-use crate::result::checkpoint_file::CheckpointError;
 use crate::run::commands::thread_pool;
 use crate::run::conclusion::conclude;
 use crate::run::error::{Exit, RunError};
@@ -11,6 +10,7 @@ use crate::run::states::States;
 use crate::run::study::control_set::ControlSet;
 use crate::run::study::{Optimum, Study, StudyError, record};
 use crate::run::{optimize, resumption};
+use crate::saved::CheckpointError;
 use crate::signals::cancelled_by_signals;
 use nastic_case::lower::{Assembled, CaseProblem, ControlProblem};
 use nastic_control::EnsembleBlock;

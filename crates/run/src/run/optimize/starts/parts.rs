@@ -1,19 +1,18 @@
 //! Starts in processes of their own: each leaves a checkpoint in a directory of its own; of these the optimisation is joined.
 
-use crate::result::checkpoint_file;
-use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
-use crate::run::case_record::CaseRecord;
 use crate::run::error::{Exit, RunError};
-use crate::run::optimize::checkpoint::{Checkpoint, Position, record_end};
-use crate::run::optimize::journal::{Journal, SharedJournal};
-use crate::run::optimize::round::{RoundEnd, best_parted, failed};
-use crate::run::optimize::start_place::seed;
-use crate::run::optimize::start_run::{Phase, StartRun};
-use crate::run::optimize::starts::{Starts, read_best};
-use crate::run::optimize::table_of_starts::failed_entry;
+use crate::run::optimize::starts::journal::{Journal, SharedJournal};
+use crate::run::optimize::starts::round::{RoundEnd, failed};
+use crate::run::optimize::starts::start_run::{Phase, StartRun};
+use crate::run::optimize::starts::table::{failed_entry, seed};
+use crate::run::optimize::starts::{Starts, restored_best, saved_best};
 use crate::run::optimize::{conclude, first_start, make_room, may_replace, spectrum};
 use crate::run::session::Session;
+use crate::saved;
+use crate::saved::CheckpointError;
+use crate::saved::case_record::CaseRecord;
+use crate::saved::checkpoint::{Checkpoint, Position, record_end};
 use nastic_case::part::Part;
 use nastic_io::{WriteError, write_atomically};
 use nastic_language::number::count;
@@ -24,7 +23,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Files of a start that are not those of the optimisation under the same name.
-const OWN: [&str; 2] = [checkpoint_file::NAME, "history.jsonl"];
+const OWN: [&str; 2] = [saved::NAME, "history.jsonl"];
 
 /// The directory of a start in that of the optimisation.
 fn directory(out: &Path, index: usize) -> PathBuf {
@@ -213,7 +212,7 @@ pub(in crate::run) fn join(
     match missing.is_empty() {
         true if session.problem.case.output.checkpoint > 0 => journal.lock().save(&session.problem.ensemble),
         true => {}
-        false => out.remove(checkpoint_file::NAME)?,
+        false => out.remove(saved::NAME)?,
     }
     let exit = conclude(session, joined, ran, journal, began)?;
     Ok(if missing.is_empty() { exit } else { exit.worst(Exit::NotConverged) })
@@ -236,16 +235,16 @@ fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usiz
         }
         starts.extend(position.starts.into_iter().nth(index));
         if let Some(best) = position.best {
-            let file = directory.join(checkpoint_file::NAME);
+            let file = directory.join(saved::NAME);
             let unfit = |failed: nastic_opt::Failed| CheckpointError::Content { file, what: failed.to_string() };
-            found.add(index, read_best(session, &best).map_err(unfit)?.1);
+            found.add(index, restored_best(session, best).map_err(unfit)?.1);
         }
     }
     if missing.contains(&0) {
         // Without it one process has no result either.
         return Err(RunError::NothingToJoin { directory: out.path().to_owned() });
     }
-    let best = found.best.as_ref().map(|best| best_parted(session, best));
+    let best = found.best.as_ref().map(|best| saved_best(session, best));
     Ok((Position { gradient_check, best, starts, ..Position::default() }, missing))
 }
 

@@ -2,17 +2,16 @@
 
 use crate::run::check_gradient;
 use crate::run::error::RunError;
-use crate::run::optimize::finished_run::FinishedRun;
-use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::minimization::{Minimized, begin_run, evaluate, minimize, resume_run};
 use crate::run::optimize::ordered_output::{OrderedOutput, StartOutput};
-use crate::run::optimize::parted::Parted;
 use crate::run::optimize::recorder::{Recorder, write_iterates};
-use crate::run::optimize::run_trials::RunTrials;
-use crate::run::optimize::start_place::{place, seed};
-use crate::run::optimize::start_run::{Begun, Ended, Phase, StartRecord, StartRun, UnderWay};
-use crate::run::optimize::starts_of_ranks::share;
-use crate::run::optimize::table_of_starts::{entry, failed_entry};
+use crate::run::optimize::starts::journal::SharedJournal;
+use crate::run::optimize::starts::ranks::share;
+use crate::run::optimize::starts::saved_best;
+use crate::run::optimize::starts::start_run::{
+    Begun, Ended, FinishedRun, Phase, RunTrials, StartRecord, StartRun, UnderWay,
+};
+use crate::run::optimize::starts::table::{entry, failed_entry, place, seed};
 use crate::run::session::{Session, say_warning};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Solver, available_memory};
@@ -290,7 +289,7 @@ impl Round<'_> {
             found.interrupted |= interrupted;
             let best = run.is_some_and(|run| found.add(index, run));
             if !interrupted {
-                let best = if best { found.best.as_ref().map(|best| best_parted(self.session, best)) } else { None };
+                let best = if best { found.best.as_ref().map(|best| saved_best(self.session, best)) } else { None };
                 self.journal.lock().end_start(&start, best);
             }
         });
@@ -342,7 +341,7 @@ fn evaluated_start(session: &Session<'_>, index: usize, output: &StartOutput) ->
 }
 
 /// The start of a run under way.
-pub(super) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result<EnsemblePoint, RunError> {
+pub(crate) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result<EnsemblePoint, RunError> {
     let start = session.problem.ensemble.load(&record.m, &record.start, &Request::default());
     start.map_err(|failed| session.unfit_checkpoint(&failed.to_string()))
 }
@@ -375,9 +374,4 @@ pub(super) fn ended(
         lines: trials.lines,
     };
     StartRun { index, phase: Phase::Ended(Box::new(ended)) }
-}
-
-/// The best of the starts that have ended, for a checkpoint.
-pub(super) fn best_parted(session: &Session<'_>, (index, run): &(usize, FinishedRun)) -> Parted {
-    run.to_parted(*index, &session.problem.ensemble)
 }
