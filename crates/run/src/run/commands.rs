@@ -120,12 +120,6 @@ pub fn resume(
 ) -> Result<Outcome, RunError> {
     thread_pool(options.threads)?.install(|| {
         let (mut session, position) = resumption::open(catalogue, directory, options, console)?;
-        session.strict = options.strict;
-        session.expect = !options.without_expect;
-        (session.report, session.figure) = (!options.no_report, options.figure);
-        session.explain = options.explain;
-        session.spectrum = options.spectrum;
-        session.on_trial = options.on_trial.clone();
         let exit = match position {
             resumption::Resumed::Motion(checkpoint) => solve::resume(&mut session, checkpoint),
             resumption::Resumed::Optimization(position) => {

@@ -11,7 +11,6 @@ use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::output_directory::{directory, usual_directory};
 use crate::run::progress;
-use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
 use crate::saved;
 use crate::saved::CheckpointError;
@@ -28,7 +27,6 @@ use nastic_language::quantity::Dimension;
 use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostics, Document};
 use nastic_opt::{Budget, Failed, Objective, Request};
-use nastic_report::OnTrial;
 use nastic_report::record::{DiscretizationRecord, RunRecord, StateRecord, UnitsRecord, VersionsRecord};
 use nastic_team::Team;
 use std::path::{Path, PathBuf};
@@ -50,34 +48,20 @@ pub(crate) struct Session<'c> {
     pub signal: Arc<AtomicBool>,
     /// The ranks that run the same command; `None` where there is one.
     pub team: Option<Arc<dyn Team>>,
-    /// Whether warnings make the command fail.
-    pub strict: bool,
+    /// What the user chose beside the case; `set` is what the case was changed by.
+    pub options: Options,
     /// Where results go; `None` for commands that leave nothing behind unless given a directory.
     pub out: Option<Directory>,
     /// The same where starts write their own files: on any rank.
     pub own_out: Option<Directory>,
     /// What deserves attention, as far as it is known.
     pub warnings: Vec<Warning>,
-    /// Overrides of the case, in order.
-    pub settings: Vec<String>,
-    /// Whether the page of results is written at the end.
-    pub report: bool,
-    /// Whether the result for print is written.
-    pub figure: bool,
-    /// Whether the columns of the table of trials are explained.
-    pub explain: bool,
-    /// What is to be found of the second derivative at an optimum.
-    pub spectrum: Option<SpectrumRequest>,
-    /// Whether the result is held to what the case expects.
-    pub expect: bool,
     /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
     pub ended: bool,
     /// Whether something ended the command that has nothing to do with the case: a stop that was requested, a lack of memory.
     pub interrupted: bool,
     /// Whether results of an earlier program, which went further, stay.
     pub leaves_results: bool,
-    /// Called for every trial of an optimisation.
-    pub on_trial: OnTrial,
     /// The states that were found.
     pub shown: Option<Shown>,
     /// Of a case with a tolerance of time steps those of every member, once they were found.
@@ -120,14 +104,7 @@ impl<'c> Session<'c> {
         };
         apply(&options.set, &mut document, |document| lower(document, Arc::default()).err())?;
         let problem = lower(document, options.cancel.clone())?;
-        let mut session = Self::on(command, problem, options.cancel.clone(), console, began);
-        session.settings = options.set.clone();
-        session.strict = options.strict;
-        (session.report, session.figure) = (!options.no_report, options.figure);
-        session.explain = options.explain;
-        session.spectrum = options.spectrum;
-        session.expect = !options.without_expect;
-        session.on_trial = options.on_trial.clone();
+        let mut session = Self::on(command, problem, options.clone(), console, began);
         // Each start of a part has a directory of its own.
         let is_part = session.command == Command::Optimize && matches!(options.share, Share::Part(_));
         let out = directory(&session.command, &session.problem, options).filter(|_| !is_part);
@@ -164,17 +141,17 @@ impl<'c> Session<'c> {
     pub fn resume(
         command: Command,
         document: Document,
-        settings: Vec<String>,
+        set: Vec<String>,
         directory: &Path,
         out: Option<Directory>,
         options: &Options,
         console: &'c Console,
     ) -> Result<Self, RunError> {
-        let (began, cancel) = (Instant::now(), options.cancel.clone());
+        let began = Instant::now();
         console.phase("reading");
-        let problem = CaseProblem::lower(document, cancel.clone())?;
-        let mut session = Self::on(command, problem, cancel, console, began);
-        session.settings = settings;
+        let problem = CaseProblem::lower(document, options.cancel.clone())?;
+        let own = Options { set, ..options.clone() };
+        let mut session = Self::on(command, problem, own, console, began);
         session.go_on_in(out, directory)?;
         session.join_team(options)?;
         Ok(session)
@@ -184,7 +161,7 @@ impl<'c> Session<'c> {
     pub fn on(
         command: Command,
         mut problem: CaseProblem,
-        cancel: Arc<AtomicBool>,
+        options: Options,
         console: &'c Console,
         began: Instant,
     ) -> Self {
@@ -197,23 +174,16 @@ impl<'c> Session<'c> {
             command,
             problem,
             console,
-            signal: cancel.clone(),
-            cancel,
+            signal: options.cancel.clone(),
+            cancel: options.cancel.clone(),
             team: None,
-            strict: false,
+            options,
             out: None,
             own_out: None,
             warnings: Vec::new(),
-            settings: Vec::new(),
-            report: true,
-            figure: false,
-            explain: false,
-            spectrum: None,
-            expect: true,
             ended: false,
             interrupted: false,
             leaves_results: false,
-            on_trial: OnTrial::default(),
             shown: None,
             steps: Vec::new(),
             files: Vec::new(),

@@ -100,7 +100,7 @@ impl<'a> Recorder<'a> {
             problem,
             console: session.console,
             out: session.out.as_ref(),
-            case: CaseRecord::of(problem, &session.settings),
+            case: CaseRecord::of(problem, &session.options.set),
             steps: &session.steps,
             members,
             pace: Mutex::new(Pace { last: None, failed: false }),

@@ -118,7 +118,7 @@ fn on_case(session: &Session<'_>, command: impl Fn(&str) -> String) -> Option<St
 pub(super) fn optimize(session: &Session<'_>, set: &[String]) -> Option<String> {
     let path = |setting: &str| setting.split_once('=').map_or("", |(path, _)| path).to_owned();
     let replaced = |old: &String| set.iter().any(|new| path(new) == path(old));
-    let kept = session.settings.iter().filter(|old| !replaced(old));
+    let kept = session.options.set.iter().filter(|old| !replaced(old));
     let settings = kept.chain(set).map(|setting| format!(" --set {}", quote(setting)));
     let goes_on = set.iter().any(|setting| path(setting).ends_with("/start"));
     let out = session.out.as_ref().map(|out| if goes_on { next_to(out.path()) } else { out.path().to_owned() });

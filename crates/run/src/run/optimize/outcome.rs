@@ -337,7 +337,7 @@ fn mean(session: &Session<'_>, load_case: &str, point: &EnsemblePoint) -> Result
 
 /// What the command line must say once more for the same results.
 fn spectrum(session: &Session<'_>) -> String {
-    let Some(SpectrumRequest { count, cost_rise }) = session.spectrum else { return String::new() };
+    let Some(SpectrumRequest { count, cost_rise }) = session.options.spectrum else { return String::new() };
     format!(" --spectrum {count}") + &cost_rise.map_or_else(String::new, |rise| format!(" --cost-rise {rise}"))
 }
 

@@ -73,7 +73,7 @@ impl<'s> Recorder<'s> {
             journal: journal.clone(),
             start: (index, problem.case.optimizer.starts),
             table: None,
-            explain: session.explain,
+            explain: session.options.explain,
             trials: RunTrials::new(problem.members().count(), problem.leads().count()),
             before: None,
             moved_start: None,

@@ -41,7 +41,7 @@ pub(super) fn run(
 
 /// Goes on with a motion that was stopped.
 pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCheckpoint) -> Result<Exit, RunError> {
-    if session.spectrum.is_some() {
+    if session.options.spectrum.is_some() {
         let message = "--spectrum looks at optima, and this resumes the motion of nastic solve: leave it out";
         return Err(session.problem.complain("time", message).into());
     }

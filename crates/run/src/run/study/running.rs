@@ -4,6 +4,7 @@ use crate::console::Console;
 use crate::run::commands::thread_pool;
 use crate::run::conclusion::conclude;
 use crate::run::error::{Exit, RunError};
+use crate::run::options::Options;
 use crate::run::outcome::Outcome;
 use crate::run::session::Session;
 use crate::run::states::States;
@@ -49,15 +50,15 @@ impl Study {
         let console = self.console.clone();
         let own = if self.interruptible { Some(stop_by_signals(&console)) } else { self.cancel.clone() };
         let (directory, restart) = (self.directory.clone(), self.restart);
-        let (report, on_trial, spectrum) = (self.report, self.on_trial.clone(), self.spectrum);
+        let (no_report, on_trial, spectrum) = (!self.report, self.on_trial.clone(), self.spectrum);
         let mut problem = self.assemble(optimizer)?;
         if let Some(flag) = &own {
             problem.ensemble.cancel_by(flag);
         }
         let cancel = own.unwrap_or_default();
         let run = || -> Result<(Outcome, Option<States>), RunError> {
-            let mut session = Session::on(Command::Optimize, problem, cancel, &console, began);
-            (session.report, session.on_trial, session.spectrum) = (report, on_trial, spectrum);
+            let options = Options { no_report, on_trial, spectrum, cancel, ..Options::default() };
+            let mut session = Session::on(Command::Optimize, problem, options, &console, began);
             let exit = match directory {
                 Some(directory) if goes_on && !restart => resume_in(&mut session, optimizer, directory),
                 Some(directory) => {

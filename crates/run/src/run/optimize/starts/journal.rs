@@ -104,7 +104,7 @@ impl Journal {
             out: session.out.clone(),
             console: session.console.clone(),
             checkpoint: Checkpoint {
-                case: CaseRecord::of(&session.problem, &session.settings),
+                case: CaseRecord::of(&session.problem, &session.options.set),
                 position: None,
                 ended: false,
             },

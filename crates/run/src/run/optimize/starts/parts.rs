@@ -58,7 +58,7 @@ pub(in crate::run) fn run_part(
     check(session, optimizer)?;
     session.find_steps()?;
     // They hold for the result, which is joined.
-    session.expect = false;
+    session.options.without_expect = true;
     let starts = session.problem.case.optimizer.starts;
     let (mut exit, mut entries) = (Exit::Done, Vec::new());
     for index in (0..starts).filter(|index| part.has(*index)) {
@@ -179,7 +179,7 @@ fn absent(session: &Session<'_>, index: usize, why: &str) -> StartRun {
 /// Where the run in a directory stands, if it is of this case and version of the program.
 fn read(session: &Session<'_>, directory: &Path) -> Option<Position> {
     let Checkpoint { case, position, .. } = Checkpoint::read(directory, &|members| 0..members).ok()?;
-    position.filter(|_| case.is_same(&CaseRecord::of(&session.problem, &session.settings)))
+    position.filter(|_| case.is_same(&CaseRecord::of(&session.problem, &session.options.set)))
 }
 
 /// Makes the result of all starts from those that have ended in directories of their own: that of one process.

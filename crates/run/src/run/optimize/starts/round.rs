@@ -82,7 +82,7 @@ impl Round<'_> {
         let active: Vec<usize> = active.map(|start| start.index).collect();
         let threads = rayon::current_num_threads();
         let at_once = under_way.min(threads).min(self.most_at_once()).max(1);
-        let (console, on_trial) = (self.session.console, &self.session.on_trial);
+        let (console, on_trial) = (self.session.console, &self.session.options.on_trial);
         let output = OrderedOutput::new(console, on_trial, self.journal, &active, at_once);
         let places: Vec<Mutex<Option<StartRun>>> =
             std::mem::take(starts).into_iter().map(|start| Mutex::new(Some(start))).collect();
