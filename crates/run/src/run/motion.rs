@@ -120,7 +120,7 @@ fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> V
     let steps = session.problem.members().filter_map(|member| member.reduced().timeline()).map(Timeline::steps).max();
     let each = match time.step {
         Some(step) => format!("of {}", of(step)),
-        None => format!("of at most {}", of(longest(session))),
+        None => format!("of at most {}", of(longest(&session.problem))),
     };
     session.console.say(format!(
         "motion      {} {each} to {} by {}, {} cut",
@@ -141,8 +141,8 @@ fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> V
 }
 
 /// The longest step of any member.
-fn longest(session: &Session<'_>) -> f64 {
-    let timelines = session.problem.members().filter_map(|member| member.reduced().timeline());
+fn longest(problem: &CaseProblem) -> f64 {
+    let timelines = problem.members().filter_map(|member| member.reduced().timeline());
     timelines.map(Timeline::longest_step).fold(0.0, f64::max)
 }
 

@@ -89,7 +89,7 @@ fn first_start(session: &mut Session<'_>) -> Result<Option<(Begun, GradientCheck
     let derivative =
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
-    let (place, mut warnings) = (table::place(session, 0), vec![]);
+    let (place, mut warnings) = (table::place(&session.problem, 0), vec![]);
     let mut shown = Ok(());
     if let Some(whole) = session.whole(&point)? {
         let inspected = session.timed("inspect", |session| session.look_into(session.console, &place, &whole));
@@ -155,7 +155,7 @@ fn conclude(
     journal: SharedJournal,
     began: Instant,
 ) -> Result<Exit, RunError> {
-    session.note_time("optimize", began.elapsed().as_secs_f64());
+    session.clock.note("optimize", began.elapsed().as_secs_f64());
     // They were said: the result has them, however the runs ended.
     session.warnings.append(&mut starts.warnings);
     ran?;
@@ -167,7 +167,7 @@ fn conclude(
     let unwritten = journal.lock().finish(starts.interrupted);
     session.interrupted = starts.interrupted;
     let resumable = written.filter(|_| starts.interrupted);
-    let minima = minima::warn_of_minima(session, &mut starts);
+    let minima = minima::warn_of_minima(&session.problem, &mut starts);
     let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
     if starts.entries.len() > 1 {
         session.record.optimum.minima = Some(minima);

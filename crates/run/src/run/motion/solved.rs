@@ -46,7 +46,7 @@ pub(in crate::run) fn solve(
     let is_there = || session.out.as_ref().is_some_and(|out| out.file(NAME).is_file());
     let repeated = if goes_on && is_there() { Some(recorder.repeated()) } else { None };
     let records = recorder.finish();
-    session.note_time("solve", began.elapsed().as_secs_f64());
+    session.clock.note("solve", began.elapsed().as_secs_f64());
     match found {
         Ok(point) => Ok((point, records)),
         Err(error) => Err(unfinished(session, &records, repeated, error)),

@@ -1,7 +1,6 @@
 //! [`BranchChanges`]: iterations that led to another branch of equilibria.
 
 use crate::run::optimize::starts::table::place;
-use crate::run::session::Session;
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{BRANCH_CHANGE, BRANCH_UNKNOWN, Warning, WarningKind};
 use nastic_control::{EnsemblePoint, Evaluated};
@@ -82,12 +81,12 @@ impl BranchChanges {
     }
 
     /// What there is to report of a start.
-    pub(crate) fn warnings(&self, session: &Session<'_>, index: usize) -> Vec<Warning> {
+    pub(crate) fn warnings(&self, problem: &CaseProblem, index: usize) -> Vec<Warning> {
         let of = |kind: &'static WarningKind, shown: &FirstChange| {
             let more =
                 if shown.count > 1 { format!(" (the first of {} iterations)", shown.count) } else { String::new() };
             (shown.count > 0)
-                .then(|| Warning::new(kind, format!("{}{more}", shown.first)).of(run_place(session, index)))
+                .then(|| Warning::new(kind, format!("{}{more}", shown.first)).of(run_place(problem, index)))
         };
         [of(&BRANCH_CHANGE, &self.changed), of(&BRANCH_UNKNOWN, &self.unknown)].into_iter().flatten().collect()
     }
@@ -109,8 +108,8 @@ impl FirstChange {
 }
 
 /// `start 2 of 4` where there are several.
-fn run_place(session: &Session<'_>, index: usize) -> String {
-    if session.problem.case.optimizer.starts > 1 { place(session, index) } else { String::new() }
+fn run_place(problem: &CaseProblem, index: usize) -> String {
+    if problem.case.optimizer.starts > 1 { place(problem, index) } else { String::new() }
 }
 
 /// `MEMBER: ` where there are several.

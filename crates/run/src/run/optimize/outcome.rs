@@ -24,7 +24,7 @@ use crate::run::states::Shown;
 use crate::run::terminal::{known as known_number, say_members, say_probes, say_stability, say_tracked};
 use crate::saved::checkpoint::Place;
 use nastic_case::film::kilovolts;
-use nastic_case::lower::CaseMember;
+use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
 use nastic_language::number::{count, short};
@@ -277,7 +277,7 @@ fn write(
             title: title(member),
             subtitle: subtitle(session, best)
                 + &distance(session, member)
-                + &left_out(session)
+                + &left_out(&session.problem)
                 + &picture::legend(&end),
             body: ("optimum", &end),
             ghosts: if moving.is_empty() { vec![("start", &begin)] } else { picture::named(&moving) },
@@ -320,11 +320,10 @@ fn distance(session: &Session<'_>, member: CaseMember<'_>) -> String {
 }
 
 /// Members that pictures leave out, for a subtitle.
-fn left_out(session: &Session<'_>) -> String {
+fn left_out(problem: &CaseProblem) -> String {
     let of = |all: usize, drawn: usize, what: &str| {
         if all > drawn { format!("; the first {drawn} of {all} {what} are drawn") } else { String::new() }
     };
-    let problem = &session.problem;
     let (scenarios, cases) = (problem.ensemble.scenarios().len(), problem.leads().count());
     of(scenarios, picture::SCENARIOS + 1, "scenarios") + &of(cases, picture::LOAD_CASES, "load cases")
 }

@@ -17,6 +17,7 @@ use crate::run::optimize::starts::table::{failed_entry, seed};
 use crate::run::session::{Session, say_warning};
 use crate::run::study::record::same_program;
 use crate::saved::checkpoint::Position;
+use nastic_case::lower::CaseProblem;
 use nastic_case::warning::Warning;
 use nastic_language::number::short;
 use nastic_opt::early_stopping;
@@ -69,7 +70,7 @@ impl Starts {
     ) -> Result<(), RunError> {
         let Position { gradient_check, round, history, best, starts, .. } = position;
         let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
-        let best = best.map(|best| restored_best(session, best)).transpose().map_err(unfit)?;
+        let best = best.map(|best| restored_best(&session.problem, best)).transpose().map_err(unfit)?;
         let rounds = Rounds { session, optimizer, journal, gradient_check, round, starts, best };
         if resumed {
             rounds.starts.iter().flat_map(StartRun::warnings).for_each(|warning| say_warning(session.console, warning));
@@ -93,7 +94,7 @@ impl Starts {
             }
             let (entry, m) = match start.phase {
                 Phase::Ended(ended) => (ended.entry, ended.m),
-                _ => (not_begun(rounds.session, start.index), vec![]),
+                _ => (not_begun(&rounds.session.problem, start.index), vec![]),
             };
             self.entries.push(entry);
             self.optima.push(m);
@@ -110,7 +111,7 @@ impl Rounds<'_> {
             self.journal.lock().begin_round(Position {
                 gradient_check: self.gradient_check.clone(),
                 round: self.round,
-                best: self.best.as_ref().map(|best| saved_best(self.session, best)),
+                best: self.best.as_ref().map(|best| saved_best(&self.session.problem, best)),
                 starts: self.starts.iter().map(StartRun::saved).collect(),
                 ..Position::default()
             });
@@ -191,10 +192,10 @@ impl Rounds<'_> {
         let AugmentedBest { best, constraints } = resume_run(self.session, self.optimizer, &run)?.finish(stop);
         let finished =
             FinishedRun { start, best, constraints, work: trials.work.clone(), limits: trials.limits.clone() };
-        let found = trials.changes.warnings(self.session, index);
+        let found = trials.changes.warnings(&self.session.problem, index);
         found.iter().for_each(|warning| say_warning(self.session.console, warning));
         write_iterates(self.session, index, &trials, self.journal);
-        self.starts[index] = ended(self.session, index, &finished, record, trials, found);
+        self.starts[index] = ended(&self.session.problem, index, &finished, record, trials, found);
         Ok(Some(finished))
     }
 
@@ -211,21 +212,21 @@ impl Rounds<'_> {
 }
 
 /// The best of the starts that have ended, for a checkpoint.
-fn saved_best(session: &Session<'_>, best: &(usize, FinishedRun)) -> (usize, FinishedRun<PointBytes>) {
-    (best.0, best.1.saved(&session.problem.ensemble))
+fn saved_best(problem: &CaseProblem, best: &(usize, FinishedRun)) -> (usize, FinishedRun<PointBytes>) {
+    (best.0, best.1.saved(&problem.ensemble))
 }
 
 /// The same, from a checkpoint.
 fn restored_best(
-    session: &Session<'_>,
+    problem: &CaseProblem,
     best: (usize, FinishedRun<PointBytes>),
 ) -> Result<(usize, FinishedRun), Failed> {
-    Ok((best.0, best.1.restored(&session.problem.ensemble)?))
+    Ok((best.0, best.1.restored(&problem.ensemble)?))
 }
 
 /// The entry of a start that an interruption found before its first trial.
-fn not_begun(session: &Session<'_>, index: usize) -> StartRecord {
-    failed_entry(seed(session, index), "interrupted before it had begun")
+fn not_begun(problem: &CaseProblem, index: usize) -> StartRecord {
+    failed_entry(seed(problem, index), "interrupted before it had begun")
 }
 
 fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {

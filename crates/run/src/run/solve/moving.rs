@@ -19,7 +19,7 @@ pub(super) fn run(
     analysis: &Analysis,
 ) -> Result<Exit, RunError> {
     if *analysis == Analysis::HalfThickness {
-        half_thickness::check(session)?;
+        half_thickness::check(&session.problem)?;
     }
     session.find_steps()?;
     let (point, records) = motion::solve(session, from)?;

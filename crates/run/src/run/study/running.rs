@@ -62,8 +62,7 @@ impl Study {
             let exit = match directory {
                 Some(directory) if goes_on && !restart => resume_in(&mut session, optimizer, directory),
                 Some(directory) => {
-                    session.out = Some(session.claim(directory.clone())?);
-                    session.take_directory(&directory);
+                    session.enter(directory)?;
                     optimize::begin(&mut session, optimizer, restart)
                 }
                 None => optimize::begin(&mut session, optimizer, restart),
@@ -151,8 +150,7 @@ fn stop_by_signals(console: &Console) -> Arc<AtomicBool> {
 fn resume_in(session: &mut Session<'_>, optimizer: &dyn Optimizer, directory: PathBuf) -> Result<Exit, RunError> {
     match resumption::read(&directory, None) {
         Err(RunError::Checkpoint(CheckpointError::Missing { .. })) => {
-            session.out = Some(session.claim(directory.clone())?);
-            session.take_directory(&directory);
+            session.enter(directory)?;
             optimize::begin(session, optimizer, true)
         }
         Err(error) => Err(error),

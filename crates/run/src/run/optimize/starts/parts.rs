@@ -13,6 +13,7 @@ use crate::saved;
 use crate::saved::CheckpointError;
 use crate::saved::case_record::CaseRecord;
 use crate::saved::checkpoint::{Checkpoint, Position, record_end};
+use nastic_case::lower::CaseProblem;
 use nastic_case::part::Part;
 use nastic_io::{WriteError, write_atomically};
 use nastic_language::number::count;
@@ -67,7 +68,7 @@ pub(in crate::run) fn run_part(
             false => run_one(session, optimizer, index, &directory(out, index), restart),
         };
         // The lock is that of the start.
-        (session.out, session.own_out) = (None, None);
+        session.leave();
         let (own, end) = match ran {
             Ok(One { exit, entry, how }) => {
                 let end = format!("{}{how}", described(&entry));
@@ -110,9 +111,7 @@ fn run_one(
     directory: &Path,
     restart: bool,
 ) -> Result<One, RunError> {
-    let out = session.claim(directory.to_owned())?;
-    session.out = Some(out.clone());
-    session.take_directory(directory);
+    session.enter(directory.to_owned())?;
     let known = if restart { None } else { read(session, directory) };
     if let Some(start) = known.as_ref().and_then(|known| known.starts.get(index))
         && let Phase::Ended(ended) = &start.phase
@@ -129,7 +128,7 @@ fn run_one(
             make_room(session)?;
             let journal = Journal::begin(session)?;
             let Some(position) = alone(session, index)? else {
-                let entry = failed_entry(seed(session, index), "its gradient is wrong");
+                let entry = failed_entry(seed(&session.problem, index), "its gradient is wrong");
                 return Ok(One { exit: Exit::GradientWrong, entry, how: "" });
             };
             (position, journal, false)
@@ -149,8 +148,8 @@ fn run_one(
     }
     journal.lock().write_iterates();
     journal.lock().finish(exit != Exit::Done)?;
-    if exit == Exit::Done {
-        record_end(&out, true)?;
+    if let (Some(out), Exit::Done) = (&session.out, exit) {
+        record_end(out, true)?;
     }
     let entry = starts.entries.into_iter().nth(index).unwrap_or_default();
     Ok(One { exit, entry, how: if resumed { "; went on from its checkpoint" } else { "" } })
@@ -167,13 +166,14 @@ fn alone(session: &mut Session<'_>, index: usize) -> Result<Option<Position>, Ru
         _ => (Phase::Waiting, GradientCheckRecord::default()),
     };
     let all = 0..session.problem.case.optimizer.starts;
-    let mut starts: Vec<StartRun> = all.map(|other| absent(session, other, "left to another process")).collect();
+    let mut starts: Vec<StartRun> =
+        all.map(|other| absent(&session.problem, other, "left to another process")).collect();
     starts[index].phase = phase;
     Ok(Some(Position { gradient_check, starts, ..Position::default() }))
 }
 
-fn absent(session: &Session<'_>, index: usize, why: &str) -> StartRun {
-    failed(index, vec![], failed_entry(seed(session, index), why))
+fn absent(problem: &CaseProblem, index: usize, why: &str) -> StartRun {
+    failed(index, vec![], failed_entry(seed(problem, index), why))
 }
 
 /// Where the run in a directory stands, if it is of this case and version of the program.
@@ -227,7 +227,7 @@ fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usiz
         let ended = |position: &Position| position.starts.get(index).is_some_and(StartRun::has_ended);
         let Some(position) = read(session, &directory).filter(ended) else {
             missing.push(index);
-            starts.push(absent(session, index, "missing: it has no finished run"));
+            starts.push(absent(&session.problem, index, "missing: it has no finished run"));
             continue;
         };
         if index == 0 {
@@ -237,14 +237,14 @@ fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usiz
         if let Some(best) = position.best {
             let file = directory.join(saved::NAME);
             let unfit = |failed: nastic_opt::Failed| CheckpointError::Content { file, what: failed.to_string() };
-            found.add(index, restored_best(session, best).map_err(unfit)?.1);
+            found.add(index, restored_best(&session.problem, best).map_err(unfit)?.1);
         }
     }
     if missing.contains(&0) {
         // Without it one process has no result either.
         return Err(RunError::NothingToJoin { directory: out.path().to_owned() });
     }
-    let best = found.best.as_ref().map(|best| saved_best(session, best));
+    let best = found.best.as_ref().map(|best| saved_best(&session.problem, best));
     Ok((Position { gradient_check, best, starts, ..Position::default() }, missing))
 }
 
