@@ -4,7 +4,7 @@ use crate::control_limit::ControlAt;
 use crate::map::{Basis, Chain, ControlMap, Exponential};
 use crate::time::Knots;
 use nastic_fem::Controls;
-use nastic_numeric::vector::norm;
+use nastic_numeric::vector::{axpy, norm};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -17,6 +17,8 @@ pub struct ControlBlock {
     pub components: usize,
     /// The basis functions of the unknowns.
     pub basis: Arc<Basis>,
+    /// What stands between the unknowns at one instant and their expansion, once for all slots that follow: a filter, a projection.
+    pub field: Chain,
     /// The slots that follow from the unknowns.
     pub targets: Vec<ControlTarget>,
     /// First entry of this field in the vector.
@@ -55,7 +57,7 @@ pub struct ControlTarget {
     pub slots: usize,
     /// The basis functions at its points.
     pub basis: Arc<Basis>,
-    /// From the unknowns at one instant to the slots at its points, `slots * point + component`.
+    /// From the unknowns at one instant, behind [`ControlBlock::field`], to the slots at its points, `slots * point + component`.
     pub map: Chain,
     /// Whether its values come on top of fixed ones, as amplitudes along a direction do; others take their place.
     pub adds: bool,
@@ -113,9 +115,13 @@ impl ControlBlock {
         &m[self.first..self.first + self.len()]
     }
 
-    /// Its values at its unknowns: these themselves, or what they are the logarithms of.
+    /// Its values at its unknowns: these themselves behind its [`field`](Self::field), or what they are the logarithms of.
     pub fn values_of(&self, unknowns: &[f64]) -> Vec<f64> {
-        if self.log { Exponential.values(unknowns) } else { unknowns.to_vec() }
+        let field: Vec<f64> = match self.field.is_empty() {
+            true => unknowns.to_vec(),
+            false => unknowns.chunks(self.size().max(1)).flat_map(|at_knot| self.field.values(at_knot)).collect(),
+        };
+        if self.log { Exponential.values(&field) } else { field }
     }
 
     /// The length that its vectors have at every point, where it is fixed; see [`Layout::fix_length`](crate::Layout::fix_length).
@@ -134,7 +140,7 @@ impl ControlBlock {
 
     /// Whether all its slots are affine in its unknowns.
     pub(crate) fn is_affine(&self) -> bool {
-        self.targets.iter().all(|target| target.map.is_affine())
+        self.field.is_affine() && self.targets.iter().all(|target| target.map.is_affine())
     }
 
     /// The values in time that make up that at an instant, with their factors.
@@ -145,27 +151,44 @@ impl ControlBlock {
 
     /// Sets the values of its slots at the points; points the field does not reach keep theirs.
     pub(crate) fn write_values(&self, m: &[f64], controls: &mut Controls) {
-        self.targets.iter().for_each(|target| target.write(&target.map.values(self.of(m)), controls));
+        let x = self.field.values(self.of(m));
+        self.targets.iter().for_each(|target| target.write(&target.map.values(&x), controls));
     }
 
     /// Sets their changes along a change v of the control vector at m.
     pub(crate) fn write_change(&self, m: &[f64], v: &[f64], controls: &mut Controls) {
-        self.targets.iter().for_each(|target| target.write(&target.map.change(self.of(m), self.of(v)), controls));
+        let (x, v) = (self.field.values(self.of(m)), self.field.change(self.of(m), self.of(v)));
+        self.targets.iter().for_each(|target| target.write(&target.map.change(&x, &v), controls));
     }
 
     /// Adds the derivative by its unknowns, of what has this one by the values at the points.
     pub(crate) fn add_vjp(&self, m: &[f64], by_point: &Controls, out: &mut [f64]) {
+        let own = self.field.vjp(self.of(m), &self.by_field(&self.field.values(self.of(m)), by_point));
+        axpy(1.0, &own, &mut out[self.first..][..own.len()]);
+    }
+
+    /// The derivative by the field behind its own chain, the sum over what follows from it.
+    fn by_field(&self, x: &[f64], by_point: &Controls) -> Vec<f64> {
+        let mut sum = vec![0.0; x.len()];
         for target in &self.targets {
-            let own = target.map.vjp(self.of(m), &target.read(by_point));
-            out[self.first..].iter_mut().zip(own).for_each(|(out, own)| *out += own);
+            axpy(1.0, &target.map.vjp(x, &target.read(by_point)), &mut sum);
         }
+        sum
     }
 
     /// Adds the change of [`add_vjp`](Self::add_vjp) along a change v of the control vector, `by_point` kept.
     pub(crate) fn add_second_vjp(&self, m: &[f64], v: &[f64], by_point: &Controls, out: &mut [f64]) {
+        let (m, v) = (self.of(m), self.of(v));
+        let (x, moved) = (self.field.values(m), self.field.change(m, v));
+        let mut change = vec![0.0; x.len()];
         for target in self.targets.iter().filter(|target| !target.map.is_affine()) {
-            let own = target.map.second_vjp(self.of(m), self.of(v), &target.read(by_point)).unwrap_or_default();
-            out[self.first..].iter_mut().zip(own).for_each(|(out, own)| *out += own);
+            let own = target.map.second_vjp(&x, &moved, &target.read(by_point)).unwrap_or_default();
+            axpy(1.0, &own, &mut change[..own.len()]);
+        }
+        let out = &mut out[self.first..][..x.len()];
+        axpy(1.0, &self.field.vjp(m, &change), out);
+        if let Some(own) = self.field.second_vjp(m, v, &self.by_field(&x, by_point)) {
+            axpy(1.0, &own, out);
         }
     }
 }

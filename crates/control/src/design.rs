@@ -124,6 +124,7 @@ impl Layout {
             name: name.to_owned(),
             components: 1,
             basis,
+            field: Chain::default(),
             targets,
             first: self.len(),
             unit: "1",

@@ -99,6 +99,20 @@ pub enum ControlError {
         /// The space asked for.
         space: &'static str,
     },
+    /// A map in front of the expansion of a field that leads to another number of unknowns.
+    #[error(
+        "the map \"{map}\" of the field \"{name}\" leads from its {expected} unknowns to {found}; it must keep their number"
+    )]
+    FieldMap {
+        /// The field.
+        name: String,
+        /// The map.
+        map: String,
+        /// Numbers that it leads to.
+        found: usize,
+        /// Unknowns of the field.
+        expected: usize,
+    },
     /// A consumer that cannot follow from a design field.
     #[error("the design field \"{name}\" has the consumer \"{of}\": {why}")]
     Consumer {

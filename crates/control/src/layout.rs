@@ -4,7 +4,7 @@ use crate::control_block::{ControlBlock, ControlTarget, Shown};
 use crate::control_limit::{ControlAt, ControlLimit};
 use crate::control_names::{groups, resolve};
 use crate::error::ControlError;
-use crate::map::{Basis, Chain, Direction, Expansion, Exponential, Length, Space};
+use crate::map::{Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Length, Space};
 use crate::time::Knots;
 use nastic_energy::SlotGroup;
 use nastic_fem::{Controllable, Controls, Discretization, Solid};
@@ -95,6 +95,7 @@ impl Layout {
             name,
             components,
             basis,
+            field: Chain::default(),
             targets,
             first,
             unit,
@@ -161,6 +162,35 @@ impl Layout {
             block.targets.iter_mut().for_each(|target| target.map.push(Arc::new(Exponential)));
         }
         Ok(())
+    }
+
+    /// Puts a map between the unknowns of a field and their expansion over the body, once for all that follows from it: behind those put there before.
+    /// The vector stays that of the unknowns.
+    ///
+    /// # Errors
+    /// An unknown name; [`ControlError::FieldMap`] of a map that leads to another number of unknowns.
+    pub fn through(&mut self, of: &str, map: impl ControlMap + 'static) -> Result<(), ControlError> {
+        let known = self.block(of)?;
+        let (first, size) = (known.first, known.size());
+        let found = map.values(&vec![0.5; size]).len();
+        if found != size {
+            return Err(ControlError::FieldMap { name: of.to_owned(), map: map.describe(), found, expected: size });
+        }
+        let map = Arc::new(map);
+        for block in self.blocks.iter_mut().filter(|block| block.first == first) {
+            block.field.push(map.clone());
+        }
+        Ok(())
+    }
+
+    /// Smooths a field over a length: the [`Filter`] of its space, put there as by [`through`](Self::through).
+    ///
+    /// # Errors
+    /// An unknown name, a length that is not positive, a field over points of a contribution.
+    pub fn filter(&mut self, solid: &Solid, of: &str, length: f64) -> Result<(), ControlError> {
+        let block = self.block(of)?;
+        let filter = Filter::new(solid.discretization(), &block.basis, block.components, length)?;
+        self.through(of, filter)
     }
 
     /// Multiplies a field's part of the inner product by a factor (1 unless set): `(a, b) = sum_k weight_k (a_k, b_k)`. Fields of

@@ -14,6 +14,7 @@ mod design;
 mod ensemble;
 mod error;
 mod evaluated;
+mod field_operator;
 mod grid;
 mod inner_product;
 mod known_limits;
@@ -49,8 +50,8 @@ pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::Layout;
 pub use map::{
-    Basis, Chain, ControlMap, Direction, Expansion, Exponential, Length, MAPS, MapRow, PowerLaw, SPACES, Space,
-    SpaceRow,
+    Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Length, MAPS, MapRow, PowerLaw, Projection,
+    SPACES, Space, SpaceRow,
 };
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use nastic_mesh::spatial::Obstacle;

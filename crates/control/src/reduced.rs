@@ -2,6 +2,7 @@
 
 mod adaptive_steps;
 mod constrained;
+mod controlled;
 mod in_time;
 mod motion;
 mod motion_derivative;
@@ -20,15 +21,12 @@ pub(crate) use objective::{failed, work_summary};
 pub(crate) use second_order::SecondDerivative;
 
 use crate::constraint::Constraint;
-use crate::control_block::Shown;
 use crate::control_values::ControlValues;
 use crate::cost::{Cost, IntoCost};
-use crate::design::Consumer;
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::inner_product::{Metric, inner_product};
 use crate::layout::Layout;
-use crate::map::Space;
 use crate::time::{MotionObserver, StepUnderWay, Timeline, When};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Begin, FemError, Progress, Solid, SolveOptions, SolveReport, State};
@@ -148,89 +146,6 @@ impl Reduced {
             progress: None,
             steps: None,
         }
-    }
-
-    /// Adds a control field on an actuation (`NAME`, or `NAME.SLOT` where it has several).
-    ///
-    /// # Errors
-    /// Unknown names, a field given twice, a space that does not fit.
-    pub fn control(mut self, of: &str, space: Space) -> Result<Self, ControlError> {
-        // costs read displacements, and give derivatives by them
-        self.solid.model().properties().refuse_further_fields("optimal control")?;
-        self.layout.control(&self.solid, of, space)?;
-        self.update_layout();
-        Ok(self)
-    }
-
-    /// Gives the vectors of a control field one length at every point, also between the nodes: a magnetisation. To be
-    /// minimised over a [`Sphere`](nastic_opt::Sphere) of that radius.
-    ///
-    /// # Errors
-    /// As [`Layout::fix_length`].
-    pub fn of_length(mut self, control: &str, length: f64) -> Result<Self, ControlError> {
-        self.layout.fix_length(control, length)?;
-        self.update_layout();
-        Ok(self)
-    }
-
-    /// Makes the logarithm of a positive control field the unknown: [`Layout::by_logarithm`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn by_logarithm(mut self, control: &str) -> Result<Self, ControlError> {
-        self.layout.by_logarithm(control)?;
-        self.update_layout();
-        Ok(self)
-    }
-
-    /// Adds the amplitude of a vector along a fixed direction as a control field.
-    ///
-    /// # Errors
-    /// As [`control`](Self::control); a slot that is no vector, a direction without a length.
-    pub fn control_along(mut self, of: &str, space: Space, direction: [f64; 3]) -> Result<Self, ControlError> {
-        self.solid.model().properties().refuse_further_fields("optimal control")?;
-        self.layout.control_along(&self.solid, of, space, direction)?;
-        self.update_layout();
-        Ok(self)
-    }
-
-    /// Adds a design field, a scalar without unit from which the slots of several actuations and contributions follow: [`Layout::design`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn design(mut self, name: &str, space: Space, consumers: &[Consumer]) -> Result<Self, ControlError> {
-        self.layout.design(&self.solid, name, space, consumers)?;
-        self.update_layout();
-        Ok(self)
-    }
-
-    /// How messages are to call a control field: [`Layout::show`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn show(mut self, control: &str, shown: Shown) -> Result<Self, ControlError> {
-        self.layout.show(control, shown)?;
-        self.update_layout();
-        Ok(self)
-    }
-
-    /// Weighs a control field against the others in the inner product: [`Layout::weigh`].
-    ///
-    /// # Errors
-    /// As there.
-    pub fn weigh(mut self, control: &str, weight: f64) -> Result<Self, ControlError> {
-        self.layout.weigh(control, weight)?;
-        self.update_layout();
-        Ok(self)
-    }
-
-    /// Fixes a slot of an actuation that is not controlled, from one value per quadrature point.
-    ///
-    /// # Errors
-    /// Wrong length or values that are not finite.
-    pub fn fix(mut self, actuation: usize, slot: usize, at_points: &[f64]) -> Result<Self, ControlError> {
-        self.layout.fixed_mut().set(actuation, slot, at_points)?;
-        Ok(self)
     }
 
     /// Shares vectors with other problems on the [`Discretization`](nastic_fem::Discretization) that have equal ones, as members of an

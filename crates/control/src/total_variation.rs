@@ -1,7 +1,7 @@
 //! The total variation of a control field.
 
 use crate::control_block::ControlBlock;
-use crate::inner_product::for_each_face;
+use crate::field_operator::for_each_face;
 use crate::map::{Scaling, Space};
 use nastic_fem::Discretization;
 use nastic_numeric::vector::norm;

@@ -6,6 +6,7 @@ mod constrained_motion;
 mod constraints;
 mod cost_points;
 mod costs;
+mod design_chains;
 mod designs;
 mod dielectric;
 mod ensemble;

@@ -19,10 +19,10 @@ use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
+pub type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
 /// A bar whose cells are in the region `root` or `arm`, and all in `body`.
-fn mesh() -> Outcome<Mesh> {
+pub fn mesh() -> Outcome<Mesh> {
     let mesh = box_mesh([1.0, 0.2, 0.2], [4, 1, 1], CellKind::Hex8)?;
     let mut raw = RawMesh::new("bar");
     raw.points = mesh.points().to_vec();
@@ -44,21 +44,21 @@ fn mesh() -> Outcome<Mesh> {
 }
 
 /// A target that no parameters reach: residuals stay, and with them second derivatives.
-fn target() -> Tracking {
+pub fn target() -> Tracking {
     Tracking::surface("x+", Target::position(|x| [0.93 * x[0], x[1] + 0.05, x[2] + 0.02 * x[0]]))
 }
 
-fn weight(body: Solid) -> Outcome<Solid> {
+pub fn weight(body: Solid) -> Outcome<Solid> {
     Ok(body.clamp("x-")?.body_force("body", Vec3::new(0.0, 0.0, -2e4))?)
 }
 
-fn assert_orders(problem: &Reduced, m: &[f64], what: &str) -> Outcome {
+pub fn assert_orders(problem: &Reduced, m: &[f64], what: &str) -> Outcome {
     let at = |factor: f64| m.iter().map(|m| factor * m).collect::<Vec<_>>();
     assert_orders_within(problem, &Bounds::new(at(0.5), at(2.0))?, m, what)
 }
 
 /// First remainders of an order above 1.95, second ones of one above 2.95 (or of none: quadratic).
-fn assert_orders_within(problem: &Reduced, bounds: &Bounds, m: &[f64], what: &str) -> Outcome {
+pub fn assert_orders_within(problem: &Reduced, bounds: &Bounds, m: &[f64], what: &str) -> Outcome {
     let taylor = Taylor { directions: 2, second: true, ..Taylor::default() };
     let report = taylor.test(problem, bounds, m)?;
     assert!(report.passed(), "{what}: {report}");
@@ -98,7 +98,7 @@ fn parameters_of_laws_are_unknowns_for_the_whole_by_region_and_by_cell() -> Outc
 }
 
 /// A cube of 27 cells without the middle one, whose surface is `inner`; the first layer along x is `root`, the rest `arm`.
-fn hollow() -> Outcome<Mesh> {
+pub fn hollow() -> Outcome<Mesh> {
     let mesh = box_mesh([1.0; 3], [3, 3, 3], CellKind::Hex8)?;
     let mut raw = RawMesh::new("hollow");
     raw.points = mesh.points().to_vec();

@@ -4,7 +4,7 @@ use nastic_control::{
     ActuationWork, ControlNorm, ControlRate, Ensemble, Evaluated, Interpolation, KineticEnergy, Knots, MeanPosition,
     Metric, MotionMemory, RateLimit, Reduced, Space, Target, Timeline, Tracking, When,
 };
-use nastic_energy::{FiberTension, Magnet, MaxwellBranch, NeoHooke, Turgor};
+use nastic_energy::{FiberTension, KinematicGrowth, Magnet, MaxwellBranch, NeoHooke, Turgor};
 use nastic_fem::{Inertia, Scheme, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{
@@ -117,6 +117,28 @@ fn actuations_do_the_work_that_a_motion_gains() -> Done {
             let model = problem.solid().model();
             assert!(model.evaluate(&held, demand)?.energy > model.evaluate(&end, demand)?.energy);
         }
+    }
+    Ok(())
+}
+
+/// A viscous arm whose growth follows a control in time: internal variables see it too.
+#[test]
+fn a_viscous_arm_is_driven_by_its_growth() -> Done {
+    for scheme in [Scheme::backward_euler(), Scheme::implicit_midpoint()] {
+        let body = arm(1e5)?.viscosity("body", MaxwellBranch::new(2e4, 0.03)?)?.actuate(
+            "body",
+            "swell",
+            KinematicGrowth::along(Vec3::x())?,
+        )?;
+        let problem = Reduced::new(body)
+            .in_time(timeline(scheme)?.from_rest())?
+            .control_in_time("swell", Space::Cell, knots(Interpolation::Linear)?)?
+            .control_in_time("tension", Space::Uniform, knots(Interpolation::Linear)?)?
+            .cost(Tracking::surface("x+", raised(0.1)))?;
+        let growth = problem.layout().block("swell")?.len();
+        let mut m = wave(growth, 0.05);
+        m.extend(wave(problem.layout().len() - growth, -2e4));
+        assert_taylor(&problem, &m, "growth of a viscous arm")?;
     }
     Ok(())
 }

@@ -1,9 +1,8 @@
 //! [`ByParameters`]: a law with moduli as slots, by the numbers that it is written with.
 
-use crate::formula::{HyperDual, Number};
 use crate::term::forward_statements;
-use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
-use nastic_tensor::Mat3;
+use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, Outside, PointBatch, Response, Slot, Slots, Want};
+use nastic_tensor::{HyperDual, Mat3};
 use std::sync::Arc;
 
 /// How one modulus of a law follows from numbers p that the law may be written with, `theta = f(p)`.
@@ -121,7 +120,7 @@ impl ByParameters {
         }
         let of_point = |q: usize| {
             let numbers = self.numbers(at.place(q), m.only(q).values);
-            self.theta(&numbers).map(|theta| theta.real).collect::<Vec<_>>()
+            self.theta(&numbers).map(|theta| theta.real()).collect::<Vec<_>>()
         };
         (0..at.len()).flat_map(of_point).collect()
     }
@@ -145,7 +144,8 @@ impl ByParameters {
             for k in 0..self.slots.len() {
                 let mut numbers = self.numbers(at.place(q), &own);
                 for (l, &place) in self.chosen.iter().enumerate() {
-                    numbers[place].first = [f64::from(u8::from(k == l)), v.get(q, l)];
+                    let value = numbers[place].real();
+                    numbers[place] = HyperDual([value, f64::from(u8::from(k == l)), v.get(q, l), 0.0]);
                 }
                 each(q, k, self.theta(&numbers).collect());
             }
@@ -175,6 +175,11 @@ impl EnergyTerm for ByParameters {
         self.law.second_stress_change(at, self.slots_of(&theta), changes, out)
     }
 
+    fn check_domain(&self, at: &PointBatch, m: Slots) -> Result<(), Outside> {
+        let theta = self.moduli_of(at, m);
+        self.law.check_domain(at, self.slots_of(&theta))
+    }
+
     fn slots(&self) -> &[Slot] {
         &self.slots
     }
@@ -185,7 +190,7 @@ impl EnergyTerm for ByParameters {
         self.law.stress_by_control(at, self.slots_of(&theta), &mut by_modulus);
         self.each_slot(at, m, Slots::none(), |q, k, theta| {
             let own = by_modulus[q * width..].iter().zip(&theta);
-            out[q * self.slots.len() + k] = own.map(|(stress, theta)| stress * theta.first[0]).sum();
+            out[q * self.slots.len() + k] = own.map(|(stress, theta)| stress * theta.along(0)).sum();
         });
     }
 
@@ -201,8 +206,8 @@ impl EnergyTerm for ByParameters {
         let (mut along, mut factors) = (vec![0.0; at.len() * width], vec![[0.0; 2]; out.len() * width]);
         self.each_slot(at, m, v, |q, k, theta| {
             for (j, theta) in theta.iter().enumerate() {
-                along[q * width + j] = theta.first[1];
-                factors[(q * self.slots.len() + k) * width + j] = [theta.first[0], theta.both];
+                along[q * width + j] = theta.along(1);
+                factors[(q * self.slots.len() + k) * width + j] = [theta.along(0), theta.both()];
             }
         });
         let mut by_modulus = vec![Mat3::zeros(); at.len() * width];

@@ -14,6 +14,7 @@
 //! # }
 //! ```
 
+mod actuation_rows;
 mod choose;
 mod conversions;
 mod fit_form;
@@ -213,7 +214,7 @@ pub fn materials() -> &'static [MaterialRow] {
 
 /// All actuations.
 pub fn actuations() -> &'static [ActuationRow] {
-    rows::ACTUATIONS
+    actuation_rows::ACTUATIONS
 }
 
 /// The law of a name.

@@ -22,6 +22,12 @@ pub enum EnergyError {
         /// The law, by its catalogue name.
         owner: &'static str,
     },
+    /// A law that was to map strains and has an energy instead.
+    #[error("{owner} maps no strains: a growth is a law with a `StrainMap`")]
+    NoStrainMap {
+        /// The law.
+        owner: String,
+    },
     /// A number of a law that is no parameter as which unknowns are possible.
     #[error(
         "{name:?} of {owner} cannot be an unknown{}; a law that depends on it otherwise than linearly can be written as a \"formula\", all of whose parameters can",

@@ -3,7 +3,9 @@
 use nastic_tensor::Mat3;
 
 use crate::term::forward_statements;
-use crate::{ConvexDensity, EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
+use crate::{
+    ConvexDensity, EnergyError, EnergyTerm, Field, MaterialPoint, Outside, PointBatch, Response, Slot, Slots, Want,
+};
 
 /// A law that is linear in its moduli, `W(F; theta) = sum_k theta_k W_k(F)`.
 pub trait LinearInModuli: ConvexDensity + Clone + 'static {
@@ -126,6 +128,11 @@ impl<L: LinearInModuli> EnergyTerm for Parametrised<L> {
 
     fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
         self.own[slot].at(at)
+    }
+
+    fn check_domain(&self, at: &PointBatch, _: Slots) -> Result<(), Outside> {
+        // what a law that is linear in its moduli bounds does not depend on them
+        self.law.check_domain(at, Slots::none())
     }
 
     forward_statements!(self, self.law);

@@ -297,7 +297,7 @@ impl<D: ConvexDensity> EnergyTerm for D {
         Ok(())
     }
 
-    fn check_domain(&self, at: &PointBatch) -> Result<(), Outside> {
+    fn check_domain(&self, at: &PointBatch, _m: Slots) -> Result<(), Outside> {
         for (point, k) in at.kinematics.iter().enumerate() {
             let found = self.domain(at.place(point), k.f(), k.h(), k.j());
             found.map_err(|outside| Outside { point, ..outside })?;

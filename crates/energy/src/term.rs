@@ -3,7 +3,9 @@ use std::sync::Arc;
 
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
-use crate::{EnergyError, Evolution, Existence, MaterialPoint, Moduli, Outside, PointQuantity, Slot, TensionBound};
+use crate::{
+    EnergyError, Evolution, Existence, MaterialPoint, Moduli, Outside, PointQuantity, Slot, StrainMap, TensionBound,
+};
 
 /// The quadrature points of one cell: their kinematics, and who they are.
 #[derive(Clone, Copy, Debug)]
@@ -165,7 +167,7 @@ pub trait EnergyTerm: Debug + Send + Sync {
     ///
     /// # Errors
     /// [`Outside`] with the first point.
-    fn check_domain(&self, _at: &PointBatch) -> Result<(), Outside> {
+    fn check_domain(&self, _at: &PointBatch, _m: Slots) -> Result<(), Outside> {
         Ok(())
     }
 
@@ -265,6 +267,11 @@ pub trait EnergyTerm: Debug + Send + Sync {
         None
     }
 
+    /// How all laws of its cells see the deformation, of a law that has no energy of its own: a growth.
+    fn strain_map(&self) -> Option<&dyn StrainMap> {
+        None
+    }
+
     /// The control values seen by an observer who turned space by `q`: components of spatial vectors turn with it,
     /// scalars and vectors of the reference body stay. The contract tests use it to state objectivity.
     fn turn(&self, _q: &Mat3, _m: &mut [f64]) {}
@@ -273,10 +280,6 @@ pub trait EnergyTerm: Debug + Send + Sync {
 /// What a law around another one says as that does: where it may be, what is stated of it, what its slots are to a body.
 macro_rules! forward_statements {
     ($self:ident, $law:expr) => {
-        fn check_domain(&$self, at: &$crate::PointBatch) -> Result<(), $crate::Outside> {
-            $law.check_domain(at)
-        }
-
         fn existence(&$self, at: $crate::MaterialPoint) -> Option<$crate::Existence> {
             $law.existence(at)
         }
@@ -365,6 +368,10 @@ macro_rules! forward_law {
             $law.turn(q, m);
         }
 
+        fn check_domain(&$self, at: &$crate::PointBatch, m: $crate::Slots) -> Result<(), $crate::Outside> {
+            $law.check_domain(at, m)
+        }
+
         forward_statements!($self, $law);
     };
 }
@@ -377,6 +384,14 @@ impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
 
     fn evolution(&self) -> Option<&dyn Evolution> {
         (**self).evolution()
+    }
+
+    fn strain_map(&self) -> Option<&dyn StrainMap> {
+        (**self).strain_map()
+    }
+
+    fn is_material(&self) -> bool {
+        (**self).is_material()
     }
 
     forward_law!(self, (**self));

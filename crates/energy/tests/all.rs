@@ -4,6 +4,7 @@ mod checks_catch;
 mod closed_forms;
 mod contract;
 mod fiber_limit;
+mod growth;
 mod law_parameters;
 mod magnet;
 mod parameters;

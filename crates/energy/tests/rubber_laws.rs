@@ -4,7 +4,8 @@
 
 use nastic_energy::{
     Arap, ArrudaBoyce, EnergyTerm, Existence, FiberFamily, Field, Gent, Growth, HolzapfelGasserOgden, MaterialPoint,
-    MooneyRivlin, NeoHookeIsochoric, Ogden, PointBatch, SaintVenantKirchhoff, TransverseMooneyRivlin, Yeoh, check,
+    MooneyRivlin, NeoHookeIsochoric, Ogden, PointBatch, SaintVenantKirchhoff, Slots, TransverseMooneyRivlin, Yeoh,
+    check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
@@ -234,8 +235,9 @@ fn derivatives_by_differences(law: &dyn EnergyTerm, f: Mat3) {
 #[test]
 fn beyond_the_domain() {
     let at = |f: Mat3| Kinematics::new(f).unwrap();
-    let found =
-        |law: &dyn EnergyTerm, k: &[Kinematics]| law.check_domain(&PointBatch { kinematics: k, cell: 0, first: 0 });
+    let found = |law: &dyn EnergyTerm, k: &[Kinematics]| {
+        law.check_domain(&PointBatch { kinematics: k, cell: 0, first: 0 }, Slots::none())
+    };
     let gent = Gent::new(1e5, 10.0, 1e6).unwrap();
     let inside = at(diagonal([3.5, 3.5f64.powf(-0.5), 3.5f64.powf(-0.5)]));
     let outside = at(diagonal([3.7, 3.7f64.powf(-0.5), 3.7f64.powf(-0.5)]));

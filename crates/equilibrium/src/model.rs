@@ -71,9 +71,9 @@ pub struct Controllable<'a> {
     pub name: &'a str,
     /// Its slots.
     pub slots: &'a [Slot],
-    /// The regions it acts on; `None` of a contribution.
+    /// The regions it acts on; `None` of a contribution whose controls are no fields over cells.
     pub regions: Option<&'a GroupNames>,
-    /// Their cells; `None` of a contribution.
+    /// Their cells, likewise.
     pub cells: Option<&'a [u32]>,
     /// Size of what it acts on, where that is no set of cells.
     pub measure: f64,
@@ -160,8 +160,8 @@ impl Model {
         let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| Controllable {
             name: c.name(),
             slots: c.slots(),
-            regions: None,
-            cells: None,
+            regions: c.over_cells().map(|over| over.regions),
+            cells: c.over_cells().map(|over| over.cells),
             measure: c.measure(),
             points: c.control_points(),
             holds: c.prescribes().is_some(),
@@ -195,7 +195,10 @@ impl Model {
     /// Controls of this model at rest: loads zero, designs as their actuations and contributions say.
     pub fn controls(&self) -> Controls {
         let with_slots = || self.others.iter().filter(|c| !c.slots().is_empty());
-        let points = |c: &Arc<dyn Contribution>| c.control_points().len().max(1);
+        let points = |c: &Arc<dyn Contribution>| match c.over_cells() {
+            Some(over) => over.points,
+            None => c.control_points().len().max(1),
+        };
         let mut own = Controls::zeros(with_slots().map(|c| (c.slots().len(), points(c))));
         for (k, contribution) in with_slots().enumerate() {
             let rest = contribution.slots().iter().map(Slot::rest).cycle();

@@ -21,7 +21,7 @@ pub use nastic_body::contribution::tied::Tied;
 pub use nastic_body::contribution::touches::{
     ExactContact, Onsets, RigidPose, SampleState, Sliding, Touch, TouchParameters, Touches,
 };
-pub use nastic_body::contribution::{Contribution, Demand, Sums};
+pub use nastic_body::contribution::{Contribution, Demand, OverCells, Sums};
 pub use nastic_body::controls::{ControlPoint, Controls};
 pub use nastic_body::discretization::Discretization;
 pub use nastic_body::discretization::parted::all_accept;
@@ -54,6 +54,7 @@ pub use nastic_equilibrium::stability::path::{EquilibriumPath, EventKind, PathEn
 pub use nastic_equilibrium::stability::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use nastic_forces::cavity::{Cavity, Lumen};
 pub use nastic_forces::contact::{Contact, ContactLaw};
+pub use nastic_forces::filled_force::FilledForce;
 pub use nastic_forces::foundation::Foundation;
 pub use nastic_forces::inertia::Inertia;
 pub use nastic_forces::moving_support::MovingSupport;

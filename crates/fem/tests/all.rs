@@ -36,6 +36,7 @@ mod fields;
 mod formulations;
 mod foundation;
 mod giving_up;
+mod growth;
 mod hertz;
 mod history;
 mod inertia;

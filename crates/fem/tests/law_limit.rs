@@ -73,7 +73,7 @@ impl EnergyTerm for Bladder {
         Turgor::new().stress_change(at, m, change, out);
     }
 
-    fn check_domain(&self, at: &PointBatch) -> Result<(), Outside> {
+    fn check_domain(&self, at: &PointBatch, _: Slots) -> Result<(), Outside> {
         let Some(value) = at.kinematics.iter().map(|k| k.j()).find(|j| *j > self.most) else { return Ok(()) };
         Err(Outside { law: "bladder", measure: "J", value, limit: self.most, meaning: "its skin", point: self.named })
     }

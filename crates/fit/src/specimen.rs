@@ -45,7 +45,7 @@ impl Specimen<'_> {
     pub fn stresses(&self, gradients: &[Mat3]) -> Option<Vec<Mat3>> {
         let states = gradients.iter().map(|f| Kinematics::new(*f).ok()).collect::<Option<Vec<_>>>()?;
         let at = PointBatch { kinematics: &states, cell: 0, first: 0 };
-        self.law.check_domain(&at).ok()?;
+        self.law.check_domain(&at, Slots::none()).ok()?;
         let mut stress = vec![Mat3::zeros(); states.len()];
         let mut answer = Answer { energy: &mut [], stress: &mut stress, tangent: &mut [] };
         self.law.respond(&at, Slots::none(), Want::STRESS, &mut answer);

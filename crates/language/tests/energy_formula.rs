@@ -169,12 +169,12 @@ fn deformations_without_an_energy_are_beyond_the_domain() {
     for k in check::states() {
         let at = PointBatch { kinematics: std::slice::from_ref(&k), cell: 0, first: 0 };
         let far = k.f().norm_squared() * k.j().powf(-2.0 / 3.0) - 3.0;
-        let outside = gent.check_domain(&at);
+        let outside = gent.check_domain(&at, Slots::none());
         assert_eq!(outside.is_err(), far >= 0.5, "{far}");
         if let Err(outside) = outside {
             assert!(outside.to_string().contains("formula: what the energy takes a logarithm of = -"), "{outside}");
         }
-        let outside = fung.check_domain(&at);
+        let outside = fung.check_domain(&at, Slots::none());
         assert_eq!(outside.is_err(), far > 0.0708, "{far}");
     }
 }

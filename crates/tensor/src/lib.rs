@@ -7,12 +7,14 @@
 //! elasticity*, Comput. Methods Appl. Mech. Engrg. 283 (2015), doi 10.1016/j.cma.2014.10.002.
 
 mod cross;
+mod hyper_dual;
 mod kinematics;
 mod polar;
 mod spectrum;
 mod tangent;
 
 pub use cross::{cofactor, cross};
+pub use hyper_dual::{HyperDual, Scalar};
 pub use kinematics::{Inverted, Kinematics};
 pub use polar::polar_rotation;
 pub use spectrum::SymmetricSpectrum;

@@ -1,13 +1,12 @@
 //! Sums over the cells: energy, force and tangent of a [`BodyEnergy`].
 //!
-//! Cells are computed in parallel and added up in mesh order, see [`sweep`].
+//! Cells are computed in parallel and added up in mesh order, see [`CellWork`](crate::kernels::cell_sweep::CellWork).
 
 use crate::body_energy::BodyEnergy;
 use crate::body_energy::driving::Driving;
 use crate::contribution::Sums;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
@@ -47,63 +46,64 @@ pub(super) fn add(
     (total, mut tangent, mut known): (&mut Sums, Option<&mut SparseMatrix>, Option<&mut [Mat3]>),
     parallel: bool,
 ) -> Result<(), Inadmissible> {
-    for (cells, patches) in body.groups() {
-        let job = Job { body, cells, to, driving, demand, keeps: known.is_some() };
-        sweep(&job, patches, parallel, |patch, result| {
-            job.add(patch, result, total, tangent.as_deref_mut());
+    let job = Job { body, to, driving, demand, keeps: known.is_some() };
+    body.sweep(
+        parallel,
+        |cells| job.numbers(cells),
+        |cells, patch, scratch, result: &mut PatchResult| job.compute(cells, patch, scratch, result),
+        |cells, patch, result| {
+            job.add(cells, patch, result, total, tangent.as_deref_mut());
             if let Some(known) = known.as_deref_mut() {
                 cells.put(patch, &result.gradients, known);
             }
-        })?;
-    }
-    Ok(())
+        },
+    )
 }
 
 struct Job<'a> {
     body: &'a BodyEnergy,
-    cells: Cells<'a>,
     to: Displaced<'a>,
     driving: Driving<'a>,
     demand: Terms,
     keeps: bool,
 }
 
-impl CellWork for Job<'_> {
-    type Answer = PatchResult;
-    type Error = Inadmissible;
-
-    fn cells(&self) -> Cells<'_> {
-        self.cells
+impl Job<'_> {
+    /// Of the answer of a cell.
+    fn numbers(&self, cells: &Cells) -> usize {
+        let rows = if self.demand.force { cells.row_length() } else { 0 };
+        let matrix = if self.demand.tangent { cells.kernel.matrix_len() } else { 0 };
+        matrix + 2 * rows
     }
 
-    fn room(&self) -> (PatchResult, usize) {
-        let rows = if self.demand.force { self.cells.row_length() } else { 0 };
-        let matrix = if self.demand.tangent { self.cells.kernel.matrix_len() } else { 0 };
-        (PatchResult::default(), matrix + 2 * rows)
-    }
-
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, result: &mut PatchResult) -> Result<(), Inadmissible> {
-        self.body.kinematics(self.cells, patch, self.to, scratch)?;
+    fn compute(
+        &self,
+        cells: Cells,
+        patch: Patch,
+        scratch: &mut Scratch,
+        result: &mut PatchResult,
+    ) -> Result<(), Inadmissible> {
+        self.body.kinematics(cells, patch, self.to, Some(self.driving), scratch)?;
         if self.keeps {
             result.gradients.clone_from(&scratch.gradients);
         }
         let Terms { energy, force, tangent } = self.demand;
-        let formulation = self.body.arithmetic_of(self.cells.first(patch));
+        let formulation = self.body.arithmetic_of(cells.first(patch));
         // tangents of formulations that are not affine have the stress in them
         let want = Want { energy, stress: force || tangent && !formulation.is_affine(), tangent };
         scratch.clear(want);
-        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+        for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let mut out = Response {
                 energy: &mut scratch.energy[range.clone()],
                 stress: wanted(&mut scratch.stress, &range),
                 tangent: wanted(&mut scratch.tangent, &range),
             };
             for (law, m) in self.body.materials(&at, self.driving) {
-                law.respond(&at, m, want, &mut out);
+                law.respond(&at, m.get(), want, &mut out);
             }
             out.stress = wanted(&mut scratch.driving, &range);
             for (law, m) in self.body.laws(&at, self.driving).filter(|(law, _)| !law.is_material()) {
-                law.respond(&at, m, want, &mut out);
+                law.respond(&at, m.get(), want, &mut out);
             }
         }
         let weights = &scratch.weights;
@@ -118,11 +118,11 @@ impl CellWork for Job<'_> {
             }
         }
         if force {
-            self.cells.clear_rows(patch, &mut result.rows);
-            formulation.add_force(self.cells, scratch, &scratch.stress, &mut result.rows);
-            self.cells.clear_rows(patch, &mut result.scale);
-            if self.body.is_actuated(self.cells, patch) {
-                formulation.add_force(self.cells, scratch, &scratch.driving, &mut result.scale);
+            cells.clear_rows(patch, &mut result.rows);
+            formulation.add_force(cells, scratch, &scratch.stress, &mut result.rows);
+            cells.clear_rows(patch, &mut result.scale);
+            if self.body.is_actuated(cells, patch) {
+                formulation.add_force(cells, scratch, &scratch.driving, &mut result.scale);
             }
             for (scale, total) in result.scale.iter_mut().zip(&result.rows) {
                 *scale = scale.abs() + (total - *scale).abs();
@@ -132,23 +132,28 @@ impl CellWork for Job<'_> {
             for (tangent, &w) in scratch.tangent.iter_mut().zip(weights) {
                 tangent.0.iter_mut().for_each(|c| *c *= w);
             }
-            formulation.tangent(self.cells, patch, scratch, &mut result.matrix);
+            formulation.tangent(cells, patch, scratch, &mut result.matrix);
         }
         Ok(())
     }
-}
 
-impl Job<'_> {
-    fn add(&self, patch: Patch, result: &PatchResult, total: &mut Sums, tangent: Option<&mut SparseMatrix>) {
+    fn add(
+        &self,
+        cells: Cells,
+        patch: Patch,
+        result: &PatchResult,
+        total: &mut Sums,
+        tangent: Option<&mut SparseMatrix>,
+    ) {
         total.energy += result.energy;
         total.energy_scale += result.energy_scale;
         total.min_j = total.min_j.min(result.min_j);
         if self.demand.force {
-            self.cells.scatter(patch, &result.rows, &mut total.force);
-            self.cells.scatter(patch, &result.scale, &mut total.force_scale);
+            cells.scatter(patch, &result.rows, &mut total.force);
+            cells.scatter(patch, &result.scale, &mut total.force_scale);
         }
         if let Some(tangent) = tangent {
-            self.cells.scatter_matrix(patch, &result.matrix, self.body.structure(), &mut tangent.values);
+            cells.scatter_matrix(patch, &result.matrix, self.body.structure(), &mut tangent.values);
         }
     }
 }

@@ -6,7 +6,6 @@ use crate::controls::Controls;
 use crate::error::Inadmissible;
 use crate::history::History;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
@@ -21,13 +20,21 @@ pub(super) fn add(
     history: &mut History,
     parallel: bool,
 ) -> Result<(), Inadmissible> {
-    for (cells, patches) in body.groups() {
-        let work = ControlVjp { body, cells, to: at.0, driving: at.1, lambda };
-        sweep(&work, patches, parallel, |patch, values: &Vec<f64>| {
-            add_by_slot(body, cells, patch, values, &mut *controls, &mut *history);
-        })?;
+    let work = ControlVjp { body, to: at.0, driving: at.1, lambda };
+    body.sweep(
+        parallel,
+        |cells| body.slots_of_cell(cells, at.1),
+        |cells, patch, scratch, values: &mut Vec<f64>| work.compute(cells, patch, scratch, values),
+        |cells, patch, values| add_by_slot(body, cells, patch, values, controls, history),
+    )
+}
+
+impl BodyEnergy {
+    /// Numbers that the slots of all laws have in a cell, at most.
+    pub(super) fn slots_of_cell(&self, cells: &Cells, driving: Driving) -> usize {
+        let slots: usize = (0..self.actuations.len()).map(|k| driving.width(k)).sum();
+        slots * cells.part.table.points
     }
-    Ok(())
 }
 
 /// Adds values of the laws with slots of a patch, cell by cell and one law after the other, shape `[points][slots]`, of global scope `[slots]`.
@@ -41,57 +48,59 @@ pub(super) fn add_by_slot(
 ) {
     let (part, points) = (cells.part, cells.part.table.points);
     for &c in patch.cells {
-        for &k in &body.composition_of(part.cells[c as usize] as usize).actuations {
-            let first = part.first_point(c as usize);
-            let (width, sums) = match history.width(k) {
-                0 => (controls.slots(k), controls.values_mut(k)),
-                width => (width, history.values_mut(k)),
-            };
-            let shared = sums.len() == width;
-            let (own, rest) = values.split_at(if shared { width } else { width * points });
-            let sums = &mut sums[if shared { 0 } else { width * first }..][..own.len()];
-            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
-            values = rest;
+        let first = part.first_point(c as usize);
+        for law in body.laws_of(part.cells[c as usize] as usize) {
+            let width: usize = law.blocks.iter().map(|&k| controls.slots(k).max(history.width(k))).sum();
+            let (mut behind, mut taken) = (0, 0);
+            for &k in &law.blocks {
+                let (own, sums) = match history.width(k) {
+                    0 => (controls.slots(k), controls.values_mut(k)),
+                    width => (width, history.values_mut(k)),
+                };
+                let shared = sums.len() == own;
+                if shared && law.blocks.len() == 1 {
+                    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += value);
+                    taken = own;
+                    continue;
+                }
+                for q in 0..points {
+                    let sums = &mut sums[if shared { 0 } else { own * (first + q) }..][..own];
+                    sums.iter_mut().zip(&values[q * width + behind..]).for_each(|(sum, value)| *sum += value);
+                }
+                (behind, taken) = (behind + own, width * points);
+            }
+            values = &values[taken..];
         }
     }
 }
 
 struct ControlVjp<'a> {
     body: &'a BodyEnergy,
-    cells: Cells<'a>,
     to: Displaced<'a>,
     driving: Driving<'a>,
     lambda: &'a [f64],
 }
 
-impl CellWork for ControlVjp<'_> {
-    /// See [`add_by_slot`].
-    type Answer = Vec<f64>;
-    type Error = Inadmissible;
-
-    fn cells(&self) -> Cells<'_> {
-        self.cells
-    }
-
-    fn room(&self) -> (Vec<f64>, usize) {
-        let slots: usize = (0..self.body.actuations.len()).map(|k| self.driving.width(k)).sum();
-        (Vec::new(), slots * self.cells.part.table.points)
-    }
-
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, values: &mut Vec<f64>) -> Result<(), Inadmissible> {
+impl ControlVjp<'_> {
+    fn compute(
+        &self,
+        cells: Cells,
+        patch: Patch,
+        scratch: &mut Scratch,
+        values: &mut Vec<f64>,
+    ) -> Result<(), Inadmissible> {
         values.clear();
-        if !self.body.is_actuated(self.cells, patch) {
+        if !self.body.is_actuated(cells, patch) {
             return Ok(());
         }
-        self.body.kinematics(self.cells, patch, self.to, scratch)?;
-        self.body.arithmetic_of(self.cells.first(patch)).change(self.cells, patch, self.lambda, scratch);
-        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
-            for &k in &self.body.composition_of(at.cell).actuations {
-                let m = self.driving.slots(k, &at);
+        self.body.kinematics(cells, patch, self.to, Some(self.driving), scratch)?;
+        self.body.arithmetic_of(cells.first(patch)).change(cells, patch, self.lambda, scratch);
+        for (range, at) in cells.batches(patch, &scratch.kinematics) {
+            for (law, m) in self.body.laws(&at, self.driving) {
+                let m = m.get();
                 if m.width == 0 {
-                    continue; // relaxed
+                    continue; // without slots, or relaxed
                 }
-                let law = &self.body.actuations[k].law;
                 let (changes, weights) = (&scratch.change[range.clone()], &scratch.weights[range.clone()]);
                 let first = values.len();
                 values.resize(first + m.count(at.len()), 0.0);

@@ -3,7 +3,6 @@
 use crate::body_energy::BodyEnergy;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
@@ -27,43 +26,41 @@ impl BodyEnergy {
     /// [`Inadmissible`] where the displacement is.
     pub fn dilatations(&self, to: Displaced, what: Dilatation, parallel: bool) -> Result<Vec<f64>, Inadmissible> {
         let mut all = vec![0.0; self.disc.points().len()];
-        for (cells, patches) in self.groups() {
-            sweep(&At { body: self, cells, to, what }, patches, parallel, |patch, found| {
+        let at = At { body: self, to, what };
+        self.sweep(
+            parallel,
+            |cells| cells.part.table.points,
+            |cells, patch, scratch, found: &mut Vec<f64>| at.compute(cells, patch, scratch, found),
+            |cells, patch, found| {
                 if !found.is_empty() {
                     cells.put(patch, found, &mut all);
                 }
-            })?;
-        }
+            },
+        )?;
         Ok(all)
     }
 }
 
 struct At<'a> {
     body: &'a BodyEnergy,
-    cells: Cells<'a>,
     to: Displaced<'a>,
     what: Dilatation<'a>,
 }
 
-impl CellWork for At<'_> {
-    type Answer = Vec<f64>;
-    type Error = Inadmissible;
-
-    fn cells(&self) -> Cells<'_> {
-        self.cells
-    }
-
-    fn room(&self) -> (Vec<f64>, usize) {
-        (Vec::new(), self.cells.part.table.points)
-    }
-
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, found: &mut Vec<f64>) -> Result<(), Inadmissible> {
+impl At<'_> {
+    fn compute(
+        &self,
+        cells: Cells,
+        patch: Patch,
+        scratch: &mut Scratch,
+        found: &mut Vec<f64>,
+    ) -> Result<(), Inadmissible> {
         found.clear();
-        let (body, cells) = (self.body, self.cells);
+        let body = self.body;
         if body.stiff_share(cells, patch).is_none() {
             return Ok(());
         }
-        body.kinematics(cells, patch, self.to, scratch)?;
+        body.kinematics(cells, patch, self.to, None, scratch)?;
         match self.what {
             Dilatation::Value => found.extend(scratch.kinematics.iter().map(Kinematics::j)),
             Dilatation::Stiffness => {

@@ -3,7 +3,8 @@
 use crate::body_energy::assembly;
 use crate::body_energy::assembly::Terms;
 use crate::body_energy::driving::Driving;
-use crate::body_energy::{BodyEnergy, control_product, control_vjp, max_step, second_order, tangent_product};
+use crate::body_energy::product::{self, Along};
+use crate::body_energy::{BodyEnergy, control_vjp, max_step, second_vjp};
 use crate::contribution::point::{ContributionPoint, Need};
 use crate::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use crate::contribution::{Demand, Sums};
@@ -58,7 +59,7 @@ impl ContributionPoint for EvaluatedBody<'_> {
     }
 
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
-        tangent_product::add(self.body, self.place(at), v, out, at.parallel).map(|()| true)
+        product::add(self.body, self.place(at), Along::Displacement(v), out, at.parallel).map(|()| true)
     }
 
     fn max_step(&self, at: &Instant, du: &[f64]) -> Result<f64, Inadmissible> {
@@ -71,7 +72,7 @@ impl ContributionPoint for EvaluatedBody<'_> {
     }
 
     fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
-        Ok(control_product::add(self.body, self.place(at), v, out, at.parallel)?)
+        Ok(product::add(self.body, self.place(at), Along::Controls(v), out, at.parallel)?)
     }
 
     fn second_vjp(
@@ -81,6 +82,6 @@ impl ContributionPoint for EvaluatedBody<'_> {
         along: &Increment,
         into: &mut SecondSensitivities,
     ) -> Result<(), SecondDerivativeError> {
-        second_order::add(self.body, self.place(at), lambda, along, into, at.parallel)
+        second_vjp::add(self.body, self.place(at), lambda, along, into, at.parallel)
     }
 }

@@ -1,19 +1,34 @@
 //! Internal variables of the viscous laws of a body: from those of the step that led to a state and from its displacement those of the
 //! next step follow.
 
+use crate::body_energy::cell_law::LawSlots;
+use crate::body_energy::driving::Driving;
 use crate::body_energy::{AttachedLaw, BodyEnergy};
 use crate::error::Inadmissible;
 use crate::history::{BeforeStep, History};
 use crate::instant::Instant;
 use crate::kernels::cell_scratch::Scratch;
 use crate::kernels::displaced::Displaced;
-use nastic_energy::{Evolution, MaterialPoint};
-use nastic_tensor::Mat3;
+use nastic_energy::{EnergyTerm, Evolution, MaterialPoint, PointBatch};
+use nastic_tensor::{Kinematics, Mat3};
 use rayon::prelude::*;
 
 impl BodyEnergy {
     fn evolutions(&self) -> impl Iterator<Item = (usize, &dyn Evolution)> {
         self.actuations.iter().enumerate().filter_map(|(k, attached)| Some((k, attached.law.evolution()?)))
+    }
+
+    /// How the internal variables of the k-th law with slots follow at a point, where it sees the deformation through a growth, with its slots there.
+    fn evolving<'b>(
+        &'b self,
+        k: usize,
+        at: MaterialPoint,
+        kinematics: &'b Kinematics,
+        driving: Driving<'b>,
+    ) -> Option<(&'b dyn Evolution, LawSlots<'b>)> {
+        let law = self.law_of(at.cell, k)?;
+        let points = PointBatch { kinematics: std::slice::from_ref(kinematics), cell: at.cell, first: at.point };
+        Some((law.law.evolution()?, driving.of_law(law, &points)))
     }
 
     /// Whether it has internal variables.
@@ -39,12 +54,16 @@ impl BodyEnergy {
             return Ok(());
         }
         let kinematics = self.kinematics_of_laws(at.u)?;
-        for (k, evolution) in self.evolutions() {
-            let (now, width) = (at.history().values(k), at.history().width(k));
+        let driving = Driving::of(at);
+        for (k, _) in self.evolutions() {
+            let width = at.history().width(k);
             let advance = |place: &MaterialPoint| {
-                let slots = &now[width * place.point..][..width];
-                let mut own = slots.to_vec();
-                evolution.advance(*place, &kinematics[place.point], slots, &mut own);
+                let kinematics = &kinematics[place.point];
+                let mut own = Vec::new();
+                if let Some((evolution, slots)) = self.evolving(k, *place, kinematics, driving) {
+                    own = slots.get().values.to_vec();
+                    evolution.advance(*place, kinematics, slots.get().values, &mut own);
+                }
                 own
             };
             let places: Vec<MaterialPoint> = self.places(k).collect();
@@ -53,7 +72,8 @@ impl BodyEnergy {
                 false => places.iter().map(advance).collect(),
             };
             for (place, own) in places.iter().zip(found) {
-                next.values_mut(k)[width * place.point..][..width].copy_from_slice(&own);
+                let next = &mut next.values_mut(k)[width * place.point..][..width];
+                next.iter_mut().zip(own).for_each(|(next, own)| *next = own);
             }
         }
         Ok(())
@@ -76,14 +96,26 @@ impl BodyEnergy {
         }
         let kinematics = self.kinematics_of_laws(at.u)?;
         let mut by_f = vec![Mat3::zeros(); kinematics.len()];
-        for (k, evolution) in self.evolutions() {
-            let (now, width, by_next) = (at.history().values(k), at.history().width(k), by_next.values(k));
-            let before = into.history.values_mut(k);
+        let driving = Driving::of(at);
+        for (k, _) in self.evolutions() {
+            let (width, by_next) = (by_next.width(k), by_next.values(k));
             for place in self.places(k) {
-                let own = width * place.point..width * (place.point + 1);
-                let (slots, by_next) = (&now[own.clone()], &by_next[own.clone()]);
-                let by_f = &mut by_f[place.point];
-                evolution.advance_vjp(place, &kinematics[place.point], slots, by_next, by_f, &mut before[own]);
+                let kinematics = &kinematics[place.point];
+                let Some((evolution, slots)) = self.evolving(k, place, kinematics, driving) else { continue };
+                let (slots, own) = (slots.get().values, width * place.point..width * (place.point + 1));
+                let (by_next, by_f) = (&by_next[own.clone()], &mut by_f[place.point]);
+                let before = &mut into.history.values_mut(k)[own];
+                let growth = self.composition_of(place.cell).growth;
+                let Some(growth) = growth else {
+                    evolution.advance_vjp(place, kinematics, slots, by_next, by_f, before);
+                    continue;
+                };
+                let mut by_slots = vec![0.0; slots.len()];
+                evolution.advance_vjp(place, kinematics, slots, by_next, by_f, &mut by_slots);
+                let (by_own, by_growth) = by_slots.split_at(width);
+                before.iter_mut().zip(by_own).for_each(|(sum, own)| *sum += own);
+                let sums = &mut into.controls.values_mut(growth)[by_growth.len() * place.point..];
+                sums.iter_mut().zip(by_growth).for_each(|(sum, own)| *sum += own);
             }
         }
         self.add_forces(at.u, &by_f, &mut into.u)

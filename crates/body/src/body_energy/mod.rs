@@ -8,23 +8,25 @@ use crate::error::{FemError, Inadmissible, InvertedAt};
 use crate::history::History;
 use crate::instant::Instant;
 use crate::kernels::cell_scratch::Scratch;
+use crate::kernels::cell_sweep::CellWork;
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::{Patch, Patches};
 use crate::structure::TangentStructure;
 use assembly::Terms;
+use cell_law::{CellLaw, LawSlots};
 use driving::Driving;
 use evaluated::EvaluatedBody;
-use formulation::Formulation;
-use nastic_energy::{EnergyTerm, Outside, PointBatch, Slot, Slots};
+pub use laws::AttachedLaw;
+use laws::Composition;
+use nastic_energy::{EnergyTerm, Outside, PointBatch, Slots};
 use nastic_linear::SparseMatrix;
-use nastic_mesh::GroupNames;
 use nastic_tensor::Kinematics;
 use std::sync::Arc;
 
 pub(crate) mod assembly;
 mod bulk_over_shear;
-mod control_product;
+pub mod cell_law;
 mod control_vjp;
 pub mod dilatations;
 pub mod driving;
@@ -33,13 +35,14 @@ pub mod excess_tension;
 pub mod formulation;
 pub mod hexahedra_products;
 pub(crate) mod history;
+mod laws;
 pub mod max_step;
 mod moduli;
 pub mod point_peaks;
 pub mod point_strains;
 pub(crate) mod pressure_change;
-mod second_order;
-mod tangent_product;
+mod product;
+mod second_vjp;
 pub(crate) mod tensions;
 pub mod volume_modes;
 
@@ -56,47 +59,12 @@ pub struct BodyEnergy {
     actuations: Vec<AttachedLaw>,
     /// The distinct sets of terms, and which one each cell has.
     compositions: Vec<Composition>,
+    /// By composition the laws as its cells evaluate them, those without slots of their own first.
+    laws: Vec<Vec<CellLaw>>,
     /// Index of the set of terms of each cell.
     of_cell: Vec<u32>,
     /// By group of cells, those that their formulation takes together.
     patches: Arc<Vec<Patches>>,
-}
-
-/// A law with slots by name and place: an actuation, a material with numbers of its own as slots, a viscous law.
-#[derive(Debug, Clone)]
-pub struct AttachedLaw {
-    /// Name, unique in the body.
-    pub name: String,
-    /// The law.
-    pub law: Arc<dyn EnergyTerm>,
-    /// The regions it acts on.
-    pub regions: GroupNames,
-    /// Their cells.
-    pub cells: Vec<u32>,
-}
-
-impl AttachedLaw {
-    /// Whether its slots have one value for all points.
-    pub fn is_global(&self) -> bool {
-        self.law.slots().iter().any(Slot::is_global)
-    }
-
-    /// Its slots that are controls: none of a viscous law, whose slots are internal variables.
-    pub fn controlled_slots(&self) -> &[Slot] {
-        let slots = self.law.slots();
-        if slots.iter().any(Slot::is_internal) { &[] } else { slots }
-    }
-}
-
-/// A set of terms that acts on cells: indices into those of the body.
-#[derive(Debug, Clone, PartialEq, Default)]
-struct Composition {
-    /// Laws without slots.
-    terms: Vec<usize>,
-    /// Laws with slots.
-    actuations: Vec<usize>,
-    /// None chosen: the standard one.
-    formulation: Option<Formulation>,
 }
 
 impl BodyEnergy {
@@ -104,9 +72,9 @@ impl BodyEnergy {
     pub fn new(disc: Arc<Discretization>) -> Self {
         let of_cell = vec![0; disc.mesh().cells()];
         let patches = Arc::new(disc.points().parts.iter().map(Patches::of_single_cells).collect());
-        let compositions = vec![Composition::default()];
+        let (compositions, laws) = (vec![Composition::default()], vec![vec![]]);
         let structure = disc.of_cells().clone();
-        BodyEnergy { disc, structure, terms: vec![], actuations: vec![], compositions, of_cell, patches }
+        BodyEnergy { disc, structure, terms: vec![], actuations: vec![], compositions, laws, of_cell, patches }
     }
 
     /// Changes to a structure of tangents in which more nodes are coupled.
@@ -132,6 +100,26 @@ impl BodyEnergy {
         self.patches.iter().enumerate().filter_map(|(p, patches)| Some((Cells::of(&self.disc, p)?, patches)))
     }
 
+    /// Computes something of every patch, in parallel, and takes the answers up in mesh order; `numbers` are those that an answer has of one cell.
+    pub(crate) fn sweep<'b, A, E>(
+        &'b self,
+        parallel: bool,
+        numbers: impl Fn(&Cells<'b>) -> usize,
+        compute: impl Fn(Cells<'b>, Patch, &mut Scratch, &mut A) -> Result<(), E> + Sync,
+        mut take: impl FnMut(Cells<'b>, Patch, &A) + Send,
+    ) -> Result<(), E>
+    where
+        A: Clone + Default + Send + Sync,
+        E: Clone + Send + Sync,
+    {
+        for (cells, patches) in self.groups() {
+            let compute = |patch: Patch, scratch: &mut Scratch, answer: &mut A| compute(cells, patch, scratch, answer);
+            let work = CellWork { cells, patches, numbers: numbers(&cells), compute };
+            work.run(parallel, |patch, answer| take(cells, patch, answer))?;
+        }
+        Ok(())
+    }
+
     /// The discretisation.
     pub fn discretization(&self) -> &Arc<Discretization> {
         &self.disc
@@ -140,33 +128,6 @@ impl BodyEnergy {
     /// The laws with slots in the order of [`Controls`].
     pub fn actuations(&self) -> &[AttachedLaw] {
         &self.actuations
-    }
-
-    /// The materials of a cell.
-    pub fn materials_of(&self, cell: usize) -> impl Iterator<Item = &Arc<dyn EnergyTerm>> {
-        let Composition { terms, actuations, .. } = self.composition_of(cell);
-        let with_slots = actuations.iter().map(|&k| &self.actuations[k].law).filter(|law| law.is_material());
-        terms.iter().map(|&t| &self.terms[t]).chain(with_slots)
-    }
-
-    /// The materials of a cell with what their slots hold there.
-    pub(crate) fn materials<'b>(
-        &'b self,
-        at: &'b PointBatch,
-        driving: Driving<'b>,
-    ) -> impl Iterator<Item = (&'b Arc<dyn EnergyTerm>, Slots<'b>)> {
-        self.laws(at, driving).filter(|(law, _)| law.is_material())
-    }
-
-    /// All laws of a cell with what their slots hold there, those without slots first.
-    pub fn laws<'b>(
-        &'b self,
-        at: &'b PointBatch,
-        driving: Driving<'b>,
-    ) -> impl Iterator<Item = (&'b Arc<dyn EnergyTerm>, Slots<'b>)> {
-        let Composition { terms, actuations, .. } = self.composition_of(at.cell);
-        let with_slots = actuations.iter().map(move |&k| (&self.actuations[k].law, driving.slots(k, at)));
-        terms.iter().map(|&t| (&self.terms[t], Slots::none())).chain(with_slots)
     }
 
     /// Controls of this body at rest: loads zero, designs as their laws say.
@@ -186,90 +147,6 @@ impl BodyEnergy {
             }
         }
         controls
-    }
-
-    fn composition_of(&self, cell: usize) -> &Composition {
-        &self.compositions[self.of_cell[cell] as usize]
-    }
-
-    /// Whether an actuation acts on a cell of a patch.
-    fn is_actuated(&self, cells: Cells, patch: Patch) -> bool {
-        patch.cells.iter().any(|&c| {
-            let cell = cells.part.cells[c as usize] as usize;
-            !self.composition_of(cell).actuations.is_empty()
-        })
-    }
-
-    /// Adds a passive law on cells.
-    ///
-    /// # Errors
-    /// A field of the law that does not fit the mesh.
-    pub fn add_term(&mut self, cells: &[u32], term: Arc<dyn EnergyTerm>) -> Result<(), FemError> {
-        term.check(self.disc.mesh().cells(), self.disc.points().len())?;
-        self.terms.push(term);
-        let new = self.terms.len() - 1;
-        self.extend(cells, |composition| composition.terms.push(new));
-        Ok(())
-    }
-
-    /// Attaches an actuation.
-    ///
-    /// # Errors
-    /// A field of the law that does not fit the mesh.
-    pub fn add_actuation(&mut self, attached: AttachedLaw) -> Result<(), FemError> {
-        attached.law.check(self.disc.mesh().cells(), self.disc.points().len())?;
-        if attached.is_global() && !attached.law.slots().iter().all(Slot::is_global) {
-            let what =
-                format!("slots of \"{}\" have one value for each point and one for all: take two laws", attached.name);
-            return Err(FemError::Meaningless { what });
-        }
-        let new = self.actuations.len();
-        let cells = attached.cells.clone();
-        self.actuations.push(attached);
-        self.extend(&cells, |composition| composition.actuations.push(new));
-        Ok(())
-    }
-
-    /// The same without energies in some cells.
-    pub fn without(&self, cells: &[u32]) -> Self {
-        let mut left = self.clone();
-        if !cells.is_empty() {
-            left.extend(cells, |composition| {
-                composition.terms.clear();
-                composition.actuations.clear();
-            });
-        }
-        left
-    }
-
-    fn extend(&mut self, cells: &[u32], change: impl Fn(&mut Composition)) {
-        let (mut all, mut own) = (vec![0; self.compositions.len()], vec![0; self.compositions.len()]);
-        self.of_cell.iter().for_each(|&old| all[old as usize] += 1);
-        cells.iter().for_each(|&cell| own[self.of_cell[cell as usize] as usize] += 1);
-        // one that no cell keeps is changed where it is, so that there are never more than kinds of cells
-        let mut left: Vec<bool> = (0..all.len()).map(|old| own[old] > 0 && own[old] == all[old]).collect();
-        let mut becomes: Vec<u32> = (0..all.len() as u32).collect();
-        for old in (0..all.len()).filter(|old| own[*old] > 0) {
-            let mut wanted = self.compositions[old].clone();
-            change(&mut wanted);
-            let is_there = |k: &usize| !left.get(*k).is_some_and(|left| *left) && self.compositions[*k] == wanted;
-            let known = (0..self.compositions.len()).rev().find(is_there);
-            becomes[old] = match known {
-                Some(known) => known,
-                None if left[old] => {
-                    (self.compositions[old], left[old]) = (wanted, false);
-                    old
-                }
-                None => {
-                    self.compositions.push(wanted);
-                    self.compositions.len() - 1
-                }
-            } as u32;
-        }
-        for &cell in cells {
-            let of_cell = &mut self.of_cell[cell as usize];
-            *of_cell = becomes[*of_cell as usize];
-        }
     }
 
     /// The reference volume of some cells (area in the plane).
@@ -293,22 +170,36 @@ impl BodyEnergy {
     }
 
     /// Shape gradients and kinematics of a displaced patch, into the scratch: none that is inverted or beyond the
-    /// domain of a law.
-    fn kinematics(&self, cells: Cells, patch: Patch, to: Displaced, scratch: &mut Scratch) -> Result<(), Inadmissible> {
+    /// domain of a law, where nothing drives it as it is at rest.
+    fn kinematics(
+        &self,
+        cells: Cells,
+        patch: Patch,
+        to: Displaced,
+        driving: Option<Driving>,
+        scratch: &mut Scratch,
+    ) -> Result<(), Inadmissible> {
         self.arithmetic_of(cells.first(patch)).kinematics(&self.disc, cells, patch, to, scratch)?;
-        cells.batches(patch, &scratch.kinematics).try_for_each(|(_, at)| self.check_domain(&at))
+        cells.batches(patch, &scratch.kinematics).try_for_each(|(_, at)| self.check_domain(&at, driving))
     }
 
-    /// Refuses what is beyond the domain of a law of the cell, passive or an actuation.
-    pub fn check_domain(&self, at: &PointBatch) -> Result<(), Inadmissible> {
-        let Composition { terms, actuations, .. } = self.composition_of(at.cell);
-        let laws = terms.iter().map(|&t| &self.terms[t]).chain(actuations.iter().map(|&k| &self.actuations[k].law));
-        laws.into_iter().try_for_each(|law| law.check_domain(at).map_err(|outside| beyond(at, outside)))
+    /// Refuses what is beyond the domain of a law of the cell, passive or an actuation; where nothing drives it as it is at rest.
+    ///
+    /// # Errors
+    /// [`Inadmissible::OutsideDomain`].
+    pub fn check_domain(&self, at: &PointBatch, driving: Option<Driving>) -> Result<(), Inadmissible> {
+        self.laws_of(at.cell).iter().try_for_each(|own| self.check_domain_of(own, at, driving))
+    }
+
+    fn check_domain_of(&self, own: &CellLaw, at: &PointBatch, driving: Option<Driving>) -> Result<(), Inadmissible> {
+        let m = driving.map_or(LawSlots::OfBlock(Slots::none()), |driving| driving.of_law(own, at));
+        own.law.check_domain(at, m.get()).map_err(|outside| beyond(at, outside))
     }
 
     /// Refuses what is beyond the domain of a passive law of the cell.
-    fn check_domain_of_materials(&self, at: &PointBatch) -> Result<(), Inadmissible> {
-        self.materials_of(at.cell).try_for_each(|law| law.check_domain(at).map_err(|outside| beyond(at, outside)))
+    fn check_domain_of_materials(&self, at: &PointBatch, driving: Driving) -> Result<(), Inadmissible> {
+        let mut materials = self.laws_of(at.cell).iter().filter(|own| own.law.is_material());
+        materials.try_for_each(|own| self.check_domain_of(own, at, Some(driving)))
     }
 
     /// Energy alone, or energy and internal force, with relaxed viscous laws (`Model::evaluate` knows those of a state).
@@ -391,7 +282,8 @@ impl BodyEnergy {
         parallel: bool,
     ) -> Result<(), Inadmissible> {
         out.fill(0.0);
-        tangent_product::add(self, (Displaced::by(u), Driving::relaxed(controls)), v, out, parallel)
+        let at = (Displaced::by(u), Driving::relaxed(controls));
+        product::add(self, at, product::Along::Displacement(v), out, parallel)
     }
 
     /// Derivative of the body's virtual work with respect to the controls at the points: for every actuation,

@@ -6,7 +6,6 @@ use crate::body_energy::hexahedra_products::{BATCH, HexahedraProducts};
 use crate::discretization::hexahedra::Hexahedra;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::hexahedra::{CELLS, MODULI, NODES};
@@ -35,10 +34,13 @@ impl BodyEnergy {
     ) -> Result<Option<Arc<HexahedraProducts>>, Inadmissible> {
         let Some(hexahedra) = self.disc.hexahedra().filter(|_| self.has_cell_products()) else { return Ok(None) };
         let mut moduli = vec![0.0; hexahedra.batches() * BATCH];
-        for (cells, patches) in self.groups() {
-            let work = Moduli { body: self, cells, to, driving, hexahedra };
-            let (mut batch, mut of_cells) = (0, vec![0.0; CELLS * NODES * MODULI]);
-            sweep(&work, patches, parallel, |patch, own| {
+        let work = Moduli { body: self, to, driving, hexahedra };
+        let (mut batch, mut of_cells) = (0, vec![0.0; CELLS * NODES * MODULI]);
+        self.sweep(
+            parallel,
+            |_| NODES * MODULI,
+            |cells, patch, scratch, own: &mut Vec<f32>| work.compute(cells, patch, scratch, own),
+            |cells, patch, own| {
                 let c = cells.number(patch);
                 if c / CELLS != batch {
                     transpose(&of_cells, &mut moduli[batch * BATCH..][..BATCH]);
@@ -46,9 +48,9 @@ impl BodyEnergy {
                     batch = c / CELLS;
                 }
                 of_cells[c % CELLS * NODES * MODULI..][..NODES * MODULI].copy_from_slice(own);
-            })?;
-            transpose(&of_cells, &mut moduli[batch * BATCH..][..BATCH]);
-        }
+            },
+        )?;
+        transpose(&of_cells, &mut moduli[batch * BATCH..][..BATCH]);
         Ok(Some(Arc::new(HexahedraProducts::new(hexahedra.clone(), moduli, fixed))))
     }
 }
@@ -63,36 +65,31 @@ fn transpose(of_cells: &[f32], batch: &mut [f32]) {
 /// The moduli of every cell.
 struct Moduli<'a> {
     body: &'a BodyEnergy,
-    cells: Cells<'a>,
     to: Displaced<'a>,
     driving: Driving<'a>,
     hexahedra: &'a Hexahedra,
 }
 
-impl CellWork for Moduli<'_> {
-    type Answer = Vec<f32>;
-    type Error = Inadmissible;
-
-    fn cells(&self) -> Cells<'_> {
-        self.cells
-    }
-
-    fn room(&self) -> (Vec<f32>, usize) {
-        (vec![0.0; NODES * MODULI], NODES * MODULI)
-    }
-
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, moduli: &mut Vec<f32>) -> Result<(), Inadmissible> {
-        let c = self.cells.number(patch);
-        self.body.kinematics(self.cells, patch, self.to, scratch)?;
+impl Moduli<'_> {
+    fn compute(
+        &self,
+        cells: Cells,
+        patch: Patch,
+        scratch: &mut Scratch,
+        moduli: &mut Vec<f32>,
+    ) -> Result<(), Inadmissible> {
+        let c = cells.number(patch);
+        self.body.kinematics(cells, patch, self.to, Some(self.driving), scratch)?;
         let want = Want { energy: false, stress: false, tangent: true };
         scratch.clear(want);
-        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+        for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let mut out = Response { energy: &mut [], stress: &mut [], tangent: &mut scratch.tangent[range] };
             for (law, m) in self.body.laws(&at, self.driving) {
-                law.respond(&at, m, want, &mut out);
+                law.respond(&at, m.get(), want, &mut out);
             }
         }
-        let inverse = &self.cells.part.inverse[c * NODES..][..NODES];
+        moduli.resize(NODES * MODULI, 0.0);
+        let inverse = &cells.part.inverse[c * NODES..][..NODES];
         for (q, (tangent, &weight)) in scratch.tangent.iter().zip(&scratch.weights).enumerate() {
             let at = self.hexahedra.point(q);
             put_moduli(tangent, &inverse[q], weight, &mut moduli[at * MODULI..][..MODULI]);

@@ -1,7 +1,7 @@
 //! [`PointPeak`]: the largest value of what an actuation is judged by at every point.
 
 use super::BodyEnergy;
-use super::driving::slots;
+use super::driving::Driving;
 use crate::controls::Controls;
 use crate::error::Inadmissible;
 use nastic_energy::{MaterialPoint, PointBatch, PointQuantity};
@@ -53,7 +53,8 @@ impl BodyEnergy {
             let (first, count) = ranges[cell as usize];
             let range = first..first + count;
             let at = PointBatch { kinematics: &kinematics[range.clone()], cell: cell as usize, first };
-            attached.law.point_values(&at, slots(controls, k, &at), &mut out[range]);
+            let Some(own) = self.law_of(cell as usize, k) else { continue };
+            own.law.point_values(&at, Driving::relaxed(controls).of_law(own, &at).get(), &mut out[range]);
         }
         Ok(Some(out))
     }

@@ -34,7 +34,6 @@ use crate::body_energy::driving::Driving;
 use crate::contribution::Sums;
 use crate::error::{Inadmissible, InvertedAt};
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
@@ -81,18 +80,17 @@ impl PointStrains {
         parallel: bool,
     ) -> Result<(Self, f64), Inadmissible> {
         let (mut next, mut largest) = (self.clone(), 0.0_f64);
-        for (cells, patches) in body.groups() {
-            let (work, points) = (Extrapolate { body, cells, u, driving, du, from: self }, cells.part.table.points);
-            sweep(&work, patches, parallel, |patch, strains| {
-                let of_cells = strains.c.chunks_exact(points).zip(strains.s.chunks_exact(points));
-                for (&cell, (c, s)) in patch.cells.iter().zip(of_cells) {
-                    let first = cells.part.first_point(cell as usize);
-                    next.c[first..][..points].copy_from_slice(c);
-                    next.s[first..][..points].copy_from_slice(s);
-                }
+        let work = Extrapolate { body, u, driving, du, from: self };
+        body.sweep(
+            parallel,
+            |cells| 18 * cells.part.table.points,
+            |cells, patch, scratch, new: &mut PatchStrains| work.compute(cells, patch, scratch, new),
+            |cells, patch, strains| {
+                cells.put(patch, &strains.c, &mut next.c);
+                cells.put(patch, &strains.s, &mut next.s);
                 largest = largest.max(strains.largest);
-            })?;
-        }
+            },
+        )?;
         Ok((next, largest))
     }
 
@@ -121,14 +119,16 @@ impl BodyEnergy {
         tangent: &mut SparseMatrix,
         parallel: bool,
     ) -> Result<(), Inadmissible> {
-        for (cells, patches) in self.groups() {
-            let work = Linearised { body: self, cells, u, driving, strains };
-            sweep(&work, patches, parallel, |patch, (rows, matrix)| {
+        let work = Linearised { body: self, u, driving, strains };
+        self.sweep(
+            parallel,
+            |cells| cells.row_length() + cells.kernel.matrix_len(),
+            |cells, patch, scratch, answer: &mut RowsAndMatrix| work.compute(cells, patch, scratch, answer),
+            |cells, patch, (rows, matrix)| {
                 cells.scatter(patch, rows, &mut total.force);
                 cells.scatter_matrix(patch, matrix, self.structure(), &mut tangent.values);
-            })?;
-        }
-        Ok(())
+            },
+        )
     }
 
     /// S and CC of the materials at the points of a cell.
@@ -147,10 +147,10 @@ impl BodyEnergy {
         let stretches = c.iter().enumerate().map(stretch).collect::<Result<Vec<_>, _>>()?;
         let (mut stress, mut tangent) = (vec![Mat3::zeros(); c.len()], vec![Tangent::zero(); c.len()]);
         let at = PointBatch { kinematics: &stretches, cell, first };
-        self.check_domain_of_materials(&at)?;
+        self.check_domain_of_materials(&at, driving)?;
         let mut response = Response { energy: &mut [], stress: &mut stress, tangent: &mut tangent };
         for (law, m) in self.materials(&at, driving) {
-            law.respond(&at, m, Want::TANGENT, &mut response);
+            law.respond(&at, m.get(), Want::TANGENT, &mut response);
         }
         Ok(stretches.iter().zip(&stress).zip(&tangent).map(|((u, p), a)| material(u, p, a)).collect())
     }
@@ -192,41 +192,32 @@ fn material(u: &Kinematics, p: &Mat3, a: &Tangent) -> (Mat3, MaterialTangent) {
     (s, cc)
 }
 
+type RowsAndMatrix = (Vec<f64>, PatchMatrix);
+
 struct Linearised<'a> {
     body: &'a BodyEnergy,
-    cells: Cells<'a>,
     u: &'a [f64],
     driving: Driving<'a>,
     strains: &'a PointStrains,
 }
 
-impl CellWork for Linearised<'_> {
-    type Answer = (Vec<f64>, PatchMatrix);
-    type Error = Inadmissible;
-
-    fn cells(&self) -> Cells<'_> {
-        self.cells
-    }
-
-    fn room(&self) -> (Self::Answer, usize) {
-        (Self::Answer::default(), self.cells.row_length() + self.cells.kernel.matrix_len())
-    }
-
+impl Linearised<'_> {
     fn compute(
         &self,
+        cells: Cells,
         patch: Patch,
         scratch: &mut Scratch,
-        (rows, matrix): &mut Self::Answer,
+        (rows, matrix): &mut RowsAndMatrix,
     ) -> Result<(), Inadmissible> {
-        self.body.kinematics(self.cells, patch, Displaced::by(self.u), scratch)?;
+        self.body.kinematics(cells, patch, Displaced::by(self.u), Some(self.driving), scratch)?;
         scratch.clear(Want::TANGENT);
         // what bends with F where that is not affine in u: the extrapolated stress, as in the rest of the tangent
         let mut geometric = Vec::with_capacity(scratch.kinematics.len());
-        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+        for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let (stress, tangent) = (&mut scratch.stress[range.clone()], &mut scratch.tangent[range.clone()]);
             let mut out = Response { energy: &mut [], stress, tangent };
             for (law, m) in self.body.laws(&at, self.driving).filter(|(law, _)| !law.is_material()) {
-                law.respond(&at, m, Want::TANGENT, &mut out);
+                law.respond(&at, m.get(), Want::TANGENT, &mut out);
             }
             let own = at.first..at.first + at.len();
             let passive = self.body.second_stresses(at.cell, at.first, self.driving, &self.strains.c[own])?;
@@ -243,11 +234,11 @@ impl CellWork for Linearised<'_> {
                 tangent.0.iter_mut().for_each(|c| *c *= weight);
             }
         }
-        self.cells.clear_rows(patch, rows);
-        let formulation = self.body.arithmetic_of(self.cells.first(patch));
-        formulation.add_force(self.cells, scratch, &scratch.stress, rows);
+        cells.clear_rows(patch, rows);
+        let formulation = self.body.arithmetic_of(cells.first(patch));
+        formulation.add_force(cells, scratch, &scratch.stress, rows);
         scratch.stress.clone_from(&geometric);
-        formulation.tangent(self.cells, patch, scratch, matrix);
+        formulation.tangent(cells, patch, scratch, matrix);
         Ok(())
     }
 }
@@ -255,7 +246,6 @@ impl CellWork for Linearised<'_> {
 /// New C and S by patch: of u itself, or extrapolated along du.
 struct Extrapolate<'a> {
     body: &'a BodyEnergy,
-    cells: Cells<'a>,
     u: &'a [f64],
     driving: Driving<'a>,
     du: Option<&'a [f64]>,
@@ -269,28 +259,23 @@ struct PatchStrains {
     largest: f64,
 }
 
-impl CellWork for Extrapolate<'_> {
-    type Answer = PatchStrains;
-    type Error = Inadmissible;
-
-    fn cells(&self) -> Cells<'_> {
-        self.cells
-    }
-
-    fn room(&self) -> (PatchStrains, usize) {
-        (PatchStrains::default(), 18 * self.cells.part.table.points)
-    }
-
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, new: &mut PatchStrains) -> Result<(), Inadmissible> {
-        self.body.kinematics(self.cells, patch, Displaced::by(self.u), scratch)?;
+impl Extrapolate<'_> {
+    fn compute(
+        &self,
+        cells: Cells,
+        patch: Patch,
+        scratch: &mut Scratch,
+        new: &mut PatchStrains,
+    ) -> Result<(), Inadmissible> {
+        self.body.kinematics(cells, patch, Displaced::by(self.u), Some(self.driving), scratch)?;
         new.c.clear();
         new.c.extend(scratch.kinematics.iter().map(|k| k.f().transpose() * k.f()));
         new.s.clear();
         new.largest = 0.0;
         if let Some(du) = self.du {
-            self.body.arithmetic_of(self.cells.first(patch)).change(self.cells, patch, du, scratch);
+            self.body.arithmetic_of(cells.first(patch)).change(cells, patch, du, scratch);
         }
-        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+        for (range, at) in cells.batches(patch, &scratch.kinematics) {
             if self.du.is_none() {
                 let passive = self.body.second_stresses(at.cell, at.first, self.driving, &new.c[range])?;
                 new.s.extend(passive.iter().map(|(s, _)| s));

@@ -3,7 +3,6 @@
 use crate::body_energy::BodyEnergy;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::{Cells, PatchMatrix};
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
@@ -24,51 +23,45 @@ impl BodyEnergy {
         tangent: &mut SparseMatrix,
         parallel: bool,
     ) -> Result<(), Inadmissible> {
-        for (cells, patches) in self.groups() {
-            sweep(&Change { body: self, cells, to, weighted }, patches, parallel, |patch, (rows, matrix)| {
+        let change = Change { body: self, to, weighted };
+        self.sweep(
+            parallel,
+            |cells| cells.row_length() + cells.matrix_length(),
+            |cells, patch, scratch, answer: &mut RowsAndMatrix| change.compute(cells, patch, scratch, answer),
+            |cells, patch, (rows, matrix)| {
                 if !rows.is_empty() {
                     cells.scatter(patch, rows, force);
                     cells.scatter_matrix(patch, matrix, self.structure(), &mut tangent.values);
                 }
-            })?;
-        }
-        Ok(())
+            },
+        )
     }
 }
 
+/// No rows where no pressure changes.
+type RowsAndMatrix = (Vec<f64>, PatchMatrix);
+
 struct Change<'a> {
     body: &'a BodyEnergy,
-    cells: Cells<'a>,
     to: Displaced<'a>,
     weighted: &'a [f64],
 }
 
-impl CellWork for Change<'_> {
-    /// No rows where no pressure changes.
-    type Answer = (Vec<f64>, PatchMatrix);
-    type Error = Inadmissible;
-
-    fn cells(&self) -> Cells<'_> {
-        self.cells
-    }
-
-    fn room(&self) -> (Self::Answer, usize) {
-        (Self::Answer::default(), self.cells.row_length() + self.cells.matrix_length())
-    }
-
+impl Change<'_> {
     fn compute(
         &self,
+        cells: Cells,
         patch: Patch,
         scratch: &mut Scratch,
-        (rows, matrix): &mut Self::Answer,
+        (rows, matrix): &mut RowsAndMatrix,
     ) -> Result<(), Inadmissible> {
         rows.clear();
-        let (body, cells) = (self.body, self.cells);
+        let body = self.body;
         let mut pressures = cells.taken(patch, self.weighted);
         if pressures.iter().all(|p| *p == 0.0) {
             return Ok(());
         }
-        body.kinematics(cells, patch, self.to, scratch)?;
+        body.kinematics(cells, patch, self.to, None, scratch)?;
         pressures.iter_mut().zip(&scratch.weights).for_each(|(p, w)| *p /= w);
         let formulation = body.arithmetic_of(cells.first(patch));
         let mut pressures = formulation.projected(scratch, &pressures).unwrap_or(pressures);

@@ -3,7 +3,6 @@
 use crate::body_energy::BodyEnergy;
 use crate::error::Inadmissible;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
@@ -37,18 +36,21 @@ impl BodyEnergy {
         parallel: bool,
     ) -> Result<Option<VolumeModes>, Inadmissible> {
         let (mut modes, mut changes) = (VolumeModes::none(self.disc.dim()), Vec::new());
-        for (cells, patches) in self.groups() {
-            let projects = |&cell: &u32| !self.arithmetic_of(cell as usize).is_affine();
-            if !cells.part.cells.iter().any(projects) {
-                continue;
-            }
-            sweep(&Modes { body: self, cells, to, expected }, patches, parallel, |_, found| {
+        if !self.groups().any(|(cells, _)| self.projects(cells)) {
+            return Ok(None);
+        }
+        let work = Modes { body: self, to, expected };
+        self.sweep(
+            parallel,
+            Cells::row_length,
+            |cells, patch, scratch, found: &mut Found| work.compute(cells, patch, scratch, found),
+            |_, _, found| {
                 if !found.modes.is_empty() {
                     modes.push(&found.nodes, &found.modes, found.stiffness);
                     changes.extend_from_slice(&found.expected);
                 }
-            })?;
-        }
+            },
+        )?;
         if expected.is_some() {
             modes = modes.expecting(changes);
         }
@@ -67,8 +69,12 @@ impl BodyEnergy {
     ) -> Result<Vec<f64>, Inadmissible> {
         let none = vec![0.0; self.disc.points().len()];
         let (mut all, mut left) = (none.clone(), by_mode);
-        for (cells, patches) in self.groups() {
-            sweep(&Modes { body: self, cells, to, expected: Some(&none) }, patches, parallel, |patch, found| {
+        let work = Modes { body: self, to, expected: Some(&none) };
+        self.sweep(
+            parallel,
+            Cells::row_length,
+            |cells, patch, scratch, found: &mut Found| work.compute(cells, patch, scratch, found),
+            |cells, patch, found| {
                 let (own, rest) = left.split_at(found.modes.len().min(left.len()));
                 left = rest;
                 let points = found.shapes.first().map_or(0, Vec::len);
@@ -76,8 +82,8 @@ impl BodyEnergy {
                 if points > 0 {
                     cells.put(patch, &(0..points).map(at).collect::<Vec<_>>(), &mut all);
                 }
-            })?;
-        }
+            },
+        )?;
         Ok(all)
     }
 }
@@ -85,7 +91,6 @@ impl BodyEnergy {
 /// The modes of every patch.
 struct Modes<'a> {
     body: &'a BodyEnergy,
-    cells: Cells<'a>,
     to: Displaced<'a>,
     /// Changes of volume by quadrature point.
     expected: Option<&'a [f64]>,
@@ -101,28 +106,23 @@ struct Found {
     shapes: Vec<Vec<f64>>,
 }
 
-impl CellWork for Modes<'_> {
-    type Answer = Found;
-    type Error = Inadmissible;
-
-    fn cells(&self) -> Cells<'_> {
-        self.cells
-    }
-
-    fn room(&self) -> (Found, usize) {
-        (Found::default(), self.cells.row_length())
-    }
-
-    fn compute(&self, patch: Patch, scratch: &mut Scratch, found: &mut Found) -> Result<(), Inadmissible> {
+impl Modes<'_> {
+    fn compute(
+        &self,
+        cells: Cells,
+        patch: Patch,
+        scratch: &mut Scratch,
+        found: &mut Found,
+    ) -> Result<(), Inadmissible> {
         found.modes.clear();
         found.shapes.clear();
-        let (body, cells) = (self.body, self.cells);
+        let body = self.body;
         let formulation = body.arithmetic_of(cells.first(patch));
         if formulation.is_affine() {
             return Ok(());
         }
         let Some(share) = body.stiff_share(cells, patch) else { return Ok(()) };
-        body.kinematics(cells, patch, self.to, scratch)?;
+        body.kinematics(cells, patch, self.to, None, scratch)?;
         let stiffness = body.volume_stiffness(cells, patch, scratch).into_iter().fold(f64::INFINITY, f64::min);
         if !stiffness.is_finite() || stiffness <= 0.0 {
             return Ok(());
@@ -144,6 +144,11 @@ impl CellWork for Modes<'_> {
 }
 
 impl BodyEnergy {
+    /// Whether the formulation of a cell of this kind projects J.
+    fn projects(&self, cells: Cells) -> bool {
+        cells.part.cells.iter().any(|&cell| !self.arithmetic_of(cell as usize).is_affine())
+    }
+
     /// The share of its bulk modulus that makes the changes of volume of a patch stand out; `None` where they do not.
     pub(super) fn stiff_share(&self, cells: Cells, patch: Patch) -> Option<f64> {
         let ratio = self.ratio_of(cells.first(patch), cells.part.first_point(cells.number(patch)));

@@ -23,7 +23,7 @@ use touches::Touches;
 use crate::error::{Cause, FemError, Inadmissible};
 use nastic_energy::Slot;
 use nastic_linear::{Field, NotCoupled, SparseMatrix, Symmetry};
-use nastic_mesh::Polyline;
+use nastic_mesh::{GroupNames, Polyline};
 use nastic_numeric::vector::sub;
 use std::fmt::Debug;
 
@@ -158,6 +158,12 @@ pub trait Contribution: Debug + Send + Sync {
         &[]
     }
 
+    /// The cells over which its controls are fields, one value at every quadrature point of the body, as those of laws; none of what has
+    /// [points](Self::control_points) of its own, or one number.
+    fn over_cells(&self) -> Option<OverCells<'_>> {
+        None
+    }
+
     /// Whether its controls may have these values, `slots * point + slot`.
     ///
     /// # Errors
@@ -214,6 +220,17 @@ pub trait Contribution: Debug + Send + Sync {
     fn add_mass(&self, _mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
         Ok(())
     }
+}
+
+/// Where controls of a contribution are fields over the body.
+#[derive(Debug, Clone, Copy)]
+pub struct OverCells<'a> {
+    /// The regions.
+    pub regions: &'a GroupNames,
+    /// Their cells.
+    pub cells: &'a [u32],
+    /// Quadrature points of the whole body.
+    pub points: usize,
 }
 
 /// What is wanted of a contribution; forces and the potential come together cheaper than one after the other.

@@ -17,7 +17,7 @@
 //! so that pbar is the projected pressure that the Hu-Washizu principle has as an unknown. Both are written once, for any
 //! [`Scalar`]: with hyper-dual numbers they give the derivatives along displacements.
 
-use super::hyper_dual::{HyperDual, Scalar};
+use nastic_tensor::{HyperDual, Scalar};
 use nastic_tensor::{Kinematics, Mat3};
 
 /// A 3x3 matrix by rows.

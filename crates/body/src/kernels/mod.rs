@@ -12,7 +12,6 @@ pub mod cells;
 pub(crate) mod dilatation;
 pub mod displaced;
 pub mod hexahedra;
-pub mod hyper_dual;
 mod matrix;
 pub mod patch;
 mod scatter;

@@ -2,7 +2,7 @@
 
 use super::{Cost, CostContext, CostForm, CostKey, CostPoint, Counts, Partials, check_weight};
 use crate::error::ControlError;
-use crate::inner_product::{mass_product, stiffness_product};
+use crate::field_operator::{mass_product, stiffness_product};
 use crate::map::Basis;
 use nastic_fem::Discretization;
 use std::fmt;

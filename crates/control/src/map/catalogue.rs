@@ -1,6 +1,6 @@
 //! Every kind of control map with an example, which the contract tests take.
 
-use super::{Basis, Chain, ControlMap, Direction, Expansion, Exponential, Length, PowerLaw, Space};
+use super::{Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Length, PowerLaw, Projection, Space};
 use crate::error::ControlError;
 use nastic_fem::Discretization;
 use std::sync::Arc;
@@ -42,6 +42,22 @@ pub const MAPS: &[MapRow] = &[
         example: |_| {
             let x = sample(5).into_iter().map(|x| 1.0 + 0.5 * x).collect();
             Ok((Arc::new(PowerLaw { low: 0.2, high: 1.4, exponent: 3.0 }), x))
+        },
+    },
+    MapRow {
+        name: "filter",
+        about: "(1 - R^2 laplace)^-1 x",
+        example: |disc| {
+            let basis = expansion(disc, 2)?.basis;
+            Ok((Arc::new(Filter::new(disc, &basis, 2, 0.3)?), sample(2 * basis.len())))
+        },
+    },
+    MapRow {
+        name: "projection",
+        about: "tanh between 0 and 1 about a threshold",
+        example: |_| {
+            let x = sample(5).into_iter().map(|x| 0.3 + 0.2 * x).collect();
+            Ok((Arc::new(Projection { threshold: 0.4, sharpness: 3.0 }), x))
         },
     },
     MapRow { name: "exponential", about: "exp x", example: |_| Ok((Arc::new(Exponential), sample(5))) },

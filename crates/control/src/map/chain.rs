@@ -20,6 +20,11 @@ impl Chain {
         self
     }
 
+    /// Whether it is the identity.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Number of links.
     pub(crate) fn len(&self) -> usize {
         self.0.len()

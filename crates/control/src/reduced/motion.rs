@@ -40,7 +40,7 @@ impl Reduced {
     /// The first that may not; controls of the wrong length.
     pub fn check_own_controls(&self, m: &[f64]) -> Result<(), ControlError> {
         self.layout.check(m)?;
-        // those of contributions have no cells
+        // those of contributions that check theirs are no fields over cells
         if self.solid.model().controllable().iter().all(|own| own.cells.is_some()) {
             return Ok(());
         }

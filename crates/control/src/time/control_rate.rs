@@ -5,7 +5,7 @@ use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartia
 use crate::control_block::ControlBlock;
 use crate::cost::{CostForm, CostKey, check_weight};
 use crate::error::ControlError;
-use crate::inner_product::mass_product;
+use crate::field_operator::mass_product;
 use crate::layout::Layout;
 
 /// `j = (weight/2) int_0^T int |dm/dt|^2 dX dt` of a control in time, linear between its knots; of one that is constant between them, with

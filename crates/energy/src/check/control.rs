@@ -56,16 +56,22 @@ pub(super) fn by_control(term: &dyn EnergyTerm, at: MaterialPoint, k: &Kinematic
     out
 }
 
-/// Steps of the slots for differences: of a control a hundredth of the largest one (1 where all are zero), for controls share their unit; of a number of a law,
-/// which may stand near a pole such as Poisson's ratio 1/2, a thousandth of its own value.
+/// Steps of the slots for differences: of a control a hundredth of the largest one of its unit (1 where all are zero), of a pure number a
+/// thousandth; of a number of a law, which may stand near a pole such as Poisson's ratio 1/2, a thousandth of its own value.
 pub(super) fn steps(term: &dyn EnergyTerm, m: &[f64]) -> Vec<f64> {
-    let largest = m.iter().fold(0.0f64, |a, b| a.max(b.abs()));
-    let shared = if largest > 0.0 { 1e-2 * largest } else { 1.0 };
-    let own = |(slot, value): (&Slot, &f64)| match slot.is_design() && *value != 0.0 {
-        true => 1e-3 * value.abs(),
-        false => shared,
+    let slots = term.slots();
+    let own = |(slot, value): (&Slot, &f64)| {
+        if slot.is_design() && *value != 0.0 {
+            return 1e-3 * value.abs();
+        }
+        if slot.unit == "1" {
+            return 1e-3;
+        }
+        let alike = slots.iter().zip(m).filter(|(other, _)| other.unit == slot.unit);
+        let largest = alike.fold(0.0_f64, |largest, (_, value)| largest.max(value.abs()));
+        if largest > 0.0 { 1e-2 * largest } else { 1.0 }
     };
-    term.slots().iter().zip(m).map(own).collect()
+    slots.iter().zip(m).map(own).collect()
 }
 
 /// The values of the slots of a law at one point.

@@ -3,7 +3,7 @@ use nastic_tensor::{Mat3, Tangent, Vec3};
 
 use super::states::directions;
 use super::{Finding, Violation, Worst, evaluate, kinematics, norm, rotations, states};
-use crate::{EnergyTerm, MaterialPoint, PointBatch};
+use crate::{EnergyTerm, MaterialPoint, PointBatch, Slots};
 
 /// Legendre-Hadamard: waves in every direction keep real speeds, `A_iJkL v_i n_J v_k n_L >= 0` at every state.
 ///
@@ -41,7 +41,7 @@ pub fn growth(law: &dyn EnergyTerm, at: MaterialPoint) -> Result<Finding, Violat
             let inside = |j: f64| {
                 let points = [state(j)?];
                 let points = PointBatch { kinematics: &points, cell: at.cell, first: at.point };
-                Ok(law.check_domain(&points).is_ok())
+                Ok(law.check_domain(&points, Slots::none()).is_ok())
             };
             if !inside(1e-24)? {
                 continue;

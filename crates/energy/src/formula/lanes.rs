@@ -1,6 +1,6 @@
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::hyper_dual::Number;
+use super::number::Number;
 
 /// Points that a tape is evaluated at side by side: each instruction is decoded once for all of them.
 pub const LANES: usize = 4;

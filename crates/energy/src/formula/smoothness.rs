@@ -24,7 +24,7 @@ pub fn check_smooth(
     let paths = [Mat3::identity(), along, side, along - side, f * across.transpose()];
     let state = |path: &Mat3, t: f64| {
         let k = Kinematics::new(Mat3::identity() + path * t).ok()?;
-        law.check_domain(&crate::PointBatch { kinematics: &[k], cell: 0, first: 0 }).ok()?;
+        law.check_domain(&crate::PointBatch { kinematics: &[k], cell: 0, first: 0 }, crate::Slots::none()).ok()?;
         Some((k, check::evaluate(law, MaterialPoint { cell: 0, point: 0 }, &k, &[])))
     };
     for path in &paths {

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use super::graph::{Graph, Id, Node, Sign};
-use super::hyper_dual::Number;
+use super::number::Number;
 
 /// A number of a tape by its register.
 type Register = u16;

@@ -1,11 +1,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3, cross};
+use nastic_tensor::{HyperDual, Kinematics, Mat3, Tangent, Vec3, cross};
 
 use crate::formula::{
-    Expression, FormulaError, FormulaProblem, Graph, HyperDual, Id, Invariant, LANES, Lanes, MOST_NODES, Node, Number,
-    Step, Tape, check_smooth,
+    Expression, FormulaError, FormulaProblem, Graph, Id, Invariant, LANES, Lanes, MOST_NODES, Node, Number, Step, Tape,
+    check_smooth,
 };
 use crate::slot::lasting;
 use crate::{
@@ -236,11 +236,11 @@ impl FormulaLaw {
             let place = at.place(q);
             let (y, slopes, theta) = (self.invariants(place, k), self.slopes(place, k), self.parameters(at, m, q));
             let inputs: [HyperDual; 4] =
-                std::array::from_fn(|n| HyperDual { real: y[n], first: [0.0, slopes[n].dot(&change[q])], both: 0.0 });
+                std::array::from_fn(|n| HyperDual([y[n], 0.0, slopes[n].dot(&change[q]), 0.0]));
             for slot in 0..self.slots.len() {
                 let mut numbers = theta.map(HyperDual::constant);
-                numbers.iter_mut().take(self.slots.len()).enumerate().for_each(|(l, x)| x.first[1] = v.get(q, l));
-                numbers[slot].first[0] = 1.0;
+                numbers.iter_mut().take(self.slots.len()).enumerate().for_each(|(l, x)| x.0[2] = v.get(q, l));
+                numbers[slot].0[1] = 1.0;
                 let w: [HyperDual; 4] = self.gradient.evaluate(inputs, &numbers);
                 each(q * self.slots.len() + slot, w, &slopes, q);
             }
@@ -326,7 +326,7 @@ impl EnergyTerm for FormulaLaw {
     fn stress_by_control(&self, at: &PointBatch, m: Slots, out: &mut [Mat3]) {
         let still = vec![Mat3::zeros(); at.len()];
         self.by_parameter(at, m, &still, Slots::none(), |n, w, slopes, _| {
-            let first = w.map(|w| w.first[0]);
+            let first = w.map(|w| w.along(0));
             out[n] = combination(&first, slopes);
         });
     }
@@ -341,8 +341,8 @@ impl EnergyTerm for FormulaLaw {
         out: &mut [Mat3],
     ) -> Result<(), EnergyError> {
         self.by_parameter(at, m, change, v, |n, w, slopes, q| {
-            let curved = self.curved_by(at.place(q), &at.kinematics[q], &w.map(|w| w.first[0]), &change[q]);
-            out[n] = combination(&w.map(|w| w.both), slopes) + curved;
+            let curved = self.curved_by(at.place(q), &at.kinematics[q], &w.map(|w| w.along(0)), &change[q]);
+            out[n] = combination(&w.map(|w| w.both()), slopes) + curved;
         });
         Ok(())
     }
@@ -402,30 +402,29 @@ impl EnergyTerm for FormulaLaw {
                 let mut one = [0.0; 4];
                 one[n] = 1.0;
                 let both = self.curved_by(place, k, &one, a).dot(b);
-                HyperDual { real: y[n], first: [slopes[n].dot(a), slopes[n].dot(b)], both }
+                HyperDual([y[n], slopes[n].dot(a), slopes[n].dot(b), both])
             });
             let w: [HyperDual; 4] = self.gradient.evaluate(inputs, &self.parameters(at, m, q).map(HyperDual::constant));
-            out[q] += combination(&w.map(|w| w.both), &slopes);
-            out[q] += self.curved_by(place, k, &w.map(|w| w.first[0]), b);
-            out[q] += self.curved_by(place, k, &w.map(|w| w.first[1]), a);
+            out[q] += combination(&w.map(|w| w.both()), &slopes);
+            out[q] += self.curved_by(place, k, &w.map(|w| w.along(0)), b);
+            out[q] += self.curved_by(place, k, &w.map(|w| w.along(1)), a);
             let ab = cross(a, b);
-            out[q] += ab * w[2].real;
+            out[q] += ab * w[2].real();
             if self.uses[1] {
                 let (fa, fb) = (cross(k.f(), a), cross(k.f(), b));
-                out[q] += (cross(&ab, k.f()) + cross(&fa, b) + cross(&fb, a)) * (2.0 * w[1].real);
+                out[q] += (cross(&ab, k.f()) + cross(&fa, b) + cross(&fb, a)) * (2.0 * w[1].real());
             }
         }
         Ok(())
     }
 
-    fn check_domain(&self, at: &PointBatch) -> Result<(), Outside> {
-        // of a law with slots the parameters are not known here: what is not finite there fails the solve
-        if self.curvature.is_safe() && self.energy.is_safe() || !self.slots.is_empty() {
+    fn check_domain(&self, at: &PointBatch, m: Slots) -> Result<(), Outside> {
+        if self.curvature.is_safe() && self.energy.is_safe() {
             return Ok(());
         }
         for (point, k) in at.kinematics.iter().enumerate() {
             let place = at.place(point);
-            let (y, theta) = (self.invariants(place, k), self.parameters(at, Slots::none(), point));
+            let (y, theta) = (self.invariants(place, k), self.parameters(at, m, point));
             let [w] = self.energy.evaluate::<f64, 1>(y, &theta);
             let slopes: [f64; 14] = self.curvature.evaluate(y, &theta);
             if w.is_finite() && slopes.iter().all(|w| w.is_finite()) {

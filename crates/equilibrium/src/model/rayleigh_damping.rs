@@ -27,7 +27,7 @@ impl Energies<'_> {
         let inverted = |at: Inadmissible| FemError::Meaningless { what: format!("no stiffness at rest: {at}") };
         self.model
             .body
-            .without(&self.model.rigid_cells())
+            .without(&self.model.rigid_cells())?
             .add_tangent(&rest.u, &rest.controls, &mut stiffness, true)
             .map_err(inverted)?;
         let mut matrix = self.model.tangent_structure().matrix();

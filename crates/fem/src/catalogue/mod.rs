@@ -11,6 +11,7 @@ use nastic_body::error::FemError;
 use nastic_energy::{FiberTension, NeoHooke};
 use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::{Contact, ContactLaw};
+use nastic_forces::filled_force::FilledForce;
 use nastic_forces::foundation::Foundation;
 use nastic_forces::inertia::{BodyInertia, Inertia};
 use nastic_forces::moving_support::MovingSupport;
@@ -64,6 +65,15 @@ pub const CATALOGUE: &[Entry] = &[
             let cells = 0..mesh.cells() as u32;
             let sampling = QuadraturePoints::of_cells(&mesh, cells, |kind| kind.rule().clone())?;
             solid.contribution(VaryingLoad::weight("weight that varies", &mesh, &sampling, 20.0))
+        },
+    },
+    Entry {
+        name: "weight by fill",
+        form: None,
+        example: || {
+            let solid = block()?;
+            let force = FilledForce::new("weight by fill", solid.discretization(), "body", Vec3::new(3.0, 0.0, -20.0))?;
+            solid.contribution(force)
         },
     },
     Entry {

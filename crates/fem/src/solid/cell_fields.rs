@@ -83,12 +83,12 @@ impl Solid {
         for (cell, (first, count)) in disc.points_of_cells().into_iter().enumerate() {
             let range = first..first + count;
             let at = PointBatch { kinematics: &kinematics[range.clone()], cell, first };
-            self.body().check_domain(&at)?;
+            self.body().check_domain(&at, Some(driving))?;
             let mut out =
                 Response { energy: &mut energy[range.clone()], stress: &mut piola[range.clone()], tangent: &mut [] };
             let want = Want { energy: true, stress: true, tangent: false };
             for (law, m) in self.body().laws(&at, driving) {
-                law.respond(&at, m, Want { energy: law.is_material(), ..want }, &mut out);
+                law.respond(&at, m.get(), Want { energy: law.is_material(), ..want }, &mut out);
             }
         }
         Ok(PointStresses { kinematics, piola, energy })

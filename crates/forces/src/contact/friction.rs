@@ -3,8 +3,8 @@
 use nastic_body::controls::Controls;
 use nastic_body::error::FemError;
 use nastic_body::instant::Instant;
-use nastic_body::kernels::hyper_dual::Scalar;
 use nastic_energy::Slot;
+use nastic_tensor::Scalar;
 use nastic_tensor::{Mat3, Vec3};
 
 /// Coulomb's friction.

@@ -1,6 +1,6 @@
 //! [`ContactLaw`]: the pressure of a contact by its gap.
 
-use nastic_body::kernels::hyper_dual::Scalar;
+use nastic_tensor::Scalar;
 
 /// The potential of a contact per reference area, `psi(d)`, d the signed distance, delta the thickness of its layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -3,8 +3,8 @@
 use super::friction::{Coulomb, Slip, dissipation, share};
 use super::law::Pressure;
 use super::stencil::Stencil;
-use nastic_body::kernels::hyper_dual::{HyperDual, Scalar};
 use nastic_tensor::Vec3;
+use nastic_tensor::{HyperDual, Scalar};
 
 /// Least part in a sample's pressure of a foot whose sliding is reported.
 const PART: f64 = 1e-3;

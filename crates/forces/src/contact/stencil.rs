@@ -9,7 +9,7 @@ use nastic_body::contribution::touches::{ExactContact, Touch, Touches};
 use nastic_body::controls::Controls;
 use nastic_body::error::Inadmissible;
 use nastic_body::instant::Instant;
-use nastic_body::kernels::hyper_dual::HyperDual;
+use nastic_tensor::HyperDual;
 use nastic_tensor::Vec3;
 use std::fmt::Debug;
 

@@ -28,7 +28,7 @@ impl BodyEnergy {
                 return Err(FemError::FormulationConflict { cell: cell as usize, earlier, later: formulation });
             }
         }
-        self.extend(cells, |composition| composition.formulation = Some(formulation));
+        self.extend(cells, |composition| composition.formulation = Some(formulation))?;
         let structure = self.structure.with_couplings(&self.patches_of(cells))?;
         self.set_structure(structure)
     }

@@ -207,7 +207,7 @@ fn at_points(cells: Cells, patch: Patch, g: &[f64], mode: &[f64], of: &dyn Fn(us
 }
 
 fn root(x: f64, dilatation: &Dilatation) -> f64 {
-    crate::kernels::hyper_dual::Scalar::root(x, dilatation.dim())
+    nastic_tensor::Scalar::root(x, dilatation.dim())
 }
 
 fn in_plane(f: &Mat3, dilatation: &Dilatation) -> Mat3 {

@@ -6,7 +6,7 @@ use crate::contact::law::Pressure;
 use crate::contact::pose::Pose;
 use crate::contact::rubbing::{Rubbing, gradient_of};
 use crate::contact::stencil::{Feet, Part, Stencil};
-use nastic_body::kernels::hyper_dual::HyperDual;
+use nastic_tensor::HyperDual;
 use nastic_tensor::{Mat3, Vec3};
 
 /// A sample in the layer of an obstacle. Its slots are its place x, the translation tau and a turn omega of the obstacle: with the arm y and `g = grad d`

@@ -1,7 +1,7 @@
 //! [`Gap`]: the smooth least distance of a sample from pieces of a surface.
 
 use super::simplex::{Nearest, nearest};
-use nastic_body::kernels::hyper_dual::Scalar;
+use nastic_tensor::Scalar;
 
 /// Pieces further away than the nearest by more than this, in units of e, have no part in the least distance.
 const FAR: f64 = 30.0;

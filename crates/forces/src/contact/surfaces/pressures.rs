@@ -5,7 +5,7 @@ use super::stencil::BeforeSurface;
 use super::{Near, Surfaces, SurfacesContact};
 use crate::contact::slots::scaled;
 use crate::contact::stencil::{Counterpart, Stencil};
-use nastic_body::kernels::hyper_dual::{HyperDual, Scalar};
+use nastic_tensor::{HyperDual, Scalar};
 
 /// Gap, in thicknesses, beyond which a corner does not look at the other surface; less than what gaps are known to.
 const BESIDE: f64 = 2.5;

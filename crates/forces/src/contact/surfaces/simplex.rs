@@ -1,6 +1,6 @@
 //! The nearest point of a segment or triangle, and the distance from it with derivatives.
 
-use nastic_body::kernels::hyper_dual::Scalar;
+use nastic_tensor::Scalar;
 use nastic_tensor::Vec3;
 
 /// The corners of a segment or triangle between which its nearest point to x is: one of a corner, two of an edge, three of the inside.

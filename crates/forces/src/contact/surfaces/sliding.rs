@@ -17,8 +17,8 @@ use crate::contact::friction::share;
 use crate::contact::law::Pressure;
 use crate::contact::rubbing::Rubbing;
 use crate::contact::stencil::{Feet, Stencil};
-use nastic_body::kernels::hyper_dual::{HyperDual, Scalar};
 use nastic_tensor::Vec3;
+use nastic_tensor::{HyperDual, Scalar};
 
 /// A field of velocities of the slots, and the spin.
 struct Motion<'v> {

@@ -10,8 +10,8 @@ use crate::contact::potential::potential_changes;
 use crate::contact::rubbing::Rubbing;
 use crate::contact::slots::{add_scaled, scaled};
 use crate::contact::stencil::{Part, Stencil};
-use nastic_body::kernels::hyper_dual::{HyperDual, Scalar};
 use nastic_tensor::Vec3;
+use nastic_tensor::{HyperDual, Scalar};
 
 /// A sample and what it is near to.
 ///

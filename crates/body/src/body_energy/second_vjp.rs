@@ -1,16 +1,14 @@
 //! Second derivatives of a body's virtual work `lambda . r = int P(F, m) : grad lambda dX`.
 
 use crate::body_energy::BodyEnergy;
-use crate::body_energy::control_product::add_weighted;
 use crate::body_energy::control_vjp::add_by_slot;
 use crate::body_energy::driving::Driving;
 use crate::body_energy::formulation::StressJet;
-use crate::body_energy::tangent_product::weigh;
+use crate::body_energy::product::{add_weighted, weigh};
 use crate::contribution::sensitivities::{Increment, SecondSensitivities};
 use crate::error::SecondDerivativeError;
 use crate::history::History;
 use crate::kernels::cell_scratch::Scratch;
-use crate::kernels::cell_sweep::{CellWork, sweep};
 use crate::kernels::cells::Cells;
 use crate::kernels::displaced::Displaced;
 use crate::kernels::patch::Patch;
@@ -34,19 +32,20 @@ pub(super) fn add(
     parallel: bool,
 ) -> Result<(), SecondDerivativeError> {
     let SecondSensitivities { u, controls } = out;
-    for (cells, patches) in body.groups() {
-        let work = SecondOrder { body, cells, to: at.0, driving: at.1, lambda, along };
-        sweep(&work, patches, parallel, |patch, answer: &PatchAnswer| {
+    let work = SecondVjp { body, to: at.0, driving: at.1, lambda, along };
+    body.sweep(
+        parallel,
+        |cells| cells.row_length() + body.slots_of_cell(cells, at.1) + 9 * cells.part.table.points,
+        |cells, patch, scratch, answer: &mut PatchAnswer| work.compute(cells, patch, scratch, answer),
+        |cells, patch, answer| {
             cells.scatter(patch, &answer.rows, u);
-            add_by_slot(body, cells, patch, &answer.by_slot, &mut *controls, &mut History::default());
-        })?;
-    }
-    Ok(())
+            add_by_slot(body, cells, patch, &answer.by_slot, controls, &mut History::default());
+        },
+    )
 }
 
-struct SecondOrder<'a> {
+struct SecondVjp<'a> {
     body: &'a BodyEnergy,
-    cells: Cells<'a>,
     to: Displaced<'a>,
     driving: Driving<'a>,
     lambda: &'a [f64],
@@ -62,44 +61,34 @@ struct PatchAnswer {
     of_lambda: Vec<Mat3>,
 }
 
-impl CellWork for SecondOrder<'_> {
-    type Answer = PatchAnswer;
-    type Error = SecondDerivativeError;
-
-    fn cells(&self) -> Cells<'_> {
-        self.cells
-    }
-
-    fn room(&self) -> (PatchAnswer, usize) {
-        let points = self.cells.part.table.points;
-        let slots: usize = (0..self.body.actuations.len()).map(|k| self.driving.width(k)).sum();
-        (PatchAnswer::default(), self.cells.row_length() + (slots + 9) * points)
-    }
-
+impl SecondVjp<'_> {
     fn compute(
         &self,
+        cells: Cells,
         patch: Patch,
         scratch: &mut Scratch,
         answer: &mut PatchAnswer,
     ) -> Result<(), SecondDerivativeError> {
         let PatchAnswer { rows, by_slot, of_lambda } = answer;
-        self.body.kinematics(self.cells, patch, self.to, scratch)?;
-        let formulation = self.body.arithmetic_of(self.cells.first(patch));
+        self.body.kinematics(cells, patch, self.to, Some(self.driving), scratch)?;
+        let formulation = self.body.arithmetic_of(cells.first(patch));
         let curved = !formulation.is_affine();
-        formulation.change(self.cells, patch, self.lambda, scratch);
+        formulation.change(cells, patch, self.lambda, scratch);
         of_lambda.clone_from(&scratch.change);
         let along_lambda = if curved { scratch.dilatation.along.clone() } else { Vec::new() };
-        formulation.change(self.cells, patch, self.along.u, scratch);
+        formulation.change(cells, patch, self.along.u, scratch);
         scratch.clear_stress();
         by_slot.clear();
-        let mut bend = curved.then(|| self.bend(patch, scratch, [&along_lambda, &scratch.dilatation.along]));
-        for (range, at) in self.cells.batches(patch, &scratch.kinematics) {
+        let mut bend = curved.then(|| self.bend(cells, patch, scratch, [&along_lambda, &scratch.dilatation.along]));
+        for (range, at) in cells.batches(patch, &scratch.kinematics) {
             let changes: [&[Mat3]; 2] = [&of_lambda[range.clone()], &scratch.change[range.clone()]];
             let stress = &mut scratch.stress[range.clone()];
-            let changed = self.body.laws(&at, Driving { controls: self.along.controls, ..self.driving });
-            for ((law, m), (_, v)) in self.body.laws(&at, self.driving).zip(changed) {
+            for own in self.body.laws_of(at.cell) {
+                let (law, m) = (&own.law, self.driving.of_law(own, &at));
+                let v = self.driving.changes(own, self.along.controls, &at);
+                let (m, v) = (m.get(), v.get());
                 law.second_stress_change(&at, m, changes, stress)?;
-                if law.slots().is_empty() || law.evolution().is_some() {
+                if m.width == 0 || law.evolution().is_some() {
                     // a viscous law has second derivatives where it is relaxed
                     if let Some(bend) = &mut bend {
                         bend.add(law, &at, &range, m, changes, stress);
@@ -134,9 +123,9 @@ impl CellWork for SecondOrder<'_> {
             }
         }
         weigh(&mut scratch.stress, &scratch.weights);
-        self.cells.clear_rows(patch, rows);
+        cells.clear_rows(patch, rows);
         let Some(mut bend) = bend else {
-            formulation.add_force(self.cells, scratch, &scratch.stress, rows);
+            formulation.add_force(cells, scratch, &scratch.stress, rows);
             return Ok(());
         };
         for part in [&mut bend.stress, &mut bend.of_lambda, &mut bend.of_along] {
@@ -146,17 +135,15 @@ impl CellWork for SecondOrder<'_> {
             along: [&along_lambda, &scratch.dilatation.along],
             parts: [&bend.stress, &bend.of_lambda, &bend.of_along, &scratch.stress],
         };
-        formulation.add_force_derivative(self.cells, scratch, jet, 3, rows);
+        formulation.add_force_derivative(cells, scratch, jet, 3, rows);
         Ok(())
     }
-}
 
-impl SecondOrder<'_> {
-    fn bend(&self, patch: Patch, scratch: &Scratch, along: [&[Mat3]; 2]) -> Bend {
+    fn bend(&self, cells: Cells, patch: Patch, scratch: &Scratch, along: [&[Mat3]; 2]) -> Bend {
         let zeros = vec![Mat3::zeros(); scratch.kinematics.len()];
         Bend {
-            second: self.body.arithmetic_of(self.cells.first(patch)).second_change(scratch, along),
-            stress: self.body.stresses(self.cells, patch, scratch, self.driving),
+            second: self.body.arithmetic_of(cells.first(patch)).second_change(scratch, along),
+            stress: self.body.stresses(cells, patch, scratch, self.driving),
             of_lambda: zeros.clone(),
             of_along: zeros,
         }

@@ -1,6 +1,6 @@
 //! [`HyperDual`]: numbers that carry two first derivatives and the mixed second one.
 
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// What formulas are written in: numbers, or numbers with their derivatives.
 pub trait Scalar: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> {
@@ -55,9 +55,29 @@ impl Scalar for f64 {
 pub struct HyperDual(pub [f64; 4]);
 
 impl HyperDual {
+    /// A constant.
+    pub fn constant(value: f64) -> Self {
+        HyperDual([value, 0.0, 0.0, 0.0])
+    }
+
+    /// The value.
+    pub fn real(self) -> f64 {
+        self.0[0]
+    }
+
+    /// The derivative along the first change (0) or along the second (1).
+    pub fn along(self, change: usize) -> f64 {
+        self.0[1 + change]
+    }
+
+    /// The derivative along both.
+    pub fn both(self) -> f64 {
+        self.0[3]
+    }
+
     /// `f(self)` from `f`, `f'` and `f''` at the value.
     #[inline]
-    fn chain(self, [f, first, second]: [f64; 3]) -> Self {
+    pub fn chain(self, [f, first, second]: [f64; 3]) -> Self {
         let [_, a, b, ab] = self.0;
         HyperDual([f, first * a, first * b, first * ab + second * a * b])
     }
@@ -66,7 +86,7 @@ impl HyperDual {
 impl Scalar for HyperDual {
     #[inline]
     fn of(value: f64) -> Self {
-        HyperDual([value, 0.0, 0.0, 0.0])
+        HyperDual::constant(value)
     }
 
     #[inline]
@@ -100,6 +120,15 @@ impl Add for HyperDual {
     #[inline]
     fn add(self, other: Self) -> Self {
         HyperDual(std::array::from_fn(|k| self.0[k] + other.0[k]))
+    }
+}
+
+impl Neg for HyperDual {
+    type Output = Self;
+
+    #[inline]
+    fn neg(self) -> Self {
+        HyperDual(self.0.map(|x| -x))
     }
 }
 

@@ -1,0 +1,197 @@
+//! The laws of a body and the cells that each acts on.
+
+use crate::body_energy::BodyEnergy;
+use crate::body_energy::cell_law::{CellLaw, LawSlots};
+use crate::body_energy::driving::Driving;
+use crate::body_energy::formulation::Formulation;
+use crate::error::FemError;
+use crate::kernels::cells::Cells;
+use crate::kernels::patch::Patch;
+use nastic_energy::{EnergyError, EnergyTerm, PointBatch, Slot};
+use nastic_mesh::GroupNames;
+use std::sync::Arc;
+
+/// A law with slots by name and place: an actuation, a material with numbers of its own as slots, a viscous law.
+#[derive(Debug, Clone)]
+pub struct AttachedLaw {
+    /// Name, unique in the body.
+    pub name: String,
+    /// The law.
+    pub law: Arc<dyn EnergyTerm>,
+    /// The regions it acts on.
+    pub regions: GroupNames,
+    /// Their cells.
+    pub cells: Vec<u32>,
+}
+
+impl AttachedLaw {
+    /// Whether its slots have one value for all points.
+    pub fn is_global(&self) -> bool {
+        self.law.slots().iter().any(Slot::is_global)
+    }
+
+    /// Its slots that are controls: none of a viscous law, whose slots are internal variables.
+    pub fn controlled_slots(&self) -> &[Slot] {
+        let slots = self.law.slots();
+        if slots.iter().any(Slot::is_internal) { &[] } else { slots }
+    }
+}
+
+/// A set of terms that acts on cells: indices into those of the body.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Composition {
+    /// Laws without slots.
+    pub terms: Vec<usize>,
+    /// Laws with slots.
+    pub actuations: Vec<usize>,
+    /// Which of these the others grow by.
+    pub growth: Option<usize>,
+    /// None chosen: the standard one.
+    pub formulation: Option<Formulation>,
+}
+
+impl BodyEnergy {
+    /// The materials of a cell.
+    pub fn materials_of(&self, cell: usize) -> impl Iterator<Item = &Arc<dyn EnergyTerm>> {
+        let Composition { terms, actuations, .. } = self.composition_of(cell);
+        let with_slots = actuations.iter().map(|&k| &self.actuations[k].law).filter(|law| law.is_material());
+        terms.iter().map(|&t| &self.terms[t]).chain(with_slots)
+    }
+
+    /// The laws of a cell as they are evaluated there.
+    pub(crate) fn laws_of(&self, cell: usize) -> &[CellLaw] {
+        &self.laws[self.of_cell[cell] as usize]
+    }
+
+    /// The law of a cell whose own slots are those of an index among the laws with slots.
+    pub(crate) fn law_of(&self, cell: usize, own: usize) -> Option<&CellLaw> {
+        self.laws_of(cell).iter().find(|law| law.blocks.first() == Some(&own) && !self.is_growth(own))
+    }
+
+    fn is_growth(&self, actuation: usize) -> bool {
+        self.actuations[actuation].law.strain_map().is_some()
+    }
+
+    /// The materials of a cell with what their slots hold there.
+    pub(crate) fn materials<'b>(
+        &'b self,
+        at: &'b PointBatch,
+        driving: Driving<'b>,
+    ) -> impl Iterator<Item = (&'b Arc<dyn EnergyTerm>, LawSlots<'b>)> {
+        self.laws(at, driving).filter(|(law, _)| law.is_material())
+    }
+
+    /// All laws of a cell with what their slots hold there, those without slots of their own first.
+    pub fn laws<'b>(
+        &'b self,
+        at: &'b PointBatch,
+        driving: Driving<'b>,
+    ) -> impl Iterator<Item = (&'b Arc<dyn EnergyTerm>, LawSlots<'b>)> {
+        self.laws_of(at.cell).iter().map(move |own| (&own.law, driving.of_law(own, at)))
+    }
+
+    pub(super) fn composition_of(&self, cell: usize) -> &Composition {
+        &self.compositions[self.of_cell[cell] as usize]
+    }
+
+    /// Whether an actuation acts on a cell of a patch.
+    pub(super) fn is_actuated(&self, cells: Cells, patch: Patch) -> bool {
+        patch.cells.iter().any(|&c| {
+            let cell = cells.part.cells[c as usize] as usize;
+            !self.composition_of(cell).actuations.is_empty()
+        })
+    }
+
+    /// Adds a passive law on cells.
+    ///
+    /// # Errors
+    /// A field of the law that does not fit the mesh.
+    pub fn add_term(&mut self, cells: &[u32], term: Arc<dyn EnergyTerm>) -> Result<(), FemError> {
+        term.check(self.disc.mesh().cells(), self.disc.points().len())?;
+        self.terms.push(term);
+        let new = self.terms.len() - 1;
+        self.extend(cells, |composition| composition.terms.push(new))
+    }
+
+    /// Attaches an actuation.
+    ///
+    /// # Errors
+    /// A field of the law that does not fit the mesh.
+    pub fn add_actuation(&mut self, attached: AttachedLaw) -> Result<(), FemError> {
+        attached.law.check(self.disc.mesh().cells(), self.disc.points().len())?;
+        if attached.is_global() && !attached.law.slots().iter().all(Slot::is_global) {
+            let what =
+                format!("slots of \"{}\" have one value for each point and one for all: take two laws", attached.name);
+            return Err(FemError::Meaningless { what });
+        }
+        let new = self.actuations.len();
+        let (cells, grows) = (attached.cells.clone(), attached.law.strain_map().is_some());
+        let earlier = cells.iter().find_map(|&cell| Some((cell, self.composition_of(cell as usize).growth?)));
+        if let Some((cell, earlier)) = earlier.filter(|_| grows) {
+            let what = format!(
+                "cell {cell} grows by \"{}\" and by \"{}\"; attach them to different regions",
+                self.actuations[earlier].name, attached.name
+            );
+            return Err(FemError::Meaningless { what });
+        }
+        self.actuations.push(attached);
+        self.extend(&cells, |composition| {
+            composition.actuations.push(new);
+            composition.growth = composition.growth.or(grows.then_some(new));
+        })
+    }
+
+    /// The same without energies in some cells.
+    ///
+    /// # Errors
+    /// As [`add_actuation`](Self::add_actuation).
+    pub fn without(&self, cells: &[u32]) -> Result<Self, FemError> {
+        let mut left = self.clone();
+        if !cells.is_empty() {
+            left.extend(cells, |composition| {
+                *composition = Composition { formulation: composition.formulation, ..Composition::default() };
+            })?;
+        }
+        Ok(left)
+    }
+
+    pub(super) fn extend(&mut self, cells: &[u32], change: impl Fn(&mut Composition)) -> Result<(), FemError> {
+        let (mut all, mut own) = (vec![0; self.compositions.len()], vec![0; self.compositions.len()]);
+        self.of_cell.iter().for_each(|&old| all[old as usize] += 1);
+        cells.iter().for_each(|&cell| own[self.of_cell[cell as usize] as usize] += 1);
+        // one that no cell keeps is changed where it is, so that there are never more than kinds of cells
+        let mut left: Vec<bool> = (0..all.len()).map(|old| own[old] > 0 && own[old] == all[old]).collect();
+        let mut becomes: Vec<u32> = (0..all.len() as u32).collect();
+        for old in (0..all.len()).filter(|old| own[*old] > 0) {
+            let mut wanted = self.compositions[old].clone();
+            change(&mut wanted);
+            let is_there = |k: &usize| !left.get(*k).is_some_and(|left| *left) && self.compositions[*k] == wanted;
+            let known = (0..self.compositions.len()).rev().find(is_there);
+            becomes[old] = match known {
+                Some(known) => known,
+                None if left[old] => {
+                    (self.compositions[old], left[old]) = (wanted, false);
+                    old
+                }
+                None => {
+                    self.compositions.push(wanted);
+                    self.compositions.len() - 1
+                }
+            } as u32;
+        }
+        for &cell in cells {
+            let of_cell = &mut self.of_cell[cell as usize];
+            *of_cell = becomes[*of_cell as usize];
+        }
+        self.laws = self.compositions.iter().map(|own| self.cell_laws(own)).collect::<Result<_, _>>()?;
+        Ok(())
+    }
+
+    /// The laws of a composition as its cells evaluate them.
+    fn cell_laws(&self, of: &Composition) -> Result<Vec<CellLaw>, EnergyError> {
+        let without_slots = of.terms.iter().map(|&t| (&self.terms[t], None));
+        let others = of.actuations.iter().filter(|&&k| !self.is_growth(k));
+        let with_slots = others.map(|&k| (&self.actuations[k].law, Some(k)));
+        without_slots.chain(with_slots).map(|(law, own)| CellLaw::new(self, law, own, of.growth)).collect()
+    }
+}

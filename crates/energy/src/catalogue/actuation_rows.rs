@@ -1,0 +1,101 @@
+use std::sync::Arc;
+
+use super::{ActuationRow, Example, Parameter};
+use crate::dielectric::VACUUM_PERMITTIVITY;
+use crate::magnet::VACUUM_PERMEABILITY;
+use crate::{Dielectric, FiberTension, KinematicGrowth, Magnet, MagnetIsochoric, MagnetRotation, Turgor};
+
+pub const ACTUATIONS: &[ActuationRow] = &[
+    ActuationRow {
+        name: FiberTension::NAME,
+        about: "fibre tension along `direction`; positive lengthens the fibre, negative contracts it",
+        forms: &[&[Parameter::direction("direction", [0.6, 0.0, 0.8])]],
+        example: Example { controls: &[1.5e5], towards: [[0.36, 0.0, 0.48], [0.0, 0.0, 0.0], [0.48, 0.0, 0.64]] },
+        make: |given| Ok(Arc::new(FiberTension::along_field(given.direction("direction")?)?)),
+    },
+    ActuationRow {
+        name: FiberTension::MUSCLE,
+        about: "a muscle along `direction`; a positive contraction pulls, a negative one is refused",
+        forms: &[&[Parameter::direction("direction", [0.6, 0.0, 0.8])]],
+        example: Example { controls: &[1.5e5], towards: [[-0.36, 0.0, -0.48], [0.0, 0.0, 0.0], [-0.48, 0.0, -0.64]] },
+        make: |given| Ok(Arc::new(FiberTension::along_field(given.direction("direction")?)?.muscle())),
+    },
+    ActuationRow {
+        name: Turgor::NAME,
+        about: "pressure inside the material; positive inflates",
+        forms: &[&[]],
+        example: Example { controls: &[1e5], towards: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] },
+        make: |_| Ok(Arc::new(Turgor::new())),
+    },
+    ActuationRow {
+        name: Magnet::NAME,
+        about: "remanence in an applied field; the body turns its remanence into the field",
+        forms: &[&[
+            Parameter::choice("variant", &["F", "isochoric", "rotation"]).optional(),
+            Parameter::number("mu0", "N/A^2", VACUUM_PERMEABILITY).optional(),
+        ]],
+        example: Example {
+            controls: &[0.1, 0.0, 0.0, 0.0, 0.02, 0.0],
+            towards: [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
+        },
+        make: |given| {
+            let mu0 = given.number_or("mu0", VACUUM_PERMEABILITY);
+            Ok(match given.word("variant") {
+                Some("rotation") => Arc::new(MagnetRotation::with_permeability(mu0)?),
+                Some("isochoric") => Arc::new(MagnetIsochoric::with_permeability(mu0)?),
+                _ => Arc::new(Magnet::with_permeability(mu0)?),
+            })
+        },
+    },
+    ActuationRow {
+        name: Dielectric::NAME,
+        about: "electric field across a film between electrodes, along `direction`: thins it and widens it, whatever its sign",
+        forms: &[
+            &[
+                Parameter::number("relative_permittivity", "1", 3.0),
+                Parameter::number("eps0", "F/m", VACUUM_PERMITTIVITY).optional(),
+                FILM_NORMAL,
+                BREAKDOWN,
+            ],
+            &[Parameter::number("permittivity", "F/m", 2.5e-11), FILM_NORMAL, BREAKDOWN],
+        ],
+        example: Example { controls: &[3e7], towards: [[0.28, 0.0, -0.96], [0.0, 1.0, 0.0], [-0.96, 0.0, -0.28]] },
+        make: |given| {
+            let direction = given.direction("direction")?;
+            let film = if given.form_has("permittivity") {
+                Dielectric::new(given.number("permittivity")?, direction)?
+            } else {
+                let eps0 = given.number_or("eps0", VACUUM_PERMITTIVITY);
+                Dielectric::from_relative(given.number("relative_permittivity")?, eps0, direction)?
+            };
+            Ok(Arc::new(match given.number("breakdown") {
+                Ok(strength) => film.with_breakdown(strength)?,
+                Err(_) => film,
+            }))
+        },
+    },
+    ActuationRow {
+        name: KinematicGrowth::NAME,
+        about: "growth in all directions by the part `growth` of every length; a negative one shrinks",
+        forms: &[&[]],
+        example: Example { controls: &[0.1], towards: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] },
+        make: |_| Ok(Arc::new(KinematicGrowth::isotropic())),
+    },
+    ActuationRow {
+        name: KinematicGrowth::ALONG,
+        about: "growth along `direction` alone by the part `growth` of lengths; a negative one shortens",
+        forms: &[&[Parameter::direction("direction", [0.6, 0.0, 0.8])]],
+        example: Example { controls: &[0.1], towards: [[0.36, 0.0, 0.48], [0.0, 0.0, 0.0], [0.48, 0.0, 0.64]] },
+        make: |given| Ok(Arc::new(KinematicGrowth::along(given.direction("direction")?)?)),
+    },
+    ActuationRow {
+        name: KinematicGrowth::ACROSS,
+        about: "growth in the plane across `normal` by the part `growth` of lengths; a negative one shrinks",
+        forms: &[&[Parameter::direction("normal", [0.6, 0.0, 0.8])]],
+        example: Example { controls: &[0.1], towards: [[0.64, 0.0, -0.48], [0.0, 1.0, 0.0], [-0.48, 0.0, 0.36]] },
+        make: |given| Ok(Arc::new(KinematicGrowth::across(given.direction("normal")?)?)),
+    },
+];
+
+const FILM_NORMAL: Parameter = Parameter::direction("direction", [0.6, 0.0, 0.8]);
+const BREAKDOWN: Parameter = Parameter::number("breakdown", "V/m", 1e8).optional();

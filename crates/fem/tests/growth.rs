@@ -1,0 +1,136 @@
+//! Bodies that grow: compatible growth is taken without energy, layers that grow apart bend as they must, what is refused.
+
+use crate::common;
+
+use common::block::{Block, STRICT};
+use common::homogeneous::cases;
+use common::{Outcome, kinds, largest, nodal, regular};
+use nastic_energy::{FiberTension, KinematicGrowth, NeoHooke, PointBatch};
+use nastic_fem::{FemError, Formulation, Solid, SolveOptions, State};
+use nastic_mesh::{CellKind, rectangle};
+use nastic_tensor::{Mat3, Vec3};
+
+/// u is that of `F = G`, and nothing is stored.
+fn assert_taken(solid: &Solid, state: &State, expected: &[f64], what: &str) -> Outcome {
+    let apart = state.u.iter().zip(expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let energy = solid.body().evaluate(&state.u, &state.controls, false, false)?.energy;
+    assert!(apart < 1e-9, "{what}: u is off by {apart:e}");
+    assert!(energy.abs() < 1e-12, "{what}: energy {energy:e}");
+    Ok(())
+}
+
+#[test]
+fn a_free_block_takes_its_growth_for_every_law_and_cell() -> Outcome {
+    for kind in kinds().filter(|kind| kind.dim() == 3) {
+        let block = Block::new(kind)?;
+        for case in cases()? {
+            for (law, pattern) in [
+                (KinematicGrowth::isotropic(), Mat3::identity()),
+                (KinematicGrowth::along(Vec3::y())?, Mat3::from_diagonal(&Vec3::y())),
+                (KinematicGrowth::across(Vec3::y())?, Mat3::from_diagonal(&Vec3::new(1.0, 0.0, 1.0))),
+            ] {
+                for g in [0.3, -0.2] {
+                    let (solid, state) = block.driven(&case, law.clone(), g)?;
+                    let expected = nodal(solid.mesh(), |x| pattern * x * g);
+                    assert_taken(&solid, &state, &expected, &format!("{kind}, {}, {law:?}, {g}", case.name))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// `g = 0.6 x` along x is the gradient of `x + 0.3 x^2`, which quadratic cells represent.
+#[test]
+fn growth_that_varies_and_is_compatible_is_taken_without_energy() -> Outcome {
+    for formulation in [Formulation::Standard, Formulation::LinearDilatation] {
+        let solid = Solid::new(regular(CellKind::Hex27, [1.0, 0.4, 0.4], [3, 1, 1])?)?
+            .material("body", NeoHooke::new(1.0, 3.0)?)?
+            .actuate("body", "growth", KinematicGrowth::along(Vec3::x())?)?
+            .formulation("body", formulation)?
+            .displace("x-", [Some(0.0), None, None])?
+            .displace("y-", [None, Some(0.0), None])?
+            .displace("z-", [None, None, Some(0.0)])?;
+        let points = solid.discretization().points().positions(solid.mesh(), None);
+        let mut controls = solid.controls();
+        controls.set(0, 0, &points.iter().map(|x| 0.6 * x[0]).collect::<Vec<_>>())?;
+        let state = solid.solve(&controls, &STRICT)?;
+        let expected = nodal(solid.mesh(), |x| Vec3::new(0.3 * x.x * x.x, 0.0, 0.0));
+        assert_taken(&solid, &state, &expected, &format!("{formulation}"))?;
+        // what laws see is F; what they answer is that of F G^-1, nothing
+        let fields = solid.cell_fields(&state)?;
+        assert!(largest(&fields.cauchy) < 1e-9 && fields.j.iter().any(|j| *j > 1.3), "{:?}", fields.j);
+    }
+    Ok(())
+}
+
+/// Two equal layers of which the upper one grows by e curve by `3 e / (2 h)`; where they grow in all directions, in plane strain, by `1 + nu` more.
+///
+/// Source: S. Timoshenko, "Analysis of bi-metal thermostats", J. Opt. Soc. Am. 11 (1925) 233-255.
+#[test]
+fn two_layers_curve_as_a_bimetal() -> Outcome {
+    let (h, nu, e) = (0.02, 0.3, 1e-3);
+    for (law, factor) in [(KinematicGrowth::along(Vec3::x())?, 1.0), (KinematicGrowth::isotropic(), 1.0 + nu)] {
+        let solid = Solid::new(rectangle([1.0, h], [100, 2], CellKind::Quad9)?)?
+            .material("body", NeoHooke::from_young_poisson(1e5, nu)?)?
+            .actuate("body", "growth", law)?
+            .clamp("x-")?;
+        let points = solid.discretization().points().positions(solid.mesh(), None);
+        let mut controls = solid.controls();
+        controls.set(0, 0, &points.iter().map(|x| if x[1] > 0.5 * h { e } else { 0.0 }).collect::<Vec<_>>())?;
+        let state = solid.solve(&controls, &SolveOptions::default())?;
+        let kappa = factor * 1.5 * e / h;
+        let middle = |x: f64| {
+            let near = |p: &[f64; 3]| (p[0] - x).abs() < 1e-9 && (p[1] - 0.5 * h).abs() < 1e-9;
+            solid.mesh().points().iter().position(near).map(|node| state.u[2 * node + 1]).ok_or("no such node")
+        };
+        // away from clamp and end, where the layers slide: by three deflections
+        let found = -(middle(0.2)? - 2.0 * middle(0.5)? + middle(0.8)?) / 0.09;
+        assert!((found / kappa - 1.0).abs() < 2e-3, "curvature {found}, expected {kappa}");
+    }
+    Ok(())
+}
+
+/// Every law of a cell sees `F G^-1`: a fibre tension in a body that grows freely by G pulls at grown fibres.
+#[test]
+fn a_fibre_is_longer_in_a_body_that_has_grown() -> Outcome {
+    let (g, tension) = (0.25, -0.4);
+    let cube = || -> Outcome<Solid> {
+        Ok(Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
+            .material("body", NeoHooke::new(1.0, 3.0)?)?
+            .actuate("body", "fibre", FiberTension::along(Vec3::x())?)?
+            .displace("x-", [Some(0.0), None, None])?
+            .displace("y-", [None, Some(0.0), None])?
+            .displace("z-", [None, None, Some(0.0)])?)
+    };
+    let stretches = |solid: Solid, values: &[f64]| -> Outcome<Vec3> {
+        let mut controls = solid.controls();
+        values.iter().enumerate().for_each(|(k, value)| controls.values_mut(k).fill(*value));
+        let state = solid.solve(&controls, &STRICT)?;
+        let kinematics = solid.body().kinematics_of_laws(&state.u)?;
+        let at = PointBatch { kinematics: &kinematics[..1], cell: 0, first: 0 };
+        Ok(at.kinematics[0].f().diagonal())
+    };
+    let plain = stretches(cube()?, &[tension])?;
+    let grown = stretches(cube()?.actuate("body", "growth", KinematicGrowth::isotropic())?, &[tension, g])?;
+    assert!((grown - plain * (1.0 + g)).norm() < 1e-11, "{grown} for {plain}");
+    Ok(())
+}
+
+#[test]
+fn a_cell_grows_in_one_way_and_not_away() -> Outcome {
+    let solid = Solid::new(regular(CellKind::Hex8, [1.0; 3], [2, 1, 1])?)?
+        .material("body", NeoHooke::new(1.0, 3.0)?)?
+        .actuate("body", "swell", KinematicGrowth::isotropic())?
+        .clamp("x-")?;
+    let twice = solid.clone().actuate("body", "again", KinematicGrowth::along(Vec3::x())?);
+    assert!(
+        matches!(&twice, Err(FemError::Meaningless { what }) if what.contains("\"swell\"") && what.contains("\"again\""))
+    );
+    let mut controls = solid.controls();
+    controls.values_mut(0).fill(-1.0);
+    let still = solid.rest().u;
+    let gone = solid.body().evaluate(&still, &controls, true, false).err().ok_or("it shrinks to nothing")?.to_string();
+    assert!(gone.contains("det G"), "{gone}");
+    Ok(())
+}
