@@ -216,8 +216,8 @@ impl FinishedRun {
 
     /// As checkpoints hold it.
     pub fn saved(&self, ensemble: &Ensemble) -> FinishedRun<PointBytes> {
-        let save = |point: EnsemblePoint, _| PointBytes { bytes: ensemble.save(&point), m: point.m };
-        let Ok(saved) = self.clone().try_map(|point, stage| Ok::<_, Infallible>(save(point, stage)));
+        let save = |point: EnsemblePoint, _| Ok(PointBytes { bytes: ensemble.save(&point), m: point.m });
+        let Ok::<_, Infallible>(saved) = self.clone().try_map(save);
         saved
     }
 }
