@@ -1,4 +1,5 @@
-//! What signatures look like: few parameters are tuples that are taken apart at once, and a model hands out what is asked of it by subject.
+//! What signatures look like: few parameters are tuples that are taken apart at once, and a model hands out what is asked of it by subject. What is
+//! saved is few files.
 #![allow(clippy::unwrap_used)] // helpers of a test
 
 use std::fs;
@@ -8,6 +9,8 @@ use std::path::{Path, PathBuf};
 const TUPLES: usize = 40;
 /// Public methods of `Model` over all its `impl`, at most.
 const METHODS_OF_MODEL: usize = 44;
+/// Files of `run` that are of starts or checkpoints, at most.
+const FILES_OF_STARTS: usize = 12;
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
@@ -100,4 +103,24 @@ fn a_model_hands_out_what_is_asked_of_it_by_subject() {
     };
     let methods: usize = texts(|name| ["equilibrium", "motion"].contains(&name)).iter().map(own).sum();
     assert!((20..=METHODS_OF_MODEL).contains(&methods), "{methods} public methods of Model");
+}
+
+/// Those below `saved` and `starts`, others that are named after them, and whatever makes bytes of what is saved.
+#[test]
+fn starts_and_checkpoints_are_few_files() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/run/src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    let named = |file: &Path| {
+        let path = file.strip_prefix(&root).unwrap().to_string_lossy().into_owned();
+        ["saved", "start", "checkpoint"].iter().any(|word| path.contains(word))
+    };
+    let makes_bytes = |file: &Path| {
+        let code = fs::read_to_string(file).unwrap();
+        ["nastic_opt::saved", "nastic_opt::Saved", "nastic_opt::{Saved", "postcard::"]
+            .iter()
+            .any(|name| code.contains(name))
+    };
+    let found: Vec<&PathBuf> = files.iter().filter(|file| named(file) || makes_bytes(file)).collect();
+    assert!((6..=FILES_OF_STARTS).contains(&found.len()), "{} files: {found:#?}", found.len());
 }

@@ -1,6 +1,7 @@
 //! [`Controls`]: the values of everything that drives a body.
 
 use crate::error::FemError;
+use serde::{Deserialize, Serialize};
 
 /// A point at which the controls of a contribution have values.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,12 +18,12 @@ pub struct ControlPoint {
 ///
 /// Points where an actuation does not act keep zeros that nobody reads. Control fields with fewer unknowns (uniform,
 /// by region, by cell, by node) are mapped to these values, and derivatives back from them, in `nastic-control`.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Controls {
     blocks: Vec<Block>,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Block {
     slots: usize,
     values: Vec<f64>,

@@ -1,5 +1,6 @@
 //! [`History`]: the internal variables of everything that remembers where it has been.
 
+use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
 
 /// Internal variables, in blocks: of each actuation of the body in the order of [`Controls`](crate::controls::Controls) those of its
@@ -8,14 +9,14 @@ use std::sync::LazyLock;
 /// state is one after a long time, in which they are relaxed.
 ///
 /// A state has those that the step which led to it began with; from them and from the state those of the next step follow.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct History {
     /// Length of the step that they belong to, s.
     pub dt: f64,
     blocks: Vec<Block>,
 }
 
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 struct Block {
     /// Values per point.
     width: usize,
@@ -90,27 +91,6 @@ impl History {
         for (own, other) in self.blocks.iter_mut().zip(&other.blocks) {
             own.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += b);
         }
-    }
-
-    /// Its shape and values as numbers: the length of the step, and of every block the values per point, how many there are, and they.
-    pub fn to_floats(&self) -> Vec<f64> {
-        let of_block = |block: &Block| {
-            let head = [block.width as f64, block.values.len() as f64];
-            head.into_iter().chain(block.values.iter().copied()).collect::<Vec<f64>>()
-        };
-        std::iter::once(self.dt).chain(self.blocks.iter().flat_map(of_block)).collect()
-    }
-
-    /// What [`to_floats`](Self::to_floats) wrote; nothing of other numbers.
-    pub fn from_floats(floats: &[f64]) -> Option<Self> {
-        let (&dt, mut rest) = floats.split_first()?;
-        let mut blocks = Vec::new();
-        while let [width, len, values @ ..] = rest {
-            let (values, behind) = values.split_at_checked(*len as usize)?;
-            blocks.push(Block { width: *width as usize, values: values.to_vec() });
-            rest = behind;
-        }
-        rest.is_empty().then_some(History { dt, blocks })
     }
 }
 

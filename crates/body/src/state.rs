@@ -3,10 +3,11 @@
 use crate::controls::Controls;
 use crate::history::History;
 use nastic_linear::{LinearSolver, LinearWork, Solver};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::sync::Arc;
 
 /// A converged equilibrium, or the end of a time step. It holds no factor: that stays in the `Workspace`.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct State {
     /// Displacement, flat: entry `dim * node + component`.
     pub u: Arc<Vec<f64>>,
@@ -32,13 +33,27 @@ impl State {
         let (u, controls, history) = (Arc::new(u), Arc::new(controls), Arc::default());
         State { u, controls, load, time: 0.0, velocity: None, acceleration: None, history, report }
     }
+
+    /// Whether it has the lengths of another state, which is of the body at hand: of one that was read.
+    pub fn fits(&self, like: &State) -> bool {
+        let (own, others) = (&self.controls, &like.controls);
+        let mut rates = self.velocity.iter().chain(&self.acceleration);
+        self.u.len() == like.u.len()
+            && rates.all(|rate| rate.len() == like.u.len())
+            && own.len() == others.len()
+            && (0..own.len()).all(|k| own.slots(k) == others.slots(k) && own.values(k).len() == others.values(k).len())
+    }
 }
 
+/// The name of a linear solver. By this name serde does not see a reference that it would borrow from what it reads.
+pub type SolverName = &'static str;
+
 /// What a solve took and how good its answer is.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SolveReport {
     /// Name of what solved the last tangent system; "direct" where there was none.
-    pub solver: &'static str,
+    #[serde(deserialize_with = "solver_name")]
+    pub solver: SolverName,
     /// Newton iterations, those of abandoned load steps included.
     pub newton: usize,
     /// Numeric factorisations.
@@ -69,6 +84,11 @@ pub struct SolveReport {
     pub shifted: usize,
     /// Times that steps with predicted pressures led nowhere, and steps by the displacement alone began again where these had.
     pub unpredicted: usize,
+}
+
+/// The name of a linear solver; "own" of one that is not in the catalogue.
+fn solver_name<'de, D: Deserializer<'de>>(input: D) -> Result<&'static str, D::Error> {
+    Ok(Solver::named(&String::deserialize(input)?).map_or("own", |factory| factory.name()))
 }
 
 impl Default for SolveReport {

@@ -1,13 +1,14 @@
 //! [`ControlLimit`]: a limit point between a control whose state is known and another.
 
 use nastic_numeric::format::short;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Control fields that a message names.
 const NAMED: usize = 3;
 
 /// A limit point on the straight way from a control whose state is known to another: there the path of equilibria turns back.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ControlLimit {
     /// The share of the way at which it is.
     pub share: f64,
@@ -16,7 +17,7 @@ pub struct ControlLimit {
 }
 
 /// The values of a control field at a limit point.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ControlAt {
     /// Its name.
     pub name: String,

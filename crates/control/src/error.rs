@@ -3,6 +3,7 @@
 use crate::control_limit::ControlLimit;
 use nastic_fem::{FemError, Inadmissible, StateError};
 use nastic_mesh::MeshError;
+use serde::{Deserialize, Serialize};
 
 /// A control problem that cannot be built or evaluated: what, where, how much, what to try.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -198,7 +199,7 @@ pub enum ControlError {
 }
 
 /// What is known of an error on another rank of the team.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RemoteFailure {
     /// The rank.
     pub rank: usize,

@@ -2,10 +2,9 @@
 
 use crate::constraint::ConstraintPoint;
 use crate::cost::CostPoint;
-use crate::state_bytes::{read_report, read_state, write_report, write_state};
 use nastic_fem::{Controls, Recording, SolveReport, State};
-use nastic_opt::SavedRunError;
-use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::{Saved, SavedError};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// An evaluated control: its state and the values of the cost terms. A value; it holds no factor.
@@ -55,7 +54,7 @@ impl SolvedStates {
 }
 
 /// The estimated error of a time step.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct StepError {
     /// What the step adds to the error of the displacement, the largest at any node, in the unit of length.
     pub error: f64,
@@ -64,7 +63,7 @@ pub struct StepError {
 }
 
 /// The adjoint displacement `K(u*) lambda = -d(j + y . c)/du` and the work of its solve.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AdjointState {
     /// lambda, flat like the displacement.
     pub lambda: Vec<f64>,
@@ -113,20 +112,11 @@ impl Evaluated {
 
     /// All but the control vector, as bytes.
     pub(crate) fn to_bytes(&self) -> Vec<u8> {
-        let mut out = Writer::new(MAGIC);
-        out.count(self.stage);
-        out.floats(&self.terms);
-        out.floats(&self.constraints);
-        out.float(self.solved.accuracy);
-        write_state(self.state(), &mut out);
-        write_report(&self.work, &mut out);
-        out.count(usize::from(self.adjoint.is_some()));
-        if let Some(adjoint) = &self.adjoint {
-            out.floats(&adjoint.lambda);
-            write_report(&adjoint.work, &mut out);
-            out.floats(&adjoint.multipliers);
-        }
-        out.finish()
+        let Evaluated { stage, work, .. } = *self;
+        // they follow from the control vector
+        let state = State { controls: Arc::default(), ..self.state().clone() };
+        let (terms, constraints, adjoint) = (self.terms.clone(), self.constraints.clone(), self.adjoint.clone());
+        SavedEvaluation { stage, terms, constraints, accuracy: self.solved.accuracy, state, work, adjoint }.to_bytes()
     }
 
     /// The point that [`to_bytes`](Self::to_bytes) wrote, of a motion with its last state alone; `controls` are those that `m` has at the points.
@@ -135,34 +125,37 @@ impl Evaluated {
         m: &[f64],
         controls: Controls,
         expected: Expected,
-    ) -> Result<Self, SavedRunError> {
-        let mut input = Reader::new(bytes, MAGIC)?;
-        let stage = input.number()?;
-        let terms = input.floats()?;
-        let constraints = input.floats()?;
-        let accuracy = input.float()?;
-        let state = read_state(&mut input, controls)?;
+    ) -> Result<Self, SavedError> {
+        let SavedEvaluation { stage, terms, constraints, accuracy, state, work, adjoint } = Saved::from_bytes(bytes)?;
         if (stage, terms.len(), state.u.len()) != (expected.stage, expected.terms, expected.dofs) {
-            return Err(input.damaged("a point of another stage, with other cost terms or on another mesh"));
+            return Err(SavedError::Unfit("a point of another stage, with other cost terms or on another mesh"));
         }
         if constraints.len() != expected.constraints {
-            return Err(input.damaged("a point with other constraints"));
+            return Err(SavedError::Unfit("a point with other constraints"));
         }
-        let work = read_report(&mut input)?;
-        let adjoint = match input.flag()? {
-            true => {
-                let (lambda, work) = (input.floats()?, read_report(&mut input)?);
-                Some(AdjointState { lambda, work, multipliers: input.floats()? })
-            }
-            false => None,
-        };
         if adjoint.as_ref().is_some_and(|adjoint| adjoint.lambda.len() != expected.dofs) {
-            return Err(input.damaged("an adjoint state on another mesh"));
+            return Err(SavedError::Unfit("an adjoint state on another mesh"));
         }
-        input.finish()?;
-        let (m, solved, costs, constraint_points) = (m.to_vec(), SolvedStates::one(state, accuracy), vec![], vec![]);
+        let solved = SolvedStates::one(State { controls: Arc::new(controls), ..state }, accuracy);
+        let (m, costs, constraint_points) = (m.to_vec(), vec![], vec![]);
         Ok(Evaluated { m, solved, terms, constraints, stage, work, adjoint, costs, constraint_points })
     }
+}
+
+/// What is saved of it.
+#[derive(Serialize, Deserialize)]
+struct SavedEvaluation {
+    stage: usize,
+    terms: Vec<f64>,
+    constraints: Vec<f64>,
+    accuracy: f64,
+    state: State,
+    work: SolveReport,
+    adjoint: Option<AdjointState>,
+}
+
+impl Saved for SavedEvaluation {
+    const KIND: &'static str = "nastic-point-8";
 }
 
 /// What a saved point must agree with.
@@ -173,5 +166,3 @@ pub(crate) struct Expected {
     pub constraints: usize,
     pub dofs: usize,
 }
-
-const MAGIC: &str = "nastic-point-7";

@@ -23,7 +23,6 @@ mod map;
 mod over_ranks;
 mod reduced;
 mod snapshot;
-mod state_bytes;
 mod state_predictor;
 mod time;
 mod total_variation;
@@ -58,7 +57,6 @@ pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use nastic_mesh::spatial::Obstacle;
 pub use reduced::{AdaptiveSteps, Reduced};
 pub use snapshot::StateFields;
-pub use state_bytes::{read_report, read_whole_state, write_report, write_whole_state};
 pub use time::{
     ActuationWork, COSTS as MOTION_COSTS, ControlRate, Instants, Interpolation, KineticEnergy, Knots, MotionFootprint,
     MotionMemory, MotionObserver, RateLimit, StepUnderWay, Timeline, TrajectoryContext, TrajectoryCost,

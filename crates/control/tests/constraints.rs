@@ -8,7 +8,7 @@ use nastic_fem::Solid;
 use nastic_mesh::{CellKind, box_mesh, rectangle};
 use nastic_opt::{
     AugmentedLagrangian, AugmentedRun, Bounds, Constrained, Domain, Lbfgs, Objective, Options, Outcome, Problem,
-    Reason, Stop, Taylor, Trial,
+    Reason, Saved, Stop, Taylor, Trial,
 };
 use nastic_tensor::Vec3;
 use nastic_uncertainty::risk::{Mean, MeanDeviation};

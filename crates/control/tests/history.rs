@@ -8,8 +8,8 @@ use nastic_energy::{FiberTension, MooneyRivlin};
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{
-    Best, Bounds, Lbfgs, Objective, Optimizer, Options, Outcome as Step, Problem, Request, RunState, Start, Within,
-    by_name,
+    Best, Bounds, Lbfgs, Objective, Optimizer, Options, Outcome as Step, Problem, Request, RunState, Saved, Start,
+    Within, by_name,
 };
 use nastic_tensor::Vec3;
 use nastic_uncertainty::risk::MeanDeviation;
@@ -196,8 +196,8 @@ fn an_ensemble_goes_on_from_a_checkpoint_to_the_bit() -> Outcome {
 fn a_result_goes_through_bytes() -> Outcome {
     let problem = two()?;
     let best = optimizer(3)?.minimize(&problem, -1e4)?;
-    let bytes = best.save(&problem);
-    let read = Best::load(&problem, &bytes)?;
+    let bytes = best.saved(&problem).to_bytes();
+    let read = Best::from_bytes(&bytes)?.restored(&problem)?;
     assert_eq!((&read.stop, read.counts, &read.stages), (&best.stop, best.counts, &best.stages));
     assert_eq!((bits(&read.m), bits(&read.derivative)), (bits(&best.m), bits(&best.derivative)));
     assert_eq!(
@@ -206,11 +206,11 @@ fn a_result_goes_through_bytes() -> Outcome {
     );
     assert_eq!((read.stage, read.active), (0, best.active));
     assert_eq!(problem.save(&read.point), problem.save(&best.point));
-    assert_eq!(read.save(&problem), bytes);
+    assert_eq!(read.saved(&problem).to_bytes(), bytes);
     for end in (0..bytes.len()).step_by(11) {
-        assert!(Best::load(&problem, &bytes[..end]).is_err(), "cut off at {end}");
+        assert!(Best::from_bytes(&bytes[..end]).is_err(), "cut off at {end}");
     }
-    assert!(Best::load(&bar(1.0)?, &bytes).is_err(), "of another problem");
+    assert!(Best::from_bytes(&bytes)?.restored(&bar(1.0)?).is_err(), "of another problem");
     Ok(())
 }
 

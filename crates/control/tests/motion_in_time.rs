@@ -9,7 +9,7 @@ use nastic_fem::{Inertia, Scheme, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{
     AugmentedLagrangian, Bounds, Constrained, Domain, Lbfgs, Objective, Optimizer, Options, Problem, Product, Request,
-    RunState, Taylor, Verdict,
+    RunState, Saved, Taylor, Verdict,
 };
 use nastic_tensor::Vec3;
 use nastic_uncertainty::risk::MeanDeviation;

@@ -80,8 +80,8 @@ fn observe(problem: &Reduced, at: usize, from: Option<Vec<u8>>) -> Done<(Result<
 fn bits(state: &State) -> Vec<u64> {
     let controls = (0..state.controls.len()).flat_map(|k| state.controls.values(k));
     let rates = state.velocity.iter().chain(&state.acceleration).flat_map(|rate| rate.iter());
-    let history = state.history.to_floats();
-    let numbers = state.u.iter().chain(&history).chain(controls).chain(rates);
+    let history = (0..state.history.len()).flat_map(|k| state.history.values(k)).chain([&state.history.dt]);
+    let numbers = state.u.iter().chain(history).chain(controls).chain(rates);
     numbers.chain([&state.time, &state.report.min_j]).map(|x| x.to_bits()).collect()
 }
 
@@ -174,7 +174,7 @@ fn bytes_of_another_problem_are_refused() -> Done {
     let other_scheme = problem(Scheme::implicit_midpoint(), MotionMemory::All)?;
     for (problem, bytes, wanted) in [
         (&other, bytes.clone(), "costs at other instants"),
-        (&own, bytes[..bytes.len() - 3].to_vec(), "more bytes are needed"),
+        (&own, bytes[..bytes.len() - 3].to_vec(), "they end early"),
         (&own, b"something else".to_vec(), "not a saved run"),
         (&other_scheme, bytes.clone(), "by another time scheme"),
     ] {

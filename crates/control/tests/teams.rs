@@ -7,7 +7,7 @@ use nastic_control::{
 use nastic_energy::{MooneyRivlin, Turgor};
 use nastic_fem::{Discretization, Inertia, Scheme, Solid};
 use nastic_mesh::{CellKind, box_mesh};
-use nastic_opt::{Bounds, Hessian, Lbfgs, Objective, Optimizer, Request, Trial};
+use nastic_opt::{Bounds, Hessian, Lbfgs, Objective, Optimizer, Request, Saved, Trial};
 use nastic_team::threads::{Faults, Traffic, run};
 use nastic_team::{Shares, ThreadRank, messages_of_sum};
 use nastic_uncertainty::risk::{Cvar, Mean, Risk};
@@ -104,11 +104,11 @@ fn second_derivatives_have_the_same_bits_on_any_number_of_ranks() -> Outcome {
     Ok(())
 }
 
-/// The formulas of docs/development/messages-of-ranks.md. `of` has the bytes that are sent of a member.
+/// The formulas of docs/development/messages-of-ranks.md. `of` has the bytes that are sent of a member, at most.
 fn exchanged(shares: &Shares, of: usize) -> Traffic {
     let ranks = shares.ranks();
     let rounds = ranks.next_power_of_two().trailing_zeros() as usize;
-    Traffic { messages: ranks * rounds, bytes: (ranks - 1) * (24 * ranks + of * shares.members()) }
+    Traffic { messages: ranks * rounds, bytes: (ranks - 1) * (12 * ranks + of * shares.members()) }
 }
 
 #[test]
@@ -134,10 +134,16 @@ fn messages_and_bytes_are_those_of_the_formulas() -> Outcome {
         });
         for (before, evaluated, derived) in counted {
             let of = |from: Traffic, to: Traffic| (to.messages - from.messages, to.bytes - from.bytes);
-            let Traffic { messages, bytes } = exchanged(&shares, 160 + 8 * terms);
-            assert_eq!(of(before, evaluated), (messages, bytes), "an evaluation on {size} ranks");
-            let (Traffic { messages, bytes }, sums) = (exchanged(&shares, 136), messages_of_sum(&shares));
-            assert_eq!(of(evaluated, derived), (messages + sums, bytes + sums * 8 * controls), "a derivative");
+            // counts of reports take fewer bytes where they are small
+            let assert_within = |found: (usize, usize), messages: usize, exchange: usize, sums: usize, what: &str| {
+                assert_eq!(found.0, messages, "{what} on {size} ranks");
+                let reports = found.1 - sums;
+                assert!(exchange / 2 < reports && reports <= exchange, "{what}: {reports} bytes of {exchange}");
+            };
+            let Traffic { messages, bytes } = exchanged(&shares, 81 + 8 * terms);
+            assert_within(of(before, evaluated), messages, bytes, 0, "an evaluation");
+            let (Traffic { messages, bytes }, sums) = (exchanged(&shares, 71), messages_of_sum(&shares));
+            assert_within(of(evaluated, derived), messages + sums, bytes, sums * 8 * controls, "a derivative");
         }
     }
     Ok(())

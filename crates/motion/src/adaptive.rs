@@ -10,6 +10,7 @@ use nastic_body::error::{FemError, StateError};
 use nastic_equilibrium::linear_systems::workspace::Workspace;
 use nastic_equilibrium::model::Model;
 use nastic_equilibrium::search::options::SolveOptions;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// The error of the next step is aimed at 0.9^3 of what is allowed; lengths change by at most these factors.
@@ -24,7 +25,7 @@ const FIRST: f64 = 1e-3;
 const MOST_STEPS: usize = 1_000_000;
 
 /// What adaptive steps took.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct AdaptiveReport {
     /// Steps of the trajectory.
     pub accepted: usize,

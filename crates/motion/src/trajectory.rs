@@ -5,6 +5,7 @@ use crate::step::MOST_PARTS;
 use nastic_body::controls::Controls;
 use nastic_body::error::FemError;
 use nastic_body::state::State;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// States one after the other, at least one, and what led from each to the next.
@@ -18,7 +19,7 @@ pub struct Trajectory {
 }
 
 /// What the first state is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Begin {
     /// The equilibrium under its controls: it depends on them.
     Equilibrium,
@@ -47,7 +48,7 @@ pub struct StepTo {
 }
 
 /// A step that was made, written down beside the states at its ends.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct StepRecord {
     /// Length of the step.
     pub dt: f64,

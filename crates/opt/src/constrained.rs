@@ -3,10 +3,11 @@
 use crate::failed::Failed;
 use crate::hessian::Hessian;
 use crate::objective::{NoSecondDerivatives, Objective};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// What a constraint asks of its values c.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sense {
     /// `c <= 0`
     AtMost,
@@ -25,7 +26,7 @@ impl Sense {
 }
 
 /// Constraints of one kind and name: one value, or one for each of many points.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConstraintGroup {
     /// Its name in results.
     pub name: String,

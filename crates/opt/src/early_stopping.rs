@@ -1,6 +1,7 @@
 //! Early stopping: which of several starts cannot reach the best one any more.
 
 use crate::Progress;
+use serde::{Deserialize, Serialize};
 
 /// Iterations at which starts are compared for the first time; each further round has twice as many as all before.
 const FIRST: usize = 10;
@@ -10,7 +11,7 @@ const FEWEST: usize = 4;
 const MARGIN: f64 = 2.0;
 
 /// A start in the last continuation stage, where costs of different starts compare.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Standing {
     /// The lowest so far.
     pub cost: f64,

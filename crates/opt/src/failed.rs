@@ -1,13 +1,15 @@
 //! [`Failed`]: a trial that could not be evaluated.
 
 use crate::summary::Summary;
+use serde::{Deserialize, Serialize};
 use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
 
 /// A trial without a cost, or a point without a derivative (a state solve that failed, say): an ordinary answer, which
 /// shortens the step, unless it is [fatal](Failed::fatal). The error's type is kept: [`Failed::downcast_ref`] asks for it. Displayed as its source.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(from = "SavedFailure", into = "SavedFailure")]
 pub struct Failed {
     source: Arc<dyn Error + Send + Sync>,
     work: Summary,
@@ -97,3 +99,22 @@ impl fmt::Display for Words {
 }
 
 impl Error for Words {}
+
+/// What is saved of a failure: its words, not its type.
+#[derive(Serialize, Deserialize)]
+struct SavedFailure {
+    why: String,
+    fatal: bool,
+}
+
+impl From<Failed> for SavedFailure {
+    fn from(failed: Failed) -> Self {
+        Self { why: failed.to_string(), fatal: failed.fatal }
+    }
+}
+
+impl From<SavedFailure> for Failed {
+    fn from(SavedFailure { why, fatal }: SavedFailure) -> Self {
+        Self { fatal, ..Failed::because(why) }
+    }
+}

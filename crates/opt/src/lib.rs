@@ -53,7 +53,6 @@
 
 pub mod admissible;
 mod augmented;
-pub mod bytes;
 mod certificate;
 mod conjugate_gradient;
 mod constrained;
@@ -72,8 +71,7 @@ mod optimizer;
 mod print;
 mod projected_gradient;
 mod run;
-mod saved_best;
-mod saved_run;
+pub mod saved;
 mod search;
 mod spectral;
 mod spectrum;
@@ -91,7 +89,6 @@ pub use augmented::{
     Augmented, AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, ConstraintReport, ConstraintsReport,
     Domain,
 };
-pub use bytes::SavedRunError;
 pub use certificate::{Base, Certificate};
 pub use constrained::{Constrained, ConstraintGroup, Sense};
 pub use failed::Failed;
@@ -107,6 +104,7 @@ pub use optimizer::{CATALOGUE, Optimizer, OptimizerRow, Options, by_name};
 pub use print::Print;
 pub use projected_gradient::ProjectedGradient;
 pub use run::{Best, Outcome, Run, RunError};
+pub use saved::{Saved, SavedError};
 pub use spectral::Spectral;
 pub use spectrum::{Spectrum, SpectrumError, SpectrumOptions};
 pub use start::{EvaluatedStart, Start};

@@ -5,6 +5,7 @@ use crate::failed::Failed;
 use crate::hessian::Hessian;
 use crate::inner_product::InnerProduct;
 use nastic_numeric::vector::dot;
+use serde::{Deserialize, Serialize};
 use std::fmt::Debug;
 
 /// An accepted control with what is known there.
@@ -68,7 +69,7 @@ impl Secant {
 }
 
 /// A method's memory as plain numbers: what a checkpoint keeps of it.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     /// Scalars, in the method's order.
     pub numbers: Vec<f64>,

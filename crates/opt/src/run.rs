@@ -14,6 +14,7 @@ use crate::search::{Iterate, Setting};
 use crate::state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 use crate::stop::Stop;
 use crate::taylor::TaylorError;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use thiserror::Error;
@@ -93,7 +94,7 @@ pub enum Outcome {
 }
 
 /// Where a run ended.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Best<P> {
     /// The control.
     pub m: Vec<f64>,
@@ -115,7 +116,8 @@ pub struct Best<P> {
     pub counts: Counts,
     /// How each stage ended.
     pub stages: Vec<StageEnd>,
-    /// The gradient check at the start, where one was made.
+    /// The gradient check at the start, where one was made; it is not saved.
+    #[serde(skip)]
     pub certificate: Option<Certificate>,
 }
 

@@ -1,9 +1,15 @@
 //! A run as plain numbers: what a checkpoint holds.
 
+use crate::failed::Failed;
 use crate::method::Memory;
+use crate::objective::{Objective, Request};
+use crate::run::Best;
+use crate::saved::Saved;
+use serde::{Deserialize, Serialize};
+use std::convert::Infallible;
 
 /// What a run has done so far.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
     /// Accepted steps.
     pub iterations: usize,
@@ -18,7 +24,7 @@ pub struct Counts {
 }
 
 /// How a stage ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StageEnd {
     /// Which stage.
     pub stage: usize,
@@ -31,7 +37,7 @@ pub struct StageEnd {
 }
 
 /// Where a run stands.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     /// What was done.
     pub counts: Counts,
@@ -64,7 +70,7 @@ impl Progress {
 }
 
 /// An accepted point as plain numbers.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SavedPoint {
     /// The control.
     pub m: Vec<f64>,
@@ -81,7 +87,7 @@ pub struct SavedPoint {
 }
 
 /// Everything a run needs to go on to the bit.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunState {
     /// Name of the optimiser.
     pub method: String,
@@ -93,4 +99,45 @@ pub struct RunState {
     pub current: SavedPoint,
     /// A better point met before, in a non-monotone run.
     pub best: Option<SavedPoint>,
+}
+
+impl Saved for RunState {
+    const KIND: &'static str = "nastic-run-3";
+}
+
+impl<P> Best<P> {
+    /// The same result with what becomes of its point.
+    ///
+    /// # Errors
+    /// Those of `of`.
+    pub fn try_map<Q, E>(self, of: impl FnOnce(P) -> Result<Q, E>) -> Result<Best<Q>, E> {
+        let Self { m, point, stage, cost, derivative, gradient_norm, active, stop, counts, stages, certificate } = self;
+        let point = of(point)?;
+        Ok(Best { m, point, stage, cost, derivative, gradient_norm, active, stop, counts, stages, certificate })
+    }
+
+    /// The same result with its point as [`Objective::save`] writes it.
+    pub fn saved<O: Objective<Point = P>>(&self, objective: &O) -> Best<Vec<u8>>
+    where
+        P: Clone,
+    {
+        let Ok(saved) = self.clone().try_map(|point| Ok::<_, Infallible>(objective.save(&point)));
+        saved
+    }
+}
+
+/// A result whose point is as [`Objective::save`] writes it: it can be saved, without its certificate.
+impl Best<Vec<u8>> {
+    /// The result with its point as a value, of the same problem.
+    ///
+    /// # Errors
+    /// As [`Objective::load`].
+    pub fn restored<O: Objective>(self, objective: &O) -> Result<Best<O::Point>, Failed> {
+        let (m, how) = (self.m.clone(), Request { stage: self.stage, ..Request::default() });
+        self.try_map(|point| objective.load(&m, &point, &how))
+    }
+}
+
+impl Saved for Best<Vec<u8>> {
+    const KIND: &'static str = "nastic-best-3";
 }

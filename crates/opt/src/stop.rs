@@ -1,10 +1,11 @@
 //! Why a run, or a stage of it, ended.
 
 use crate::failed::Failed;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Why it ended.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Stop {
     /// The projected gradient is small enough.
     Converged {
@@ -55,7 +56,7 @@ pub enum Stop {
 }
 
 /// On the projected gradient's norm.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Tolerance {
     /// Relative to that of the stage's first point.
     Relative(f64),
@@ -73,7 +74,7 @@ impl fmt::Display for Tolerance {
 }
 
 /// How a run stalled.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Stall {
     /// Changes of the cost are below its rounding.
     Flat {

@@ -1,8 +1,10 @@
 //! [`Summary`]: named numbers of one trial.
 
+use serde::{Deserialize, Serialize};
+
 /// Named numbers of one trial (cost terms, true Hausdorff distance, counts of work): what a history line holds beside the
 /// driver's own.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary(pub Vec<(String, f64)>);
 
 impl Summary {

@@ -12,6 +12,7 @@ mod limits;
 mod manifold;
 mod properties;
 mod published;
+mod saved;
 mod sets;
 mod spectrum;
 mod stages;

@@ -6,7 +6,7 @@ use crate::common;
 use common::{Cost, Tridiagonal, begin, chain, distance, quadratic, resume, rosenbrock};
 use nastic_opt::{
     Admissible, Best, Bounds, CATALOGUE, Diagonal, Euclidean, Hessian, InnerProduct, NoSecondDerivatives, Objective,
-    Optimizer, Options, Outcome, Reason, RunError, RunState, Stall, Stop, Trial, by_name,
+    Optimizer, Options, Outcome, Reason, RunError, RunState, Saved, Stall, Stop, Trial, by_name,
 };
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

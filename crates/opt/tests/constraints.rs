@@ -4,7 +4,7 @@
 use nastic_opt::{
     AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, Bounds, CATALOGUE, Constrained, ConstraintGroup,
     Diagonal, Domain, Failed, Hessian, InnerProduct, Lbfgs, NewtonCg, Objective, Optimizer, Options, Outcome, Problem,
-    Reason, Request, RunError, Sense, Stop, Taylor, Trial, Verdict,
+    Reason, Request, RunError, Saved, Sense, Stop, Taylor, Trial, Verdict,
 };
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 
 use nastic_opt::{
     AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, Bounds, Constrained, ConstraintGroup, Diagonal,
-    Domain, Failed, InnerProduct, Lbfgs, Objective, Problem, Request, Sense, Stop,
+    Domain, Failed, InnerProduct, Lbfgs, Objective, Problem, Request, Saved, Sense, Stop,
 };
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -6,7 +6,7 @@ use crate::common;
 use common::{begin, resume};
 use nastic_opt::{
     Bounds, CATALOGUE, Euclidean, Failed, Hessian, InnerProduct, Lbfgs, Objective, Options, Outcome, Reason, Request,
-    RunState, Stall, Stop, Summary, Trial,
+    RunState, Saved, Stall, Stop, Summary, Trial,
 };
 use std::sync::Mutex;
 

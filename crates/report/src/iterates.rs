@@ -3,6 +3,7 @@
 use crate::carried::carried;
 use crate::surface::BodySurface;
 use nastic_mesh::{NamedArray, Snapshot};
+use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use thiserror::Error;
 
@@ -18,7 +19,7 @@ const FORMAT: &str = "nastic-iterates-1";
 /// for every iteration, as little-endian floats of 32 bits, the positions of the surface nodes and the fields in their
 /// order. The surface nodes are those of boundary faces (all nodes of a plane mesh), ascending; values of fields on
 /// "faces" belong to the cell of each boundary face, faces sorted by the name of their kind.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 pub struct Iterates {
     nodes: usize,
     fields: Vec<IterateField>,
@@ -26,7 +27,7 @@ pub struct Iterates {
 }
 
 /// A field that every iteration has.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct IterateField {
     pub name: String,
     /// By surface node, else by face.

@@ -3,6 +3,7 @@
 pub mod history;
 pub mod result;
 pub mod run;
+mod saved;
 
 pub mod signals;
 

@@ -1,6 +1,5 @@
 //! What commands leave behind: `result.json`, snapshots, pictures.
 
-pub(crate) mod checkpoint_file;
 pub(crate) mod collections;
 pub(crate) mod controls;
 pub(crate) mod convergence;
@@ -17,5 +16,5 @@ pub(crate) mod target_files;
 pub(crate) mod title;
 pub(crate) mod warning_record;
 
-pub use checkpoint_file::CheckpointError;
+pub use crate::saved::CheckpointError;
 pub use nastic_case::expectation::{Missed, find};

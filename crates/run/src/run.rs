@@ -10,7 +10,6 @@
 //! # Ok::<(), nastic_run::run::RunError>(())
 //! ```
 
-mod case_record;
 mod check;
 mod check_gradient;
 mod commands;
@@ -27,12 +26,10 @@ mod gradient;
 mod modes;
 mod modes_request;
 mod motion;
-mod optimize;
+pub(crate) mod optimize;
 mod options;
 mod outcome;
-mod output_directory;
 mod progress;
-mod ranks;
 mod report;
 mod resumption;
 mod session;

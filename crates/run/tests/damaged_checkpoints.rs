@@ -48,12 +48,17 @@ fn a_checkpoint_that_cannot_be_read_is_not_replaced_unasked() {
         bytes[at] ^= 4;
         bytes
     };
-    let old = enveloped(b"nastic-optimisation-2, and what such a one held");
+    let other = enveloped(b"nastic-optimisation-9, and what such a one held");
+    // a checkpoint of the version before, which had other bytes
+    let mut old = whole.clone();
+    old[17] = 1;
+    let of_before = "is a checkpoint of format 1, this program reads format 2: the version of nastic that wrote it can go on with it";
     let cases = [
-        (flipped(17), "is a checkpoint of format 5, this program reads format 1"),
+        (flipped(17), "is a checkpoint of format 6, this program reads format 2"),
         (flipped(whole.len() - 1), "is damaged: the checksum of its content is not the one"),
         (whole[..whole.len() / 2].to_vec(), "is damaged: it has "),
-        (old, "does not fit: not a saved run of this version"),
+        (other, "does not fit: not a saved run of this version"),
+        (old, of_before),
     ];
     for (bytes, reason) in cases {
         std::fs::write(&file, &bytes).unwrap();
@@ -104,13 +109,24 @@ fn damaged_and_foreign_checkpoints_are_refused() {
     assert!(matches!(refused(&place), CheckpointError::Foreign { .. }));
     // Whole, but not one that this program wrote for this case.
     let (old, content) = (env!("CARGO_PKG_VERSION").as_bytes(), whole[41..].to_vec());
+    let kind = content.iter().position(|byte| *byte < b' ').unwrap();
     let at = content.windows(old.len()).position(|part| part == old).unwrap();
     let mut other = content.clone();
     other[at] = b'9';
     std::fs::write(&file, enveloped(&other)).unwrap();
     assert!(matches!(refused(&place), CheckpointError::Program { found, .. } if found.starts_with("9.")));
-    std::fs::write(&file, enveloped(&content[..content.len() - 8])).unwrap();
-    assert!(matches!(refused(&place), CheckpointError::Content { .. }));
+    // a content that ends early, or whose lengths lie, with a checksum that holds
+    for end in (0..content.len()).step_by(131) {
+        std::fs::write(&file, enveloped(&content[..end])).unwrap();
+        let why = refused(&place);
+        assert!(matches!(why, CheckpointError::Content { .. }), "{end} bytes of content: {why}");
+    }
+    for at in (kind..content.len()).step_by(173) {
+        let mut bytes = content.clone();
+        bytes[at..content.len().min(at + 10)].fill(0xff);
+        std::fs::write(&file, enveloped(&bytes)).unwrap();
+        let _ = go_on(&place).map_err(|why| why.to_string());
+    }
     std::fs::write(&file, enveloped(&content)).unwrap();
     assert_eq!(std::fs::read(&file).unwrap(), whole);
     go_on(&place).unwrap();
@@ -122,5 +138,5 @@ fn enveloped(content: &[u8]) -> Vec<u8> {
     let hashed = length.iter().chain(content);
     let hash =
         hashed.fold(0xcbf2_9ce4_8422_2325, |hash: u64, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3));
-    [b"nastic-checkpoint".as_slice(), &1u64.to_le_bytes(), &length, &hash.to_le_bytes(), content].concat()
+    [b"nastic-checkpoint".as_slice(), &2u64.to_le_bytes(), &length, &hash.to_le_bytes(), content].concat()
 }

@@ -1,10 +1,11 @@
 //! [`Ensemble`] as an optimiser sees it.
 
+use super::parcel::ReportedFailure;
 use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member, SavedMembers};
 use crate::error::ControlError;
 use crate::reduced::failed;
 use crate::workspace::ReducedWorkspace;
-use nastic_opt::{Failed, Hessian, InnerProduct, Objective, Problem, Request, SavedRunError, Summary};
+use nastic_opt::{Failed, Hessian, InnerProduct, Objective, Problem, Request, Saved, SavedError, Summary};
 use std::sync::Arc;
 
 impl Objective for Ensemble {
@@ -49,18 +50,17 @@ impl Objective for Ensemble {
             Ok(points.and_then(|(from, to)| member.problem.other_branch(from, to)))
         };
         // whoever has the member has the error itself
-        let tell =
-            |_: usize, found: &Option<ControlError>| found.clone().map(|error| (self.ranks.team().rank(), error));
-        let (own, mut found) = match self.side_by_side(workspace, of, tell) {
+        let rank = self.ranks.team().rank();
+        let tell = |_: usize, found: &Option<ControlError>| found.as_ref().map(|why| ReportedFailure::of(rank, why));
+        let (own, found) = match self.side_by_side(workspace, of, tell) {
             Ok(found) => found,
             Err(error @ EnsembleError::Team(_)) => return Some(error.into()),
             Err(_) => return None,
         };
-        for (index, own) in self.ranks.own().zip(own) {
-            found[index] = own.map(|error| (0, error));
-        }
+        let mut found: Vec<Option<ControlError>> = found.into_iter().map(|why| why.map(ControlError::from)).collect();
+        self.ranks.own().zip(own).for_each(|(index, own)| found[index] = own);
         let named = self.members.iter().zip(found);
-        let all = named.filter_map(|(member, why)| Some(Failed::from(EnsembleError::member(&member.name, why?.1))));
+        let all = named.filter_map(|(member, why)| Some(Failed::from(EnsembleError::member(&member.name, why?))));
         let order = |failed: &Failed| if failed.is_fatal() { -1.0 } else { failed.limit().unwrap_or(f64::INFINITY) };
         all.min_by(|a, b| order(a).total_cmp(&order(b)))
     }
@@ -103,8 +103,7 @@ impl Objective for Ensemble {
         self.check_len(m)?;
         let SavedMembers(saved) = SavedMembers::from_bytes(bytes).map_err(Failed::new)?;
         if saved.len() != self.members.len() {
-            let other = SavedRunError::Damaged { at: 0, what: "another number of members" };
-            return Err(Failed::new(other));
+            return Err(Failed::new(SavedError::Unfit("it has another number of members")));
         }
         Ok(self.loaded(m, saved, how)?)
     }

@@ -1,46 +1,26 @@
-//! [`Parcel`]: what ranks send each other of their members, as bytes.
+//! [`Parcel`]: what ranks send each other of their members.
 
-use crate::control_limit::{ControlAt, ControlLimit};
+use crate::control_limit::ControlLimit;
 use crate::error::{ControlError, RemoteFailure};
 use crate::evaluated::Evaluated;
-use crate::state_bytes::{read_report, write_report};
-use nastic_fem::{Connection, SolveReport, StateError};
-use nastic_opt::bytes::{Reader, Writer};
-use nastic_opt::{SavedRunError, Summary};
+use nastic_fem::{SolveReport, StateError};
+use nastic_opt::saved::unpack;
 use nastic_team::TeamError;
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
 
 /// What is sent of a member to the other ranks.
-pub trait Parcel: Sized {
-    /// Adds it to a message.
-    fn pack(&self, out: &mut Writer);
+pub trait Parcel: Serialize + DeserializeOwned {}
 
-    /// Reads what [`pack`](Self::pack) wrote.
-    ///
-    /// # Errors
-    /// It ends early, or something else stands there.
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError>;
-}
-
-/// A message of one parcel.
-pub(super) fn packed(parcel: &impl Parcel) -> Vec<u8> {
-    let mut out = Writer::new("");
-    parcel.pack(&mut out);
-    out.finish()
-}
+impl<T: Serialize + DeserializeOwned> Parcel for T {}
 
 /// The whole message of a rank.
-pub(super) fn unpacked<T>(
-    rank: usize,
-    bytes: &[u8],
-    read: impl FnOnce(&mut Reader<'_>) -> Result<T, SavedRunError>,
-) -> Result<T, TeamError> {
-    let read = |input: &mut Reader<'_>| read(input).and_then(|found| input.finish().map(|()| found));
-    let found = Reader::new(bytes, "").and_then(|mut input| read(&mut input));
-    found.map_err(|_| TeamError::Unexpected { rank, what: "a report of another form" })
+pub(super) fn unpacked<T: DeserializeOwned>(rank: usize, bytes: &[u8]) -> Result<T, TeamError> {
+    unpack(bytes).map_err(|_| TeamError::Unexpected { rank, what: "a report of another form" })
 }
 
 /// What all ranks know of a member that has been evaluated.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MemberValues {
     /// Value of every cost term, weights included.
     pub terms: Vec<f64>,
@@ -78,192 +58,33 @@ impl MemberValues {
     }
 }
 
-impl Parcel for MemberValues {
-    fn pack(&self, out: &mut Writer) {
-        out.floats(&self.terms);
-        out.floats(&self.constraints);
-        write_report(&self.work, out);
-        self.adjoint.pack(out);
-        out.float(self.min_j);
-    }
-
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        let (terms, constraints) = (input.floats()?, input.floats()?);
-        let (work, adjoint) = (read_report(input)?, Parcel::unpack(input)?);
-        Ok(Self { terms, constraints, work, adjoint, min_j: input.float()? })
-    }
+/// A failure as other ranks hear of it. Limit points and cancelled solves stay what they are; of others what a run asks of them is kept, and how
+/// they read.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) enum ReportedFailure {
+    LimitPoint { limit: ControlLimit, newton: usize },
+    Cancelled,
+    Other(RemoteFailure),
 }
 
-impl Parcel for SolveReport {
-    fn pack(&self, out: &mut Writer) {
-        write_report(self, out);
-    }
-
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        read_report(input)
-    }
-}
-
-impl Parcel for () {
-    fn pack(&self, _: &mut Writer) {}
-
-    fn unpack(_: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        Ok(())
-    }
-}
-
-impl Parcel for f64 {
-    fn pack(&self, out: &mut Writer) {
-        out.float(*self);
-    }
-
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        input.float()
-    }
-}
-
-impl Parcel for usize {
-    fn pack(&self, out: &mut Writer) {
-        out.count(*self);
-    }
-
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        input.number()
-    }
-}
-
-impl Parcel for Connection {
-    fn pack(&self, out: &mut Writer) {
-        let (kind, share) = match self {
-            Connection::Connected => (0, 0.0),
-            Connection::Unknown(share) => (1, *share),
-            Connection::LimitPoint(share) => (2, *share),
-            Connection::Elsewhere(share) => (3, *share),
-        };
-        out.count(kind);
-        out.float(share);
-    }
-
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        Ok(match (input.number()?, input.float()?) {
-            (0, _) => Connection::Connected,
-            (2, share) => Connection::LimitPoint(share),
-            (3, share) => Connection::Elsewhere(share),
-            (_, share) => Connection::Unknown(share),
-        })
-    }
-}
-
-impl Parcel for Vec<usize> {
-    fn pack(&self, out: &mut Writer) {
-        out.count(self.len());
-        self.iter().for_each(|number| out.count(*number));
-    }
-
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        (0..input.count(8)?).map(|_| input.number()).collect()
-    }
-}
-
-impl Parcel for Vec<Vec<u8>> {
-    fn pack(&self, out: &mut Writer) {
-        out.count(self.len());
-        self.iter().for_each(|bytes| out.bytes(bytes));
-    }
-
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        (0..input.count(8)?).map(|_| input.list()).collect()
-    }
-}
-
-impl<P: Parcel> Parcel for Option<P> {
-    fn pack(&self, out: &mut Writer) {
-        out.count(usize::from(self.is_some()));
-        self.iter().for_each(|one| one.pack(out));
-    }
-
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        if input.flag()? { P::unpack(input).map(Some) } else { Ok(None) }
-    }
-}
-
-impl Parcel for Summary {
-    fn pack(&self, out: &mut Writer) {
-        out.count(self.0.len());
-        for (name, value) in &self.0 {
-            out.bytes(name.as_bytes());
-            out.float(*value);
-        }
-    }
-
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        let entries = (0..input.count(8)?).map(|_| Ok((input.text()?, input.float()?)));
-        entries.collect::<Result<_, _>>().map(Summary)
-    }
-}
-
-/// A failure with the rank it happened on. Limit points and cancelled solves stay what they are; of others what a run asks of them is kept, and
-/// how they read.
-impl Parcel for (usize, ControlError) {
-    fn pack(&self, out: &mut Writer) {
-        let (rank, error) = self;
-        out.count(*rank);
+impl ReportedFailure {
+    /// Of an error on a rank.
+    pub fn of(rank: usize, error: &ControlError) -> Self {
         match error {
-            ControlError::LimitPoint { limit, newton } => {
-                out.count(1);
-                out.count(*newton);
-                pack_limit(limit, out);
-            }
-            ControlError::State(StateError::Cancelled) => out.count(2),
-            ControlError::Remote(failure) => pack_failure(failure, out),
-            error => pack_failure(&RemoteFailure::new(*rank, error), out),
+            ControlError::LimitPoint { limit, newton } => Self::LimitPoint { limit: limit.clone(), newton: *newton },
+            ControlError::State(StateError::Cancelled) => Self::Cancelled,
+            ControlError::Remote(failure) => Self::Other(RemoteFailure::clone(failure)),
+            error => Self::Other(RemoteFailure::new(rank, error)),
         }
     }
+}
 
-    fn unpack(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        let rank = input.number()?;
-        let error = match input.number()? {
-            1 => {
-                let newton = input.number()?;
-                ControlError::LimitPoint { newton, limit: unpack_limit(input)? }
-            }
-            2 => ControlError::State(StateError::Cancelled),
-            _ => ControlError::Remote(Box::new(RemoteFailure {
-                rank,
-                message: input.text()?,
-                newton: Parcel::unpack(input)?,
-                lacks_memory: input.flag()?,
-                lacks_second_derivatives: input.flag()?,
-            })),
-        };
-        Ok((rank, error))
+impl From<ReportedFailure> for ControlError {
+    fn from(failure: ReportedFailure) -> Self {
+        match failure {
+            ReportedFailure::LimitPoint { limit, newton } => Self::LimitPoint { limit, newton },
+            ReportedFailure::Cancelled => Self::State(StateError::Cancelled),
+            ReportedFailure::Other(failure) => Self::Remote(Box::new(failure)),
+        }
     }
-}
-
-fn pack_failure(failure: &RemoteFailure, out: &mut Writer) {
-    out.count(0);
-    out.bytes(failure.message.as_bytes());
-    failure.newton.pack(out);
-    out.count(usize::from(failure.lacks_memory));
-    out.count(usize::from(failure.lacks_second_derivatives));
-}
-
-fn pack_limit(limit: &ControlLimit, out: &mut Writer) {
-    out.float(limit.share);
-    out.count(limit.at.len());
-    for ControlAt { name, range: [low, high], unit } in &limit.at {
-        out.bytes(name.as_bytes());
-        out.float(*low);
-        out.float(*high);
-        out.bytes(unit.as_bytes());
-    }
-}
-
-fn unpack_limit(input: &mut Reader<'_>) -> Result<ControlLimit, SavedRunError> {
-    let share = input.float()?;
-    let at = (0..input.count(8)?).map(|_| {
-        let (name, range) = (input.text()?, [input.float()?, input.float()?]);
-        Ok(ControlAt { name, range, unit: input.text()? })
-    });
-    Ok(ControlLimit { share, at: at.collect::<Result<_, _>>()? })
 }

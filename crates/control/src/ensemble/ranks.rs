@@ -1,10 +1,10 @@
 //! [`Ranks`]: who evaluates which members, on threads of this process and on the ranks of a team.
 
 use super::error::EnsembleError;
-use super::parcel::{Parcel, packed, unpacked};
+use super::parcel::{Parcel, ReportedFailure, unpacked};
 use super::saved::MemberBlock;
 use crate::error::ControlError;
-use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::saved::pack;
 use nastic_team::{Alone, Shares, Team, TeamError};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -111,28 +111,16 @@ impl Ranks {
             return Ok(own);
         }
         let raised = |flag: &Option<Arc<AtomicBool>>| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed));
-        let mut out = Writer::new("");
-        out.count(usize::from(raised(&self.signal)));
-        match &own {
-            Ok(reports) => {
-                out.count(0);
-                reports.iter().for_each(|report| report.pack(&mut out));
-            }
-            Err((index, error)) => {
-                out.count(1);
-                out.count(*index);
-                (self.team.rank(), error.clone()).pack(&mut out);
-            }
-        }
-        let all = self.noted(nastic_team::exchange(self.team(), out.finish()))?;
+        let told = own.as_ref().map_err(|(index, error)| (*index, ReportedFailure::of(self.team.rank(), error)));
+        let all = self.noted(nastic_team::exchange(self.team(), pack(&(raised(&self.signal), told))))?;
         let (mut reports, mut first, mut stops) = (Vec::new(), None, false);
         for (rank, bytes) in all.iter().enumerate() {
-            let (stop, told) = self.noted(unpacked(rank, bytes, |input| self.told(rank, input)))?;
+            let (stop, told) = self.noted(self.told(rank, bytes))?;
             stops |= stop;
             match told {
                 Ok(told) => reports.extend(told),
                 // ranks are in the order of their members
-                Err(failed) => first = first.or(Some(failed)),
+                Err((index, failure)) => first = first.or(Some((index, failure.into()))),
             }
         }
         if stops {
@@ -151,15 +139,13 @@ impl Ranks {
     fn told<R: Parcel>(
         &self,
         rank: usize,
-        input: &mut Reader<'_>,
-    ) -> Result<(bool, Result<Vec<R>, (usize, ControlError)>), nastic_opt::SavedRunError> {
-        let stop = input.flag()?;
-        if !input.flag()? {
-            let own = self.shares().of(rank).map(|_| R::unpack(input)).collect::<Result<_, _>>()?;
-            return Ok((stop, Ok(own)));
+        bytes: &[u8],
+    ) -> Result<(bool, Result<Vec<R>, (usize, ReportedFailure)>), TeamError> {
+        let (stop, told): (bool, Result<Vec<R>, _>) = unpacked(rank, bytes)?;
+        match told.as_ref().map_or(true, |told| told.len() == self.shares().of(rank).len()) {
+            true => Ok((stop, told)),
+            false => Err(TeamError::Unexpected { rank, what: "reports of other members" }),
         }
-        let index = input.number()?;
-        Ok((stop, Err((index, <(usize, ControlError)>::unpack(input)?.1))))
     }
 
     /// Whether the first rank has the first `count` members itself.
@@ -174,10 +160,10 @@ impl Ranks {
         bytes: impl Fn(usize) -> Vec<u8>,
     ) -> Result<Option<Vec<Vec<u8>>>, EnsembleError> {
         let own: Vec<Vec<u8>> = self.own().filter(|index| *index < count && !self.team.leads()).map(bytes).collect();
-        let Some(all) = self.noted(nastic_team::gather(self.team(), packed(&own)))? else { return Ok(None) };
+        let Some(all) = self.noted(nastic_team::gather(self.team(), pack(&own)))? else { return Ok(None) };
         let mut out = Vec::new();
         for (rank, bytes) in all.iter().enumerate() {
-            out.extend(self.noted(unpacked(rank, bytes, Vec::<Vec<u8>>::unpack))?);
+            out.extend(self.noted(unpacked::<Vec<Vec<u8>>>(rank, bytes))?);
         }
         Ok(Some(out))
     }
@@ -191,8 +177,8 @@ impl Ranks {
         let count = saved[first..].iter().take_while(|member| !member.is_empty()).count();
         let lacking = self.own().filter(|index| !(first..first + count).contains(index));
         let told: Vec<usize> = [first, count].into_iter().chain(lacking).collect();
-        let all = self.noted(nastic_team::exchange(self.team(), packed(&told)))?;
-        let read = |(rank, bytes): (usize, &Vec<u8>)| unpacked(rank, bytes, Vec::<usize>::unpack);
+        let all = self.noted(nastic_team::exchange(self.team(), pack(&told)))?;
+        let read = |(rank, bytes): (usize, &Vec<u8>)| unpacked::<Vec<usize>>(rank, bytes);
         let all = self.noted(all.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>())?;
         let has = |told: &[usize], index: usize| matches!(told, [first, count, ..] if (*first..first + count).contains(&index));
         // in the same order on all ranks
@@ -203,10 +189,10 @@ impl Ranks {
                 let from = self.noted(of(&wanted[0]).ok_or(nobody))?;
                 if from == self.team.rank() {
                     let sent: Vec<Vec<u8>> = wanted.iter().map(|index| saved[*index].clone()).collect();
-                    self.noted(self.team.send(to, packed(&sent)))?;
+                    self.noted(self.team.send(to, pack(&sent)))?;
                 } else if to == self.team.rank() {
                     let bytes = self.noted(self.team.receive(from))?;
-                    let came = self.noted(unpacked(from, &bytes, Vec::<Vec<u8>>::unpack))?;
+                    let came = self.noted(unpacked::<Vec<Vec<u8>>>(from, &bytes))?;
                     wanted.iter().zip(came).for_each(|(index, bytes)| saved[*index] = bytes);
                 }
             }
@@ -230,11 +216,11 @@ impl Ranks {
             if here == owner {
                 for rank in owner + 1..=last {
                     let bytes = self.noted(self.team.receive(rank))?;
-                    members.extend(self.noted(unpacked(rank, &bytes, Vec::<Vec<u8>>::unpack))?);
+                    members.extend(self.noted(unpacked::<Vec<Vec<u8>>>(rank, &bytes))?);
                 }
                 found.push(MemberBlock { number, members });
             } else if (owner..=last).contains(&here) {
-                self.noted(self.team.send(owner, packed(&members)))?;
+                self.noted(self.team.send(owner, pack(&members)))?;
             }
         }
         Ok(found)

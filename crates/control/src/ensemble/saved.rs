@@ -1,17 +1,15 @@
 //! [`SavedMembers`]: a point of an ensemble as bytes, member by member, and the blocks of members that checkpoints have files of.
 
-use nastic_opt::SavedRunError;
-use nastic_opt::bytes::{Reader, Writer};
+use nastic_opt::Saved;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
-
-const MAGIC: &str = "nastic-ensemble-point-1";
 
 /// Members of a block at least, and how many blocks there are at most while they are no larger than that: files of a checkpoint.
 const LEAST: usize = 4;
 const MOST_BLOCKS: usize = 4096;
 
 /// What [`Objective::save`](nastic_opt::Objective::save) gives of an ensemble: every member as its problem saves it, empty where it is another rank's.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SavedMembers(pub Vec<Vec<u8>>);
 
 impl SavedMembers {
@@ -19,25 +17,10 @@ impl SavedMembers {
     pub fn none(members: usize) -> Self {
         Self(vec![vec![]; members])
     }
+}
 
-    /// Reads what [`to_bytes`](Self::to_bytes) gave.
-    ///
-    /// # Errors
-    /// Bytes of something else, truncated or damaged ones.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SavedRunError> {
-        let mut input = Reader::new(bytes, MAGIC)?;
-        let members = (0..input.count(8)?).map(|_| input.list()).collect::<Result<_, _>>()?;
-        input.finish()?;
-        Ok(Self(members))
-    }
-
-    /// The saved point.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let mut out = Writer::new(MAGIC);
-        out.count(self.0.len());
-        self.0.iter().for_each(|member| out.bytes(member));
-        out.finish()
-    }
+impl Saved for SavedMembers {
+    const KIND: &'static str = "nastic-ensemble-point-2";
 }
 
 /// What was made of the members of a block.

@@ -5,6 +5,7 @@ use crate::error::ControlError;
 use crate::time::Interpolation;
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{AdaptiveReport, Controls, FemError, TimeStepping, Tolerance};
+use serde::{Deserialize, Serialize};
 
 /// The length of the first step, and of the first one behind a jump of a control, as a share of the whole time.
 const FIRST: f64 = 1e-3;
@@ -12,7 +13,7 @@ const FIRST: f64 = 1e-3;
 const SAME: f64 = 1e-9;
 
 /// Steps that were found for one control vector.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AdaptiveSteps {
     /// All instants, 0 and the end included: what [`Timeline::through`](crate::Timeline::through) takes.
     pub instants: Vec<f64>,

@@ -2,14 +2,10 @@
 
 use super::in_time::Motion;
 use crate::evaluated::StepError;
-use crate::state_bytes::{read_report, read_whole_state, write_report, write_whole_state};
 use crate::time::Schedule;
 use nastic_fem::{Begin, Scheme, Solid, SolveReport, State, StepRecord, Trajectory};
-use nastic_opt::SavedRunError;
-use nastic_opt::bytes::{Reader, Writer};
-use std::sync::Arc;
-
-const MAGIC: &str = "nastic-motion-5";
+use nastic_opt::{Saved, SavedError};
+use serde::{Deserialize, Serialize};
 
 /// What is known of a motion up to some state, beside its states.
 pub(super) struct Progress {
@@ -39,33 +35,19 @@ impl Progress {
     /// With what the motion goes on from the end of a part of it.
     pub fn to_bytes(&self, part: &Trajectory, scheme: &Scheme) -> Vec<u8> {
         let part = part.tail(scheme);
-        let mut out = Writer::new(MAGIC);
-        out.bytes(scheme.name().as_bytes());
-        self.values.values.iter().chain(&self.values.constraints).for_each(|values| out.floats(values));
-        write_report(&self.work, &mut out);
-        out.float(self.min_j);
-        out.count(usize::from(self.error.is_some()));
-        if let Some(StepError { error, time }) = self.error {
-            out.float(error);
-            out.float(time);
-        }
-        out.count(usize::from(part.begin() == Begin::Given));
-        out.count(part.first());
-        out.count(part.states().len());
-        part.states().iter().for_each(|state| write_whole_state(state, &mut out));
-        // a part without the step before it takes none
-        let step = part.last_step(scheme);
-        out.count(usize::from(step.is_some()));
-        if let Some(StepRecord { dt, starts, parts, stages, started }) = step {
-            out.float(dt);
-            out.count(usize::from(starts));
-            out.count(parts);
-            out.count(stages.len());
-            stages.iter().for_each(|stage| out.floats(stage));
-            out.count(usize::from(started.is_some()));
-            started.iter().for_each(|acceleration| out.floats(acceleration));
-        }
-        out.finish()
+        let saved = SavedProgress {
+            scheme: scheme.name().to_owned(),
+            values: self.values.values.clone(),
+            constraints: self.values.constraints.clone(),
+            work: self.work,
+            min_j: self.min_j,
+            error: self.error,
+            begin: part.begin(),
+            first: part.first(),
+            states: part.states().to_vec(),
+            step: part.last_step(scheme),
+        };
+        saved.to_bytes()
     }
 
     /// What [`to_bytes`](Self::to_bytes) wrote.
@@ -76,53 +58,46 @@ impl Progress {
         motion: &Motion,
         solid: &Solid,
         lens: &[usize],
-    ) -> Result<(Self, Trajectory), SavedRunError> {
-        let mut input = Reader::new(bytes, MAGIC)?;
-        if input.text()? != motion.timeline.scheme().name() {
-            return Err(input.damaged("a motion by another time scheme"));
-        }
-        let mut values = InstantValues::new(motion);
-        for own in &mut values.values {
-            let read = input.floats()?;
-            if read.len() != own.len() {
-                return Err(input.damaged("costs at other instants"));
-            }
-            *own = read;
-        }
-        for own in &mut values.constraints {
-            *own = input.floats()?;
-        }
-        let (work, min_j) = (read_report(&mut input)?, input.float()?);
-        let error = match input.flag()? {
-            true => Some(StepError { error: input.float()?, time: input.float()? }),
-            false => None,
-        };
-        let begin = if input.flag()? { Begin::Given } else { Begin::Equilibrium };
-        let (first, count, like) = (input.number()?, input.count(8)?, solid.rest());
-        let states = (0..count).map(|_| read_whole_state(&mut input, &like)).collect::<Result<Vec<_>, _>>()?;
-        let step = match input.flag()? {
-            true => {
-                let (dt, starts, parts) = (input.float()?, input.flag()?, input.number()?);
-                let stages = (0..input.count(8)?).map(|_| input.floats().map(Arc::new)).collect::<Result<_, _>>()?;
-                let started = if input.flag()? { Some(Arc::new(input.floats()?)) } else { None };
-                Some(StepRecord { dt, starts, parts, stages, started })
-            }
-            false => None,
-        };
-        input.finish()?;
-        let part = Trajectory::from_end(begin, first, states, step, motion.timeline.scheme());
-        let part = part.map_err(|_| input.damaged("states and a step that do not fit each other"))?;
+    ) -> Result<(Self, Trajectory), SavedError> {
+        let SavedProgress { scheme, values, constraints, work, min_j, error, begin, first, states, step } =
+            Saved::from_bytes(bytes)?;
+        let unless = |what: &'static str, fits: bool| if fits { Ok(()) } else { Err(SavedError::Unfit(what)) };
+        let counting = InstantValues::new(motion);
+        let own_scheme = motion.timeline.scheme();
+        unless("a motion by another time scheme", scheme == own_scheme.name())?;
+        let lengths = |values: &[Vec<f64>]| values.iter().map(Vec::len).collect::<Vec<_>>();
+        unless("costs at other instants", lengths(&values) == lengths(&counting.values))?;
+        let like = solid.rest();
+        unless("a state of another body", states.iter().all(|state| state.fits(&like)))?;
+        let part = Trajectory::from_end(begin, first, states, step, own_scheme);
+        let part = part.map_err(|_| SavedError::Unfit("states and a step that do not fit each other"))?;
         let states = part.first().saturating_add(part.states().len());
-        if states > motion.timeline.instants().len() {
-            return Err(input.damaged("a state behind the end of the motion"));
-        }
-        for ((instants, len), own) in motion.constrained_at.iter().zip(lens).zip(&values.constraints) {
-            if own.len() != len * instants.iter().filter(|n| **n < states).count() {
-                return Err(input.damaged("constraints at other instants or nodes"));
-            }
-        }
+        unless("a state behind the end of the motion", states <= motion.timeline.instants().len())?;
+        let constrained = motion.constrained_at.iter().zip(lens);
+        let expected = constrained.map(|(instants, len)| len * instants.iter().filter(|n| **n < states).count());
+        unless("constraints at other instants or nodes", lengths(&constraints).into_iter().eq(expected))?;
+        let values = InstantValues { values, constraints, ..counting };
         Ok((Progress { values, work, min_j, error }, part))
     }
+}
+
+/// What is saved of it, with the end of the motion so far.
+#[derive(Serialize, Deserialize)]
+struct SavedProgress {
+    scheme: String,
+    values: Vec<Vec<f64>>,
+    constraints: Vec<Vec<f64>>,
+    work: SolveReport,
+    min_j: f64,
+    error: Option<StepError>,
+    begin: Begin,
+    first: usize,
+    states: Vec<State>,
+    step: Option<StepRecord>,
+}
+
+impl Saved for SavedProgress {
+    const KIND: &'static str = "nastic-motion-6";
 }
 
 /// For each instant the costs that count there, each with its place among the instants of that cost.

@@ -10,12 +10,13 @@ use nastic_body::error::StateError;
 use nastic_body::kernels::displaced::Displaced;
 use nastic_body::state::{SolveReport, State};
 use nastic_numeric::vector::{axpy, sub};
+use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 use std::sync::Arc;
 
 /// Whether the branch of equilibria through one state, followed along the straight way to the controls of another, comes
 /// to that other one.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Connection {
     /// It does, without a limit point.
     Connected,

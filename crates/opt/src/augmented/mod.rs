@@ -5,12 +5,11 @@ mod objective;
 mod outer;
 mod report;
 mod run;
-mod saved;
 
 pub use objective::Augmented;
+pub use outer::AugmentedState;
 pub use report::{ConstraintReport, ConstraintsReport};
 pub use run::{AugmentedBest, AugmentedRun};
-pub use saved::AugmentedState;
 
 use crate::admissible::Admissible;
 use crate::constrained::Constrained;

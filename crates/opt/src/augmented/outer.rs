@@ -1,7 +1,10 @@
-//! [`Outer`]: where the updates of multipliers and penalty stand, and what comes next.
+//! [`Outer`]: where the updates of multipliers and penalty stand, and what comes next; [`AugmentedState`]: a saved run under constraints.
 
 use super::AugmentedLagrangian;
 use super::multipliers::Multipliers;
+use crate::saved::Saved;
+use crate::state::RunState;
+use serde::{Deserialize, Serialize};
 
 /// Tenfold penalties in a row that hardly change the violation, at which it is called infeasible.
 const STAGNANT: usize = 3;
@@ -11,7 +14,7 @@ const HARDLY: f64 = 0.9;
 const LARGEST: f64 = 1e10;
 
 /// Where the updates stand.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Outer {
     /// Updates done.
     pub updates: usize,
@@ -57,4 +60,24 @@ impl Outer {
         self.updates += 1;
         (values, multipliers.penalty * if self.grew { options.growth } else { 1.0 })
     }
+}
+
+/// Everything a run under constraints needs to go on to the bit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct AugmentedState {
+    /// The optimiser's run.
+    pub run: RunState,
+    pub(super) outer: Option<SavedOuter>,
+}
+
+/// The constraints' part of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct SavedOuter {
+    pub outer: Outer,
+    pub multipliers: Vec<f64>,
+    pub penalty: f64,
+}
+
+impl Saved for AugmentedState {
+    const KIND: &'static str = "nastic-augmented-run-2";
 }

@@ -1,11 +1,11 @@
 //! [`ConstraintsReport`]: constraints at the end of a run.
 
 use super::multipliers::Multipliers;
-use crate::bytes::{Reader, SavedRunError, Writer};
-use crate::constrained::{ConstraintGroup, Sense};
+use crate::constrained::ConstraintGroup;
+use serde::{Deserialize, Serialize};
 
 /// A group of constraints at a point.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ConstraintReport {
     /// Which.
     pub group: ConstraintGroup,
@@ -28,7 +28,7 @@ impl ConstraintReport {
 }
 
 /// All constraints at a point.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ConstraintsReport {
     /// The groups; none without constraints.
     pub groups: Vec<ConstraintReport>,
@@ -52,42 +52,5 @@ impl ConstraintsReport {
             first += group.len;
         }
         Self { groups, violation, penalty: multipliers.penalty, updates }
-    }
-
-    /// Appends it to saved bytes.
-    pub fn write(&self, out: &mut Writer) {
-        out.count(self.groups.len());
-        for ConstraintReport { group, values, multipliers } in &self.groups {
-            out.bytes(group.name.as_bytes());
-            out.count(usize::from(group.sense == Sense::Equal));
-            out.float(group.scale);
-            out.floats(values);
-            out.floats(multipliers);
-        }
-        out.float(self.violation);
-        out.float(self.penalty);
-        out.count(self.updates);
-    }
-
-    /// Reads what [`write`](Self::write) wrote.
-    ///
-    /// # Errors
-    /// Bytes that end early or are damaged.
-    pub fn read(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        let group = |input: &mut Reader<'_>| {
-            let name = input.text()?;
-            let sense = if input.flag()? { Sense::Equal } else { Sense::AtMost };
-            let (scale, values, multipliers) = (input.float()?, input.floats()?, input.floats()?);
-            if values.len() != multipliers.len() {
-                return Err(input.damaged("constraints with another number of multipliers"));
-            }
-            Ok(ConstraintReport {
-                group: ConstraintGroup { name, sense, len: values.len(), scale },
-                values,
-                multipliers,
-            })
-        };
-        let groups = (0..input.count(8)?).map(|_| group(input)).collect::<Result<_, _>>()?;
-        Ok(Self { groups, violation: input.float()?, penalty: input.float()?, updates: input.number()? })
     }
 }

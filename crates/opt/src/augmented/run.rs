@@ -1,9 +1,8 @@
 //! [`AugmentedRun`]: runs of an optimiser, with updates of multipliers and penalty in between.
 
 use super::multipliers::Multipliers;
-use super::outer::Outer;
+use super::outer::{AugmentedState, Outer, SavedOuter};
 use super::report::ConstraintsReport;
-use super::saved::{AugmentedState, SavedOuter};
 use super::{Augmented, AugmentedLagrangian, Domain};
 use crate::constrained::Constrained;
 use crate::failed::Failed;

@@ -1,7 +1,7 @@
 //! The output directory.
 
-use crate::result::checkpoint_file::is_checkpoint;
 use crate::result::listed::listed;
+use crate::saved::is_checkpoint;
 use nastic_case::output_names::OutputNames;
 use nastic_io::{DirectoryLock, LockError, WriteError, WrittenFiles, write_atomically};
 use nastic_mesh::Snapshot;

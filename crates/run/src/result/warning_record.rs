@@ -1,4 +1,4 @@
-//! Warnings as results have them.
+//! Warnings as results and checkpoints have them.
 
 use nastic_case::warning::{WARNINGS, Warning};
 use nastic_report::record::WarningRecord;
@@ -17,4 +17,24 @@ pub(crate) fn warning_of(record: WarningRecord) -> Option<Warning> {
     let WarningRecord { code, place, message, .. } = record;
     let kind = WARNINGS.iter().find(|kind| kind.code == code)?;
     Some(Warning { kind, place, message })
+}
+
+/// Warnings of a run, in a checkpoint.
+pub(crate) mod saved {
+    use super::{warning_of, warning_record};
+    use crate::saved::json;
+    use nastic_case::warning::Warning;
+    use nastic_report::record::WarningRecord;
+    use serde::de::{Deserializer, Error as _};
+    use serde::ser::Serializer;
+
+    pub fn serialize<S: Serializer>(warnings: &[Warning], out: S) -> Result<S::Ok, S::Error> {
+        json::serialize(&warnings.iter().map(warning_record).collect::<Vec<_>>(), out)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(input: D) -> Result<Vec<Warning>, D::Error> {
+        let records: Vec<WarningRecord> = json::deserialize(input)?;
+        let known = records.into_iter().map(warning_of).collect::<Option<_>>();
+        known.ok_or_else(|| D::Error::custom("a warning of no known kind"))
+    }
 }

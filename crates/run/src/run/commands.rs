@@ -5,8 +5,8 @@ use crate::run::conclusion::conclude;
 use crate::run::error::RunError;
 use crate::run::options::Options;
 use crate::run::outcome::Outcome;
-use crate::run::output_directory::directory;
 use crate::run::session::Session;
+use crate::run::session::output_directory::directory;
 use crate::run::states::States;
 use crate::run::{check, gradcheck, gradient, modes, motion, optimize, resumption, solve};
 use nastic_case::part::Share;
@@ -120,17 +120,11 @@ pub fn resume(
 ) -> Result<Outcome, RunError> {
     thread_pool(options.threads)?.install(|| {
         let (mut session, position) = resumption::open(catalogue, directory, options, console)?;
-        session.strict = options.strict;
-        session.expect = !options.without_expect;
-        (session.report, session.figure) = (!options.no_report, options.figure);
-        session.explain = options.explain;
-        session.spectrum = options.spectrum;
-        session.on_trial = options.on_trial.clone();
         let exit = match position {
             resumption::Resumed::Motion(checkpoint) => solve::resume(&mut session, checkpoint),
             resumption::Resumed::Optimization(position) => {
                 let optimizer = session.problem.optimizer()?;
-                optimize::resume(&mut session, optimizer.as_ref(), position)
+                optimize::resume(&mut session, optimizer.as_ref(), *position)
             }
         };
         conclude(session, exit, true).map(|(outcome, _)| outcome)

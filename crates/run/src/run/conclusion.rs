@@ -68,13 +68,13 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
     session.interrupted |= session.is_cancelled() && exit != Exit::Done;
     let expect = &session.problem.case.expect;
     // What was interrupted is not held to its expectations.
-    let expect = if session.interrupted || !session.expect { &Default::default() } else { expect };
+    let expect = if session.interrupted || session.options.without_expect { &Default::default() } else { expect };
     let (checked, missed) = expectation::judge(expect, &session.command, usual, &session.record.to_json()?);
     for miss in &missed {
         session.console.say(format!("MISSED      {miss}"));
     }
     // They hold for the case as it is written; who overrides them means them.
-    if !missed.is_empty() && session.settings.iter().any(|setting| !setting.starts_with("expect")) {
+    if !missed.is_empty() && session.options.set.iter().any(|setting| !setting.starts_with("expect")) {
         let aside = "--set 'expect={}' leaves its values aside";
         session.console.say(format!("{:<12}the case was changed by --set; {aside}", ""));
     }
@@ -87,7 +87,7 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
         exit = Exit::ExpectMissed;
     }
     let warnings = session.warnings.len();
-    if session.strict && warnings > 0 && exit == Exit::Done {
+    if session.options.strict && warnings > 0 && exit == Exit::Done {
         session.console.say(format!("strict      {} under --strict: exit code 8", number::count(warnings, "warning")));
         exit = Exit::Warned;
     }

@@ -1,8 +1,8 @@
 //! How commands end.
 
-use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::DirectoryError;
 use crate::run::spectrum_request::SpectrumRefusal;
+use crate::saved::CheckpointError;
 use nastic_control::ControlError;
 use nastic_io::{LockError, WriteError};
 use nastic_language::syntax::Diagnostics;

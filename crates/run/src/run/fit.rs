@@ -8,7 +8,7 @@ use crate::console::Console;
 use crate::result::files::Directory;
 use crate::run::error::{Exit, RunError};
 use crate::run::fit::entry::Fitted;
-use crate::run::output_directory::directory_of;
+use crate::run::session::output_directory::directory_of;
 use nastic_case::lower::{LoneTable, read_tests};
 use nastic_case::output_names::{FIT, OutputNames};
 use nastic_fit::{FitError, FitOptions, Law, fit as fit_law};

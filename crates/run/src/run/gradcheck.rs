@@ -116,7 +116,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         tests.extend(found);
     }
     let near_onset = memo.near_onset();
-    session.note_time("gradient_check", began.elapsed().as_secs_f64());
+    session.clock.note("gradient_check", began.elapsed().as_secs_f64());
     Ok(conclude(session, &tests, near_onset))
 }
 

@@ -11,7 +11,7 @@ use crate::run::report::{remove_earlier, say_files};
 use crate::run::session::{START_ACCURACY, Session};
 use crate::run::solve::equilibrium::report;
 use crate::run::solve::modes::with_fields;
-use nastic_case::lower::CaseMember;
+use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{ControlError, EnsembleWorkspace, StateFields};
 use nastic_fem::{Controls, ModalDamping, ModeKind, SolveOptions, State, TimeStepping, VibrationMode};
 use nastic_language::number::{quantity, short};
@@ -46,7 +46,7 @@ struct ModesInSteps {
 }
 
 pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit, RunError> {
-    check(session, asked.count).map_err(|error| session.refuse(error))?;
+    check(&session.problem, asked.count).map_err(|error| session.refuse(error))?;
     remove_earlier(session)?;
     let time = session.problem.case.time.as_ref();
     // a motion from rest has no equilibrium to begin at
@@ -87,18 +87,18 @@ fn beginnings(session: &Session<'_>) -> Result<Vec<(State, Vec<f64>)>, RunError>
     session.problem.members().map(of).collect()
 }
 
-fn check(session: &Session<'_>, count: usize) -> Result<(), RunError> {
-    for member in session.problem.members() {
+fn check(problem: &CaseProblem, count: usize) -> Result<(), RunError> {
+    for member in problem.members() {
         let model = member.solid().model();
         // what is wrong with a mass is reported where modes are sought
         if model.energies().mass().is_ok_and(|mass| mass.diagonal().iter().all(|mass| *mass == 0.0)) {
             let what = "\"modes\" needs masses: give every material a \"density\", as in \"1000 kg/m^3\"".to_owned();
-            return Err(session.problem.complain("materials", what).into());
+            return Err(problem.complain("materials", what).into());
         }
         let free = member.solid().supports().fixed().iter().filter(|&&fixed| !fixed).count();
         if count == 0 || count > free {
             let what = format!("--count {count}: the body has {free} free unknowns; ask for 1 to {free} modes");
-            return Err(session.problem.complain("mesh", what).into());
+            return Err(problem.complain("mesh", what).into());
         }
     }
     Ok(())

@@ -1,13 +1,11 @@
 //! Motions as results: `motion_0000.vtu` .. with `motion.pvd`, `motion.csv` and charts of every step, the entry `time`.
 
-mod checkpoint;
 mod energy;
 mod record;
 mod recorder;
 mod solved;
 mod table;
 
-pub(super) use crate::run::motion::checkpoint::{MotionCheckpoint, NAME as CHECKPOINT};
 pub(super) use crate::run::motion::solved::solve;
 
 use crate::result::files::Directory;
@@ -20,6 +18,7 @@ use crate::run::motion::table::{KINETIC_ENERGY, MIN_J, POTENTIAL, energies};
 use crate::run::session::Session;
 use crate::run::state_columns::ENERGY;
 use crate::run::{modes, time_steps};
+use crate::saved::motion_checkpoint;
 use nastic_case::inspect::{compression, flight};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{TIME_STEP, Warning};
@@ -121,7 +120,7 @@ fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> V
     let steps = session.problem.members().filter_map(|member| member.reduced().timeline()).map(Timeline::steps).max();
     let each = match time.step {
         Some(step) => format!("of {}", of(step)),
-        None => format!("of at most {}", of(longest(session))),
+        None => format!("of at most {}", of(longest(&session.problem))),
     };
     session.console.say(format!(
         "motion      {} {each} to {} by {}, {} cut",
@@ -142,8 +141,8 @@ fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> V
 }
 
 /// The longest step of any member.
-fn longest(session: &Session<'_>) -> f64 {
-    let timelines = session.problem.members().filter_map(|member| member.reduced().timeline());
+fn longest(problem: &CaseProblem) -> f64 {
+    let timelines = problem.members().filter_map(|member| member.reduced().timeline());
     timelines.map(Timeline::longest_step).fold(0.0, f64::max)
 }
 
@@ -256,14 +255,14 @@ pub(super) fn ghosts(
 /// Removes the checkpoint of a motion that has come to its end, after all results are written.
 pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
     match &session.out {
-        Some(out) if session.command == Command::Solve => Ok(out.remove(CHECKPOINT)?),
+        Some(out) if session.command == Command::Solve => Ok(out.remove(motion_checkpoint::NAME)?),
         _ => Ok(()),
     }
 }
 
 /// Whether the checkpoint of a motion in the session's directory, if any, may be replaced; if not, nothing is written.
 pub(super) fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<(), RunError> {
-    match session.out.take_if(|out| !restart && out.file(CHECKPOINT).is_file()) {
+    match session.out.take_if(|out| !restart && out.file(motion_checkpoint::NAME).is_file()) {
         None => Ok(()),
         Some(out) => Err(RunError::InterruptedMotion { directory: out.path().to_owned() }),
     }

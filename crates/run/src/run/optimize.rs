@@ -1,41 +1,30 @@
 //! `nastic optimize`: the main job; `nastic resume` goes on with it.
 
 mod advice;
-mod blocks;
-mod branch_changes;
-mod checkpoint;
-mod finished_run;
-mod journal;
+pub(crate) mod branch_changes;
 mod limit_advice;
-mod met_limits;
+pub(crate) mod met_limits;
 mod minima;
 mod minimization;
 mod ordered_output;
 mod outcome;
-mod parted;
 mod recorder;
-mod round;
-mod run_trials;
 mod run_warnings;
-mod same_program;
 mod spectrum;
-mod start_parts;
-mod start_place;
-mod start_run;
-mod starts;
-mod starts_of_ranks;
-mod table_of_starts;
+pub(crate) mod starts;
 
-pub(super) use crate::run::optimize::checkpoint::{Checkpoint, Position, interrupted};
-pub(super) use crate::run::optimize::start_parts::{join, run_part};
+pub(super) use crate::run::optimize::starts::parts::{join, run_part};
 
 use crate::run::check_gradient;
 use crate::run::error::{Exit, RunError};
-use crate::run::optimize::journal::{Journal, SharedJournal, Written};
 use crate::run::optimize::minimization::evaluate;
-use crate::run::optimize::start_run::{Begun, Phase, StartRun};
 use crate::run::optimize::starts::Starts;
+use crate::run::optimize::starts::journal::{Journal, SharedJournal};
+use crate::run::optimize::starts::start_run::{Begun, Phase, StartRun};
+use crate::run::optimize::starts::table;
 use crate::run::session::Session;
+use crate::saved::checkpoint::{Place, Position, interrupted};
+use crate::saved::{checkpoint, motion_checkpoint};
 use nastic_case::warning::{INPUT, Warning};
 use nastic_control::EnsembleWorkspace;
 use nastic_opt::{Objective, Optimizer, Verdict};
@@ -53,7 +42,7 @@ pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restar
 /// Whether the checkpoint in the directory of the results, if any, may be replaced. If not what lies there stays as it is: nothing is written.
 fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<(), RunError> {
     if let (Some(out), false) = (&session.out, restart) {
-        let found = checkpoint::interrupted(out.path()).map_err(RunError::UnreadableCheckpoint);
+        let found = interrupted(out.path()).map_err(RunError::UnreadableCheckpoint);
         let directory = out.path().to_owned();
         let refused = found.and_then(|found| match found {
             None => Ok(()),
@@ -71,7 +60,7 @@ fn make_room(session: &mut Session<'_>) -> Result<(), RunError> {
         out.remove_old_iterations();
         // It belongs to an earlier command, and would stand beside the files of this one.
         out.remove("result.json")?;
-        out.remove(crate::run::motion::CHECKPOINT)?;
+        out.remove(motion_checkpoint::NAME)?;
     }
     warn_of_own_files(session);
     Ok(())
@@ -100,7 +89,7 @@ fn first_start(session: &mut Session<'_>) -> Result<Option<(Begun, GradientCheck
     let derivative =
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
-    let (place, mut warnings) = (start_place::place(session, 0), vec![]);
+    let (place, mut warnings) = (table::place(&session.problem, 0), vec![]);
     let mut shown = Ok(());
     if let Some(whole) = session.whole(&point)? {
         let inspected = session.timed("inspect", |session| session.look_into(session.console, &place, &whole));
@@ -140,7 +129,7 @@ pub(super) fn resume(
     position: Option<Position>,
 ) -> Result<Exit, RunError> {
     spectrum::check(session)?;
-    let from = position.as_ref().map_or(Written { start: 0, iteration: 0 }, Position::place);
+    let from = position.as_ref().map_or(Place { start: 0, iteration: 0 }, Position::place);
     session.record.resumed =
         ResumedRecord { start: Some(from.start), iteration: Some(from.iteration), ..ResumedRecord::default() };
     // Nothing was evaluated yet.
@@ -166,7 +155,7 @@ fn conclude(
     journal: SharedJournal,
     began: Instant,
 ) -> Result<Exit, RunError> {
-    session.note_time("optimize", began.elapsed().as_secs_f64());
+    session.clock.note("optimize", began.elapsed().as_secs_f64());
     // They were said: the result has them, however the runs ended.
     session.warnings.append(&mut starts.warnings);
     ran?;
@@ -178,7 +167,7 @@ fn conclude(
     let unwritten = journal.lock().finish(starts.interrupted);
     session.interrupted = starts.interrupted;
     let resumable = written.filter(|_| starts.interrupted);
-    let minima = minima::warn_of_minima(session, &mut starts);
+    let minima = minima::warn_of_minima(&session.problem, &mut starts);
     let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
     if starts.entries.len() > 1 {
         session.record.optimum.minima = Some(minima);

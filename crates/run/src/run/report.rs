@@ -82,9 +82,9 @@ pub fn keep_results(directory: &Path, file: &Path) -> Result<(), RunError> {
 pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
     let Some(out) = session.out.clone().filter(|_| !session.leaves_results) else { return Ok(()) };
     let is_shown = matches!(session.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
-    let with_page = session.report && is_shown && session.command != Command::Gradient;
+    let with_page = !session.options.no_report && is_shown && session.command != Command::Gradient;
     // a run that failed has nothing for print, and its own error to tell
-    let with_figure = session.figure && is_shown && session.record.error.is_none();
+    let with_figure = session.options.figure && is_shown && session.record.error.is_none();
     if is_shown {
         session.record.members = Some(members(&session.problem));
         let case = session.problem.case_file().is_some();

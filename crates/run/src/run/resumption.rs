@@ -1,16 +1,16 @@
 //! `nastic resume`: an optimisation, or the motion of a `solve`, that was interrupted goes on from its last checkpoint.
 
 use crate::console::Console;
-use crate::result::checkpoint_file;
-use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
-use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
-use crate::run::motion::MotionCheckpoint;
-use crate::run::optimize::{Checkpoint, Position};
 use crate::run::options::Options;
 use crate::run::session::Session;
-use crate::run::{motion, optimize};
+use crate::saved;
+use crate::saved::CheckpointError;
+use crate::saved::case_record::CaseRecord;
+use crate::saved::checkpoint::{Checkpoint, Position, interrupted};
+use crate::saved::motion_checkpoint;
+use crate::saved::motion_checkpoint::MotionCheckpoint;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 /// Where a run goes on.
 pub(super) enum Resumed {
     /// An optimisation; `None` before its start was evaluated.
-    Optimization(Option<Position>),
+    Optimization(Box<Option<Position>>),
     /// A motion.
     Motion(MotionCheckpoint),
 }
@@ -34,14 +34,14 @@ pub(super) fn open<'c>(
     console: &'c Console,
 ) -> Result<(Session<'c>, Resumed), RunError> {
     let leads = options.team.as_ref().is_none_or(|team| team.leads());
-    let (out, case, command, place) = if directory.join(motion::CHECKPOINT).is_file() {
+    let (out, case, command, place) = if directory.join(motion_checkpoint::NAME).is_file() {
         let out = leads.then(|| Directory::lock(directory.to_owned())).transpose()?;
         let checkpoint = MotionCheckpoint::read(directory)?;
-        check_program(&checkpoint.case, directory.join(motion::CHECKPOINT))?;
+        check_program(&checkpoint.case, directory.join(motion_checkpoint::NAME))?;
         (out, checkpoint.case.clone(), Command::Solve, Resumed::Motion(checkpoint))
     } else {
         let (out, Checkpoint { case, position, .. }) = read(directory, options.team.as_deref())?;
-        (out, case, Command::Optimize, Resumed::Optimization(position))
+        (out, case, Command::Optimize, Resumed::Optimization(Box::new(position)))
     };
     let document = case.reopen(catalogue, directory)?;
     let session = Session::resume(command, document, case.settings, directory, out, options, console)?;
@@ -51,9 +51,9 @@ pub(super) fn open<'c>(
 /// Whether a directory holds the checkpoint of this command on this case, interrupted after its start was evaluated. One that cannot be read is
 /// none of it: the command itself says so.
 pub(super) fn is_interrupted(directory: &Path, command: &Command, document: &Document) -> bool {
-    let case = match (command, directory.join(motion::CHECKPOINT).is_file()) {
+    let case = match (command, directory.join(motion_checkpoint::NAME).is_file()) {
         (Command::Solve, true) => MotionCheckpoint::read(directory).ok().map(|checkpoint| checkpoint.case),
-        (Command::Optimize, false) => optimize::interrupted(directory).ok().flatten().map(|(case, _)| case),
+        (Command::Optimize, false) => interrupted(directory).ok().flatten().map(|(case, _)| case),
         _ => None,
     };
     case.is_some_and(|case| case.is_of(document))
@@ -62,7 +62,7 @@ pub(super) fn is_interrupted(directory: &Path, command: &Command, document: &Doc
 /// Claims an output directory, on the first rank of a team alone, and reads its checkpoint, each rank its own members.
 pub(super) fn read(directory: &Path, team: Option<&dyn Team>) -> Result<(Option<Directory>, Checkpoint), RunError> {
     let leads = team.is_none_or(Team::leads);
-    let file = directory.join(checkpoint_file::NAME);
+    let file = directory.join(saved::NAME);
     if !file.is_file() {
         // A name that was mistyped is not made a directory.
         return Err(CheckpointError::Missing { directory: directory.to_owned() }.into());

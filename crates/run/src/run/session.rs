@@ -1,25 +1,27 @@
-//! What the commands share: the case at hand, the clock, the place for results.
+//! What the commands share: the case at hand, the place for results, the console, the result.
+
+mod clock;
+mod failures;
+pub(super) mod output_directory;
+mod place;
+mod team;
 
 use crate::console::Console;
-use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
 use crate::result::inspection::Inspection;
-use crate::result::listed::listed;
-use crate::result::target_files::named_targets;
+use crate::result::smoothing;
 use crate::result::warning_record::warning_record;
-use crate::result::{checkpoint_file, failure, smoothing};
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
-use crate::run::output_directory::{directory, usual_directory};
 use crate::run::progress;
-use crate::run::spectrum_request::SpectrumRequest;
+use crate::run::session::clock::Clock;
+use crate::run::session::output_directory::directory;
 use crate::run::states::Shown;
-use nastic_case::lower::{CaseMember, CaseProblem};
-use nastic_case::output_names::OutputNames;
+use nastic_case::lower::CaseProblem;
 use nastic_case::part::Share;
 use nastic_case::warning::Warning;
-use nastic_control::{AdaptiveSteps, ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, StateFields};
-use nastic_fem::{StateError, peak_memory};
+use nastic_control::{AdaptiveSteps, EnsemblePoint, EnsembleWorkspace};
+use nastic_fem::peak_memory;
 use nastic_io::Fingerprint;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::number;
@@ -27,10 +29,9 @@ use nastic_language::quantity::Dimension;
 use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostics, Document};
 use nastic_opt::{Budget, Failed, Objective, Request};
-use nastic_report::OnTrial;
 use nastic_report::record::{DiscretizationRecord, RunRecord, StateRecord, UnitsRecord, VersionsRecord};
 use nastic_team::Team;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, atomic::AtomicBool, atomic::Ordering};
 use std::time::Instant;
 
@@ -40,7 +41,7 @@ pub(super) const START_ACCURACY: f64 = 1e-10;
 const MOST_ITERATIONS: usize = 4000;
 
 /// A command under way.
-pub(super) struct Session<'c> {
+pub(crate) struct Session<'c> {
     pub command: Command,
     pub problem: CaseProblem,
     pub console: &'c Console,
@@ -49,34 +50,20 @@ pub(super) struct Session<'c> {
     pub signal: Arc<AtomicBool>,
     /// The ranks that run the same command; `None` where there is one.
     pub team: Option<Arc<dyn Team>>,
-    /// Whether warnings make the command fail.
-    pub strict: bool,
+    /// What the user chose beside the case; `set` is what the case was changed by.
+    pub options: Options,
     /// Where results go; `None` for commands that leave nothing behind unless given a directory.
     pub out: Option<Directory>,
     /// The same where starts write their own files: on any rank.
     pub own_out: Option<Directory>,
     /// What deserves attention, as far as it is known.
     pub warnings: Vec<Warning>,
-    /// Overrides of the case, in order.
-    pub settings: Vec<String>,
-    /// Whether the page of results is written at the end.
-    pub report: bool,
-    /// Whether the result for print is written.
-    pub figure: bool,
-    /// Whether the columns of the table of trials are explained.
-    pub explain: bool,
-    /// What is to be found of the second derivative at an optimum.
-    pub spectrum: Option<SpectrumRequest>,
-    /// Whether the result is held to what the case expects.
-    pub expect: bool,
     /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
     pub ended: bool,
     /// Whether something ended the command that has nothing to do with the case: a stop that was requested, a lack of memory.
     pub interrupted: bool,
     /// Whether results of an earlier program, which went further, stay.
     pub leaves_results: bool,
-    /// Called for every trial of an optimisation.
-    pub on_trial: OnTrial,
     /// The states that were found.
     pub shown: Option<Shown>,
     /// Of a case with a tolerance of time steps those of every member, once they were found.
@@ -85,8 +72,7 @@ pub(super) struct Session<'c> {
     pub files: Vec<String>,
     /// The result as it stands.
     pub record: RunRecord,
-    phases: Vec<(&'static str, f64)>,
-    began: Instant,
+    pub clock: Clock,
 }
 
 impl<'c> Session<'c> {
@@ -119,61 +105,32 @@ impl<'c> Session<'c> {
         };
         apply(&options.set, &mut document, |document| lower(document, Arc::default()).err())?;
         let problem = lower(document, options.cancel.clone())?;
-        let mut session = Self::on(command, problem, options.cancel.clone(), console, began);
-        session.settings = options.set.clone();
-        session.strict = options.strict;
-        (session.report, session.figure) = (!options.no_report, options.figure);
-        session.explain = options.explain;
-        session.spectrum = options.spectrum;
-        session.expect = !options.without_expect;
-        session.on_trial = options.on_trial.clone();
+        let mut session = Self::on(command, problem, options.clone(), console, began);
         // Each start of a part has a directory of its own.
         let is_part = session.command == Command::Optimize && matches!(options.share, Share::Part(_));
         let out = directory(&session.command, &session.problem, options).filter(|_| !is_part);
         session.join_team(options)?;
         if let Some(path) = out {
-            session.out = if session.leads() { Some(session.claim(path.clone())?) } else { None };
-            session.take_directory(&path);
+            session.enter(path)?;
         }
         Ok(session)
-    }
-
-    /// The directory of the results, in which they replace nothing that the case reads, but for starts of controls that an earlier run there has written
-    /// (`optimize` warns of these), and nothing that nastic did not write.
-    pub fn claim(&self, directory: PathBuf) -> Result<Directory, RunError> {
-        let problem = &self.problem;
-        let results = listed(&directory);
-        let starts: Vec<PathBuf> = start_files(&problem.document);
-        let is_result = |file: &Path| {
-            let name = file.file_name().and_then(|name| name.to_str());
-            starts.iter().any(|start| start == file) && results.iter().any(|result| name == Some(result))
-        };
-        let read = problem.files.iter().map(PathBuf::as_path).filter(|file| !is_result(file));
-        let inputs = read.chain(problem.case_file().map(Path::new));
-        Ok(Directory::claim(directory, self.output_names(), inputs)?)
-    }
-
-    /// The names of what is written.
-    pub fn output_names(&self) -> OutputNames {
-        let targets = named_targets(&self.problem).into_iter().map(|(name, _)| name);
-        OutputNames::of_command(&self.command, &self.problem, targets.collect())
     }
 
     /// Goes on with a command whose case was read and whose directory is claimed.
     pub fn resume(
         command: Command,
         document: Document,
-        settings: Vec<String>,
+        set: Vec<String>,
         directory: &Path,
         out: Option<Directory>,
         options: &Options,
         console: &'c Console,
     ) -> Result<Self, RunError> {
-        let (began, cancel) = (Instant::now(), options.cancel.clone());
+        let began = Instant::now();
         console.phase("reading");
-        let problem = CaseProblem::lower(document, cancel.clone())?;
-        let mut session = Self::on(command, problem, cancel, console, began);
-        session.settings = settings;
+        let problem = CaseProblem::lower(document, options.cancel.clone())?;
+        let own = Options { set, ..options.clone() };
+        let mut session = Self::on(command, problem, own, console, began);
         session.go_on_in(out, directory)?;
         session.join_team(options)?;
         Ok(session)
@@ -183,7 +140,7 @@ impl<'c> Session<'c> {
     pub fn on(
         command: Command,
         mut problem: CaseProblem,
-        cancel: Arc<AtomicBool>,
+        options: Options,
         console: &'c Console,
         began: Instant,
     ) -> Self {
@@ -191,34 +148,28 @@ impl<'c> Session<'c> {
             problem.refuse_unstable_if_asked();
         }
         progress::watch(&mut problem, console);
-        let ordering = problem.ordering.as_secs_f64();
+        let (mut clock, ordering) = (Clock::new(began), problem.ordering.as_secs_f64());
+        clock.note("read", began.elapsed().as_secs_f64() - ordering);
+        clock.note("ordering", ordering);
         let mut session = Self {
             command,
             problem,
             console,
-            signal: cancel.clone(),
-            cancel,
+            signal: options.cancel.clone(),
+            cancel: options.cancel.clone(),
             team: None,
-            strict: false,
+            options,
             out: None,
             own_out: None,
             warnings: Vec::new(),
-            settings: Vec::new(),
-            report: true,
-            figure: false,
-            explain: false,
-            spectrum: None,
-            expect: true,
             ended: false,
             interrupted: false,
             leaves_results: false,
-            on_trial: OnTrial::default(),
             shown: None,
             steps: Vec::new(),
             files: Vec::new(),
             record: RunRecord::default(),
-            phases: vec![("read", began.elapsed().as_secs_f64() - ordering), ("ordering", ordering)],
-            began,
+            clock,
         };
         session.introduce();
         session
@@ -336,23 +287,13 @@ impl<'c> Session<'c> {
         let began = Instant::now();
         self.console.phase(progress::words(phase));
         let out = work(self);
-        self.note_time(phase, began.elapsed().as_secs_f64());
+        self.clock.note(phase, began.elapsed().as_secs_f64());
         out
-    }
-
-    /// Adds to the time of a phase.
-    pub fn note_time(&mut self, phase: &'static str, seconds: f64) {
-        match self.phases.iter_mut().find(|(known, _)| *known == phase) {
-            Some((_, total)) => *total += seconds,
-            None => self.phases.push((phase, seconds)),
-        }
     }
 
     /// Puts the times into the result.
     pub fn finish_clock(&mut self) {
-        let total = [("total", self.began.elapsed().as_secs_f64())];
-        let phases = self.phases.iter().copied().chain(total);
-        self.record.seconds = phases.map(|(phase, seconds)| (phase.to_owned(), seconds.into())).collect();
+        self.record.seconds = self.clock.seconds().collect();
         self.record.peak_memory = peak_memory().into();
     }
 
@@ -394,83 +335,6 @@ impl<'c> Session<'c> {
         }
         if controls && costs { Ok(self.problem.check_adjoint()?) } else { Ok(()) }
     }
-
-    /// The error of an evaluation that failed; the last good state of the member at fault is kept on disk.
-    pub fn forward_failed(&self, error: EnsembleError) -> RunError {
-        match error {
-            EnsembleError::Member { who, source } => {
-                let at = self.problem.ensemble.members().iter().position(|part| part.name() == who);
-                self.member_failed(at.unwrap_or(0), *source)
-            }
-            EnsembleError::Team(error) => error.into(),
-            other => {
-                let error = Box::new(ControlError::Cost { what: other.to_string() });
-                RunError::Forward { member: String::new(), of: String::new(), error, file: None }
-            }
-        }
-    }
-
-    /// Where results go unless `--out` says otherwise.
-    pub fn usual_directory(&self) -> PathBuf {
-        usual_directory(&self.problem)
-    }
-
-    /// The error of a checkpoint that is whole but not of this case, unless the reading of it was cancelled.
-    pub fn unfit_checkpoint(&self, what: &str) -> RunError {
-        if self.is_cancelled() {
-            return RunError::Cancelled;
-        }
-        let file = self.out.as_ref().map(|out| out.file(checkpoint_file::NAME)).unwrap_or_default();
-        CheckpointError::Content { file, what: what.to_owned() }.into()
-    }
-
-    /// The same, of an evaluation.
-    pub fn evaluation_failed(&self, failed: &Failed) -> RunError {
-        match failed.downcast_ref::<EnsembleError>() {
-            Some(error) => self.forward_failed(error.clone()),
-            None => {
-                let error = Box::new(ControlError::Cost { what: failed.to_string() });
-                RunError::Forward { member: String::new(), of: String::new(), error, file: None }
-            }
-        }
-    }
-
-    /// The same, of a member.
-    pub fn member_failed(&self, index: usize, error: ControlError) -> RunError {
-        if let ControlError::State(StateError::Cancelled) = error {
-            return RunError::Cancelled;
-        }
-        let member = self.problem.member(index);
-        // The start control is what was asked for; the state shows how far the body came.
-        let write = |state| self.write_failure(member, "failure.vtu", &member.local(&self.problem.start), state);
-        let file = match if let ControlError::State(state) = &error { write(state) } else { Ok(None) } {
-            Ok(file) => file,
-            Err(error) => return error,
-        };
-        let of = (member.words() + &self.on_rank(&error)).trim_start().to_owned();
-        RunError::Forward { member: member.name(), of, error: Box::new(error), file }
-    }
-
-    /// Writes the last good state of a solve that failed, if there is one; the file it is in.
-    pub fn write_failure(
-        &self,
-        member: CaseMember<'_>,
-        name: &str,
-        m: &[f64],
-        error: &StateError,
-    ) -> Result<Option<PathBuf>, RunError> {
-        let (Some(out), Some(last)) = (&self.own_out, failure::last_state(error)) else { return Ok(None) };
-        out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
-        Ok(Some(out.file(name)))
-    }
-}
-
-/// Files at which controls start.
-fn start_files(document: &Document) -> Vec<PathBuf> {
-    let case = document.json();
-    let files =
-        case["controls"].as_array().into_iter().flatten().filter_map(|control| control["start"]["file"].as_str());
-    files.map(|file| document.resolve(file)).collect()
 }
 
 /// Says a warning; the caller keeps it.

@@ -18,7 +18,7 @@ pub struct States {
 
 /// What is shown of the states.
 #[derive(Debug)]
-pub(super) struct Shown {
+pub(crate) struct Shown {
     /// "equilibrium" or "optimum".
     pub what: &'static str,
     /// Line below the title of pictures.

@@ -2,7 +2,7 @@
 
 pub(crate) mod control_set;
 mod error;
-mod record;
+pub(crate) mod record;
 mod running;
 
 pub use crate::run::study::control_set::ControlSet;

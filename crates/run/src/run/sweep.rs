@@ -8,7 +8,7 @@ use crate::console::Console;
 use crate::result::files::Directory;
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
-use crate::run::output_directory::directory_of;
+use crate::run::session::output_directory::directory_of;
 use crate::run::sweep::one_run::{Absent, Left, OneRun, Origin};
 use crate::run::sweep::table::{introduce, rows_there, table};
 use crate::run::sweep::told::{Tally, line, say_missing};

@@ -2,17 +2,15 @@
 
 use crate::console::Console;
 use crate::result::files::Directory;
-use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
-use crate::run::motion::checkpoint;
-use crate::run::motion::checkpoint::{MotionCheckpoint, SavedMember};
 use crate::run::motion::record::Record;
 use crate::run::motion::table::Table;
 use crate::run::session::Session;
+use crate::saved::case_record::CaseRecord;
+use crate::saved::motion_checkpoint::{MotionCheckpoint, SavedMotion, unfit};
 use nastic_case::lower::{CaseMember, CaseProblem};
-use nastic_control::{AdaptiveSteps, ControlError, MotionObserver, Timeline, read_whole_state, write_whole_state};
+use nastic_control::{AdaptiveSteps, ControlError, MotionObserver, Timeline};
 use nastic_fem::State;
-use nastic_opt::bytes::{Reader, Writer};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -90,7 +88,7 @@ impl<'a> Recorder<'a> {
             let record = Record::new(member, member.local(&problem.start));
             let mut recorded = Recorded { record, from: None, place: None, ahead: None };
             if let Some(saved) = &mut saved {
-                let unfit = |what: &str| checkpoint::unfit(session.out.as_ref(), what);
+                let unfit = |what: &str| unfit(session.out.as_ref(), what);
                 let saved = saved.next().ok_or_else(|| unfit("another number of members"))?;
                 if let Some(saved) = saved {
                     recorded.take(member, saved).map_err(|what| unfit(&what))?;
@@ -102,7 +100,7 @@ impl<'a> Recorder<'a> {
             problem,
             console: session.console,
             out: session.out.as_ref(),
-            case: CaseRecord::of(problem, &session.settings),
+            case: CaseRecord::of(problem, &session.options.set),
             steps: &session.steps,
             members,
             pace: Mutex::new(Pace { last: None, failed: false }),
@@ -134,7 +132,7 @@ impl<'a> Recorder<'a> {
     /// Writes a checkpoint of the last places, if any member has one; whether it is there.
     pub fn save(&self) -> bool {
         let Some(out) = self.out else { return false };
-        let members: Vec<Option<SavedMember>> = self.members.iter().map(|recorded| lock(recorded).saved()).collect();
+        let members: Vec<Option<SavedMotion>> = self.members.iter().map(|recorded| lock(recorded).saved()).collect();
         if members.iter().all(Option::is_none) {
             return false;
         }
@@ -164,24 +162,18 @@ impl<'a> Recorder<'a> {
 
 impl Recorded {
     /// Goes on from what was saved.
-    fn take(&mut self, member: CaseMember<'_>, saved: SavedMember) -> Result<(), String> {
-        let SavedMember { n, motion, mut rows, shown, shown_before, last, before, end } = saved;
+    fn take(&mut self, member: CaseMember<'_>, saved: SavedMotion) -> Result<(), String> {
+        let SavedMotion { n, motion, mut rows, shown, shown_before, last, before, end } = saved;
         let like = member.solid().rest();
-        let read = |bytes: &Vec<u8>| {
-            let mut input = Reader::new(bytes, "")?;
-            let state = read_whole_state(&mut input, &like)?;
-            input.finish().map(|()| state)
-        };
-        let last = read(&last).map_err(|error| error.to_string())?;
-        let before = before.as_ref().map(read).transpose().map_err(|error| error.to_string())?;
-        let shown = shown.iter().map(read).collect::<Result<Vec<State>, _>>().map_err(|error| error.to_string())?;
+        if [&last, &end].into_iter().chain(&before).chain(&shown).any(|state| !state.fits(&like)) {
+            return Err("a state of another body".to_owned());
+        }
         let first = shown.first().ok_or("no state of the motion")?;
         let mut table = Table::head(member, first);
         if rows.iter().any(|row| row.len() != table.columns()) {
             return Err("another table of the motion".to_owned());
         }
         if rows.len() > n + 1 {
-            let end = read(&end).map_err(|error| error.to_string())?;
             self.ahead = Some(Ahead { rows: rows.clone(), shown: shown.clone(), end });
         }
         rows.truncate(n + 1);
@@ -203,15 +195,10 @@ impl Recorded {
     }
 
     /// The last place, as it is saved, with all that was found behind it.
-    fn saved(&self) -> Option<SavedMember> {
+    fn saved(&self) -> Option<SavedMotion> {
         let (place, table) = (self.place.as_ref()?, self.record.table.as_ref()?);
-        let bytes = |state: &State| {
-            let mut out = Writer::new("");
-            write_whole_state(state, &mut out);
-            out.finish()
-        };
         let ahead = self.ahead.iter();
-        Some(SavedMember {
+        Some(SavedMotion {
             n: place.n,
             motion: place.motion.clone(),
             rows: table
@@ -220,11 +207,11 @@ impl Recorded {
                 .chain(ahead.flat_map(|ahead| ahead.rows.iter().skip(table.rows.len())))
                 .cloned()
                 .collect(),
-            shown: self.record.shown.iter().chain(self.shown_ahead()).map(bytes).collect(),
+            shown: self.record.shown.iter().chain(self.shown_ahead()).cloned().collect(),
             shown_before: place.shown,
-            last: bytes(place.last.as_ref()?),
-            before: place.before.as_ref().map(bytes),
-            end: bytes(self.ahead.as_ref().map(|ahead| &ahead.end).or(self.record.last.as_ref())?),
+            last: place.last.clone()?,
+            before: place.before.clone(),
+            end: self.ahead.as_ref().map(|ahead| &ahead.end).or(self.record.last.as_ref())?.clone(),
         })
     }
 

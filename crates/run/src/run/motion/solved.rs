@@ -1,11 +1,11 @@
 //! The motions of `solve`: they leave what they found where they fail or are stopped, and go on from a checkpoint.
 
 use crate::run::error::RunError;
-use crate::run::motion::checkpoint::MotionCheckpoint;
 use crate::run::motion::record::Record;
 use crate::run::motion::recorder::{MemberObserver, Recorder};
-use crate::run::motion::{checkpoint, write};
+use crate::run::motion::write;
 use crate::run::session::{START_ACCURACY, Session};
+use crate::saved::motion_checkpoint::{MotionCheckpoint, NAME};
 use nastic_control::{ControlError, EnsembleError, EnsemblePoint, EnsembleWorkspace, MotionObserver};
 use nastic_fem::StateError;
 use nastic_language::number::{count, quantity};
@@ -20,9 +20,9 @@ pub(in crate::run) fn solve(
     from: Option<MotionCheckpoint>,
 ) -> Result<(EnsemblePoint, Vec<Record>), RunError> {
     if let (Some(out), None) = (&session.out, &from)
-        && out.file(checkpoint::NAME).exists()
+        && out.file(NAME).exists()
     {
-        let file = checkpoint::NAME;
+        let file = NAME;
         session
             .console
             .say(format!("note        {file} of a motion that was stopped is removed: this one begins anew"));
@@ -43,10 +43,10 @@ pub(in crate::run) fn solve(
         recorder.save();
     }
     // one that could be written earlier is as good
-    let is_there = || session.out.as_ref().is_some_and(|out| out.file(checkpoint::NAME).is_file());
+    let is_there = || session.out.as_ref().is_some_and(|out| out.file(NAME).is_file());
     let repeated = if goes_on && is_there() { Some(recorder.repeated()) } else { None };
     let records = recorder.finish();
-    session.note_time("solve", began.elapsed().as_secs_f64());
+    session.clock.note("solve", began.elapsed().as_secs_f64());
     match found {
         Ok(point) => Ok((point, records)),
         Err(error) => Err(unfinished(session, &records, repeated, error)),
@@ -77,7 +77,7 @@ fn unfinished(
     session.list_files(files.clone());
     session.record.reached = ReachedRecord { t: t.into(), steps };
     if repeated.is_none()
-        && let Err(error) = out.remove(checkpoint::NAME)
+        && let Err(error) = out.remove(NAME)
     {
         return error.into();
     }

@@ -1,10 +1,10 @@
 //! What to try after an optimisation that stopped before it converged, or whose bounds decided: each with the command.
 
 use crate::result::controls;
-use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::optimize::limit_advice;
+use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
-use nastic_case::lower::Admitted;
+use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_control::{EnsemblePoint, Smoothing};
 use nastic_language::schema::Cost;
 use nastic_opt::{Best, Constrained, Stall, Stop};
@@ -73,17 +73,17 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         // what limit points ask for stands there already
         Stop::Stalled(Stall::LineSearch { .. }) if ended.limits.count > 0 => {}
         Stop::Stalled(Stall::LineSearch { trials, failed, .. }) if 2 * failed >= *trials => {
-            let set = narrowed(session);
+            let set = narrowed(&session.problem);
             let why = "most trials had no equilibrium: narrow the bounds to where the body has one".to_owned();
             out.extend((!set.is_empty()).then(|| again(why, set)));
             out.push(Advice {
                 why: "see how far the body goes along its path of equilibria".to_owned(),
-                command: on_case(session, |case| format!("nastic solve {case} --path")),
+                command: on_case(&session.problem, |case| format!("nastic solve {case} --path")),
             });
         }
         Stop::Stalled(Stall::LineSearch { .. }) => out.push(Advice {
             why: "no step lowered the cost: test its derivative".to_owned(),
-            command: on_case(session, |case| format!("nastic gradcheck {case}")),
+            command: on_case(&session.problem, |case| format!("nastic gradcheck {case}")),
         }),
         Stop::Stalled(Stall::SecondDerivatives { .. }) => {
             let set = with(format!("optimizer/method={QUASI_NEWTON}"));
@@ -91,7 +91,7 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         }
         Stop::Stalled(Stall::Stage { stage, .. }) => {
             let why = format!("stage {} has no value there: stop before it, or put one between", stage + 1);
-            out.push(again(why, [stages_before(session, *stage), from_here.clone()].concat()));
+            out.push(again(why, [stages_before(&session.problem, *stage), from_here.clone()].concat()));
         }
         _ => {}
     }
@@ -102,15 +102,15 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
     }
     if let (Stop::Stalled(_), 1) = (&best.stop, optimizer.starts) {
         let why = "the cost may have other minima: try several starts".to_owned();
-        out.extend(bounded(session).then(|| again(why, vec![format!("optimizer/starts={STARTS}")])));
+        out.extend(bounded(&session.problem).then(|| again(why, vec![format!("optimizer/starts={STARTS}")])));
     }
     out.extend(widened(session, best));
     out
 }
 
 /// A command on the case file, if there is one.
-fn on_case(session: &Session<'_>, command: impl Fn(&str) -> String) -> Option<String> {
-    session.problem.case_file().map(|case| command(&quote(case)))
+fn on_case(problem: &CaseProblem, command: impl Fn(&str) -> String) -> Option<String> {
+    problem.case_file().map(|case| command(&quote(case)))
 }
 
 /// `nastic optimize` with the overrides of this run and others. What starts from the controls of this run goes to another
@@ -118,14 +118,14 @@ fn on_case(session: &Session<'_>, command: impl Fn(&str) -> String) -> Option<St
 pub(super) fn optimize(session: &Session<'_>, set: &[String]) -> Option<String> {
     let path = |setting: &str| setting.split_once('=').map_or("", |(path, _)| path).to_owned();
     let replaced = |old: &String| set.iter().any(|new| path(new) == path(old));
-    let kept = session.settings.iter().filter(|old| !replaced(old));
+    let kept = session.options.set.iter().filter(|old| !replaced(old));
     let settings = kept.chain(set).map(|setting| format!(" --set {}", quote(setting)));
     let goes_on = set.iter().any(|setting| path(setting).ends_with("/start"));
     let out = session.out.as_ref().map(|out| if goes_on { next_to(out.path()) } else { out.path().to_owned() });
     let out = out.filter(|out| *out != session.usual_directory());
     let out = out.map_or_else(String::new, |out| format!(" --out {}", quote(&out.display().to_string())));
     let settings: String = settings.collect();
-    on_case(session, |case| format!("nastic optimize {case}{out}{settings}"))
+    on_case(&session.problem, |case| format!("nastic optimize {case}{out}{settings}"))
 }
 
 /// The directory beside another whose name ends in the next number: `finger_2` beside `finger`.
@@ -179,8 +179,8 @@ fn from_case(case: &Path, file: &Path) -> PathBuf {
 }
 
 /// The stages of every cost that has some, up to this one.
-fn stages_before(session: &Session<'_>, stage: usize) -> Vec<String> {
-    let blocks = session.problem.case.costs.iter().filter(|block| block.weight() != 0.0);
+fn stages_before(problem: &CaseProblem, stage: usize) -> Vec<String> {
+    let blocks = problem.case.costs.iter().filter(|block| block.weight() != 0.0);
     let values = |stage: &Smoothing| json!({ "alpha": stage.alpha(), "beta": stage.beta(), "gamma": stage.gamma() });
     let of = |(block, stages): (&Cost, Vec<Smoothing>)| {
         (stages.len() > stage).then(|| {
@@ -188,13 +188,12 @@ fn stages_before(session: &Session<'_>, stage: usize) -> Vec<String> {
             format!("{}/stages={before}", block.at())
         })
     };
-    let smoothings = session.problem.member(0).reduced().costs().iter().map(|cost| cost.smoothings());
+    let smoothings = problem.member(0).reduced().costs().iter().map(|cost| cost.smoothings());
     blocks.zip(smoothings).filter_map(of).collect()
 }
 
 /// Bounds of scalars at half their distance from zero.
-fn narrowed(session: &Session<'_>) -> Vec<String> {
-    let problem = &session.problem;
+fn narrowed(problem: &CaseProblem) -> Vec<String> {
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     let scalars = fields.filter(|(block, _)| problem.control_block(block).components == 1);
     let bounds = scalars.filter_map(|(_, field)| match field.admitted {
@@ -239,8 +238,8 @@ fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> 
 }
 
 /// Whether random starts can be drawn: every control is bounded.
-fn bounded(session: &Session<'_>) -> bool {
-    session.problem.controls.iter().all(|field| match field.admitted {
+fn bounded(problem: &CaseProblem) -> bool {
+    problem.controls.iter().all(|field| match field.admitted {
         Admitted::Between { lower, upper } => lower.is_finite() && upper.is_finite(),
         Admitted::Norm(_) | Admitted::MaxNorm(_) => true,
         Admitted::Any => false,

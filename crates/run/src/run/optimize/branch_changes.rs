@@ -1,14 +1,12 @@
 //! [`BranchChanges`]: iterations that led to another branch of equilibria.
 
-use crate::run::optimize::start_place::place;
-use crate::run::session::Session;
+use crate::run::optimize::starts::table::place;
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{BRANCH_CHANGE, BRANCH_UNKNOWN, Warning, WarningKind};
 use nastic_control::{EnsemblePoint, Evaluated};
 use nastic_fem::{Connection, SolveOptions, State, StateError};
 use nastic_language::number::short;
-use nastic_opt::SavedRunError;
-use nastic_opt::bytes::{Reader, Writer};
+use serde::{Deserialize, Serialize};
 use std::sync::atomic::AtomicBool;
 
 /// Members that one sentence names.
@@ -16,7 +14,7 @@ const NAMED: usize = 3;
 
 /// An accepted point: its control vector and the states of the members.
 #[derive(Debug, Clone)]
-pub(super) struct Before {
+pub(crate) struct Before {
     m: Vec<f64>,
     /// By the member's number, of those that this rank has.
     states: Vec<(usize, State)>,
@@ -29,14 +27,14 @@ impl Before {
 }
 
 /// What was found in the accepted trials of one start.
-#[derive(Debug, Clone, Default)]
-pub(super) struct BranchChanges {
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct BranchChanges {
     changed: FirstChange,
     unknown: FirstChange,
 }
 
 /// How many iterations, and what happened in the first of them.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 struct FirstChange {
     count: usize,
     first: String,
@@ -47,7 +45,7 @@ impl BranchChanges {
     ///
     /// # Errors
     /// The search was cancelled.
-    pub fn add(
+    pub(crate) fn add(
         &mut self,
         problem: &CaseProblem,
         cancel: &AtomicBool,
@@ -83,26 +81,14 @@ impl BranchChanges {
     }
 
     /// What there is to report of a start.
-    pub fn warnings(&self, session: &Session<'_>, index: usize) -> Vec<Warning> {
+    pub(crate) fn warnings(&self, problem: &CaseProblem, index: usize) -> Vec<Warning> {
         let of = |kind: &'static WarningKind, shown: &FirstChange| {
             let more =
                 if shown.count > 1 { format!(" (the first of {} iterations)", shown.count) } else { String::new() };
             (shown.count > 0)
-                .then(|| Warning::new(kind, format!("{}{more}", shown.first)).of(run_place(session, index)))
+                .then(|| Warning::new(kind, format!("{}{more}", shown.first)).of(run_place(problem, index)))
         };
         [of(&BRANCH_CHANGE, &self.changed), of(&BRANCH_UNKNOWN, &self.unknown)].into_iter().flatten().collect()
-    }
-
-    pub fn write(&self, out: &mut Writer) {
-        for shown in [&self.changed, &self.unknown] {
-            out.count(shown.count);
-            out.bytes(shown.first.as_bytes());
-        }
-    }
-
-    pub fn read(input: &mut Reader<'_>) -> Result<Self, SavedRunError> {
-        let mut shown = || Ok(FirstChange { count: input.number()?, first: input.text()? });
-        Ok(Self { changed: shown()?, unknown: shown()? })
     }
 }
 
@@ -122,8 +108,8 @@ impl FirstChange {
 }
 
 /// `start 2 of 4` where there are several.
-fn run_place(session: &Session<'_>, index: usize) -> String {
-    if session.problem.case.optimizer.starts > 1 { place(session, index) } else { String::new() }
+fn run_place(problem: &CaseProblem, index: usize) -> String {
+    if problem.case.optimizer.starts > 1 { place(problem, index) } else { String::new() }
 }
 
 /// `MEMBER: ` where there are several.

@@ -1,9 +1,9 @@
 //! What to try after trials that met a limit point: another control there, or bounds before it.
 
 use crate::run::optimize::advice::{Advice, optimize};
-use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
-use nastic_case::lower::ControlField;
+use nastic_case::lower::{CaseProblem, ControlField};
 use nastic_control::EnsemblePoint;
 use nastic_fem::Instant;
 use nastic_language::number::short;
@@ -22,7 +22,7 @@ pub(super) fn of(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         return vec![];
     }
     let mut out = Vec::new();
-    let volumes = volumes(session, ended);
+    let volumes = volumes(&session.problem, ended);
     if !volumes.names.is_empty() {
         let names = volumes.names.join(", ");
         let why = format!(
@@ -32,7 +32,7 @@ pub(super) fn of(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         );
         out.push(Advice { why, command: optimize(session, &volumes.set) });
     }
-    let bounds = bounds(session, ended);
+    let bounds = bounds(&session.problem, ended);
     if !bounds.is_empty() {
         let why = "or keep the controls before the limit point, if that is enough".to_owned();
         out.push(Advice { why, command: optimize(session, &bounds) });
@@ -46,12 +46,12 @@ struct Volumes {
     set: Vec<String>,
 }
 
-fn volumes(session: &Session<'_>, ended: &FinishedRun) -> Volumes {
+fn volumes(problem: &CaseProblem, ended: &FinishedRun) -> Volumes {
     let mut out = Volumes { names: vec![], set: vec![] };
-    for (field, control) in met(session, ended) {
-        let mut actuations = session.problem.case.actuation.iter();
+    for (field, control) in met(problem, ended) {
+        let mut actuations = problem.case.actuation.iter();
         if actuations.any(|of| of.kind() == CAVITY && of.name == control.of)
-            && let Some(added) = added_volume(session, &ended.limits.member, &ended.best.point, &control.of)
+            && let Some(added) = added_volume(problem, &ended.limits.member, &ended.best.point, &control.of)
         {
             let (at, upper) = (&field.at, FARTHER * added);
             out.names.push(field.name.clone());
@@ -65,30 +65,30 @@ fn volumes(session: &Session<'_>, ended: &FinishedRun) -> Volumes {
 }
 
 /// Bounds of scalars before their values at the limit point.
-fn bounds(session: &Session<'_>, ended: &FinishedRun) -> Vec<String> {
-    let values = |name: &str| ended.limits.at.iter().find(|(met, ..)| met == name).map(|(_, range, _)| *range);
+fn bounds(problem: &CaseProblem, ended: &FinishedRun) -> Vec<String> {
+    let values = |name: &str| ended.limits.at.iter().find(|met| met.name == name).map(|met| met.range);
     let of = |(field, _): (&ControlField, &Control)| {
         let [low, high] = values(&field.name)?;
         let (key, value) = if high > -low { ("upper", high) } else { ("lower", low) };
         Some(format!("{}/{key}={}", field.at, short(BEFORE * value)))
     };
-    met(session, ended).filter_map(of).collect()
+    met(problem, ended).filter_map(of).collect()
 }
 
 /// The scalar control fields of all load cases that change on the way to the limit point.
-fn met<'s>(session: &'s Session<'_>, ended: &'s FinishedRun) -> impl Iterator<Item = (&'s ControlField, &'s Control)> {
-    let controls = &session.problem.case.controls;
+fn met<'s>(problem: &'s CaseProblem, ended: &'s FinishedRun) -> impl Iterator<Item = (&'s ControlField, &'s Control)> {
+    let controls = &problem.case.controls;
     let of = |field: &'s ControlField| {
         let control = controls.iter().find(|control| control.at == field.at)?;
-        let is_met = ended.limits.at.iter().any(|(name, ..)| *name == field.name);
+        let is_met = ended.limits.at.iter().any(|met| met.name == field.name);
         (is_met && field.bounds.is_some()).then_some((field, control))
     };
-    session.problem.controls.iter().filter_map(of)
+    problem.controls.iter().filter_map(of)
 }
 
 /// The volume added to a cavity so far, in the member that met the limit point last.
-fn added_volume(session: &Session<'_>, met: &str, best: &EnsemblePoint, cavity: &str) -> Option<f64> {
-    let mut members = session.problem.members().zip(&best.members);
+fn added_volume(problem: &CaseProblem, met: &str, best: &EnsemblePoint, cavity: &str) -> Option<f64> {
+    let mut members = problem.members().zip(&best.members);
     let (member, at) = members.find(|(member, _)| member.name() == met)?;
     let all = member.solid().model().quantities(&Instant::of(at.state())).ok()?;
     let of =

@@ -1,7 +1,7 @@
 //! Which of several starts ended in the same minimum.
 
 use crate::run::optimize::starts::Starts;
-use crate::run::session::Session;
+use nastic_case::lower::CaseProblem;
 use nastic_numeric::vector::sub;
 
 /// Controls that differ by less than this part of the larger one, in the norm of the inner product, are one minimum.
@@ -9,8 +9,8 @@ pub(super) const SAME: f64 = 0.05;
 
 /// Gives every start that came to an end `minimum`, the number of the minimum it found, counted from the lowest cost, and `distance`,
 /// |m - m_best| / max(|m|, |m_best|); returns how many minima there are.
-pub(super) fn warn_of_minima(session: &Session<'_>, starts: &mut Starts) -> usize {
-    let (Some(product), Some((best, _))) = (session.problem.inner_product(), &starts.best) else { return 0 };
+pub(super) fn warn_of_minima(problem: &CaseProblem, starts: &mut Starts) -> usize {
+    let (Some(product), Some((best, _))) = (problem.inner_product(), &starts.best) else { return 0 };
     let distance = |a: &[f64], b: &[f64]| {
         let size = product.norm(a).max(product.norm(b));
         if size > 0.0 { product.norm(&sub(a, b)) / size } else { 0.0 }

@@ -1,10 +1,10 @@
 //! One run of the optimiser, from a start or a checkpoint to its end or a limit.
 
 use crate::run::error::RunError;
-use crate::run::optimize::finished_run::FinishedRun;
 use crate::run::optimize::recorder::Recorder;
-use crate::run::optimize::run_trials::RunTrials;
-use crate::run::optimize::start_run::Begun;
+use crate::run::optimize::starts::start_run::Begun;
+use crate::run::optimize::starts::start_run::FinishedRun;
+use crate::run::optimize::starts::start_run::RunTrials;
 use crate::run::session::Session;
 use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{

@@ -1,7 +1,7 @@
 //! [`OrderedOutput`]: what several starts say at once, in the order of the starts.
 
 use crate::console::Console;
-use crate::run::optimize::journal::SharedJournal;
+use crate::run::optimize::starts::journal::SharedJournal;
 use nastic_report::OnTrial;
 use nastic_report::record::TrialRecord;
 use std::io::Write;

@@ -13,17 +13,18 @@ use crate::run::constraints::Known;
 use crate::run::error::RunError;
 use crate::run::gradient::write_states;
 use crate::run::motion;
-use crate::run::optimize::finished_run::FinishedRun;
-use crate::run::optimize::journal::Written;
+use crate::run::optimize::advice;
 use crate::run::optimize::spectrum::Diagnosis;
-use crate::run::optimize::{advice, table_of_starts};
+use crate::run::optimize::starts::start_run::FinishedRun;
+use crate::run::optimize::starts::table;
 use crate::run::report::say_files;
 use crate::run::session::Session;
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
 use crate::run::terminal::{known as known_number, say_members, say_probes, say_stability, say_tracked};
+use crate::saved::checkpoint::Place;
 use nastic_case::film::kilovolts;
-use nastic_case::lower::CaseMember;
+use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{EnsemblePoint, StateFields};
 use nastic_fem::SolveReport;
 use nastic_language::number::{count, short};
@@ -50,7 +51,7 @@ pub(super) fn report(
     session: &mut Session<'_>,
     (index, (ended, begin), known, diagnosis): (usize, Reported<'_>, &[Known], Option<&Diagnosis>),
     entries_of_starts: &[StartRecord],
-    resumable: Option<Written>,
+    resumable: Option<Place>,
 ) -> Result<Vec<Inspection>, RunError> {
     let FinishedRun { best, work, .. } = ended;
     let found = session.inspect("optimum", &best.point);
@@ -81,7 +82,7 @@ pub(super) fn report(
     work.iter().for_each(|work| total.add_work(work));
     summary::add_work(&mut session.record, &total);
     session.console.say("");
-    table_of_starts::say(session, entries_of_starts, index);
+    table::say(session, entries_of_starts, index);
     say(session, ended, known, diagnosis, resumable);
     session.report_contacts(&best.point);
     session
@@ -146,7 +147,7 @@ fn say(
     ended: &FinishedRun,
     known: &[Known],
     diagnosis: Option<&Diagnosis>,
-    resumable: Option<Written>,
+    resumable: Option<Place>,
 ) {
     let best = &ended.best;
     let (console, result) = (session.console, &session.record);
@@ -225,7 +226,7 @@ fn say(
 }
 
 /// A run that was interrupted goes on from its last checkpoint.
-pub(super) fn say_how_to_resume(session: &Session<'_>, Written { start, iteration }: Written) {
+pub(super) fn say_how_to_resume(session: &Session<'_>, Place { start, iteration }: Place) {
     let Some(out) = &session.out else { return };
     let of = if session.problem.case.optimizer.starts > 1 { format!(" of start {}", start + 1) } else { String::new() };
     match session.problem.case_file() {
@@ -277,7 +278,7 @@ fn write(
             title: title(member),
             subtitle: subtitle(session, best)
                 + &distance(session, member)
-                + &left_out(session)
+                + &left_out(&session.problem)
                 + &picture::legend(&end),
             body: ("optimum", &end),
             ghosts: if moving.is_empty() { vec![("start", &begin)] } else { picture::named(&moving) },
@@ -320,11 +321,10 @@ fn distance(session: &Session<'_>, member: CaseMember<'_>) -> String {
 }
 
 /// Members that pictures leave out, for a subtitle.
-fn left_out(session: &Session<'_>) -> String {
+fn left_out(problem: &CaseProblem) -> String {
     let of = |all: usize, drawn: usize, what: &str| {
         if all > drawn { format!("; the first {drawn} of {all} {what} are drawn") } else { String::new() }
     };
-    let problem = &session.problem;
     let (scenarios, cases) = (problem.ensemble.scenarios().len(), problem.leads().count());
     of(scenarios, picture::SCENARIOS + 1, "scenarios") + &of(cases, picture::LOAD_CASES, "load cases")
 }
@@ -337,7 +337,7 @@ fn mean(session: &Session<'_>, load_case: &str, point: &EnsemblePoint) -> Result
 
 /// What the command line must say once more for the same results.
 fn spectrum(session: &Session<'_>) -> String {
-    let Some(SpectrumRequest { count, cost_rise }) = session.spectrum else { return String::new() };
+    let Some(SpectrumRequest { count, cost_rise }) = session.options.spectrum else { return String::new() };
     format!(" --spectrum {count}") + &cost_rise.map_or_else(String::new, |rise| format!(" --cost-rise {rise}"))
 }
 

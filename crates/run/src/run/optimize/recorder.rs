@@ -6,11 +6,10 @@ use crate::result::files::Directory;
 use crate::result::snapshot;
 use crate::run::error::RunError;
 use crate::run::optimize::branch_changes::Before;
-use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::ordered_output::StartOutput;
-use crate::run::optimize::round::read_record;
-use crate::run::optimize::run_trials::RunTrials;
-use crate::run::optimize::start_run::StartRecord;
+use crate::run::optimize::starts::journal::SharedJournal;
+use crate::run::optimize::starts::round::read_record;
+use crate::run::optimize::starts::start_run::{Phase, RunTrials, StartRecord, StartRun, UnderWay};
 use crate::run::session::Session;
 use nastic_case::lower::CaseProblem;
 use nastic_control::{EnsemblePoint, Evaluated, FigureKind, StateFields};
@@ -74,7 +73,7 @@ impl<'s> Recorder<'s> {
             journal: journal.clone(),
             start: (index, problem.case.optimizer.starts),
             table: None,
-            explain: session.explain,
+            explain: session.options.explain,
             trials: RunTrials::new(problem.members().count(), problem.leads().count()),
             before: None,
             moved_start: None,
@@ -141,12 +140,12 @@ impl<'s> Recorder<'s> {
         if self.broken_off || self.problem.ensemble.broken().is_some() {
             return;
         }
-        let mut saved = self.record.under_way(&self.trials, run);
-        if let (Some(start), Some(moved)) = (saved.points.first_mut(), &self.moved_start) {
-            start.clone_from(moved);
-        }
-        let iteration = run.run.progress.counts.iterations;
-        self.journal.lock().save_start(self.start.0, saved, iteration, &self.problem.ensemble);
+        let start = self.moved_start.as_ref().unwrap_or(&self.record.start).clone();
+        let StartRecord { warnings, m, certificate, .. } = self.record.clone();
+        let record = StartRecord { warnings, m, start, certificate };
+        let at = UnderWay { record, trials: self.trials.clone(), run: run.clone() };
+        let start = StartRun { index: self.start.0, phase: Phase::UnderWay(Box::new(at)) };
+        self.journal.lock().save_start(start, &self.problem.ensemble);
     }
 
     pub fn record(&mut self, trial: &Trial<'_, EnsemblePoint>) {

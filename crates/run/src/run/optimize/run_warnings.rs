@@ -3,10 +3,10 @@
 use crate::result::controls;
 use crate::run::constraints::Known;
 use crate::run::error::RunError;
-use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::inspect::determination;
-use nastic_case::lower::{CONTRACTION, ControlField};
+use nastic_case::lower::{CONTRACTION, CaseProblem, ControlField};
 use nastic_case::warning::{ALL_ON_BOUNDS, IDLE, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
 use nastic_control::{EnsembleBlock, EnsembleWorkspace, Evaluated};
 use nastic_language::number::{count, short};
@@ -33,8 +33,8 @@ pub(super) fn warn(
     let mut found = Vec::new();
     let problem = &session.problem;
     for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls).filter(|_| !interrupted) {
-        found.extend(bounds(run, block, field, session));
-        found.extend(idle(run, block, field, session));
+        found.extend(bounds(run, block, field, &session.problem));
+        found.extend(idle(run, block, field, &session.problem));
     }
     if !interrupted && found.iter().all(|warning| warning.kind != &OTHER_SIGN) {
         found.extend(movement(run));
@@ -42,7 +42,7 @@ pub(super) fn warn(
     if !interrupted {
         found.extend(determination(problem, &run.best.m));
     }
-    found.extend(terms(session, run));
+    found.extend(terms(&session.problem, run));
     found.extend(crate::run::constraints::warnings(problem, &run.constraints, constraints));
     if !interrupted {
         found.extend(verify(session, run)?);
@@ -77,7 +77,7 @@ fn movement(run: &FinishedRun) -> Option<Warning> {
 }
 
 /// A control on which nothing depends at the optimum, between its bounds: a slack cable.
-fn idle(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session: &Session<'_>) -> Option<Warning> {
+fn idle(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, problem: &CaseProblem) -> Option<Warning> {
     let (m, derivative) = (block.of(&run.best.m), block.of(&run.best.derivative));
     let inside = |limits: &Bounds| (0..m.len()).any(|i| limits.at(i).0 < m[i] && m[i] < limits.at(i).1);
     // where the whole derivative is zero nothing moves, which is said
@@ -85,7 +85,7 @@ fn idle(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session:
     if m.is_empty() || !some || derivative.iter().any(|d| *d != 0.0) || !field.bounds.as_ref().is_none_or(inside) {
         return None;
     }
-    let owner = session.problem.member(block.owner);
+    let owner = problem.member(block.owner);
     let own = &owner.layout().blocks()[block.field];
     let pulls = controls::only_pulls(owner, own) || controls::slot(owner, own) == Some("pull");
     let why =
@@ -95,16 +95,16 @@ fn idle(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session:
 }
 
 /// A control all of whose values lie on bounds.
-fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, session: &Session<'_>) -> Option<Warning> {
+fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, problem: &CaseProblem) -> Option<Warning> {
     let m = block.of(&run.best.m);
-    let components = session.problem.control_block(block).components;
+    let components = problem.control_block(block).components;
     let on_bounds = controls::active(m, components, field);
     if m.is_empty() || on_bounds * components < m.len() {
         return None;
     }
     if let Some(limits) = &field.bounds {
         let derivative = block.of(&run.best.derivative);
-        let values = session.problem.control_block(block).values_of(m);
+        let values = problem.control_block(block).values_of(m);
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let (falls_below, falls_above) = (derivative.iter().all(|d| *d > 0.0), derivative.iter().all(|d| *d < 0.0));
         let at_zero =
@@ -113,7 +113,7 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, sessio
             let (bound, side) = if falls_below { ("lower", "below") } else { ("upper", "above") };
             let mut message =
                 format!("{}: all values are 0, the {bound} bound, and the cost falls {side} it", field.name);
-            let owner = session.problem.member(block.owner);
+            let owner = problem.member(block.owner);
             let block = &owner.layout().blocks()[block.field];
             if controls::only_pulls(owner, block) {
                 let is_muscle = controls::slot(owner, block) == Some(CONTRACTION);
@@ -140,8 +140,8 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, sessio
 }
 
 /// Terms that are small at the start and at the end.
-fn terms(session: &Session<'_>, run: &FinishedRun) -> Vec<Warning> {
-    let ensemble = &session.problem.ensemble;
+fn terms(problem: &CaseProblem, run: &FinishedRun) -> Vec<Warning> {
+    let ensemble = &problem.ensemble;
     let of = |point: &nastic_control::EnsemblePoint| {
         ensemble.expected_terms(point.members.iter().map(|at| at.terms.as_slice()))
     };

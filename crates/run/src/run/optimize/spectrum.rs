@@ -29,7 +29,7 @@ pub(super) struct Diagnosis {
 
 /// Refuses what is known to be impossible before anything is solved.
 pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
-    let Some(SpectrumRequest { count, cost_rise }) = session.spectrum else { return Ok(()) };
+    let Some(SpectrumRequest { count, cost_rise }) = session.options.spectrum else { return Ok(()) };
     if count == 0 {
         return Err(SpectrumRefusal::Count.into());
     }
@@ -48,7 +48,7 @@ pub(super) fn check_products(
     start: &EnsemblePoint,
     workspace: &mut EnsembleWorkspace,
 ) -> Result<(), RunError> {
-    if session.spectrum.is_none() {
+    if session.options.spectrum.is_none() {
         return Ok(());
     }
     let along = vec![1.0; start.m.len()];
@@ -59,7 +59,7 @@ pub(super) fn check_products(
 
 /// The spectrum at an optimum, if it was asked for. What fails then is said and noted: the optimum is not lost for it.
 pub(super) fn find(session: &mut Session<'_>, best: &Best<EnsemblePoint>) -> Result<Option<Diagnosis>, RunError> {
-    let Some(request) = session.spectrum else { return Ok(None) };
+    let Some(request) = session.options.spectrum else { return Ok(None) };
     let domain = domain(session)?;
     session.console.phase("eigenpairs of the reduced Hessian");
     let (mut point, mut workspace) = (best.point.clone(), EnsembleWorkspace::default());
@@ -157,7 +157,9 @@ impl Diagnosis {
                 count(*products, "Hessian product")
             ));
         }
-        if let Some(asked) = session.spectrum.map(|asked| asked.count).filter(|asked| values.len() < *asked.min(free)) {
+        if let Some(asked) =
+            session.options.spectrum.map(|asked| asked.count).filter(|asked| values.len() < *asked.min(free))
+        {
             console.say(format!("            {} of {asked} eigenpairs met the tolerance", values.len()));
         }
         if *negative > 0 {

@@ -1,18 +1,23 @@
 //! Several starts, of which the best is kept.
 
+pub(super) mod journal;
+pub(super) mod parts;
+mod ranks;
+pub(super) mod round;
+pub(crate) mod start_run;
+pub(super) mod table;
+
 use crate::run::error::RunError;
-use crate::run::optimize::checkpoint::Position;
-use crate::run::optimize::finished_run::FinishedRun;
-use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::minimization::resume_run;
-use crate::run::optimize::parted::Parted;
 use crate::run::optimize::recorder::write_iterates;
-use crate::run::optimize::round::{Round, RoundEnd, best_parted, ended, read_record};
-use crate::run::optimize::same_program::same_program;
-use crate::run::optimize::start_place::seed;
-use crate::run::optimize::start_run::{Phase, StartRun, UnderWay};
-use crate::run::optimize::table_of_starts::failed_entry;
+use crate::run::optimize::starts::journal::SharedJournal;
+use crate::run::optimize::starts::round::{Round, RoundEnd, ended, read_record};
+use crate::run::optimize::starts::start_run::{FinishedRun, Phase, PointBytes, StartRun, UnderWay};
+use crate::run::optimize::starts::table::{failed_entry, seed};
 use crate::run::session::{Session, say_warning};
+use crate::run::study::record::same_program;
+use crate::saved::checkpoint::Position;
+use nastic_case::lower::CaseProblem;
 use nastic_case::warning::Warning;
 use nastic_language::number::short;
 use nastic_opt::early_stopping;
@@ -65,7 +70,7 @@ impl Starts {
     ) -> Result<(), RunError> {
         let Position { gradient_check, round, history, best, starts, .. } = position;
         let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
-        let best = best.map(|best| read_best(session, &best)).transpose().map_err(unfit)?;
+        let best = best.map(|best| restored_best(&session.problem, best)).transpose().map_err(unfit)?;
         let rounds = Rounds { session, optimizer, journal, gradient_check, round, starts, best };
         if resumed {
             rounds.starts.iter().flat_map(StartRun::warnings).for_each(|warning| say_warning(session.console, warning));
@@ -89,7 +94,7 @@ impl Starts {
             }
             let (entry, m) = match start.phase {
                 Phase::Ended(ended) => (ended.entry, ended.m),
-                _ => (not_begun(rounds.session, start.index), vec![]),
+                _ => (not_begun(&rounds.session.problem, start.index), vec![]),
             };
             self.entries.push(entry);
             self.optima.push(m);
@@ -103,8 +108,13 @@ impl Starts {
 impl Rounds<'_> {
     fn run(&mut self, mut resumed: bool) -> Result<RoundEnd, RunError> {
         loop {
-            let best = self.best.as_ref().map(|best| best_parted(self.session, best));
-            self.journal.lock().begin_round(&self.gradient_check, self.round, best, &self.starts);
+            self.journal.lock().begin_round(Position {
+                gradient_check: self.gradient_check.clone(),
+                round: self.round,
+                best: self.best.as_ref().map(|best| saved_best(&self.session.problem, best)),
+                starts: self.starts.iter().map(StartRun::saved).collect(),
+                ..Position::default()
+            });
             if self.round > 0 && !resumed && self.session.problem.case.output.checkpoint > 0 {
                 self.journal.lock().save(&self.session.problem.ensemble);
             }
@@ -182,10 +192,10 @@ impl Rounds<'_> {
         let AugmentedBest { best, constraints } = resume_run(self.session, self.optimizer, &run)?.finish(stop);
         let finished =
             FinishedRun { start, best, constraints, work: trials.work.clone(), limits: trials.limits.clone() };
-        let found = trials.changes.warnings(self.session, index);
+        let found = trials.changes.warnings(&self.session.problem, index);
         found.iter().for_each(|warning| say_warning(self.session.console, warning));
         write_iterates(self.session, index, &trials, self.journal);
-        self.starts[index] = ended(self.session, index, &finished, record, trials, found);
+        self.starts[index] = ended(&self.session.problem, index, &finished, record, trials, found);
         Ok(Some(finished))
     }
 
@@ -201,14 +211,22 @@ impl Rounds<'_> {
     }
 }
 
-/// The best of the starts that have ended, from a checkpoint.
-pub(super) fn read_best(session: &Session<'_>, best: &Parted) -> Result<(usize, FinishedRun), Failed> {
-    FinishedRun::from_parted(best, &session.problem.ensemble)
+/// The best of the starts that have ended, for a checkpoint.
+fn saved_best(problem: &CaseProblem, best: &(usize, FinishedRun)) -> (usize, FinishedRun<PointBytes>) {
+    (best.0, best.1.saved(&problem.ensemble))
+}
+
+/// The same, from a checkpoint.
+fn restored_best(
+    problem: &CaseProblem,
+    best: (usize, FinishedRun<PointBytes>),
+) -> Result<(usize, FinishedRun), Failed> {
+    Ok((best.0, best.1.restored(&problem.ensemble)?))
 }
 
 /// The entry of a start that an interruption found before its first trial.
-fn not_begun(session: &Session<'_>, index: usize) -> StartRecord {
-    failed_entry(seed(session, index), "interrupted before it had begun")
+fn not_begun(problem: &CaseProblem, index: usize) -> StartRecord {
+    failed_entry(seed(problem, index), "interrupted before it had begun")
 }
 
 fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {

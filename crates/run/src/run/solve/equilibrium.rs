@@ -27,7 +27,7 @@ pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Res
         exact_contact::check(session)?;
     }
     if *analysis == Analysis::HalfThickness {
-        half_thickness::check(session)?;
+        half_thickness::check(&session.problem)?;
     }
     let mut point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
     if *analysis == Analysis::Minimum {

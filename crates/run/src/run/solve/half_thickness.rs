@@ -3,7 +3,7 @@
 use crate::run::contacts::quantities;
 use crate::run::error::{Exit, RunError};
 use crate::run::session::{START_ACCURACY, Session};
-use nastic_case::lower::CaseMember;
+use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, Evaluated};
 use nastic_fem::{Instant, TimeStep, Touch};
 use nastic_language::number::{quantity, short};
@@ -14,11 +14,11 @@ use nastic_report::record::HalfThicknessRecord;
 const HALF: f64 = 0.5;
 
 /// Refuses a case without contacts, before anything is solved.
-pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
-    match session.problem.case.contact.is_empty() {
+pub(super) fn check(problem: &CaseProblem) -> Result<(), RunError> {
+    match problem.case.contact.is_empty() {
         true => {
             let message = "--half-thickness looks at the layers of contacts, and the case has none: leave it out";
-            Err(session.problem.complain("contact", message).into())
+            Err(problem.complain("contact", message).into())
         }
         false => Ok(()),
     }

@@ -2,10 +2,10 @@
 
 use crate::run::error::{Exit, RunError};
 use crate::run::motion;
-use crate::run::motion::MotionCheckpoint;
 use crate::run::session::Session;
 use crate::run::solve::equilibrium::{report, show, write};
 use crate::run::solve::half_thickness;
+use crate::saved::motion_checkpoint::MotionCheckpoint;
 use nastic_case::analysis::Analysis;
 use nastic_case::inspect::stillness;
 use nastic_language::number::count;
@@ -19,7 +19,7 @@ pub(super) fn run(
     analysis: &Analysis,
 ) -> Result<Exit, RunError> {
     if *analysis == Analysis::HalfThickness {
-        half_thickness::check(session)?;
+        half_thickness::check(&session.problem)?;
     }
     session.find_steps()?;
     let (point, records) = motion::solve(session, from)?;
@@ -41,7 +41,7 @@ pub(super) fn run(
 
 /// Goes on with a motion that was stopped.
 pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCheckpoint) -> Result<Exit, RunError> {
-    if session.spectrum.is_some() {
+    if session.options.spectrum.is_some() {
         let message = "--spectrum looks at optima, and this resumes the motion of nastic solve: leave it out";
         return Err(session.problem.complain("time", message).into());
     }

@@ -1,7 +1,7 @@
 //! Why a study has no result.
 
-use crate::result::checkpoint_file::CheckpointError;
 use crate::run::error::RunError;
+use crate::saved::CheckpointError;
 use nastic_case::lower::AssemblyError;
 use nastic_control::EnsembleError;
 use std::path::PathBuf;

@@ -1,16 +1,17 @@
 //! A [`Study`] is made a problem of the command line's kind, and run.
 
 use crate::console::Console;
-use crate::result::checkpoint_file::CheckpointError;
 use crate::run::commands::thread_pool;
 use crate::run::conclusion::conclude;
 use crate::run::error::{Exit, RunError};
+use crate::run::options::Options;
 use crate::run::outcome::Outcome;
 use crate::run::session::Session;
 use crate::run::states::States;
 use crate::run::study::control_set::ControlSet;
 use crate::run::study::{Optimum, Study, StudyError, record};
 use crate::run::{optimize, resumption};
+use crate::saved::CheckpointError;
 use crate::signals::cancelled_by_signals;
 use nastic_case::lower::{Assembled, CaseProblem, ControlProblem};
 use nastic_control::EnsembleBlock;
@@ -49,20 +50,19 @@ impl Study {
         let console = self.console.clone();
         let own = if self.interruptible { Some(stop_by_signals(&console)) } else { self.cancel.clone() };
         let (directory, restart) = (self.directory.clone(), self.restart);
-        let (report, on_trial, spectrum) = (self.report, self.on_trial.clone(), self.spectrum);
+        let (no_report, on_trial, spectrum) = (!self.report, self.on_trial.clone(), self.spectrum);
         let mut problem = self.assemble(optimizer)?;
         if let Some(flag) = &own {
             problem.ensemble.cancel_by(flag);
         }
         let cancel = own.unwrap_or_default();
         let run = || -> Result<(Outcome, Option<States>), RunError> {
-            let mut session = Session::on(Command::Optimize, problem, cancel, &console, began);
-            (session.report, session.on_trial, session.spectrum) = (report, on_trial, spectrum);
+            let options = Options { no_report, on_trial, spectrum, cancel, ..Options::default() };
+            let mut session = Session::on(Command::Optimize, problem, options, &console, began);
             let exit = match directory {
                 Some(directory) if goes_on && !restart => resume_in(&mut session, optimizer, directory),
                 Some(directory) => {
-                    session.out = Some(session.claim(directory.clone())?);
-                    session.take_directory(&directory);
+                    session.enter(directory)?;
                     optimize::begin(&mut session, optimizer, restart)
                 }
                 None => optimize::begin(&mut session, optimizer, restart),
@@ -150,8 +150,7 @@ fn stop_by_signals(console: &Console) -> Arc<AtomicBool> {
 fn resume_in(session: &mut Session<'_>, optimizer: &dyn Optimizer, directory: PathBuf) -> Result<Exit, RunError> {
     match resumption::read(&directory, None) {
         Err(RunError::Checkpoint(CheckpointError::Missing { .. })) => {
-            session.out = Some(session.claim(directory.clone())?);
-            session.take_directory(&directory);
+            session.enter(directory)?;
             optimize::begin(session, optimizer, true)
         }
         Err(error) => Err(error),

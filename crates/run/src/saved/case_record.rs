@@ -1,23 +1,21 @@
 //! [`CaseRecord`]: the case of an optimisation as a checkpoint remembers it.
 
-use crate::result::checkpoint_file::CheckpointError;
 use crate::run::error::RunError;
+use crate::saved::CheckpointError;
 use nastic_case::lower::CaseProblem;
 use nastic_io::Fingerprint;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::syntax::Document;
-use nastic_opt::SavedRunError;
-use nastic_opt::bytes::{Reader, Writer};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-const MAGIC: &str = "nastic-case-2";
 /// Differences between two cases that are reported; further ones are counted.
 const SHOWN: usize = 5;
 
 /// Where a case came from and what it said.
-#[derive(Clone, PartialEq, Debug)]
-pub(super) struct CaseRecord {
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
+pub(crate) struct CaseRecord {
     /// Version of the program that ran it.
     pub program: String,
     /// The case file as it was named.
@@ -122,33 +120,6 @@ impl CaseRecord {
             out.push(format!("{more} more"));
         }
         out
-    }
-
-    pub fn to_bytes(&self) -> Vec<u8> {
-        let mut out = Writer::new(MAGIC);
-        for text in [&self.program, &self.name, &self.path, &self.canonical] {
-            out.bytes(text.as_bytes());
-        }
-        out.count(self.settings.len());
-        self.settings.iter().for_each(|setting| out.bytes(setting.as_bytes()));
-        out.count(self.files.len());
-        for (file, hash) in &self.files {
-            out.bytes(file.as_bytes());
-            out.bytes(hash.as_bytes());
-        }
-        out.count(usize::from(self.of_program));
-        out.finish()
-    }
-
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, SavedRunError> {
-        let mut input = Reader::new(bytes, MAGIC)?;
-        let (program, name, path, canonical) = (input.text()?, input.text()?, input.text()?, input.text()?);
-        let settings = (0..input.count(8)?).map(|_| input.text()).collect::<Result<_, _>>()?;
-        let files =
-            (0..input.count(16)?).map(|_| Ok((input.text()?, input.text()?))).collect::<Result<_, SavedRunError>>()?;
-        let of_program = input.flag()?;
-        input.finish()?;
-        Ok(Self { program, name, path, settings, canonical, files, of_program })
     }
 }
 

@@ -2,40 +2,40 @@
 
 use crate::console::Console;
 use crate::history::{History, json_line};
-use crate::result::checkpoint_file;
 use crate::result::files::Directory;
-use crate::run::case_record::CaseRecord;
 use crate::run::error::RunError;
-use crate::run::optimize::checkpoint::Position;
-use crate::run::optimize::parted::Parted;
-use crate::run::optimize::start_run::StartRun;
-use crate::run::optimize::{blocks, checkpoint};
+use crate::run::optimize::starts::start_run::{FinishedRun, PointBytes, StartRun};
 use crate::run::session::Session;
+use crate::saved;
+use crate::saved::blocks;
+use crate::saved::case_record::CaseRecord;
+use crate::saved::checkpoint::{Checkpoint, Place, Position, record_end};
 use nastic_control::Ensemble;
 use nastic_io::write_atomically;
-use nastic_report::record::{GradientCheckRecord, TrialRecord};
+use nastic_opt::Saved;
+use nastic_report::record::TrialRecord;
 use nastic_team::{Team, broadcast};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// `history.jsonl` and `checkpoint.bin`. An optimisation does not end for a file that cannot be written: that is said at
 /// once, and once more by the error at its end.
-pub(super) struct Journal {
+pub(crate) struct Journal {
     out: Option<Directory>,
     console: Console,
-    case: CaseRecord,
+    /// As it is written next.
+    checkpoint: Checkpoint,
     history: Option<History>,
     /// What an earlier program left, until a line comes that it has not: the file stays as it is so long.
     earlier: Option<Earlier>,
     /// Whether the lines of a round are written when it has ended: those of other ranks are not known before.
     at_the_end: bool,
-    record: checkpoint::Record,
     /// Where members are shared out over ranks: these, and where each of them writes its own.
     shared: Option<(Arc<dyn Team>, Option<Directory>)>,
     /// The set of files that has the points of the last checkpoint, and whether there is one.
     set: usize,
     has_blocks: bool,
     /// The last checkpoint that was written.
-    written: Option<Written>,
+    written: Option<Place>,
     /// Why the last checkpoint could not be written.
     unsaved: Option<RunError>,
     /// The first other file that could not be written.
@@ -46,7 +46,7 @@ pub(super) struct Journal {
 
 /// A journal to which starts that run side by side write.
 #[derive(Clone)]
-pub(super) struct SharedJournal(Arc<Mutex<Journal>>);
+pub(crate) struct SharedJournal(Arc<Mutex<Journal>>);
 
 /// A history that goes further than the checkpoint.
 struct Earlier {
@@ -54,15 +54,6 @@ struct Earlier {
     text: Vec<u8>,
     /// How many more it has.
     ahead: usize,
-}
-
-/// A checkpoint on disk.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Written {
-    /// Number of the first start that had not ended.
-    pub start: usize,
-    /// Its iteration.
-    pub iteration: usize,
 }
 
 impl SharedJournal {
@@ -85,8 +76,8 @@ impl Journal {
         if let Some(out) = &journal.out {
             match session.problem.case.output.checkpoint {
                 // What lies there belongs to results that are about to be replaced.
-                0 => out.remove(checkpoint_file::NAME)?,
-                _ => checkpoint_file::write(out, checkpoint_file::NAME, &checkpoint::before_the_start(&journal.case))?,
+                0 => out.remove(saved::NAME)?,
+                _ => saved::write(out, saved::NAME, &journal.checkpoint.to_bytes())?,
             }
             blocks::remove(out);
         }
@@ -99,22 +90,27 @@ impl Journal {
     /// That cannot be written.
     pub fn resume(session: &Session<'_>, from: &Position) -> Result<Self, RunError> {
         let mut journal = Self::of(session, Some(from.place()));
-        (journal.set, journal.has_blocks) = (from.set.unwrap_or(journal.set), from.set.is_some());
+        if let Some(blocks) = &from.blocks {
+            (journal.set, journal.has_blocks) = (blocks.set, true);
+        }
         if let Some(out) = &journal.out {
-            checkpoint::record_end(out, false)?;
+            record_end(out, false)?;
         }
         Ok(journal)
     }
 
-    fn of(session: &Session<'_>, written: Option<Written>) -> Self {
+    fn of(session: &Session<'_>, written: Option<Place>) -> Self {
         Self {
             out: session.out.clone(),
             console: session.console.clone(),
-            case: CaseRecord::of(&session.problem, &session.settings),
+            checkpoint: Checkpoint {
+                case: CaseRecord::of(&session.problem, &session.options.set),
+                position: None,
+                ended: false,
+            },
             history: None,
             earlier: None,
             at_the_end: session.team_of_starts().is_some(),
-            record: checkpoint::Record::default(),
             shared: session.team_of_members().map(|team| (team, session.own_out.clone())),
             set: 1,
             has_blocks: false,
@@ -180,35 +176,29 @@ impl Journal {
         }
     }
 
-    /// A round of starts begins: from here on checkpoints hold these.
-    pub fn begin_round(
-        &mut self,
-        gradient_check: &GradientCheckRecord,
-        round: usize,
-        best: Option<Parted>,
-        starts: &[StartRun],
-    ) {
-        let history = self.history_text().len();
-        self.record = checkpoint::Record {
-            gradient_check: gradient_check.clone(),
-            round,
-            history,
-            best,
-            starts: starts.iter().map(checkpoint::SavedStart::of).collect(),
-        };
+    /// A round of starts begins at a position: from here on checkpoints hold these.
+    pub fn begin_round(&mut self, position: Position) {
+        let history = self.history_text().to_vec();
+        self.checkpoint.position = Some(Position { history, ..position });
+    }
+
+    fn position(&mut self) -> &mut Position {
+        self.checkpoint.position.get_or_insert_default()
     }
 
     /// A start of the round has ended; `best`: it is the best so far. It goes into the next checkpoint.
-    pub fn end_start(&mut self, start: &StartRun, best: Option<Parted>) {
-        self.record.starts[start.index] = checkpoint::SavedStart::of(start);
+    pub fn end_start(&mut self, start: &StartRun, best: Option<(usize, FinishedRun<PointBytes>)>) {
+        let position = self.position();
+        position.starts[start.index] = start.saved();
         if best.is_some() {
-            self.record.best = best;
+            position.best = best;
         }
     }
 
     /// Writes a scheduled checkpoint of a start under way.
-    pub fn save_start(&mut self, index: usize, run: Parted, iteration: usize, ensemble: &Ensemble) {
-        self.record.starts[index] = checkpoint::SavedStart { run, iteration, ended: false };
+    pub fn save_start(&mut self, start: StartRun, ensemble: &Ensemble) {
+        let index = start.index;
+        self.position().starts[index] = start;
         self.save(ensemble);
     }
 
@@ -220,7 +210,7 @@ impl Journal {
         };
         match saved {
             Ok(true) => {
-                self.written = Some(self.record.place());
+                self.written = self.checkpoint.position.as_ref().map(Position::place);
                 self.unsaved = None;
             }
             Ok(false) => {}
@@ -236,7 +226,7 @@ impl Journal {
     /// All in one file; whether it was written.
     fn save_whole(&mut self) -> Result<bool, RunError> {
         let Some(out) = &self.out else { return Ok(false) };
-        checkpoint_file::write(out, checkpoint_file::NAME, &self.content(None))?;
+        saved::write(out, saved::NAME, &self.checkpoint.to_bytes())?;
         if std::mem::take(&mut self.has_blocks) {
             blocks::remove(out);
         }
@@ -246,11 +236,17 @@ impl Journal {
     /// The points by all ranks, what belongs to all by the first one.
     fn save_in_blocks(&mut self, ensemble: &Ensemble, team: &dyn Team, own: &Directory) -> Result<bool, RunError> {
         let set = 1 - self.set;
-        let blocks = blocks::write(ensemble, team, own, self.record.runs(), set)?;
-        let written = match &self.out {
-            Some(out) => checkpoint_file::write(out, checkpoint_file::NAME, &self.content(Some(&blocks))),
-            None => Ok(()),
-        };
+        let points: Vec<Vec<u8>> = self.position().points().map(std::mem::take).collect();
+        let written = blocks::write(ensemble, team, own, &points, set);
+        let written = written.map(|blocks| {
+            self.position().blocks = Some(blocks);
+            let out = self.out.as_ref();
+            out.map_or(Ok(()), |out| saved::write(out, saved::NAME, &self.checkpoint.to_bytes()))
+        });
+        let position = self.position();
+        position.blocks = None;
+        position.points().zip(points).for_each(|(place, point)| *place = point);
+        let written = written?;
         // the next one may replace the files of the set that counts no more
         let counts = broadcast(team, vec![u8::from(written.is_ok())])? == [1];
         written?;
@@ -258,10 +254,6 @@ impl Journal {
             self.set = set;
         }
         Ok(counts)
-    }
-
-    fn content(&self, blocks: Option<&blocks::Blocks>) -> Vec<u8> {
-        self.record.to_bytes(&self.case, self.history_text(), blocks)
     }
 
     /// Notes another file that could not be written.
@@ -291,7 +283,7 @@ impl Journal {
     }
 
     /// The last checkpoint that was written.
-    pub fn written(&self) -> Option<Written> {
+    pub fn written(&self) -> Option<Place> {
         self.written
     }
 
@@ -316,7 +308,7 @@ impl Journal {
 
     fn say(&self, error: &RunError) {
         let kept = match self.written {
-            Some(Written { iteration, .. }) => format!("; the checkpoint of iteration {iteration} is kept"),
+            Some(Place { iteration, .. }) => format!("; the checkpoint of iteration {iteration} is kept"),
             None => String::new(),
         };
         self.console.say(format!("WARNING     {error}; the optimisation goes on and will end with exit code 7{kept}"));

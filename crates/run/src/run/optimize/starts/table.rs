@@ -1,14 +1,29 @@
-//! The starts in the result and on the terminal.
+//! The starts in the result and on the terminal: names, seeds, entries.
 
-use crate::run::optimize::finished_run::FinishedRun;
+use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
-use nastic_case::lower::Admitted;
+use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_numeric::format::scientific;
 use nastic_opt::Stop;
 use nastic_report::record::{GradientCheckRecord, Number, StartRecord};
 
+/// What warnings call a start: "start", of several "start 2 of 4".
+pub(crate) fn place(problem: &CaseProblem, index: usize) -> String {
+    match problem.case.optimizer.starts {
+        0 | 1 => "start".to_owned(),
+        count => format!("start {} of {count}", index + 1),
+    }
+}
+
+/// The seed of a start; the first is as written.
+pub(crate) fn seed(problem: &CaseProblem, index: usize) -> Option<u64> {
+    // Seeds of neighbouring cases shall not share their starts.
+    let of = |index: usize| problem.case.optimizer.seed.wrapping_mul(1_000_003).wrapping_add(index as u64);
+    (index > 0).then(|| of(index))
+}
+
 /// The entry of a start that ended.
-pub(super) fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: GradientCheckRecord) -> StartRecord {
+pub(crate) fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: GradientCheckRecord) -> StartRecord {
     let best = &ended.best;
     let violation = (!ended.constraints.groups.is_empty()).then_some(ended.constraints.violation);
     StartRecord {
@@ -29,12 +44,12 @@ pub(super) fn entry(seed: Option<u64>, ended: &FinishedRun, certificate: Gradien
 }
 
 /// The entry of a start that did not begin.
-pub(super) fn failed_entry(seed: Option<u64>, why: impl Into<String>) -> StartRecord {
+pub(crate) fn failed_entry(seed: Option<u64>, why: impl Into<String>) -> StartRecord {
     StartRecord { seed: seed.into(), failed: Some(why.into()), ..StartRecord::default() }
 }
 
 /// One line per start.
-pub(super) fn say(session: &Session<'_>, entries: &[StartRecord], best: usize) {
+pub(crate) fn say(session: &Session<'_>, entries: &[StartRecord], best: usize) {
     let directions = session.problem.controls.iter().any(|field| matches!(field.admitted, Admitted::Norm(_)));
     if entries.len() == 1 && session.problem.case.optimizer.starts == 1 && directions {
         let hint = "one; vectors of given length often have several minima: --set optimizer/starts=4 tries three more";

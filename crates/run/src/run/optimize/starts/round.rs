@@ -2,18 +2,18 @@
 
 use crate::run::check_gradient;
 use crate::run::error::RunError;
-use crate::run::optimize::finished_run::FinishedRun;
-use crate::run::optimize::journal::SharedJournal;
 use crate::run::optimize::minimization::{Minimized, begin_run, evaluate, minimize, resume_run};
 use crate::run::optimize::ordered_output::{OrderedOutput, StartOutput};
-use crate::run::optimize::parted::Parted;
 use crate::run::optimize::recorder::{Recorder, write_iterates};
-use crate::run::optimize::run_trials::RunTrials;
-use crate::run::optimize::start_place::{place, seed};
-use crate::run::optimize::start_run::{Begun, Ended, Phase, StartRecord, StartRun, UnderWay};
-use crate::run::optimize::starts_of_ranks::share;
-use crate::run::optimize::table_of_starts::{entry, failed_entry};
+use crate::run::optimize::starts::journal::SharedJournal;
+use crate::run::optimize::starts::ranks::share;
+use crate::run::optimize::starts::saved_best;
+use crate::run::optimize::starts::start_run::{
+    Begun, Ended, FinishedRun, Phase, RunTrials, StartRecord, StartRun, UnderWay,
+};
+use crate::run::optimize::starts::table::{entry, failed_entry, place, seed};
 use crate::run::session::{Session, say_warning};
+use nastic_case::lower::CaseProblem;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Solver, available_memory};
 use nastic_opt::early_stopping::Standing;
@@ -83,7 +83,7 @@ impl Round<'_> {
         let active: Vec<usize> = active.map(|start| start.index).collect();
         let threads = rayon::current_num_threads();
         let at_once = under_way.min(threads).min(self.most_at_once()).max(1);
-        let (console, on_trial) = (self.session.console, &self.session.on_trial);
+        let (console, on_trial) = (self.session.console, &self.session.options.on_trial);
         let output = OrderedOutput::new(console, on_trial, self.journal, &active, at_once);
         let places: Vec<Mutex<Option<StartRun>>> =
             std::mem::take(starts).into_iter().map(|start| Mutex::new(Some(start))).collect();
@@ -171,7 +171,7 @@ impl Round<'_> {
         let count = self.session.problem.case.optimizer.starts;
         output.console.say("");
         if count > 1 {
-            let from = seed(self.session, index)
+            let from = seed(&self.session.problem, index)
                 .map_or_else(|| "as written".to_owned(), |seed| format!("random, seed {seed}"));
             output.console.say(format!("start {} of {count}: {from}", index + 1));
         }
@@ -179,7 +179,7 @@ impl Round<'_> {
 
     /// Evaluates a start, looks into it and, where it is a random one, checks its gradient.
     fn evaluate(&self, index: usize, output: &StartOutput) -> Evaluation {
-        let (session, seed) = (self.session, seed(self.session, index));
+        let (session, seed) = (self.session, seed(&self.session.problem, index));
         let evaluated = evaluated_start(session, index, output).map(|mut begun| {
             let Begun { point, derivative, workspace, .. } = &mut begun;
             // That of the start as written was checked before all runs.
@@ -268,10 +268,10 @@ impl Round<'_> {
                 StartRun { index, phase: Phase::UnderWay(Box::new(under_way)) }
             }
             Minimized::Ended(run, trials) => {
-                let found = trials.changes.warnings(self.session, index);
+                let found = trials.changes.warnings(&self.session.problem, index);
                 found.iter().for_each(|warning| say_warning(&output.console, warning));
                 write_iterates(self.session, index, &trials, self.journal);
-                let ended = ended(self.session, index, &run, record, trials, found);
+                let ended = ended(&self.session.problem, index, &run, record, trials, found);
                 self.end(ended, Some(*run))
             }
         }
@@ -290,7 +290,8 @@ impl Round<'_> {
             found.interrupted |= interrupted;
             let best = run.is_some_and(|run| found.add(index, run));
             if !interrupted {
-                let best = if best { found.best.as_ref().map(|best| best_parted(self.session, best)) } else { None };
+                let best =
+                    if best { found.best.as_ref().map(|best| saved_best(&self.session.problem, best)) } else { None };
                 self.journal.lock().end_start(&start, best);
             }
         });
@@ -299,7 +300,7 @@ impl Round<'_> {
 
     fn give_up(&self, index: usize, warnings: Vec<nastic_case::warning::Warning>, error: RunError) -> StartRun {
         self.halt.store(true, Ordering::Relaxed);
-        let entry = failed_entry(seed(self.session, index), error.to_string());
+        let entry = failed_entry(seed(&self.session.problem, index), error.to_string());
         self.with_found(|found| {
             if found.error.as_ref().is_none_or(|(other, _)| index < *other) {
                 found.error = Some((index, error));
@@ -331,18 +332,18 @@ fn side_by_side(threads: usize, at_once: usize, work: &(dyn Fn() + Sync)) -> Res
 /// The start as written, or a random one, evaluated and looked into.
 fn evaluated_start(session: &Session<'_>, index: usize, output: &StartOutput) -> Result<Begun, Failed> {
     let mut workspace = EnsembleWorkspace::default();
-    let m = match seed(session, index) {
+    let m = match seed(&session.problem, index) {
         Some(seed) => session.problem.random_start(seed),
         None => session.problem.start.clone(),
     };
     let mut point = evaluate(session, &m, &mut workspace)?;
     let derivative = session.problem.ensemble.derivative(&mut point, &mut workspace)?;
-    let (_, warnings) = session.look_into(&output.console, &place(session, index), &point);
+    let (_, warnings) = session.look_into(&output.console, &place(&session.problem, index), &point);
     Ok(Begun { point, derivative, workspace, warnings })
 }
 
 /// The start of a run under way.
-pub(super) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result<EnsemblePoint, RunError> {
+pub(crate) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result<EnsemblePoint, RunError> {
     let start = session.problem.ensemble.load(&record.m, &record.start, &Request::default());
     start.map_err(|failed| session.unfit_checkpoint(&failed.to_string()))
 }
@@ -355,7 +356,7 @@ pub(super) fn failed(index: usize, warnings: Vec<nastic_case::warning::Warning>,
 
 /// A start that has ended, with what deserves attention in its run.
 pub(super) fn ended(
-    session: &Session<'_>,
+    problem: &CaseProblem,
     index: usize,
     run: &FinishedRun,
     record: StartRecord,
@@ -366,18 +367,13 @@ pub(super) fn ended(
     warnings.extend(found);
     let best = &run.best;
     let stopped_early = matches!(best.stop, Stop::Outperformed { .. });
-    let in_last_stage = best.stage + 1 == session.problem.stages();
+    let in_last_stage = best.stage + 1 == problem.stages();
     let ended = Ended {
-        entry: entry(seed(session, index), run, certificate),
+        entry: entry(seed(problem, index), run, certificate),
         m: if stopped_early { vec![] } else { best.m.clone() },
         standing: (in_last_stage && !stopped_early).then(|| Standing::ended(best.cost)),
         warnings,
         lines: trials.lines,
     };
     StartRun { index, phase: Phase::Ended(Box::new(ended)) }
-}
-
-/// The best of the starts that have ended, for a checkpoint.
-pub(super) fn best_parted(session: &Session<'_>, (index, run): &(usize, FinishedRun)) -> Parted {
-    run.to_parted(*index, &session.problem.ensemble)
 }

@@ -1,19 +1,19 @@
 //! Starts in processes of their own: each leaves a checkpoint in a directory of its own; of these the optimisation is joined.
 
-use crate::result::checkpoint_file;
-use crate::result::checkpoint_file::CheckpointError;
 use crate::result::files::Directory;
-use crate::run::case_record::CaseRecord;
 use crate::run::error::{Exit, RunError};
-use crate::run::optimize::checkpoint::{Checkpoint, Position, record_end};
-use crate::run::optimize::journal::{Journal, SharedJournal};
-use crate::run::optimize::round::{RoundEnd, best_parted, failed};
-use crate::run::optimize::start_place::seed;
-use crate::run::optimize::start_run::{Phase, StartRun};
-use crate::run::optimize::starts::{Starts, read_best};
-use crate::run::optimize::table_of_starts::failed_entry;
+use crate::run::optimize::starts::journal::{Journal, SharedJournal};
+use crate::run::optimize::starts::round::{RoundEnd, failed};
+use crate::run::optimize::starts::start_run::{Phase, StartRun};
+use crate::run::optimize::starts::table::{failed_entry, seed};
+use crate::run::optimize::starts::{Starts, restored_best, saved_best};
 use crate::run::optimize::{conclude, first_start, make_room, may_replace, spectrum};
 use crate::run::session::Session;
+use crate::saved;
+use crate::saved::CheckpointError;
+use crate::saved::case_record::CaseRecord;
+use crate::saved::checkpoint::{Checkpoint, Position, record_end};
+use nastic_case::lower::CaseProblem;
 use nastic_case::part::Part;
 use nastic_io::{WriteError, write_atomically};
 use nastic_language::number::count;
@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// Files of a start that are not those of the optimisation under the same name.
-const OWN: [&str; 2] = [checkpoint_file::NAME, "history.jsonl"];
+const OWN: [&str; 2] = [saved::NAME, "history.jsonl"];
 
 /// The directory of a start in that of the optimisation.
 fn directory(out: &Path, index: usize) -> PathBuf {
@@ -59,7 +59,7 @@ pub(in crate::run) fn run_part(
     check(session, optimizer)?;
     session.find_steps()?;
     // They hold for the result, which is joined.
-    session.expect = false;
+    session.options.without_expect = true;
     let starts = session.problem.case.optimizer.starts;
     let (mut exit, mut entries) = (Exit::Done, Vec::new());
     for index in (0..starts).filter(|index| part.has(*index)) {
@@ -68,7 +68,7 @@ pub(in crate::run) fn run_part(
             false => run_one(session, optimizer, index, &directory(out, index), restart),
         };
         // The lock is that of the start.
-        (session.out, session.own_out) = (None, None);
+        session.leave();
         let (own, end) = match ran {
             Ok(One { exit, entry, how }) => {
                 let end = format!("{}{how}", described(&entry));
@@ -111,9 +111,7 @@ fn run_one(
     directory: &Path,
     restart: bool,
 ) -> Result<One, RunError> {
-    let out = session.claim(directory.to_owned())?;
-    session.out = Some(out.clone());
-    session.take_directory(directory);
+    session.enter(directory.to_owned())?;
     let known = if restart { None } else { read(session, directory) };
     if let Some(start) = known.as_ref().and_then(|known| known.starts.get(index))
         && let Phase::Ended(ended) = &start.phase
@@ -130,7 +128,7 @@ fn run_one(
             make_room(session)?;
             let journal = Journal::begin(session)?;
             let Some(position) = alone(session, index)? else {
-                let entry = failed_entry(seed(session, index), "its gradient is wrong");
+                let entry = failed_entry(seed(&session.problem, index), "its gradient is wrong");
                 return Ok(One { exit: Exit::GradientWrong, entry, how: "" });
             };
             (position, journal, false)
@@ -150,8 +148,8 @@ fn run_one(
     }
     journal.lock().write_iterates();
     journal.lock().finish(exit != Exit::Done)?;
-    if exit == Exit::Done {
-        record_end(&out, true)?;
+    if let (Some(out), Exit::Done) = (&session.out, exit) {
+        record_end(out, true)?;
     }
     let entry = starts.entries.into_iter().nth(index).unwrap_or_default();
     Ok(One { exit, entry, how: if resumed { "; went on from its checkpoint" } else { "" } })
@@ -168,19 +166,20 @@ fn alone(session: &mut Session<'_>, index: usize) -> Result<Option<Position>, Ru
         _ => (Phase::Waiting, GradientCheckRecord::default()),
     };
     let all = 0..session.problem.case.optimizer.starts;
-    let mut starts: Vec<StartRun> = all.map(|other| absent(session, other, "left to another process")).collect();
+    let mut starts: Vec<StartRun> =
+        all.map(|other| absent(&session.problem, other, "left to another process")).collect();
     starts[index].phase = phase;
     Ok(Some(Position { gradient_check, starts, ..Position::default() }))
 }
 
-fn absent(session: &Session<'_>, index: usize, why: &str) -> StartRun {
-    failed(index, vec![], failed_entry(seed(session, index), why))
+fn absent(problem: &CaseProblem, index: usize, why: &str) -> StartRun {
+    failed(index, vec![], failed_entry(seed(problem, index), why))
 }
 
 /// Where the run in a directory stands, if it is of this case and version of the program.
 fn read(session: &Session<'_>, directory: &Path) -> Option<Position> {
     let Checkpoint { case, position, .. } = Checkpoint::read(directory, &|members| 0..members).ok()?;
-    position.filter(|_| case.is_same(&CaseRecord::of(&session.problem, &session.settings)))
+    position.filter(|_| case.is_same(&CaseRecord::of(&session.problem, &session.options.set)))
 }
 
 /// Makes the result of all starts from those that have ended in directories of their own: that of one process.
@@ -213,7 +212,7 @@ pub(in crate::run) fn join(
     match missing.is_empty() {
         true if session.problem.case.output.checkpoint > 0 => journal.lock().save(&session.problem.ensemble),
         true => {}
-        false => out.remove(checkpoint_file::NAME)?,
+        false => out.remove(saved::NAME)?,
     }
     let exit = conclude(session, joined, ran, journal, began)?;
     Ok(if missing.is_empty() { exit } else { exit.worst(Exit::NotConverged) })
@@ -228,7 +227,7 @@ fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usiz
         let ended = |position: &Position| position.starts.get(index).is_some_and(StartRun::has_ended);
         let Some(position) = read(session, &directory).filter(ended) else {
             missing.push(index);
-            starts.push(absent(session, index, "missing: it has no finished run"));
+            starts.push(absent(&session.problem, index, "missing: it has no finished run"));
             continue;
         };
         if index == 0 {
@@ -236,16 +235,16 @@ fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usiz
         }
         starts.extend(position.starts.into_iter().nth(index));
         if let Some(best) = position.best {
-            let file = directory.join(checkpoint_file::NAME);
+            let file = directory.join(saved::NAME);
             let unfit = |failed: nastic_opt::Failed| CheckpointError::Content { file, what: failed.to_string() };
-            found.add(index, read_best(session, &best).map_err(unfit)?.1);
+            found.add(index, restored_best(&session.problem, best).map_err(unfit)?.1);
         }
     }
     if missing.contains(&0) {
         // Without it one process has no result either.
         return Err(RunError::NothingToJoin { directory: out.path().to_owned() });
     }
-    let best = found.best.as_ref().map(|best| best_parted(session, best));
+    let best = found.best.as_ref().map(|best| saved_best(&session.problem, best));
     Ok((Position { gradient_check, best, starts, ..Position::default() }, missing))
 }
 

@@ -1,6 +1,5 @@
 //! A command on a team of ranks: what is shared out, and what the first rank is given of it.
 
-use crate::result::files::Directory;
 use crate::run::error::RunError;
 use crate::run::options::Options;
 use crate::run::session::Session;
@@ -8,12 +7,11 @@ use nastic_case::part::Share;
 use nastic_control::{ControlError, EnsemblePoint};
 use nastic_language::schema::Command;
 use nastic_team::{Team, exchange};
-use std::path::Path;
 use std::sync::Arc;
 
 impl Session<'_> {
     /// Joins the team of the options, if there is one: several starts are shared out over its ranks, else the members.
-    pub(super) fn join_team(&mut self, options: &Options) -> Result<(), RunError> {
+    pub fn join_team(&mut self, options: &Options) -> Result<(), RunError> {
         let Some(team) = options.team.clone().filter(|team| team.size() > 1) else { return Ok(()) };
         let is_divided = options.share != Share::Whole;
         if self.command != Command::Optimize || is_divided {
@@ -30,19 +28,19 @@ impl Session<'_> {
     }
 
     /// Shares the members of the problem out, unless the starts are.
-    pub(super) fn share_members(&mut self) {
+    pub fn share_members(&mut self) {
         if let (Some(team), false) = (&self.team, self.shares_starts()) {
             self.problem.ensemble.share_out(team.clone(), self.signal.clone(), self.cancel.clone());
         }
     }
 
     /// The team, where it shares out starts.
-    pub(super) fn team_of_starts(&self) -> Option<&dyn Team> {
+    pub fn team_of_starts(&self) -> Option<&dyn Team> {
         self.team.as_deref().filter(|_| self.shares_starts())
     }
 
     /// The team, where it shares out members.
-    pub(super) fn team_of_members(&self) -> Option<Arc<dyn Team>> {
+    pub fn team_of_members(&self) -> Option<Arc<dyn Team>> {
         self.team.clone().filter(|_| !self.shares_starts())
     }
 
@@ -51,50 +49,34 @@ impl Session<'_> {
     }
 
     /// Which rank has the member of an error, in words; nothing where all members are on one.
-    pub(super) fn on_rank(&self, error: &ControlError) -> String {
+    pub fn on_rank(&self, error: &ControlError) -> String {
         let here = || self.team_of_members().map(|team| team.rank());
         let rank = if let ControlError::Remote(failure) = error { Some(failure.rank) } else { here() };
         rank.map_or_else(String::new, |rank| format!(" on rank {rank}"))
     }
 
     /// Whether this rank speaks, and writes what belongs to all.
-    pub(super) fn leads(&self) -> bool {
+    pub fn leads(&self) -> bool {
         self.team.as_ref().is_none_or(|team| team.leads())
     }
 
     /// Whether this rank runs a start.
-    pub(super) fn has_start(&self, index: usize) -> bool {
+    pub fn has_start(&self, index: usize) -> bool {
         self.team_of_starts().is_none_or(|team| index % team.size() == team.rank())
     }
 
     /// Whether this rank writes what belongs to a start.
-    pub(super) fn writes_start(&self, index: usize) -> bool {
+    pub fn writes_start(&self, index: usize) -> bool {
         if self.shares_starts() { self.has_start(index) } else { self.leads() }
     }
 
-    /// Where this rank writes what is its own.
-    pub(super) fn take_directory(&mut self, path: &Path) {
-        self.own_out = Some(self.out.clone().unwrap_or_else(|| Directory::of_another(path, self.output_names())));
-    }
-
-    /// Goes on in a directory that is locked.
-    pub(super) fn go_on_in(&mut self, out: Option<Directory>, path: &Path) -> Result<(), RunError> {
-        self.out = out;
-        let names = self.output_names();
-        if let Some(out) = &mut self.out {
-            out.take_names(names)?;
-        }
-        self.take_directory(path);
-        Ok(())
-    }
-
     /// Waits until all ranks are here: what the first has removed or read belongs to nobody else.
-    pub(super) fn meet(&self) -> Result<(), RunError> {
+    pub fn meet(&self) -> Result<(), RunError> {
         self.team.as_deref().map_or(Ok(()), |team| Ok(exchange(team, vec![]).map(drop)?))
     }
 
     /// A point with all members at the first rank, nothing elsewhere.
-    pub(super) fn whole(&self, point: &EnsemblePoint) -> Result<Option<EnsemblePoint>, RunError> {
+    pub fn whole(&self, point: &EnsemblePoint) -> Result<Option<EnsemblePoint>, RunError> {
         let whole = self.problem.ensemble.whole(point).map_err(|error| self.forward_failed(error))?;
         Ok(whole.filter(|_| self.leads() || self.shares_starts()))
     }

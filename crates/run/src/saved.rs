@@ -1,10 +1,16 @@
 //! `checkpoint.bin` and its like: bytes that are complete and of this program, or refused.
 //!
 //! Layout, integers little-endian with 64 bits: the magic word, the version of the format, the length n of the content,
-//! its checksum (FNV-1a), n bytes of content.
+//! its checksum (FNV-1a), n bytes of content, which are a [`Saved`] value.
+
+pub(crate) mod blocks;
+pub(crate) mod case_record;
+pub(crate) mod checkpoint;
+pub(crate) mod motion_checkpoint;
 
 use crate::result::files::Directory;
 use nastic_io::{Fingerprint, WriteError, write_atomically};
+use nastic_opt::Saved;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -14,7 +20,7 @@ use thiserror::Error;
 pub(crate) const NAME: &str = "checkpoint.bin";
 
 const MAGIC: &[u8] = b"nastic-checkpoint";
-const VERSION: u64 = 1;
+const VERSION: u64 = 2;
 const HEADER: usize = MAGIC.len() + 3 * 8;
 
 /// Why a run cannot be resumed.
@@ -45,7 +51,8 @@ pub enum CheckpointError {
         file: PathBuf,
     },
     /// Of another version of the format.
-    #[error("{} is a checkpoint of format {found}, this program reads format {VERSION}", file.display())]
+    #[error("{} is a checkpoint of format {found}, this program reads format {VERSION}: the version of nastic that wrote it can go on with it",
+        file.display())]
     Version {
         /// The file.
         file: PathBuf,
@@ -123,6 +130,12 @@ pub(crate) fn is_checkpoint(file: &Path) -> bool {
     is_plain && File::open(file).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == *MAGIC
 }
 
+/// The value in a file of a directory.
+pub(crate) fn read_value<T: Saved>(directory: &Path, name: &str) -> Result<T, CheckpointError> {
+    let unfit = |what: String| CheckpointError::Content { file: directory.join(name), what };
+    T::from_bytes(&read(directory, name)?).map_err(|error| unfit(error.to_string()))
+}
+
 /// The content of a file of a directory.
 pub(crate) fn read(directory: &Path, name: &str) -> Result<Vec<u8>, CheckpointError> {
     let file = directory.join(name);
@@ -158,4 +171,18 @@ pub(crate) fn read(directory: &Path, name: &str) -> Result<Vec<u8>, CheckpointEr
         return Err(CheckpointError::Checksum { file });
     }
     Ok(bytes)
+}
+
+/// An entry of a result, as text: it leaves out what is absent, which only keys make up for.
+pub(crate) mod json {
+    use serde::de::{Deserialize, DeserializeOwned, Deserializer, Error as _};
+    use serde::ser::{Error as _, Serialize, Serializer};
+
+    pub fn serialize<T: Serialize, S: Serializer>(entry: &T, out: S) -> Result<S::Ok, S::Error> {
+        out.serialize_str(&serde_json::to_string(entry).map_err(S::Error::custom)?)
+    }
+
+    pub fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(input: D) -> Result<T, D::Error> {
+        serde_json::from_str(&String::deserialize(input)?).map_err(D::Error::custom)
+    }
 }
