@@ -4,7 +4,7 @@
 //! Bodies from stout to slender (1:1 to 1:60), six elements, three laws, Poisson's ratio 0.2 to 0.4999; fibre tension up
 //! to 90 % of the convexity bound (uniform, by cell or linear across the body), turgor, magnets with
 //! beta = |B_r| |B_a| / (mu0 E) up to 20 (h/L)^2 but no more than 1 (`beta=20` allows more: stout bodies are then stretched
-//! tenfold; 0.2 T in 0.4 T at E = 100 kPa is 0.6), dead loads. Prints every problem that failed, took more than 1,000
+//! tenfold; 0.2 T in 0.4 T at E = 100 kPa is 0.6), dead loads. `without=curved_step,point_strains` does without these strategies. Prints every problem that failed, took more than 1,000
 //! Newton iterations or is unstable, and a summary.
 
 #![allow(clippy::print_stdout)] // programs talk, libraries do not
@@ -13,7 +13,7 @@ mod common;
 
 use common::{Arguments, between, pick};
 use nastic::energy::magnet::VACUUM_PERMEABILITY;
-use nastic::fem::{Controls, SolveOptions};
+use nastic::fem::{Controls, SolveOptions, StrategyCounts};
 use nastic::numeric::Random;
 use nastic::prelude::*;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -34,17 +34,19 @@ const YOUNG: f64 = 1e5;
 const MANY: usize = 1_000;
 
 fn main() -> Result<(), Failure> {
-    let arguments = Arguments::read(&["count", "seed", "only", "threads", "beta"])?;
+    let arguments = Arguments::read(&["count", "seed", "only", "threads", "beta", "without"])?;
     arguments.use_threads()?;
     let (count, seed) = (arguments.number("count", 300)?, arguments.number("seed", 1)? as u64);
     let only = arguments.number("only", usize::MAX)?;
     let largest = arguments.number("beta", 1)? as f64;
+    let how = SolveOptions { strategies: arguments.strategies()?, ..SolveOptions::default() };
+    let mut tried = StrategyCounts::default();
     let (mut solved, mut unstable, mut failed, mut panicked, mut newton) = (0, 0, 0, 0, Vec::new());
     let mut longest: f64 = 0.0;
     for index in (0..count).filter(|index| only == usize::MAX || *index == only) {
         let Problem { solid, controls, about } = problem(seed, index as u64, largest)?;
         let began = Instant::now();
-        let done = catch_unwind(AssertUnwindSafe(|| solid.solve(&controls, &SolveOptions::default())));
+        let done = catch_unwind(AssertUnwindSafe(|| solid.solve(&controls, &how)));
         let seconds = began.elapsed().as_secs_f64();
         longest = longest.max(seconds);
         let tell = |what: &str| println!("{index:5} {seconds:6.1} s  {what}\n      {about}");
@@ -59,6 +61,7 @@ fn main() -> Result<(), Failure> {
             }
             Ok(Ok(state)) => {
                 solved += 1;
+                tried.add(&state.report.strategies);
                 newton.push(state.report.newton);
                 let pivots = solid.negative_pivots(&state);
                 if !matches!(pivots, Ok(0)) {
@@ -81,6 +84,8 @@ fn main() -> Result<(), Failure> {
         at(0.9),
         newton.last().copied().unwrap_or(0)
     );
+    let tried: Vec<String> = tried.tried().map(|(strategy, count)| format!("{} {count}", strategy.name())).collect();
+    println!("tried: {}; {} Newton iterations in all", tried.join(", "), newton.iter().sum::<usize>());
     Ok(())
 }
 

@@ -4,7 +4,7 @@
 
 pub mod process;
 
-use nastic::fem::{Controls, Solver, SolverFactory};
+use nastic::fem::{Controls, Solver, SolverFactory, Strategies, Strategy};
 use nastic::numeric::Random;
 use nastic::prelude::*;
 use std::collections::BTreeMap;
@@ -39,6 +39,17 @@ impl Arguments {
     pub fn element(&self, key: &str, default: CellKind) -> Result<CellKind, Failure> {
         let Some(name) = self.0.get(key) else { return Ok(default) };
         CellKind::ALL.iter().copied().find(|k| k.name() == name).ok_or_else(|| format!("no element {name:?}").into())
+    }
+
+    /// `without=NAME,NAME`: all strategies but these.
+    pub fn strategies(&self) -> Result<Strategies, Failure> {
+        let names = self.text("without", "");
+        names.split(',').filter(|name| !name.is_empty()).try_fold(Strategies::ALL, |all, name| {
+            let known = || Strategy::ALL.map(Strategy::name).join(", ");
+            let strategy =
+                Strategy::named(name).ok_or_else(|| format!("no strategy {name:?}: there are {}", known()))?;
+            Ok(all.without(strategy))
+        })
     }
 
     /// `solver=NAME`, a linear solver by name; `None` where it is not given.

@@ -2,7 +2,7 @@
 //! work, why others fail, and whether any answer is wrong.
 //!
 //! `cargo bench --bench contact_battery -- count=35 seed=1 family=press,drop`: problem k of a family and a seed is always the same; `only=K` solves one
-//! alone, `threads=N`; `checks=1` says how near the judge's checks come to their bounds, `spoil=1` makes answers wrong on purpose and says which checks
+//! alone, `threads=N`; `without=proximal_steps,rate` does without these strategies; `checks=1` says how near the judge's checks come to their bounds, `spoil=1` makes answers wrong on purpose and says which checks
 //! notice (exit code 1 if one never fails). Elements quad4 to hex27 and tet10, Poisson's ratios up to 0.4995 with one pressure per cell, neo-Hookean and formula laws,
 //! obstacles half-space, sphere, capsule, box and meshed box, friction 0.1 to 1, rigid bodies, chambers, motions by five schemes.
 //!
@@ -32,8 +32,11 @@ use std::time::Instant;
 use tally::{Tally, Verdict};
 
 fn main() -> Result<std::process::ExitCode, Failure> {
-    let arguments = Arguments::read(&["count", "seed", "only", "threads", "family", "failures", "checks", "spoil"])?;
+    let arguments =
+        Arguments::read(&["count", "seed", "only", "threads", "family", "failures", "checks", "spoil", "without"])?;
     arguments.use_threads()?;
+    let strategies = arguments.strategies()?;
+    problem::STRATEGIES.get_or_init(|| strategies);
     let (count, seed) = (arguments.number("count", 35)?, arguments.number("seed", 1)? as u64);
     let (only, most) = (arguments.number("only", usize::MAX)?, arguments.number("failures", usize::MAX)?);
     let shows_checks = arguments.number("checks", 0)? > 0;

@@ -2,8 +2,9 @@
 
 use crate::judge::law::Law;
 use crate::judge::shape::Shape;
-use nastic::fem::{Controls, SolveOptions};
+use nastic::fem::{Controls, SolveOptions, Strategies};
 use nastic::prelude::*;
+use std::sync::OnceLock;
 
 pub type Failure = Box<dyn std::error::Error>;
 
@@ -67,8 +68,12 @@ pub struct Chamber {
 /// Newton iterations of a solve or step at most.
 pub const STEP_BUDGET: usize = 1500;
 
+/// What may be tried, of all problems of a run.
+pub static STRATEGIES: OnceLock<Strategies> = OnceLock::new();
+
 pub fn options() -> SolveOptions<'static> {
-    SolveOptions { budget: Some(STEP_BUDGET), ..SolveOptions::default() }
+    let strategies = *STRATEGIES.get_or_init(|| Strategies::ALL);
+    SolveOptions { budget: Some(STEP_BUDGET), strategies, ..SolveOptions::default() }
 }
 
 /// The place of the controls of an actuation, contact or motion.

@@ -11,4 +11,5 @@ pub mod instant;
 pub mod kernels;
 pub mod rotation;
 pub mod state;
+pub mod strategy;
 pub mod structure;

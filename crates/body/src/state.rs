@@ -2,6 +2,7 @@
 
 use crate::controls::Controls;
 use crate::history::History;
+use crate::strategy::StrategyCounts;
 use nastic_linear::{LinearSolver, LinearWork, Solver};
 use serde::{Deserialize, Deserializer, Serialize};
 use std::sync::Arc;
@@ -84,6 +85,8 @@ pub struct SolveReport {
     pub shifted: usize,
     /// Times that steps with predicted pressures led nowhere, and steps by the displacement alone began again where these had.
     pub unpredicted: usize,
+    /// What was tried beside Newton's method on the displacement.
+    pub strategies: StrategyCounts,
 }
 
 /// The name of a linear solver; "own" of one that is not in the catalogue.
@@ -110,6 +113,7 @@ impl Default for SolveReport {
             restarts: 0,
             shifted: 0,
             unpredicted: 0,
+            strategies: StrategyCounts::default(),
         }
     }
 }
@@ -139,5 +143,6 @@ impl SolveReport {
         self.restarts += other.restarts;
         self.shifted += other.shifted;
         self.unpredicted += other.unpredicted;
+        self.strategies.add(&other.strategies);
     }
 }

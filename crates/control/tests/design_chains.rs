@@ -89,7 +89,7 @@ fn a_field_is_filtered_and_projected_once_for_all_its_consumers() -> Outcome {
 fn weight_follows_the_density_that_stiffness_follows() -> Outcome {
     let force = Vec3::new(0.0, 0.0, -2e4);
     let base = || -> Outcome<Solid> {
-        let body = Solid::new(mesh()?)?.actuate("body", "law", Parametrised::new(NeoHooke::new(1e5, 4e5)?))?;
+        let body = Solid::new(mesh()?)?.actuate(["root", "arm"], "law", Parametrised::new(NeoHooke::new(1e5, 4e5)?))?;
         Ok(body.clamp("x-")?)
     };
     let body = base()?;

@@ -34,6 +34,7 @@ pub use nastic_body::error::{
 pub use nastic_body::history::{BeforeStep, History, Remembers};
 pub use nastic_body::instant::{Instant, TimeStep};
 pub use nastic_body::state::{SolveReport, State};
+pub use nastic_body::strategy::{Strategies, Strategy, StrategyCounts};
 pub use nastic_body::structure::{StructureCounts, TangentStructure};
 pub use nastic_equilibrium::adjoint::Adjoint;
 pub use nastic_equilibrium::adjoint::second_order::{AdjointChange, SecondOrder};

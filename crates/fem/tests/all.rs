@@ -82,6 +82,7 @@ mod solver;
 mod spring;
 mod springs_over_ranks;
 mod stability;
+mod strategies;
 mod stress_free;
 mod structure;
 mod sums_of_unknowns;

@@ -8,6 +8,7 @@ use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::search::options::Progress;
 use nastic_body::contribution::Sums;
 use nastic_body::state::SolveReport;
+use nastic_body::strategy::Strategy;
 use nastic_linear::solver::Curvature;
 use std::cell::OnceCell;
 
@@ -202,6 +203,9 @@ impl<'a> Iteration<'a> {
         report.newton += 1;
         let taken = self.search.take(here, &step, direction, report)?;
         direction.took(taken.length);
+        if taken.curved {
+            report.strategies.count(Strategy::CurvedStep);
+        }
         self.short = if taken.length < self.limits.creeps.1 { self.short + 1 } else { 0 };
         let resolved = step.size > RESOLUTION * self.equations.diagonal();
         // of the displacement alone it says nothing of further fields

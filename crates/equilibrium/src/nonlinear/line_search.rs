@@ -13,6 +13,7 @@ use crate::search::gradient_fit::GradientFit;
 use crate::search::rotation_corrected_step::StepLimits;
 use nastic_body::error::Inadmissible;
 use nastic_body::state::SolveReport;
+use nastic_body::strategy::Strategy;
 use nastic_linear::solver::Curvature;
 
 /// Steps along a curve that leave less than this share of the smallest J are too long.
@@ -40,6 +41,8 @@ pub(super) struct Taken<'m> {
     pub x: Vec<f64>,
     pub now: Evaluated<'m>,
     pub length: f64,
+    /// Whether it turned with the body.
+    pub curved: bool,
 }
 
 /// Along what trials lie: `x + s dx`, or the curve that turns with the body, of which every trial has to be reached by a straight move.
@@ -79,12 +82,12 @@ impl<'a> LineSearch<'a> {
                     return Err(Stop::Slow { residual: here.relative });
                 }
                 let now = self.equations.evaluate(&x)?;
-                Ok(Taken { x, now, length: 1.0 })
+                Ok(Taken { x, now, length: 1.0, curved: false })
             }
             Take::Checked { length } => {
                 let x = moved(here.x, &step.dx, 1.0);
                 let now = self.equations.evaluate(&x)?;
-                Ok(Taken { x, now, length })
+                Ok(Taken { x, now, length, curved: false })
             }
             Take::Search => self.search(here, step, direction, report),
         }
@@ -102,7 +105,7 @@ impl<'a> LineSearch<'a> {
             x = moved(here.x, dx, length);
         }
         let now = self.equations.evaluate(&x)?;
-        Ok(Taken { x, now, length })
+        Ok(Taken { x, now, length, curved: false })
     }
 
     /// Downhill in the potential, or in the augmented Lagrangian; where the tangent has negative eigenvalues an equilibrium nearby may be a
@@ -201,7 +204,8 @@ impl<'a> LineSearch<'a> {
             }
         }
         let others = self.equations.chord(here.point, here.x, &straight(1.0))?;
-        if let Some(longest) = reach.curved.filter(|_| model.unknowns().has_one_nodal_field()) {
+        let curves = |_: &f64| model.unknowns().has_one_nodal_field() && options.strategies.has(Strategy::CurvedStep);
+        if let Some(longest) = reach.curved.filter(curves) {
             if self.fit.is_none() {
                 self.fit = GradientFit::new(model, parallel);
             }
@@ -214,7 +218,7 @@ impl<'a> LineSearch<'a> {
                 };
                 let taken = self.along(here, merit, (&curve, Along::Curve), longest.min(others), DESCENT)?;
                 if let Some(taken) = taken {
-                    return Ok(taken);
+                    return Ok(Taken { curved: true, ..taken });
                 }
             }
         }
@@ -258,7 +262,7 @@ impl<'a> LineSearch<'a> {
                     }
                 }
                 let now = merit.accepted(self.equations, &best.0, length, best.2)?;
-                return Ok(Some(Taken { x: best.0, now, length }));
+                return Ok(Some(Taken { x: best.0, now, length, curved: false }));
             }
             // the vertex of the parabola through the start, its slope and this value
             let vertex = -line.slope * length * length / (2.0 * (change - line.slope * length));

@@ -17,6 +17,7 @@ use nastic_body::controls::Controls;
 use nastic_body::error::StateError;
 use nastic_body::instant::TimeStep;
 use nastic_body::state::{SolveReport, State};
+use nastic_body::strategy::Strategy;
 use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
 
@@ -84,6 +85,7 @@ impl Equations<'_> {
         let Some(pressures) = predicts.then(|| PredictedPressures::new(self)).flatten() else {
             return Ok(None);
         };
+        report.strategies.count(Strategy::PredictedPressures);
         let (from, moves) = (x.clone(), self.jump(x).is_some());
         // half of what may still be spent at most
         let left = self.options.budget.map_or(usize::MAX, |budget| budget.saturating_sub(report.newton));

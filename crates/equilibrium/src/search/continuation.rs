@@ -11,6 +11,7 @@ use nastic_body::controls::Controls;
 use nastic_body::error::{Cause, FemError, StateError};
 use nastic_body::instant::{Instant, TimeStep};
 use nastic_body::state::{SolveReport, State};
+use nastic_body::strategy::Strategy;
 use nastic_linear::LinearSolver;
 use nastic_numeric::vector::sub;
 
@@ -122,11 +123,14 @@ impl Model {
             self.moves().check_start(start, how.parallel)?;
         }
         if let Some(guess) = how.guess
+            && how.tries(Strategy::Guess, &mut spent)
             && let Some(found) = self.jump(guess, controls, how, time_step, workspace, &mut spent)?
         {
             return Ok(found);
         }
         if let (Some(step), Some(near)) = (time_step, how.near)
+            && self.properties().depends_on_path()
+            && how.tries(Strategy::LaggedFriction, &mut spent)
             && let Some(found) = self.slide(near, controls, how, step, workspace, &mut spent)?
         {
             return Ok(found);
@@ -142,6 +146,7 @@ impl Model {
         match self.walk(near, controls, (how, time_step), most, workspace, &mut spent) {
             // a motion does not begin again at rest in the middle
             Err(error) if error.is_final() || time_step.is_some() => Err(error),
+            Err(failed) if !how.tries(Strategy::FromRest, &mut spent) => Err(failed),
             Err(failed) => {
                 workspace.forget();
                 let left = how.budget.map(|budget| budget.saturating_sub(spent.newton));
@@ -181,7 +186,7 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<(), Stop> {
-        if newton.is_static() && self.settles() {
+        if newton.is_static() && self.settles() && newton.options.tries(Strategy::ProximalSteps, report) {
             let mut end = u.clone();
             match self.settle(newton, &mut end, workspace, report) {
                 Err(stop) if !stop.is_final() && self.checks().is_held_without_contact() => workspace.forget(),
@@ -191,7 +196,7 @@ impl Model {
                 }
             }
         }
-        let suited = !hopeless && self.suits_point_strains();
+        let suited = !hopeless && self.suits_point_strains() && newton.options.strategies.has(Strategy::PointStrains);
         let jumps = newton.jump(u).is_some();
         let creeps = way.creeps(jumps);
         let first = suited && (creeps || way.helped && !jumps);
@@ -199,6 +204,7 @@ impl Model {
             return Ok(());
         }
         if first {
+            report.strategies.count(Strategy::PointStrains);
             let from = u.clone();
             match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
                 Ok(()) => return Ok(()),
@@ -209,7 +215,13 @@ impl Model {
             }
             *u = from;
         }
-        if suited && !first && !jumps && way.may_creep() && self.attempt_briefly(newton, u, way, workspace, report)? {
+        if suited
+            && !first
+            && !jumps
+            && way.may_creep()
+            && newton.options.tries(Strategy::BriefDescent, report)
+            && self.attempt_briefly(newton, u, way, workspace, report)?
+        {
             return Ok(());
         }
         let slow = match newton.solve_by_displacement(u, self.linear_solver(newton.options, workspace), report) {
@@ -221,6 +233,7 @@ impl Model {
             return Err(slow);
         }
         workspace.forget();
+        report.strategies.count(Strategy::PointStrains);
         match newton.solve_with_point_strains(u, self.linear_solver(newton.options, workspace), report) {
             Ok(()) => {
                 way.helped = true;
@@ -239,7 +252,7 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<bool, Stop> {
-        if workspace.unpredicted >= FAILURES {
+        if workspace.unpredicted >= FAILURES || !newton.options.strategies.has(Strategy::PredictedPressures) {
             return Ok(false);
         }
         let before = report.unpredicted;
@@ -384,7 +397,7 @@ impl Model {
             let bears =
                 self.moves().admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
             // where obstacles move, what they touch goes with them, unless that has just led nowhere; else the body may go on as it did
-            let tangent = match obstacles_move && !failed {
+            let tangent = match obstacles_move && !failed && how.tries(Strategy::Rate, report) {
                 true => self.rate_along((&here, from, to), how, steps.done, bears, workspace, report),
                 false => None,
             };

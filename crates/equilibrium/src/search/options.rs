@@ -1,6 +1,7 @@
 //! [`SolveOptions`]: how an equilibrium is to be found.
 
-use nastic_body::state::State;
+use nastic_body::state::{SolveReport, State};
+use nastic_body::strategy::{Strategies, Strategy};
 use nastic_linear::SolverFactory;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,6 +30,8 @@ pub struct SolveOptions<'a> {
     pub budget: Option<usize>,
     /// Compute cells and factors on all threads; `false` inside parallelism over scenarios.
     pub parallel: bool,
+    /// What may be tried beside Newton's method on the displacement; fewer for those who measure what each is worth.
+    pub strategies: Strategies,
     /// Checked between iterations; when it turns true the solve ends with [`StateError::Cancelled`](nastic_body::error::StateError).
     pub cancel: Option<&'a AtomicBool>,
     /// Called after every Newton iteration.
@@ -60,6 +63,7 @@ impl Default for SolveOptions<'_> {
             max_newton: 60,
             budget: None,
             parallel: true,
+            strategies: Strategies::ALL,
             cancel: None,
             watch: None,
         }
@@ -77,6 +81,15 @@ impl<'a> SolveOptions<'a> {
         self.budget.is_some_and(|budget| newton >= budget)
     }
 
+    /// Whether a strategy may be tried, which is counted then.
+    pub(crate) fn tries(&self, strategy: Strategy, report: &mut SolveReport) -> bool {
+        let may = self.strategies.has(strategy);
+        if may {
+            report.strategies.count(strategy);
+        }
+        may
+    }
+
     pub(crate) fn cancelled(&self) -> bool {
         self.cancel.is_some_and(|flag| flag.load(Ordering::Relaxed))
     }
@@ -92,6 +105,7 @@ impl fmt::Debug for SolveOptions<'_> {
             .field("max_newton", &self.max_newton)
             .field("budget", &self.budget)
             .field("parallel", &self.parallel)
+            .field("strategies", &self.strategies)
             .finish()
     }
 }

@@ -3,7 +3,7 @@
 use super::homogeneous::Case;
 use super::{Outcome, distorted, node_at, set_name, unit, with_node_sets};
 use nastic_energy::EnergyTerm;
-use nastic_fem::{Discretization, Solid, SolveOptions, State};
+use nastic_fem::{Discretization, Solid, SolveOptions, State, Strategies};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
 use std::sync::Arc;
@@ -17,6 +17,7 @@ pub const STRICT: SolveOptions = SolveOptions {
     max_newton: 60,
     budget: None,
     parallel: true,
+    strategies: Strategies::ALL,
     cancel: None,
     watch: None,
 };

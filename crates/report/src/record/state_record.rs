@@ -76,6 +76,8 @@ records! {
         unassembled_systems: Option<usize>,
         /// Load or time steps that were cut.
         load_steps_cut: Option<usize>,
+        /// What was tried beside Newton's method on the displacement, and how often.
+        strategies: ByName<usize>,
         /// The solver of linear systems.
         linear_solver: Option<String>,
         /// The motion.

@@ -180,5 +180,7 @@ pub(crate) fn add_work(state: &mut StateRecord, work: &SolveReport) {
     state.multigrid_cycles = Some(work.cycles);
     state.unassembled_systems = Some(work.unassembled);
     state.load_steps_cut = Some(work.cuts);
+    state.strategies =
+        work.strategies.tried().map(|(strategy, count)| (strategy.name().to_owned(), count as usize)).collect();
     state.linear_solver = Some(work.solver.to_owned());
 }
