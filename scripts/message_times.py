@@ -13,7 +13,7 @@ WITHIN = 0.5
 # Bytes of the short messages that pass to and fro in messages.rs; long ones are as long as those of a sum.
 SHORT = 64
 # Bytes of a member in the exchanges of an iteration of one trial and one derivative, with one term of cost and two figures.
-EXCHANGES = (160 + 8, 136, 8 + 16, 16, 24)
+EXCHANGES = (81 + 8, 71, 1 + 16, 4, 10)
 
 
 def exchange(members, ranks, size, each, bandwidth):
@@ -21,7 +21,7 @@ def exchange(members, ranks, size, each, bandwidth):
     messages wait for each other where these take turns, three where a ring has an odd length and messages are long."""
     waits = 2 if ranks & (ranks - 1) == 0 else 3
     rounds = math.ceil(math.log2(ranks))
-    return waits * (rounds * each + (ranks - 1) / ranks * (24 * ranks + size * members) / bandwidth)
+    return waits * (rounds * each + (ranks - 1) / ranks * (12 * ranks + size * members) / bandwidth)
 
 
 def tree_sum(levels, controls, each, bandwidth):

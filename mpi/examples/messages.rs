@@ -17,7 +17,7 @@ const BATCH: usize = 20;
 /// Members of a rank: a power of two, so that the fewest nodes of the tree are between ranks.
 const MEMBERS: usize = 8;
 /// Bytes of a member in the exchanges of an iteration, the first two those of a trial and a derivative.
-const EXCHANGES: [usize; 5] = [168, 136, 24, 16, 24];
+const EXCHANGES: [usize; 5] = [89, 71, 17, 4, 10];
 const NAMES: [&str; 7] = ["short", "long", "overhead", "alone", "exchange", "sum", "iteration"];
 
 fn median(mut times: Vec<f64>) -> f64 {
@@ -57,7 +57,7 @@ fn measured(team: &dyn Team, controls: usize, batches: usize) -> Result<[f64; 7]
     let [short, long] = [SHORT, 8 * controls].map(|length| vec![1; length]);
     let shares = Shares::even(MEMBERS * team.size(), team.size());
     let leaf = |member: usize| Some(vec![member as f64; controls]);
-    let together = |bytes: usize| exchange(team, vec![1; 16 + bytes * MEMBERS]).map(drop);
+    let together = |bytes: usize| exchange(team, vec![1; 4 + bytes * MEMBERS]).map(drop);
     let added = || sum(team, &shares, controls, leaf).map(drop);
     let mut times: [Vec<f64>; 7] = Default::default();
     for _ in 0..batches {

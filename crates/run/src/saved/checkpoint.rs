@@ -78,11 +78,13 @@ impl Checkpoint {
     /// That of a directory, with the wanted members of all points that are in files of their own.
     pub fn read(directory: &Path, wanted: Wanted<'_>) -> Result<Self, CheckpointError> {
         let mut checkpoint: Self = read_value(directory, NAME)?;
-        if let Some(position) = &mut checkpoint.position
-            && let Some(blocks) = &position.blocks
-        {
-            let (blocks, count) = (blocks.clone(), position.points().count());
-            let points = blocks.points(directory, count, wanted(blocks.members))?;
+        let Some(position) = &mut checkpoint.position else { return Ok(checkpoint) };
+        if position.starts.iter().enumerate().any(|(place, start)| start.index != place) {
+            let what = "its starts are not in their order".to_owned();
+            return Err(CheckpointError::Content { file: directory.join(NAME), what });
+        }
+        if let Some(blocks) = position.blocks.clone() {
+            let points = blocks.points(directory, position.points().count(), wanted(blocks.members))?;
             position.points().zip(points).for_each(|(place, point)| *place = point);
         }
         Ok(checkpoint)
