@@ -23,14 +23,14 @@ impl Reduced {
     /// minimised over a [`Sphere`](nastic_opt::Sphere) of that radius.
     ///
     /// # Errors
-    /// As [`Layout::fix_length`].
+    /// As [`Layout::fix_length`](crate::Layout::fix_length).
     pub fn of_length(mut self, control: &str, length: f64) -> Result<Self, ControlError> {
         self.layout.fix_length(control, length)?;
         self.update_layout();
         Ok(self)
     }
 
-    /// Makes the logarithm of a positive control field the unknown: [`Layout::by_logarithm`].
+    /// Makes the logarithm of a positive control field the unknown: [`Layout::by_logarithm`](crate::Layout::by_logarithm).
     ///
     /// # Errors
     /// As there.
@@ -40,7 +40,7 @@ impl Reduced {
         Ok(self)
     }
 
-    /// Puts a map between the unknowns of a control field and their expansion: [`Layout::through`].
+    /// Puts a map between the unknowns of a control field and their expansion: [`Layout::through`](crate::Layout::through).
     ///
     /// # Errors
     /// As there.
@@ -50,7 +50,7 @@ impl Reduced {
         Ok(self)
     }
 
-    /// Smooths a control field over a length: [`Layout::filter`].
+    /// Smooths a control field over a length: [`Layout::filter`](crate::Layout::filter).
     ///
     /// # Errors
     /// As there.
@@ -71,7 +71,7 @@ impl Reduced {
         Ok(self)
     }
 
-    /// Adds a design field, a scalar without unit from which the slots of several actuations and contributions follow: [`Layout::design`].
+    /// Adds a design field, a scalar without unit from which the slots of several actuations and contributions follow: [`Layout::design`](crate::Layout::design).
     ///
     /// # Errors
     /// As there.
@@ -81,7 +81,7 @@ impl Reduced {
         Ok(self)
     }
 
-    /// How messages are to call a control field: [`Layout::show`].
+    /// How messages are to call a control field: [`Layout::show`](crate::Layout::show).
     ///
     /// # Errors
     /// As there.
@@ -91,7 +91,7 @@ impl Reduced {
         Ok(self)
     }
 
-    /// Weighs a control field against the others in the inner product: [`Layout::weigh`].
+    /// Weighs a control field against the others in the inner product: [`Layout::weigh`](crate::Layout::weigh).
     ///
     /// # Errors
     /// As there.
