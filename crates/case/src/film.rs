@@ -2,7 +2,8 @@
 
 use crate::lower::CaseMember;
 use nastic_control::{ControlBlock, Space};
-use nastic_energy::Dielectric;
+use nastic_energy::{Dielectric, EnergyTerm};
+use nastic_fem::AttachedLaw;
 use nastic_language::number::short;
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{Input, Means};
@@ -21,6 +22,15 @@ pub fn voltages(member: CaseMember<'_>, block: &ControlBlock, values: &[f64]) ->
         return None;
     };
     let along = direction.constant()?;
+    // where it grows, the thickness that the field goes across is another one
+    let laws = member.solid().body().actuations();
+    let film = laws.iter().find(|law| law.name == block.name)?;
+    let grows = |law: &AttachedLaw| {
+        law.law.strain_map().is_some() && law.cells.iter().any(|cell| film.cells.binary_search(cell).is_ok())
+    };
+    if laws.iter().any(grows) {
+        return None;
+    }
     let all: Vec<f64> = match block.basis.space() {
         Space::Region => {
             let voltage = |(k, field): (usize, &f64)| {

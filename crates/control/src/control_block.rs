@@ -17,7 +17,8 @@ pub struct ControlBlock {
     pub components: usize,
     /// The basis functions of the unknowns.
     pub basis: Arc<Basis>,
-    /// What stands between the unknowns at one instant and their expansion, once for all slots that follow: a filter, a projection.
+    /// What stands between the unknowns at one instant and their expansion, once for all slots that follow: a filter, a projection. Bounds, norms, rates and
+    /// smoothness of a control are those of the unknowns, [`values_of`](Self::values_of) what stands behind.
     pub field: Chain,
     /// The slots that follow from the unknowns.
     pub targets: Vec<ControlTarget>,
@@ -195,7 +196,8 @@ impl ControlBlock {
         }
         let out = &mut out[self.first..][..x.len()];
         axpy(1.0, &self.field.vjp(m, &change), out);
-        if let Some(own) = self.field.second_vjp(m, v, &self.by_field(&x, by_point)) {
+        let curved = (!self.field.is_affine()).then(|| self.field.second_vjp(m, v, &self.by_field(&x, by_point)));
+        if let Some(own) = curved.flatten() {
             axpy(1.0, &own, out);
         }
     }

@@ -168,13 +168,18 @@ impl Layout {
     /// The vector stays that of the unknowns.
     ///
     /// # Errors
-    /// An unknown name; [`ControlError::FieldMap`] of a map that leads to another number of unknowns.
+    /// An unknown name; [`ControlError::FieldMap`] of a map that leads to another number of unknowns; one that leads to no number.
     pub fn through(&mut self, of: &str, map: impl ControlMap + 'static) -> Result<(), ControlError> {
         let known = self.block(of)?;
         let (first, size) = (known.first, known.size());
-        let found = map.values(&vec![0.5; size]).len();
-        if found != size {
-            return Err(ControlError::FieldMap { name: of.to_owned(), map: map.describe(), found, expected: size });
+        let image = map.values(&vec![0.5; size]);
+        if image.len() != size {
+            let (found, expected) = (image.len(), size);
+            return Err(ControlError::FieldMap { name: of.to_owned(), map: map.describe(), found, expected });
+        }
+        if image.iter().any(|value| !value.is_finite()) {
+            let what = format!("the map \"{}\" of \"{of}\" leads from 1/2 to what is no number", map.describe());
+            return Err(ControlError::Cost { what });
         }
         let map = Arc::new(map);
         for block in self.blocks.iter_mut().filter(|block| block.first == first) {

@@ -4,13 +4,15 @@ use crate::designs::{Outcome, assert_orders, assert_orders_within, hollow, mesh,
 use nastic_control::{
     Consumer, ControlError, ControlMap, Direction, Filter, PowerLaw, Projection, Reduced, Space, Target, Tracking,
 };
-use nastic_energy::{EnergyError, FiberTension, KinematicGrowth, MooneyRivlin, NeoHooke, Parametrised, Turgor};
+use nastic_energy::{
+    EnergyError, FiberTension, KinematicGrowth, MaxwellBranch, MooneyRivlin, NeoHooke, Parametrised, Turgor,
+};
 use nastic_fem::{Cavity, Formulation, Solid, SolveOptions, VaryingLoad};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::Bounds;
 use nastic_tensor::Vec3;
 
-/// Growth by cell beside a fibre tension by cell, a modulus by region and a chamber, with every formulation.
+/// Growth by cell beside a fibre tension by cell, a modulus by region, a chamber and a viscous branch at rest, with two formulations.
 #[test]
 fn growth_is_an_unknown_beside_a_tension_a_modulus_and_a_chamber() -> Outcome {
     let law = || Ok::<_, EnergyError>(Parametrised::new(MooneyRivlin::new(5e4, 2e4, 3e5)?));
@@ -19,6 +21,7 @@ fn growth_is_an_unknown_beside_a_tension_a_modulus_and_a_chamber() -> Outcome {
             .actuate(["root", "arm"], "rubber", law()?)?
             .actuate("body", "fiber", FiberTension::along(Vec3::x())?)?
             .actuate("arm", "swell", KinematicGrowth::across(Vec3::new(0.6, 0.0, 0.8))?)?
+            .viscosity("arm", MaxwellBranch::new(2e4, 0.03)?)?
             .formulation("body", formulation)?
             .cavity(Cavity::new("air", "inner"))?;
         let aim = Tracking::surface("x+", Target::position(|x| [1.06 * x[0], x[1] + 0.05, x[2] + 0.02 * x[1]]));

@@ -102,6 +102,11 @@ fn what_leaves_nothing_of_the_volume_or_the_law_is_outside() {
     assert!(outside(&at(1.0), 0.2).is_none());
     assert_eq!(outside(&at(1.0), -1.0).unwrap().law, "growth");
     assert_eq!(outside(&at(2.0), 0.0).unwrap().law, "gent");
+    // twice reflected in its plane, with a determinant of 1
+    let across = Grown::new(Arc::new(Turgor::new()), Arc::new(KinematicGrowth::across(Vec3::z()).unwrap())).unwrap();
+    let k = at(1.0);
+    let at = PointBatch { kinematics: &k, cell: 0, first: 0 };
+    assert!(across.check_domain(&at, Slots::by_point(&[0.0, -2.0], 2)).is_err());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use crate::common;
 
 use common::block::STRICT;
 use common::own_contributions::Oscillators;
-use common::poisson::{Coupled, Poisson, forces};
+use common::poisson::{Coupled, Poisson, Screened, forces};
 use common::{Outcome, distance, largest, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
@@ -69,6 +69,20 @@ fn the_field_has_its_closed_form() -> Outcome {
         println!("u {error:.3e} of {:.3e}", largest(&expected.u));
         assert!(largest(&expected.u) > 1e-3 && error < 1e-10 * largest(&expected.u), "{error:e}");
     }
+    Ok(())
+}
+
+/// A field that no node holds is found to its accuracy: its forces are measured against their own terms.
+#[test]
+fn a_field_that_nothing_holds_is_found() -> Outcome {
+    let solid = bar()?;
+    let solid = solid.clone().contribution(Screened::on(solid.discretization()))?;
+    let mut controls = solid.controls();
+    controls.values_mut(0)[0] = 0.7;
+    let state = solid.solve(&controls, &SolveOptions::default())?;
+    let theta = solid.model().field("theta", &state.u)?;
+    assert!(theta.iter().all(|theta| (theta - 0.7).abs() < 1e-10), "{theta:?}");
+    assert!(state.report.newton <= 3, "{:?}", state.report);
     Ok(())
 }
 

@@ -40,11 +40,8 @@ fn count(state: &State, of: Strategy) -> u32 {
 
 #[test]
 fn what_is_switched_off_is_not_tried_and_the_answer_is_the_same() -> Outcome {
-    for (solid, tension, of) in [
-        (strip()?, 400.0, Strategy::CurvedStep),
-        (strip()?, 400.0, Strategy::PointStrains),
-        (soft()?, 2e4, Strategy::PredictedPressures),
-    ] {
+    for (solid, tension, of) in [(strip()?, 400.0, Strategy::CurvedStep), (soft()?, 2e4, Strategy::PredictedPressures)]
+    {
         let with = bent(&solid, tension, Strategies::ALL)?;
         assert!(count(&with, of) > 0, "{}: {:?}", of.name(), with.report);
         let without = bent(&solid, tension, Strategies::ALL.without(of))?;

@@ -122,7 +122,7 @@ pub struct FormDual {
 
 const ZERO: HyperDual = HyperDual([0.0; 4]);
 
-/// The sum of a [`WeakForm`] over the cells of a body.
+/// The sum of a [`WeakForm`] over the cells of a body, on one thread: for fields beside the displacement, not for its own laws.
 #[derive(Debug)]
 pub struct CellSum<F> {
     form: F,
@@ -230,6 +230,17 @@ impl<F: WeakForm> CellSum<F> {
         }
     }
 
+    /// The absolute terms of the forces: what their rounding is measured against.
+    fn add_scale(&self, here: &CellPoint, dual: &[[HyperDual; 4]], out: &mut [f64]) {
+        for (a, &node) in here.nodes.iter().enumerate() {
+            let shape = here.of_node(a);
+            for (c, own) in dual.iter().enumerate() {
+                let terms: f64 = shape.iter().zip(own).map(|(shape, own)| (shape * own.real()).abs()).sum();
+                out[self.components * node as usize + c] += here.weight.abs() * terms;
+            }
+        }
+    }
+
     /// One part of `lambda . r` at a point.
     fn along(&self, here: &CellPoint, lambda: &[f64], dual: &[[HyperDual; 4]], part: usize) -> f64 {
         let of = |(c, own)| product(&here.interpolated(lambda, self.components, c), own, part);
@@ -277,7 +288,6 @@ impl<F: WeakForm> Contribution for CellSum<F> {
 
 impl<F: WeakForm> ContributionPoint for CellSum<F> {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        let mut own = vec![0.0; if demand.force { sums.force.len() } else { 0 }];
         self.each(|here| {
             let numbers = self.numbers(at, here, [None; 2]);
             if demand.energy {
@@ -286,13 +296,11 @@ impl<F: WeakForm> ContributionPoint for CellSum<F> {
                 sums.energy_scale += energy.abs();
             }
             if demand.force {
-                self.add_part(here, &self.dual(&numbers), 0, &mut own);
+                let dual = self.dual(&numbers);
+                self.add_part(here, &dual, 0, &mut sums.force);
+                self.add_scale(here, &dual, &mut sums.force_scale);
             }
         });
-        for ((force, scale), own) in sums.force.iter_mut().zip(&mut sums.force_scale).zip(own) {
-            *force += own;
-            *scale += own.abs();
-        }
         Ok(())
     }
 

@@ -114,8 +114,9 @@ impl BodyEnergy {
                 evolution.advance_vjp(place, kinematics, slots, by_next, by_f, &mut by_slots);
                 let (by_own, by_growth) = by_slots.split_at(width);
                 before.iter_mut().zip(by_own).for_each(|(sum, own)| *sum += own);
-                let sums = &mut into.controls.values_mut(growth)[by_growth.len() * place.point..];
-                sums.iter_mut().zip(by_growth).for_each(|(sum, own)| *sum += own);
+                let sums = into.controls.values_mut(growth);
+                let first = if sums.len() == by_growth.len() { 0 } else { by_growth.len() * place.point };
+                sums[first..].iter_mut().zip(by_growth).for_each(|(sum, own)| *sum += own);
             }
         }
         self.add_forces(at.u, &by_f, &mut into.u)

@@ -54,7 +54,8 @@ impl BodyEnergy {
     /// The materials of a cell.
     pub fn materials_of(&self, cell: usize) -> impl Iterator<Item = &Arc<dyn EnergyTerm>> {
         let Composition { terms, actuations, .. } = self.composition_of(cell);
-        let with_slots = actuations.iter().map(|&k| &self.actuations[k].law).filter(|law| law.is_material());
+        let own = actuations.iter().filter(|&&k| !self.is_growth(k)).map(|&k| &self.actuations[k].law);
+        let with_slots = own.filter(|law| law.is_material());
         terms.iter().map(|&t| &self.terms[t]).chain(with_slots)
     }
 
@@ -68,7 +69,7 @@ impl BodyEnergy {
         self.laws_of(cell).iter().find(|law| law.blocks.first() == Some(&own) && !self.is_growth(own))
     }
 
-    fn is_growth(&self, actuation: usize) -> bool {
+    pub(super) fn is_growth(&self, actuation: usize) -> bool {
         self.actuations[actuation].law.strain_map().is_some()
     }
 

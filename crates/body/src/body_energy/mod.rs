@@ -192,6 +192,10 @@ impl BodyEnergy {
     }
 
     fn check_domain_of(&self, own: &CellLaw, at: &PointBatch, driving: Option<Driving>) -> Result<(), Inadmissible> {
+        // what a body that grows sees is not known without its growth
+        if driving.is_none() && own.blocks.last().is_some_and(|&k| self.is_growth(k)) {
+            return Ok(());
+        }
         let m = driving.map_or(LawSlots::OfBlock(Slots::none()), |driving| driving.of_law(own, at));
         own.law.check_domain(at, m.get()).map_err(|outside| beyond(at, outside))
     }

@@ -89,7 +89,8 @@ impl SecondVjp<'_> {
                 let (m, v) = (m.get(), v.get());
                 law.second_stress_change(&at, m, changes, stress)?;
                 if m.width == 0 || law.evolution().is_some() {
-                    // a viscous law has second derivatives where it is relaxed
+                    // a viscous law has second derivatives where it is relaxed, and none by a growth in front of it
+                    by_slot.resize(by_slot.len() + m.count(at.len()), 0.0);
                     if let Some(bend) = &mut bend {
                         bend.add(law, &at, &range, m, changes, stress);
                     }

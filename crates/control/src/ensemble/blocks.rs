@@ -71,9 +71,10 @@ fn difference(a: &ControlBlock, b: &ControlBlock) -> Option<&'static str> {
     }
 }
 
-/// What its slots are made by.
+/// What its field and its slots are made by.
 fn maps(block: &ControlBlock) -> Vec<String> {
-    block.targets.iter().map(|target| target.map.describe()).collect()
+    let targets = block.targets.iter().map(|target| target.map.describe());
+    std::iter::once(block.field.describe()).chain(targets).collect()
 }
 
 /// The control vector of one member.

@@ -1,6 +1,6 @@
 //! [`Filter`]: a field smoothed over a length.
 
-use super::{Basis, ControlMap, WholeBody};
+use super::{Basis, ControlMap, Space, WholeBody};
 use crate::error::ControlError;
 use crate::field_operator::{Smoothing, pieces_of_all};
 use nastic_fem::Discretization;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// The Helmholtz filter `s - R^2 laplace s = x` with a natural boundary, `s = (M + R^2 S)^-1 M x` component by component: M the lumped mass of the basis functions,
 /// S their stiffness (of fields by cell over faces, as the [H1 product](crate::Metric::H1)).
 ///
-/// It keeps constants and `int x dX`; a step becomes `exp(-|X|/R)/2`. A cone of radius r is `R = r / (2 sqrt 3)`.
+/// It keeps constants and `int x dX`; values may leave those of x a little where cells are far from right-angled (S has positive entries beside its diagonal there); a step becomes `exp(-|X|/R)/2`. A cone of radius r is `R = r / (2 sqrt 3)`.
 ///
 /// **Source.** B. S. Lazarov & O. Sigmund, Int. J. Numer. Meth. Eng. 86 (2011) 765-781, doi 10.1002/nme.3072.
 #[derive(Debug, Clone)]
@@ -29,6 +29,12 @@ impl Filter {
         let fail = |what: String| Err(ControlError::Cost { what });
         if !(length.is_finite() && length > 0.0) {
             return fail(format!("the length of a filter is {length}; it is a positive length"));
+        }
+        if matches!(basis.space(), Space::Uniform | Space::Region | Space::Point) {
+            return fail(format!(
+                "a filter smooths fields by cell, by node or on a grid, not in the space \"{}\"",
+                basis.space().name()
+            ));
         }
         if basis.is_of_contribution() {
             return fail("a field over points of its own has no neighbours among them, and no filter".to_owned());

@@ -228,7 +228,7 @@ impl EnergyTerm for Grown {
         for (point, mapped) in seen.mapped.iter().enumerate() {
             let shrink = -mapped.volume.real();
             if !(shrink < 0.0 && shrink.is_finite()) {
-                let meaning = "where nothing is left of the volume";
+                let meaning = "where nothing is left of the body: growth must be above -1";
                 return Err(Outside { law: "growth", measure: "-det G", value: shrink, limit: 0.0, meaning, point });
             }
         }

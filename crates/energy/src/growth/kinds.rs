@@ -63,6 +63,8 @@ impl StrainMap for KinematicGrowth {
             Directions::Across(n) => Mat3::identity() - n.at(at) * n.at(at).transpose(),
         };
         let g = g.first().copied().unwrap_or(HyperDual::constant(0.0));
+        // in a plane det G alone does not see that lengths have gone below zero
+        let g = if g.real() > -1.0 { g } else { HyperDual::constant(f64::NAN) };
         let entry = |i: usize, k: usize| {
             HyperDual::constant(f64::from(u8::from(i == k))) + g * HyperDual::constant(pattern[(i, k)])
         };

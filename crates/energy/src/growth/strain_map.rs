@@ -10,7 +10,7 @@ use crate::MaterialPoint;
 ///
 /// with numbers g at every point that are slots as any others. See [`Grown`](crate::Grown) for the derivatives.
 pub trait StrainMap: std::fmt::Debug + Send + Sync {
-    /// G at a point, by rows, from its slots in numbers that carry their derivatives.
+    /// G at a point, by rows, from its slots in numbers that carry their derivatives. Where its determinant is no positive number the laws refuse it.
     fn tensor(&self, at: MaterialPoint, g: &[HyperDual]) -> [[HyperDual; 3]; 3];
 }
 

@@ -39,7 +39,7 @@ const NEAR: f64 = 0.1;
 impl Model {
     /// The end of a step with friction: from its beginning at once, else by rounds in each of which the normal forces of friction are those
     /// of the round before (at first those where the step begins), which is the minimum of a potential, with a larger slip speed where that is
-    /// not found; `None` without friction, and where neither leads there.
+    /// not found; `None` where neither leads there.
     ///
     /// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020), section 5.5, there with a fixed number of rounds; here
     /// Newton's method ends them, with implicit friction.
@@ -52,9 +52,6 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
-        if !self.properties().depends_on_path() {
-            return Ok(None);
-        }
         let starts = [how.guess.map(<[f64]>::to_vec), Some(near.u.to_vec())];
         let borne = |u: &Vec<f64>| self.bears(near, controls, u, how, Some(step));
         let Some(start) = starts.into_iter().flatten().find(borne) else { return Ok(None) };

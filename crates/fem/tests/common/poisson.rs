@@ -103,3 +103,34 @@ impl WeakForm for Coupled {
         (0..3).for_each(|i| out.fluxes[i][i] = phi);
     }
 }
+
+/// `theta - c^2 div grad theta = f`, which nothing has to hold.
+#[derive(Debug)]
+pub struct Screened {
+    fields: [Field; 1],
+}
+
+impl Screened {
+    pub fn on(disc: &Arc<Discretization>) -> CellSum<Self> {
+        CellSum::new(Screened { fields: [Field::nodal("theta", 1)] }, disc)
+    }
+}
+
+impl WeakForm for Screened {
+    fn name(&self) -> &str {
+        "screened"
+    }
+
+    fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+
+    fn slots(&self) -> &[Slot] {
+        &SOURCE
+    }
+
+    fn dual(&self, at: &FormPoint, out: &mut FormDual) {
+        out.sources[3] = at.values[3] - at.controls[0];
+        out.fluxes[3] = at.gradients[3].map(|slope| slope * HyperDual::constant(0.01));
+    }
+}
