@@ -362,6 +362,9 @@ fn ensembles_that_make_no_sense_are_refused() -> Outcome {
     refuse(Ensemble::new(Mean).load_cases(vec![case("up")?.own("tensoin")]), "tensoin");
     let nodal = Reduced::new(bar(&disc, 1.0)?).control("tension", Space::Node)?;
     refuse(Ensemble::new(Mean).scenario("a", 0.5, one()?).scenario("b", 0.5, nodal), "differ in its space");
+    let nodal = || -> Outcome<_> { Ok(Reduced::new(bar(&disc, 1.0)?).control("tension", Space::Node)?) };
+    let filtered = nodal()?.filter("tension", 0.2)?;
+    refuse(Ensemble::new(Mean).scenario("a", 0.5, nodal()?).scenario("b", 0.5, filtered), "other maps");
     let empty = Reduced::new(Solid::on(disc.clone()));
     refuse(Ensemble::new(Mean).scenario("bare", 1.0, empty), "bare: ");
 
