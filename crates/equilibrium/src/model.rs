@@ -170,21 +170,21 @@ impl Model {
         of_body.chain(own).collect()
     }
 
-    /// The controls without loads; designs stay as they are.
+    /// The controls without loads; designs stay as they are, and growth, without which what laws store is not known.
     pub fn unactuated(&self, controls: &Controls) -> Controls {
-        self.taken_over(controls.clone(), &self.zero_controls(), |slot| !slot.is_design())
+        self.taken_over(controls.clone(), &self.zero_controls(), |k, slot| !slot.is_design() && !self.body.grows_by(k))
     }
 
     /// Controls with the designs of others.
     pub(crate) fn with_designs(&self, controls: Controls, of: &Controls) -> Controls {
-        self.taken_over(controls, of, Slot::is_design)
+        self.taken_over(controls, of, |_, slot| slot.is_design())
     }
 
     /// Controls with the values of others in some slots.
-    fn taken_over(&self, mut controls: Controls, of: &Controls, which: impl Fn(&Slot) -> bool) -> Controls {
+    fn taken_over(&self, mut controls: Controls, of: &Controls, which: impl Fn(usize, &Slot) -> bool) -> Controls {
         for (k, own) in self.controllable().iter().enumerate() {
             let width = controls.slots(k);
-            for (slot, _) in own.slots.iter().enumerate().filter(|(_, slot)| which(slot)) {
+            for (slot, _) in own.slots.iter().enumerate().filter(|(_, slot)| which(k, slot)) {
                 let values = controls.values_mut(k).iter_mut().zip(of.values(k));
                 values.skip(slot).step_by(width).for_each(|(value, other)| *value = *other);
             }

@@ -4,11 +4,16 @@ use crate::common;
 
 use common::block::{Block, STRICT};
 use common::homogeneous::cases;
+use common::motion::steps;
 use common::{Outcome, kinds, largest, nodal, regular};
-use nastic_energy::{FiberTension, KinematicGrowth, NeoHooke, PointBatch};
-use nastic_fem::{FemError, Formulation, Solid, SolveOptions, State};
+use nastic_energy::{EnergyTerm, FiberTension, KelvinVoigt, KinematicGrowth, MaxwellBranch, NeoHooke, PointBatch};
+use nastic_fem::{
+    EnergyBalance, EnergyLedger, FemError, Formulation, Scheme, Solid, SolveOptions, State, TimeStepping, Trajectory,
+    Workspace,
+};
 use nastic_mesh::{CellKind, rectangle};
 use nastic_tensor::{Mat3, Vec3};
+use std::sync::Arc;
 
 /// u is that of `F = G`, and nothing is stored.
 fn assert_taken(solid: &Solid, state: &State, expected: &[f64], what: &str) -> Outcome {
@@ -132,5 +137,55 @@ fn a_cell_grows_in_one_way_and_not_away() -> Outcome {
     let still = solid.rest().u;
     let gone = solid.body().evaluate(&still, &controls, true, false).err().ok_or("it shrinks to nothing")?.to_string();
     assert!(gone.contains("det G"), "{gone}");
+    Ok(())
+}
+
+/// A viscous cube grows in half of a time and rests in the other half. Free along x it stores and loses nothing; held there it loses, and never
+/// gains, and the work of growth closes the balance.
+#[test]
+fn growth_of_viscous_bodies_keeps_the_balance_of_energy() -> Outcome {
+    for (law, held) in [(0, false), (1, false), (0, true), (1, true)] {
+        let branch: Arc<dyn EnergyTerm> = match law {
+            0 => Arc::new(MaxwellBranch::new(0.8, 0.2)?),
+            _ => Arc::new(KelvinVoigt::new(0.1, 0.1)?),
+        };
+        let solid = Solid::new(regular(CellKind::Hex8, [1.0; 3], [1; 3])?)?
+            .material("body", NeoHooke::new(1.0, 3.0)?)?
+            .viscosity("body", branch)?
+            .actuate("body", "growth", KinematicGrowth::along(Vec3::x())?)?
+            .displace("x-", [Some(0.0), None, None])?
+            .displace("y-", [None, Some(0.0), None])?
+            .displace("z-", [None, None, Some(0.0)])?;
+        let solid = if held { solid.displace("x+", [Some(0.0), None, None])? } else { solid };
+        let scheme = Scheme::quasi_static();
+        let balances = |count: usize| -> Outcome<Vec<EnergyBalance>> {
+            let grown = |t: f64| {
+                let mut controls = solid.controls();
+                controls.values_mut(1).fill(0.2 * t.min(1.0));
+                controls
+            };
+            let mut run = Trajectory::from_given(solid.rest());
+            let steps = steps(count, 2.0 / count as f64, grown);
+            solid.model().advance(&mut run, &scheme, &steps, &STRICT, &mut Workspace::default())?;
+            let mut ledger = EnergyLedger::new(solid.model(), &scheme)?;
+            run.states().iter().map(|state| Ok(ledger.add(solid.model(), state)?)).collect()
+        };
+        let all = balances(40)?;
+        let end = all[40];
+        let largest = all.iter().map(|balance| balance.elastic).fold(0.0, f64::max);
+        if !held {
+            assert!(largest < 1e-12 && end.viscous_loss.abs() < 1e-12, "{law}: {end:?}");
+            continue;
+        }
+        assert!(all.windows(2).all(|pair| pair[1].viscous_loss >= pair[0].viscous_loss - 1e-12), "{law}: {end:?}");
+        assert!(largest > 1e-2 && end.viscous_loss > 1e-3 && end.drive_work > end.elastic, "{law}: {end:?}");
+        // what the scheme adds falls with its step
+        let finer = balances(80)?[80];
+        assert!(
+            finer.scheme.abs() < 0.6 * end.scheme.abs() && end.scheme.abs() < 0.1 * end.drive_work,
+            "{law}: {end:?} {finer:?}"
+        );
+        assert!(end.unbalanced.abs() < 1e-9, "{law}: {end:?}");
+    }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! [`EnergyBalance`] and [`EnergyLedger`]: where the energy of a motion comes from and where it goes.
 
-use crate::force_families::{ForceFamilies, Resultant};
+use crate::force_families::{ForceFamilies, Resultant, growth_work};
 use crate::scheme::Scheme;
 use nalgebra::Vector3;
 use nastic_body::error::{FemError, Inadmissible};
@@ -187,7 +187,8 @@ impl EnergyLedger {
         let mut next =
             EnergyBalance { kinetic: found.kinetic, elastic: found.elastic, contact: found.contact, ..self.balance };
         if let Some((before, last)) = &self.last {
-            self.step(model, &Step { before, last, state, found: &found }, &mut next);
+            let grown = growth_work(model, before, state)?;
+            self.step(model, &Step { before, last, state, found: &found, grown }, &mut next);
         }
         (self.balance, self.last) = (next, Some((state.clone(), found)));
         Ok(next)
@@ -207,7 +208,7 @@ impl EnergyLedger {
         next.friction_loss += lost;
         next.load_work -= work(|f| &f.loads);
         next.pressure_work -= work(|f| &f.pressures);
-        next.drive_work -= work(|f| &f.drives);
+        next.drive_work += step.grown - work(|f| &f.drives);
         next.obstacle_work += pressed + rubbed;
         let inertia = self.mean_inertia(model, step);
         next.support_work += step.work_of_supports(model, &inertia, &du);
@@ -216,6 +217,7 @@ impl EnergyLedger {
         let formula = gained(|b| b.kinetic) - space.dot(&inertia[..du.len()], &du)
             + gained(|b| b.elastic)
             + step.found.dissipated
+            - step.grown
             - work(|f| &f.stored)
             + gained(|b| b.contact)
             - work(|f| &f.pressing)
@@ -262,6 +264,8 @@ struct Step<'a> {
     last: &'a ForceFamilies,
     state: &'a State,
     found: &'a ForceFamilies,
+    /// Work of growth.
+    grown: f64,
 }
 
 impl Step<'_> {

@@ -42,6 +42,29 @@ pub(crate) struct ForceFamilies {
     pub obstacles: Vec<ObstacleForces>,
 }
 
+/// What laws store at a state under controls, viscous branches at its end.
+fn stored_by_body(model: &Model, state: &State, controls: &Controls) -> Result<f64, Inadmissible> {
+    let at = Instant { parallel: true, load: 1.0, ..Instant::of(state) };
+    let at = Instant { u: model.nodal(at.u), space: model.unknowns(), ..at }.under(controls);
+    if !model.memory().has_history() {
+        return Ok(residual(&model.body, &at)?.energy);
+    }
+    let ended = model.memory().history_of_step(&model.memory().next_history(state, true)?, 0.0);
+    Ok(residual(&model.body, &Instant { step: None, remembered: &ended, ..at })?.energy)
+}
+
+/// The work of a growth that changes in a step, by the trapezoidal rule in what laws store at held displacements and internal variables.
+pub(crate) fn growth_work(model: &Model, before: &State, state: &State) -> Result<f64, Inadmissible> {
+    let [from, to] = [before, state].map(|state| model.unactuated(&state.controls));
+    if !model.body.grows() || from == to {
+        return Ok(0.0);
+    }
+    let gained = |at: &State| -> Result<f64, Inadmissible> {
+        Ok(stored_by_body(model, at, &to)? - stored_by_body(model, at, &from)?)
+    };
+    Ok(0.5 * (gained(before)? + gained(state)?))
+}
+
 /// Forces of an obstacle on the body, and their moments about the place of its centre.
 #[derive(Debug, Clone)]
 pub(crate) struct ObstacleForces {
@@ -121,9 +144,7 @@ impl ForceFamilies {
         self.elastic += match model.memory().has_history() {
             false => own.energy,
             true => {
-                let ended = model.memory().history_of_step(&model.memory().next_history(state, true)?, 0.0);
-                let ended = Instant { step: None, remembered: &ended, ..at.under(passive) };
-                let stored = residual(&model.body, &ended)?.energy;
+                let stored = stored_by_body(model, state, passive)?;
                 self.dissipated += 2.0 * (own.energy - stored);
                 stored
             }

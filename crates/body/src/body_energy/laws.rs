@@ -69,6 +69,16 @@ impl BodyEnergy {
         self.laws_of(cell).iter().find(|law| law.blocks.first() == Some(&own) && !self.is_growth(own))
     }
 
+    /// Whether the k-th law with slots, of all that can be controlled, is a growth.
+    pub fn grows_by(&self, k: usize) -> bool {
+        k < self.actuations.len() && self.is_growth(k)
+    }
+
+    /// Whether some of its cells grow.
+    pub fn grows(&self) -> bool {
+        (0..self.actuations.len()).any(|k| self.is_growth(k))
+    }
+
     pub(super) fn is_growth(&self, actuation: usize) -> bool {
         self.actuations[actuation].law.strain_map().is_some()
     }

@@ -60,6 +60,10 @@ impl Cost for PumpWork {
 
 /// Refuses what stores energy beside the body, which the work would leave out.
 fn check_stored(solid: &Solid) -> Result<(), ControlError> {
+    if solid.body().grows() {
+        let what = "the work of pumps does not count that of a growth; leave one of them out".to_owned();
+        return Err(ControlError::Cost { what });
+    }
     let Some(name) = solid.model().properties().storing() else { return Ok(()) };
     let what = format!(
         "the work of pumps is that of the body alone: what \"{name}\" stores is not counted; leave one of them out"

@@ -94,6 +94,10 @@ impl TrajectoryCost for ActuationWork {
 
     fn value(&self, at: &TrajectoryContext) -> Result<f64, ControlError> {
         check_moved(at.layout)?; // of controls that were added later
+        if at.solid.body().grows() {
+            let what = "\"actuation_work\" does not count the work of a growth; leave one of them out".to_owned();
+            return Err(ControlError::Cost { what });
+        }
         let forces = forces(at)?;
         let work = |(n, du): (usize, Vec<f64>)| -0.5 * (dot(&forces[n], &du) + dot(&forces[n + 1], &du));
         Ok(self.weight * moves(at).into_iter().enumerate().map(work).sum::<f64>())
