@@ -204,7 +204,11 @@ impl Reduced {
         let all = self.solid().body().actuations().iter().enumerate();
         for (k, attached) in all.filter(|(_, attached)| attached.law.evolution().is_none()) {
             let slots = attached.law.slots();
-            let means = disc.cell_average(state.controls.values(k), slots.len());
+            let mut means = disc.cell_average(state.controls.values(k), slots.len());
+            let mut inside = vec![false; cells];
+            attached.cells.iter().for_each(|&cell| inside[cell as usize] = true);
+            let outside = means.chunks_exact_mut(slots.len()).zip(inside).filter(|(_, inside)| !inside);
+            outside.for_each(|(means, _)| means.fill(0.0));
             if slots.len() == 1
                 && self.layout().blocks().iter().flat_map(|block| &block.targets).all(|target| target.actuation != k)
             {

@@ -18,7 +18,7 @@ pub fn controls(problem: &CaseProblem) -> Vec<Line> {
         let shared = if shared { ", shared by all load cases" } else { "" };
         let values = &block.values_of(place.of(&problem.start))[..];
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-        let unit = &field.unit;
+        let unit = behind(&field.unit);
         let start = if low == high { short(low) } else { format!("{} to {}", short(low), short(high)) };
         let volts = voltages(problem.member(place.owner), block, values);
         let volts = volts.map_or_else(String::new, |volts| format!(" ({} over the film at rest)", kilovolts(volts)));
@@ -32,7 +32,7 @@ pub fn controls(problem: &CaseProblem) -> Vec<Line> {
         line(
             "controls",
             format!(
-                "{}: by {}{}{knots}, {unknowns}{components}{}, start {start} {unit}{volts}, {admitted}{shared}",
+                "{}: by {}{}{knots}, {unknowns}{components}{}, start {start}{unit}{volts}, {admitted}{shared}",
                 field.name,
                 block.basis.space().name(),
                 grid.unwrap_or_default(),
@@ -43,12 +43,17 @@ pub fn controls(problem: &CaseProblem) -> Vec<Line> {
     fields.map(of).collect()
 }
 
+/// A unit behind a number; nothing of a pure number.
+fn behind(unit: &str) -> String {
+    if unit == "1" { String::new() } else { format!(" {unit}") }
+}
+
 fn admitted(field: &ControlField) -> String {
-    let unit = &field.unit;
+    let unit = behind(&field.unit);
     match field.admitted {
-        Admitted::Between { lower, upper } => format!("within [{}, {}] {unit}", short(lower), short(upper)),
-        Admitted::Norm(norm) => format!("of length {} {unit}", short(norm)),
-        Admitted::MaxNorm(most) => format!("no longer than {} {unit}", short(most)),
+        Admitted::Between { lower, upper } => format!("within [{}, {}]{unit}", short(lower), short(upper)),
+        Admitted::Norm(norm) => format!("of length {}{unit}", short(norm)),
+        Admitted::MaxNorm(most) => format!("no longer than {}{unit}", short(most)),
         Admitted::Any => "unbounded".to_owned(),
     }
 }

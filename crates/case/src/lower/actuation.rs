@@ -178,6 +178,10 @@ fn fix_slot(
             context.warn(&CONVEXITY, &at, beyond_limit(most, limit, context.units));
         }
     }
+    if reduced.solid().body().grows_by(index) && first_values.iter().flatten().any(|value| *value <= -1.0) {
+        context.complain(&at, super::control::GROWTH);
+        return None;
+    }
     if only_pulls && first_values.iter().flatten().any(|value| *value < 0.0) {
         context.complain(&at, must_pull(key));
         return None;

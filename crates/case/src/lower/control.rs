@@ -167,6 +167,11 @@ struct Allowed {
     set: Box<dyn Admissible>,
 }
 
+/// Lower bound of growth where none is given: a tenth of every length is left.
+const LEAST_GROWTH: f64 = -0.9;
+/// What is said of values of a growth that leave nothing.
+pub(super) const GROWTH: &str = "growth must stay above -1, where nothing is left of a length";
+
 impl Lowering<'_> {
     fn lower(&self, context: &mut Context<'_>) -> Option<(ControlField, Vec<f64>, Box<dyn Admissible>)> {
         let limit = self.limit;
@@ -295,6 +300,13 @@ impl Lowering<'_> {
                 return None;
             }
             lower = lower.or(Some(Limit::Uniform(0.0)));
+        }
+        if self.block.targets.iter().any(|target| self.reduced.solid().body().grows_by(target.actuation)) {
+            if lower.as_ref().is_some_and(|lower| least(lower) <= -1.0) {
+                context.complain(&self.control.at.key("lower"), GROWTH);
+                return None;
+            }
+            lower = lower.or(Some(Limit::Uniform(LEAST_GROWTH)));
         }
         if let (Some(most), Some(_)) = (self.control.longest(), &self.control.direction) {
             let beyond = lower.as_ref().is_some_and(|lower| least(lower) < -most)

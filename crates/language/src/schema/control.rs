@@ -25,7 +25,7 @@ object! {
         pub log: bool = false,
         /// Value to start from; zero if left out, of a number of a material that of the material. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
         pub start: Option<Start> as ANY_IN_TIME,
-        /// Least value, of a vector a list; unbounded if left out, of a muscle 0. A tension contracts below zero.
+        /// Least value, of a vector a list; unbounded if left out, of a muscle 0, of a growth -0.9. A tension contracts below zero.
         pub lower: Option<Bound> as ANY_IN_TIME,
         /// Largest value, of a vector a list; the law's convexity bound if left out. A tension lengthens above zero.
         pub upper: Option<Bound> as ANY_IN_TIME,

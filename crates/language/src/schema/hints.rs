@@ -37,6 +37,7 @@ const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with 
                       \"field\" (in T)";
 const NO_LAW: &str = "nastic does not have this law yet; \"mooney_rivlin\" and \"neo_hooke\" take large strains \
     too, also by \"young\" and \"poisson\"";
+const HEAT: &str = "the strain alpha dT of a given temperature is a \"kind\": \"growth\", its \"growth\" alpha dT: conduction is not solved";
 const NO_FIELD: &str = "nastic has no actuation of this kind yet; there are fibre tension, turgor, magnets, dielectrics, air chambers and tendons";
 const ELECTRIC: &str = "a dielectric elastomer is an actuation of the \"kind\": \"dielectric\" with a \"region\", a \
     \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"";
@@ -179,14 +180,15 @@ pub(super) const HINTS: &[Hint] = &[
     hint("actuation", &["chamber", "air_chamber", "air", "pneumatic", "pneunet", "balloon", "pressure"], CHAMBER),
     hint(
         "actuation",
-        &["swelling", "osmosis", "growth", "inflation"],
-        "a pressure inside the material itself is of the \"kind\": \"turgor\"",
+        &["swelling", "osmosis", "inflation", "expansion"],
+        "a pressure inside the material itself is of the \"kind\": \"turgor\", swelling by a given part of lengths \"growth\"",
     ),
     hint("actuation", &["cable", "wire", "string", "rope", "tendons"], TENDON),
     hint("actuation", &["spring", "elastic_band"], SPRING),
     hint("actuation", &["magnetic", "magnetization", "magnetisation", "b", "b_r", "m"], MAGNET),
     hint("actuation", &["electric", "voltage", "electrode", "electrodes", "dea", "eps"], ELECTRIC),
-    hint("actuation", &["thermal", "temperature", "shape_memory", "lce", "light"], NO_FIELD),
+    hint("actuation", &["thermal", "temperature", "heat"], HEAT),
+    hint("actuation", &["shape_memory", "lce", "light"], NO_FIELD),
     hint(
         "actuation",
         &["stress", "activation", "value", "strength"],
