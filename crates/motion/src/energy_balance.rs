@@ -1,6 +1,6 @@
 //! [`EnergyBalance`] and [`EnergyLedger`]: where the energy of a motion comes from and where it goes.
 
-use crate::force_families::{ForceFamilies, Resultant, growth_work};
+use crate::force_families::{Ended, ForceFamilies, Resultant, growth_work};
 use crate::scheme::Scheme;
 use nalgebra::Vector3;
 use nastic_body::error::{FemError, Inadmissible};
@@ -146,7 +146,7 @@ pub struct EnergyLedger {
     /// Whether the ends of steps are equilibria of inertia and forces.
     ends_balanced: bool,
     balance: EnergyBalance,
-    last: Option<(State, ForceFamilies)>,
+    last: Option<Last>,
 }
 
 impl EnergyLedger {
@@ -173,7 +173,8 @@ impl EnergyLedger {
         balance: EnergyBalance,
     ) -> Result<(), Inadmissible> {
         let found = ForceFamilies::of(model, self.mass.as_ref(), before, state)?;
-        (self.balance, self.last) = (balance, Some((state.clone(), found)));
+        let last = Last { before: before.cloned(), state: state.clone(), found };
+        (self.balance, self.last) = (balance, Some(last));
         Ok(())
     }
 
@@ -182,15 +183,17 @@ impl EnergyLedger {
     /// # Errors
     /// [`Inadmissible`] where the displacement is.
     pub fn add(&mut self, model: &Model, state: &State) -> Result<EnergyBalance, Inadmissible> {
-        let before = self.last.as_ref().map(|(state, _)| state);
+        let before = self.last.as_ref().map(|last| &last.state);
         let found = ForceFamilies::of(model, self.mass.as_ref(), before, state)?;
         let mut next =
             EnergyBalance { kinetic: found.kinetic, elastic: found.elastic, contact: found.contact, ..self.balance };
-        if let Some((before, last)) = &self.last {
-            let grown = growth_work(model, before, state)?;
-            self.step(model, &Step { before, last, state, found: &found, grown }, &mut next);
+        if let Some(Last { before, state: begin, found: last }) = &self.last {
+            let from = Ended { before: before.as_ref(), state: begin };
+            let grown = growth_work(model, from, Ended { before: Some(begin), state })?;
+            self.step(model, &Step { before: begin, last, state, found: &found, grown }, &mut next);
         }
-        (self.balance, self.last) = (next, Some((state.clone(), found)));
+        let before = self.last.take().map(|last| last.state);
+        (self.balance, self.last) = (next, Some(Last { before, state: state.clone(), found }));
         Ok(next)
     }
 
@@ -256,6 +259,14 @@ impl EnergyLedger {
         sum.iter_mut().for_each(|value| *value *= 0.5);
         sum
     }
+}
+
+/// A state of a motion, the one before it, and what was found there.
+#[derive(Debug, Clone)]
+struct Last {
+    before: Option<State>,
+    state: State,
+    found: ForceFamilies,
 }
 
 /// A step between two states.

@@ -42,27 +42,52 @@ pub(crate) struct ForceFamilies {
     pub obstacles: Vec<ObstacleForces>,
 }
 
-/// What laws store at a state under controls, viscous branches at its end.
-fn stored_by_body(model: &Model, state: &State, controls: &Controls) -> Result<f64, Inadmissible> {
-    let at = Instant { parallel: true, load: 1.0, ..Instant::of(state) };
-    let at = Instant { u: model.nodal(at.u), space: model.unknowns(), ..at }.under(controls);
-    if !model.memory().has_history() {
-        return Ok(residual(&model.body, &at)?.energy);
-    }
-    let ended = model.memory().history_of_step(&model.memory().next_history(state, true)?, 0.0);
-    Ok(residual(&model.body, &Instant { step: None, remembered: &ended, ..at })?.energy)
+/// A state and the state before it, none where a motion begins.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Ended<'a> {
+    pub before: Option<&'a State>,
+    pub state: &'a State,
 }
 
-/// The work of a growth that changes in a step, by the trapezoidal rule in what laws store at held displacements and internal variables.
-pub(crate) fn growth_work(model: &Model, before: &State, state: &State) -> Result<f64, Inadmissible> {
-    let [from, to] = [before, state].map(|state| model.unactuated(&state.controls));
-    if !model.body.grows() || from == to {
+impl Ended<'_> {
+    /// The step that led there; its inertia is the mass matrix's.
+    fn step(&self) -> TimeStep {
+        let mut step = TimeStep::between(self.before.unwrap_or(self.state), self.state);
+        step.acceleration = (0.0, vec![0.0; self.state.u.len()]);
+        if self.before.is_none() {
+            // nothing has moved yet: after a long time
+            (step.dt, step.elapsed) = (f64::INFINITY, f64::INFINITY);
+        }
+        step
+    }
+}
+
+/// The work of a growth that changes by `dg` in a step, by the trapezoidal rule: `(w_n + w_{n+1})/2` with `w = dE/dg dg` of the energy E that laws have in the step
+/// that led to a state, as the difference over `g - dg/2` and `g + dg/2`, in which viscous parts are exact.
+pub(crate) fn growth_work(model: &Model, from: Ended, to: Ended) -> Result<f64, Inadmissible> {
+    let [begin, end] = [from.state, to.state].map(|state| model.unactuated(&state.controls));
+    if !model.body.grows() || begin == end {
         return Ok(0.0);
     }
-    let gained = |at: &State| -> Result<f64, Inadmissible> {
-        Ok(stored_by_body(model, at, &to)? - stored_by_body(model, at, &from)?)
-    };
-    Ok(0.5 * (gained(before)? + gained(state)?))
+    let mut sum = 0.0;
+    for (ended, own) in [(from, &begin), (to, &end)] {
+        let step = ended.step();
+        let at = Instant { parallel: true, load: 1.0, ..Instant::of(ended.state) }.in_step(&step);
+        let at = Instant { u: model.nodal(at.u), space: model.unknowns(), ..at };
+        for side in [1.0, -1.0] {
+            let mut moved = own.clone();
+            for k in 0..moved.len() {
+                let change = end.values(k).iter().zip(begin.values(k));
+                moved
+                    .values_mut(k)
+                    .iter_mut()
+                    .zip(change)
+                    .for_each(|(g, (end, begin))| *g += 0.5 * side * (end - begin));
+            }
+            sum += 0.5 * side * residual(&model.body, &at.under(&moved))?.energy;
+        }
+    }
+    Ok(sum)
 }
 
 /// Forces of an obstacle on the body, and their moments about the place of its centre.
@@ -90,13 +115,7 @@ impl ForceFamilies {
         before: Option<&State>,
         state: &State,
     ) -> Result<Self, Inadmissible> {
-        let mut step = TimeStep::between(before.unwrap_or(state), state);
-        // inertia is the mass matrix's
-        step.acceleration = (0.0, vec![0.0; state.u.len()]);
-        if before.is_none() {
-            // nothing has moved yet: after a long time
-            (step.dt, step.elapsed) = (f64::INFINITY, f64::INFINITY);
-        }
+        let step = Ended { before, state }.step();
         // motions are under full loads, also where the state that they begin at was found without
         let at = Instant { parallel: true, load: 1.0, ..Instant::of(state) }.in_step(&step);
         let passive = model.unactuated(&state.controls);
@@ -144,7 +163,9 @@ impl ForceFamilies {
         self.elastic += match model.memory().has_history() {
             false => own.energy,
             true => {
-                let stored = stored_by_body(model, state, passive)?;
+                let ended = model.memory().history_of_step(&model.memory().next_history(state, true)?, 0.0);
+                let ended = Instant { step: None, remembered: &ended, ..at.under(passive) };
+                let stored = residual(&model.body, &ended)?.energy;
                 self.dissipated += 2.0 * (own.energy - stored);
                 stored
             }
