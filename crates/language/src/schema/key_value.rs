@@ -121,6 +121,7 @@ fn given(key: &Key, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Key
 /// What the schema says of a key.
 pub(crate) fn key_schema(key: &Key, definitions: &mut Definitions) -> read::Key {
     let number = |default: Option<f64>| default.map(Json::from);
+    let required = key.need == Need::Required;
     let (schema, default) = match key.kind {
         KeyKind::Surface | KeyKind::Region | KeyKind::Nodes => (GroupNames::schema(Want::ANY, definitions), None),
         KeyKind::Point => (Vector::schema(Want::LENGTH, definitions), None),
@@ -128,7 +129,10 @@ pub(crate) fn key_schema(key: &Key, definitions: &mut Definitions) -> read::Key 
         KeyKind::Points => (BodyPoints::schema(Want::LENGTH, definitions), None),
         KeyKind::Direction => (Direction::schema(Want::ANY, definitions), None),
         KeyKind::Components => (Fix::schema(Want::ANY, definitions), None),
-        KeyKind::Flag => (bool::schema(Want::ANY, definitions), Some(false.into())),
+        KeyKind::Flag => {
+            let schema = json!({ "description": key.about, "type": "boolean", "default": false });
+            return read::Key::as_is(key.name, required, schema);
+        }
         KeyKind::Number { unit, default } => (f64::schema(want(unit), definitions), number(default)),
         KeyKind::Positive { unit } => (f64::schema(want(unit).positive(), definitions), None),
         KeyKind::Count { default } => (usize::schema(Want::POSITIVE, definitions), default.map(Json::from)),
@@ -142,6 +146,5 @@ pub(crate) fn key_schema(key: &Key, definitions: &mut Definitions) -> read::Key 
         KeyKind::Obstacle => (ShapeOrName::schema(Want::ANY, definitions), None),
         KeyKind::Contact | KeyKind::Control => (String::schema(Want::ANY, definitions), None),
     };
-    let required = key.need == Need::Required;
     read::Key { name: key.name, about: key.about.to_owned(), required, default, schema }
 }
