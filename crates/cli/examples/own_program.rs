@@ -64,8 +64,8 @@ static BAND: Entry = Entry {
     form: Some(Form {
         about: "an elastic band between two points of the body",
         keys: &[
-            Key { name: "points", about: "its two ends", kind: KeyKind::Points },
-            Key { name: "stiffness", about: "force per length", kind: KeyKind::Number { unit: "N/m", required: true } },
+            Key::new("points", "its two ends", KeyKind::Points),
+            Key::new("stiffness", "force per length", KeyKind::Positive { unit: "N/m" }),
         ],
         slots: &[],
         passive: true,

@@ -34,9 +34,9 @@ pub use control_limit::{ControlAt, ControlLimit};
 pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     Aim, BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ContactLoad, ContactResultant, ContactSlip,
-    ControlNorm, ControlSmoothness, Cost, CostContext, CostExample, CostForm, CostInputs, CostKey, CostPoint, CostRow,
-    CostTaken, CostTakes, CostTarget, CostValue, CostWords, Counts, Curvature, DistanceInTime, Figure, FigureKind,
-    IntoCost, LargestStretch, LumenVolume, MakeCost, MeanPosition, MeanRadius, MotionPartials, Need,
+    ControlNorm, ControlSmoothness, Cost, CostContext, CostExample, CostForm, CostInputs, CostPoint, CostRow,
+    CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DistanceInTime, Figure, FigureKind, IntoCost, Key,
+    KeyKind, LargestStretch, LumenVolume, MakeCost, MeanPosition, MeanRadius, MotionPartials, Need,
     ObstaclePenetration, Orientation, Partials, PumpWork, Reaction, SmoothedHausdorff, StepBegin, Target, Tracking,
 };
 pub use design::Consumer;

@@ -34,7 +34,8 @@ use crate::{
     ByParameters, Conversion, ConvexDensity, EnergyError, EnergyTerm, FormulaLaw, LinearInModuli, Parametrised,
 };
 
-use choose::{choose, distinct};
+use choose::choose;
+pub use choose::{describe, distinct};
 pub use fit_form::{FitForm, FitNumber, FitStarts, FitVolume, Free};
 pub use inputs::{CheckedInputs, Inputs};
 

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_language::schema::{
-    Bound, Case, Cost, Element, Fixed, Input, Means, MeshSource, Metric, Parameter, Phi, Risk, Rule, Scenarios, Space,
-    Stages, Start, Target, TermValue, VectorField, vector_at,
+    Bound, Case, Cost, Element, Fixed, Input, KeyValue, Means, MeshSource, Metric, Parameter, Phi, Risk, Rule,
+    Scenarios, Space, Stages, Start, Target, VectorField, vector_at,
 };
 use nastic_language::syntax::{Diagnostics, Document};
 
@@ -127,7 +127,7 @@ fn magnets_load_cases_and_every_other_key_are_read() {
     assert_eq!(up.controls[0].longest(), Some(0.02));
     assert_eq!(up.controls[0].start, Some(Start::Random(7)));
     assert_eq!(down.controls[0].direction.as_ref().unwrap().xyz(), [0.0, 1.0, 0.0]);
-    let TermValue::Target(Target::Formulas(target)) = &up.costs[0].term().unwrap().values["target"] else { panic!() };
+    let KeyValue::Target(Target::Formulas(target)) = &up.costs[0].term().unwrap().values["target"] else { panic!() };
     assert_eq!(vector_at(target, [1.0, 2.0, 3.0]).unwrap(), [1.0, 102.0, 3.0]);
     let Cost::SmoothedHausdorff(shape) = &down.costs[2] else { panic!() };
     let MeshSource::Box(target) = &shape.target else { panic!() };

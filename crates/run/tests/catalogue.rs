@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
-use nastic_control::{ControlError, Cost, CostContext, CostForm, CostInputs, CostKey, CostPoint, CostTakes, Partials};
+use nastic_control::{ControlError, Cost, CostContext, CostForm, CostInputs, CostPoint, Key, KeyKind, Partials};
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::{Command, json_schema};
 use nastic_run::console::Console;
@@ -53,8 +53,7 @@ impl CostPoint for LiftPoint {
 }
 
 const ABOUT: &str = "weight/2 (u_z - height)^2 at the nodes of a surface";
-const KEYS: &[CostKey] =
-    &[CostKey::SURFACE, CostKey::new("height", "How high.", CostTakes::Number { unit: "m", default: None })];
+const KEYS: &[Key] = &[Key::SURFACE, Key::new("height", "How high.", KeyKind::Number { unit: "m", default: None })];
 
 static LIFT: CostForm = CostForm::new("lift", ABOUT, KEYS, |on| Ok(Box::new(lift(on, 1.0)?)));
 

@@ -5,7 +5,7 @@ use crate::warning::{BETWEEN_NODES, FEW_FACETS, PENETRATED, THICK_LAYER, Warning
 use nastic_fem::{Instant, State, Touch, TouchParameters};
 use nastic_language::number::{quantity, short, vector};
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::{Cost, TermValue};
+use nastic_language::schema::{Cost, KeyValue};
 
 /// Above this share of the approach the mean gap that remains makes a layer thick.
 const THICK: f64 = 0.05;
@@ -62,7 +62,7 @@ pub fn few_facets(member: CaseMember<'_>, name: &str, area: f64, at: &str) -> Op
     let bounded = case.constraints.iter().filter_map(|constraint| constraint.cost.as_ref());
     let of_it = |cost: &Cost| match cost {
         Cost::Term(term) => {
-            let is_of_it = |value: &TermValue| matches!(value, TermValue::Contact(of) if of == name);
+            let is_of_it = |value: &KeyValue| matches!(value, KeyValue::Contact(of) if of == name);
             term.form.name == "contact_pressure" && term.values.values().any(is_of_it)
         }
         _ => false,

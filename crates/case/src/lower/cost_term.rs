@@ -4,9 +4,9 @@ use super::array::{self, Entity};
 use super::context::Context;
 use super::cost::Lowering;
 use super::{named_groups, obstacle, time};
-use nastic_control::{ControlError, CostInputs, CostKey, CostTakes, CostValue, Target};
+use nastic_control::{ControlError, CostInputs, CostValue, Key, KeyKind, Target};
 use nastic_language::expression::EvaluationError;
-use nastic_language::schema::{Coordinates, CostTerm, MeshSource, Target as TargetBlock, TermValue, Vector, vector_at};
+use nastic_language::schema::{Coordinates, CostTerm, KeyValue, MeshSource, Target as TargetBlock, Vector, vector_at};
 use nastic_language::syntax::At;
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -20,8 +20,8 @@ type Fault = Arc<OnceLock<EvaluationError>>;
 /// The mesh among the values of a term, with its place.
 pub(super) fn mesh_of(term: &CostTerm) -> Option<(&MeshSource, At)> {
     term.values.iter().find_map(|(key, value)| match value {
-        TermValue::Mesh(source) => Some((source, term.at.key(key))),
-        TermValue::Target(TargetBlock::Nodes(nodes)) => Some((&nodes.nodes, nodes.at.key("nodes"))),
+        KeyValue::Mesh(source) => Some((source, term.at.key(key))),
+        KeyValue::Target(TargetBlock::Nodes(nodes)) => Some((&nodes.nodes, nodes.at.key("nodes"))),
         _ => None,
     })
 }
@@ -36,7 +36,7 @@ impl Lowering<'_> {
     ) -> Option<Box<C>> {
         let (mut values, fault) = (BTreeMap::new(), Fault::default());
         let given = term.form.keys.iter().filter_map(|key| Some((key, term.values.get(key.name)?)));
-        let given: Vec<(&CostKey, &TermValue)> = given.collect();
+        let given: Vec<(&Key, &KeyValue)> = given.collect();
         for (key, value) in &given {
             let at = term.at.key(key.name);
             if let Some(value) = self.value(key, term, value, &at, &fault, context) {
@@ -56,7 +56,7 @@ impl Lowering<'_> {
         };
         let made = make(&inputs);
         if let Some(error) = fault.get().filter(|_| made.is_err()) {
-            let of_target = |key: &&CostKey| key.takes == CostTakes::Target;
+            let of_target = |key: &&Key| key.kind == KeyKind::Target;
             let key = term.form.keys.iter().find(of_target).map_or("target", |key| key.name);
             context.complain(&term.at.key(key), error);
             return None;
@@ -68,28 +68,28 @@ impl Lowering<'_> {
     /// The value of a key; `None` after a complaint.
     fn value(
         &self,
-        key: &CostKey,
+        key: &Key,
         term: &CostTerm,
-        value: &TermValue,
+        value: &KeyValue,
         at: &At,
         fault: &Fault,
         context: &mut Context<'_>,
     ) -> Option<CostValue> {
         let mesh = self.reduced.solid().mesh().clone();
         Some(match value {
-            TermValue::Names(names) => {
-                match key.takes {
-                    CostTakes::Surface => drop(named_groups::facets(&mesh, names, at, context)?),
-                    CostTakes::Region => drop(named_groups::cells(&mesh, names, at, context)?),
+            KeyValue::Names(names) => {
+                match key.kind {
+                    KeyKind::Surface => drop(named_groups::facets(&mesh, names, at, context)?),
+                    KeyKind::Region => drop(named_groups::cells(&mesh, names, at, context)?),
                     _ => drop(named_groups::node_sets(&mesh, names, at, context)?),
                 }
                 CostValue::Names(names.clone())
             }
-            TermValue::Point(point) => {
+            KeyValue::Point(point) => {
                 context.take(at, mesh.locate_inside(point.xyz()))?;
                 CostValue::Vector(point.xyz())
             }
-            TermValue::Line(line) => {
+            KeyValue::Line(line) => {
                 let points: Vec<[f64; 3]> = line.iter().map(Vector::xyz).collect();
                 let located =
                     points.iter().enumerate().map(|(i, x)| context.take(&at.index(i), mesh.locate_inside(*x)));
@@ -97,21 +97,22 @@ impl Lowering<'_> {
                 let inside = located.fold(true, |all, one| all & one.is_some());
                 inside.then_some(CostValue::Line(points))?
             }
-            TermValue::Direction(direction) => CostValue::Vector(direction.xyz()),
-            TermValue::Number(number) => CostValue::Number(*number),
-            TermValue::Count(count) => CostValue::Count(u32::try_from(*count).unwrap_or(u32::MAX)),
-            TermValue::Word(word) => CostValue::Word(word),
-            TermValue::Position(position) => CostValue::Position(position_of(position, context)?),
+            KeyValue::Points(points) => CostValue::Points(points.clone()),
+            KeyValue::Components(fix) => CostValue::Components(fix.components()),
+            KeyValue::Flag(flag) => CostValue::Flag(*flag),
+            KeyValue::Direction(direction) => CostValue::Vector(direction.xyz()),
+            KeyValue::Number(number) => CostValue::Number(*number),
+            KeyValue::Count(count) => CostValue::Count(u32::try_from(*count).unwrap_or(u32::MAX)),
+            KeyValue::Word(word) => CostValue::Word(word),
+            KeyValue::Position(position) => CostValue::Position(position_of(position, context)?),
             // a table that could not be read was complained about
-            TermValue::Path(_) => return None,
-            TermValue::Target(block) => CostValue::Target(self.positions(block, at, fault, context)?),
-            TermValue::Mesh(_) => CostValue::Mesh(self.target?.mesh.clone()),
-            TermValue::Obstacle(shape) => {
-                CostValue::Obstacle(obstacle::of(self.case, shape, clearance(term), context)?)
-            }
-            TermValue::Contact(name) => CostValue::Name(name.clone()),
+            KeyValue::Path(_) => return None,
+            KeyValue::Target(block) => CostValue::Target(self.positions(block, at, fault, context)?),
+            KeyValue::Mesh(_) => CostValue::Mesh(self.target?.mesh.clone()),
+            KeyValue::Obstacle(shape) => CostValue::Obstacle(obstacle::of(self.case, shape, clearance(term), context)?),
+            KeyValue::Contact(name) => CostValue::Name(name.clone()),
             // the library's name of a control is that of its actuation
-            TermValue::Control(name) => {
+            KeyValue::Control(name) => {
                 let control = self.case.controls.iter().find(|control| control.name() == name)?;
                 CostValue::Name(control.of.clone())
             }
@@ -165,7 +166,7 @@ impl Lowering<'_> {
 /// The distance to keep from an obstacle.
 fn clearance(term: &CostTerm) -> f64 {
     match term.values.get("clearance") {
-        Some(TermValue::Number(clearance)) => *clearance,
+        Some(KeyValue::Number(clearance)) => *clearance,
         _ => 0.0,
     }
 }

@@ -5,7 +5,7 @@ use crate::warning::UNITS;
 use nastic_language::expression::Formula;
 use nastic_language::number::short;
 use nastic_language::schema::{
-    Case, Coordinates, Cost, CostTerm, Fixed, Obstacle, Parameter, Start, TermValue, TimeTable, VectorField,
+    Case, Coordinates, Cost, CostTerm, Fixed, KeyValue, Obstacle, Parameter, Start, TimeTable, VectorField,
     VectorInTime,
 };
 use nastic_language::syntax::{At, quoted};
@@ -53,12 +53,12 @@ pub(super) fn resolve(case: &mut Case, context: &mut Context<'_>) {
 /// The same of positions that a term aims at.
 fn resolve_paths(term: &mut CostTerm, end: Option<f64>, context: &mut Context<'_>) {
     for (key, value) in &mut term.values {
-        let TermValue::Path(table) = value else { continue };
+        let KeyValue::Path(table) = value else { continue };
         let at = term.at.key(key);
         if let Some(formulas) = formulas(table, end, &at, context) {
             let mut given = formulas.into_iter();
             let by_component = table.components().into_iter().map(|column| column.and_then(|_| given.next())).collect();
-            *value = TermValue::Position(Box::new(Coordinates::of(by_component, &at)));
+            *value = KeyValue::Position(Box::new(Coordinates::of(by_component, &at)));
         }
     }
 }

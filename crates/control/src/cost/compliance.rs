@@ -1,7 +1,7 @@
 //! [`Compliance`]: how far a surface of the deformed body gives way to a small probe force.
 
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::{Increment, Instant, Model, QuadraturePoints, Solid, SolveOptions, StateError};
@@ -44,8 +44,8 @@ pub(super) const FORM: CostForm = CostForm::new(
     "compliance",
     "weight times the compliance of a surface: its mean displacement along a direction for each unit of force along it.",
     &[
-        CostKey::SURFACE.about("Surface of the mesh, on which the force is spread evenly."),
-        CostKey::new("direction", "Direction of force and displacement.", CostTakes::Direction),
+        Key::SURFACE.about("Surface of the mesh, on which the force is spread evenly."),
+        Key::new("direction", "Direction of force and displacement.", KeyKind::Direction),
     ],
     |on| {
         let refuse = |what: &str| Err(ControlError::Cost { what: what.to_owned() });

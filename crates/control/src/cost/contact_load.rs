@@ -1,8 +1,8 @@
 //! [`ContactLoad`]: how hard a contact presses.
 
 use super::{
-    ContactResultant, Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost,
-    Partials, check_weight,
+    ContactResultant, Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials,
+    check_weight,
 };
 use crate::error::ControlError;
 use crate::layout::Layout;
@@ -50,11 +50,11 @@ pub(super) const FORCE: CostForm = CostForm::new(
     "contact_force",
     "weight times the force that a contact presses with: the sum of its pressures times areas; or along a direction.",
     &[
-        CostKey::CONTACT,
-        CostKey::new(
+        Key::CONTACT,
+        Key::new(
             "direction",
             "Of an obstacle: its force on the body along it, with friction, in the place of the sum of pressures.",
-            CostTakes::Direction,
+            KeyKind::Direction,
         )
         .optional(),
     ],
@@ -77,11 +77,11 @@ pub(super) const PRESSURE: CostForm = CostForm::new(
     "contact_pressure",
     "weight times a smoothed largest pressure of a contact: the power mean over its surface, never above it.",
     &[
-        CostKey::CONTACT,
-        CostKey::new(
+        Key::CONTACT,
+        Key::new(
             "exponent",
             "q of the exponent 2q: the larger, the nearer to the largest pressure.",
-            CostTakes::Count { default: Some(8) },
+            KeyKind::Count { default: Some(8) },
         )
         .optional(),
     ],

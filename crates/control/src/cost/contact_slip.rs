@@ -1,9 +1,7 @@
 //! [`ContactSlip`]: how much a contact slips, beside its slip speed.
 
 use super::contact_load::contact_of;
-use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, IntoCost, MotionPartials, Partials, check_weight,
-};
+use super::{Cost, CostContext, CostForm, CostPoint, IntoCost, Key, KeyKind, MotionPartials, Partials, check_weight};
 use crate::error::ControlError;
 use crate::layout::Layout;
 use nastic_fem::{ContactSum, Controls, Instant, Solid, State, TimeStep};
@@ -51,11 +49,11 @@ pub(super) const FORM: CostForm = CostForm::new(
     NAME,
     "weight times how fast a contact with friction slides, as a share of its slip speed: a power mean over what presses.",
     &[
-        CostKey::CONTACT,
-        CostKey::new(
+        Key::CONTACT,
+        Key::new(
             "exponent",
             "q of the exponent 2q: the larger, the nearer to the fastest sample.",
-            CostTakes::Count { default: Some(4) },
+            KeyKind::Count { default: Some(4) },
         )
         .optional(),
     ],

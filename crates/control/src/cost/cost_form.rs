@@ -2,7 +2,7 @@
 
 use super::body_points::BodyPart;
 use super::cost_value::{CostTaken, CostValue, CostWords};
-use super::{Cost, CostKey};
+use super::{Cost, Key};
 use crate::error::ControlError;
 use crate::time::{TrajectoryCost, When};
 use nastic_fem::Solid;
@@ -17,7 +17,7 @@ pub struct CostForm {
     /// What it is, in a sentence.
     pub about: &'static str,
     /// Its keys beside `kind`, `name`, `weight` and `when`.
-    pub keys: &'static [CostKey],
+    pub keys: &'static [Key],
     /// The part of a motion over which it counts.
     pub counts: Counts,
     /// Whether it is the square of what it measures: where it is zero its derivative is zero too, so that no constraint can hold it there.
@@ -55,7 +55,7 @@ impl CostForm {
     pub const fn new(
         name: &'static str,
         about: &'static str,
-        keys: &'static [CostKey],
+        keys: &'static [Key],
         make: fn(&CostInputs) -> Result<Box<dyn Cost>, ControlError>,
     ) -> Self {
         let (counts, make) = (Counts::AtEnd, MakeCost::OfStates(make));
@@ -66,7 +66,7 @@ impl CostForm {
     pub const fn of_motion(
         name: &'static str,
         about: &'static str,
-        keys: &'static [CostKey],
+        keys: &'static [Key],
         make: fn(&CostInputs) -> Result<Box<dyn TrajectoryCost>, ControlError>,
     ) -> Self {
         let (counts, make) = (Counts::Always, MakeCost::OfMotion(make));

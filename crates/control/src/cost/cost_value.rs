@@ -1,6 +1,7 @@
 //! [`CostValue`]: the value of a key of a cost, and how it is put into words.
 
 use super::target_positions::Target;
+use nastic_fem::BodyPoint;
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{GroupNames, Mesh};
 use std::collections::BTreeMap;
@@ -31,6 +32,12 @@ macro_rules! values {
 values! {
     /// Groups of the mesh, which has them.
     Names(GroupNames),
+    /// Whether something is so.
+    Flag(bool),
+    /// Components, 0 to 2.
+    Components(Vec<usize>),
+    /// Points of the body.
+    Points(Vec<BodyPoint>),
     /// A number.
     Number(f64),
     /// A whole number of at least 1.

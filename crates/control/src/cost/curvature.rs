@@ -1,7 +1,7 @@
 //! [`Curvature`]: the squared deviation of the curvature of a line in the body from a wanted one.
 
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -47,13 +47,13 @@ pub(super) const FORM: CostForm = CostForm::new(
     "curvature",
     "weight/2 int (kappa - curvature)^2 along a line through points of the body, kappa its curvature about an axis.",
     &[
-        CostKey::new("line", "The line at rest, at least three points of the body.", CostTakes::Line),
-        CostKey::new("axis", "What is counted as positive turns about it; in plane strain z.", CostTakes::Direction)
+        Key::new("line", "The line at rest, at least three points of the body.", KeyKind::Line),
+        Key::new("axis", "What is counted as positive turns about it; in plane strain z.", KeyKind::Direction)
             .optional(),
-        CostKey::new(
+        Key::new(
             "curvature",
             "The curvature that is wanted, 1 over a radius.",
-            CostTakes::Number { unit: "1/m", default: None },
+            KeyKind::Number { unit: "1/m", default: None },
         ),
     ],
     |on| {

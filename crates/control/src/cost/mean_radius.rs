@@ -1,7 +1,7 @@
 //! [`MeanRadius`]: the mean distance of a surface from an axis or from a point.
 
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
 use crate::cost::body_points::{BodyPart, BodyPoints};
 use crate::error::ControlError;
@@ -66,18 +66,18 @@ pub(super) const FORM: CostForm = CostForm::new(
     "mean_radius",
     "weight/2 (R - radius)^2, R the mean distance of a surface from an axis, or from a point.",
     &[
-        CostKey::SURFACE,
-        CostKey::new("radius", "The mean radius that is wanted.", CostTakes::Number { unit: "m", default: None }),
-        CostKey::new(
+        Key::SURFACE,
+        Key::new("radius", "The mean radius that is wanted.", KeyKind::Number { unit: "m", default: None }),
+        Key::new(
             "axis",
             "Direction of the axis; in plane strain z. Without it the distance from the centre counts.",
-            CostTakes::Direction,
+            KeyKind::Direction,
         )
         .optional(),
-        CostKey::new(
+        Key::new(
             "centre",
             "Where the axis passes; components left out are those of the surface's mean at rest.",
-            CostTakes::Position,
+            KeyKind::Position,
         )
         .optional(),
     ],

@@ -2,7 +2,7 @@
 
 use super::body_points::{BodyPart, BodyPoints};
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -83,15 +83,15 @@ pub(super) const FORM: CostForm = CostForm::new(
     "obstacle",
     "weight/2 int max(0, clearance - d(x))^2 over a surface or region, the sum over a node set; d is the distance from an obstacle.",
     &[
-        CostKey::SURFACE.one_of(),
-        CostKey::REGION.one_of(),
-        CostKey::NODES.one_of(),
-        CostKey::new(
+        Key::SURFACE.one_of(),
+        Key::REGION.one_of(),
+        Key::NODES.one_of(),
+        Key::new(
             "shape",
             "The obstacle: a shape, or the name of one of `obstacles`, where it is not moved.",
-            CostTakes::Obstacle,
+            KeyKind::Obstacle,
         ),
-        CostKey::new("clearance", "The distance to keep.", CostTakes::Number { unit: "m", default: Some(0.0) })
+        Key::new("clearance", "The distance to keep.", KeyKind::Number { unit: "m", default: Some(0.0) })
             .optional(),
     ],
     |on| {

@@ -2,7 +2,7 @@
 
 use super::facet_tangents::{FacetTangents, area_vector};
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -46,7 +46,7 @@ impl Orientation {
 pub(super) const FORM: CostForm = CostForm::new(
     "orientation",
     "weight/2 int |n - direction|^2 over a surface, n its outward unit normal in the deformed body.",
-    &[CostKey::SURFACE, CostKey::new("direction", "Where its normals shall point.", CostTakes::Direction)],
+    &[Key::SURFACE, Key::new("direction", "Where its normals shall point.", KeyKind::Direction)],
     |on| {
         let (surface, direction) = (on.get("surface")?, on.get("direction")?);
         Orientation { surface, direction, weight: on.weight }.bind(on.solid)

@@ -2,8 +2,7 @@
 
 use super::body_points::BodyPart;
 use super::{
-    Aim, Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials,
-    check_weight,
+    Aim, Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -67,11 +66,11 @@ pub(super) const FORM: CostForm = CostForm::new(
     "position",
     "weight/2 |x - target|^2 of the mean x of a surface, region or node set, or of one point.",
     &[
-        CostKey::SURFACE.one_of(),
-        CostKey::REGION.one_of(),
-        CostKey::NODES.one_of(),
-        CostKey::POINT.one_of(),
-        CostKey::new("target", "Where it shall be; components left out are free.", CostTakes::Position),
+        Key::SURFACE.one_of(),
+        Key::REGION.one_of(),
+        Key::NODES.one_of(),
+        Key::POINT.one_of(),
+        Key::new("target", "Where it shall be; components left out are free.", KeyKind::Position),
     ],
     |on| {
         let of = on.given("point").map_or_else(|| on.place().map(Of::Part), |point| Ok(Of::Point(point)))?;

@@ -1,7 +1,7 @@
 //! [`Reaction`]: the squared deviation of the force of a support from a wanted one.
 
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, MotionPartials, Partials,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, MotionPartials, Partials,
     check_weight,
 };
 use crate::error::ControlError;
@@ -55,9 +55,9 @@ pub(super) const FORM: CostForm = CostForm::new(
     "reaction",
     "weight/2 (R - force)^2, R the force along a direction that supports exert at a surface.",
     &[
-        CostKey::SURFACE.about("Surface of the mesh that is held, or moved, in some components at least."),
-        CostKey::new("direction", "Direction of the force.", CostTakes::Direction),
-        CostKey::new("force", "The force that is wanted.", CostTakes::Number { unit: "N", default: None }),
+        Key::SURFACE.about("Surface of the mesh that is held, or moved, in some components at least."),
+        Key::new("direction", "Direction of the force.", KeyKind::Direction),
+        Key::new("force", "The force that is wanted.", KeyKind::Number { unit: "N", default: None }),
     ],
     |on| {
         let (surface, direction, force) = (on.get("surface")?, on.get("direction")?, on.get("force")?);

@@ -1,6 +1,6 @@
 //! Costs of the control itself: [`ControlNorm`] and [`ControlSmoothness`].
 
-use super::{Cost, CostContext, CostForm, CostKey, CostPoint, Counts, Partials, check_weight};
+use super::{Cost, CostContext, CostForm, CostPoint, Counts, Key, Partials, check_weight};
 use crate::error::ControlError;
 use crate::field_operator::{mass_product, stiffness_product};
 use crate::map::Basis;
@@ -29,7 +29,7 @@ impl ControlNorm {
 }
 
 /// How the norm stands in case files.
-pub(super) const NORM: CostForm = CostForm::new("control_norm", "weight/2 int m^2", &[CostKey::CONTROL], |on| {
+pub(super) const NORM: CostForm = CostForm::new("control_norm", "weight/2 int m^2", &[Key::CONTROL], |on| {
     Ok(Box::new(ControlNorm::of(&on.get::<String>("of")?, on.weight)?))
 })
 .square()
@@ -40,7 +40,7 @@ pub(super) const NORM: CostForm = CostForm::new("control_norm", "weight/2 int m^
 pub(super) const SMOOTHNESS: CostForm = CostForm::new(
     "control_smoothness",
     "weight/2 int |grad m|^2; for cell fields the jumps over faces by the distance of centres.",
-    &[CostKey::CONTROL],
+    &[Key::CONTROL],
     |on| Ok(Box::new(ControlSmoothness::of(&on.get::<String>("of")?, on.weight)?)),
 )
 .square()

@@ -1,7 +1,7 @@
 //! [`LargestStretch`]: a smoothed maximum of the principal stretches over the body.
 
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
@@ -65,8 +65,8 @@ pub(super) const FORM: CostForm = CostForm::new(
     "largest_stretch",
     "weight times a smoothed maximum of the principal stretches, the power mean of exponent 2p over a region.",
     &[
-        CostKey::REGION.about("Region of the mesh; the body if left out.").optional(),
-        CostKey::new("exponent", "p, from 1 to 32.", CostTakes::Count { default: Some(EXPONENT) }).optional(),
+        Key::REGION.about("Region of the mesh; the body if left out.").optional(),
+        Key::new("exponent", "p, from 1 to 32.", KeyKind::Count { default: Some(EXPONENT) }).optional(),
     ],
     |on| {
         let (region, exponent) = (on.given("region"), on.get("exponent")?);

@@ -3,8 +3,8 @@
 use super::body_points::{BodyPart, BodyPoints};
 use super::target_positions::Target;
 use super::{
-    Aim, Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, CostTarget, Figure, FigureKind, IntoCost,
-    Partials, check_weight,
+    Aim, Cost, CostContext, CostForm, CostPoint, CostTarget, Figure, FigureKind, IntoCost, Key, KeyKind, Partials,
+    check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -53,10 +53,10 @@ pub(super) const FORM: CostForm = CostForm::new(
     "tracking",
     "weight/2 int |x - x_target|^2 over a surface or region, the sum over a node set.",
     &[
-        CostKey::SURFACE.one_of(),
-        CostKey::REGION.one_of(),
-        CostKey::NODES.one_of(),
-        CostKey::new("target", "Target positions.", CostTakes::Target),
+        Key::SURFACE.one_of(),
+        Key::REGION.one_of(),
+        Key::NODES.one_of(),
+        Key::new("target", "Target positions.", KeyKind::Target),
     ],
     |on| Tracking { place: on.place()?, target: on.get("target")?, weight: on.weight }.bind(on.solid),
 )

@@ -1,7 +1,7 @@
 //! [`LumenVolume`]: the volume that a surface encloses.
 
 use super::{
-    Cost, CostContext, CostForm, CostKey, CostPoint, CostTakes, Figure, FigureKind, IntoCost, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::{Lumen, Solid};
@@ -39,11 +39,11 @@ pub(super) const FORM: CostForm = CostForm::new(
     "volume",
     "weight/2 (V - volume)^2, V the volume that a surface encloses, openings closed by lids.",
     &[
-        CostKey::SURFACE,
-        CostKey::new(
+        Key::SURFACE,
+        Key::new(
             "volume",
             "The volume that is wanted; in plane strain a plain number, the area.",
-            CostTakes::Number { unit: "m^3", default: None },
+            KeyKind::Number { unit: "m^3", default: None },
         ),
     ],
     |on| {

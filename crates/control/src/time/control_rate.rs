@@ -3,7 +3,7 @@
 use super::Timeline;
 use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
 use crate::control_block::ControlBlock;
-use crate::cost::{CostForm, CostKey, check_weight};
+use crate::cost::{CostForm, Key, check_weight};
 use crate::error::ControlError;
 use crate::field_operator::mass_product;
 use crate::layout::Layout;
@@ -73,7 +73,7 @@ pub(super) fn check_in_time(what: &str, of: &str, layout: &Layout) -> Result<(),
 pub(crate) const FORM: CostForm = CostForm::of_motion(
     "control_rate",
     "weight/2 int int |dm/dt|^2 dX dt of a control that changes in time",
-    &[CostKey::CONTROL],
+    &[Key::CONTROL],
     |on| Ok(Box::new(ControlRate::of(&on.get::<String>("of")?, on.weight)?)),
 )
 .square()

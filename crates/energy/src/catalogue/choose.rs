@@ -54,6 +54,7 @@ fn has(form: &[Parameter], name: &str) -> bool {
     form.iter().any(|p| p.name == name)
 }
 
+/// All parameters of all forms, each once.
 pub fn distinct(forms: &'static [&'static [Parameter]]) -> Vec<&'static Parameter> {
     let mut out: Vec<&'static Parameter> = Vec::new();
     for parameter in forms.iter().copied().flatten() {

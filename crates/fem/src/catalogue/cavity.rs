@@ -1,6 +1,7 @@
 //! A cavity in case files.
 
-use super::form::{Form, Key, KeyKind};
+use super::form::Form;
+use super::key::{Key, KeyKind};
 use nastic_energy::Slot;
 use nastic_forces::cavity::{Cavity, PRESSURE, VOLUME};
 
@@ -8,31 +9,35 @@ use nastic_forces::cavity::{Cavity, PRESSURE, VOLUME};
 pub(super) const FORM: Form = Form {
     about: "A cavity behind a closed surface of the body, under a pressure or with an added volume.",
     keys: &[
-        Key {
-            name: "surface",
-            about: "Surface of the mesh that bounds the cavity, or several that do so together.",
-            kind: KeyKind::Union,
-        },
-        Key {
-            name: "lid",
-            about: "Whether openings of the surface are closed by a lid that loads their rims.",
-            kind: KeyKind::Flag,
-        },
-        Key {
-            name: "open",
-            about: "Whether the surface is open and the supports hold its rim: a membrane or a plate under a follower pressure.",
-            kind: KeyKind::Flag,
-        },
-        Key {
-            name: "filled",
-            about: "Whether the surface is the outside of the body, whose own volume it is, like that of a drop.",
-            kind: KeyKind::Flag,
-        },
-        Key {
-            name: "symmetry",
-            about: "Surfaces in the planes of symmetry on which the surface ends.",
-            kind: KeyKind::Surfaces,
-        },
+        Key::new(
+            "surface",
+            "Surface of the mesh that bounds the cavity, or several that do so together.",
+            KeyKind::Surface,
+        ),
+        Key::new(
+            "lid",
+            "Whether openings of the surface are closed by a lid that loads their rims.",
+            KeyKind::Flag,
+        )
+        .optional(),
+        Key::new(
+            "open",
+            "Whether the surface is open and the supports hold its rim: a membrane or a plate under a follower pressure.",
+            KeyKind::Flag,
+        )
+        .optional(),
+        Key::new(
+            "filled",
+            "Whether the surface is the outside of the body, whose own volume it is, like that of a drop.",
+            KeyKind::Flag,
+        )
+        .optional(),
+        Key::new(
+            "symmetry",
+            "Surfaces in the planes of symmetry on which the surface ends.",
+            KeyKind::Surface,
+        )
+        .optional(),
     ],
     passive: false,
     slots: &[PRESSURE, Slot::scalar(VOLUME.group, "m^d")],

@@ -1,5 +1,6 @@
 //! [`Form`]: how a contribution stands in case files.
 
+use super::key::Key;
 use crate::solid::Solid;
 use nastic_body::contribution::body_point::BodyPoint;
 use nastic_body::error::FemError;
@@ -21,54 +22,6 @@ pub struct Form {
     pub one_of: bool,
     /// Adds one of that name to a body.
     pub add: fn(Solid, &str, &FormValues) -> Result<Solid, FemError>,
-}
-
-/// A key of a form.
-#[derive(Debug, Clone, Copy)]
-pub struct Key {
-    /// The key.
-    pub name: &'static str,
-    /// What it says, in a sentence.
-    pub about: &'static str,
-    /// What its value is.
-    pub kind: KeyKind,
-}
-
-/// What the value of a key is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum KeyKind {
-    /// The name of a surface; needed.
-    Surface,
-    /// The name of a surface, or names of several that stand for their union; needed.
-    Union,
-    /// Names of surfaces; none if left out.
-    Surfaces,
-    /// True or false; false if left out.
-    Flag,
-    /// Points of the body: positions, or names of node sets; needed.
-    Points,
-    /// A point of space; none if left out.
-    Place,
-    /// Components, of x, y and z; all if left out.
-    Components,
-    /// A positive number in this unit.
-    Number {
-        /// Its unit.
-        unit: &'static str,
-        /// Whether it must be there.
-        required: bool,
-    },
-}
-
-impl KeyKind {
-    /// Whether a block without the key is refused.
-    pub fn is_required(self) -> bool {
-        match self {
-            KeyKind::Surface | KeyKind::Union | KeyKind::Points => true,
-            KeyKind::Surfaces | KeyKind::Flag | KeyKind::Place | KeyKind::Components => false,
-            KeyKind::Number { required, .. } => required,
-        }
-    }
 }
 
 /// The values of a form's keys.

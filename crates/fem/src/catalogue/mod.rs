@@ -2,6 +2,7 @@
 
 mod cavity;
 mod form;
+mod key;
 mod moving_support;
 mod tendon;
 
@@ -23,7 +24,8 @@ use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_tensor::Vec3;
 
-pub use form::{Form, FormValues, Key, KeyKind};
+pub use form::{Form, FormValues};
+pub use key::{Key, KeyKind, Need};
 
 /// A row of the catalogue.
 #[derive(Debug, Clone, Copy)]

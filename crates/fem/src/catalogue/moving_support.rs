@@ -1,6 +1,7 @@
 //! A moving support in case files.
 
-use super::form::{Form, Key, KeyKind};
+use super::form::Form;
+use super::key::{Key, KeyKind};
 use nastic_forces::moving_support::MovingSupport;
 use nastic_forces::rigid_motion::SLOTS;
 
@@ -8,17 +9,19 @@ use nastic_forces::rigid_motion::SLOTS;
 pub(super) const FORM: Form = Form {
     about: "A surface that is held and moves as a rigid body.",
     keys: &[
-        Key { name: "surface", about: "Surface or node set of the mesh, or several.", kind: KeyKind::Union },
-        Key {
-            name: "centre",
-            about: "Point of the reference body about which it turns; the mean of its nodes if left out.",
-            kind: KeyKind::Place,
-        },
-        Key {
-            name: "fix",
-            about: "Components that it holds, of x, y and z: along the others the surface slides freely. All if left out.",
-            kind: KeyKind::Components,
-        },
+        Key::new("surface", "Surface or node set of the mesh, or several.", KeyKind::Surface),
+        Key::new(
+            "centre",
+            "Point of the reference body about which it turns; the mean of its nodes if left out.",
+            KeyKind::Point,
+        )
+        .optional(),
+        Key::new(
+            "fix",
+            "Components that it holds, of x, y and z: along the others the surface slides freely. All if left out.",
+            KeyKind::Components,
+        )
+        .optional(),
     ],
     slots: &SLOTS,
     passive: true,

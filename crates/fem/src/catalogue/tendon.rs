@@ -1,26 +1,25 @@
 //! How tendons stand in case files.
 
-use super::form::{Form, FormValues, Key, KeyKind};
+use super::form::{Form, FormValues};
+use super::key::{Key, KeyKind};
 use crate::solid::Solid;
 use nastic_body::error::FemError;
 use nastic_forces::tendon::Tendon;
 use nastic_forces::tendon::force::Drive;
 
-const POINTS: Key = Key {
-    name: "points",
-    about: "Points of the reference body that the tendon passes, in order, straight between them: positions, or names of node sets, whose mean it is.",
-    kind: KeyKind::Points,
-};
-const SPACING: Key = Key {
-    name: "spacing",
-    about: "Adds guides on the straight lines between the points, no farther apart than this.",
-    kind: KeyKind::Number { unit: "m", required: false },
-};
-const STIFFNESS: Key = Key {
-    name: "stiffness",
-    about: "Force per elongation of the whole cable.",
-    kind: KeyKind::Number { unit: "N/m", required: true },
-};
+const POINTS: Key = Key::new(
+    "points",
+    "Points of the reference body that the tendon passes, in order, straight between them: positions, or names of node sets, whose mean it is.",
+    KeyKind::Points,
+);
+const SPACING: Key = Key::new(
+    "spacing",
+    "Adds guides on the straight lines between the points, no farther apart than this.",
+    KeyKind::Positive { unit: "m" },
+)
+.optional();
+const STIFFNESS: Key =
+    Key::new("stiffness", "Force per elongation of the whole cable.", KeyKind::Positive { unit: "N/m" });
 
 /// Under a given tension, or drawn in by a given length without stretching.
 pub(super) const INEXTENSIBLE: Form = Form {

@@ -1,19 +1,17 @@
 //! The blocks of `actuation`.
 
 use crate::quantity::Want;
-use crate::schema::body_point::BodyPoints;
-use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, slot_names, slot_schema, slots, want};
+use crate::schema::catalogue::{Input, SlotName, form_schema, read_inputs, row_schema, slot_names, slot_schema, slots};
 use crate::schema::field::{Parameter, VectorField};
-use crate::schema::json::{Definitions, annotated};
-use crate::schema::read::{Read, Reader};
-use crate::schema::support::Fix;
+use crate::schema::json::Definitions;
+use crate::schema::key_value::{KeyValue, key_schema, read_value};
+use crate::schema::read::{Key, Read, Reader};
 use crate::schema::time_table::TimeTable;
-use crate::schema::value::{Vector, described_text};
 use crate::syntax::{At, Node, Property};
 use nastic_energy::catalogue::ActuationRow;
 use nastic_fem::catalogue::{Form, FormValues, KeyKind};
 use nastic_mesh::GroupNames;
-use serde_json::{Map, Value as Json, json};
+use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
 
 /// What moves the body; kinds and their keys are those of the catalogues.
@@ -171,11 +169,9 @@ impl Read for Actuation {
             let mut options = Vec::new();
             for kind in catalogue.actuations() {
                 for form in kind.forms {
-                    let mut properties = common_properties(kind.name, &slots(kind), definitions);
-                    properties
-                        .insert("region".into(), annotated(GroupNames::schema(Want::ANY, definitions), REGION, None));
-                    let required = vec!["name", "kind", "region"];
-                    options.push(form_schema(kind.about, properties, required, form, definitions));
+                    let mut keys = common_keys(kind.name, &slots(kind), definitions);
+                    keys.push(Key::new::<GroupNames>("region", REGION, Want::ANY, None, definitions));
+                    options.push(form_schema(kind.about, keys, form, definitions));
                 }
             }
             for (kind, form) in catalogue.contributions() {
@@ -200,7 +196,7 @@ fn read_law(row: &'static ActuationRow, node: &Node, at: &At, reader: &mut Reade
     let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
     let parameters = read_inputs(row.name, row.forms, node, at, reader);
     let means = region.zip(parameters).map(|(region, parameters)| Means::Law { row, region, parameters });
-    (means, slots(row), keys(row.forms).into_iter().map(|p| p.name).chain(["region"]).collect())
+    (means, slots(row), row.parameters().into_iter().map(|p| p.name).chain(["region"]).collect())
 }
 
 /// A contribution, its slots, and its keys.
@@ -214,99 +210,45 @@ fn read_contribution(
     let mut values = FormValues::default();
     let mut complete = true;
     for key in form.keys {
-        let names = match key.kind {
-            KeyKind::Surface => {
-                let name: Option<String> = reader.key(node, at, key.name, key.about, Want::ANY, None);
-                complete &= name.is_some();
-                name.into_iter().collect()
-            }
-            KeyKind::Union => {
-                let names: Option<GroupNames> = reader.key(node, at, key.name, key.about, Want::ANY, None);
-                complete &= names.is_some();
-                names.iter().flat_map(GroupNames::iter).map(str::to_owned).collect()
-            }
-            KeyKind::Surfaces => {
-                let names: Option<Option<GroupNames>> =
-                    reader.key(node, at, key.name, key.about, Want::ANY, Some(None));
-                names.flatten().iter().flat_map(GroupNames::iter).map(str::to_owned).collect()
-            }
-            KeyKind::Flag => {
-                let flag = reader.key::<bool>(node, at, key.name, key.about, Want::ANY, Some(false));
-                values.flags.extend(flag.unwrap_or_default().then_some(key.name));
-                continue;
-            }
-            KeyKind::Points => {
-                let points: Option<BodyPoints> = reader.key(node, at, key.name, key.about, Want::LENGTH, None);
-                complete &= points.is_some();
-                values.points.insert(key.name, points.map(|points| points.0).unwrap_or_default());
-                continue;
-            }
-            KeyKind::Components => {
-                let fix: Option<Option<Fix>> = reader.key(node, at, key.name, key.about, Want::ANY, Some(None));
-                if let Some(fix) = fix.flatten() {
-                    let held = fix.held().iter().enumerate().filter_map(|(i, held)| held.map(|_| i)).collect();
-                    values.components.insert(key.name, held);
-                }
-                continue;
-            }
-            KeyKind::Place => {
-                let place: Option<Option<Vector>> = reader.key(node, at, key.name, key.about, Want::LENGTH, Some(None));
-                values.places.extend(place.flatten().map(|place| (key.name, place.xyz())));
-                continue;
-            }
-            KeyKind::Number { unit, required } => {
-                let default = if required { None } else { Some(None) };
-                let number: Option<Option<f64>> =
-                    reader.key(node, at, key.name, key.about, want(unit).positive(), default);
-                complete &= number.is_some();
-                values.numbers.extend(number.flatten().map(|number| (key.name, number)));
-                continue;
-            }
-        };
-        values.names.insert(key.name, names);
+        let value = read_value(key, node, at, reader);
+        if matches!(key.kind, KeyKind::Surface | KeyKind::Region | KeyKind::Nodes) {
+            values.names.insert(key.name, vec![]);
+        }
+        complete &= value.is_some();
+        if value.flatten().is_some_and(|value| !put(&mut values, key.name, value)) {
+            reader.complain(node, &at.key(key.name), "no contribution takes a value of this kind");
+            complete = false;
+        }
     }
     let means = complete.then_some(Means::Contribution { kind, form, values });
     (means, slot_names(form.slots), form.keys.iter().map(|key| key.name).collect())
 }
 
-/// The properties that every kind has.
-fn common_properties(kind: &str, slots: &[SlotName], definitions: &mut Definitions) -> Map<String, Json> {
-    let mut properties = Map::new();
-    properties.insert("name".into(), described_text(NAME));
-    properties.insert("kind".into(), json!({ "const": kind }));
-    for slot in slots {
-        properties.insert(slot.key.into(), slot_schema(slot, definitions));
+/// Puts a value where the form finds it; false of what no form takes.
+fn put(values: &mut FormValues, key: &'static str, value: KeyValue) -> bool {
+    match value {
+        KeyValue::Names(names) => values.names.entry(key).or_default().extend(names.iter().map(str::to_owned)),
+        KeyValue::Point(place) => values.places.extend([(key, place.xyz())]),
+        KeyValue::Points(points) => values.points.extend([(key, points)]),
+        KeyValue::Components(fix) => values.components.extend([(key, fix.components())]),
+        KeyValue::Flag(flag) => values.flags.extend(flag.then_some(key)),
+        KeyValue::Number(number) => values.numbers.extend([(key, number)]),
+        _ => return false,
     }
-    properties
+    true
+}
+
+/// The keys that every kind has.
+fn common_keys(kind: &str, slots: &[SlotName], definitions: &mut Definitions) -> Vec<Key> {
+    let name = Key::new::<String>("name", NAME, Want::ANY, None, definitions);
+    let slots = slots.iter().map(|slot| slot_schema(slot, definitions));
+    [name, Key::as_is("kind", true, json!({ "const": kind }))].into_iter().chain(slots).collect()
 }
 
 fn contribution_schema(kind: &str, form: &'static Form, definitions: &mut Definitions) -> Json {
-    let mut properties = common_properties(kind, &slot_names(form.slots), definitions);
-    let mut required = vec!["name", "kind"];
-    for key in form.keys {
-        let schema = match key.kind {
-            KeyKind::Surface => described_text(key.about),
-            KeyKind::Union | KeyKind::Surfaces => {
-                annotated(GroupNames::schema(Want::ANY, definitions), key.about, None)
-            }
-            KeyKind::Flag => json!({ "description": key.about, "type": "boolean", "default": false }),
-            KeyKind::Points => annotated(BodyPoints::schema(Want::LENGTH, definitions), key.about, None),
-            KeyKind::Components => annotated(Fix::schema(Want::ANY, definitions), key.about, None),
-            KeyKind::Place => annotated(Vector::schema(Want::LENGTH, definitions), key.about, None),
-            KeyKind::Number { unit, .. } => annotated(f64::schema(want(unit).positive(), definitions), key.about, None),
-        };
-        properties.insert(key.name.into(), schema);
-        if key.kind.is_required() {
-            required.push(key.name);
-        }
-    }
-    json!({
-        "type": "object",
-        "description": form.about,
-        "required": required,
-        "properties": properties,
-        "additionalProperties": false,
-    })
+    let mut keys = common_keys(kind, &slot_names(form.slots), definitions);
+    keys.extend(form.keys.iter().map(|key| key_schema(key, definitions)));
+    row_schema(form.about, keys)
 }
 
 fn read_fixed(slot: &SlotName, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Fixed> {

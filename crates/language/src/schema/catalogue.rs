@@ -5,11 +5,11 @@ use crate::quantity::Want;
 use crate::schema::direction;
 use crate::schema::field::{Parameter, VectorField, check_unit};
 use crate::schema::json::{Definitions, annotated, any_of};
-use crate::schema::read::{Read, Reader};
+use crate::schema::read::{Key, Read, Reader};
 use crate::schema::time_table::TimeTable;
 use crate::syntax::{At, Node, Property, Value};
 use nastic_energy::SlotGroup;
-use nastic_energy::catalogue::{self, ActuationRow, Takes};
+use nastic_energy::catalogue::{self, ActuationRow, Takes, distinct};
 use serde_json::{Map, Value as Json, json};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -101,17 +101,6 @@ pub(crate) fn slot_names(slots: &[nastic_energy::Slot]) -> Vec<SlotName> {
     SlotGroup::of(slots).into_iter().map(name).collect()
 }
 
-/// All keys of all forms, each once.
-pub(crate) fn keys(forms: Forms) -> Vec<&'static catalogue::Parameter> {
-    let mut out: Vec<&catalogue::Parameter> = Vec::new();
-    for parameter in forms.iter().copied().flatten() {
-        if !out.iter().any(|known| known.name == parameter.name) {
-            out.push(parameter);
-        }
-    }
-    out
-}
-
 /// The parameters of a block, of exactly one form.
 pub(crate) fn read_inputs(
     owner: &str,
@@ -123,7 +112,7 @@ pub(crate) fn read_inputs(
     let members = reader.members(node, at)?;
     let fits = check_form(owner, forms, node, members, at, reader);
     let mut out = BTreeMap::new();
-    for parameter in keys(forms) {
+    for parameter in distinct(forms) {
         let Some(member) = members.iter().find(|member| member.key == parameter.name) else { continue };
         let at = at.key(parameter.name);
         let input = match parameter.takes {
@@ -168,7 +157,7 @@ fn read_energy(node: &Node, at: &At, forms: Forms, members: &[Property], reader:
         reader.expected(node, at, "a text with a formula, as \"mu / 2 * (I1 - 3 - 2 * log(J))\",");
         return None;
     };
-    let numbers = keys(forms).into_iter().find(|key| matches!(key.takes, Takes::Numbers { .. }));
+    let numbers = distinct(forms).into_iter().find(|key| matches!(key.takes, Takes::Numbers { .. }));
     let beside = numbers.and_then(|key| members.iter().find(|member| member.key == key.name));
     let named: &[Property] = match beside.map(|member| &member.node.value) {
         Some(Value::Object(named)) => named,
@@ -195,7 +184,7 @@ fn read_energy(node: &Node, at: &At, forms: Forms, members: &[Property], reader:
 /// True if all keys belong to one form and none of its own is missing.
 fn check_form(owner: &str, forms: Forms, node: &Node, members: &[Property], at: &At, reader: &mut Reader<'_>) -> bool {
     let has = |name: &str| members.iter().any(|member| member.key == name);
-    let given: Vec<&str> = keys(forms).iter().map(|p| p.name).filter(|name| has(name)).collect();
+    let given: Vec<&str> = distinct(forms).iter().map(|p| p.name).filter(|name| has(name)).collect();
     let missing = |form: &[catalogue::Parameter]| -> Vec<&str> {
         form.iter().filter(|p| !p.optional && !has(p.name)).map(|p| p.name).collect()
     };
@@ -204,8 +193,7 @@ fn check_form(owner: &str, forms: Forms, node: &Node, members: &[Property], at: 
     // The form that was meant shares the most keys and lacks the fewest.
     let Some(best) = forms.iter().min_by_key(|form| (strange(form), missing(form).len())) else { return true };
     let lacking = missing(best);
-    let described: Vec<String> = forms.iter().map(|form| describe(form)).collect();
-    let described = described.join(" or ");
+    let described = catalogue::describe(forms);
     if strange(best) > 0 {
         let found = given.join(", ");
         reader.complain(node, at, format!("\"{owner}\" takes {described}, found {{{found}}}"));
@@ -214,11 +202,6 @@ fn check_form(owner: &str, forms: Forms, node: &Node, members: &[Property], at: 
         reader.complain(node, at, format!("missing key \"{lacking}\": \"{owner}\" takes {described}"));
     }
     strange(best) == 0 && lacking.is_empty()
-}
-
-fn describe(form: &[catalogue::Parameter]) -> String {
-    let names = form.iter().map(|p| format!("{}{}", p.name, if p.optional { "?" } else { "" }));
-    format!("{{{}}}", names.collect::<Vec<_>>().join(", "))
 }
 
 /// What a value in this unit of the catalogue demands of a case.
@@ -233,8 +216,7 @@ const NUMBERS: &str = "The parameters that the energy names.";
 /// The block with these fixed keys and one form's parameters.
 pub(crate) fn form_schema(
     about: &str,
-    mut properties: Map<String, Json>,
-    mut required: Vec<&str>,
+    mut keys: Vec<Key>,
     form: &'static [catalogue::Parameter],
     definitions: &mut Definitions,
 ) -> Json {
@@ -251,11 +233,15 @@ pub(crate) fn form_schema(
                 annotated(BTreeMap::<String, Parameter>::schema(Want::ANY, definitions), NUMBERS, None)
             }
         };
-        properties.insert(parameter.name.into(), schema);
-        if !parameter.optional {
-            required.push(parameter.name);
-        }
+        keys.push(Key::as_is(parameter.name, !parameter.optional, schema));
     }
+    row_schema(about, keys)
+}
+
+/// The block of a row with these keys.
+pub(crate) fn row_schema(about: &str, keys: Vec<Key>) -> Json {
+    let required: Vec<&str> = keys.iter().filter(|key| key.required).map(|key| key.name).collect();
+    let properties: Map<String, Json> = keys.into_iter().map(|key| (key.name.to_owned(), key.described())).collect();
     json!({
         "type": "object",
         "description": about,
@@ -266,7 +252,7 @@ pub(crate) fn form_schema(
 }
 
 /// The schema of a slot's fixed value.
-pub(crate) fn slot_schema(slot: &SlotName, definitions: &mut Definitions) -> Json {
+pub(crate) fn slot_schema(slot: &SlotName, definitions: &mut Definitions) -> Key {
     let sign = match slot.key {
         _ if slot.not_negative => " It only pulls: not negative.",
         "tension" => " A positive one lengthens, a negative one contracts.",
@@ -279,7 +265,7 @@ pub(crate) fn slot_schema(slot: &SlotName, definitions: &mut Definitions) -> Jso
         Parameter::schema(slot.want, definitions)
     };
     let schema = any_of(vec![own, TimeTable::schema(slot.want, definitions)]);
-    annotated(schema, &about, None)
+    Key { name: slot.key, about, required: false, default: None, schema }
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! The blocks of `costs`.
 
 use crate::quantity::Want;
-use crate::schema::cost_term::{CostTerm, TermValue};
+use crate::schema::cost_term::CostTerm;
 use crate::schema::json::Definitions;
+use crate::schema::key_value::KeyValue;
 use crate::schema::obstacle::ShapeOrName;
 use crate::schema::read::{Read, Reader, object};
 use crate::schema::smoothed_hausdorff::SmoothedHausdorff;
@@ -90,7 +91,7 @@ impl Cost {
     /// Whether its target changes in time.
     #[must_use]
     pub fn uses_time(&self) -> bool {
-        self.term().is_some_and(|term| term.values.values().any(TermValue::uses_time))
+        self.term().is_some_and(|term| term.values.values().any(KeyValue::uses_time))
     }
 
     /// The term at an instant, where its target changes in time.

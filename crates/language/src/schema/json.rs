@@ -78,7 +78,7 @@ pub(crate) fn block_schema(about: &str, tag: Option<(&str, &str)>, keys: Vec<Key
         if key.required {
             required.push(key.name.to_string());
         }
-        properties.insert(key.name.to_string(), annotated(key.schema, &key.about, key.default));
+        properties.insert(key.name.to_string(), key.described());
     }
     let mut out = Map::new();
     out.insert("type".into(), "object".into());

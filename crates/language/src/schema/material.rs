@@ -1,15 +1,15 @@
 //! The blocks of `materials`.
 
 use crate::quantity::Want;
-use crate::schema::catalogue::{Input, SlotName, form_schema, keys, read_inputs, want};
-use crate::schema::json::{Definitions, annotated};
-use crate::schema::read::{Read, Reader};
+use crate::schema::catalogue::{Input, SlotName, form_schema, read_inputs, want};
+use crate::schema::json::Definitions;
+use crate::schema::read::{Key, Read, Reader};
 use crate::schema::time::{KelvinVoigt, Maxwell};
 use crate::syntax::{At, Node};
 use nastic_energy::catalogue::{MaterialRow, Takes};
 use nastic_fem::Formulation;
 use nastic_mesh::GroupNames;
-use serde_json::{Map, Value as Json, json};
+use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
 
 /// A passive law on a region; laws and their keys are those of the catalogue.
@@ -99,7 +99,7 @@ impl Read for Material {
         let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
         let name = reader.tag(node, at, "law", &names)?;
         let law = laws.iter().find(|law| law.name == name)?;
-        let known: Vec<&str> = COMMON.into_iter().chain(keys(law.forms).iter().map(|p| p.name)).collect();
+        let known: Vec<&str> = COMMON.into_iter().chain(law.parameters().iter().map(|p| p.name)).collect();
         let members = reader.members(node, at)?;
         reader.refuse_unknown(members, at, &known);
         let parameters = read_inputs(law.name, law.forms, node, at, reader);
@@ -131,21 +131,24 @@ impl Read for Material {
             let mut options = Vec::new();
             for law in definitions.catalogue.clone().materials() {
                 for form in law.forms {
-                    let mut properties = Map::new();
-                    properties.insert("name".into(), annotated(String::schema(Want::ANY, definitions), NAME, None));
-                    properties
-                        .insert("region".into(), annotated(GroupNames::schema(Want::ANY, definitions), REGION, None));
-                    properties.insert("law".into(), json!({ "const": law.name }));
-                    properties.insert("formulation".into(), definitions.part("Formulation", |_| formulation_schema()));
-                    let rigid = bool::schema(Want::ANY, definitions);
-                    properties.insert("rigid".into(), annotated(rigid, RIGID, Some(false.into())));
-                    let density = f64::schema(Want::DENSITY, definitions);
-                    properties.insert("density".into(), annotated(density, DENSITY, None));
-                    let maxwell = Vec::<Maxwell>::schema(Want::ANY, definitions);
-                    properties.insert("maxwell".into(), annotated(maxwell, MAXWELL, None));
-                    let kelvin_voigt = KelvinVoigt::schema(Want::ANY, definitions);
-                    properties.insert("kelvin_voigt".into(), annotated(kelvin_voigt, KELVIN_VOIGT, None));
-                    options.push(form_schema(law.about, properties, vec!["region", "law"], form, definitions));
+                    let formulation = definitions.part("Formulation", |_| formulation_schema());
+                    let keys = vec![
+                        Key::new::<Option<String>>("name", NAME, Want::ANY, Some(None), definitions),
+                        Key::new::<GroupNames>("region", REGION, Want::ANY, None, definitions),
+                        Key::as_is("law", true, json!({ "const": law.name })),
+                        Key::as_is("formulation", false, formulation),
+                        Key::new("rigid", RIGID, Want::ANY, Some(false), definitions),
+                        Key::new::<Option<f64>>("density", DENSITY, Want::DENSITY, Some(None), definitions),
+                        Key::new::<Option<Vec<Maxwell>>>("maxwell", MAXWELL, Want::ANY, Some(None), definitions),
+                        Key::new::<Option<KelvinVoigt>>(
+                            "kelvin_voigt",
+                            KELVIN_VOIGT,
+                            Want::ANY,
+                            Some(None),
+                            definitions,
+                        ),
+                    ];
+                    options.push(form_schema(law.about, keys, form, definitions));
                 }
             }
             json!({ "description": "A passive law on a region.", "oneOf": options })

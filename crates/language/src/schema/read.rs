@@ -2,7 +2,7 @@
 
 use crate::quantity::{Units, Want};
 use crate::schema::hints;
-use crate::schema::json::Definitions;
+use crate::schema::json::{Definitions, annotated};
 use crate::syntax::{At, Diagnostic, Document, Node, Property, Value, nearest, quoted};
 use serde_json::Value as Json;
 
@@ -63,6 +63,16 @@ impl Key {
             default: default.and_then(|value| value.to_json()),
             schema: T::schema(want, definitions),
         }
+    }
+
+    /// One whose schema says all of it.
+    pub(crate) fn as_is(name: &'static str, required: bool, schema: Json) -> Self {
+        Self { name, about: String::new(), required, default: None, schema }
+    }
+
+    /// Its schema with what it is for.
+    pub(crate) fn described(self) -> Json {
+        if self.about.is_empty() { self.schema } else { annotated(self.schema, &self.about, self.default) }
     }
 }
 

@@ -105,6 +105,12 @@ impl Fix {
         self.places(&At::root()).iter().for_each(|(axis, _)| held[axis.index()] = Some(0.0));
         held
     }
+
+    /// The components held, 0 to 2.
+    #[must_use]
+    pub fn components(&self) -> Vec<usize> {
+        (0..3).filter(|&i| self.held()[i].is_some()).collect()
+    }
 }
 
 impl Read for Fix {

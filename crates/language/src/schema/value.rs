@@ -183,11 +183,6 @@ impl Read for String {
     }
 }
 
-/// A text's schema with a description.
-pub(crate) fn described_text(about: &str) -> Json {
-    json!({ "type": "string", "minLength": 1, "description": about })
-}
-
 impl<T: Read> Read for Option<T> {
     fn absent() -> Option<Self> {
         Some(None)

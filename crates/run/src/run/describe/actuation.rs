@@ -153,7 +153,7 @@ pub(super) fn point(point: &BodyPoint) -> String {
 
 fn dimension(key: &Key) -> Dimension {
     match key.kind {
-        KeyKind::Number { unit, .. } => dimension_of(unit).unwrap_or(Dimension::NONE),
+        KeyKind::Number { unit, .. } | KeyKind::Positive { unit } => dimension_of(unit).unwrap_or(Dimension::NONE),
         _ => Dimension::NONE,
     }
 }
