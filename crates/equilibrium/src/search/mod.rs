@@ -10,6 +10,7 @@ pub(crate) mod gradient_fit;
 pub(crate) mod load_rate;
 pub(crate) mod load_steps;
 pub mod options;
+mod requests;
 pub(crate) mod rotation_corrected_step;
 pub(crate) mod settling;
 pub(crate) mod slide;
