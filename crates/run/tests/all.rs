@@ -27,6 +27,7 @@ mod formulations;
 mod foundation;
 mod grid;
 mod groups;
+mod growth;
 mod inextensible_tendon;
 mod joint_tensions;
 mod linear_solver;

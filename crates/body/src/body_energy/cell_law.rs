@@ -1,6 +1,5 @@
 //! [`CellLaw`]: a law as cells evaluate it, with the numbers that its slots hold there.
 
-use crate::body_energy::BodyEnergy;
 use crate::body_energy::driving::{Driving, slots};
 use crate::controls::Controls;
 use nastic_energy::{EnergyError, EnergyTerm, Grown, PointBatch, Slots};
@@ -16,19 +15,15 @@ pub struct CellLaw {
 }
 
 impl CellLaw {
-    /// Of an index among the laws with slots, if it has slots of its own, behind the growth of that index.
-    pub(super) fn new(
-        body: &BodyEnergy,
-        law: &Arc<dyn EnergyTerm>,
-        own: Option<usize>,
-        growth: Option<usize>,
-    ) -> Result<Self, EnergyError> {
-        let blocks = own.into_iter().chain(growth).collect();
-        let law: Arc<dyn EnergyTerm> = match growth {
-            Some(growth) => Arc::new(Grown::new(law.clone(), body.actuations[growth].law.clone())?),
-            None => law.clone(),
-        };
-        Ok(CellLaw { law, blocks })
+    /// Of an index among the laws with slots, if it has slots of its own.
+    pub(super) fn new(law: &Arc<dyn EnergyTerm>, own: Option<usize>) -> Self {
+        CellLaw { law: law.clone(), blocks: own.into_iter().collect() }
+    }
+
+    /// The same behind the growth of an index.
+    pub(super) fn behind(mut self, k: usize, growth: &Arc<dyn EnergyTerm>) -> Result<Self, EnergyError> {
+        self.blocks.push(k);
+        Ok(CellLaw { law: Arc::new(Grown::new(self.law, growth.clone())?), blocks: self.blocks })
     }
 }
 

@@ -203,6 +203,10 @@ impl BodyEnergy {
         let without_slots = of.terms.iter().map(|&t| (&self.terms[t], None));
         let others = of.actuations.iter().filter(|&&k| !self.is_growth(k));
         let with_slots = others.map(|&k| (&self.actuations[k].law, Some(k)));
-        without_slots.chain(with_slots).map(|(law, own)| CellLaw::new(self, law, own, of.growth)).collect()
+        let grown = |own: CellLaw| match of.growth {
+            Some(k) => own.behind(k, &self.actuations[k].law),
+            None => Ok(own),
+        };
+        without_slots.chain(with_slots).map(|(law, own)| grown(CellLaw::new(law, own))).collect()
     }
 }

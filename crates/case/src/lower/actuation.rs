@@ -22,6 +22,9 @@ use nastic_mesh::GroupNames;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// What is said of values of a growth that leave nothing.
+pub(super) const TOO_SMALL_GROWTH: &str = "growth must stay above -1, where nothing is left of a length";
+
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for actuation in &case.actuation {
         match &actuation.means {
@@ -179,7 +182,7 @@ fn fix_slot(
         }
     }
     if reduced.solid().body().grows_by(index) && first_values.iter().flatten().any(|value| *value <= -1.0) {
-        context.complain(&at, super::control::GROWTH);
+        context.complain(&at, TOO_SMALL_GROWTH);
         return None;
     }
     if only_pulls && first_values.iter().flatten().any(|value| *value < 0.0) {

@@ -1,5 +1,6 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
+use crate::lower::actuation::TOO_SMALL_GROWTH;
 use crate::lower::actuation::{is_built, must_pull};
 use crate::lower::context::Context;
 use crate::lower::control_field::{Admitted, ControlField};
@@ -169,8 +170,6 @@ struct Allowed {
 
 /// Lower bound of growth where none is given: a tenth of every length is left.
 const LEAST_GROWTH: f64 = -0.9;
-/// What is said of values of a growth that leave nothing.
-pub(super) const GROWTH: &str = "growth must stay above -1, where nothing is left of a length";
 
 impl Lowering<'_> {
     fn lower(&self, context: &mut Context<'_>) -> Option<(ControlField, Vec<f64>, Box<dyn Admissible>)> {
@@ -303,10 +302,10 @@ impl Lowering<'_> {
         }
         if self.block.targets.iter().any(|target| self.reduced.solid().body().grows_by(target.actuation)) {
             if lower.as_ref().is_some_and(|lower| least(lower) <= -1.0) {
-                context.complain(&self.control.at.key("lower"), GROWTH);
+                context.complain(&self.control.at.key("lower"), TOO_SMALL_GROWTH);
                 return None;
             }
-            lower = lower.or(Some(Limit::Uniform(LEAST_GROWTH)));
+            lower = lower.or((!self.block.log).then_some(Limit::Uniform(LEAST_GROWTH)));
         }
         if let (Some(most), Some(_)) = (self.control.longest(), &self.control.direction) {
             let beyond = lower.as_ref().is_some_and(|lower| least(lower) < -most)

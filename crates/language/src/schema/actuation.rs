@@ -3,6 +3,7 @@
 use crate::quantity::Want;
 use crate::schema::catalogue::{Input, SlotName, form_schema, read_inputs, row_schema, slot_names, slot_schema, slots};
 use crate::schema::field::{Parameter, VectorField};
+use crate::schema::fixed::Fixed;
 use crate::schema::json::Definitions;
 use crate::schema::key_value::{KeyValue, key_schema, read_value};
 use crate::schema::read::{Key, Read, Reader};
@@ -48,17 +49,6 @@ pub enum Means {
         /// What its keys say.
         values: FormValues,
     },
-}
-
-/// The value of a slot that is no control.
-#[derive(Clone, PartialEq, Debug)]
-pub enum Fixed {
-    /// Of a tension, a pressure.
-    Scalar(Parameter),
-    /// Of a remanence, a field.
-    Vector(VectorField),
-    /// Of either, over the time.
-    Table(TimeTable),
 }
 
 impl PartialEq for Actuation {

@@ -1,8 +1,8 @@
 //! The blocks of `obstacles`: shapes by formulas, and meshed ones, with their poses.
 
 use crate::quantity::Want;
-use crate::schema::actuation::Fixed;
 use crate::schema::field::VectorField;
+use crate::schema::fixed::Fixed;
 use crate::schema::json::{Definitions, any_of};
 use crate::schema::mesh::MeshSource;
 use crate::schema::read::{Read, Reader};

@@ -17,11 +17,11 @@ pub(super) use crate::run::optimize::starts::parts::{join, run_part};
 
 use crate::run::check_gradient;
 use crate::run::error::{Exit, RunError};
+use crate::run::optimize::branch_changes::place;
 use crate::run::optimize::minimization::evaluate;
 use crate::run::optimize::starts::Starts;
 use crate::run::optimize::starts::journal::{Journal, SharedJournal};
 use crate::run::optimize::starts::start_run::{Begun, Phase, StartRun};
-use crate::run::optimize::starts::table;
 use crate::run::session::Session;
 use crate::saved::checkpoint::{Place, Position, interrupted};
 use crate::saved::{checkpoint, motion_checkpoint};
@@ -89,7 +89,7 @@ fn first_start(session: &mut Session<'_>) -> Result<Option<(Begun, GradientCheck
     let derivative =
         session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
-    let (place, mut warnings) = (table::place(&session.problem, 0), vec![]);
+    let (place, mut warnings) = (place(&session.problem, 0), vec![]);
     let mut shown = Ok(());
     if let Some(whole) = session.whole(&point)? {
         let inspected = session.timed("inspect", |session| session.look_into(session.console, &place, &whole));

@@ -1,6 +1,5 @@
 //! [`BranchChanges`]: iterations that led to another branch of equilibria.
 
-use crate::run::optimize::starts::table::place;
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{BRANCH_CHANGE, BRANCH_UNKNOWN, Warning, WarningKind};
 use nastic_control::{EnsemblePoint, Evaluated};
@@ -104,6 +103,14 @@ impl FirstChange {
             let named: Vec<&str> = members.iter().take(NAMED).map(String::as_str).collect();
             self.first = format!("iteration {iteration}: {}{more}", named.join("; "));
         }
+    }
+}
+
+/// What warnings call a start: "start", of several "start 2 of 4".
+pub(crate) fn place(problem: &CaseProblem, index: usize) -> String {
+    match problem.case.optimizer.starts {
+        0 | 1 => "start".to_owned(),
+        count => format!("start {} of {count}", index + 1),
     }
 }
 

@@ -2,6 +2,7 @@
 
 use crate::run::check_gradient;
 use crate::run::error::RunError;
+use crate::run::optimize::branch_changes::place;
 use crate::run::optimize::minimization::{Minimized, begin_run, evaluate, minimize, resume_run};
 use crate::run::optimize::ordered_output::{OrderedOutput, StartOutput};
 use crate::run::optimize::recorder::{Recorder, write_iterates};
@@ -11,7 +12,7 @@ use crate::run::optimize::starts::saved_best;
 use crate::run::optimize::starts::start_run::{
     Begun, Ended, FinishedRun, Phase, RunTrials, StartRecord, StartRun, UnderWay,
 };
-use crate::run::optimize::starts::table::{entry, failed_entry, place, seed};
+use crate::run::optimize::starts::table::{entry, failed_entry, seed};
 use crate::run::session::{Session, say_warning};
 use nastic_case::lower::CaseProblem;
 use nastic_control::{EnsemblePoint, EnsembleWorkspace};

@@ -7,14 +7,6 @@ use nastic_numeric::format::scientific;
 use nastic_opt::Stop;
 use nastic_report::record::{GradientCheckRecord, Number, StartRecord};
 
-/// What warnings call a start: "start", of several "start 2 of 4".
-pub(crate) fn place(problem: &CaseProblem, index: usize) -> String {
-    match problem.case.optimizer.starts {
-        0 | 1 => "start".to_owned(),
-        count => format!("start {} of {count}", index + 1),
-    }
-}
-
 /// The seed of a start; the first is as written.
 pub(crate) fn seed(problem: &CaseProblem, index: usize) -> Option<u64> {
     // Seeds of neighbouring cases shall not share their starts.
