@@ -4,6 +4,7 @@ mod adaptive_steps;
 mod constrained;
 mod controlled;
 mod in_time;
+mod instant;
 mod motion;
 mod motion_derivative;
 mod motion_progress;
@@ -29,7 +30,7 @@ use crate::inner_product::{Metric, inner_product};
 use crate::layout::Layout;
 use crate::time::{MotionObserver, StepUnderWay, Timeline, When};
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{Begin, FemError, Progress, Solid, SolveOptions, SolveReport, State};
+use nastic_fem::{Begin, Body, FemError, Progress, Solid, SolveOptions, SolveReport, State};
 use nastic_opt::{InnerProduct, Request};
 use std::borrow::Cow;
 use std::fmt;
@@ -87,6 +88,8 @@ pub struct Reduced {
     costs: Vec<Box<dyn Cost>>,
     constraints: Vec<Box<dyn Constraint>>,
     metric: Metric,
+    /// What finds states in place of the model of the body.
+    projected: Option<Arc<dyn Body>>,
     /// Of a problem in time.
     motion: Option<Motion>,
     /// Compute on all threads; `false` for a member of an ensemble.
@@ -133,6 +136,7 @@ impl Reduced {
         let layout = Layout::new(solid.controls());
         Reduced {
             solid,
+            projected: None,
             layout,
             costs: vec![],
             constraints: vec![],
@@ -146,6 +150,28 @@ impl Reduced {
             progress: None,
             steps: None,
         }
+    }
+
+    /// With states in the space that another body allows, a projection of this one on modes, say: equilibria and first derivatives.
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`] of a motion, and of a body over ranks.
+    pub fn projected(self, body: Arc<dyn Body>) -> Result<Self, ControlError> {
+        self.solid.model().ranks().refuse_ranks(body.name())?;
+        match self.motion {
+            Some(_) => Err(not_projected("a problem in time", body.name())),
+            None => Ok(Reduced { projected: Some(body), ..self }),
+        }
+    }
+
+    /// Refuses what the model does by itself.
+    fn refuse_projection(&self, what: &str) -> Result<(), ControlError> {
+        self.projected.as_ref().map_or(Ok(()), |body| Err(not_projected(what, body.name())))
+    }
+
+    /// What finds states and adjoints: the model of the body, or its [projection](Self::projected).
+    pub(crate) fn body(&self) -> &dyn Body {
+        self.projected.as_deref().unwrap_or(self.solid.model())
     }
 
     /// Shares vectors with other problems on the [`Discretization`](nastic_fem::Discretization) that have equal ones, as members of an
@@ -362,7 +388,7 @@ impl Reduced {
             return Ok(());
         }
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
-        match self.solid.negative_pivots_by(state, &how)? {
+        match self.body().negative_pivots(state, &how)? {
             0 => Ok(()),
             negative => Err(ControlError::Unstable { negative, newton: state.report.newton }),
         }
@@ -395,4 +421,9 @@ impl Reduced {
             None => self.valued(point.solved.clone(), &point.m, stage, SolveReport::default()),
         }
     }
+}
+
+fn not_projected(what: &str, with: &str) -> ControlError {
+    let why = "which has equilibria and first derivatives alone: take the body itself".to_owned();
+    FemError::Unsupported { what: what.to_owned(), with: with.to_owned(), why }.into()
 }

@@ -28,6 +28,7 @@ mod moving_supports;
 mod optimised_over_ranks;
 mod over_ranks;
 mod print;
+mod projected;
 mod ranks;
 mod reactions_in_motion;
 mod refinement;

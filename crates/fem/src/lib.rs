@@ -4,9 +4,11 @@
 //! equilibrium and [`Solid::adjoint`] solves with the tangent there. What is known here about laws is what
 //! [`EnergyTerm`](nastic_energy::EnergyTerm) says, and about costs nothing.
 
+mod body;
 pub mod catalogue;
 mod solid;
 
+pub use body::Body;
 pub use nastic_body::body_energy::excess_tension::ExcessTension;
 pub use nastic_body::body_energy::formulation::Formulation;
 pub use nastic_body::body_energy::point_peaks::PointPeak;
@@ -56,7 +58,7 @@ pub use nastic_equilibrium::stability::ramp::{CriticalPoint, Ramp, RampPoint};
 pub use nastic_forces::cavity::{Cavity, Lumen};
 pub use nastic_forces::contact::{Contact, ContactLaw};
 pub use nastic_forces::foundation::Foundation;
-pub use nastic_forces::inertia::Inertia;
+pub use nastic_forces::inertia::{BodyInertia, Inertia};
 pub use nastic_forces::moving_support::MovingSupport;
 pub use nastic_forces::rigid_body::RigidBody;
 pub use nastic_forces::spring::Spring;

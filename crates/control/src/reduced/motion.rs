@@ -2,9 +2,9 @@
 
 use super::Reduced;
 use super::in_time::Motion;
+use super::instant::AtInstant;
 use super::motion_progress::{InstantValues, Progress};
-use crate::constraint::ConstraintPoint;
-use crate::cost::{CostContext, CostPoint, DistanceInTime, FigureKind, StepBegin};
+use crate::cost::{Cost, DistanceInTime, FigureKind};
 use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::time::{MotionObserver, StepUnderWay, TrajectoryContext};
@@ -23,14 +23,15 @@ impl Reduced {
     pub(super) fn step_to(&self, motion: &Motion, m: &[f64], n: usize) -> Result<StepTo, ControlError> {
         let instants = motion.timeline.instants();
         let before = n.checked_sub(1).map_or(0.0, |before| instants[before]);
-        Ok(StepTo { dt: instants[n] - before, controls: self.controls_at(motion, m, n)? })
+        let of_instant = self.layout.at(m, instants[n])?;
+        Ok(StepTo { dt: instants[n] - before, controls: self.controls_at(motion, &of_instant, n)? })
     }
 
-    /// The controls at the points at the n-th instant.
-    fn controls_at(&self, motion: &Motion, m: &[f64], n: usize) -> Result<Controls, ControlError> {
+    /// The controls at the points at the n-th instant, under the control vector of that instant.
+    pub(super) fn controls_at(&self, motion: &Motion, of_instant: &[f64], n: usize) -> Result<Controls, ControlError> {
         let mut fixed = self.layout.fixed().clone();
         motion.fixed.iter().try_for_each(|values| values.put(n, &mut fixed))?;
-        motion.layout.to_points_over(fixed, &self.layout.at(m, motion.timeline.instants()[n])?)
+        motion.layout.to_points_over(fixed, of_instant)
     }
 
     /// Whether what moves supports and obstacles may be what it is at m, of a motion at its instants, of many at two hundred, as every solve asks:
@@ -52,7 +53,7 @@ impl Reduced {
             Some(motion) => {
                 let last = motion.timeline.steps();
                 let some = (0..last).step_by(last.div_ceil(INSTANTS).max(1)).chain([last]);
-                some.into_iter().try_for_each(|n| check(self.controls_at(motion, m, n)?))
+                some.into_iter().try_for_each(|n| check(self.step_to(motion, m, n)?.controls))
             }
         }
     }
@@ -83,7 +84,7 @@ impl Reduced {
         let recording = self.run_motion(motion, m, &options, from, workspace, &mut |n, recording| {
             let part = recording.part();
             found.add(part, estimates.then(|| self.solid.model().last_step_error(part)).flatten());
-            self.add_values(motion, (n, part.end()), m, how.stage, &mut found.values)?;
+            self.add_values(motion, &self.at_state(n, part.end(), (m, how.stage))?, &mut found.values)?;
             let Some(observer) = observer else { return Ok(()) };
             observer.reached(n, part.end())?;
             if is_resumable && (recording.begins_anew() || n == motion.timeline.steps()) {
@@ -148,7 +149,7 @@ impl Reduced {
         options: &SolveOptions<'_>,
         workspace: &mut ReducedWorkspace,
     ) -> Result<Trajectory, ControlError> {
-        let controls = self.controls_at(motion, m, 0)?;
+        let controls = self.step_to(motion, m, 0)?.controls;
         let velocity = motion.timeline.initial_velocity().map(|v| Arc::new(v.to_vec()));
         match motion.timeline.begin() {
             Begin::Equilibrium => {
@@ -200,12 +201,11 @@ impl Reduced {
         counting.iter_mut().for_each(|places| places.retain(|(k, _)| wanted[*k]));
         if wanted.contains(&true) {
             self.for_each_state(point, &mut |n, state| {
+                let at = self.at_state(n, state, (&point.m, point.stage))?;
                 for &(k, place) in &counting[n] {
-                    self.cost_point(motion, k, place, (n, state), (&point.m, point.stage), &mut |cost| {
-                        let own = cost.figures()?.into_iter().filter(|one| one.kind == FigureKind::PositionDistance);
-                        all[k].extend(own.map(|one| one.value));
-                        Ok(())
-                    })?;
+                    let figures = at.cost(self.scheduled(motion, k, place))?.figures()?;
+                    let own = figures.into_iter().filter(|one| one.kind == FigureKind::PositionDistance);
+                    all[k].extend(own.map(|one| one.value));
                 }
                 Ok(())
             })?;
@@ -221,9 +221,11 @@ impl Reduced {
         stage: usize,
     ) -> Result<Evaluated, ControlError> {
         let mut values = InstantValues::new(motion);
-        let at = (point.m.as_slice(), stage);
-        self.for_each_state(point, &mut |n, state| self.add_values(motion, (n, state), at.0, at.1, &mut values))?;
-        self.valued_motion(motion, point.solved.clone(), point.work, at.0, at.1, values)
+        let m = point.m.as_slice();
+        self.for_each_state(point, &mut |n, state| {
+            self.add_values(motion, &self.at_state(n, state, (m, stage))?, &mut values)
+        })?;
+        self.valued_motion(motion, point.solved.clone(), point.work, m, stage, values)
     }
 
     /// The values of costs and constraints of a motion.
@@ -261,65 +263,20 @@ impl Reduced {
     }
 
     /// The values of all costs that count in a state, and of the constraints that hold there.
-    fn add_values(
-        &self,
-        motion: &Motion,
-        at: (usize, &State),
-        m: &[f64],
-        stage: usize,
-        into: &mut InstantValues,
-    ) -> Result<(), ControlError> {
-        for place in into.counting[at.0].clone() {
-            self.cost_point(motion, place.0, place.1, at, (m, stage), &mut |cost| {
-                into.values[place.0][place.1] = cost.value();
-                Ok(())
-            })?;
+    fn add_values(&self, motion: &Motion, at: &AtInstant, into: &mut InstantValues) -> Result<(), ControlError> {
+        for (k, place) in into.counting[at.n].clone() {
+            into.values[k][place] = at.cost(self.scheduled(motion, k, place))?.value();
         }
-        let InstantValues { constraints, .. } = into;
-        for (k, own) in constraints.iter_mut().enumerate() {
-            if motion.constrained_at[k].binary_search(&at.0).is_ok() {
-                own.extend(self.constraint_point(motion, k, at.0, at.1, m)?.values());
+        for (k, own) in into.constraints.iter_mut().enumerate() {
+            if motion.constrained_at[k].binary_search(&at.n).is_ok() {
+                own.extend(at.constraint(k)?.values());
             }
         }
         Ok(())
     }
 
-    /// With what the step to the n-th instant of a motion begins, if it is `wanted`; `None` where the motion does, and of a static problem.
-    pub(super) fn step_begin(&self, wanted: bool, n: usize, m: &[f64]) -> Result<Option<StepBegin>, ControlError> {
-        let (Some(motion), Some(before), true) = (&self.motion, n.checked_sub(1), wanted) else { return Ok(None) };
-        let time = motion.timeline.instants()[before];
-        let controls = Arc::new(self.controls_at(motion, m, before)?);
-        Ok(Some(StepBegin { time, controls, m: self.layout.at(m, time)? }))
-    }
-
-    /// A constraint evaluated at an instant.
-    pub(super) fn constraint_point(
-        &self,
-        motion: &Motion,
-        k: usize,
-        n: usize,
-        state: &State,
-        m: &[f64],
-    ) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
-        let at_instant = self.layout.at(m, motion.timeline.instants()[n])?;
-        let step = self.step_begin(self.constraints[k].needs_step(), n, m)?;
-        self.constraints[k].at(&CostContext { step: step.as_ref(), ..self.context(state, &at_instant, 0) })
-    }
-
-    /// Calls with a cost that counts in a state, evaluated there.
-    pub(super) fn cost_point(
-        &self,
-        motion: &Motion,
-        k: usize,
-        place: usize,
-        (n, state): (usize, &State),
-        (m, stage): (&[f64], usize),
-        call: &mut dyn FnMut(&dyn CostPoint) -> Result<(), ControlError>,
-    ) -> Result<(), ControlError> {
-        let cost = motion.schedules[k].own.get(place).unwrap_or(&self.costs[k]);
-        let at_instant = self.layout.at(m, motion.timeline.instants()[n])?;
-        let step = self.step_begin(cost.needs_step(), n, m)?;
-        let context = CostContext { step: step.as_ref(), ..self.context(state, &at_instant, stage) };
-        call(cost.at(&context)?.as_ref())
+    /// The k-th cost term as it is at a place of its schedule.
+    pub(super) fn scheduled<'a>(&'a self, motion: &'a Motion, k: usize, place: usize) -> &'a dyn Cost {
+        motion.schedules[k].own.get(place).unwrap_or(&self.costs[k]).as_ref()
     }
 }

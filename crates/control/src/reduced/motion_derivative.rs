@@ -1,6 +1,7 @@
 //! The derivative of a problem in time, by one reverse sweep over the motion.
 
 use super::in_time::Motion;
+use super::instant::AtInstant;
 use super::motion_progress::counting;
 use super::{Lagrangian, Reduced};
 use crate::cost::{MotionPartials, Partials};
@@ -54,6 +55,8 @@ struct InstantPartials<'a> {
     out: TrajectoryPartials,
     /// Whether one by a state was not zero.
     by_states: bool,
+    /// The control vector of the instant at hand.
+    of_instant: Vec<f64>,
 }
 
 impl<'a> InstantPartials<'a> {
@@ -71,8 +74,8 @@ impl<'a> InstantPartials<'a> {
                 cost.add_partials(&context, &mut out)?;
             }
         }
-        let mut partials =
-            InstantPartials { problem, motion, at, of, counting: counting(motion), out, by_states: false };
+        let (counting, by_states, of_instant) = (counting(motion), false, Vec::new());
+        let mut partials = InstantPartials { problem, motion, at, of, counting, out, by_states, of_instant };
         partials.add_rates()?;
         Ok(partials)
     }
@@ -92,7 +95,8 @@ impl<'a> InstantPartials<'a> {
     }
 
     /// Those of the constraints that hold in the n-th state.
-    fn add_constraints(&mut self, n: usize, state: &State, by: &mut StatePartials) -> Result<(), ControlError> {
+    fn add_constraints(&mut self, at: &AtInstant, by: &mut StatePartials) -> Result<(), ControlError> {
+        let n = at.n;
         let (problem, motion, mut y) = (self.problem, self.motion, self.of.multipliers());
         let (mut own, mut more) = (None, MotionPartials::default());
         if y.is_empty() {
@@ -107,9 +111,8 @@ impl<'a> InstantPartials<'a> {
             if y.iter().all(|y| *y == 0.0) {
                 continue;
             }
-            let point = problem.constraint_point(motion, k, n, state, self.at.0)?;
-            let zero = || Partials::zero(state.u.len(), motion.layout.len());
-            point.add_partials_in_motion(y, own.get_or_insert_with(zero), &mut more)?;
+            let zero = || Partials::zero(at.state.u.len(), motion.layout.len());
+            at.constraint(k)?.add_partials_in_motion(y, own.get_or_insert_with(zero), &mut more)?;
         }
         own.iter().for_each(|own| self.add(motion.timeline.instants()[n], 1.0, own, &mut by.u));
         self.add_more(n, 1.0, more, by);
@@ -120,21 +123,22 @@ impl<'a> InstantPartials<'a> {
     fn at(&mut self, n: usize, state: &State) -> Result<StatePartials, ControlError> {
         let (problem, motion) = (self.problem, self.motion);
         let mut by_state = take(&mut self.out.states[n]);
+        let at = problem.at_state(n, state, self.at)?;
         for (k, place) in self.counting[n].clone() {
             if !self.of.has_term(k) {
                 continue;
             }
             let schedule = &motion.schedules[k];
             let mut own = Partials::zero(state.u.len(), motion.layout.len());
-            let (mut factor, mut more) = (0.0, MotionPartials::default());
-            problem.cost_point(motion, k, place, (n, state), self.at, &mut |cost| {
-                factor = schedule.weights[place].1 * schedule.shape(cost.value()).1;
-                cost.add_partials_in_motion(&mut own, &mut more)
-            })?;
+            let mut more = MotionPartials::default();
+            let cost = at.cost(problem.scheduled(motion, k, place))?;
+            let factor = schedule.weights[place].1 * schedule.shape(cost.value()).1;
+            cost.add_partials_in_motion(&mut own, &mut more)?;
             self.add(motion.timeline.instants()[n], factor, &own, &mut by_state.u);
             self.add_more(n, factor, more, &mut by_state);
         }
-        self.add_constraints(n, state, &mut by_state)?;
+        self.add_constraints(&at, &mut by_state)?;
+        self.of_instant = at.m.into_owned();
         let all = by_state.u.iter().chain(&by_state.velocity).chain(&by_state.held);
         self.by_states |= all.into_iter().any(|d| *d != 0.0);
         Ok(by_state)
@@ -158,12 +162,10 @@ impl<'a> InstantPartials<'a> {
         (by.held, by.velocity) = (sum.held, sum.velocity);
     }
 
-    /// What the sweep found at the n-th instant.
-    fn add_swept(&mut self, n: usize, swept: &SweptInstant) -> Result<(), ControlError> {
-        let (layout, t) = (&self.problem.layout, self.motion.timeline.instants()[n]);
-        let by_instant = self.motion.layout.control_vjp(&layout.at(self.at.0, t)?, &swept.controls);
-        layout.add_at(t, &by_instant, &mut self.out.m);
-        Ok(())
+    /// What the sweep found at the n-th instant, the last at which partial derivatives were taken.
+    fn add_swept(&mut self, n: usize, swept: &SweptInstant) {
+        let by_instant = self.motion.layout.control_vjp(&self.of_instant, &swept.controls);
+        self.problem.layout.add_at(self.motion.timeline.instants()[n], &by_instant, &mut self.out.m);
     }
 }
 
@@ -208,7 +210,7 @@ impl Reduced {
                 let n = part.first() + k + 1;
                 let by_end = partials.at(n, &part.states()[k + 1])?;
                 let swept = sweep.step(part, k, by_end)?;
-                partials.add_swept(n, &swept)?;
+                partials.add_swept(n, &swept);
                 if n == last {
                     lambda = swept.lambda;
                 }
@@ -221,7 +223,7 @@ impl Reduced {
         let first = first.unwrap_or_else(|| solved.recording.part().beginning());
         let by_first = partials.at(0, first.end())?;
         let (swept, mut work) = sweep.begin(&first, by_first)?;
-        partials.add_swept(0, &swept)?;
+        partials.add_swept(0, &swept);
         work.add_work(&recomputed);
         let adjoint = partials.by_states.then(|| AdjointState { lambda, work, multipliers: vec![] });
         Ok((partials.out.m, adjoint))

@@ -92,6 +92,7 @@ impl Reduced {
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
         self.solid().model().ranks().refuse_ranks("second derivatives")?;
+        self.refuse_projection("second derivatives")?;
         let exact = which == Hessian::Exact;
         let lambda = if exact || first { Some(self.adjoint_of(point, term, workspace)?) } else { None };
         let costs = self.costs_of(point)?;

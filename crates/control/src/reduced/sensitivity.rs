@@ -6,7 +6,7 @@ use crate::cost::Partials;
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{SolveOptions, StatePartials, TimeStepping};
+use nastic_fem::{SolveOptions, StatePartials};
 
 impl Reduced {
     /// Partial derivatives of the cost of a static problem (all terms, or one of them); of a body over ranks the share of this one, which all ranks
@@ -118,7 +118,7 @@ impl Reduced {
         }
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
         let (trajectory, by_state) = (point.solved.recording.part(), StatePartials::by_displacement(partials.u));
-        let swept = self.solid.model().reverse_sweep(trajectory, &[by_state], &how, &mut workspace.solve);
+        let swept = self.body().adjoint(trajectory, &[by_state], &how, &mut workspace.solve);
         self.forget(workspace);
         let mut swept = swept?;
         let through_state = self.layout.control_vjp(&point.m, &swept.controls[0]);

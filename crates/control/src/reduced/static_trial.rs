@@ -53,7 +53,7 @@ impl Reduced {
                 None
             }
         };
-        let follows = self.solid().model().properties().supports(Feature::Path).is_ok();
+        let follows = self.follows_paths();
         let budget = how.budget.work(workspace.predictor.usual_work(), LEAST[usize::from(!follows)]);
         let near = how.near.filter(|_| follows && budget.is_some());
         let followed = if let Budget::Of(most) = how.budget { most.min(FOLLOWED) } else { FOLLOWED };
@@ -64,6 +64,11 @@ impl Reduced {
         self.check_stable(&state)?;
         let work = state.report;
         self.valued(SolvedStates::one(state, how.accuracy), m, how.stage, work)
+    }
+
+    /// Whether the paths of its equilibria can be followed.
+    fn follows_paths(&self) -> bool {
+        self.projected.is_none() && self.solid().model().properties().supports(Feature::Path).is_ok()
     }
 
     fn state_of(
@@ -88,7 +93,7 @@ impl Reduced {
         let passed = near.and_then(|near| workspace.limits.before(&near.m, trial.m)).cloned();
         let start = passed.as_ref().or(trial.near.map(Evaluated::state));
         let options = SolveOptions { guess: guess.filter(|_| passed.is_none()), near: start, ..how.clone() };
-        match (self.solid().solve_with(&trial.controls, &options, &mut workspace.solve), near) {
+        match (self.body().solve(&trial.controls, &options, &mut workspace.solve), near) {
             (Err(error), Some(near)) if !looked && may_be_limit(&error) => {
                 spent.newton += iterations(&error);
                 let found = self.along_path(near, trial, &how, &mut spent, workspace)?;
@@ -123,7 +128,7 @@ impl Reduced {
             Ok(Ahead::Clear(state)) => {
                 workspace.limits.leave(&near.m, trial.m);
                 let options = SolveOptions { near: Some(&state), ..how.clone() };
-                let solved = self.solid().solve_with(&trial.controls, &options, &mut workspace.solve)?;
+                let solved = self.body().solve(&trial.controls, &options, &mut workspace.solve)?;
                 Ok(Some(after(solved, spent)))
             }
         }
@@ -133,7 +138,7 @@ impl Reduced {
     /// [`Stability::connection`](nastic_fem::views::Stability::connection), which follows the path where the solve met a tangent that is not positive definite.
     pub(crate) fn other_branch(&self, from: &Evaluated, to: &Evaluated) -> Option<ControlError> {
         let model = self.solid().model();
-        if self.timeline().is_some() || model.properties().supports(Feature::Path).is_err() {
+        if self.timeline().is_some() || !self.follows_paths() {
             return None;
         }
         let how = SolveOptions { budget: Some(FOLLOWED), ..self.solve_options(to.solved.accuracy) };

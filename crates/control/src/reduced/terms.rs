@@ -1,7 +1,7 @@
 //! The cost terms of a [`Reduced`] problem: their names, values and figures.
 
 use super::Reduced;
-use crate::cost::{Cost, CostContext, CostPoint, Figure};
+use crate::cost::{CostContext, CostPoint, Figure};
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
 use crate::time::Timeline;
@@ -28,15 +28,9 @@ impl Reduced {
     /// # Errors
     /// A cost that is not defined there.
     pub fn costs_at(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<Arc<dyn CostPoint>>, ControlError> {
-        let own = self.at_instant(m, state.time)?;
-        let context = self.context(state, &own, stage);
-        let at = |cost: &dyn Cost| {
-            let instants = self.timeline().map_or(&[][..], Timeline::instants);
-            let n = nearest(instants, state.time);
-            let step = self.step_begin(cost.needs_step(), n, m)?;
-            self.solid.model().ranks().all_accept(cost.at(&CostContext { step: step.as_ref(), ..context }))
-        };
-        self.costs.iter().map(|cost| at(cost.as_ref())).collect()
+        let n = nearest(self.timeline().map_or(&[][..], Timeline::instants), state.time);
+        let (at, ranks) = (self.at_state(n, state, (m, stage))?, self.solid.model().ranks());
+        self.costs.iter().map(|cost| ranks.all_accept(at.cost(cost.as_ref()))).collect()
     }
 
     /// The evaluated terms of a point: those it keeps, or evaluated again.

@@ -1,0 +1,72 @@
+//! [`AtInstant`]: a state and the controls of its instant, found once for all costs and constraints there.
+
+use super::Reduced;
+use crate::constraint::ConstraintPoint;
+use crate::cost::{Cost, CostContext, CostPoint, StepBegin};
+use crate::error::ControlError;
+use nastic_fem::State;
+use std::borrow::Cow;
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+/// A state and the controls of its instant; of a static problem its only one.
+pub(super) struct AtInstant<'a> {
+    problem: &'a Reduced,
+    /// The number of the instant.
+    pub n: usize,
+    pub state: &'a State,
+    /// The control vector of the problem, and the stage.
+    at: (&'a [f64], usize),
+    /// The control vector of the instant.
+    pub m: Cow<'a, [f64]>,
+    /// With what the step to it begins, once a cost has asked.
+    begin: OnceCell<Option<StepBegin>>,
+}
+
+impl AtInstant<'_> {
+    fn begin(&self) -> Result<Option<&StepBegin>, ControlError> {
+        if let Some(known) = self.begin.get() {
+            return Ok(known.as_ref());
+        }
+        let found = self.problem.step_begin(self.n, self.at.0)?;
+        Ok(self.begin.get_or_init(|| found).as_ref())
+    }
+
+    fn context(&self, needs_step: bool, stage: usize) -> Result<CostContext<'_>, ControlError> {
+        let step = if needs_step { self.begin()? } else { None };
+        Ok(CostContext { step, ..self.problem.context(self.state, &self.m, stage) })
+    }
+
+    /// A cost there.
+    pub fn cost(&self, cost: &dyn Cost) -> Result<Arc<dyn CostPoint>, ControlError> {
+        cost.at(&self.context(cost.needs_step(), self.at.1)?)
+    }
+
+    /// The k-th constraint there.
+    pub fn constraint(&self, k: usize) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
+        let constraint = &self.problem.constraints[k];
+        constraint.at(&self.context(constraint.needs_step(), 0)?)
+    }
+}
+
+impl Reduced {
+    /// The n-th instant under the control vector m in a stage, in its state.
+    pub(super) fn at_state<'a>(
+        &'a self,
+        n: usize,
+        state: &'a State,
+        at: (&'a [f64], usize),
+    ) -> Result<AtInstant<'a>, ControlError> {
+        let t = self.motion.as_ref().map_or(state.time, |motion| motion.timeline.instants()[n]);
+        Ok(AtInstant { problem: self, n, state, at, m: self.at_instant(at.0, t)?, begin: OnceCell::new() })
+    }
+
+    /// With what the step to the n-th instant of a motion begins; `None` where the motion does, and of a static problem.
+    fn step_begin(&self, n: usize, m: &[f64]) -> Result<Option<StepBegin>, ControlError> {
+        let (Some(motion), Some(before)) = (&self.motion, n.checked_sub(1)) else { return Ok(None) };
+        let time = motion.timeline.instants()[before];
+        let of_instant = self.layout.at(m, time)?;
+        let controls = Arc::new(self.controls_at(motion, &of_instant, before)?);
+        Ok(Some(StepBegin { time, controls, m: of_instant }))
+    }
+}
