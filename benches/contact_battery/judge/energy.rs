@@ -13,7 +13,7 @@ const WARNED: f64 = 0.02;
 
 pub(super) fn check(scene: &Scene, solved: &Solved, scheme: &Scheme, found: &mut Found) -> Result<(), Failure> {
     let model = scene.problem.solid.model();
-    let mut ledger = EnergyLedger::new(model, scheme)?;
+    let mut ledger = EnergyLedger::new(model, scheme, &model.controls())?;
     let (mut all, mut own) = (Vec::<EnergyBalance>::new(), Vec::new());
     for state in &solved.states {
         let balance = ledger.add(model, state)?;

@@ -12,6 +12,7 @@ mod dielectric;
 mod ensemble;
 mod extensions_over_ranks;
 mod faults_over_ranks;
+mod filled_mass;
 mod gauss_newton;
 mod gradient;
 mod grid;

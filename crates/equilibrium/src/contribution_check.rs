@@ -332,7 +332,7 @@ impl Subject<'_> {
         let size = SPACE.norm(&found.acceleration);
         agree("the derivative by the acceleration", &slope, "differences", &by_acceleration, size)?;
         let mut mass = self.model.tangents().matrix();
-        self.contribution.add_mass(&mut mass).map_err(|lacking| lacking.to_string())?;
+        self.contribution.add_mass(&self.at, &mut mass).map_err(|lacking| lacking.to_string())?;
         let mut product = vec![0.0; lambda.len()];
         let dofs = self.model.unknowns().nodal();
         mass.multiply(&lambda[..dofs], &mut product[..dofs]);

@@ -360,7 +360,7 @@ impl Model {
     }
 
     /// Where each contribution beside the body is evaluated.
-    fn instants<'a>(&'a self, at: &Instant<'a>) -> impl Iterator<Item = Instant<'a>> {
+    pub(crate) fn instants<'a>(&'a self, at: &Instant<'a>) -> impl Iterator<Item = Instant<'a>> {
         let (at, mut block, mut scalar) = (*at, self.body.actuations().len(), self.space.nodal());
         self.others.iter().zip(block..).map(move |(contribution, memory)| {
             let own = Instant { space: &self.space, block, scalar, memory, ..at };

@@ -53,8 +53,8 @@ fn a_broken_contract_is_told() -> Outcome {
             &PUSH
         }
 
-        fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
-            self.0.add_mass(mass)?;
+        fn add_mass(&self, at: &Instant, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+            self.0.add_mass(at, mass)?;
             if self.1 == "mass" {
                 mass.add_to_diagonal(1e-3);
             }

@@ -21,7 +21,7 @@ type C = Complex<f64>;
 
 /// The balance at every state of a motion.
 fn ledger(solid: &Solid, scheme: &Scheme, run: &Trajectory) -> Outcome<Vec<EnergyBalance>> {
-    let mut ledger = EnergyLedger::new(solid.model(), scheme)?;
+    let mut ledger = EnergyLedger::new(solid.model(), scheme, &run.end().controls)?;
     run.states().iter().map(|state| Ok(ledger.add(solid.model(), state)?)).collect()
 }
 
@@ -264,7 +264,7 @@ fn a_ledger_goes_on() -> Outcome {
         Trajectory::from_given(State { velocity: Some(vec![0.0; solid.rest().u.len()].into()), ..solid.rest() });
     solid.model().advance(&mut run, &scheme, &steps(8, 0.02, &at), &STRICT, &mut Workspace::default())?;
     let (all, states) = (ledger(&solid, &scheme, &run)?, run.states());
-    let mut later = EnergyLedger::new(solid.model(), &scheme)?;
+    let mut later = EnergyLedger::new(solid.model(), &scheme, &states[5].controls)?;
     later.go_on(solid.model(), Some(&states[4]), &states[5], all[5])?;
     for n in 6..=8 {
         assert_eq!(later.add(solid.model(), &states[n])?, all[n]);

@@ -167,7 +167,7 @@ fn growth_of_viscous_bodies_keeps_the_balance_of_energy() -> Outcome {
             let mut run = Trajectory::from_given(solid.rest());
             let steps = steps(count, 2.0 / count as f64, grown);
             solid.model().advance(&mut run, &scheme, &steps, &STRICT, &mut Workspace::default())?;
-            let mut ledger = EnergyLedger::new(solid.model(), &scheme)?;
+            let mut ledger = EnergyLedger::new(solid.model(), &scheme, &run.end().controls)?;
             run.states().iter().map(|state| Ok(ledger.add(solid.model(), state)?)).collect()
         };
         let all = balances(40)?;

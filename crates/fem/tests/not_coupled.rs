@@ -43,7 +43,7 @@ impl Contribution for Link {
         if self.coupled { vec![self.nodes.to_vec()] } else { Vec::new() }
     }
 
-    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+    fn add_mass(&self, _: &Instant, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
         if self.mass > 0.0 { mass.add_pairs(&self.nodes, &Link::element(self.mass)) } else { Ok(()) }
     }
 

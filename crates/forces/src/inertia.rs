@@ -1,15 +1,19 @@
 //! [`Inertia`]: the mass of a body.
 
+use crate::filled_mass::{FILL, FilledMass};
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use nastic_body::contribution::{Contribution, Demand, Sums};
+use nastic_body::contribution::{Contribution, Demand, OverCells, Sums};
+use nastic_body::controls::Controls;
 use nastic_body::discretization::Discretization;
 use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_body::instant::Instant;
 use nastic_body::structure::TangentStructure;
+use nastic_energy::Slot;
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_mesh::GroupNames;
 use nastic_numeric::vector::axpy;
+use std::sync::Arc;
 
 /// Densities by region (kg/m^3, with forces in N and lengths in m), and how the mass is distributed over the nodes.
 ///
@@ -36,13 +40,20 @@ use nastic_numeric::vector::axpy;
 #[derive(Debug, Clone)]
 pub struct Inertia {
     densities: Vec<(GroupNames, f64)>,
-    lumped: bool,
+    kind: Kind,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Kind {
+    Consistent,
+    Lumped,
+    Filled,
 }
 
 impl Inertia {
     /// A density on a region, or on the union of several.
     pub fn new(region: impl Into<GroupNames>, density: f64) -> Self {
-        Inertia { densities: vec![(region.into(), density)], lumped: false }
+        Inertia { densities: vec![(region.into(), density)], kind: Kind::Consistent }
     }
 
     /// A density on further cells; several on one cell add up.
@@ -55,14 +66,21 @@ impl Inertia {
     /// With the diagonal mass.
     #[must_use]
     pub fn lumped(self) -> Self {
-        Inertia { lumped: true, ..self }
+        Inertia { kind: Kind::Lumped, ..self }
+    }
+
+    /// With the consistent mass of the densities times a fill at every quadrature point of the body, the control `fill`, 1 at rest: a mass that follows a
+    /// design. In a cell the mean over its points counts.
+    #[must_use]
+    pub fn filled(self) -> Self {
+        Inertia { kind: Kind::Filled, ..self }
     }
 
     /// The contribution on a body.
     ///
     /// # Errors
     /// A region that is unknown, a density that is not positive, cells without density.
-    pub fn on(&self, disc: &Discretization, structure: &TangentStructure) -> Result<BodyInertia, FemError> {
+    pub fn on(&self, disc: &Discretization, structure: &Arc<TangentStructure>) -> Result<BodyInertia, FemError> {
         let mesh = disc.mesh();
         let mut density = vec![0.0; mesh.cells()];
         for (region, rho) in &self.densities {
@@ -80,13 +98,22 @@ impl Inertia {
             );
             return Err(FemError::Meaningless { what });
         }
-        let mass = match self.lumped {
-            true => Mass::Lumped(disc.lumped_mass(&density)),
-            false => Mass::Consistent(structure.consistent_mass(&density)?),
+        let mass = match self.kind {
+            Kind::Lumped => Mass::Lumped(disc.lumped_mass(&density)),
+            Kind::Consistent => Mass::Consistent(structure.consistent_mass(&density)?),
+            Kind::Filled => {
+                let names = self.densities.iter().flat_map(|(names, _)| names.iter());
+                let regions: Vec<String> = names.map(str::to_owned).collect();
+                Mass::Filled(FilledMass::new(disc, structure, GroupNames::from(regions), density)?)
+            }
         };
         let mut along = vec![0.0; disc.dofs()];
         along.iter_mut().step_by(disc.dim()).for_each(|x| *x = 1.0);
-        let total = disc.dot(&along, &mass.times(&along, false));
+        let total = match &mass {
+            Mass::Filled(_) => 0.0,
+            Mass::Lumped(diagonal) => disc.dot(&along, &diagonal_product(diagonal, &along)),
+            Mass::Consistent(matrix) => disc.dot(&along, &product(matrix, &along, false)),
+        };
         Ok(BodyInertia { mass, total })
     }
 }
@@ -95,6 +122,7 @@ impl Inertia {
 #[derive(Debug)]
 pub struct BodyInertia {
     mass: Mass,
+    /// Of a mass that controls do not change.
     total: f64,
 }
 
@@ -103,28 +131,40 @@ enum Mass {
     Consistent(SparseMatrix),
     /// By unknown.
     Lumped(Vec<f64>),
+    Filled(FilledMass),
+}
+
+/// Zero behind the displacement.
+fn diagonal_product(diagonal: &[f64], v: &[f64]) -> Vec<f64> {
+    let mut out = vec![0.0; v.len()];
+    out.iter_mut().zip(diagonal).zip(v).for_each(|((out, m), v)| *out = m * v);
+    out
+}
+
+fn product(matrix: &SparseMatrix, v: &[f64], parallel: bool) -> Vec<f64> {
+    let mut out = vec![0.0; v.len()];
+    matrix.multiply_on(v, &mut out, parallel);
+    out
 }
 
 impl Mass {
     /// Zero behind the displacement.
-    fn times(&self, v: &[f64], parallel: bool) -> Vec<f64> {
-        let mut out = vec![0.0; v.len()];
+    fn times(&self, at: &Instant, v: &[f64]) -> Vec<f64> {
         match self {
-            Mass::Lumped(diagonal) => {
-                out.iter_mut().zip(diagonal).zip(v).for_each(|((out, m), v)| *out = m * v);
-            }
-            Mass::Consistent(matrix) => matrix.multiply_on(v, &mut out, parallel),
+            Mass::Lumped(diagonal) => diagonal_product(diagonal, v),
+            Mass::Consistent(matrix) => product(matrix, v, at.parallel),
+            Mass::Filled(filled) => filled.times(at, v),
         }
-        out
     }
 
-    fn add_to(&self, factor: f64, matrix: &mut SparseMatrix) -> Result<(), NotCoupled> {
+    fn add_to(&self, factor: f64, at: &Instant, matrix: &mut SparseMatrix) -> Result<(), NotCoupled> {
         match self {
             Mass::Lumped(diagonal) => {
                 matrix.add_diagonal(&diagonal.iter().map(|m| factor * m).collect::<Vec<_>>());
                 Ok(())
             }
             Mass::Consistent(mass) => matrix.add_scaled(factor, mass),
+            Mass::Filled(filled) => filled.add_to(factor, at, matrix),
         }
     }
 }
@@ -132,24 +172,40 @@ impl Mass {
 impl BodyInertia {
     /// What it is called in messages and results.
     pub const NAME: &str = "inertia";
+    /// That of one that follows a design.
+    pub const FILLED: &str = "inertia by fill";
 }
 
 impl Contribution for BodyInertia {
     fn name(&self) -> &str {
-        Self::NAME
+        if let Mass::Filled(_) = self.mass { Self::FILLED } else { Self::NAME }
+    }
+
+    fn slots(&self) -> &[Slot] {
+        if let Mass::Filled(_) = self.mass { &FILL } else { &[] }
+    }
+
+    fn over_cells(&self) -> Option<OverCells<'_>> {
+        match &self.mass {
+            Mass::Filled(filled) => {
+                Some(OverCells { regions: &filled.regions, cells: &filled.cells, points: filled.points() })
+            }
+            _ => None,
+        }
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
-        let mut found = vec![("mass", self.total)];
+        let total = if let Mass::Filled(filled) = &self.mass { filled.total(at) } else { self.total };
+        let mut found = vec![("mass", total)];
         if at.step.is_some() {
             let velocity: Vec<f64> = (0..at.u.len()).map(|dof| at.velocity(dof)).collect();
-            found.push(("kinetic_energy", 0.5 * at.space.dot(&velocity, &self.mass.times(&velocity, at.parallel))));
+            found.push(("kinetic_energy", 0.5 * at.space.dot(&velocity, &self.mass.times(at, &velocity))));
         }
         found
     }
 
-    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
-        self.mass.add_to(1.0, mass)
+    fn add_mass(&self, at: &Instant, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+        self.mass.add_to(1.0, at, mass)
     }
 
     fn is_stiff(&self) -> bool {
@@ -165,40 +221,59 @@ impl ContributionPoint for BodyInertia {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
         let Some(step) = at.step else { return Ok(()) };
         let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
-        let force = self.mass.times(&acceleration, at.parallel);
+        let force = self.mass.times(at, &acceleration);
         add_linear(at, step.acceleration.0, &acceleration, &force, demand, sums);
         Ok(())
     }
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
         if let Some(step) = at.step {
-            self.mass.add_to(step.acceleration.0, tangent)?;
+            self.mass.add_to(step.acceleration.0, at, tangent)?;
         }
         Ok(())
     }
 
     fn add_tangent_product(&self, at: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
         if let Some(step) = at.step {
-            axpy(step.acceleration.0, &self.mass.times(v, at.parallel), out);
+            axpy(step.acceleration.0, &self.mass.times(at, v), out);
         }
         Ok(true)
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
         if at.step.is_some() {
-            axpy(1.0, &self.mass.times(lambda, at.parallel), &mut into.acceleration);
+            axpy(1.0, &self.mass.times(at, lambda), &mut into.acceleration);
+        }
+        if let (Mass::Filled(filled), Some(_)) = (&self.mass, at.step) {
+            let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
+            filled.vjp(lambda, &acceleration, |point, by| into.add_control_at(at, point, 0, by));
         }
         Ok(())
     }
 
+    fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
+        if let (Mass::Filled(filled), Some(_)) = (&self.mass, at.step) {
+            let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
+            axpy(1.0, &filled.times_change(|point| at.slot_at(v, point, 0), &acceleration), out);
+        }
+        Ok(())
+    }
+
+    /// The residual is linear in the displacement and, apart from it, in the fill.
     fn second_vjp(
         &self,
-        _: &Instant,
-        _: &[f64],
-        _: &Increment,
-        _: &mut SecondSensitivities,
+        at: &Instant,
+        lambda: &[f64],
+        along: &Increment,
+        into: &mut SecondSensitivities,
     ) -> Result<(), SecondDerivativeError> {
-        Ok(()) // linear
+        if let (Mass::Filled(filled), Some(step)) = (&self.mass, at.step) {
+            let factor = step.acceleration.0;
+            let change = filled.times_change(|point| at.slot_at(along.controls, point, 0), lambda);
+            axpy(factor, &change, &mut into.u);
+            filled.vjp(lambda, along.u, |point, by| into.add_control_at(at, point, 0, factor * by));
+        }
+        Ok(())
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::force_families::{Ended, ForceFamilies, Resultant, growth_work};
 use crate::scheme::Scheme;
 use nalgebra::Vector3;
+use nastic_body::controls::Controls;
 use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::state::State;
 use nastic_equilibrium::model::Model;
@@ -150,12 +151,12 @@ pub struct EnergyLedger {
 }
 
 impl EnergyLedger {
-    /// Of a motion of a model by a scheme.
+    /// Of a motion of a model by a scheme, under the controls of its beginning: a mass that follows a design does not change in time.
     ///
     /// # Errors
     /// A mass that cannot be added up.
-    pub fn new(model: &Model, scheme: &Scheme) -> Result<Self, FemError> {
-        let mass = if scheme.is_quasi_static() { None } else { Some(model.energies().mass()?) };
+    pub fn new(model: &Model, scheme: &Scheme, controls: &Controls) -> Result<Self, FemError> {
+        let mass = if scheme.is_quasi_static() { None } else { Some(model.energies().mass_under(controls)?) };
         let ends_balanced = scheme.ends_at_its_last_stage();
         Ok(EnergyLedger { mass, ends_balanced, balance: EnergyBalance::default(), last: None })
     }

@@ -1,6 +1,7 @@
 //! The acceleration of a state that does not carry one, and its adjoint.
 
 use nastic_body::contribution::Demand;
+use nastic_body::controls::Controls;
 use nastic_body::error::{FemError, Inadmissible, StateError};
 use nastic_body::history::History;
 use nastic_body::instant::{Instant, TimeStep};
@@ -41,7 +42,7 @@ pub(crate) fn initial_acceleration(
     let at = beginning(model, state, &step, parallel);
     let last = |at: Inadmissible| StateError::inadmissible(at, 1.0, 0, Box::new(state.clone()));
     let sums = model.evaluate(&at, Demand { energy: false, force: true }).map_err(last)?;
-    divide_by_mass(model, sums.force.iter().map(|f| -f).collect(), parallel)
+    divide_by_mass(model, &state.controls, sums.force.iter().map(|f| -f).collect(), parallel)
 }
 
 /// A state with the internal variables behind it, in a step without length.
@@ -49,9 +50,14 @@ pub(crate) fn at_instant(model: &Model, state: &State, history: &History) -> Sta
     State { history: Arc::new(model.memory().history_of_step(history, 0.0)), ..state.clone() }
 }
 
-/// `M^-1 b` on the free unknowns; multipliers, whose forces b holds as they are, have none.
-pub(crate) fn divide_by_mass(model: &Model, mut b: Vec<f64>, parallel: bool) -> Result<Vec<f64>, StateError> {
-    let mut mass = model.energies().mass()?;
+/// `M^-1 b` on the free unknowns, M under these controls; multipliers, whose forces b holds as they are, have none.
+pub(crate) fn divide_by_mass(
+    model: &Model,
+    controls: &Controls,
+    mut b: Vec<f64>,
+    parallel: bool,
+) -> Result<Vec<f64>, StateError> {
+    let mut mass = model.energies().mass_under(controls)?;
     mass.tie(model.supports.ties(), 1.0);
     let unknowns = b.len();
     b.truncate(model.discretization().dofs());

@@ -45,7 +45,7 @@ pub(crate) fn modal_step(
     step: &TimeStep,
     how: &SolveOptions,
 ) -> Result<ModalStep, StateError> {
-    let mut mass = model.energies().mass()?;
+    let mut mass = model.energies().mass_under(controls)?;
     mass.eliminate(model.supports.fixed(), 0.0);
     let history = step.history.clone();
     let state = State { controls: Arc::new(controls.clone()), history, ..begin.clone() };

@@ -330,8 +330,12 @@ impl<'a> ReverseSweep<'a> {
         }
         let (model, parallel) = (self.model, self.how.parallel);
         let state = &at_instant(model, state, history);
-        let mu = divide_by_mass(model, adjoints.iter().map(|d| -d).collect(), parallel)?;
-        let step = without_acceleration(state);
+        let mu = divide_by_mass(model, &state.controls, adjoints.iter().map(|d| -d).collect(), parallel)?;
+        let mut step = without_acceleration(state);
+        // a mass that follows a design: mu . dM/dm a
+        if let Some(acceleration) = &state.acceleration {
+            step.acceleration = (0.0, acceleration.to_vec());
+        }
         let at = beginning(model, state, &step, parallel);
         let tangent = model.tangents().bordered_tangent(&at).map_err(|at| inverted(at, state))?;
         let by_u = tangent.multiply_transposed(&mu, parallel);

@@ -66,7 +66,7 @@ pub(crate) fn vibration_modes(
     count: usize,
     how: &SolveOptions,
 ) -> Result<Vec<VibrationMode>, StateError> {
-    let (dim, mut mass) = (model.discretization().dim(), model.energies().mass()?);
+    let (dim, mut mass) = (model.discretization().dim(), model.energies().mass_under(&state.controls)?);
     mass.eliminate(model.supports.fixed(), 0.0);
     check_positive(model, &mass)?;
     let found = model.stability().lowest_modes(state, MassMatrix::Sparse(&mass), count, how)?;

@@ -213,11 +213,11 @@ pub trait Contribution: Debug + Send + Sync {
     /// [`Inadmissible`] where u is.
     fn at<'a>(&'a self, at: &Instant, need: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible>;
 
-    /// Adds its mass matrix `dr/da`, which is symmetric and does not change: what accelerations follow from where a motion begins.
+    /// Adds its mass matrix `dr/da`, which is symmetric and depends on the controls alone: what accelerations follow from where a motion begins.
     ///
     /// # Errors
     /// [`NotCoupled`] where the pattern lacks a pair of nodes that it couples.
-    fn add_mass(&self, _mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+    fn add_mass(&self, _at: &Instant, _mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
         Ok(())
     }
 }

@@ -9,14 +9,23 @@ impl TangentStructure {
     /// The consistent mass matrix `M_ab = int rho N_a N_b dX`, the same for every displacement component, in kg where
     /// densities (by cell) are in kg/m^3; in plane strain per unit of thickness.
     ///
-    /// By the rule that is exact for `N_a N_b` on an affine cell; the default rule of linear simplices has one point,
-    /// with which M would be singular.
+    /// # Errors
+    /// As [`mass_rule`](Self::mass_rule).
+    pub fn consistent_mass(&self, density: &[f64]) -> Result<SparseMatrix, FemError> {
+        Ok(self.mass_by(&self.mass_rule()?, density))
+    }
+
+    /// The rule that is exact for `N_a N_b` on an affine cell; the default rule of linear simplices has one point, with which M would be singular.
     ///
     /// # Errors
     /// [`FemError::InvertedReference`] at a point of that rule.
-    pub fn consistent_mass(&self, density: &[f64]) -> Result<SparseMatrix, FemError> {
+    pub fn mass_rule(&self) -> Result<QuadraturePoints, FemError> {
         let cells = 0..self.mesh().cells() as u32;
-        let sampling = QuadraturePoints::of_cells(self.mesh(), cells, |kind| kind.rule_of_degree(2 * kind.order()))?;
+        QuadraturePoints::of_cells(self.mesh(), cells, |kind| kind.rule_of_degree(2 * kind.order()))
+    }
+
+    /// The same by a rule over all cells.
+    pub fn mass_by(&self, sampling: &QuadraturePoints, density: &[f64]) -> SparseMatrix {
         let (dim, mut mass) = (self.mesh().dim(), self.matrix());
         for (p, part) in sampling.parts.iter().enumerate() {
             let nodes = part.table.nodes;
@@ -39,6 +48,6 @@ impl TangentStructure {
                 self.pattern().scatter(map, &element, &mut mass.values);
             }
         }
-        Ok(mass)
+        mass
     }
 }

@@ -2,6 +2,7 @@
 
 use super::Reduced;
 use crate::constraint::IntoConstraint;
+use crate::control_block::ControlTarget;
 use crate::cost::{Aim, IntoCost};
 use crate::error::ControlError;
 use crate::layout::Layout;
@@ -9,7 +10,7 @@ use crate::map::Space;
 use crate::time::{
     FixedInTime, Instants, Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When,
 };
-use nastic_fem::Checkpoints;
+use nastic_fem::{BodyInertia, Checkpoints};
 use nastic_opt::ConstraintGroup;
 
 /// What a problem in time has beside a static one.
@@ -43,6 +44,7 @@ impl Reduced {
     /// A problem that has controls or costs already; an initial velocity of the wrong length; too little memory for a motion.
     pub fn in_time(mut self, timeline: Timeline) -> Result<Self, ControlError> {
         self.solid.model().ranks().refuse_ranks("a problem in time")?;
+        self.refuse_projection("a problem in time")?;
         if !(self.layout.is_empty() && self.costs.is_empty() && self.constraints.is_empty()) {
             let what = "call in_time before controls, costs and constraints are added".to_owned();
             return Err(ControlError::Cost { what });
@@ -70,7 +72,7 @@ impl Reduced {
     /// As [`control`](Self::control); a problem without time; knots that do not end with it.
     pub fn control_in_time(self, of: &str, space: Space, knots: Knots) -> Result<Self, ControlError> {
         self.check_knots(of, &knots)?;
-        self.control(of, space).map(|added| added.with_knots(knots))
+        self.control(of, space)?.with_knots(knots)
     }
 
     /// Adds the amplitude of a vector along a fixed direction, with a value at each knot in time.
@@ -85,7 +87,7 @@ impl Reduced {
         knots: Knots,
     ) -> Result<Self, ControlError> {
         self.check_knots(of, &knots)?;
-        self.control_along(of, space, direction).map(|added| added.with_knots(knots))
+        self.control_along(of, space, direction)?.with_knots(knots)
     }
 
     fn check_knots(&self, of: &str, knots: &Knots) -> Result<(), ControlError> {
@@ -98,10 +100,16 @@ impl Reduced {
     }
 
     /// Gives those to the field that was added last.
-    fn with_knots(mut self, knots: Knots) -> Self {
+    fn with_knots(mut self, knots: Knots) -> Result<Self, ControlError> {
+        let controllable = self.solid.model().controllable();
+        let drives_mass = |target: &ControlTarget| controllable[target.actuation].name == BodyInertia::FILLED;
+        if let Some(block) = self.layout.blocks().last().filter(|block| block.targets.iter().any(drives_mass)) {
+            let what = format!("\"{}\" drives a mass, which does not change in time: give it no knots", block.name);
+            return Err(ControlError::Cost { what });
+        }
         self.layout.in_time(knots);
         self.update_layout();
-        self
+        Ok(self)
     }
 
     /// Adds a cost of states that counts at some part of the motion.

@@ -6,6 +6,7 @@ use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartia
 use crate::cost::{CostForm, Counts, check_weight};
 use crate::error::ControlError;
 use crate::layout::Layout;
+use nastic_fem::Inadmissible;
 use nastic_numeric::vector::axpy;
 
 /// `j = weight v . M v / 2` at the end, as an integral over the time, or at instants: a body that is to come to rest, or not to move.
@@ -63,18 +64,31 @@ impl TrajectoryCost for KineticEnergy {
     }
 
     fn add_partials(&self, at: &TrajectoryContext, out: &mut TrajectoryPartials) -> Result<(), ControlError> {
-        let (schedule, mass) = (self.schedule(at.timeline)?, at.solid.model().energies().mass()?);
+        let (schedule, energies) = (self.schedule(at.timeline)?, at.solid.model().energies());
+        let of_instant = at.layout.of_instant();
         for (n, weight) in &schedule.weights {
             let state = &at.trajectory.states()[*n];
             let Some(velocity) = &state.velocity else { continue }; // at rest
-            let energy = self.weight * at.solid.model().energies().kinetic_energy(state)?;
+            let energy = self.weight * energies.kinetic_energy(state)?;
             let v = at.solid.model().nodal(velocity);
             let mut momentum = vec![0.0; v.len()];
-            mass.multiply(v, &mut momentum);
+            energies.mass_under(&state.controls)?.multiply(v, &mut momentum);
             let by_velocity = &mut out.states[*n].velocity;
             by_velocity.resize(state.u.len(), 0.0);
-            axpy(weight * schedule.shape(energy).1 * self.weight, &momentum, &mut by_velocity[..v.len()]);
+            let factor = weight * schedule.shape(energy).1 * self.weight;
+            axpy(factor, &momentum, &mut by_velocity[..v.len()]);
+            if let Some(by_points) = energies.kinetic_by_controls(state).map_err(inadmissible)? {
+                let t = at.timeline.instants()[*n];
+                let mut by_instant = of_instant.control_vjp(&at.layout.at(at.m, t)?, &by_points);
+                by_instant.iter_mut().for_each(|d| *d *= factor);
+                at.layout.add_at(t, &by_instant, &mut out.m);
+            }
         }
         Ok(())
     }
+}
+
+/// A state that was found is admissible.
+fn inadmissible(error: Inadmissible) -> ControlError {
+    ControlError::Cost { what: error.to_string() }
 }

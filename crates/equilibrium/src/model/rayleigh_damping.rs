@@ -22,6 +22,10 @@ impl Energies<'_> {
             let what = "Rayleigh damping with a0 > 0 needs a mass: add the inertia before it".to_owned();
             return Err(FemError::Meaningless { what });
         }
+        if a0 > 0.0 && self.follows_design() {
+            let what = "Rayleigh damping with a0 > 0 beside a mass that follows a design: give a0 = 0".to_owned();
+            return Err(FemError::Meaningless { what });
+        }
         let rest = self.model.rest();
         let mut stiffness = self.model.tangent_structure().matrix();
         let inverted = |at: Inadmissible| FemError::Meaningless { what: format!("no stiffness at rest: {at}") };

@@ -218,6 +218,7 @@ pub const CATALOGUE: &[Entry] = &[
     },
     Entry { name: "rigid body", form: None, example: || loose()?.rigid(&RigidBody::new("rigid body", "body")) },
     Entry { name: BodyInertia::NAME, form: None, example: || block()?.inertia(Inertia::new("body", 1e3)) },
+    Entry { name: BodyInertia::FILLED, form: None, example: || block()?.inertia(Inertia::new("body", 1e3).filled()) },
     Entry {
         name: RayleighDamping::NAME,
         form: None,

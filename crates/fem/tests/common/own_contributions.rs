@@ -40,7 +40,7 @@ impl Contribution for Oscillators {
         &PUSH
     }
 
-    fn add_mass(&self, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
+    fn add_mass(&self, _: &Instant, mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
         mass.add_to_diagonal(self.mass);
         Ok(())
     }

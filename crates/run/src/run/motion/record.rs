@@ -58,7 +58,7 @@ impl Record {
         let ledger = match &mut self.ledger {
             Some(ledger) => ledger,
             none => {
-                let mut ledger = EnergyLedger::new(model, timeline.scheme())?;
+                let mut ledger = EnergyLedger::new(model, timeline.scheme(), &state.controls)?;
                 if let (Some(last), Some(balance)) = (&self.last, self.table.as_ref().and_then(Table::last_balance)) {
                     ledger.go_on(model, self.before.as_ref(), last, balance)?;
                 }
