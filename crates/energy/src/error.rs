@@ -28,6 +28,14 @@ pub enum EnergyError {
         /// The law.
         owner: String,
     },
+    /// A law that another one cannot stand around.
+    #[error("{owner} cannot stand around this law: {why}")]
+    Wrapped {
+        /// What was to stand around it.
+        owner: &'static str,
+        /// Why not.
+        why: &'static str,
+    },
     /// A number of a law that is no parameter as which unknowns are possible.
     #[error(
         "{name:?} of {owner} cannot be an unknown{}; a law that depends on it otherwise than linearly can be written as a \"formula\", all of whose parameters can",

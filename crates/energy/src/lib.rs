@@ -12,6 +12,7 @@ mod actuation;
 mod by_parameters;
 pub mod catalogue;
 pub mod check;
+mod design;
 mod error;
 mod existence;
 mod field;
@@ -31,6 +32,7 @@ pub use actuation::{
     Dielectric, FiberTension, Magnet, MagnetIsochoric, MagnetRotation, PointQuantity, Turgor, dielectric, magnet,
 };
 pub use by_parameters::{ByParameters, Conversion};
+pub use design::{Scale, Weighted};
 pub use error::{EnergyError, Outside};
 pub use existence::{Existence, Growth};
 pub use field::{Entry, Field, MaterialPoint, combine};

@@ -10,3 +10,4 @@ mod magnet;
 mod parameters;
 mod rubber_laws;
 mod viscosity;
+mod weighted;
