@@ -200,8 +200,8 @@ impl<'a> ReverseSweep<'a> {
             }
         }
         of_last.resize(self.model.unknowns().len(), 0.0);
-        if step.started.is_some() {
-            self.start(begin, &history)?;
+        if let Some(acceleration) = &step.started {
+            self.start(begin, acceleration, &history)?;
         }
         self.pass_history(begin)?;
         self.adjoints.rotate_left(1);
@@ -323,7 +323,7 @@ impl<'a> ReverseSweep<'a> {
     }
 
     /// The acceleration that a state was given: `M a = -r(u, v, 0; m)`.
-    fn start(&mut self, state: &State, history: &History) -> Result<(), StateError> {
+    fn start(&mut self, state: &State, acceleration: &[f64], history: &History) -> Result<(), StateError> {
         let adjoints = take(&mut self.adjoints[BEGIN].acceleration);
         if adjoints.iter().all(|&d| d == 0.0) {
             return Ok(());
@@ -331,11 +331,8 @@ impl<'a> ReverseSweep<'a> {
         let (model, parallel) = (self.model, self.how.parallel);
         let state = &at_instant(model, state, history);
         let mu = divide_by_mass(model, &state.controls, adjoints.iter().map(|d| -d).collect(), parallel)?;
-        let mut step = without_acceleration(state);
-        // a mass that follows a design: mu . dM/dm a
-        if let Some(acceleration) = &state.acceleration {
-            step.acceleration = (0.0, acceleration.to_vec());
-        }
+        // with it, since a mass may follow a design: mu . dM/dm a
+        let step = TimeStep { acceleration: (0.0, acceleration.to_vec()), ..without_acceleration(state) };
         let at = beginning(model, state, &step, parallel);
         let tangent = model.tangents().bordered_tangent(&at).map_err(|at| inverted(at, state))?;
         let by_u = tangent.multiply_transposed(&mu, parallel);
