@@ -5,12 +5,14 @@ use nastic_control::{
     Consumer, ControlError, ControlMap, Direction, Filter, PowerLaw, Projection, Reduced, Space, Target, Tracking,
 };
 use nastic_energy::{
-    EnergyError, FiberTension, KinematicGrowth, MaxwellBranch, MooneyRivlin, NeoHooke, Parametrised, Turgor,
+    EnergyError, FiberTension, KinematicGrowth, MaxwellBranch, MooneyRivlin, NeoHooke, Parametrised, Scale, Turgor,
+    Weighted,
 };
 use nastic_fem::{Cavity, Formulation, Solid, SolveOptions, VaryingLoad};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::Bounds;
 use nastic_tensor::Vec3;
+use std::sync::Arc;
 
 /// Growth by cell beside a fibre tension by cell, a modulus by region, a chamber and a viscous branch at rest, with two formulations.
 #[test]
@@ -113,6 +115,38 @@ fn weight_follows_the_density_that_stiffness_follows() -> Outcome {
     let apart = halved.state().u.iter().zip(expected.u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(apart < 1e-9, "{apart:e}");
     Ok(())
+}
+
+/// A filtered and projected density of a law (SIMP), and a filler of another material, beside a fibre tension and a chamber; the fibres follow the density.
+#[test]
+fn densities_and_fillers_are_unknowns_beside_a_tension_and_a_chamber() -> Outcome {
+    let rubber = Arc::new(MooneyRivlin::new(5e4, 2e4, 3e5)?);
+    let simp = Scale::Simp { floor: 1e-3, exponent: 3.0 };
+    let mixed = Weighted::mixture(rubber.clone(), Arc::new(NeoHooke::new(4e5, 1e6)?))?;
+    let fibers =
+        Weighted::scaled(Arc::new(FiberTension::along(Vec3::x())?), Scale::Ramp { floor: 1e-3, penalty: 2.0 })?;
+    let body = Solid::new(hollow()?)?
+        .actuate("arm", "stiff", Weighted::scaled(rubber, simp)?)?
+        .actuate("root", "mixed", Weighted::scaled(Arc::new(mixed), Scale::Guth)?)?
+        .actuate("arm", "fiber", fibers)?
+        .cavity(Cavity::new("air", "inner"))?;
+    let consumers = ["stiff.density", "fiber.density"].map(|of| Consumer::of(of).through(PowerLaw::multiple_of(1.0)));
+    let problem = Reduced::new(weight(body)?)
+        .design("rho", Space::Cell, &consumers)?
+        .filter("rho", 0.3)?
+        .through("rho", Projection { threshold: 0.5, sharpness: 2.0 })?
+        .control("mixed.share", Space::Cell)?
+        .control("mixed.filler", Space::Uniform)?
+        .control("fiber.tension", Space::Uniform)?
+        .control("air", Space::Uniform)?
+        .cost(target())?;
+    let count = |name: &str| problem.layout().block(name).map(nastic_control::ControlBlock::len);
+    let wave = |len: usize, mean: f64| (0..len).map(move |i| mean * (1.0 + 0.3 * (1.7 * i as f64).sin()));
+    let m: Vec<f64> =
+        wave(count("rho")?, 0.6).chain(wave(count("mixed.share")?, 0.3)).chain([0.1, -2e4, 4e3]).collect();
+    let range = |m: f64| 0.3 * m.abs();
+    let at = |side: f64| m.iter().map(|m| m + side * range(*m)).collect::<Vec<_>>();
+    assert_orders_within(&problem, &Bounds::new(at(-1.0), at(1.0))?, &m, "density, filler, share")
 }
 
 /// Constants and the integral stay; a step becomes `exp(-|x|/R)/2`.
