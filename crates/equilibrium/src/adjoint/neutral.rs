@@ -15,12 +15,12 @@ use nastic_body::state::{SolveReport, State};
 use nastic_linear::solver::{Accuracy, Inertia};
 use nastic_numeric::vector::{axpy, sub};
 
-/// Times that what the anchor took is given back.
+/// Corrections by the force of the anchor.
 const CORRECTIONS: usize = 2;
-/// Share of a right-hand side along free motions that is rounding.
-const ALONG: f64 = 1e-6;
-/// Below so many of the weakest anchor a stiffness is rounding.
-const NEUTRAL: f64 = 10.0;
+/// Largest share of a right-hand side along free motions that is rounding.
+const MAX_FREE_MOTION_SHARE: f64 = 1e-6;
+/// Stiffness over that of the weakest anchor, below which it is rounding.
+const MAX_NEUTRAL_RATIO: f64 = 10.0;
 
 impl Model {
     /// What is free of an equilibrium that contact alone may hold.
@@ -89,7 +89,7 @@ impl Model {
             let growth = sub(x, before);
             let along = space.norm(&self.held_by(&anchor, &growth)[..dofs]);
             let share = along / space.norm(&b[..dofs]).max(f64::MIN_POSITIVE);
-            if share.is_nan() || share > ALONG {
+            if share.is_nan() || share > MAX_FREE_MOTION_SHARE {
                 let FreeMotion { count, what, example } = free.clone();
                 return Err(FemError::FreeDerivative { share, count, what, example }.into());
             }
@@ -120,6 +120,6 @@ impl Stability<'_> {
         let mut count = |factor: f64| {
             self.model.count_anchored(&at, factor, state, how, &mut workspace).map(|counted| counted.negative)
         };
-        Ok((count(-NEUTRAL)? > count(1.0)?).then_some(free))
+        Ok((count(-MAX_NEUTRAL_RATIO)? > count(1.0)?).then_some(free))
     }
 }

@@ -16,33 +16,35 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 /// Of a solution that counts as exact: an adjoint, and the two systems of a second derivative, whose products shall be symmetric to 1e-10.
-/// Their errors are errors of `a . H b`, and of a derivative, beside the product of the energy norms of both solutions. That is hundreds of
-/// times larger where an actuator strains the body and the cost sees its bending, and a million times where the cost is the compliance of a nearly
-/// incompressible one: with 1e-9 its derivative was off by 4e-4. (Over the bodies, costs and actuations of crates/control/tests/hessian.rs,
+/// The error of a derivative, and of `a . H b`, is relative to the product of the energy norms of both solutions. This product is hundreds of
+/// times larger than the derivative where an actuator strains the body and the cost depends on its bending, and a million times larger for the compliance of a nearly
+/// incompressible body, whose derivative had an error of 4e-4 with 1e-9. (Over the bodies, costs and actuations of crates/control/tests/hessian.rs,
 /// 1e-12 gives 2e-10, 1e-13 gives 2e-12, and 1e-14 is where double precision ends: 9e-13.)
 pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-13, residual: 1e-11 };
 
 /// Relative residual of a system that nothing corrects afterwards.
-const DEFINITE: f64 = 1e-12;
+const MAX_UNCORRECTED_RESIDUAL: f64 = 1e-12;
 
-/// Least relative residual of a solution that is corrected by a product of its own, about the rounding of moduli, and corrections at most.
-const ROUNDED: f64 = 1e-7;
-const CORRECTIONS: usize = 5;
+/// Least relative residual of a solution that is corrected by a separate product, about the rounding of moduli.
+const MIN_CORRECTED_RESIDUAL: f64 = 1e-7;
+/// Corrections of such a solution.
+const MAX_CORRECTIONS: usize = 5;
 
 /// Of full steps of Newton's method with an indefinite or bordered tangent.
 pub(crate) const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
-/// Relative residual from which a factor of the tangent before serves bordered systems, and the largest error of theirs.
-const KEPT: f64 = 0.05;
-const COARSE: f64 = 1e-3;
+/// Largest relative residual at which the factor of the tangent before serves bordered systems.
+const MAX_REUSE_RESIDUAL: f64 = 0.05;
+/// Largest error of these systems.
+const MAX_REUSE_ERROR: f64 = 1e-3;
 
 /// Of a full step with a bordered tangent from a relative residual towards one of `accuracy`, and whether a factor of the tangent before may
 /// serve: a tenth of the residual keeps convergence quadratic, and nothing beyond a thousandth of what the end asks for is of use.
 pub(crate) fn bordered_step(relative: f64, accuracy: f64) -> (Accuracy, bool) {
-    if relative.is_nan() || relative > KEPT {
+    if relative.is_nan() || relative > MAX_REUSE_RESIDUAL {
         return (FULL_STEP, false);
     }
-    let error = (0.1 * relative).max(1e-3 * accuracy / relative).clamp(FULL_STEP.error, COARSE);
+    let error = (0.1 * relative).max(1e-3 * accuracy / relative).clamp(FULL_STEP.error, MAX_REUSE_ERROR);
     (Accuracy { error, residual: error.max(FULL_STEP.residual) }, true)
 }
 
@@ -231,8 +233,8 @@ impl<'a> TangentSystems<'a> {
         let space = self.model.unknowns();
         let (mut x, mut rest, mut before) = (vec![0.0; b.len()], b.to_vec(), f64::INFINITY);
         // two solutions that leave the root of the error each
-        let rounded = Accuracy { residual: ROUNDED.max(0.3 * accuracy.error.sqrt()), ..accuracy };
-        for _ in 0..=CORRECTIONS {
+        let rounded = Accuracy { residual: MIN_CORRECTED_RESIDUAL.max(0.3 * accuracy.error.sqrt()), ..accuracy };
+        for _ in 0..=MAX_CORRECTIONS {
             let dx = self.solve_to(rounded, tangent, u, &rest, Transposition::No, report)?;
             // |dx|_K, and the next one by the ratio to the one before
             let size = space.dot(&dx, &rest).max(0.0).sqrt();
@@ -275,7 +277,7 @@ impl<'a> TangentSystems<'a> {
         configuration.system(matrix.into()).multiply(&x, &mut rest);
         rest.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
         // of multigrid, which shows at a coarser residual that a matrix is definite
-        if self.model.unknowns().norm(&rest) > DEFINITE * self.model.unknowns().norm(b) {
+        if self.model.unknowns().norm(&rest) > MAX_UNCORRECTED_RESIDUAL * self.model.unknowns().norm(b) {
             let correction = self.solution(EXACT, matrix.into(), u, &rest, Transposition::No, report)?;
             // a factor that was fallen back on takes what is indefinite too
             if correction.negative.is_some_and(|negative| negative > 0) {

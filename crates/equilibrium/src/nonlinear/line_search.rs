@@ -16,19 +16,19 @@ use nastic_body::state::SolveReport;
 use nastic_body::strategy::Strategy;
 use nastic_linear::solver::Curvature;
 
-/// Steps along a curve that leave less than this share of the smallest J are too long.
-const COLLAPSE: f64 = 0.09;
-/// Sufficient decrease wanted of a step, as a share of what the slope promises; lengths that are tried.
-const DESCENT: Rule = Rule { decrease: 1e-4, tries: 30 };
+/// Steps that reduce the smallest J below this share of itself are too long.
+const MIN_J_RATIO: f64 = 0.09;
+/// Sufficient decrease of a step, as a share of what the slope predicts, and the number of lengths that are tried.
+const DESCENT_RULE: Rule = Rule { decrease: 1e-4, tries: 30 };
 /// The same where the tangent is not positive definite and an equilibrium nearby may be a saddle.
-const TO_SADDLE: Rule = Rule { decrease: 0.1, tries: 4 };
-/// Under constraints a whole step that leaves this share of the residual is taken whatever the potential.
-const FALLS: Rule = Rule { decrease: 0.5, tries: 1 };
+const SADDLE_RULE: Rule = Rule { decrease: 0.1, tries: 4 };
+/// Under constraints a whole step that reduces the residual by this share is taken whatever the potential.
+const CONSTRAINED_RULE: Rule = Rule { decrease: 0.5, tries: 1 };
 
-/// Least share of a length that the next one has.
-const SHORTEST: f64 = 0.1;
-/// Longer steps that are tried where parabolas asked for less than that share: a contact that closes is a wall, far from which they see nothing else.
-const BEFORE_WALL: usize = 3;
+/// Smallest ratio of a length to the one before.
+const MIN_LENGTH_RATIO: f64 = 0.1;
+/// Longer steps that are tried where the parabola asked for a smaller ratio: where a contact closes, the potential at the trial is dominated by the barrier.
+const MAX_EXTENSIONS: usize = 3;
 
 #[derive(Clone, Copy)]
 struct Rule {
@@ -123,12 +123,12 @@ impl<'a> LineSearch<'a> {
         // a proximal step goes downhill
         if constrained
             && self.equations.anchor.is_none()
-            && let Some(taken) = self.residual_falls(here, &step.dx, FALLS)?
+            && let Some(taken) = self.residual_falls(here, &step.dx, CONSTRAINED_RULE)?
         {
             return Ok(taken);
         }
         if !self.equations.has_potential() {
-            if let Some(taken) = self.residual_falls(here, &step.dx, DESCENT)? {
+            if let Some(taken) = self.residual_falls(here, &step.dx, DESCENT_RULE)? {
                 return Ok(taken);
             }
             if constrained {
@@ -145,7 +145,7 @@ impl<'a> LineSearch<'a> {
         if self.equations.anchor.is_none()
             && !uphill
             && direction.pressures().is_none_or(PredictedPressures::are_settled)
-            && let Some(taken) = self.residual_falls(here, &step.dx, TO_SADDLE)?
+            && let Some(taken) = self.residual_falls(here, &step.dx, SADDLE_RULE)?
         {
             return Ok(taken);
         }
@@ -198,7 +198,7 @@ impl<'a> LineSearch<'a> {
         if self.equations.turns_rigid_bodies() {
             // a rotation is no straight line: that leaves the constraints, which the merit holds against it
             let rigid = |s: f64| model.restored(&straight(s)).unwrap_or_else(|| straight(s));
-            let taken = self.along(here, merit, (&rigid, Along::Curve), reach.straight, DESCENT)?;
+            let taken = self.along(here, merit, (&rigid, Along::Curve), reach.straight, DESCENT_RULE)?;
             if let Some(taken) = taken {
                 return Ok(taken);
             }
@@ -216,18 +216,18 @@ impl<'a> LineSearch<'a> {
                     to.iter_mut().zip(&bent).for_each(|(u, bent)| *u += bent);
                     to
                 };
-                let taken = self.along(here, merit, (&curve, Along::Curve), longest.min(others), DESCENT)?;
+                let taken = self.along(here, merit, (&curve, Along::Curve), longest.min(others), DESCENT_RULE)?;
                 if let Some(taken) = taken {
                     return Ok(Taken { curved: true, ..taken });
                 }
             }
         }
         let longest = reach.straight.min(others);
-        let taken = self.along(here, merit, (&straight, Along::Straight), longest, DESCENT)?;
+        let taken = self.along(here, merit, (&straight, Along::Straight), longest, DESCENT_RULE)?;
         taken.ok_or(Stop::Slow { residual: here.relative })
     }
 
-    /// The longest of a few lengths along a path that lowers a merit enough and is admissible.
+    /// The longest of a few lengths along a path that decreases a merit sufficiently and is admissible.
     fn along(
         &self,
         here: &Iterate,
@@ -237,7 +237,7 @@ impl<'a> LineSearch<'a> {
         rule: Rule,
     ) -> Result<Option<Taken<'a>>, Inadmissible> {
         let line = merit.line();
-        let least_j = if merit.is_energy() { COLLAPSE * here.now.min_j } else { f64::NEG_INFINITY };
+        let least_j = if merit.is_energy() { MIN_J_RATIO * here.now.min_j } else { f64::NEG_INFINITY };
         let (mut length, mut wall) = (longest, None);
         let at = |length: f64| -> Result<_, Inadmissible> {
             let trial = path(length);
@@ -254,7 +254,7 @@ impl<'a> LineSearch<'a> {
             let change = value - line.start;
             if change <= rule.decrease * length * line.slope + line.noise {
                 let mut best = (trial, value, now);
-                for _ in 0..wall.map_or(0, |_| BEFORE_WALL) {
+                for _ in 0..wall.map_or(0, |_| MAX_EXTENSIONS) {
                     let longer = wall.map_or(length, |wall: f64| (length * wall).sqrt());
                     match at(longer)?.filter(|(_, value, _)| *value < best.1) {
                         Some(found) => (best, length) = (found, longer),
@@ -267,9 +267,9 @@ impl<'a> LineSearch<'a> {
             // the vertex of the parabola through the start, its slope and this value
             let vertex = -line.slope * length * length / (2.0 * (change - line.slope * length));
             let shorter = merit.is_energy() && vertex.is_finite();
-            wall =
-                (shorter && vertex < SHORTEST * length && self.equations.model.touches_something()).then_some(length);
-            length = if shorter { vertex.clamp(SHORTEST * length, 0.5 * length) } else { 0.5 * length };
+            wall = (shorter && vertex < MIN_LENGTH_RATIO * length && self.equations.model.touches_something())
+                .then_some(length);
+            length = if shorter { vertex.clamp(MIN_LENGTH_RATIO * length, 0.5 * length) } else { 0.5 * length };
         }
         Ok(None)
     }

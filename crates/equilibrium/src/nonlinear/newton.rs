@@ -22,14 +22,15 @@ use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
 
 /// Iterations of an attempt with point strains.
-const MOST: usize = 40;
+const MAX_POINT_STRAIN_ITERATIONS: usize = 40;
 /// Relative residual from which Newton's method on displacements takes over.
-const NEAR: f64 = 1e-6;
+const POINT_STRAIN_TOLERANCE: f64 = 1e-6;
 /// Rounding of the potential, as a share of the sum of its absolute terms.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Iterations of an attempt with predicted pressures, and tangents of it that may be shifted.
-const PREDICTED: usize = 25;
-const SHIFTED: usize = 8;
+const ENERGY_ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Iterations of an attempt with predicted pressures.
+const MAX_PREDICTED_ITERATIONS: usize = 25;
+/// Shifted tangents of such an attempt.
+const MAX_PREDICTED_SHIFTS: usize = 8;
 
 impl Equations<'_> {
     /// From x to equilibrium, and what the last tangent was (positive where none was needed); where it stops short, x is the
@@ -89,8 +90,8 @@ impl Equations<'_> {
         let (from, moves) = (x.clone(), self.jump(x).is_some());
         // half of what may still be spent at most
         let left = self.options.budget.map_or(usize::MAX, |budget| budget.saturating_sub(report.newton));
-        let most = PREDICTED.min(self.options.max_newton).min(left / 2);
-        let limits = Limits { lost: (0, SHIFTED), ..Limits::new(most, self.options.accuracy) };
+        let most = MAX_PREDICTED_ITERATIONS.min(self.options.max_newton).min(left / 2);
+        let limits = Limits { lost: (0, MAX_PREDICTED_SHIFTS), ..Limits::new(most, self.options.accuracy) };
         let mut direction = Plain::new(self, x, &mut *solver).with_pressures(pressures);
         let start = if moves { Ok(None) } else { self.evaluate(x).map(|start| Some(start.sums)) };
         let run = start.map_err(Stop::from).and_then(|start| {
@@ -131,7 +132,10 @@ impl Equations<'_> {
         let moves = self.jump(u).is_some() || self.model.unknowns().multipliers() > 0;
         // these steps may lead over indefinite tangents as often as they like
         let lost = (usize::MAX, 0);
-        let limits = Limits { lost, ..Limits::new(MOST.min(self.options.max_newton), NEAR) };
+        let limits = Limits {
+            lost,
+            ..Limits::new(MAX_POINT_STRAIN_ITERATIONS.min(self.options.max_newton), POINT_STRAIN_TOLERANCE)
+        };
         let mut direction = WithPointStrains::new(self, u, &mut *solver)?;
         let curvature = Iteration::new(self, limits).run(u, &mut direction, report)?;
         let residual = report.residual;
@@ -158,7 +162,7 @@ impl Model {
 
 /// What rounding may change a potential by.
 fn rounding(sums: &Sums) -> f64 {
-    ROUNDING * (sums.energy_scale + sums.energy.abs())
+    ENERGY_ROUNDING * (sums.energy_scale + sums.energy.abs())
 }
 
 impl Moves<'_> {

@@ -43,8 +43,8 @@ pub(crate) struct PredictedPressures<'a> {
     share: f64,
 }
 
-/// Least such share with which a residual that falls shows a saddle nearby.
-const OF_FORCES: f64 = 0.5;
+/// Least such share at which a decreasing residual indicates a saddle nearby.
+const MIN_FORCE_SHARE: f64 = 0.5;
 
 impl<'a> PredictedPressures<'a> {
     /// Those of the displacement that an iteration begins at; `None` where no cell resists changes of its volume much.
@@ -98,7 +98,7 @@ impl<'a> PredictedPressures<'a> {
 
     /// Whether errors of the volumes make little of the residual, so that it says something of the equilibrium.
     pub fn are_settled(&self) -> bool {
-        self.share >= OF_FORCES
+        self.share >= MIN_FORCE_SHARE
     }
 
     /// Notes a step from there, and what it left by volume mode between its pressures and its changes of volume.

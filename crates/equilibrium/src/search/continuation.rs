@@ -14,23 +14,26 @@ use nastic_body::strategy::Strategy;
 use nastic_linear::LinearSolver;
 use nastic_numeric::vector::sub;
 
-/// A warm start is left for the way from rest at the first step that fails after so many times the iterations allowed for
-/// one: a state nearby that takes more is not nearby.
-const WARM: usize = 3;
-/// Iterations after which a guess was a poor one.
-const GUESS: usize = 15;
-/// Newton iterations after which load steps from rest are given up at the first that fails.
-const MOST: usize = 10_000;
-/// Attempts with predicted pressures that may fail one after the other before no more are made.
-const FAILURES: usize = 2;
-/// Ratios of bulk to shear modulus from which load steps that move prescribed components, which no line search shortens, begin with strains of
-/// their own at the quadrature points, and from which others turn to them after so many iterations downhill.
-const STIFF: (f64, f64) = (100.0, 1000.0);
-const BRIEF: usize = 12;
-/// Relative residual of the states on the way, where obstacles move.
-const ON_THE_WAY: f64 = 1e-7;
-/// Longer load steps than this share of the way that fail with strains of their own, of a body that creeps downhill, are halved at once.
-const DOWNHILL: f64 = 1.0 / 16.0;
+/// Newton iterations of a warm start over those allowed for one step, after which the first step that fails makes the load
+/// steps begin again at rest: a state that takes more is not nearby.
+const MAX_WARM_START_RATIO: usize = 3;
+/// Newton iterations from a guess.
+const MAX_GUESS_ITERATIONS: usize = 15;
+/// Newton iterations of load steps from rest after which the first step that fails ends them.
+const MAX_ITERATIONS_FROM_REST: usize = 10_000;
+/// Consecutive attempts with predicted pressures that may fail before no more are made.
+const MAX_PRESSURE_FAILURES: usize = 2;
+/// Ratio of bulk to shear modulus above which load steps that move prescribed components, which no line search shortens, begin with
+/// independent strains at the quadrature points.
+const MIN_RATIO_WITH_JUMP: f64 = 100.0;
+/// Ratio of bulk to shear modulus above which other load steps try independent strains after a brief descent.
+const MIN_RATIO: f64 = 1000.0;
+/// Newton iterations of a brief descent.
+const MAX_BRIEF_ITERATIONS: usize = 12;
+/// Relative residual of intermediate states, where obstacles move.
+const INTERMEDIATE_TOLERANCE: f64 = 1e-7;
+/// Longest load step that is tried by descent after independent strains have failed, where descent is known to be slow; longer steps are halved at once.
+const MAX_DESCENT_STEP: f64 = 1.0 / 16.0;
 
 /// How load steps begin.
 struct Way {
@@ -51,12 +54,12 @@ impl Way {
 
     /// Whether a step on displacements creeps: whatever turns or shears the body changes its volume, or leaves the constraints.
     fn creeps(&self, jumps: bool) -> bool {
-        self.constrained || jumps && self.ratio > STIFF.0
+        self.constrained || jumps && self.ratio > MIN_RATIO_WITH_JUMP
     }
 
     /// Whether it may creep.
     fn may_creep(&self) -> bool {
-        self.ratio > STIFF.1
+        self.ratio > MIN_RATIO
     }
 }
 
@@ -135,12 +138,12 @@ impl Model {
             return Ok(found);
         }
         let most = match time_step {
-            Some(_) if !shorter => MOST,
-            Some(_) => spent.newton + WARM * how.max_newton,
-            None => WARM * how.max_newton,
+            Some(_) if !shorter => MAX_ITERATIONS_FROM_REST,
+            Some(_) => spent.newton + MAX_WARM_START_RATIO * how.max_newton,
+            None => MAX_WARM_START_RATIO * how.max_newton,
         };
         let Some(near) = how.near else {
-            return self.walk(&rest, controls, (how, time_step), MOST, workspace, &mut spent);
+            return self.walk(&rest, controls, (how, time_step), MAX_ITERATIONS_FROM_REST, workspace, &mut spent);
         };
         match self.walk(near, controls, (how, time_step), most, workspace, &mut spent) {
             // a motion does not begin again at rest in the middle
@@ -150,7 +153,14 @@ impl Model {
                 workspace.forget();
                 let left = how.budget.map(|budget| budget.saturating_sub(spent.newton));
                 let left = SolveOptions { budget: left, ..how.clone() };
-                let found = self.walk(&rest, controls, (&left, None), MOST, workspace, &mut SolveReport::default());
+                let found = self.walk(
+                    &rest,
+                    controls,
+                    (&left, None),
+                    MAX_ITERATIONS_FROM_REST,
+                    workspace,
+                    &mut SolveReport::default(),
+                );
                 let mut state = found.map_err(|again| again.or_cut(failed, how.budget))?;
                 state.report.add_work(&spent);
                 state.report.restarts += 1;
@@ -195,7 +205,7 @@ impl Model {
                 Ok(()) => return Ok(()),
                 Err(stop) if stop.is_final() => return Err(stop),
                 Err(stop @ Stop::Linear(_)) => return Err(stop),
-                Err(stop) if creeps && distance > DOWNHILL => return Err(stop),
+                Err(stop) if creeps && distance > MAX_DESCENT_STEP => return Err(stop),
                 Err(_) => workspace.forget(),
             }
             *u = from;
@@ -237,7 +247,9 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<bool, Stop> {
-        if workspace.unpredicted >= FAILURES || !newton.options.strategies.has(Strategy::PredictedPressures) {
+        if workspace.unpredicted >= MAX_PRESSURE_FAILURES
+            || !newton.options.strategies.has(Strategy::PredictedPressures)
+        {
             return Ok(false);
         }
         let before = report.unpredicted;
@@ -259,7 +271,8 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<bool, Stop> {
-        let brief = SolveOptions { max_newton: newton.options.max_newton.min(BRIEF), ..newton.options.clone() };
+        let brief =
+            SolveOptions { max_newton: newton.options.max_newton.min(MAX_BRIEF_ITERATIONS), ..newton.options.clone() };
         let briefly = Equations { options: &brief, ..*newton };
         let mut from = u.clone();
         match briefly.solve_by_displacement(u, self.linear_solver(newton.options, workspace), report) {
@@ -306,7 +319,7 @@ impl Model {
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
         // with friction an impact takes many short steps, and what does not go at once rounds, each of which is a solve
-        let most = if self.properties().depends_on_path() { usize::MAX } else { GUESS };
+        let most = if self.properties().depends_on_path() { usize::MAX } else { MAX_GUESS_ITERATIONS };
         let brief = SolveOptions { max_newton: how.max_newton.min(most), ..how.clone() };
         let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
         let is_borne = match how.near {
@@ -385,7 +398,7 @@ impl Model {
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
-            let rough = SolveOptions { accuracy: how.accuracy.max(ON_THE_WAY), ..how.clone() };
+            let rough = SolveOptions { accuracy: how.accuracy.max(INTERMEDIATE_TOLERANCE), ..how.clone() };
             let how_here = if obstacles_move && path < 1.0 { &rough } else { how };
             let newton = self.equations(&controls, load, time_step, path, how_here);
             let hopeless = unbounded || steps.limit_point().is_some();

@@ -12,29 +12,39 @@ use nastic_body::instant::{FrictionLag, Instant, TimeStep};
 use nastic_body::state::{SolveReport, State};
 use std::sync::Arc;
 
-/// Newton iterations for a step at once behind a round.
-const ITERATIONS: usize = 20;
+/// Newton iterations with implicit friction behind a round.
+const MAX_IMPLICIT_ITERATIONS: usize = 20;
 /// Rounds of lagged friction.
-const ROUNDS: usize = 30;
-/// The largest factor of the slip speed.
-const ROUGHEST: f64 = 1e4;
+const MAX_ROUNDS: usize = 30;
+/// Largest factor of the slip speed.
+const MAX_SMOOTHING: f64 = 1e4;
 
-/// When a way is left that creeps.
-struct Patience {
-    /// Steps in a row that are shorter than a length, with implicit friction and in a round.
+/// When iterations with short steps are given up, and how the slip speed changes.
+struct RoundLimits {
+    /// Consecutive steps that are shorter than a length, with implicit friction.
     at_once: (usize, f64),
+    /// The same in a round.
     round: (usize, f64),
-    /// Factors of the slip speed behind a round that was not found, and behind one that was.
-    rougher: f64,
-    finer: f64,
+    /// Factor of the slip speed behind a round that failed.
+    smoothing_growth: f64,
+    /// Divisor of the slip speed behind a round that converged.
+    smoothing_decrease: f64,
 }
 
-/// First in long steps, as far as these succeed.
-const HASTE: Patience = Patience { at_once: (3, 0.1), round: (4, 0.03), rougher: 100.0, finer: 10.0 };
-const PATIENCE: Patience = Patience { at_once: (usize::MAX, 0.0), round: (usize::MAX, 0.0), rougher: 10.0, finer: 3.0 };
-/// Relative residual to which a round is solved, and below which what is left of friction is tried at once.
-const ROUND: f64 = 1e-6;
-const NEAR: f64 = 0.1;
+/// The first attempt, by long steps.
+const LONG_STEPS_ONLY: RoundLimits =
+    RoundLimits { at_once: (3, 0.1), round: (4, 0.03), smoothing_growth: 100.0, smoothing_decrease: 10.0 };
+/// The second attempt, without a limit on short steps.
+const STEPS_OF_ANY_LENGTH: RoundLimits = RoundLimits {
+    at_once: (usize::MAX, 0.0),
+    round: (usize::MAX, 0.0),
+    smoothing_growth: 10.0,
+    smoothing_decrease: 3.0,
+};
+/// Relative residual to which a round is solved.
+const ROUND_TOLERANCE: f64 = 1e-6;
+/// Relative residual of the equations with implicit friction below which these are tried behind a round.
+const MAX_IMPLICIT_RESIDUAL: f64 = 0.1;
 
 impl Model {
     /// The end of a step with friction: from its beginning at once, else by rounds in each of which the normal forces of friction are those
@@ -76,10 +86,8 @@ impl Model {
             }
             workspace.forget();
         }
-        for patience in [HASTE, PATIENCE] {
-            if let Some((u, rounds)) =
-                self.rounds(near, (&start, controls), (how, step), &patience, workspace, report)?
-            {
+        for limits in [LONG_STEPS_ONLY, STEPS_OF_ANY_LENGTH] {
+            if let Some((u, rounds)) = self.rounds(near, (&start, controls), (how, step), &limits, workspace, report)? {
                 return found(u, rounds, report);
             }
         }
@@ -92,18 +100,18 @@ impl Model {
         near: &State,
         (start, controls): (&[f64], &Controls),
         (how, step): (&SolveOptions, &TimeStep),
-        patience: &Patience,
+        limits: &RoundLimits,
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<(Vec<f64>, usize)>, StateError> {
-        let once = SolveOptions { max_newton: how.max_newton.min(ITERATIONS), ..how.clone() };
+        let once = SolveOptions { max_newton: how.max_newton.min(MAX_IMPLICIT_ITERATIONS), ..how.clone() };
         let at_once = self.equations(controls, 1.0, Some(step), 1.0, &once);
-        let at_once_within = Limits { creeps: patience.at_once, ..Limits::new(once.max_newton, how.accuracy) };
-        let each = SolveOptions { accuracy: how.accuracy.max(ROUND), ..how.clone() };
-        let each_within = Limits { creeps: patience.round, ..Limits::new(each.max_newton, each.accuracy) };
+        let at_once_within = Limits { creeps: limits.at_once, ..Limits::new(once.max_newton, how.accuracy) };
+        let each = SolveOptions { accuracy: how.accuracy.max(ROUND_TOLERANCE), ..how.clone() };
+        let each_within = Limits { creeps: limits.round, ..Limits::new(each.max_newton, each.accuracy) };
         let mut lag = FrictionLag { u: near.u.clone(), controls: near.controls.clone(), smoothing: 1.0 };
         let mut u = start.to_vec();
-        for round in 1..=ROUNDS {
+        for round in 1..=MAX_ROUNDS {
             let lagged = TimeStep { lag: Some(lag.clone()), ..step.clone() };
             let equations = self.equations(controls, 1.0, Some(&lagged), 1.0, &each);
             let mut end = u.clone();
@@ -111,15 +119,15 @@ impl Model {
             {
                 go_on(stop)?;
                 workspace.forget();
-                lag.smoothing *= patience.rougher;
-                if lag.smoothing > ROUGHEST {
+                lag.smoothing *= limits.smoothing_growth;
+                if lag.smoothing > MAX_SMOOTHING {
                     return Ok(None);
                 }
                 continue;
             }
             u = end;
             let Ok(now) = at_once.evaluate(&u) else { return Ok(None) };
-            if at_once.residual(&now.sums).1 < NEAR {
+            if at_once.residual(&now.sums).1 < MAX_IMPLICIT_RESIDUAL {
                 let mut end = u.clone();
                 match at_once.solve_within(at_once_within, &mut end, self.linear_solver(how, workspace), report) {
                     Ok(_) => return Ok(Some((end, round))),
@@ -127,7 +135,7 @@ impl Model {
                 }
                 workspace.forget();
             }
-            let smoothing = (lag.smoothing / patience.finer).max(1.0);
+            let smoothing = (lag.smoothing / limits.smoothing_decrease).max(1.0);
             lag = FrictionLag { u: Arc::new(u.clone()), controls: Arc::new(controls.clone()), smoothing };
         }
         Ok(None)

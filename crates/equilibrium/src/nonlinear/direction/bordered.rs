@@ -23,15 +23,20 @@ use nastic_linear::solver::{Accuracy, Curvature};
 use nastic_linear::{LinearError, LinearSolver};
 use nastic_numeric::vector::axpy;
 
-/// Shifts of K, as shares of its mean diagonal: the least, from one to the next, the largest.
-const SHIFTS: (f64, f64, f64) = (1e-8, 8.0, 1e3);
-/// The last shift over the first that is tried at the next iterate.
-const BACK: f64 = 64.0;
-/// What the linear systems' solutions may be wrong by: of the change of a constraint this share, beside the rounding of the constraint itself.
-const INEXACT: f64 = 1e-6;
-const ROUNDED: f64 = 8.0 * f64::EPSILON;
-/// Times that, what constraints that yield leave of one that touches.
-const TOUCHING: f64 = 10.0;
+/// Smallest shift of K, as a share of its mean diagonal.
+const MIN_SHIFT: f64 = 1e-8;
+/// Ratio of one shift to the one before.
+const SHIFT_GROWTH: f64 = 8.0;
+/// Largest shift of K, as a share of its mean diagonal.
+const MAX_SHIFT: f64 = 1e3;
+/// Ratio of the last shift to the first that is tried at the next iterate.
+const SHIFT_DECREASE: f64 = 64.0;
+/// Error of the linear systems' solutions, as a share of the change of a constraint.
+const LINEAR_ERROR_SHARE: f64 = 1e-6;
+/// Rounding of a constraint, as a share of its scale.
+const CONSTRAINT_ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Largest value of a constraint that touches, over the sum of both: constraints that yield leave more than rounding.
+const MAX_TOUCHING_RATIO: f64 = 10.0;
 
 /// The linearised equations and inequalities at an iterate.
 struct Linearised {
@@ -176,9 +181,8 @@ impl Direction for Bordered<'_> {
     fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
         let Some(mut problem) = self.linearised.take() else { return Err(Stop::Slow { residual: here.relative }) };
         report.shifted += 1;
-        let (least, growth, most) = SHIFTS;
-        let (mut shift, mut added) = ((self.shift / BACK).max(least), 0.0);
-        while shift <= most {
+        let (mut shift, mut added) = ((self.shift / SHIFT_DECREASE).max(MIN_SHIFT), 0.0);
+        while shift <= MAX_SHIFT {
             problem.system.shift(shift - added);
             added = shift;
             let found =
@@ -187,7 +191,7 @@ impl Direction for Bordered<'_> {
                 self.shift = shift;
                 return Ok(step);
             }
-            shift *= growth;
+            shift *= SHIFT_GROWTH;
         }
         Err(failed(LinearError::Shift, here))
     }
@@ -232,9 +236,9 @@ impl ActiveSets<'_> {
             step[dofs + k] = -x[dofs + k];
             let change = system.slope(k, &step[..dofs]);
             let beyond = change - rhs[dofs + k];
-            let noise = ROUNDED * scales[k] + INEXACT * change.abs();
+            let noise = CONSTRAINT_ROUNDING * scales[k] + LINEAR_ERROR_SHARE * change.abs();
             wrong[k] = if beyond > noise { beyond } else { 0.0 };
-            touching[k] = beyond.abs() <= TOUCHING * noise;
+            touching[k] = beyond.abs() <= MAX_TOUCHING_RATIO * noise;
         }
         Ok(Trial { found: (step, negative, touching), wrong })
     }

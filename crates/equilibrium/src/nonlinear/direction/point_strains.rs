@@ -1,6 +1,6 @@
 //! [`WithPointStrains`]: Newton's step with strains and stresses of their own at the quadrature points, see [`PointStrains`].
 //!
-//! Downhill on the potential, thin and nearly incompressible bodies creep: every step that turns the body stretches it, every one that
+//! Descent on the potential is slow in thin and nearly incompressible bodies: every step that turns the body stretches it, every one that
 //! shears it changes its volume, and the potential bears little of either. With strains of their own the iteration is
 //! indifferent to what a step costs on the way (mixed integration points). There is no potential to search along; a step is
 //! shortened only where it turns a point too far or inverts one. Only an end with less potential than the start counts (of a step that
@@ -25,11 +25,11 @@ use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
 
 /// Largest `|grad du|` of a step: what the linearised strains leave out is its square.
-const LARGEST: f64 = 1.0;
-/// Relative residual wanted of the linear systems.
-const LINEAR: f64 = 1e-10;
-/// Times a step is halved before it leads nowhere.
-const HALVINGS: usize = 30;
+const MAX_STEP_GRADIENT: f64 = 1.0;
+/// Relative residual of the linear systems.
+const LINEAR_TOLERANCE: f64 = 1e-10;
+/// Halvings of a step before it has failed.
+const MAX_HALVINGS: usize = 30;
 
 /// Steps of u and of the strains.
 pub(crate) struct WithPointStrains<'a> {
@@ -79,7 +79,14 @@ impl<'a> WithPointStrains<'a> {
         let model = self.equations.model;
         if model.unknowns().multipliers() == 0 {
             eliminate(model, &mut self.tangent.matrix);
-            return self.systems.step(&self.tangent.matrix, here.x, rhs, LINEAR, StepWanted::Downhill, report);
+            return self.systems.step(
+                &self.tangent.matrix,
+                here.x,
+                rhs,
+                LINEAR_TOLERANCE,
+                StepWanted::Downhill,
+                report,
+            );
         }
         let (system, u) = (SaddlePoint::new(model, self.tangent.clone()), model.nodal(here.x));
         let (accuracy, kept) = bordered_step(here.relative, self.equations.options.accuracy);
@@ -119,8 +126,8 @@ impl Direction for WithPointStrains<'_> {
         })?;
         let longest = self.equations.admissible_move(here, &moved(here.x, &dx, 1.0))?;
         // prescribed components move at once or not at all
-        let longest = if jump.is_some() { longest } else { longest.min(LARGEST / largest) };
-        let shares = (0..HALVINGS).map(|k| longest * 0.5_f64.powi(k as i32));
+        let longest = if jump.is_some() { longest } else { longest.min(MAX_STEP_GRADIENT / largest) };
+        let shares = (0..MAX_HALVINGS).map(|k| longest * 0.5_f64.powi(k as i32));
         let found = shares.into_iter().find_map(|share| Some((share, self.strains.towards(&next, share)?)));
         let slow = Stop::Slow { residual: here.relative };
         let Some((length, strains)) = found else { return Err(slow) };
