@@ -80,9 +80,9 @@ pub struct RecordingCounts {
     pub states: usize,
 }
 
-/// Newton iterations behind which a step begins with an empty workspace. A segment of steps that are easy to solve takes less; of others another
-/// factorisation among so many iterations costs 1 %.
-const MOST_ITERATIONS: usize = 96;
+/// Newton iterations after which a step begins with an empty workspace. Most segments take fewer; in the others one more
+/// factorisation for this number of iterations costs 1 %.
+const MAX_ITERATIONS: usize = 96;
 
 static NO_STEPS: LazyLock<Arc<Scheme>> = LazyLock::new(|| Arc::new(Scheme::quasi_static()));
 
@@ -119,7 +119,7 @@ impl Recording {
     /// segments, and within them behind 96 Newton iterations or more. Counts alone decide, which are the same when steps are computed again.
     pub fn begins_anew(&self) -> bool {
         let done = self.part.first() + self.part.states().len() - 1;
-        done.is_multiple_of(self.plan.segment()) || self.iterations >= MOST_ITERATIONS
+        done.is_multiple_of(self.plan.segment()) || self.iterations >= MAX_ITERATIONS
     }
 
     /// What was computed again, and what was kept.
