@@ -92,17 +92,17 @@ pub enum TaylorError {
 
 impl Taylor {
     /// Steps per decade.
-    const PER_DECADE: usize = 2;
+    const STEPS_PER_DECADE: usize = 2;
     /// Decades of step sizes.
     const DECADES: usize = 8;
-    /// Rows an order is fitted to, at least.
-    const FEWEST: usize = 3;
-    /// Rows an order is fitted to, at most.
-    const MOST: usize = 5;
-    /// A remainder this many times the noise is clear of it.
-    const CLEAR: f64 = 30.0;
-    /// An error of the derivative above this share of the slope must not hide behind noise and curvature where it is called right.
-    const HIDDEN: f64 = 1e-3;
+    /// Least number of rows that an order is fitted to.
+    const MIN_ROWS: usize = 3;
+    /// Largest number of rows that an order is fitted to.
+    const MAX_ROWS: usize = 5;
+    /// Ratio of a remainder to the noise above which it counts.
+    const MIN_NOISE_RATIO: f64 = 30.0;
+    /// Largest error of the derivative, as a share of the slope, that noise and curvature may hide where the verdict is right.
+    const MAX_HIDDEN_ERROR: f64 = 1e-3;
 
     /// Tests the derivative of `objective` at an admissible control.
     ///
@@ -144,10 +144,10 @@ impl Taylor {
         };
         let how = Request { near: Some(&base.point), accuracy: self.accuracy, stage: self.stage, ..Request::default() };
         let mut m = base.m.to_vec();
-        let mut rows = Vec::with_capacity(Self::PER_DECADE * Self::DECADES + 1);
-        let mut remainders = Vec::with_capacity(Self::PER_DECADE * Self::DECADES + 1);
-        for k in 0..=Self::PER_DECADE * Self::DECADES {
-            let t = 10f64.powf(-(k as f64) / Self::PER_DECADE as f64);
+        let mut rows = Vec::with_capacity(Self::STEPS_PER_DECADE * Self::DECADES + 1);
+        let mut remainders = Vec::with_capacity(Self::STEPS_PER_DECADE * Self::DECADES + 1);
+        for k in 0..=Self::STEPS_PER_DECADE * Self::DECADES {
+            let t = 10f64.powf(-(k as f64) / Self::STEPS_PER_DECADE as f64);
             base.set.retract(base.m, &direction, t, &mut m);
             let evaluated = match base.objective.evaluate(&m, &how, workspace) {
                 Err(failed) if failed.is_fatal() => return Err(failed.into()),
@@ -189,14 +189,14 @@ impl Taylor {
     fn judge(&self, seed: u64, direction: Vec<f64>, slope: f64, cost: f64, mut rows: Vec<Row>) -> TaylorDirection {
         let (scatter, observed) = noise_and_slope(&rows, cost);
         let noise = scatter.max(2.0 * f64::EPSILON * cost.abs());
-        let clear: Vec<usize> = (0..rows.len()).filter(|k| rows[*k].r1 > Self::CLEAR * noise).collect();
+        let clear: Vec<usize> = (0..rows.len()).filter(|k| rows[*k].r1 > Self::MIN_NOISE_RATIO * noise).collect();
         let linear = clear.is_empty() && rows.iter().any(|row| row.r0 > 1e6 * noise);
         let hidden = hidden_error(&rows, slope);
         let fit = |window: &[usize], r: fn(&Row) -> f64| order(window.iter().map(|k| (rows[*k].t, r(&rows[*k]))));
         let judged = windows(&clear).find_map(|window| {
             let order1 = fit(window, |row| row.r1);
             let verdict = match () {
-                () if order1 >= self.order && hidden <= Self::HIDDEN => Verdict::Right,
+                () if order1 >= self.order && hidden <= Self::MAX_HIDDEN_ERROR => Verdict::Right,
                 () if order1 >= self.order => Verdict::Undecided,
                 () if is_linear(window, &rows, order1) && persists(window, &rows) => Verdict::Wrong,
                 () => return None, // round-off, or between the two: ask steps that stand clearer of it
@@ -215,8 +215,8 @@ impl Taylor {
     }
 }
 
-/// Share of a linear part that noise leaves of it at small steps.
-const PERSISTS: f64 = 0.3;
+/// Share of a linear part that remains at small steps in spite of noise.
+const MIN_PERSISTENT_SHARE: f64 = 0.3;
 
 /// What stays the same along all directions.
 struct Base<'a, O: Objective> {
@@ -234,18 +234,18 @@ struct Base<'a, O: Objective> {
 /// is the largest scatter on the way. (A solver that returns its warm start unchanged answers the smallest steps with no
 /// change at all, which is not the absence of noise.)
 fn noise_and_slope(rows: &[Row], cost: f64) -> (f64, f64) {
-    const STEPS: usize = 6;
+    const WINDOW: usize = 6;
     let values: Vec<(f64, f64)> = rows.iter().rev().filter_map(|row| row.cost.map(|c| (row.t, c - cost))).collect();
-    if values.len() < STEPS {
+    if values.len() < WINDOW {
         return (f64::INFINITY, f64::NAN);
     }
     let mut noise: f64 = 0.0;
     let mut slope = 0.0;
-    for window in values.windows(STEPS) {
+    for window in values.windows(WINDOW) {
         let scatter;
         (scatter, slope) = fit(window);
         noise = noise.max(scatter);
-        let top = window[STEPS - 1].1.abs();
+        let top = window[WINDOW - 1].1.abs();
         if window.iter().all(|(_, y)| *y != 0.0) && scatter < 0.01 * top {
             break;
         }
@@ -270,8 +270,8 @@ fn fit(values: &[(f64, f64)]) -> (f64, f64) {
 
 /// Rows to fit orders to: the smallest clear ones first, then without the smallest of them, and so on.
 fn windows(clear: &[usize]) -> impl Iterator<Item = &[usize]> {
-    let ends = (Taylor::FEWEST..=clear.len()).rev();
-    ends.map(|end| &clear[end.saturating_sub(Taylor::MOST)..end])
+    let ends = (Taylor::MIN_ROWS..=clear.len()).rev();
+    ends.map(|end| &clear[end.saturating_sub(Taylor::MAX_ROWS)..end])
 }
 
 /// Whether the remainders are those of a wrong derivative: proportional to t.
@@ -288,7 +288,7 @@ fn persists(window: &[usize], rows: &[Row]) -> bool {
     let largest = |rows: &[Row]| rows.iter().map(rate).fold(0.0, f64::max);
     let least = rows.windows(3).map(largest).filter(|rate| !rate.is_nan()).fold(f64::INFINITY, f64::min);
     let low = window.iter().map(|k| rate(&rows[*k])).fold(f64::INFINITY, f64::min);
-    least >= PERSISTS * low
+    least >= MIN_PERSISTENT_SHARE * low
 }
 
 /// The largest error of the derivative, as a share of the slope, that the remainders leave room for: the least r1 / (t |slope|)
