@@ -1,8 +1,8 @@
 //! [`smallest_eigenpairs_by_products`]: `A x = lambda M x` by a block Davidson method with multigrid as preconditioner.
 
-use super::inner_product::{InnerProduct, SPANNED};
+use super::inner_product::{DEPENDENCE_TOLERANCE, InnerProduct};
 use super::preconditioner::ShiftedLevels;
-use super::{BASIS_BYTES, ByProducts, Eigenpairs, MassMatrix, ROUNDING};
+use super::{ByProducts, ENTRY_ROUNDING, Eigenpairs, MAX_BASIS_BYTES, MassMatrix};
 use crate::error::FactorError;
 use crate::memory;
 use crate::pattern::operator::Operator;
@@ -13,26 +13,30 @@ use nastic_numeric::Random;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A Ritz pair counts when the error of its vector in the energy norm is this share of it, as far as the preconditioned residual shows; that of the value is its square.
+/// Relative error of the vector of a Ritz pair in the energy norm, as estimated by the preconditioned residual, at which the pair has converged; the error of the value is its square.
 const TOLERANCE: f64 = 1e-7;
-/// Vectors of the basis before a restart, as a multiple of those of the block.
-const LONGEST: usize = 4;
-/// Vectors of the block beyond those that are wanted, as a share of these, and at least: the next eigenvalues decide the pace.
-const GUARD_SHARE: usize = 2;
-const GUARD: usize = 2;
-/// Iterations at most.
-const MOST: usize = 60;
-/// The first shift where the levels are not positive definite, as a share of the mean of `A_ii` over that of `M_ii`, from one to the next, and the largest.
-const LEAST_SHIFT: f64 = 1e-12;
+/// Vectors of the basis before a restart, over those of the block.
+const MAX_BASIS_RATIO: usize = 4;
+/// Eigenpairs asked for, over the further vectors of the block: the next eigenvalues determine the convergence rate.
+const GUARD_DIVISOR: usize = 2;
+/// Least number of further vectors of the block.
+const MIN_GUARD_VECTORS: usize = 2;
+/// Iterations.
+const MAX_ITERATIONS: usize = 60;
+/// First shift where the levels are not positive definite, as a share of the mean of `A_ii` over that of `M_ii`.
+const FIRST_SHIFT: f64 = 1e-12;
+/// Ratio of one shift to the one before.
 const SHIFT_GROWTH: f64 = 16.0;
-const MOST_SHIFT: f64 = 1e3;
-/// Least distance of the lowest eigenvalue from minus the shift, as a share of the spread of those of the block, and what it becomes.
-const LEAST_SHARE: f64 = 1e-6;
-const SHARE: f64 = 1e-2;
-/// Magnitudes of a row of A over its diagonal entry, about.
-const COUPLINGS: f64 = 8.0;
-/// Levels at most that are made for other shifts.
-const SHIFTS: usize = 8;
+/// Largest shift.
+const MAX_SHIFT: f64 = 1e3;
+/// Least distance of the lowest eigenvalue from minus the shift, as a share of the spread of the eigenvalues of the block.
+const MIN_SHIFT_DISTANCE: f64 = 1e-6;
+/// The distance that a new shift has.
+const SHIFT_DISTANCE: f64 = 1e-2;
+/// Approximate sum of the magnitudes of a row of A over its diagonal entry.
+const ROW_SUM_RATIO: f64 = 8.0;
+/// Sets of levels for further shifts.
+const MAX_SHIFTED_LEVELS: usize = 8;
 
 /// `A x = lambda M x` on the unknowns that are not fixed, of a symmetric A that has no factor.
 #[derive(Clone, Copy)]
@@ -88,11 +92,11 @@ pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usi
 impl ProductEigenproblem<'_> {
     /// Vectors of a block for so many eigenvalues.
     fn block(&self, wanted: usize, unknowns: usize) -> Result<usize, LinearError> {
-        let block = unknowns.min(wanted.max(self.zeros) + GUARD.max(wanted / GUARD_SHARE));
+        let block = unknowns.min(wanted.max(self.zeros) + MIN_GUARD_VECTORS.max(wanted / GUARD_DIVISOR));
         // the basis and its products, and what a restart makes of them
-        let vectors = 2 * (LONGEST + 2) * block;
+        let vectors = 2 * (MAX_BASIS_RATIO + 2) * block;
         let bytes = vectors.saturating_mul(self.system.fixed.len() * size_of::<f64>());
-        if bytes > BASIS_BYTES {
+        if bytes > MAX_BASIS_BYTES {
             let gib = bytes as f64 / f64::from(1 << 30);
             return Err(LinearError::EigenpairsTooLarge { count: wanted, unknowns, gib });
         }
@@ -121,13 +125,13 @@ impl ProductEigenproblem<'_> {
         if products.is_some() {
             let diagonal = self.diagonal();
             let of = |x: &Vec<f64>| x.iter().zip(&diagonal).map(|(x, d)| x * x * d.abs()).sum::<f64>();
-            return vectors.iter().map(|x| ROUNDING * COUPLINGS * of(x)).collect();
+            return vectors.iter().map(|x| ENTRY_ROUNDING * ROW_SUM_RATIO * of(x)).collect();
         }
         let magnitudes = matrix.magnitudes();
         let of = |x: &Vec<f64>| {
             let (x, mut product) = (x.iter().map(|x| x.abs()).collect::<Vec<_>>(), vec![0.0; x.len()]);
             magnitudes.multiply_on(&x, &mut product, parallel);
-            ROUNDING * dot(&x, &product, parallel)
+            ENTRY_ROUNDING * dot(&x, &product, parallel)
         };
         vectors.iter().map(of).collect()
     }
@@ -232,7 +236,7 @@ impl<'a> Search<'a> {
         vector.iter_mut().zip(self.inner.fixed).for_each(|(x, &fixed)| *x = if fixed { 0.0 } else { *x });
         let size = self.inner.square(&vector).sqrt();
         let (_, left) = self.inner.orthogonalize(&mut vector, self.basis.iter());
-        if !left.is_finite() || left <= SPANNED * size {
+        if !left.is_finite() || left <= DEPENDENCE_TOLERANCE * size {
             return false;
         }
         vector.iter_mut().for_each(|x| *x /= left);
@@ -259,7 +263,7 @@ impl<'a> Search<'a> {
     /// Until so many pairs count.
     fn run(&mut self, wanted: usize) -> Result<Eigenpairs, LinearError> {
         let (mut before, mut found) = (DMatrix::zeros(0, 0), 0);
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             if self.problem.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
                 return Err(LinearError::Cancelled);
             }
@@ -281,7 +285,7 @@ impl<'a> Search<'a> {
                 errors.truncate(wanted);
                 return Ok(self.pairs(&ritz, errors));
             }
-            if self.basis.len() + directions.len() > LONGEST * self.block {
+            if self.basis.len() + directions.len() > MAX_BASIS_RATIO * self.block {
                 before = self.restart(&ritz, &before, block);
             } else {
                 before = ritz.vectors.columns(0, block).into_owned();
@@ -328,9 +332,9 @@ impl<'a> Search<'a> {
         let (first, last) = (ritz.values[0], ritz.values[self.block.min(ritz.values.len()) - 1]);
         let (spread, distance) = (last - first, first + self.shift);
         let too_far = self.shift > 0.0 && distance > spread;
-        let needed = (SHARE * spread - first).max(0.0);
-        let serves = distance >= LEAST_SHARE * spread && !(too_far && needed > self.refused);
-        if self.shifts == SHIFTS || spread <= 0.0 || serves {
+        let needed = (SHIFT_DISTANCE * spread - first).max(0.0);
+        let serves = distance >= MIN_SHIFT_DISTANCE * spread && !(too_far && needed > self.refused);
+        if self.shifts == MAX_SHIFTED_LEVELS || spread <= 0.0 || serves {
             return Ok(());
         }
         self.shifts += 1;
@@ -341,7 +345,7 @@ impl<'a> Search<'a> {
     fn make_levels(&mut self, from: f64) -> Result<(), LinearError> {
         self.levels = None;
         let (stiffness, mass) = self.means;
-        let (least, most) = (LEAST_SHIFT * stiffness / mass, MOST_SHIFT * stiffness / mass);
+        let (least, most) = (FIRST_SHIFT * stiffness / mass, MAX_SHIFT * stiffness / mass);
         self.shift = from;
         while self.shift <= most {
             match ShiftedLevels::new(&self.problem.system, self.shift, &self.masses, mass) {
@@ -371,7 +375,7 @@ impl<'a> Search<'a> {
                 }
             }
             let left = dot(&own, &own, false).sqrt();
-            if left > SPANNED.sqrt() {
+            if left > DEPENDENCE_TOLERANCE.sqrt() {
                 own.iter_mut().for_each(|x| *x /= left);
                 kept.push(own);
             }

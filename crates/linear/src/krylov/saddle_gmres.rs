@@ -7,16 +7,17 @@ use crate::pattern::operator::Preconditioner;
 use crate::sums::{self, dot};
 
 /// Vectors between restarts.
-const LENGTH: usize = 30;
-/// A direction with less curvature than this share of that of its newest part adds nothing but rounding.
-const DEPENDENT: f64 = 1e-10;
-/// Iterations where A is not positive definite, and K may not be.
-const MOST_UNSURE: usize = 60;
-/// Share of the residual left by all directions between two restarts beyond which nothing more is expected.
-const STAGNATION: f64 = 0.8;
-/// Share of the residual that is aimed at where a solution was looked at and not good enough yet, and the most that it falls until the next look.
-const MARGIN: f64 = 0.7;
-const NEXT_LOOK: f64 = 1e-3;
+const RESTART_LENGTH: usize = 30;
+/// Curvature of a direction, as a share of the curvature of its newest part, below which it is rounding.
+const DEPENDENCE_TOLERANCE: f64 = 1e-10;
+/// Iterations where A is not positive definite, so that K may not be either.
+const MAX_INDEFINITE_ITERATIONS: usize = 60;
+/// Share of the residual left by all directions between two restarts, above which the iteration stagnates.
+const STAGNATION_RATIO: f64 = 0.8;
+/// Largest ratio of the residual at the next evaluation of the solution to the present one, where the solution is not accurate enough yet.
+const TARGET_RATIO: f64 = 0.7;
+/// Smallest such ratio.
+const MIN_DECREASE: f64 = 1e-3;
 
 /// `K x = f` with `K = A + B^T C^-1 B`: the saddle-point system `A u + B^T p = f`, `B u - C p = 0` by flexible GMRES, whose preconditioner
 /// is a block triangle of one of A and of `1 / c + 1 / g` per pressure, g being what A has of the bulk modulus: `B A^-1 B^T` is near `1 / g` whatever the mesh,
@@ -96,7 +97,7 @@ struct Run<'a> {
 impl SaddleGmres<'_> {
     /// Memory of the vectors between restarts, for so many unknowns.
     pub fn bytes(unknowns: usize) -> usize {
-        LENGTH * (size_of::<f64>() + size_of::<f32>()) * unknowns
+        RESTART_LENGTH * (size_of::<f64>() + size_of::<f32>()) * unknowns
     }
 
     /// From the given displacements and pressures, which may be zero.
@@ -130,7 +131,7 @@ impl SaddleGmres<'_> {
 impl FlexibleSystem for Run<'_> {
     fn rules(&self) -> CycleRules {
         let (split, parallel) = (self.f.len(), self.saddle.preconditioner.parallel());
-        CycleRules { length: LENGTH, passes: 1, parallel, split }
+        CycleRules { length: RESTART_LENGTH, passes: 1, parallel, split }
     }
 
     /// Forces, and differences of volumes in the place of which forces stand.
@@ -187,7 +188,7 @@ impl FlexibleSystem for Run<'_> {
         if let Some((end, residual)) = end {
             return Next::End(end, residual);
         }
-        let spent = iterations == self.most || !self.positive && iterations >= MOST_UNSURE;
+        let spent = iterations == self.most || !self.positive && iterations >= MAX_INDEFINITE_ITERATIONS;
         if cycle.is_over() || !spent {
             return Next::Step;
         }
@@ -213,7 +214,7 @@ impl Run<'_> {
         if size == 0.0 {
             return Some((CgEnd::Converged, 0.0));
         }
-        (size > STAGNATION * before).then(|| (CgEnd::Stagnated, self.look(cycle)))
+        (size > STAGNATION_RATIO * before).then(|| (CgEnd::Stagnated, self.look(cycle)))
     }
 
     fn end_after_step(&mut self, cycle: &Cycle) -> Option<(CgEnd, f64)> {
@@ -235,10 +236,10 @@ impl Run<'_> {
         if self.seen <= self.tolerance {
             return Some((CgEnd::Converged, self.seen));
         }
-        if self.seen > 0.5 * before && left <= f64::EPSILON * NEXT_LOOK.recip() {
+        if self.seen > 0.5 * before && left <= f64::EPSILON * MIN_DECREASE.recip() {
             return Some((CgEnd::Stagnated, self.seen));
         }
-        self.next_look = left * (MARGIN * self.tolerance / self.seen).clamp(NEXT_LOOK, MARGIN);
+        self.next_look = left * (TARGET_RATIO * self.tolerance / self.seen).clamp(MIN_DECREASE, TARGET_RATIO);
         None
     }
 
@@ -249,7 +250,7 @@ impl Run<'_> {
         let (own, earlier) = (dot(z, az, parallel), self.directions.len() - 1);
         let products = self.directions[..earlier].iter().map(|[u, _]| sums::dot_single(u, az, parallel)).collect();
         let (pivot, along) = self.curvature.push(products, own);
-        if pivot > -DEPENDENT * own.abs() {
+        if pivot > -DEPENDENCE_TOLERANCE * own.abs() {
             return None;
         }
         self.positive = false;
@@ -321,7 +322,7 @@ impl Curvature {
             let known: f64 = (i + 1..along.len()).map(|k| self.rows[k][i] * along[k]).sum();
             along[i] = (along[i] - known) / self.rows[i][i];
         }
-        match pivot > DEPENDENT * own.abs() {
+        match pivot > DEPENDENCE_TOLERANCE * own.abs() {
             true => row.push(pivot.sqrt()),
             false => {
                 row.fill(0.0);

@@ -56,13 +56,13 @@ struct Coarsest {
     factor: Option<Factor>,
 }
 
-/// A level is factorised when its factor has no more entries than this share of the finest matrix: a cycle then spends
-/// no more on it than on smoothing.
-const COARSEST_SHARE: f64 = 0.5;
-/// Larger levels are not considered for a factor: ordering them costs more than a level.
-const ANALYSED: usize = 60_000;
-/// A level with more than this share of the nodes of the one above does not pay.
-const COARSENING: f64 = 0.7;
+/// Entries of the factor of a level over those of the finest matrix, up to which the level is factorised: a cycle then
+/// spends no more on it than on smoothing.
+const MAX_FACTOR_SHARE: f64 = 0.5;
+/// Unknowns of a level that is considered for a factor: ordering a larger one costs more than a level.
+const MAX_ANALYSED_UNKNOWNS: usize = 60_000;
+/// Nodes of a level over those of the finer one, above which no further level is made.
+const MAX_COARSENING_RATIO: f64 = 0.7;
 
 impl Multigrid {
     /// The levels of a matrix whose supports are eliminated, one to three unknowns per node.
@@ -200,15 +200,15 @@ impl Multigrid {
             self.levels.push(Level::of_corners(matrix, corners, &self.fixed, parallel));
             return Ok(());
         }
-        if !self.levels.is_empty() && couplings.unknowns() <= ANALYSED {
+        if !self.levels.is_empty() && couplings.unknowns() <= MAX_ANALYSED_UNKNOWNS {
             let symbolic = coarsest::analyse(&couplings)?;
-            if symbolic.nonzeros() as f64 <= COARSEST_SHARE * self.finest_numbers() as f64 {
+            if symbolic.nonzeros() as f64 <= MAX_FACTOR_SHARE * self.finest_numbers() as f64 {
                 self.coarsest = Some(Coarsest { symbolic, factor: None });
                 return Ok(());
             }
         }
         matrix.fill(values, None, parallel);
-        match Level::of_aggregates(matrix, modes::count(self.finest.size), COARSENING, parallel) {
+        match Level::of_aggregates(matrix, modes::count(self.finest.size), MAX_COARSENING_RATIO, parallel) {
             Some(level) => self.levels.push(level),
             None => self.coarsest = Some(Coarsest { symbolic: coarsest::analyse(&couplings)?, factor: None }),
         }

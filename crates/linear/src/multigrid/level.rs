@@ -13,11 +13,12 @@ use super::tentative::tentative;
 use super::transfer::Transfer;
 use super::{galerkin, prolongator};
 
-/// Degrees of the smoothing polynomials on second-order elements and below.
+/// Degree of the smoothing polynomial on second-order elements.
 const SECOND_ORDER_DEGREE: usize = 4;
+/// Degree of the smoothing polynomial on other levels.
 const DEGREE: usize = 3;
-/// Share of the couplings of a level that may become strong or weak before its aggregates are made anew.
-const CHANGED: f64 = 0.05;
+/// Share of the couplings of a level that may become strong or weak before its aggregates are formed again.
+const MAX_CHANGED_SHARE: f64 = 0.05;
 
 /// A level. Its couplings, aggregates, and those of the next level are kept from one matrix to the next.
 #[derive(Debug)]
@@ -91,7 +92,7 @@ impl Level {
     pub fn serves(&self, parallel: bool) -> bool {
         match &self.nodes {
             Nodes::Corners { .. } => true,
-            Nodes::Aggregates(_, strength) => strength.changed(&self.matrix, parallel) <= CHANGED,
+            Nodes::Aggregates(_, strength) => strength.changed(&self.matrix, parallel) <= MAX_CHANGED_SHARE,
         }
     }
 

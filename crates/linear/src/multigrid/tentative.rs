@@ -4,8 +4,8 @@ use super::aggregation::Aggregates;
 use super::chunks::{self, CHUNK};
 use nastic_numeric::vector::norm;
 
-/// A mode that keeps less than this share of its length after orthogonalisation adds nothing on its aggregate.
-const DEPENDENT: f64 = 1e-6;
+/// Share of a mode after orthogonalisation below which it is dependent on its aggregate.
+const DEPENDENCE_TOLERANCE: f64 = 1e-6;
 
 /// Interpolation from the next level, one block per node, with what that level inherits.
 pub(super) struct Tentative {
@@ -60,7 +60,7 @@ fn orthonormalise(columns: &mut [Vec<f64>], triangle: &mut [f64], idle: &mut [bo
             }
         }
         let length = norm(column);
-        if length > DEPENDENT * whole {
+        if length > DEPENDENCE_TOLERANCE * whole {
             column.iter_mut().for_each(|value| *value /= length);
             triangle[count * m + m] = length;
         } else {

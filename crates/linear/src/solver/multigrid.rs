@@ -12,19 +12,20 @@ use crate::multigrid::{Geometry, Multigrid};
 use crate::pattern::entries::Pattern;
 use std::sync::Arc;
 
-/// Residual wanted of a Newton step near a solution, and of one far from it: the step is corrected by the next one anyway.
+/// Relative residual of a Newton step near a solution.
 const STEP_TOLERANCE: f64 = 1e-4;
-const COARSEST_STEP: f64 = 1e-2;
-/// Residual at which the definiteness of a matrix counts as shown.
-const EVIDENCE: f64 = 1e-8;
-/// Cycles allowed per system. A nearly incompressible body (Poisson's ratio 0.4994) takes about 250 to full accuracy.
-const MOST: usize = 600;
-/// The same where the volume modes of such a body are unknowns of their own: some 30 to a step, 120 to full accuracy.
-const MOST_OF_REST: usize = 300;
-/// What a new hierarchy costs, in cycles: its products, and the bound of the smoother.
-const RENEWAL: f64 = 8.0;
-/// Cycles beyond those wanted after which the pace of levels that are kept is believed.
-const GRACE: f64 = 2.0;
+/// Relative residual of a Newton step far from a solution: the next step corrects it.
+const MAX_STEP_TOLERANCE: f64 = 1e-2;
+/// Relative residual at which the definiteness of a matrix counts as shown.
+const DEFINITENESS_TOLERANCE: f64 = 1e-8;
+/// Cycles per system. A nearly incompressible body (Poisson's ratio 0.4994) takes about 250 to full accuracy.
+const MAX_CYCLES: usize = 600;
+/// The same where the volume modes of such a body are separate unknowns: about 30 for a step, 120 to full accuracy.
+const MAX_CYCLES_WITH_MODES: usize = 300;
+/// Cost of a new hierarchy, in cycles: its products, and the bound of the smoother.
+const RENEWAL_CYCLES: f64 = 8.0;
+/// Cycles beyond those expected, after which the convergence rate of the levels held counts as known.
+const MAX_EXCESS_CYCLES: f64 = 2.0;
 /// Backward error `|b - A x| / (|A| |x| + |b|)` that counts as rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -128,7 +129,7 @@ impl MultigridSolver {
             renewed => renewed?,
         }
         let Some(levels) = &self.levels else { return indefinite(Vec::new(), None) };
-        let most = if modes.is_some() { MOST_OF_REST } else { MOST };
+        let most = if modes.is_some() { MAX_CYCLES_WITH_MODES } else { MAX_CYCLES };
         let (cg, positive) = iterate((system, modes, counts), levels, b, &mut x, &mut p, (aim, most), work);
         if let CgEnd::NegativeCurvature { curvature } = cg.end {
             return indefinite(x, Some(curvature));
@@ -155,23 +156,23 @@ impl MultigridSolver {
         // GMRES goes on to the residual
         let expected = if modes.is_some() { aim.residual } else { aim.expected() };
         let (rate, excess) = (self.rate, self.excess);
-        let wanted = rate.map_or(MOST as f64, |rate| rate * decades(expected));
+        let wanted = rate.map_or(MAX_CYCLES as f64, |rate| rate * decades(expected));
         let go_on = |cycles: usize, reached: f64| {
             let (cycles, left) = (cycles as f64, decades(expected / reached));
             // what is left at the pace so far, and by new levels, if that is known
-            let (here, anew) = (cycles / decades(reached) * left, rate.map(|rate| RENEWAL + rate * left));
-            let pays = cycles + excess < wanted + GRACE || anew.is_some_and(|anew| here <= anew);
-            cycles < MOST as f64 && pays
+            let (here, anew) = (cycles / decades(reached) * left, rate.map(|rate| RENEWAL_CYCLES + rate * left));
+            let pays = cycles + excess < wanted + MAX_EXCESS_CYCLES || anew.is_some_and(|anew| here <= anew);
+            cycles < MAX_CYCLES as f64 && pays
         };
         let (cg, positive) = match modes {
             None => (by_cg(system, levels, b, x, aim, &go_on, work), true),
             Some(_) => {
-                let most = (wanted + RENEWAL - excess).ceil() as usize;
-                iterate((system, modes, counts), levels, b, x, p, (aim, most.min(MOST)), work)
+                let most = (wanted + RENEWAL_CYCLES - excess).ceil() as usize;
+                iterate((system, modes, counts), levels, b, x, p, (aim, most.min(MAX_CYCLES)), work)
             }
         };
         self.excess += (cg.iterations as f64 - wanted).max(0.0);
-        self.serves = self.excess < RENEWAL;
+        self.serves = self.excess < RENEWAL_CYCLES;
         match cg.end {
             // they may be as good for what is definite as they were
             CgEnd::NegativeCurvature { curvature } => return WithKept::Indefinite { curvature },
@@ -239,7 +240,8 @@ impl MultigridSolver {
             modes.add(&p, out, system.parallel);
         };
         let preconditioner: &Multigrid = levels;
-        let cg = conjugate_gradient(&apply, preconditioner, b, &mut vec![0.0; b.len()], EVIDENCE, MOST);
+        let cg =
+            conjugate_gradient(&apply, preconditioner, b, &mut vec![0.0; b.len()], DEFINITENESS_TOLERANCE, MAX_CYCLES);
         self.serves = cg.converged();
         Ok(cg.converged())
     }
@@ -303,7 +305,7 @@ impl LinearSolver for MultigridSolver {
     ) -> Result<Vec<f64>, LinearError> {
         let once = which == Definite::Once;
         self.serves &= !once;
-        let found = self.run(system, b, Aim::residual(if once { STEP_TOLERANCE } else { COARSEST_STEP }), work);
+        let found = self.run(system, b, Aim::residual(if once { STEP_TOLERANCE } else { MAX_STEP_TOLERANCE }), work);
         self.serves &= !once;
         match found? {
             Outcome::Solved(Solved { x, positive: true, .. }) if system.space().dot(&x, b) > 0.0 => Ok(x),
@@ -321,7 +323,7 @@ impl LinearSolver for MultigridSolver {
         if self.rest_is_definite(system, &b)? {
             return Ok(Some(Inertia { negative: 0, by_factor: false }));
         }
-        match self.run_by(system, None, &b, Aim::residual(EVIDENCE), &mut LinearWork::default())? {
+        match self.run_by(system, None, &b, Aim::residual(DEFINITENESS_TOLERANCE), &mut LinearWork::default())? {
             Outcome::Solved(_) => Ok(Some(Inertia { negative: 0, by_factor: false })),
             Outcome::Indefinite(NotDefinite { quotient, .. }) => Err(LinearError::Indefinite { quotient }),
         }
@@ -362,7 +364,7 @@ impl Aim {
 
     /// Of a Newton step.
     fn of_step(asked: f64) -> Self {
-        Aim { asked, is_step: true, ..Aim::residual(asked.clamp(STEP_TOLERANCE, COARSEST_STEP)) }
+        Aim { asked, is_step: true, ..Aim::residual(asked.clamp(STEP_TOLERANCE, MAX_STEP_TOLERANCE)) }
     }
 
     fn exact(Accuracy { error, residual }: Accuracy) -> Self {

@@ -34,8 +34,8 @@ impl PartialEq for Share {
 
 impl Eq for Share {}
 
-/// Numbers that are sent to all ranks where they are summed, no more.
-const FEW: usize = 64;
+/// Numbers up to which a sum over ranks sends all of them to all ranks.
+const MAX_SUMMED_VALUES: usize = 64;
 
 impl Share {
     /// That of a rank which owns its first so many nodes; `sharers` are the ranks that have nodes of it, ascending, with these nodes in an order that both
@@ -90,7 +90,7 @@ impl Share {
 
     /// Each number becomes its sum over all ranks. A few are sent to all; many are added along a tree of the ranks, so that none holds those of all.
     pub fn sum(&self, values: &mut [f64]) {
-        if values.len() <= FEW {
+        if values.len() <= MAX_SUMMED_VALUES {
             return self.joined(values, |sum, next| sum + next);
         }
         let ranks = self.team.size();
