@@ -12,12 +12,12 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock, RwLockReadGuard};
 use std::time::Duration;
 
-/// A run ends that makes no progress in so many times its longest trial.
-const TRIALS: u32 = 10;
-/// But not before.
-const LEAST: Duration = Duration::from_secs(60);
-/// As long as one rank works for itself the others wait for it.
-const FOR_EVER: Duration = Duration::from_secs(1 << 32);
+/// Time without progress over that of the longest trial, after which a run is stopped.
+const MAX_TRIAL_RATIO: u32 = 10;
+/// Least time without progress after which a run is stopped.
+const MIN_WAIT: Duration = Duration::from_secs(60);
+/// Time that the other ranks wait while one rank works alone: without limit.
+const MAX_WAIT_FOR_ONE_RANK: Duration = Duration::from_secs(1 << 32);
 
 /// The ranks of a team, each with a range of the members. They exchange what all need to go on alike: small
 /// reports, the first failure, whether somebody asks for an end; and sums.
@@ -93,13 +93,13 @@ impl Ranks {
         if !self.is_alone() {
             let mut longest = self.longest.lock().unwrap_or_else(PoisonError::into_inner);
             *longest = trial.max(*longest);
-            self.team.wait_at_most((TRIALS * *longest).max(LEAST));
+            self.team.wait_at_most((MAX_TRIAL_RATIO * *longest).max(MIN_WAIT));
         }
     }
 
     /// The first rank works for itself until the next trial: the others wait for it.
     pub fn wait(&self) {
-        self.team.wait_at_most(FOR_EVER);
+        self.team.wait_at_most(MAX_WAIT_FOR_ONE_RANK);
     }
 
     /// What every rank sends of its own members, or the first failure of these: of all members, or the first failure of all.

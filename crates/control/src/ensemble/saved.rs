@@ -4,9 +4,10 @@ use nastic_opt::Saved;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Members of a block at least, and how many blocks there are at most while they are no larger than that: files of a checkpoint.
-const LEAST: usize = 4;
-const MOST_BLOCKS: usize = 4096;
+/// Least number of members of a block, which is a file of a checkpoint.
+const MIN_BLOCK_MEMBERS: usize = 4;
+/// Number of blocks above which blocks become larger.
+const MAX_BLOCKS: usize = 4096;
 
 /// What [`Objective::save`](nastic_opt::Objective::save) gives of an ensemble: every member as its problem saves it, empty where it is another rank's.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -34,6 +35,6 @@ pub struct MemberBlock {
 
 /// Blocks of so many members, by their numbers alone: each but the last has the same power of two of them.
 pub fn blocks(members: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
-    let size = members.div_ceil(MOST_BLOCKS).next_power_of_two().max(LEAST);
+    let size = members.div_ceil(MAX_BLOCKS).next_power_of_two().max(MIN_BLOCK_MEMBERS);
     (0..members.div_ceil(size)).map(move |block| block * size..((block + 1) * size).min(members))
 }
