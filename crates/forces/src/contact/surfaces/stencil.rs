@@ -4,7 +4,7 @@ use super::gap::{Foot, Gap};
 use super::side::Side;
 use super::sliding;
 use super::spin::Spin;
-use super::{SHARE, SurfacesContact};
+use super::{AREA_SHARE, SurfacesContact};
 use crate::contact::law::Pressure;
 use crate::contact::potential::potential_changes;
 use crate::contact::rubbing::Rubbing;
@@ -148,7 +148,7 @@ impl Stencil for BeforeSurface<'_> {
     }
 
     fn weight(&self) -> f64 {
-        SHARE * self.side.samples.weights[self.near.sample]
+        AREA_SHARE * self.side.samples.weights[self.near.sample]
     }
 
     fn gap(&self) -> f64 {
