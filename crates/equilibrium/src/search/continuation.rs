@@ -41,23 +41,23 @@ struct Way {
     constrained: bool,
     /// Its ratio of bulk to shear modulus.
     ratio: f64,
-    /// Whether strains of their own have helped.
+    /// Whether independent strains have converged before.
     helped: bool,
 }
 
 impl Way {
-    /// Steps in time are short: theirs do not creep, but for those under constraints without a potential, where the residual alone is searched.
+    /// Steps in time are short, so that descent is not slow except under constraints without a potential, where the residual alone is searched.
     fn new(model: &Model, in_time: bool) -> Self {
         let constrained = !(in_time && model.properties().has_potential()) && model.unknowns().multipliers() > 0;
         Way { constrained, ratio: if in_time { 0.0 } else { model.properties().bulk_over_shear() }, helped: false }
     }
 
-    /// Whether a step on displacements creeps: whatever turns or shears the body changes its volume, or leaves the constraints.
+    /// Whether descent on displacements is slow: a step that rotates or shears the body changes its volume, or violates the constraints.
     fn creeps(&self, jumps: bool) -> bool {
         self.constrained || jumps && self.ratio > MIN_RATIO_WITH_JUMP
     }
 
-    /// Whether it may creep.
+    /// Whether descent may be slow.
     fn may_creep(&self) -> bool {
         self.ratio > MIN_RATIO
     }
@@ -66,12 +66,13 @@ impl Way {
 impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
-    /// The straight way from the starting state (rest with the designs of these controls, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
-    /// with strains of their own at the quadrature points (slender bodies), with which steps under constraints and of nearly incompressible bodies begin
-    /// that prescribed components move (other nearly incompressible ones after a few iterations); where that fails too,
-    /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
-    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all, if a straight move from `how.near` to it is admissible. When a warm start leads nowhere, or fails after more
-    /// than three times `how.max_newton` iterations, the way from rest is tried.
+    /// 1. A guess (`how.guess`) is tried first, if a straight move from `how.near` to it is admissible.
+    /// 2. The straight way from the starting state (rest with the designs of these controls, or `how.near`) is tried in one step. Where Newton's method is slow
+    ///    (slender bodies), it continues with independent strains at the quadrature points. Steps under constraints, and those of nearly incompressible bodies
+    ///    that move prescribed components, begin with them; other nearly incompressible bodies use them after a few iterations.
+    /// 3. Where that fails too, the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance.
+    ///    Steps below 1/4096 of the way fail, as does a limit point that two estimates agree on.
+    /// 4. When a warm start fails, or needs more than three times `how.max_newton` iterations, the way from rest is tried.
     ///
     /// # Errors
     /// A typed [`StateError`]; where there was progress it holds the last equilibrium. [`StateError::Start`] where the way would begin
@@ -80,7 +81,7 @@ impl Model {
         self.solve_with(controls, how, &mut Workspace::default())
     }
 
-    /// [`solve`](Self::solve) with what earlier solves left behind; a solve that fails leaves nothing.
+    /// [`solve`](Self::solve) with the workspace of earlier solves; a solve that fails clears it.
     ///
     /// # Errors
     /// As there.
@@ -120,7 +121,7 @@ impl Model {
         let rest = self.rest_under(controls);
         let mut spent = SolveReport::default();
         let start = how.near.unwrap_or(&rest);
-        // those of a motion were checked where it began
+        // the controls of a motion were checked at its beginning
         if time_step.is_none() {
             self.moves().check_start(start, how.parallel)?;
         }
@@ -170,9 +171,9 @@ impl Model {
         }
     }
 
-    /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
-    /// points; once these have helped, the next steps begin with them, as all do where a descent is known to creep. Not where the path seems
-    /// to turn back, nor beyond the convexity bound (`hopeless`). Where it fails, u is the last iterate.
+    /// One load step: descent and, where that is slow, independent strains at the quadrature points from its last iterate. Once these have
+    /// converged, the next steps begin with them, as all steps do for which descent is known to be slow. Independent strains are not used where the
+    /// path seems to turn back, nor beyond the convexity bound (`hopeless`). On failure u is the last iterate.
     fn attempt(
         &self,
         newton: &Equations,
@@ -239,7 +240,7 @@ impl Model {
         }
     }
 
-    /// With pressures that steps predict, unless these have failed before; where they lead nowhere, u is as it was.
+    /// With predicted pressures, unless these have failed before; on failure u is unchanged.
     fn attempt_with_pressures(
         &self,
         newton: &Equations,
@@ -261,8 +262,8 @@ impl Model {
         Ok(found.is_some())
     }
 
-    /// A few iterations downhill, then strains of their own at the quadrature points, from the same start; where neither arrives, u is the
-    /// last iterate downhill.
+    /// A few iterations of descent, then independent strains at the quadrature points from the same start; where neither converges, u is the
+    /// last iterate of the descent.
     fn attempt_briefly(
         &self,
         newton: &Equations,
@@ -294,7 +295,7 @@ impl Model {
         }
     }
 
-    /// Whether its equations can be solved with strains of their own at the quadrature points.
+    /// Whether its equations can be solved with independent strains at the quadrature points.
     pub(crate) fn suits_point_strains(&self) -> bool {
         let searched = self.properties().has_potential() || self.unknowns().multipliers() > 0;
         searched
@@ -303,12 +304,12 @@ impl Model {
             && !self.inequalities().contains(&true)
     }
 
-    /// Whether its equations are searched on the residual and under constraints, and can be solved with strains of their own: that search creeps.
+    /// Whether the line search on the residual under constraints, which is slow, can be replaced by independent strains.
     pub(crate) fn residual_creeps(&self) -> bool {
         !self.properties().has_potential() && self.unknowns().multipliers() > 0 && self.suits_point_strains()
     }
 
-    /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.
+    /// The equilibrium in one step from a guess; `None` where Newton's method does not converge.
     fn jump(
         &self,
         guess: &[f64],
@@ -318,7 +319,7 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
-        // with friction an impact takes many short steps, and what does not go at once rounds, each of which is a solve
+        // with friction an impact takes many short steps; where the step fails, rounds of lagged friction follow, each of which is a solve
         let most = if self.properties().depends_on_path() { usize::MAX } else { MAX_GUESS_ITERATIONS };
         let brief = SolveOptions { max_newton: how.max_newton.min(most), ..how.clone() };
         let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
@@ -326,7 +327,7 @@ impl Model {
             Some(near) => self.bears(near, controls, guess, how, time_step),
             None => newton.admissible_chord(guess, guess).is_ok(),
         };
-        // a step of Newton's method may carry what is free anywhere
+        // a step of Newton's method may move a free body arbitrarily far
         let drifts = || newton.is_static() && self.settles() && newton.at(guess, |at| self.free_motion(at)).is_some();
         if !is_borne || drifts() {
             return Ok(None);
@@ -341,7 +342,7 @@ impl Model {
         }
     }
 
-    /// The undeformed state without loads, all multipliers zero: where every way begins unless set otherwise.
+    /// The undeformed state without loads, all multipliers zero: the default start of every solve.
     pub fn rest(&self) -> State {
         let report = SolveReport { min_j: 1.0, ..SolveReport::default() };
         State::equilibrium(vec![0.0; self.unknowns().len()], self.controls(), 0.0, report)
@@ -358,7 +359,7 @@ impl Model {
         workspace.solver(how.solver.unwrap_or_else(|| self.solver()), self)
     }
 
-    /// In as few load steps as it takes; given up on at the first that fails after `most` iterations.
+    /// By load steps, as few as converge; it fails at the first failed step after `most` iterations.
     fn walk(
         &self,
         from: &State,
@@ -381,7 +382,7 @@ impl Model {
             let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
             let bears =
                 self.moves().admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
-            // where obstacles move, what they touch goes with them, unless that has just led nowhere; else the body may go on as it did
+            // where obstacles move, the predictor is the tangent of the contact, unless the last step with it failed; else the last increment
             let tangent = match obstacles_move && !failed && how.tries(Strategy::Rate, report) {
                 true => self.rate_along((&here, from, to), how, steps.done, bears, workspace, report),
                 false => None,
@@ -424,7 +425,7 @@ impl Model {
                     return Err(self.give_up(stop, path, (&steps, None), (to, how.budget), report, here));
                 }
                 Err(stop) => {
-                    // what fell or flew off does so under less load too
+                    // a body that no contact holds is not held under less load either
                     let lost = matches!(stop, Stop::Lost { .. });
                     if steps.failed(path) || report.newton > most || lost {
                         let known = steps.limit_point().is_some() || time_step.is_some();
@@ -433,7 +434,7 @@ impl Model {
                         };
                         let suspect = newton.at(&u, |at| self.suspect(at)).or_else(free);
                         let error = self.give_up(stop, path, (&steps, suspect), (to, None), report, here);
-                        // a trial from a state nearby is looked into by who makes it
+                        // the caller of a trial from a state nearby finds its cause
                         let alone = time_step.is_none() && how.near.is_none() && !self.ranks().is_over_ranks();
                         return Err(if alone { self.explained(error, to, how) } else { error });
                     }

@@ -29,30 +29,30 @@ const MAX_EXCESS_CYCLES: f64 = 2.0;
 /// Backward error `|b - A x| / (|A| |x| + |b|)` that counts as rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// Positive definite matrices by conjugate gradients with a multigrid hierarchy, which is kept while it serves.
+/// Positive definite matrices by conjugate gradients with a multigrid hierarchy, which is reused while it is effective.
 #[derive(Clone, Debug, Default)]
 pub struct MultigridSolver {
-    /// The levels of a recent matrix; of no use as a preconditioner, but in the memory of the next ones, while they do not serve.
+    /// The levels of a recent matrix; while `serves` is false they are no preconditioner, and the next ones take their memory.
     levels: Option<Arc<Multigrid>>,
     serves: bool,
-    /// Whether they are of products of cells, and serve below such alone.
+    /// Whether they were made for products of cells, which they serve alone.
     by_products: bool,
-    /// Whether they are of what a matrix has beside its volume modes, and serve such alone.
+    /// Whether they were made for the part of a matrix without its volume modes, which they serve alone.
     of_rest: bool,
-    /// Cycles per decade of the residual that they took on their own matrix.
+    /// Cycles per decade of the residual on the matrix that they were made of.
     rate: Option<f64>,
-    /// Cycles that they took beyond that on others. They are due when these cost as much as a renewal.
+    /// Further cycles on other matrices. The levels are renewed when these cost as much as a renewal.
     excess: f64,
 }
 
 impl MultigridSolver {
-    /// Memory that a system with so many volume modes takes beside the levels: the vectors of its iteration, and what the matrix has beside the modes.
+    /// Memory of a system with this number of volume modes beside the levels: the vectors of its iteration, and the matrix without the modes.
     pub fn bytes_of_modes(pattern: &Pattern, modes: usize) -> usize {
         SaddleGmres::bytes(pattern.dofs() + modes) + size_of::<f64>() * pattern.values()
     }
 }
 
-/// What became of a system.
+/// The outcome of a solution.
 enum Outcome {
     Solved(Solved),
     Indefinite(NotDefinite),
@@ -61,26 +61,26 @@ enum Outcome {
 /// A solution.
 struct Solved {
     x: Vec<f64>,
-    /// Whether the matrix showed positive curvature, and that alone.
+    /// Whether all curvature met was positive.
     positive: bool,
-    /// What a step left between pressures and changes of volume.
+    /// Differences between pressures and changes of volume after a step.
     changes_left: Option<Vec<f64>>,
 }
 
-/// What was found of an indefinite matrix.
+/// The result for an indefinite matrix.
 struct NotDefinite {
-    /// How far the iteration went before it met negative curvature, downhill on the quadratic model, if anywhere.
+    /// The iterate before negative curvature, if it decreases the quadratic model.
     x: Option<Vec<f64>>,
-    /// The Rayleigh quotient of that.
+    /// The Rayleigh quotient of the direction of negative curvature.
     quotient: Option<f64>,
 }
 
 impl MultigridSolver {
-    /// To an aim, or to the limit of double precision.
+    /// Solves to an aim, or to the limit of double precision.
     fn run(&mut self, system: &System, b: &[f64], aim: Aim, work: &mut LinearWork) -> Result<Outcome, LinearError> {
         if let Some(modes) = modes_of(system) {
             match self.run_by(system, Some(modes), b, aim, work) {
-                // what is positive definite by its volume modes alone
+                // a matrix that is positive definite by its volume modes alone
                 Err(LinearError::Multigrid { .. } | LinearError::Factor(FactorError::NotPositive { .. })) => {}
                 done => return done,
             }
@@ -88,7 +88,7 @@ impl MultigridSolver {
         self.run_by(system, None, b, aim, work)
     }
 
-    /// The same with levels of the matrix, or of what it has beside volume modes.
+    /// The same with levels of the matrix, or of its part without volume modes.
     fn run_by(
         &mut self,
         system: &System,
@@ -142,7 +142,7 @@ impl MultigridSolver {
         solved(x, &p, positive)
     }
 
-    /// The same with the levels that are kept, as long as new ones are not expected to be cheaper.
+    /// The same with the levels held, as long as new ones are not expected to be less expensive.
     fn run_by_kept(
         &mut self,
         (system, modes, counts): (&System, Option<&VolumeModes>, Counts),
@@ -153,13 +153,13 @@ impl MultigridSolver {
         work: &mut LinearWork,
     ) -> WithKept {
         let Some(levels) = &self.levels else { return WithKept::Left(1.0) };
-        // GMRES goes on to the residual
+        // GMRES iterates until the residual is met
         let expected = if modes.is_some() { aim.residual } else { aim.expected() };
         let (rate, excess) = (self.rate, self.excess);
         let wanted = rate.map_or(MAX_CYCLES as f64, |rate| rate * decades(expected));
         let go_on = |cycles: usize, reached: f64| {
             let (cycles, left) = (cycles as f64, decades(expected / reached));
-            // what is left at the pace so far, and by new levels, if that is known
+            // remaining cycles at the present rate, and with new levels, if their rate is known
             let (here, anew) = (cycles / decades(reached) * left, rate.map(|rate| RENEWAL_CYCLES + rate * left));
             let pays = cycles + excess < wanted + MAX_EXCESS_CYCLES || anew.is_some_and(|anew| here <= anew);
             cycles < MAX_CYCLES as f64 && pays
@@ -174,15 +174,15 @@ impl MultigridSolver {
         self.excess += (cg.iterations as f64 - wanted).max(0.0);
         self.serves = self.excess < RENEWAL_CYCLES;
         match cg.end {
-            // they may be as good for what is definite as they were
+            // the levels may still be effective for definite matrices
             CgEnd::NegativeCurvature { curvature } => return WithKept::Indefinite { curvature },
             _ if arrived(system, levels, b, x, &cg) => {
                 work.reused += 1;
                 return WithKept::Solved { positive };
             }
-            // the next levels go on from there
+            // the next levels continue from this iterate
             CgEnd::Exhausted if cg.residual < 1.0 => {}
-            // and from pressures too, though displacements alone leave more than nothing does
+            // with volume modes too, though the residual of the displacements alone exceeds that of zero
             CgEnd::Exhausted if modes.is_some() => {}
             _ => {
                 x.fill(0.0);
@@ -193,7 +193,7 @@ impl MultigridSolver {
         WithKept::Left(if cg.end == CgEnd::Exhausted { cg.residual.min(1.0) } else { 1.0 })
     }
 
-    /// The levels of a matrix, or of what it has beside volume modes.
+    /// The levels of a matrix, or of its part without volume modes.
     fn renew(
         &mut self,
         system: &System,
@@ -216,7 +216,7 @@ impl MultigridSolver {
         (self.levels, self.serves) = (Some(Arc::new(levels)), renewed.is_ok());
         let same = (self.by_products, self.of_rest) == (system.products.is_some(), modes.is_some());
         (self.by_products, self.of_rest) = (system.products.is_some(), modes.is_some());
-        // that of levels before, until these have solved a system
+        // the rate of the levels before, until these have solved a system
         self.rate = self.rate.filter(|_| same);
         self.excess = 0.0;
         renewed
@@ -224,7 +224,7 @@ impl MultigridSolver {
 }
 
 impl MultigridSolver {
-    /// Whether what the matrix has beside its volume modes, which are not negative, shows no negative curvature.
+    /// Whether the matrix without its volume modes, which are not negative, shows no negative curvature.
     fn rest_is_definite(&mut self, system: &System, b: &[f64]) -> Result<bool, LinearError> {
         let Some(modes) = modes_of(system).filter(|_| system.matrix.is_symmetric()) else { return Ok(false) };
         match self.renew(system, Some(modes), &mut LinearWork::default()) {
@@ -268,7 +268,7 @@ impl LinearSolver for MultigridSolver {
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
         match self.run(system, b, Aim::of_step(tolerance), work)? {
-            // nothing showed that it leads downhill
+            // nothing shows that it is a descent direction
             Outcome::Solved(Solved { x, changes_left: None, .. }) if system.space().dot(&x, b) <= 0.0 => {
                 Err(LinearError::Indefinite { quotient: None })
             }
@@ -295,7 +295,7 @@ impl LinearSolver for MultigridSolver {
         }
     }
 
-    /// Levels of a matrix nearby show negative curvature as well as its own do.
+    /// Levels of a matrix nearby show negative curvature as well as those of the matrix itself.
     fn solve_definite(
         &mut self,
         system: &System,
@@ -334,7 +334,7 @@ impl LinearSolver for MultigridSolver {
     }
 }
 
-/// What became of a system with levels that were kept.
+/// The outcome of a solution with the levels held.
 enum WithKept {
     Solved {
         positive: bool,
@@ -342,17 +342,17 @@ enum WithKept {
     Indefinite {
         curvature: f64,
     },
-    /// Not solved, with the share of the residual that new levels begin from.
+    /// Not solved; the share of the residual at which new levels begin.
     Left(f64),
 }
 
-/// When a solution is good enough.
+/// When a solution is accurate enough.
 #[derive(Clone, Copy)]
 struct Aim {
     test: StoppingTest,
-    /// Relative residual that is good enough in any case.
+    /// Relative residual that is always accurate enough.
     residual: f64,
-    /// The one that was asked for, and whether a step is, which may leave pressures apart from changes of volume.
+    /// The residual asked for, and whether a step is computed, whose pressures may differ from those of its changes of volume.
     asked: f64,
     is_step: bool,
 }
@@ -371,7 +371,7 @@ impl Aim {
         Aim { test: StoppingTest::Either { error, residual }, residual, asked: residual, is_step: false }
     }
 
-    /// The relative residual that it is expected to be met at.
+    /// The relative residual at which the aim is expected to be met.
     fn expected(&self) -> f64 {
         match self.test {
             StoppingTest::Either { error, residual } => error.max(residual),
@@ -390,7 +390,7 @@ fn modes_of<'a>(system: &System<'a>) -> Option<&'a VolumeModes> {
     if system.products.is_some() { None } else { system.configuration.volume_modes() }
 }
 
-/// What was found, and whether all curvature that was looked at is positive.
+/// The report of the iteration, and whether all curvature met was positive.
 fn iterate(
     (system, modes, counts): (&System, Option<&VolumeModes>, Counts),
     multigrid: &Multigrid,
@@ -437,7 +437,7 @@ fn arrived(system: &System, levels: &Multigrid, b: &[f64], x: &[f64], cg: &CgRep
     cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= rounding())
 }
 
-/// What was found before negative curvature was met, if it leads downhill.
+/// The iterate before negative curvature, if it is a descent direction.
 fn moved(system: &System, x: Vec<f64>, b: &[f64]) -> Option<Vec<f64>> {
     (system.space().dot(&x, b) > 0.0).then_some(x)
 }
