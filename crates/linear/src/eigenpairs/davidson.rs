@@ -38,28 +38,28 @@ const ROW_SUM_RATIO: f64 = 8.0;
 /// Sets of levels for further shifts.
 const MAX_SHIFTED_LEVELS: usize = 8;
 
-/// `A x = lambda M x` on the unknowns that are not fixed, of a symmetric A that has no factor.
+/// `A x = lambda M x` on the unknowns that are not fixed, for a symmetric A without a factor.
 #[derive(Clone, Copy)]
 pub struct ProductEigenproblem<'a> {
     /// `out = A v`, zero where fixed for a v that is.
     pub product: &'a dyn Operator,
-    /// A, or a matrix close to it: what the levels of multigrid are made of.
+    /// A, or a matrix close to it, for the levels of multigrid.
     pub system: System<'a>,
     /// M, positive definite on the unknowns that are not fixed.
     pub mass: MassMatrix<'a>,
-    /// Eigenvalues that are zero, as those of rigid motions that nothing holds: the block goes beyond them, since nothing distinguishes these.
+    /// Number of zero eigenvalues, of free rigid motions: the block is larger than this, since their vectors are arbitrary within one space.
     pub zeros: usize,
-    /// Set to end between iterations.
+    /// Set to stop between iterations.
     pub cancel: Option<&'a AtomicBool>,
 }
 
-/// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones that are found where these are more.
+/// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones that are found if there are more of them.
 ///
-/// The Rayleigh-Ritz values of a space that grows by the residuals `A x - theta M x` of a block of Ritz vectors, preconditioned by a V-cycle of A (where
-/// that is not positive definite of `A + s M`), and is restarted with those vectors and the ones before: the locally optimal gradients of Knyazev, "Toward the
+/// The Rayleigh-Ritz values of a space that grows by the residuals `A x - theta M x` of a block of Ritz vectors, preconditioned by a V-cycle of A (of
+/// `A + s M` where A is not positive definite), and is restarted with the present and the previous Ritz vectors: the locally optimal gradients of Knyazev, "Toward the
 /// optimal preconditioned eigensolver", SIAM J. Sci. Comput. 23 (2001), with the orthogonal basis of Stathopoulos, Saad, "Restarting techniques for the
-/// (Jacobi-)Davidson symmetric eigenvalue methods", ETNA 7 (1998). From a seeded start. No factor is made, so nothing proves that no eigenvalue is missed
-/// ([`Eigenpairs::counted`]): the block has half as many vectors again as are wanted, or are zero, and what is orthogonal to all of these was not met.
+/// (Jacobi-)Davidson symmetric eigenvalue methods", ETNA 7 (1998). The start is random with a fixed seed. Without a factor nothing proves that no eigenvalue is missed
+/// ([`Eigenpairs::counted`]): an eigenvector that is orthogonal to all vectors of the block, half as many again as are asked for or are zero, is not found.
 ///
 /// # Errors
 /// More eigenvalues wanted than there are unknowns, or than fit; [`LinearError::Eigenpairs`] where the iteration does not find them;
@@ -90,10 +90,10 @@ pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usi
 }
 
 impl ProductEigenproblem<'_> {
-    /// Vectors of a block for so many eigenvalues.
+    /// Vectors of a block for this number of eigenvalues.
     fn block(&self, wanted: usize, unknowns: usize) -> Result<usize, LinearError> {
         let block = unknowns.min(wanted.max(self.zeros) + MIN_GUARD_VECTORS.max(wanted / GUARD_DIVISOR));
-        // the basis and its products, and what a restart makes of them
+        // the basis and its products, and those of a restart
         let vectors = 2 * (MAX_BASIS_RATIO + 2) * block;
         let bytes = vectors.saturating_mul(self.system.fixed.len() * size_of::<f64>());
         if bytes > MAX_BASIS_BYTES {
@@ -104,7 +104,7 @@ impl ProductEigenproblem<'_> {
         Ok(block)
     }
 
-    /// `A_ii`, of products too.
+    /// `A_ii`, also by products.
     fn diagonal(&self) -> Vec<f64> {
         let System { matrix, products, parallel, .. } = self.system;
         match products {
@@ -119,7 +119,7 @@ impl ProductEigenproblem<'_> {
         }
     }
 
-    /// `16 eps |x| . |A| |x|`, of products by some times the diagonal of A.
+    /// `16 eps |x| . |A| |x|`; for products |A| is a multiple of the diagonal of A.
     fn rounding(&self, vectors: &[Vec<f64>]) -> Vec<f64> {
         let System { matrix, products, parallel, .. } = self.system;
         if products.is_some() {
@@ -156,14 +156,14 @@ impl ProductEigenproblem<'_> {
 struct Search<'a> {
     problem: &'a ProductEigenproblem<'a>,
     inner: InnerProduct<'a>,
-    /// None while others are made.
+    /// `None` while new ones are made.
     levels: Option<ShiftedLevels<'a>>,
-    /// s of the levels of `A + s diag(M)`; by products of A and the mean of that.
+    /// s of the levels of `A + s diag(M)`; with products the mean of `diag(M)` replaces it.
     shift: f64,
     shifts: usize,
-    /// The largest one that was not enough.
+    /// The largest shift that was too small.
     refused: f64,
-    /// `M_ii`, and the means of `A_ii` and of these.
+    /// `M_ii`, and the means of `A_ii` and `M_ii`.
     masses: Vec<f64>,
     means: (f64, f64),
     unknowns: usize,
@@ -174,7 +174,7 @@ struct Search<'a> {
     /// `x_i . A x_k` of the basis, `k <= i`.
     projected: Vec<Vec<f64>>,
     random: Random,
-    /// Iterations so far, those of smaller blocks too.
+    /// Iterations so far, those of smaller blocks included.
     iterations: usize,
 }
 
@@ -210,14 +210,14 @@ impl<'a> Search<'a> {
         Ok(search)
     }
 
-    /// A larger block: vectors of random numbers that the levels have smoothed.
+    /// Enlarges the block by random vectors that are smoothed by the levels.
     fn widen(&mut self, block: usize, wanted: usize) -> Result<(), LinearError> {
         for _ in self.block..block {
             let fixed = self.inner.fixed;
             let scattered: Vec<f64> =
                 fixed.iter().map(|&fixed| if fixed { 0.0 } else { self.random.symmetric() }).collect();
             let smooth = self.preconditioned(&self.inner.times_mass(&scattered));
-            // levels of a singular matrix leave its kernel alone
+            // levels of a singular matrix do not change vectors of its kernel
             if !self.add(smooth) {
                 self.add(scattered);
             }
@@ -230,7 +230,7 @@ impl<'a> Search<'a> {
         self.levels.as_ref().map_or(residual.to_vec(), |levels| levels.apply(residual))
     }
 
-    /// Adds what a vector has beyond the basis; whether that is anything.
+    /// Adds the part of a vector that is orthogonal to the basis; whether it is not zero.
     fn add(&mut self, mut vector: Vec<f64>) -> bool {
         let parallel = self.inner.parallel;
         vector.iter_mut().zip(self.inner.fixed).for_each(|(x, &fixed)| *x = if fixed { 0.0 } else { *x });
@@ -260,7 +260,7 @@ impl<'a> Search<'a> {
         Ritz { values, vectors: eigenvectors.select_columns(&order) }
     }
 
-    /// Until so many pairs count.
+    /// Iterates until `wanted` pairs have converged.
     fn run(&mut self, wanted: usize) -> Result<Eigenpairs, LinearError> {
         let (mut before, mut found) = (DMatrix::zeros(0, 0), 0);
         for _ in 0..MAX_ITERATIONS {
@@ -293,7 +293,7 @@ impl<'a> Search<'a> {
             let grown =
                 directions.into_iter().map(|direction| self.add(direction)).fold(false, |any, grown| any | grown);
             if !grown {
-                // nothing is left beyond the space, or what is left is no number
+                // all residuals lie in the space, or are NaN
                 if self.basis.len() < self.unknowns {
                     return Err(LinearError::Eigenpairs { found, wanted });
                 }
@@ -305,7 +305,7 @@ impl<'a> Search<'a> {
         Err(LinearError::Eigenpairs { found, wanted })
     }
 
-    /// The preconditioned residual of a Ritz pair, and the relative error of its vector that this shows.
+    /// The preconditioned residual of a Ritz pair, and the relative error of its vector as estimated by it.
     fn correction(&self, ritz: &Ritz, k: usize) -> (Vec<f64>, f64) {
         let parallel = self.inner.parallel;
         let coefficients = ritz.vectors.column(k);
@@ -316,7 +316,7 @@ impl<'a> Search<'a> {
         residual.iter_mut().zip(self.inner.fixed).for_each(|(r, &fixed)| *r = if fixed { 0.0 } else { *r });
         let direction = self.preconditioned(&residual);
         let size = sums::norm(&residual, parallel);
-        // where the preconditioner shows no energy of the error, a bound of it
+        // a bound where the estimate of the error's energy is not positive
         let squared = match dot(&residual, &direction, parallel) {
             squared if squared > 0.0 => squared,
             _ => match size * sums::norm(&direction, parallel) {
@@ -327,7 +327,7 @@ impl<'a> Search<'a> {
         (direction, (squared / (theta + self.shift).max(f64::MIN_POSITIVE)).sqrt())
     }
 
-    /// Levels for a shift that is at a distance from the lowest eigenvalue, as a factor would need it, where that at hand is not.
+    /// New levels, whose shift has a distance from the lowest eigenvalue, where the present shift has not.
     fn adapt_shift(&mut self, ritz: &Ritz) -> Result<(), LinearError> {
         let (first, last) = (ritz.values[0], ritz.values[self.block.min(ritz.values.len()) - 1]);
         let (spread, distance) = (last - first, first + self.shift);
@@ -341,7 +341,7 @@ impl<'a> Search<'a> {
         self.make_levels(needed)
     }
 
-    /// The levels of the first shift from this one on that is large enough as far as they show.
+    /// The levels of the first shift from this one on with which they are positive definite.
     fn make_levels(&mut self, from: f64) -> Result<(), LinearError> {
         self.levels = None;
         let (stiffness, mass) = self.means;
@@ -362,7 +362,7 @@ impl<'a> Search<'a> {
         Err(LinearError::Shift)
     }
 
-    /// Keeps the Ritz vectors of the block, and what those before have beyond them; their coefficients in the new basis.
+    /// Reduces the basis to the Ritz vectors of the block and the orthogonal parts of the previous ones; the coefficients of the block in the new basis.
     fn restart(&mut self, ritz: &Ritz, before: &DMatrix<f64>, block: usize) -> DMatrix<f64> {
         let mut kept: Vec<Vec<f64>> = (0..block).map(|k| ritz.vectors.column(k).as_slice().to_vec()).collect();
         for column in before.column_iter() {
@@ -390,10 +390,10 @@ impl<'a> Search<'a> {
         DMatrix::identity(n, block)
     }
 
-    /// The first pairs, as many as there are errors of them.
+    /// The first pairs, one for each of `errors`.
     fn pairs(&self, ritz: &Ritz, errors: Vec<f64>) -> Eigenpairs {
         let parallel = self.inner.parallel;
-        // of each alone: sums over a basis have the rounding of its roughest vectors
+        // by a product with each vector: sums over a basis have the rounding of its largest eigenvalues
         let of = |k: usize| {
             let x = combined(&self.basis, ritz.vectors.column(k).as_slice(), parallel);
             let mut product = vec![0.0; x.len()];
