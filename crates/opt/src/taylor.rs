@@ -20,12 +20,12 @@ use thiserror::Error;
 ///
 /// r0(t) = |j(m(t)) - j(m)| and r1(t) = |j(m(t)) - j(m) - t dj.d|
 ///
-/// fall as t and t^2 if dj is the derivative. Orders are fitted to the smallest steps whose r1 stands clear of the noise
+/// decrease as t and t^2 if dj is the derivative. Orders are fitted to the smallest steps whose r1 exceeds the noise
 /// of j, which is estimated from the scatter of j(m(t)) at the smallest steps, without use of the derivative.
 /// Remainders at round-off are not judged: where the order at these steps is neither that of a right derivative nor that of a
-/// remainder linear in t, larger steps are asked.
+/// remainder linear in t, larger steps are used.
 ///
-/// With [`second`](Self::second), the remainder r2(t) = |j(m(t)) - j(m) - dj.(m(t) - m) - t^2/2 d.Hd| falls as t^3 if H is the
+/// With [`second`](Self::second), the remainder r2(t) = |j(m(t)) - j(m) - dj.(m(t) - m) - t^2/2 d.Hd| decreases as t^3 if H is the
 /// second derivative, on curved paths too: their curvature is in the linear term, and changes the quadratic one by t^3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taylor {
@@ -36,7 +36,7 @@ pub struct Taylor {
     /// Length of d, as a share of the set's extent, component by component (of the largest |m_i| where the set has no
     /// extent).
     pub length: f64,
-    /// Size of a control where it follows neither from the set nor from m.
+    /// Size of a control where neither the set nor m determines it.
     pub size: Option<f64>,
     /// Only these components vary (a control block); all if none are given.
     pub components: Option<Range<usize>>,
@@ -75,7 +75,7 @@ pub enum TaylorError {
     /// No cost or no derivative at the control.
     #[error("no Taylor test where the cost or its derivative fails: {0}")]
     Base(#[from] Failed),
-    /// A direction came out zero or without a scale.
+    /// A direction is zero or without a scale.
     #[error("no direction to vary the control along: the set has no extent here and the control is zero; give a size")]
     NoDirection,
     /// Components beyond the end of the control.
@@ -218,7 +218,7 @@ impl Taylor {
 /// Share of a linear part that remains at small steps in spite of noise.
 const MIN_PERSISTENT_SHARE: f64 = 0.3;
 
-/// What stays the same along all directions.
+/// The arguments that are the same for all directions.
 struct Base<'a, O: Objective> {
     objective: &'a O,
     set: &'a dyn Admissible,
@@ -228,11 +228,11 @@ struct Base<'a, O: Objective> {
     cost: f64,
 }
 
-/// What the values of j at the smallest steps show without any derivative: its noise, and its slope.
+/// Noise and slope of j by its values at the smallest steps, without any derivative.
 ///
-/// Windows of consecutive steps slide upward from the smallest until j responds there as a smooth function does; the noise
-/// is the largest scatter on the way. (A solver that returns its warm start unchanged answers the smallest steps with no
-/// change at all, which is not the absence of noise.)
+/// Windows of consecutive steps are moved upward from the smallest until j is smooth in one; the noise is the largest
+/// scatter in these windows. (A solver that returns its warm start unchanged gives no change at the smallest steps, which
+/// is not the absence of noise.)
 fn noise_and_slope(rows: &[Row], cost: f64) -> (f64, f64) {
     const WINDOW: usize = 6;
     let values: Vec<(f64, f64)> = rows.iter().rev().filter_map(|row| row.cost.map(|c| (row.t, c - cost))).collect();
@@ -268,7 +268,7 @@ fn fit(values: &[(f64, f64)]) -> (f64, f64) {
     (3.0 * (squares / (values.len() - 2) as f64).sqrt(), b / longest)
 }
 
-/// Rows to fit orders to: the smallest clear ones first, then without the smallest of them, and so on.
+/// Rows to fit orders to: the smallest ones above the noise first, then without the smallest of them, and so on.
 fn windows(clear: &[usize]) -> impl Iterator<Item = &[usize]> {
     let ends = (Taylor::MIN_ROWS..=clear.len()).rev();
     ends.map(|end| &clear[end.saturating_sub(Taylor::MAX_ROWS)..end])
@@ -281,8 +281,8 @@ fn is_linear(window: &[usize], rows: &[Row], order: f64) -> bool {
     (order - 1.0).abs() < 0.2 && high < 2.0 * low
 }
 
-/// Whether the linear part of the remainders of a window is there at the smallest steps too, as the error of a derivative is: else it comes from
-/// what happens on the way, the beginning of a contact say.
+/// Whether the linear part of the remainders of a window is present at the smallest steps too, like the error of a derivative: else it is the effect
+/// of an event along the curve, such as the beginning of a contact.
 fn persists(window: &[usize], rows: &[Row]) -> bool {
     let rate = |row: &Row| if row.r0 > 0.0 { row.r1 / row.t } else { f64::INFINITY };
     let largest = |rows: &[Row]| rows.iter().map(rate).fold(0.0, f64::max);
@@ -291,8 +291,8 @@ fn persists(window: &[usize], rows: &[Row]) -> bool {
     least >= MIN_PERSISTENT_SHARE * low
 }
 
-/// The largest error of the derivative, as a share of the slope, that the remainders leave room for: the least r1 / (t |slope|)
-/// that three neighbouring steps stay below. Noise makes remainders larger, hardly ever smaller three times in a row.
+/// Upper bound of the derivative's error that the remainders allow, as a share of the slope: the least r1 / (t |slope|) that
+/// three neighbouring steps stay below. Noise makes remainders larger, and rarely smaller at three consecutive steps.
 fn hidden_error(rows: &[Row], slope: f64) -> f64 {
     let share = |row: &Row| if row.r0 > 0.0 { row.r1 / (row.t * slope.abs()) } else { f64::INFINITY };
     let largest = |rows: &[Row]| rows.iter().map(share).fold(0.0, f64::max);
