@@ -96,7 +96,13 @@ fn a_cut_step_is_written_down() -> Outcome {
     let mut trajectory = fall(&solid, &scheme, |_| solid.controls())?.beginning();
     let step = StepTo { dt: 0.01, controls: solid.controls() };
     let go_on = |trajectory: &mut Trajectory| {
-        solid.model().advance(trajectory, &scheme, std::slice::from_ref(&step), &FEW_ITERATIONS, &mut Workspace::default())
+        solid.model().advance(
+            trajectory,
+            &scheme,
+            std::slice::from_ref(&step),
+            &FEW_ITERATIONS,
+            &mut Workspace::default(),
+        )
     };
     go_on(&mut trajectory)?;
     let record = trajectory.last_step(&scheme).unwrap();
