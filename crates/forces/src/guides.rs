@@ -186,12 +186,12 @@ impl Segment<'_> {
 
     /// The longest step along v that keeps its ends apart by a tenth of their distance.
     fn max_step(&self, v: &[f64]) -> f64 {
-        const NEAREST: f64 = 0.1;
+        const MIN_DISTANCE_RATIO: f64 = 0.1;
         let (along, change) = (self.length * self.direction, self.change(v));
         let squared = change.norm_squared();
         let closest = if squared > 0.0 { (-along.dot(&change) / squared).clamp(0.0, 1.0) } else { 0.0 };
-        let passes = (along + closest * change).norm() < NEAREST * self.length;
-        if passes { (1.0 - NEAREST) * closest } else { 1.0 }
+        let passes = (along + closest * change).norm() < MIN_DISTANCE_RATIO * self.length;
+        if passes { (1.0 - MIN_DISTANCE_RATIO) * closest } else { 1.0 }
     }
 }
 

@@ -86,19 +86,34 @@ pub(crate) struct Limits {
     pub most: usize,
     /// Relative residual of a solution.
     pub accuracy: f64,
-    /// Iterations, and shifts of the tangent, after both of which it is given up: it descends far from any equilibrium, which shorter
-    /// load steps avoid. Attempts that converge shift the tangent once or twice.
-    pub lost: (usize, usize),
+    /// Iterations after which it is given up if the tangent was shifted [`max_shifts`](Self::max_shifts) times: it descends far from any
+    /// equilibrium, which shorter load steps avoid. Attempts that converge shift the tangent once or twice.
+    pub max_shifted_iterations: usize,
+    /// Shifts of the tangent.
+    pub max_shifts: usize,
     /// Ratio of the residual to its least value at which it is given up.
     pub diverged: f64,
-    /// Number of consecutive steps shorter than a length, at which it is given up.
-    pub creeps: (usize, f64),
+    /// Short steps at which it is given up.
+    pub short_steps: ShortSteps,
+}
+
+/// Consecutive steps that are shorter than a length.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ShortSteps {
+    pub most: usize,
+    pub length: f64,
+}
+
+impl ShortSteps {
+    /// No step is short.
+    pub const ALLOWED: Self = ShortSteps { most: usize::MAX, length: 0.0 };
 }
 
 impl Limits {
     /// At most `most` steps to an accuracy.
     pub fn new(most: usize, accuracy: f64) -> Self {
-        Limits { most, accuracy, lost: (30, 3), diverged: f64::INFINITY, creeps: (usize::MAX, 0.0) }
+        let (diverged, short_steps) = (f64::INFINITY, ShortSteps::ALLOWED);
+        Limits { most, accuracy, max_shifted_iterations: 30, max_shifts: 3, diverged, short_steps }
     }
 }
 
@@ -212,7 +227,7 @@ impl<'a> Iteration<'a> {
         if taken.curved {
             report.strategies.count(Strategy::CurvedStep);
         }
-        self.short = if taken.length < self.limits.creeps.1 { self.short + 1 } else { 0 };
+        self.short = if taken.length < self.limits.short_steps.length { self.short + 1 } else { 0 };
         let resolved = step.size > MIN_STEP_RATIO * self.equations.diagonal();
         // the size of the displacement step says nothing about further fields
         let alone = self.equations.model.unknowns().has_one_nodal_field();
@@ -228,10 +243,10 @@ impl<'a> Iteration<'a> {
         let limits = &self.limits;
         // multipliers may still move where the body does not
         let unresolved = last.tiny && !last.apart && self.equations.model.unknowns().multipliers() == 0;
-        let lost = iteration >= limits.lost.0 && shifts >= limits.lost.1;
+        let lost = iteration >= limits.max_shifted_iterations && shifts >= limits.max_shifts;
         let diverged = limits.diverged.is_finite() && (relative > limits.diverged * least || !relative.is_finite());
-        let creeps = self.short >= limits.creeps.0;
-        iteration == limits.most || unresolved || lost || diverged || creeps
+        let is_slow = self.short >= limits.short_steps.most;
+        iteration == limits.most || unresolved || lost || diverged || is_slow
     }
 
     /// Whether forces are below the rounding of those of the moduli, and constraints are fulfilled to rounding; not over ranks, where it is not used.

@@ -91,7 +91,8 @@ impl Equations<'_> {
         // half of what may still be spent at most
         let left = self.options.budget.map_or(usize::MAX, |budget| budget.saturating_sub(report.newton));
         let most = MAX_PREDICTED_ITERATIONS.min(self.options.max_newton).min(left / 2);
-        let limits = Limits { lost: (0, MAX_PREDICTED_SHIFTS), ..Limits::new(most, self.options.accuracy) };
+        let limits = Limits::new(most, self.options.accuracy);
+        let limits = Limits { max_shifted_iterations: 0, max_shifts: MAX_PREDICTED_SHIFTS, ..limits };
         let mut direction = Plain::new(self, x, &mut *solver).with_pressures(pressures);
         let start = if moves { Ok(None) } else { self.evaluate(x).map(|start| Some(start.sums)) };
         let run = start.map_err(Stop::from).and_then(|start| {
@@ -130,10 +131,9 @@ impl Equations<'_> {
     ) -> Result<(), Stop> {
         let start = self.evaluate(u)?.sums;
         let moves = self.jump(u).is_some() || self.model.unknowns().multipliers() > 0;
-        // these steps may lead over indefinite tangents as often as they like
-        let lost = (usize::MAX, 0);
+        // any number of tangents may be indefinite
         let limits = Limits {
-            lost,
+            max_shifted_iterations: usize::MAX,
             ..Limits::new(MAX_POINT_STRAIN_ITERATIONS.min(self.options.max_newton), POINT_STRAIN_TOLERANCE)
         };
         let mut direction = WithPointStrains::new(self, u, &mut *solver)?;

@@ -4,7 +4,7 @@ use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
 use crate::model::views::Moves;
 use crate::nonlinear::iterate::Stop;
-use crate::nonlinear::iteration::Limits;
+use crate::nonlinear::iteration::{Limits, ShortSteps};
 use crate::search::options::SolveOptions;
 use nastic_body::controls::Controls;
 use nastic_body::error::StateError;
@@ -21,10 +21,10 @@ const MAX_SMOOTHING: f64 = 1e4;
 
 /// When iterations with short steps are given up, and how the slip speed changes.
 struct RoundLimits {
-    /// Consecutive steps that are shorter than a length, with implicit friction.
-    at_once: (usize, f64),
-    /// The same in a round.
-    round: (usize, f64),
+    /// Short steps with implicit friction.
+    at_once: ShortSteps,
+    /// Short steps in a round.
+    round: ShortSteps,
     /// Factor of the slip speed behind a round that failed.
     smoothing_growth: f64,
     /// Divisor of the slip speed behind a round that converged.
@@ -32,12 +32,16 @@ struct RoundLimits {
 }
 
 /// The first attempt, by long steps.
-const LONG_STEPS_ONLY: RoundLimits =
-    RoundLimits { at_once: (3, 0.1), round: (4, 0.03), smoothing_growth: 100.0, smoothing_decrease: 10.0 };
+const LONG_STEPS_ONLY: RoundLimits = RoundLimits {
+    at_once: ShortSteps { most: 3, length: 0.1 },
+    round: ShortSteps { most: 4, length: 0.03 },
+    smoothing_growth: 100.0,
+    smoothing_decrease: 10.0,
+};
 /// The second attempt, without a limit on short steps.
 const STEPS_OF_ANY_LENGTH: RoundLimits = RoundLimits {
-    at_once: (usize::MAX, 0.0),
-    round: (usize::MAX, 0.0),
+    at_once: ShortSteps::ALLOWED,
+    round: ShortSteps::ALLOWED,
     smoothing_growth: 10.0,
     smoothing_decrease: 3.0,
 };
@@ -106,9 +110,9 @@ impl Model {
     ) -> Result<Option<(Vec<f64>, usize)>, StateError> {
         let once = SolveOptions { max_newton: how.max_newton.min(MAX_IMPLICIT_ITERATIONS), ..how.clone() };
         let at_once = self.equations(controls, 1.0, Some(step), 1.0, &once);
-        let at_once_within = Limits { creeps: limits.at_once, ..Limits::new(once.max_newton, how.accuracy) };
+        let at_once_within = Limits { short_steps: limits.at_once, ..Limits::new(once.max_newton, how.accuracy) };
         let each = SolveOptions { accuracy: how.accuracy.max(ROUND_TOLERANCE), ..how.clone() };
-        let each_within = Limits { creeps: limits.round, ..Limits::new(each.max_newton, each.accuracy) };
+        let each_within = Limits { short_steps: limits.round, ..Limits::new(each.max_newton, each.accuracy) };
         let mut lag = FrictionLag { u: near.u.clone(), controls: near.controls.clone(), smoothing: 1.0 };
         let mut u = start.to_vec();
         for round in 1..=MAX_ROUNDS {

@@ -125,7 +125,7 @@ pub(super) fn add_element<W: Counterpart>(
     element: Vec<f64>,
     tangent: &mut SparseMatrix,
 ) -> Result<(), Inadmissible> {
-    match W::BEYOND {
+    match W::COUPLES_BEYOND_PATTERN {
         true => tangent.add_beyond(nodes, element),
         false => tangent.add_pairs(nodes, &element)?,
     }

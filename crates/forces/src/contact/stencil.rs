@@ -142,7 +142,7 @@ pub(super) trait Counterpart: Debug + Send + Sync + Sized + 'static {
     type State: Clone;
     type Stencil<'a>: Stencil;
     /// Whether its stencils couple nodes outside of the pattern.
-    const BEYOND: bool;
+    const COUPLES_BEYOND_PATTERN: bool;
 
     /// The state with `all` samples, or with those near the layer.
     ///

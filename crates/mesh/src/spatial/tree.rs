@@ -3,7 +3,7 @@
 use super::V;
 use super::interpolation_error::InterpolationError;
 
-const LEAF: usize = 3;
+const MAX_LEAF_ITEMS: usize = 3;
 /// Depth of a balanced tree over at most 2^32 items, with one waiting sibling per level.
 const STACK: usize = 64;
 
@@ -107,7 +107,7 @@ impl Tree {
     fn fill(&mut self, node: usize, from: usize, to: usize, boxes: &[Aabb]) {
         let items = &mut self.order[from..to];
         let bounds = items.iter().fold(Aabb::EMPTY, |b, &i| b.union(&boxes[i as usize]));
-        if items.len() <= LEAF {
+        if items.len() <= MAX_LEAF_ITEMS {
             self.nodes[node] = Node { bounds, first: from as u32, count: items.len() as u32 };
             return;
         }

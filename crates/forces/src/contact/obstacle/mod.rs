@@ -142,7 +142,7 @@ impl RigidObstacle {
 impl Counterpart for RigidObstacle {
     type State = Gaps;
     type Stencil<'a> = BeforeObstacle<'a>;
-    const BEYOND: bool = false;
+    const COUPLES_BEYOND_PATTERN: bool = false;
 
     fn state(of: &ObstacleContact, at: &Instant, all: bool) -> Result<Gaps, Inadmissible> {
         Gaps::at(of, at, all)

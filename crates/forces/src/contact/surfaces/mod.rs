@@ -157,7 +157,7 @@ impl SurfacesContact {
 impl Counterpart for Surfaces {
     type State = Near;
     type Stencil<'a> = BeforeSurface<'a>;
-    const BEYOND: bool = true;
+    const COUPLES_BEYOND_PATTERN: bool = true;
 
     /// # Errors
     /// [`Inadmissible::Penetrates`] where a sample is on the other surface or, of the log law, inside; [`Inadmissible::EdgesMeet`] where edges are as near
