@@ -30,7 +30,7 @@ const MIN_CORRECTED_RESIDUAL: f64 = 1e-7;
 /// Corrections of such a solution.
 const MAX_CORRECTIONS: usize = 5;
 
-/// Of full steps of Newton's method with an indefinite or bordered tangent.
+/// Accuracy of full Newton steps with an indefinite or bordered tangent.
 pub(crate) const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
 /// Largest relative residual at which the factor of the tangent before serves bordered systems.
@@ -38,8 +38,8 @@ const MAX_REUSE_RESIDUAL: f64 = 0.05;
 /// Largest error of these systems.
 const MAX_REUSE_ERROR: f64 = 1e-3;
 
-/// Of a full step with a bordered tangent from a relative residual towards one of `accuracy`, and whether a factor of the tangent before may
-/// serve: a tenth of the residual keeps convergence quadratic, and nothing beyond a thousandth of what the end asks for is of use.
+/// Accuracy of a full step with a bordered tangent from a relative residual towards one of `accuracy`, and whether a factor of the tangent before may
+/// be used: a tenth of the residual keeps convergence quadratic, and a thousandth of the final residual is always sufficient.
 pub(crate) fn bordered_step(relative: f64, accuracy: f64) -> (Accuracy, bool) {
     if relative.is_nan() || relative > MAX_REUSE_RESIDUAL {
         return (FULL_STEP, false);
@@ -48,12 +48,12 @@ pub(crate) fn bordered_step(relative: f64, accuracy: f64) -> (Accuracy, bool) {
     (Accuracy { error, residual: error.max(FULL_STEP.residual) }, true)
 }
 
-/// Which step is wanted where the tangent turns out to be indefinite.
+/// Which step to compute if the tangent is indefinite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StepWanted {
-    /// Newton's, though it may lead to a saddle, if the solver has it.
+    /// Newton's step, which may lead to a saddle, if the solver supports it.
     Newton,
-    /// One downhill.
+    /// A descent direction.
     Downhill,
 }
 
@@ -70,7 +70,7 @@ pub enum Transposition {
 pub struct Counted<S> {
     /// One by right-hand side.
     pub solved: Vec<S>,
-    /// Negative eigenvalues of the system, or why they are not known: rounding decides the sign of one, or the solver does not count.
+    /// Number of negative eigenvalues of the system, or why it is unknown: the sign of one is rounding, or the solver does not count.
     pub negative: Result<usize, LinearError>,
 }
 
@@ -80,21 +80,21 @@ pub struct TangentSystems<'a> {
     parallel: bool,
     solver: &'a mut dyn LinearSolver,
     shift: Shift,
-    /// Changes of volume that the solution of the next steps is expected to have, by quadrature point.
+    /// Expected changes of volume of the next steps, by quadrature point.
     expected: Option<Vec<f64>>,
     /// By volume mode, what the last step left between pressures and changes of volume.
     left: Option<Vec<f64>>,
 }
 
 impl<'a> TangentSystems<'a> {
-    /// Of a model, with what solves them.
+    /// The systems of a model, with a solver.
     pub fn new(model: &'a Model, parallel: bool, solver: &'a mut dyn LinearSolver) -> Self {
         solver.restart();
         TangentSystems { model, parallel, solver, shift: Shift::default(), expected: None, left: None }
     }
 
-    /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and what the
-    /// tangent turned out to be.
+    /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and the
+    /// curvature of the tangent.
     pub fn step<'m>(
         &mut self,
         tangent: impl Into<TangentRef<'m>>,
@@ -136,18 +136,18 @@ impl<'a> TangentSystems<'a> {
         self.left.as_deref()
     }
 
-    /// Drops what is kept of earlier tangents.
+    /// Drops the preconditioners of earlier tangents.
     pub fn forget(&mut self) {
         self.solver.clear();
     }
 
-    /// With nodes that follow others where these lead them.
+    /// Sets nodes that depend on others to their dependent values.
     fn extended(&self, mut x: Vec<f64>) -> Vec<f64> {
         self.model.supports.extend(&mut x);
         x
     }
 
-    /// A downhill step where the tangent is not positive definite.
+    /// A descent direction where the tangent is not positive definite.
     pub fn shifted_step<'m>(
         &mut self,
         tangent: impl Into<TangentRef<'m>>,
@@ -257,7 +257,7 @@ impl<'a> TangentSystems<'a> {
     }
 
     /// `K x = b` with a tangent at u whose supports are eliminated, which is to be positive definite, to a relative residual of 1e-12;
-    /// nothing that is kept of earlier systems has a part in it.
+    /// preconditioners of earlier systems are not used.
     ///
     /// # Errors
     /// [`LinearError::Indefinite`].
@@ -276,10 +276,10 @@ impl<'a> TangentSystems<'a> {
         let mut rest = vec![0.0; b.len()];
         configuration.system(matrix.into()).multiply(&x, &mut rest);
         rest.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
-        // of multigrid, which shows at a coarser residual that a matrix is definite
+        // for multigrid, which shows at a coarser residual that a matrix is definite
         if self.model.unknowns().norm(&rest) > MAX_UNCORRECTED_RESIDUAL * self.model.unknowns().norm(b) {
             let correction = self.solution(EXACT, matrix.into(), u, &rest, Transposition::No, report)?;
-            // a factor that was fallen back on takes what is indefinite too
+            // the factor of a fallback also solves indefinite systems
             if correction.negative.is_some_and(|negative| negative > 0) {
                 return Err(LinearError::Indefinite { quotient: None });
             }
@@ -377,8 +377,8 @@ impl<'a> TangentSystems<'a> {
         Ok(Inertia { negative: of_matrix + of_border, by_factor })
     }
 
-    /// `K x = b` with the symmetric tangent at u as a product, zero on the supports, and what is kept as preconditioner, if
-    /// that is good enough for so many iterations; `None` where it is not.
+    /// `K x = b` with the symmetric tangent at u as a product, zero on the supports, and the preconditioner held, if it
+    /// converges within a number of iterations; `None` otherwise.
     pub fn solve_by_products(
         &mut self,
         product: &dyn Operator,
@@ -403,7 +403,7 @@ impl<'a> TangentSystems<'a> {
         x
     }
 
-    /// Whether products of cells may stand for the entries of a tangent.
+    /// Whether products of cells may replace the entries of a tangent.
     pub fn takes_products(&self) -> bool {
         self.solver.state().takes_products
     }
@@ -415,12 +415,12 @@ impl<'a> TangentSystems<'a> {
     }
 }
 
-/// Negative eigenvalues of a matrix; refused by a solver that does not count them.
+/// Number of negative eigenvalues of a matrix; refused by a solver that does not count them.
 fn inertia(solver: &mut dyn LinearSolver, system: &System) -> Result<Inertia, LinearError> {
     solver.inertia(system)?.ok_or(LinearError::NotCounted { solver: solver.state().name })
 }
 
-/// Rows and columns of supported unknowns and of nodes that follow others become those of a multiple of the identity.
+/// Rows and columns of supported unknowns and of nodes that depend on others become those of a multiple of the identity.
 pub(crate) fn eliminate(model: &Model, matrix: &mut SparseMatrix) {
     let diagonal = matrix.diagonal().iter().fold(0.0, |m: f64, d| m.max(d.abs()));
     let diagonal = if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 1.0 };

@@ -1,4 +1,4 @@
-//! [`LineSearch`]: how far a step goes.
+//! [`LineSearch`]: the length of a step.
 
 use crate::nonlinear::direction::{Direction, Step, Take};
 use crate::nonlinear::equations::{Equations, Evaluated, moved};
@@ -41,11 +41,11 @@ pub(super) struct Taken<'m> {
     pub x: Vec<f64>,
     pub now: Evaluated<'m>,
     pub length: f64,
-    /// Whether it turned with the body.
+    /// Whether it was taken along a rotation-corrected curve.
     pub curved: bool,
 }
 
-/// Along what trials lie: `x + s dx`, or the curve that turns with the body, of which every trial has to be reached by a straight move.
+/// The path of trials: `x + s dx`, or a rotation-corrected curve, each trial of which must be reached by an admissible straight move.
 type Path<'p> = (&'p dyn Fn(f64) -> Vec<f64>, Along);
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -65,7 +65,7 @@ impl<'a> LineSearch<'a> {
         LineSearch { equations, fit: None }
     }
 
-    /// As the step wants to be taken.
+    /// Takes a step in the way that it prescribes.
     pub fn take(
         &mut self,
         here: &Iterate,
@@ -93,7 +93,7 @@ impl<'a> LineSearch<'a> {
         }
     }
 
-    /// As far as is admissible, at least this share of the step.
+    /// Takes the longest admissible share of a step, if it is at least `least`.
     fn within(&self, here: &Iterate, dx: &[f64], least: f64) -> Result<Taken<'a>, Stop> {
         let mut x = moved(here.x, dx, 1.0);
         self.equations.place(&mut x);
@@ -108,9 +108,9 @@ impl<'a> LineSearch<'a> {
         Ok(Taken { x, now, length, curved: false })
     }
 
-    /// Downhill in the potential, or in the augmented Lagrangian; where the tangent has negative eigenvalues an equilibrium nearby may be a
-    /// saddle, which is followed as long as the residual falls, and the state's inertia shows what was found. Without a potential the
-    /// residual falls, or the potential of those contributions that have one with the work of the others, whose forces stay.
+    /// Descent in the potential, or in the augmented Lagrangian. Where the tangent has negative eigenvalues an equilibrium nearby may be a
+    /// saddle, which is followed as long as the residual decreases; the state's inertia shows which. Without a potential the residual
+    /// decreases, or the potential of the contributions that have one with the work of the constant forces of the others.
     fn search(
         &mut self,
         here: &Iterate,
@@ -120,7 +120,7 @@ impl<'a> LineSearch<'a> {
     ) -> Result<Taken<'a>, Stop> {
         let model = self.equations.model;
         let constrained = model.unknowns().multipliers() > 0;
-        // a proximal step goes downhill
+        // a proximal step is a descent step
         if constrained
             && self.equations.anchor.is_none()
             && let Some(taken) = self.residual_falls(here, &step.dx, CONSTRAINED_RULE)?
@@ -141,7 +141,7 @@ impl<'a> LineSearch<'a> {
         if step.curvature != Curvature::Negative && !uphill {
             return self.descend(here, step, &step.dx, direction.pressures());
         }
-        // errors of the volumes make most of a residual, which shows no saddle then
+        // a residual that is mostly errors of the volumes does not indicate a saddle
         if self.equations.anchor.is_none()
             && !uphill
             && direction.pressures().is_none_or(PredictedPressures::are_settled)
@@ -153,7 +153,7 @@ impl<'a> LineSearch<'a> {
         self.descend(here, step, &dx, direction.pressures())
     }
 
-    /// Whether a step whose pressures are not those of its changes of volume leads uphill.
+    /// Whether a step whose pressures are not those of its changes of volume increases the merit.
     fn is_uphill(&self, here: &Iterate, step: &Step, pressures: &PredictedPressures) -> bool {
         let energy = Energy::new(self.equations, here, &step.dx, step.scale);
         let line = WithoutVolumeErrors { energy, pressures }.line();
@@ -188,7 +188,7 @@ impl<'a> LineSearch<'a> {
         self.along(here, &merit, (&straight, Along::Straight), longest, rule)
     }
 
-    /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
+    /// Along a rotation-corrected curve where the step rotates the body, else (or where that fails) along a straight line.
     fn downhill(&mut self, here: &Iterate, dx: &[f64], merit: &dyn Merit) -> Result<Taken<'a>, Stop> {
         let Equations { model, options, .. } = *self.equations;
         let (u, du, parallel) = (&*model.displacement(here.x), &*model.displacement(dx), options.parallel);
@@ -196,7 +196,7 @@ impl<'a> LineSearch<'a> {
         let straight = |s: f64| moved(here.x, dx, s);
         let reach = StepLimits::of_model(model, at, du, parallel);
         if self.equations.turns_rigid_bodies() {
-            // a rotation is no straight line: that leaves the constraints, which the merit holds against it
+            // a rotation along a straight line violates the constraints, which increases the merit
             let rigid = |s: f64| model.restored(&straight(s)).unwrap_or_else(|| straight(s));
             let taken = self.along(here, merit, (&rigid, Along::Curve), reach.straight, DESCENT_RULE)?;
             if let Some(taken) = taken {

@@ -1,4 +1,4 @@
-//! Equilibria by the [iteration](super::iteration) with the direction that a model takes.
+//! Equilibria by the [iteration](super::iteration) with the direction that suits a model.
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
@@ -33,7 +33,7 @@ const MAX_PREDICTED_ITERATIONS: usize = 25;
 const MAX_PREDICTED_SHIFTS: usize = 8;
 
 impl Equations<'_> {
-    /// From x to equilibrium, and what the last tangent was (positive where none was needed); where it stops short, x is the
+    /// From x to equilibrium, with the curvature of the last tangent (positive where none was needed); on failure x is the
     /// last iterate.
     pub fn solve(
         &self,
@@ -73,14 +73,14 @@ impl Equations<'_> {
         Iteration::new(self, limits).run(x, &mut direction, report)
     }
 
-    /// From x to an equilibrium of less potential with pressures that every step predicts; `None`, and x as it was, where they are of no use or lead to none.
+    /// From x to an equilibrium of less potential with predicted pressures; `None`, and x unchanged, where they are not used or do not converge.
     pub fn solve_with_pressures(
         &self,
         x: &mut Vec<f64>,
         solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
     ) -> Result<Option<Curvature>, Stop> {
-        // a tangent by the products of its cells is not assembled for that
+        // a tangent by products of cells would have to be assembled
         let of_entries = !(solver.state().takes_products && self.model.tangents().has_cell_products());
         let predicts = of_entries && self.predicts_pressures();
         let Some(pressures) = predicts.then(|| PredictedPressures::new(self)).flatten() else {
@@ -88,7 +88,7 @@ impl Equations<'_> {
         };
         report.strategies.count(Strategy::PredictedPressures);
         let (from, moves) = (x.clone(), self.jump(x).is_some());
-        // half of what may still be spent at most
+        // at most half of the remaining budget
         let left = self.options.budget.map_or(usize::MAX, |budget| budget.saturating_sub(report.newton));
         let most = MAX_PREDICTED_ITERATIONS.min(self.options.max_newton).min(left / 2);
         let limits = Limits::new(most, self.options.accuracy);
@@ -121,8 +121,8 @@ impl Equations<'_> {
         plain && self.has_potential() && self.anchor.is_none()
     }
 
-    /// From u, whose prescribed components are in place, to an equilibrium of less potential by strains of their own at the quadrature
-    /// points; where it stops short, u is the last iterate.
+    /// From u, whose prescribed components are in place, to an equilibrium of less potential by independent strains at the quadrature
+    /// points; on failure u is the last iterate.
     pub fn solve_with_point_strains(
         &self,
         u: &mut Vec<f64>,
@@ -160,14 +160,14 @@ impl Model {
     }
 }
 
-/// What rounding may change a potential by.
+/// Rounding of a potential.
 fn rounding(sums: &Sums) -> f64 {
     ENERGY_ROUNDING * (sums.energy_scale + sums.energy.abs())
 }
 
 impl Moves<'_> {
-    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part that `replace` moves otherwise. The report shows the residual that
-    /// is left.
+    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, a whole step, except for the part that `replace` changes. The report has the remaining
+    /// residual.
     ///
     /// # Errors
     /// [`StateError::Inadmissible`] where J <= 0 there, [`StateError::NoConvergence`] where the whole step is not admissible,

@@ -1,4 +1,4 @@
-//! Steps in time with friction that are not found at once.
+//! Steps in time with friction for which Newton's method fails.
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
@@ -51,12 +51,12 @@ const ROUND_TOLERANCE: f64 = 1e-6;
 const MAX_IMPLICIT_RESIDUAL: f64 = 0.1;
 
 impl Model {
-    /// The end of a step with friction: from its beginning at once, else by rounds in each of which the normal forces of friction are those
-    /// of the round before (at first those where the step begins), which is the minimum of a potential, with a larger slip speed where that is
-    /// not found; `None` where neither leads there.
+    /// The end of a step with friction: by Newton's method from its beginning, else by rounds with lagged friction. In a round the normal forces of
+    /// friction are those of the round before (at first those at the beginning of the step), so that its solution is the minimum of a potential; where a
+    /// round fails, the slip speed is increased. `None` where neither converges.
     ///
     /// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020), section 5.5, there with a fixed number of rounds; here
-    /// Newton's method ends them, with implicit friction.
+    /// Newton's method with implicit friction follows them.
     pub(crate) fn slide(
         &self,
         near: &State,
@@ -98,7 +98,7 @@ impl Model {
         Ok(None)
     }
 
-    /// Rounds of lagged friction: the displacement that they lead to, and their number.
+    /// Rounds of lagged friction: the resulting displacement, and their number.
     fn rounds(
         &self,
         near: &State,
@@ -145,8 +145,8 @@ impl Model {
         Ok(None)
     }
 
-    /// Whether the controls may change at once while the body goes to a displacement: no obstacle enters it by more than a few layers. Else it
-    /// goes in load steps.
+    /// Whether the controls may change at once while the body moves to a displacement: no obstacle enters it by more than a few layers. Otherwise
+    /// load steps are made.
     pub(crate) fn bears(
         &self,
         near: &State,
@@ -161,14 +161,14 @@ impl Model {
     }
 }
 
-/// What another way would not mend is an error.
+/// Returns an error that no other attempt would avoid.
 fn go_on(stop: Stop) -> Result<(), StateError> {
     stop.final_error().map_or(Ok(()), Err)
 }
 
 impl Moves<'_> {
-    /// The displacement if the body went on with what it touches, by the mean of the rigid motions of the obstacles, weighted by what they press
-    /// with; `None` where nothing touches, or obstacles stay.
+    /// The displacement if the body moved with the obstacles that it touches, by the mean of their rigid motions, weighted by their contact
+    /// forces; `None` without contact, or if obstacles do not move.
     pub fn carried(&self, near: &State, controls: &Controls, parallel: bool) -> Option<Vec<f64>> {
         if !self.model.unknowns().has_one_nodal_field() {
             return None;

@@ -86,14 +86,14 @@ impl Direction for Plain<'_> {
 }
 
 impl Plain<'_> {
-    /// With products of cells in the place of entries where these are wanted and the model has some.
+    /// With products of cells instead of entries, if asked for and the model has them.
     fn step(&mut self, here: &Iterate, products: bool, report: &mut SolveReport) -> Result<Step, Stop> {
         let equations = self.equations;
         let tangent = equations.tangent_or_products(here, products, &mut self.tangent)?;
         let mut soft = 1.0;
         if let (Some(pressures), Some(matrix)) = (&mut self.pressures, tangent.entries_mut()) {
             let share = pressures.add(here, matrix)?;
-            // a step that is taken whole has the pressures of its changes
+            // a whole step has the pressures of its changes of volume
             self.systems.expect_changes(self.jump.is_none().then(|| pressures.expected_changes()));
             soft = PRESSURE_RESIDUAL_SHARE * share;
         }
@@ -172,8 +172,8 @@ fn left_by<'m>(tangent: impl Into<TangentRef<'m>>, dx: &[f64], rhs: &[f64], equa
     space.norm(&left) / space.norm(rhs)
 }
 
-/// Relative residual wanted of a Newton step: a tenth at most and ten times the residual itself, for that keeps convergence
-/// quadratic, and no smaller than a thousandth of what the end asks for. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
+/// Forcing term, the relative residual of a Newton step: ten times the residual itself, which keeps convergence quadratic, at
+/// most a tenth, and at least a thousandth of the final residual. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
 fn forcing(relative: f64, accuracy: f64) -> f64 {
     (10.0 * relative).clamp(1e-10, 0.1).max(1e-3 * accuracy / relative)
 }
