@@ -1,4 +1,4 @@
-//! Nearly incompressible matrices by GMRES, with the pressures as unknowns of their own.
+//! Nearly incompressible matrices by GMRES, with the pressures as unknowns.
 
 use super::conjugate_gradients::{CgEnd, CgReport, relative};
 use super::gmres::{Cycle, CycleRules, FlexibleSystem, Next, flexible_gmres};
@@ -20,8 +20,8 @@ const TARGET_RATIO: f64 = 0.7;
 const MIN_DECREASE: f64 = 1e-3;
 
 /// `K x = f` with `K = A + B^T C^-1 B`: the saddle-point system `A u + B^T p = f`, `B u - C p = 0` by flexible GMRES, whose preconditioner
-/// is a block triangle of one of A and of `1 / c + 1 / g` per pressure, g being what A has of the bulk modulus: `B A^-1 B^T` is near `1 / g` whatever the mesh,
-/// where displacements control pressures. A solution counts by its residual of K, in which an error of the second row is one of the bulk modulus, or by that of
+/// is block triangular, with a preconditioner of A and `1 / c + 1 / g` per pressure, g being the bulk modulus of A: `B A^-1 B^T` is near `1 / g` for any mesh
+/// on which displacements control pressures. The residual is that of K, in which an error of the second row is multiplied by the bulk modulus, or that of
 /// the saddle-point system, whose second row is then a force, `|b| / (1 / c + 1 / g)` times the difference of the volumes.
 ///
 /// Elman, Silvester, Wathen, *Finite Elements and Fast Iterative Solvers* (2014), chapter 4.
@@ -34,7 +34,7 @@ pub(crate) struct SaddleGmres<'a> {
     pub counts: Counts,
 }
 
-/// The residual that a solution counts by.
+/// The residual of the stopping test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Counts {
     /// Of K, as a share of the right-hand side.
@@ -49,38 +49,38 @@ pub(crate) struct Start<'a> {
     pub p: &'a mut [f64],
 }
 
-/// Residual wanted, and iterations at most.
+/// Residual and largest number of iterations.
 #[derive(Clone, Copy)]
 pub(crate) struct Aim {
     pub tolerance: f64,
     pub most: usize,
 }
 
-/// What an iteration did.
+/// The report of an iteration.
 pub(crate) struct SaddleReport {
     pub cg: CgReport,
-    /// Whether A had positive curvature along all that was looked at, so that K has.
+    /// Whether A had positive curvature along all directions, so that K has.
     pub positive: bool,
 }
 
-/// Cholesky's factor of `z_i . A z_j`, by rows; rows of what adds nothing are zero but for an infinite last entry.
+/// Cholesky's factor of `z_i . A z_j`, by rows; rows of dependent directions are zero except for an infinite last entry.
 #[derive(Default)]
 struct Curvature {
     rows: Vec<Vec<f64>>,
 }
 
-/// Where an iteration stands.
+/// The state of an iteration.
 struct Run<'a> {
     saddle: &'a SaddleGmres<'a>,
     f: &'a [f64],
-    /// What residuals are shares of.
+    /// The norm that residuals are relative to.
     scale: f64,
     tolerance: f64,
     most: usize,
     rows: Rows,
     u: &'a mut [f64],
     p: &'a mut [f64],
-    /// Displacements and pressures since the last restart, rounded: flexible GMRES takes any preconditioner.
+    /// Displacements and pressures since the last restart, rounded: flexible GMRES admits any preconditioner.
     directions: Vec<[Vec<f32>; 2]>,
     curvature: Curvature,
     /// A negative curvature of K along the last one.
@@ -89,13 +89,13 @@ struct Run<'a> {
     positive: bool,
     /// Residual of the saddle-point system at the last restart.
     left: f64,
-    /// Residual of K that was last looked at, and what the one of the saddle-point system has to fall to before the next look.
+    /// Last computed residual of K, and the residual of the saddle-point system at which the next one is computed.
     seen: f64,
     next_look: f64,
 }
 
 impl SaddleGmres<'_> {
-    /// Memory of the vectors between restarts, for so many unknowns.
+    /// Memory of the vectors between restarts, for this number of unknowns.
     pub fn bytes(unknowns: usize) -> usize {
         RESTART_LENGTH * (size_of::<f64>() + size_of::<f32>()) * unknowns
     }
@@ -134,7 +134,7 @@ impl FlexibleSystem for Run<'_> {
         CycleRules { length: RESTART_LENGTH, passes: 1, parallel, split }
     }
 
-    /// Forces, and differences of volumes in the place of which forces stand.
+    /// Forces, and differences of volumes scaled to forces.
     fn residual(&mut self) -> Vec<f64> {
         self.directions.clear();
         self.curvature = Curvature::default();
@@ -243,7 +243,7 @@ impl Run<'_> {
         None
     }
 
-    /// Looks for negative curvature of A among the directions and, where there is some, of K.
+    /// Tests for negative curvature of A among the directions and, if there is any, of K.
     fn negative_curvature(&mut self, z: &[f64], az: &[f64]) -> Option<f64> {
         let SaddleGmres { modes, preconditioner, .. } = self.saddle;
         let parallel = preconditioner.parallel();
@@ -265,7 +265,7 @@ impl Run<'_> {
         (of_k <= 0.0).then(|| of_k / dot(&direction, &direction, parallel))
     }
 
-    /// The residual that counts of what the directions make.
+    /// The residual of the stopping test for the present combination of the directions.
     fn look(&self, cycle: &Cycle) -> f64 {
         if self.saddle.counts != Counts::Matrix {
             return cycle.left() / self.scale;
@@ -296,7 +296,7 @@ pub(crate) fn residual_of_pressures(modes: &VolumeModes, f: &[f64], p: &[f64], p
 struct Rows {
     /// `|b|`, 1 where that is zero.
     size: Vec<f64>,
-    /// `|b| / (1 / c + 1 / g)`: what makes the difference of a volume a force.
+    /// `|b| / (1 / c + 1 / g)`, which scales the difference of a volume to a force.
     scale: Vec<f64>,
 }
 
