@@ -89,7 +89,7 @@ impl Model {
         Ok(self.check_spans_ranks(how.solver)?)
     }
 
-    /// `K(u*) x = b` with the factor at hand and K(u*) as a product, where that is cheaper than K(u*) as a matrix; `None`
+    /// `K(u*) x = b` with the factor held and K(u*) as a product, where that is faster than K(u*) as a matrix; `None`
     /// where it is not, or does not converge in time.
     fn solve_by_products(
         &self,

@@ -82,7 +82,7 @@ pub struct TangentSystems<'a> {
     shift: Shift,
     /// Expected changes of volume of the next steps, by quadrature point.
     expected: Option<Vec<f64>>,
-    /// By volume mode, what the last step left between pressures and changes of volume.
+    /// By volume mode, the difference between pressures and changes of volume of the last step.
     left: Option<Vec<f64>>,
 }
 
@@ -126,12 +126,12 @@ impl<'a> TangentSystems<'a> {
         step.map(|step| (self.extended(step.x), step.curvature))
     }
 
-    /// Notes the changes of volume that the solutions of the next [steps](Self::step) are expected to have, by quadrature point.
+    /// Sets the expected changes of volume of the next [steps](Self::step), by quadrature point.
     pub fn expect_changes(&mut self, changes: Option<Vec<f64>>) {
         self.expected = changes;
     }
 
-    /// By volume mode, what the last step left between its pressures and its changes of volume ([`Step::changes_left`]).
+    /// By volume mode, the difference between pressures and changes of volume of the last step ([`Step::changes_left`]).
     pub fn changes_left(&self) -> Option<&[f64]> {
         self.left.as_deref()
     }
@@ -174,7 +174,7 @@ impl<'a> TangentSystems<'a> {
         self.solve_to(FULL_STEP, matrix, u, b, Transposition::No, report)
     }
 
-    /// `K^T x = b` for several right-hand sides, with the tangent as it stands at u; it may be indefinite.
+    /// `K^T x = b` for several right-hand sides, with the present tangent at u; it may be indefinite.
     pub fn solve_transposed(
         &mut self,
         mut matrix: SparseMatrix,

@@ -157,7 +157,7 @@ impl<'a> Equations<'a> {
         Ok(matrix)
     }
 
-    /// The same by products of cells, if `of_entries` is not set and the model has them.
+    /// The same by products of cells, if `products` is set and the model has them.
     pub fn tangent_or_products<'m>(
         &self,
         here: &Iterate,

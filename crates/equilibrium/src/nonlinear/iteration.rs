@@ -86,7 +86,7 @@ pub(crate) struct Limits {
     pub most: usize,
     /// Relative residual of a solution.
     pub accuracy: f64,
-    /// Iterations after which it is given up if the tangent was shifted [`max_shifts`](Self::max_shifts) times: it descends far from any
+    /// Iterations after which it is given up if the tangent was shifted `max_shifts` times: it descends far from any
     /// equilibrium, which shorter load steps avoid. Attempts that converge shift the tangent once or twice.
     pub max_shifted_iterations: usize,
     /// Shifts of the tangent.

@@ -135,7 +135,7 @@ impl CellLaplacian {
 }
 
 impl Held {
-    /// `A x = b` to a relative residual, in so many iterations at most; b is zero where nodes are held.
+    /// `A x = b` to a relative residual, within a number of iterations; b is zero where nodes are held.
     pub fn solve(&self, b: &[f64], tolerance: f64, most: usize, parallel: bool) -> Vec<f64> {
         let mut x = vec![0.0; b.len()];
         let product = |v: &[f64], out: &mut [f64]| self.of.multiply(v, &self.fixed, out, parallel);

@@ -74,7 +74,7 @@ impl Model {
         Ok(None)
     }
 
-    /// To an equilibrium of less potential by displacements, where these creep with strains of their own at the quadrature points: along the straight
+    /// To an equilibrium of less potential by displacements or, where these are slow, by independent strains at the quadrature points: along the straight
     /// line a nearly incompressible body changes its volume.
     fn down(
         &self,

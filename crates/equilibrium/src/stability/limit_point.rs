@@ -31,7 +31,7 @@ impl LimitPoint {
         (self.last, self.estimate) = (Some((from, change)), estimate);
     }
 
-    /// The load at which the path turns back, once two estimates in a row agree.
+    /// The load at which the path turns back, once two consecutive estimates agree.
     pub fn load(&self) -> Option<f64> {
         self.estimate.filter(|_| self.agrees)
     }

@@ -91,7 +91,7 @@ pub enum PathEnd {
     Left,
     /// It has passed a limit point, and was to go no further.
     LimitPoint,
-    /// As many points, or Newton iterations ([`SolveOptions::budget`]; those of a step that leads nowhere count as ten), as allowed.
+    /// As many points, or Newton iterations ([`SolveOptions::budget`]; a failed step counts as ten), as allowed.
     Points,
     /// No step, however short, leads on.
     Stuck(StateError),
