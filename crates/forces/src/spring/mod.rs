@@ -102,7 +102,7 @@ impl Spring {
         Ok(())
     }
 
-    /// With these ends on a body of so many dimensions and such a diagonal.
+    /// With these ends on a body of these dimensions and this diagonal.
     fn held_by(
         &self,
         from: AttachedPoint,
