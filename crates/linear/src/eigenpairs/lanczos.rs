@@ -115,7 +115,7 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
     Err(LinearError::Eigenpairs { found: wanted.saturating_sub(missing), wanted })
 }
 
-/// Most steps of one iteration for so many eigenvalues.
+/// Largest number of steps of one iteration, by the number of eigenvalues.
 fn steps(wanted: usize, unknowns: usize) -> usize {
     unknowns.min(wanted.saturating_mul(10).saturating_add(200))
 }

@@ -47,7 +47,7 @@ pub(super) fn front_flops(width: f64, height: f64) -> f64 {
     squares(height) - squares(height - width)
 }
 
-/// Whether a factor of so many bytes may be made unasked.
+/// Whether a factor of this number of bytes may be made by default.
 pub(crate) fn fits(factor_bytes: usize) -> bool {
     factor_bytes <= MAX_FACTOR_BYTES
 }

@@ -196,7 +196,7 @@ impl VolumeModes {
     }
 }
 
-/// Calls with the number of every part of so many numbers, and the part.
+/// Calls a function with the index of every part, and the part.
 fn each(values: &mut [f64], size: usize, parallel: bool, set: impl Fn(usize, &mut [f64]) + Sync) {
     let chunk = |(k, chunk): (usize, &mut [f64])| {
         chunk.chunks_exact_mut(size).enumerate().for_each(|(at, part)| set(ROWS_PER_TASK * k + at, part));

@@ -52,7 +52,7 @@ pub fn limit() -> Result<Option<usize>, LimitError> {
     SET.get_or_init(read).clone()
 }
 
-/// Whether so many bytes more can be allocated for `what`.
+/// Whether `needed` more bytes can be allocated for `what`.
 ///
 /// # Errors
 /// [`FactorError::Memory`], [`FactorError::Limit`].

@@ -29,7 +29,7 @@ impl Multigrid {
 }
 
 impl Multigrid {
-    /// Bytes of the levels of a matrix by products of so many 27-node cells, without these: from counts alone, to about a third.
+    /// Bytes of the levels of a matrix by products of 27-node cells, without the products: from counts alone, to about a third.
     pub fn predicted_bytes_below_products(nodes: usize, cells: usize) -> usize {
         // a cell stands for 8 nodes, which have 27 parents among the corners, and for one corner, which has 27 couplings
         let (of_node, of_parent, of_coupling) = (16 + 36 + 4 * 8 * 3, 4 * 9 + 4 + 8, 9 + 4 * 9);

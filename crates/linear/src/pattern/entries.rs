@@ -39,7 +39,7 @@ impl Pattern {
 
     /// The pattern of a node graph with `dim` dofs per node, in the best of the known orderings; `points` are the nodes' positions
     /// (without one per node the graph alone decides). Where a factor in the geometric order takes twice the operations from which
-    /// on [multigrid is taken](crate::Solver::cheaper), no better order is looked for: multigrid needs none.
+    /// on [multigrid is taken](crate::Solver::cheaper), no better order is computed: multigrid needs none.
     pub fn of_graph(graph: &Graph, points: &[[f64; 3]], dim: usize) -> Self {
         let ordering = match Ordering::geometric(graph, points) {
             Err(_) => Ordering::multilevel(graph),

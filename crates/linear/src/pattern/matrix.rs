@@ -107,7 +107,7 @@ impl SparseMatrix {
 
     /// `A_ab += E_ab` for every pair of some nodes: `element` has the `n = dim * nodes` rows of a dense matrix one after the
     /// other, unknown `dim * local node + component`. All of it is read where the matrix is general; of a symmetric one it must
-    /// be symmetric. Where the same nodes come again, [`add_element`](Self::add_element) with a map kept is cheaper.
+    /// be symmetric. For repeated nodes [`add_element`](Self::add_element) with a stored map is faster.
     ///
     /// # Errors
     /// [`NotCoupled`] where the pattern lacks a pair; nothing is added then.

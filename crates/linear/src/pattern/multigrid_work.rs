@@ -8,7 +8,7 @@ const FLOPS_PER_ENTRY: f64 = 19.0;
 /// adjoint, and handles an indefinite tangent or a nearly incompressible material.
 const MIN_SPEEDUP: f64 = 3.0;
 
-/// Operations of a factorisation from which on multigrid is taken, of a matrix with so many entries.
+/// Operations of a factorisation from which multigrid is taken, for a matrix with this number of entries.
 pub(crate) fn multigrid_flops(entries: f64) -> f64 {
     MIN_SPEEDUP * PASSES * FLOPS_PER_ENTRY * entries
 }

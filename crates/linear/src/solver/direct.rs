@@ -1,4 +1,4 @@
-//! [`Direct`]: a sparse factor, kept as preconditioner while it serves.
+//! [`Direct`]: a sparse factor, reused as preconditioner while it is effective.
 
 use super::factor_reuse::FactorReuse;
 use super::{
@@ -33,7 +33,7 @@ const MIN_ROUNDING_RATIO: f64 = 1e4;
 const QUOTIENT_ROUNDING: f64 = 4.0;
 
 /// Multifrontal factors of positive definite matrices in single precision, as preconditioner of conjugate gradients on the
-/// exact matrix; in double precision where single is too coarse; `L D L^T` where the matrix is indefinite.
+/// exact matrix; in double precision where single is too inaccurate; `L D L^T` where the matrix is indefinite.
 #[derive(Clone, Debug)]
 pub struct Direct {
     structure: Arc<Structure>,
@@ -41,7 +41,7 @@ pub struct Direct {
     /// Fingerprint of the matrix that the factor was made of.
     of: Option<u64>,
     reuse: FactorReuse,
-    /// In which the next factor is made: single, until that turns out too coarse for the matrices.
+    /// Precision of the next factor: single, unless that was too inaccurate for these matrices.
     precision: Precision,
 }
 
@@ -450,7 +450,7 @@ fn mean_diagonal(system: &System, x: &[f64]) -> f64 {
     system.matrix.diagonal().into_iter().zip(x).map(|(d, x)| d.abs() * (x / size).powi(2)).sum()
 }
 
-/// As far as conjugate gradients with a factor get in so many iterations.
+/// Conjugate gradients with a factor for a number of iterations.
 fn precondition(
     product: &dyn Operator,
     factor: &Factor,

@@ -15,7 +15,7 @@ const NEAR_EQUILIBRIUM_TOLERANCE: f64 = 1e-3;
 pub(super) struct FactorReuse {
     /// Iterations with the factor held since it was made, in this nonlinear solve.
     pub spent: usize,
-    /// Whether a step has been cut short where the curvature turned negative. Once in a nonlinear solve that is cheaper
+    /// Whether a step has been cut short where the curvature turned negative. Once in a nonlinear solve that is faster
     /// than knowing the whole tangent, which is positive again at most next iterates; where it is not, a factor shows.
     pub cut_short: bool,
 }

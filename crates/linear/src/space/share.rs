@@ -38,7 +38,7 @@ impl Eq for Share {}
 const MAX_SUMMED_VALUES: usize = 64;
 
 impl Share {
-    /// That of a rank which owns its first so many nodes; `sharers` are the ranks that have nodes of it, ascending, with these nodes in an order that both
+    /// The share of a rank that owns its first `owned` nodes; `sharers` are the ranks that have nodes of it, ascending, with these nodes in an order that both
     /// sides have.
     pub fn new(team: Arc<dyn Team>, owned: usize, sharers: Vec<(usize, Vec<u32>)>) -> Arc<Self> {
         let shared: BTreeSet<u32> = sharers.iter().flat_map(|(_, nodes)| nodes).copied().collect();
@@ -143,7 +143,7 @@ impl Share {
         };
         let own = gathered(block, &self.shared, vector);
         self.shared.iter().for_each(|&node| entries(block, node, vector).fill(0.0));
-        // own values come in their turn: whoever adds up a node meets the same numbers in the same order
+        // own values are added in their turn: every rank adds the same numbers of a node in the same order
         let turn = self.sharers.partition_point(|(other, _)| *other < self.team.rank());
         let mut all: Vec<(&[u32], &[f64])> =
             self.sharers.iter().zip(&theirs).map(|((_, nodes), values)| (&nodes[..], &values[..])).collect();
