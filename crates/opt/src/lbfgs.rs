@@ -54,7 +54,7 @@ struct QuasiNewton {
     theta: f64,
     /// Oldest first.
     pairs: VecDeque<Secant>,
-    /// Iterations in a row without a usable pair.
+    /// Consecutive iterations without a usable pair.
     skipped: usize,
     direction: Vec<f64>,
     /// The direction's share of the step to the model's minimiser.

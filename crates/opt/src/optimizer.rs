@@ -35,7 +35,7 @@ pub struct Options {
     pub window: usize,
     /// Relative accuracy asked of state solves, at the end: see [`accuracy_at`](Self::accuracy_at).
     pub accuracy: f64,
-    /// State solves of trials are given up beyond so many times the work of the last accepted ones: see [`Budget::Times`](crate::Budget::Times).
+    /// Limit of the work of a trial's state solve over that of the last accepted ones: see [`Budget::Times`](crate::Budget::Times).
     pub patience: f64,
     /// How steps are accepted and shortened.
     pub line_search: LineSearch,

@@ -24,7 +24,7 @@ const ZERO: f64 = 1e-10;
 /// well determined by the target, those of small lambda are not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// The algebraically largest eigenvalues, descending, in the unit of the cost per squared norm of the control. Fewer than asked for where
+    /// The algebraically largest eigenvalues, descending, in the unit of the cost per squared norm of the control. Fewer than asked for if
     /// there are not so many free directions, or the products did not suffice.
     pub values: Vec<f64>,
     /// Their eigenvectors, whole control vectors, `v_i . G v_k = delta_ik`; the entry of largest size is positive.

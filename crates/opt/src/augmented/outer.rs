@@ -26,7 +26,7 @@ pub(super) struct Outer {
     pub measure: f64,
     /// Violation at the last update; infinite before.
     pub violation: f64,
-    /// Growths of the penalty in a row that hardly changed the violation.
+    /// Consecutive increases of the penalty that hardly changed the violation.
     pub stagnant: usize,
     /// Whether the penalty grew at the last update.
     pub grew: bool,

@@ -73,7 +73,7 @@ impl<'a> Krylov<'a> {
         self.images.len()
     }
 
-    /// Whether it is time to look at the Ritz pairs.
+    /// Whether the Ritz pairs are due.
     pub fn is_due(&mut self) -> bool {
         let steps = self.images.len();
         if steps < self.look && steps < self.dimension {
