@@ -34,7 +34,7 @@ pub(crate) fn groups(solid: &Solid) -> Vec<(String, usize, SlotGroup)> {
     all
 }
 
-/// The name of one of so many groups of slots.
+/// The name of one of several groups of slots.
 fn name(what: &Controllable<'_>, group: &SlotGroup, groups: usize) -> String {
     match what.shared {
         Some((owner, slots)) if group.first < slots => format!("{owner}.{}", group.name),

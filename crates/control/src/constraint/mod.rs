@@ -50,7 +50,7 @@ pub trait Constraint: Debug + Send + Sync {
         Ok(())
     }
 
-    /// Whether they look at [the step](CostContext::step) that led to a state.
+    /// Whether they use [the step](CostContext::step) that led to a state.
     fn needs_step(&self) -> bool {
         false
     }

@@ -17,7 +17,7 @@ pub(super) struct BodyCloud {
 }
 
 impl BodyCloud {
-    /// Points of a mesh, with their cloud: so many per direction, or the fewest that resolve a length. With a share the points of all ranks make
+    /// Points of a mesh, with their cloud: a number per direction, or the fewest that resolve a length. With a share the points of all ranks make
     /// the cloud, of which one may have none.
     pub fn of(
         mesh: &Mesh,

@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// the self-distance are reported beside rho. Unit: length times the weight's.
 ///
 /// The relative error of every sum A, B is below 1e-10 ([`Summation`](nastic_hausdorff::Summation)'s default, where what that means for the derivative is
-/// stated): far below the differences that line searches and gradient checks look at.
+/// stated): far below the differences in line searches and gradient checks.
 ///
 /// Of a body over ranks every rank has the points of all, in the order of the ranks; they form the sums together, each those of some of
 /// the points, whichever rank has these in its cells.

@@ -49,7 +49,7 @@ impl Objective for Ensemble {
             let points = from.member(index).zip(to.member(index));
             Ok(points.and_then(|(from, to)| member.problem.other_branch(from, to)))
         };
-        // whoever has the member has the error itself
+        // the rank of the member has the original error
         let rank = self.ranks.team().rank();
         let tell = |_: usize, found: &Option<ControlError>| found.as_ref().map(|why| ReportedFailure::of(rank, why));
         let (own, found) = match self.side_by_side(workspace, of, tell) {

@@ -14,7 +14,7 @@ const MAX_BLOCKS: usize = 4096;
 pub struct SavedMembers(pub Vec<Vec<u8>>);
 
 impl SavedMembers {
-    /// Of so many members none.
+    /// None of the members.
     pub fn none(members: usize) -> Self {
         Self(vec![vec![]; members])
     }
@@ -33,7 +33,7 @@ pub struct MemberBlock {
     pub members: Vec<Vec<u8>>,
 }
 
-/// Blocks of so many members, by their numbers alone: each but the last has the same power of two of them.
+/// Blocks of members, by their number alone: each but the last has the same power of two of them.
 pub fn blocks(members: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
     let size = members.div_ceil(MAX_BLOCKS).next_power_of_two().max(MIN_BLOCK_MEMBERS);
     (0..members.div_ceil(size)).map(move |block| block * size..((block + 1) * size).min(members))

@@ -30,6 +30,6 @@ pub trait MotionObserver: Sync {
     fn reached(&self, n: usize, state: &State) -> Result<(), ControlError>;
 
     /// The motion can go on from the n-th state, with the same bits, by what `bytes` returns: wherever the next step begins
-    /// without what was kept of earlier ones ([`Recording::begins_anew`](nastic_fem::Recording::begins_anew)), and at the end, but not under costs that look at all states.
+    /// without what was kept of earlier ones ([`Recording::begins_anew`](nastic_fem::Recording::begins_anew)), and at the end, but not under costs that use all states.
     fn resumable(&self, _n: usize, _bytes: &dyn Fn() -> Vec<u8>) {}
 }

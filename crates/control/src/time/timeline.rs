@@ -67,7 +67,7 @@ impl Timeline {
         Timeline { memory, ..self }
     }
 
-    /// Solves begin anew, without factors of earlier ones, every so many steps (by default 16); only there may checkpoints of a reverse sweep be.
+    /// Steps of a segment (by default 16), after which solves begin without factors of earlier ones; checkpoints of a reverse sweep are at the beginnings of segments.
     /// Where steps take many Newton iterations they do so in between too. Results depend on it within the accuracy of the solves.
     #[must_use]
     pub fn segments_of(self, steps: usize) -> Self {
