@@ -35,7 +35,7 @@ impl Aabb {
         Self { lo: self.lo.inf(&other.lo), hi: self.hi.sup(&other.hi) }
     }
 
-    /// The box with so much more on every side.
+    /// The box extended by a margin on every side.
     #[must_use]
     pub fn grown(&self, by: f64) -> Self {
         Self { lo: self.lo.add_scalar(-by), hi: self.hi.add_scalar(by) }

@@ -1,4 +1,4 @@
-//! [`Obstacle::drawn`]: an obstacle as a mesh, to be looked at.
+//! [`Obstacle::drawn`]: an obstacle as a mesh, for pictures.
 
 use super::Obstacle;
 use crate::{CellKind, Mesh, box_mesh, rectangle};
