@@ -153,7 +153,7 @@ impl<'a> LineSearch<'a> {
         self.descend(here, step, &dx, direction.pressures())
     }
 
-    /// Whether a step whose pressures are not those of its changes of volume increases the merit.
+    /// Whether a step whose pressures are not those of its changes of volume leads uphill.
     fn is_uphill(&self, here: &Iterate, step: &Step, pressures: &PredictedPressures) -> bool {
         let energy = Energy::new(self.equations, here, &step.dx, step.scale);
         let line = WithoutVolumeErrors { energy, pressures }.line();

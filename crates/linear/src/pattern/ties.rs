@@ -24,7 +24,7 @@ impl Ties {
         self
     }
 
-    /// Ties nodes of a mesh to others, each with its masters and their weights. `None` where a node is tied to itself, to a tied node,
+    /// Lets nodes of a mesh of so many follow others, each with its masters and their weights. `None` where a node follows itself, one that is tied,
     /// or is tied twice, and where there is no such node.
     #[must_use]
     pub fn with(mut self, count: usize, tied: Vec<(u32, Vec<(u32, f64)>)>) -> Option<Self> {

@@ -77,7 +77,7 @@ impl Step {
 pub struct Solution {
     /// The unknowns.
     pub x: Vec<f64>,
-    /// Number of negative eigenvalues of the matrix, if the method shows it.
+    /// Negative eigenvalues of the matrix, where what solved it shows them.
     pub negative: Option<usize>,
 }
 
@@ -105,7 +105,7 @@ pub struct SolverState {
 /// Number of eigenvalues of either sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Inertia {
-    /// Number of negative eigenvalues: 0 for a positive definite matrix.
+    /// Negative eigenvalues: 0 of a positive definite matrix.
     pub negative: usize,
     /// Whether a factor proves it, by its pivots or as preconditioner of conjugate gradients; otherwise conjugate gradients from a random vector met no negative curvature.
     pub by_factor: bool,
