@@ -48,7 +48,7 @@ struct Reached {
 
 /// The residual of an iterate.
 struct Left {
-    /// Relative to the forces at hand, whose norm is `scale`.
+    /// Relative to the present forces, whose norm is `scale`.
     relative: f64,
     scale: f64,
     /// The largest forces of the iteration.

@@ -68,7 +68,7 @@ impl Model {
             match self.negative_pivots_with(&between, how, workspace) {
                 Ok(0) => {}
                 Err(error) if error.is_final() => return Err(error),
-                // Negative, singular, or turned inside out on the way.
+                // Negative, singular, or inverted cells.
                 Ok(_) | Err(_) => return Ok(true),
             }
         }

@@ -133,7 +133,7 @@ fn differs(u: &[f64], saddle: &State, amplitude: f64) -> bool {
 }
 
 impl Stability<'_> {
-    /// A stable equilibrium under the controls of one that is not, at full loads, downhill from it.
+    /// A stable equilibrium under the controls of an unstable one, at full loads, by descent from it.
     ///
     /// Along the mode of the most negative eigenvalue (see [`modes`](Self::modes)) the potential falls to both sides.
     /// From where it is least on this line, and beyond, Newton's method lowers it to an equilibrium below the first;

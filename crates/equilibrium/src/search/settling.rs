@@ -194,7 +194,7 @@ impl Model {
     }
 }
 
-/// A place on the way.
+/// The iterate between two steps.
 struct Here {
     /// Residual, without an anchor, relative to forces, and that of the displacement itself.
     relative: f64,

@@ -25,7 +25,7 @@ pub struct Ramp {
 /// One equilibrium of a ramp.
 #[derive(Debug, Clone)]
 pub struct RampPoint {
-    /// Where on the way.
+    /// The place on the ramp.
     pub s: f64,
     /// The equilibrium.
     pub state: State,
@@ -81,7 +81,7 @@ impl Search<'_, '_> {
             let mut high = b.clone();
             while high.s - low.s > width {
                 match self.point(0.5 * (low.s + high.s), Some(&low.state)) {
-                    // From rest, so perhaps of another branch: no bisection goes on with it.
+                    // From rest, so perhaps of another branch: bisection does not use it.
                     Ok(middle) if middle.state.report.restarts > 0 => break,
                     Ok(middle) if middle.negative == Some(before) => low = middle,
                     Ok(middle) => high = middle,
