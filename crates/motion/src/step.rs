@@ -67,7 +67,7 @@ pub(crate) fn advance(
     Ok(())
 }
 
-/// Whether a motion can go on from there.
+/// Whether a motion can continue from there.
 pub(crate) fn check_motion(model: &Model, trajectory: &Trajectory, scheme: &Scheme) -> Result<(), StateError> {
     model.checks().check_in_motion()?;
     supports_motion(model, scheme)?;
@@ -131,7 +131,7 @@ fn step_or_parts(
     Err(failed)
 }
 
-/// `shorter`: what fails goes on as shorter steps.
+/// `shorter`: a step that fails is replaced by shorter steps.
 pub(crate) fn step(
     model: &Model,
     trajectory: &Trajectory,

@@ -116,7 +116,7 @@ impl Trajectory {
         Some(StepRecord { dt, starts, parts, stages, started })
     }
 
-    /// The [end](Self::tail) of a motion by a scheme that was written down, from which it goes on as if it had never stopped: its last states,
+    /// The [end](Self::tail) of a saved motion by a scheme, from which it continues with the same bits: its last states,
     /// the first of which has this number, and the step between them where there are two.
     ///
     /// # Errors
