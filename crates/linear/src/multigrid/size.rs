@@ -31,7 +31,7 @@ impl Multigrid {
 impl Multigrid {
     /// Bytes of the levels of a matrix by products of 27-node cells, without the products: from counts alone, to about a third.
     pub fn predicted_bytes_below_products(nodes: usize, cells: usize) -> usize {
-        // a cell stands for 8 nodes, which have 27 parents among the corners, and for one corner, which has 27 couplings
+        // a cell has 8 nodes, with 27 parents among the corners, and one corner, with 27 couplings
         let (of_node, of_parent, of_coupling) = (16 + 36 + 4 * 8 * 3, 4 * 9 + 4 + 8, 9 + 4 * 9);
         let of_corner = 27 * of_coupling + 5 * (12 + 4 * 18) + of_node + 4 * 36;
         nodes * of_node + 27 * cells * of_parent + ((1.0 + COARSER_LEVELS_SHARE) * (cells * of_corner) as f64) as usize

@@ -13,7 +13,7 @@ pub(super) struct Tentative {
     pub blocks: Vec<f64>,
     /// The modes on the next level: `count x count` values per aggregate, column by column.
     pub modes: Vec<f64>,
-    /// Unknowns of the next level that stand for no mode of their aggregate (too few nodes carry it).
+    /// Unknowns of the next level without a mode of their aggregate (which has too few nodes).
     pub idle: Vec<bool>,
 }
 

@@ -47,7 +47,7 @@ impl SparseMatrix {
         Self { pattern, values, skew: None, beyond: Vec::new(), aside: Vec::new() }
     }
 
-    /// A matrix that stores nothing, where products stand for it.
+    /// A matrix without entries, which products replace.
     pub fn without_values(pattern: Arc<Pattern>) -> Self {
         Self { pattern, values: Vec::new(), skew: None, beyond: Vec::new(), aside: Vec::new() }
     }

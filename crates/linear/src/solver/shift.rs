@@ -1,4 +1,4 @@
-//! [`Shift`]: downhill steps where the matrix is not positive definite.
+//! [`Shift`]: descent steps where the matrix is not positive definite.
 
 use super::{Definite, LinearError, LinearSolver, LinearWork, System};
 use crate::multigrid::CellProducts;
