@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(stopped(&[]), [2, 5]);
         // One that has ended lower makes all hopeless; two of five are stopped.
         assert_eq!(stopped(&[Standing::ended(0.1)]), [2, 5]);
-        // Alone it goes on to its end.
+        // Alone it is never stopped.
         assert_eq!(outperformed(&[(1, at(3.0, 3.0))], &[Standing::ended(0.1)]), []);
         assert_eq!(outperformed(&[(0, at(1.0, 1.0)), (1, at(1.0, 1.0))], &[]), []);
     }

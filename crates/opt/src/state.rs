@@ -86,7 +86,7 @@ pub struct SavedPoint {
     pub active: usize,
 }
 
-/// Everything a run needs to go on to the bit.
+/// Everything a run needs to continue with the same bits.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunState {
     /// Name of the optimiser.

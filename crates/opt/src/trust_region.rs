@@ -111,7 +111,7 @@ impl Subproblem<'_> {
         if stays && first.is_some_and(|size| size > 0.0) { self.gradient_step(product) } else { Ok(at) }
     }
 
-    /// The projected gradient step as long as the radius: downhill whatever H is.
+    /// The projected gradient step as long as the radius: a descent direction for any H.
     ///
     /// # Errors
     /// A product that failed.

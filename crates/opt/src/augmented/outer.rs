@@ -62,7 +62,7 @@ impl Outer {
     }
 }
 
-/// Everything a run under constraints needs to go on to the bit.
+/// Everything a run under constraints needs to continue with the same bits.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AugmentedState {
     /// The optimiser's run.

@@ -336,7 +336,7 @@ impl<O: Constrained> AugmentedRun<O> {
         self.run.best_point()
     }
 
-    /// The augmented Lagrangian at hand, for a [`Taylor`](crate::Taylor) test, say.
+    /// The present augmented Lagrangian, for example for a [`Taylor`](crate::Taylor) test.
     pub fn augmented(&self) -> &Augmented<O> {
         self.run.objective()
     }
