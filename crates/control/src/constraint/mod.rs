@@ -37,7 +37,7 @@ pub trait Constraint: Debug + Send + Sync {
         None
     }
 
-    /// What a distance that is kept at nodes comes to between them; none of other constraints.
+    /// The distances between nodes under a distance constraint, which acts at nodes; `None` for other constraints.
     fn between_nodes(&self, _at: &CostContext) -> Option<BetweenNodes> {
         None
     }

@@ -43,7 +43,7 @@ impl Objective for Ensemble {
         })
     }
 
-    /// That of the member whose limit point comes first on the way, else of the first one, in order, that has one; what ends a run before all.
+    /// The failure of the member with the first limit point on the way, else the first one in order; failures that stop a run take precedence.
     fn jump(&self, from: &EnsemblePoint, to: &EnsemblePoint, workspace: &mut EnsembleWorkspace) -> Option<Failed> {
         let of = |index: usize, member: &Member, _: &mut ReducedWorkspace| {
             let points = from.member(index).zip(to.member(index));
