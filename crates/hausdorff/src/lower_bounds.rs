@@ -140,7 +140,7 @@ impl Nearest {
     }
 }
 
-/// Visits nodes with their gap from `here`, the nearer child first; `visit` says whether to go on into the node.
+/// Visits nodes with their gap from `here`, the nearer child first; `visit` says whether to descend into the node.
 fn nearest_first(here: &BoundingBox, columns: &PointSet, mut visit: impl FnMut(f64, u32) -> bool) {
     let mut stack = vec![(here.gap(&columns.boxes[0]), 0)];
     while let Some((gap, node)) = stack.pop() {
