@@ -37,7 +37,7 @@ pub trait Constraint: Debug + Send + Sync {
         None
     }
 
-    /// The distances between nodes under a distance constraint, which acts at nodes; `None` for other constraints.
+    /// The smallest distance between nodes, for a distance constraint, which acts at nodes; `None` for other constraints.
     fn between_nodes(&self, _at: &CostContext) -> Option<BetweenNodes> {
         None
     }
