@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Control fields that a message names.
-const NAMED: usize = 3;
+const MAX_NAMED_FIELDS: usize = 3;
 
 /// A limit point on the straight way from a control whose state is known to another: there the path of equilibria turns back.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,8 +43,8 @@ impl fmt::Display for ControlAt {
 /// `limit point at left = 0.00843 MPa (17.1 % of the step)`.
 impl fmt::Display for ControlLimit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let named: Vec<String> = self.at.iter().take(NAMED).map(ToString::to_string).collect();
-        let rest = self.at.len().saturating_sub(NAMED);
+        let named: Vec<String> = self.at.iter().take(MAX_NAMED_FIELDS).map(ToString::to_string).collect();
+        let rest = self.at.len().saturating_sub(MAX_NAMED_FIELDS);
         let more = if rest > 0 { format!(" and {rest} more") } else { String::new() };
         write!(f, "limit point at {}{more} ({:.3} % of the step)", named.join(", "), 100.0 * self.share)
     }

@@ -4,7 +4,7 @@ use crate::error::ControlError;
 use nastic_energy::SlotGroup;
 use nastic_fem::{Controllable, Solid};
 
-/// What a control's name stands for: an actuation or contribution and a group of its slots; several where they share the name.
+/// The meaning of a control's name: an actuation or contribution and a group of its slots; several where they share the name.
 pub(crate) fn resolve(solid: &Solid, of: &str) -> Result<Vec<(usize, SlotGroup)>, ControlError> {
     let all = groups(solid);
     // The only slot of an actuation may be named as well.
@@ -34,7 +34,7 @@ pub(crate) fn groups(solid: &Solid) -> Vec<(String, usize, SlotGroup)> {
     all
 }
 
-/// The name of one of so many groups of slots.
+/// The name of one of several groups of slots.
 fn name(what: &Controllable<'_>, group: &SlotGroup, groups: usize) -> String {
     match what.shared {
         Some((owner, slots)) if group.first < slots => format!("{owner}.{}", group.name),

@@ -5,11 +5,11 @@ use crate::error::ControlError;
 /// A corner of a grid cell as a point sees it: number of the grid node, basis function, its gradient.
 pub(crate) type Corner = (u32, f64, [f64; 3]);
 
-/// How near to a face of its grid cell a point may lie, as a share of the cell: a point on a plane of the grid belongs to the cell above.
-const FACE: f64 = 1e-12;
+/// Least distance of a point from a face of its grid cell, as a share of the cell: a point on a plane of the grid belongs to the cell above.
+const FACE_TOLERANCE: f64 = 1e-12;
 
-/// How far a cell of the body may exceed one of the grid by rounding, as a share.
-const ROOM: f64 = 1e-9;
+/// Share by which a cell of the body may exceed a cell of the grid: rounding.
+const SIZE_TOLERANCE: f64 = 1e-9;
 
 /// A box divided into `cells` of equal size along each axis; node `(i, j, k)` has number `i + (n_x + 1) (j + (n_y + 1) k)`.
 ///
@@ -50,7 +50,7 @@ impl Grid {
     /// The most cells along each axis, over the same box, none of which is smaller than the lengths given (to rounding).
     pub(crate) fn most_cells(&self, least: [f64; 3]) -> [u32; 3] {
         [0, 1, 2].map(|k| {
-            let room = self.edges[k] * f64::from(self.cells[k]) * (1.0 + ROOM);
+            let room = self.edges[k] * f64::from(self.cells[k]) * (1.0 + SIZE_TOLERANCE);
             // An axis without extent, or cells without extent along it, ask for nothing.
             if room > 0.0 && least[k] > 0.0 { (room / least[k]).floor().max(1.0) as u32 } else { self.cells[k] }
         })
@@ -72,8 +72,8 @@ impl Grid {
             if self.edges[k] > 0.0 {
                 let t = ((x[k] - self.lowest[k]) / self.edges[k]).clamp(0.0, f64::from(self.cells[k]));
                 // To the cell above where rounding keeps the point just below a plane; the last plane belongs to the last cell.
-                let cell = (t + FACE).floor().min(f64::from(self.cells[k] - 1));
-                let t = (t - cell).clamp(FACE, 1.0 - FACE);
+                let cell = (t + FACE_TOLERANCE).floor().min(f64::from(self.cells[k] - 1));
+                let t = (t - cell).clamp(FACE_TOLERANCE, 1.0 - FACE_TOLERANCE);
                 let slope = 1.0 / self.edges[k];
                 let ends = [(0, 1.0 - t, -slope), (1, t, slope)];
                 let with = |(end, shape, slope): (u32, f64, f64)| {

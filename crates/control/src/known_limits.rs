@@ -3,9 +3,10 @@
 use nastic_fem::{LimitAhead, State};
 use nastic_numeric::vector::{axpy, dot, norm, sub};
 
-/// Planes that are kept, and states before the limit point that was met last.
-const MOST: usize = 8;
-const STATES: usize = 3;
+/// Planes that are held.
+const MAX_PLANES: usize = 8;
+/// States before the last limit point that are held.
+const MAX_STATES: usize = 3;
 
 /// Limit points met before. Where equilibria end, a surface in the space of controls, its normal is `phi . dr/dm`, phi the
 /// direction in which the tangent is singular; its tangent plane shows which trials probably lie beyond. A trial behind one is looked for along the path of
@@ -32,8 +33,8 @@ struct Way {
     passed: Vec<(f64, State)>,
 }
 
-/// A control is on a way that it misses by less than this share of its length.
-const ON: f64 = 1e-9;
+/// Distance of a control from a straight way, as a share of the length, up to which it lies on the way.
+const MAX_OFFSET_RATIO: f64 = 1e-9;
 
 impl KnownLimits {
     /// Notes a limit point on a step from a control, and the normal of the surface there, to whichever side.
@@ -44,8 +45,8 @@ impl KnownLimits {
         let mut m = from.to_vec();
         axpy(at.share, &step, &mut m);
         self.planes.insert(0, Plane { m, normal });
-        self.planes.truncate(MOST);
-        let passed = at.passed[at.passed.len().saturating_sub(STATES)..].to_vec();
+        self.planes.truncate(MAX_PLANES);
+        let passed = at.passed[at.passed.len().saturating_sub(MAX_STATES)..].to_vec();
         self.way = Some(Way { from: from.to_vec(), step, passed });
     }
 
@@ -62,7 +63,7 @@ impl KnownLimits {
         let share = dot(&off, &way.step) / length;
         axpy(-share, &way.step, &mut off);
         let passed = way.passed.iter().rev().find(|(passed, _)| *passed <= share);
-        passed.filter(|_| norm(&off) <= ON * length.sqrt()).map(|(_, state)| state)
+        passed.filter(|_| norm(&off) <= MAX_OFFSET_RATIO * length.sqrt()).map(|(_, state)| state)
     }
 
     /// Whether a step seems to lead beyond one of them.

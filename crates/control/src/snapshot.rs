@@ -22,7 +22,7 @@ pub struct StateFields<'a> {
     pub adjoint: Option<&'a [f64]>,
     /// Gradient of the cost: the Riesz image of its derivative.
     pub gradient: Option<&'a [f64]>,
-    /// Whether fields are added that look at the state in another way: strains and stretches, smoothed stresses, reactions.
+    /// Whether derived fields are added: strains and stretches, smoothed stresses, reactions.
     pub detailed: bool,
     /// Names of the arrays of the control fields, in their order; their own names where there are none.
     pub names: &'a [&'a str],

@@ -3,14 +3,14 @@
 use nastic_numeric::vector::{axpy, dot, norm, sub};
 use std::sync::Arc;
 
-/// Points that are kept: steps of quasi-Newton methods lie mostly in the span of the last two or three.
-const LENGTH: usize = 4;
-/// Directions of which less than this share is left beside the newer ones say nothing new.
-const NEW: f64 = 0.1;
-/// Share of a step that its projection onto the directions must have for a guess to pay.
-const REACHED: f64 = 0.7;
-/// A guess goes no farther along a direction than this times the length of the recorded step there.
-const FARTHEST: f64 = 4.0;
+/// Points that are held: steps of quasi-Newton methods lie mostly in the span of the last two or three.
+const MAX_POINTS: usize = 4;
+/// Share of a direction that is orthogonal to the newer ones, below which it is left out.
+const MIN_NEW_SHARE: f64 = 0.1;
+/// Least share of a step that its projection onto the directions has, for a prediction.
+const MIN_PROJECTED_SHARE: f64 = 0.7;
+/// Largest step of a prediction along a direction over the recorded step there.
+const MAX_EXTRAPOLATION: f64 = 4.0;
 
 /// The last accepted points of a run, the newest first.
 #[derive(Debug, Clone, Default)]
@@ -40,7 +40,7 @@ impl StatePredictor {
         }
         self.0.retain(|known| !Arc::ptr_eq(&known.u, u));
         self.0.insert(0, Record { m: m.into(), u: u.clone(), newton });
-        self.0.truncate(LENGTH);
+        self.0.truncate(MAX_POINTS);
     }
 
     /// Newton iterations of the last three points, the lower median: one that took many does not count for the next ones.
@@ -63,12 +63,12 @@ impl StatePredictor {
         let mut reached = 0.0;
         for direction in &directions {
             let c = dot(&direction.m, &step);
-            if c.abs() <= FARTHEST * direction.length {
+            if c.abs() <= MAX_EXTRAPOLATION * direction.length {
                 axpy(c, &direction.u, &mut u);
                 reached += c * c;
             }
         }
-        (reached > REACHED * REACHED * dot(&step, &step)).then_some(u)
+        (reached > MIN_PROJECTED_SHARE * MIN_PROJECTED_SHARE * dot(&step, &step)).then_some(u)
     }
 }
 
@@ -83,7 +83,7 @@ impl Direction {
             axpy(-c, &other.u, &mut u);
         }
         let length = dot(&m, &m).sqrt();
-        if length <= NEW * whole {
+        if length <= MIN_NEW_SHARE * whole {
             return None;
         }
         m.iter_mut().chain(&mut u).for_each(|x| *x /= length);

@@ -18,13 +18,14 @@ use nastic_numeric::vector::{axpy, sub};
 
 /// One process checks.
 const SPACE: &Space = Space::LOCAL;
-/// Relative size of the displacements, as a share of the body's diagonal, at which a contribution is looked at.
-const AMPLITUDE: f64 = 0.02;
-/// Size of the controls and multipliers at which it is looked at.
-const CONTROL: f64 = 1e3;
-/// What its angles and, as a share of their values, its designs vary by.
-const ANGLE: f64 = 0.3;
-const DESIGN: f64 = 0.1;
+/// Size of the displacements at which a contribution is evaluated, as a share of the body's diagonal.
+const DISPLACEMENT_RATIO: f64 = 0.02;
+/// Size of its controls and multipliers.
+const CONTROL_SIZE: f64 = 1e3;
+/// Variation of its angles.
+const ANGLE_VARIATION: f64 = 0.3;
+/// Variation of its designs, as a share of their values.
+const DESIGN_VARIATION: f64 = 0.1;
 /// Relative error of the sixth-order differences that counts as agreement.
 const TOLERANCE: f64 = 1e-7;
 
@@ -45,16 +46,16 @@ pub fn check_contribution(model: &Model, name: &str, seed: u64) -> Result<(), St
         model.contribution(name).ok_or_else(|| format!("there is no contribution \"{name}\""))?;
     let mut random = Random::new(seed);
     let n = model.unknowns().len();
-    let size = AMPLITUDE * model.discretization().mesh().diagonal() / (model.unknowns().nodes() as f64).cbrt();
+    let size = DISPLACEMENT_RATIO * model.discretization().mesh().diagonal() / (model.unknowns().nodes() as f64).cbrt();
     let dofs = model.unknowns().nodal();
     let mut draw = |scale: f64, of_multipliers: f64| -> Vec<f64> {
         let scale = |i: usize| if i < dofs { scale } else { of_multipliers };
         (0..n).map(|i| scale(i) * random.symmetric()).collect()
     };
-    let (u, direction, lambda) = (draw(size, CONTROL), draw(size, CONTROL), draw(1.0, 1.0));
+    let (u, direction, lambda) = (draw(size, CONTROL_SIZE), draw(size, CONTROL_SIZE), draw(1.0, 1.0));
     let mut before = model.rest();
-    before.u = draw(size, CONTROL).into();
-    before.velocity = Some(draw(size, CONTROL).into());
+    before.u = draw(size, CONTROL_SIZE).into();
+    before.velocity = Some(draw(size, CONTROL_SIZE).into());
     let mut controls = model.controls();
     for k in 0..controls.len() {
         let scales = scales(contribution.slots(), k == block, size);
@@ -96,17 +97,17 @@ struct Subject<'a> {
 }
 
 /// Value at rest of each slot of a block, again and again, and what it varies by: a translation as much as the body moves, a rotation by some
-/// degrees, a design by a share of its value, other loads by [`CONTROL`].
+/// degrees, a design by a share of its value, other loads by [`CONTROL_SIZE`].
 fn scales(slots: &[Slot], own: bool, size: f64) -> Box<dyn Iterator<Item = (f64, f64)> + '_> {
     let of_slot = move |slot: &Slot| match (slot.is_design(), slot.component.map_or("", |_| slot.unit)) {
-        (true, _) => (slot.rest(), DESIGN * slot.rest()),
+        (true, _) => (slot.rest(), DESIGN_VARIATION * slot.rest()),
         (false, "m") => (0.0, size),
-        (false, "1") => (0.0, ANGLE),
-        _ => (0.0, CONTROL),
+        (false, "1") => (0.0, ANGLE_VARIATION),
+        _ => (0.0, CONTROL_SIZE),
     };
     match own && !slots.is_empty() {
         true => Box::new(slots.iter().map(of_slot).cycle()),
-        false => Box::new(std::iter::repeat((0.0, CONTROL))),
+        false => Box::new(std::iter::repeat((0.0, CONTROL_SIZE))),
     }
 }
 

@@ -48,45 +48,45 @@ pub use stored_energy::StoredEnergy;
 
 /// Find u with `u = load u_D` on the supports such that `sum_c r_c(u) = 0` elsewhere.
 ///
-/// Everything that solves (Newton's method, load steps, the adjoint) asks the model and knows none of its contributions.
+/// Newton's method, load steps and the adjoint use the model and know none of its contributions.
 #[derive(Debug, Clone)]
 pub struct Model {
     /// Energy of the cells.
     pub body: BodyEnergy,
-    /// What is held, and follows.
+    /// Prescribed unknowns, and those that depend on others.
     pub supports: Arc<Supports>,
     /// Dead loads at load 1.
     pub dead_load: DeadLoad,
     /// All other contributions, in the order in which they were added.
     pub others: Vec<Arc<dyn Contribution>>,
     space: Arc<Space>,
-    /// What solves its tangent systems, if that was chosen.
+    /// The solver of its tangent systems, if one was chosen.
     pub chosen_solver: Option<&'static dyn SolverFactory>,
 }
 
-/// What can be controlled: an actuation of the body, or a contribution with slots of its own.
+/// What can be controlled: an actuation of the body, or a contribution with slots.
 #[derive(Debug, Clone, Copy)]
 pub struct Controllable<'a> {
     /// Name of the actuation or contribution.
     pub name: &'a str,
     /// Its slots.
     pub slots: &'a [Slot],
-    /// The regions it acts on; `None` of a contribution whose controls are no fields over cells.
+    /// The regions it acts on; `None` for a contribution whose controls are not fields over cells.
     pub regions: Option<&'a GroupNames>,
     /// Their cells, likewise.
     pub cells: Option<&'a [u32]>,
-    /// Size of what it acts on, where that is no set of cells.
+    /// Measure of the set it acts on, where that is not a set of cells.
     pub measure: f64,
-    /// Its points, where it is a contribution with some.
+    /// Its points, if it is a contribution with points.
     pub points: &'a [ControlPoint],
-    /// Whether it holds unknowns of the body, and moves them.
+    /// Whether it prescribes unknowns of the body.
     pub holds: bool,
-    /// Another name of the first so many slots: what has the same one is controlled together.
+    /// A further name, and the number of first slots that it stands for: slots with the same further name are controlled together.
     pub shared: Option<(&'a str, usize)>,
 }
 
 impl Model {
-    /// The same model with other contributions in the place of some of its own, in their order.
+    /// The same model with some contributions replaced, in their order.
     pub(crate) fn replacing(&self, others: Vec<Option<Arc<dyn Contribution>>>) -> Self {
         let own = self.others.iter().zip(others).map(|(own, other)| other.unwrap_or_else(|| own.clone()));
         Model { others: own.collect(), ..self.clone() }
@@ -137,15 +137,15 @@ impl Model {
         self.body.discretization()
     }
 
-    /// Which nodes are coupled in its tangents, but for pairs that change with the state.
+    /// Which nodes are coupled in its tangents, without the contact pairs, which change with the state.
     pub fn tangent_structure(&self) -> &Arc<TangentStructure> {
         self.body.structure()
     }
 
-    /// Everything that can be controlled, in the order of the blocks of [`Controls`]; of internal variables, which nobody controls,
-    /// no slots.
+    /// Everything that can be controlled, in the order of the blocks of [`Controls`]; internal variables, which are not controls,
+    /// have no slots.
     pub fn controllable(&self) -> Vec<Controllable<'_>> {
-        // one value for all points is no field over the cells
+        // a global value is not a field over the cells
         let over_cells = |a: &AttachedLaw| !a.is_global();
         let of_body = self.body.actuations().iter().map(|a| Controllable {
             name: &a.name,
@@ -170,7 +170,7 @@ impl Model {
         of_body.chain(own).collect()
     }
 
-    /// The controls without loads; designs stay as they are, and growth, without which what laws store is not known.
+    /// The controls with loads zero; designs stay as they are, and so does growth, which the stored energy of the laws depends on.
     pub fn unactuated(&self, controls: &Controls) -> Controls {
         self.taken_over(controls.clone(), &self.zero_controls(), |k, slot| !slot.is_design() && !self.body.grows_by(k))
     }
@@ -212,12 +212,12 @@ impl Model {
         self.controls().zeroed()
     }
 
-    /// Whether all contributions have a potential, those that depend on the path without their friction.
+    /// Whether all contributions have a potential, with friction left out.
     pub(crate) fn has_potential_without_friction(&self) -> bool {
         self.others.iter().all(|c| c.has_potential() || c.path_dependence().is_some())
     }
 
-    /// A matrix of the pattern with nothing in it, where products stand for it.
+    /// A matrix of an empty pattern, where products replace its entries.
     pub(crate) fn matrix_without_values(&self) -> SparseMatrix {
         SparseMatrix::without_values(self.structure().pattern().clone())
     }
@@ -225,12 +225,12 @@ impl Model {
     /// Energy alone, or energy and residual force.
     ///
     /// # Errors
-    /// [`Inadmissible`] where u is.
+    /// [`Inadmissible`] if u is not admissible.
     pub fn evaluate(&self, at: &Instant, demand: Demand) -> Result<Sums, Inadmissible> {
         self.at(at, Need::Residual)?.evaluate(at, demand)
     }
 
-    /// Residual and tangent with strains of their own at the quadrature points of the body.
+    /// Residual and tangent with independent strains at the quadrature points of the body.
     ///
     /// # Errors
     /// [`Inadmissible`] where u is.
@@ -328,7 +328,7 @@ impl Model {
         Ok(all)
     }
 
-    /// What contributions show of themselves beside the body.
+    /// Lines by which contributions are shown beside the body.
     ///
     /// # Errors
     /// [`Inadmissible`] where a contribution needs J > 0.
@@ -341,13 +341,13 @@ impl Model {
         Ok(all)
     }
 
-    /// What a contribution says may be the reason, where no equilibrium was found.
+    /// The cause that a contribution suspects where no equilibrium was found.
     pub(crate) fn suspect(&self, at: &Instant) -> Option<Cause> {
         let ask = |contribution: &dyn Contribution, at: &Instant| contribution.suspect(at).map_or(Ok(()), Err);
         self.each_other(at, ask).err()
     }
 
-    /// Calls with every contribution beside the body, in a fixed order, and where it is evaluated.
+    /// Calls `each` with every contribution beside the body, in a fixed order, and the instant at which it is evaluated.
     pub fn each_other<E>(
         &self,
         at: &Instant,
@@ -359,7 +359,7 @@ impl Model {
         })
     }
 
-    /// Where each contribution beside the body is evaluated.
+    /// The instant at which each contribution beside the body is evaluated.
     pub(crate) fn instants<'a>(&'a self, at: &Instant<'a>) -> impl Iterator<Item = Instant<'a>> {
         let (at, mut block, mut scalar) = (*at, self.body.actuations().len(), self.space.nodal());
         self.others.iter().zip(block..).map(move |(contribution, memory)| {
@@ -370,22 +370,22 @@ impl Model {
         })
     }
 
-    /// Checks that the problem is complete: every cell has a material, no rigid motion is left free but what may end in contact.
+    /// Checks that the problem is complete: every cell has a material, and every rigid motion is prevented, or contact may stop it.
     ///
     /// # Errors
-    /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], what a contribution needs held.
+    /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], a contribution whose required supports are missing.
     pub fn check(&self) -> Result<(), FemError> {
         self.ranks().unless_parted(self.check_with(&self.may_resist()))
     }
 
     fn check_with(&self, springs: &[Vec<(u32, f64)>]) -> Result<(), FemError> {
-        // A body without materials has no use for advice on supports.
+        // A missing material is reported before missing supports.
         self.ranks().all_accept(self.check_laws())?;
         self.supports.check(self.discretization(), &springs.iter().collect::<Vec<_>>())?;
         self.ranks().all_accept(self.check_others())
     }
 
-    /// The same of supports alone.
+    /// The same by supports alone.
     pub(crate) fn is_held_by_supports(&self) -> bool {
         self.supports.check(self.discretization(), &[]).is_ok()
     }
@@ -417,13 +417,13 @@ pub(crate) fn count(contribution: &Arc<dyn Contribution>) -> usize {
 }
 
 impl Checks<'_> {
-    /// The same, where contacts resist to the motions along their normals at rest alone: for what needs a regular tangent there.
+    /// The same for analyses that need a regular tangent: contacts resist only motions along their normals at rest.
     pub fn check_held(&self) -> Result<(), FemError> {
         let own = self.model.others.iter().flat_map(|contribution| contribution.resists().iter().cloned());
         self.model.ranks().unless_parted(self.model.check_with(&own.collect::<Vec<_>>()))
     }
 
-    /// Whether supports and springs leave no rigid motion of any part free: where they do, contacts have to hold it, or it flies.
+    /// Whether supports and springs prevent all rigid motions of all parts; otherwise contact has to hold them.
     #[must_use]
     pub fn is_held_without_contact(&self) -> bool {
         let others = self.model.others.iter().filter(|contribution| contribution.touches().is_none());
@@ -434,7 +434,7 @@ impl Checks<'_> {
     /// Checks that the problem is complete for motion and for modes, in which a body may be free.
     ///
     /// # Errors
-    /// [`FemError::NoMaterial`], what a contribution needs held.
+    /// [`FemError::NoMaterial`], a contribution whose required supports are missing.
     pub fn check_in_motion(&self) -> Result<(), FemError> {
         self.model.check_laws()?;
         self.model.check_others()

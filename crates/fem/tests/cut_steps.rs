@@ -16,7 +16,7 @@ use nastic_mesh::spatial::Obstacle;
 
 const STEPS: usize = 2;
 /// So few iterations that the impact is not found at once.
-const HASTE: SolveOptions<'static> = SolveOptions { max_newton: 12, ..STRICT };
+const FEW_ITERATIONS: SolveOptions<'static> = SolveOptions { max_newton: 12, ..STRICT };
 
 /// A soft block that falls on a rough floor.
 fn block() -> Outcome<Solid> {
@@ -35,7 +35,7 @@ fn fall(solid: &Solid, scheme: &Scheme, controls: impl Fn(usize) -> Controls) ->
     begin.velocity = Some((0..begin.u.len()).map(|dof| [0.3, 0.0, -2.1][dof % 3]).collect::<Vec<f64>>().into());
     let mut trajectory = Trajectory::from_given(begin);
     let steps: Vec<StepTo> = (1..=STEPS).map(|n| StepTo { dt: 0.01, controls: controls(n) }).collect();
-    solid.model().advance(&mut trajectory, scheme, &steps, &HASTE, &mut Workspace::default())?;
+    solid.model().advance(&mut trajectory, scheme, &steps, &FEW_ITERATIONS, &mut Workspace::default())?;
     Ok(trajectory)
 }
 
@@ -64,7 +64,7 @@ fn a_cut_step_has_its_own_exact_adjoint() -> Outcome {
                 StatePartials::by_displacement(by_u.collect())
             })
             .collect();
-        let by = solid.model().reverse_sweep(&rest, &partials, &HASTE, &mut Workspace::default())?.controls;
+        let by = solid.model().reverse_sweep(&rest, &partials, &FEW_ITERATIONS, &mut Workspace::default())?.controls;
         // translations of the floor, its stiffness and friction
         for &slot in slots {
             let size = [1e-7, 1e-7, 1e-8, 0.0, 0.0, 0.0, 1.0, 1e-4][slot];
@@ -96,7 +96,13 @@ fn a_cut_step_is_written_down() -> Outcome {
     let mut trajectory = fall(&solid, &scheme, |_| solid.controls())?.beginning();
     let step = StepTo { dt: 0.01, controls: solid.controls() };
     let go_on = |trajectory: &mut Trajectory| {
-        solid.model().advance(trajectory, &scheme, std::slice::from_ref(&step), &HASTE, &mut Workspace::default())
+        solid.model().advance(
+            trajectory,
+            &scheme,
+            std::slice::from_ref(&step),
+            &FEW_ITERATIONS,
+            &mut Workspace::default(),
+        )
     };
     go_on(&mut trajectory)?;
     let record = trajectory.last_step(&scheme).unwrap();

@@ -6,11 +6,11 @@ use nastic_body::error::MeetingGuides;
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_tensor::{Mat3, Vec3};
 
-/// Points nearer to each other than this share of the body's diagonal coincide.
-pub(crate) const COINCIDE: f64 = 1e-9;
+/// Distance below which two points coincide, as a share of the body's diagonal.
+pub(crate) const COINCIDENCE_TOLERANCE: f64 = 1e-9;
 
-/// Neighbouring guides with less than this share of their reference distance between them run together.
-const MEETING: f64 = 1e-2;
+/// Distance of neighbouring guides, as a share of their reference distance, below which they meet.
+const MIN_DISTANCE_SHARE: f64 = 1e-2;
 
 /// Points x_i of the body or of space, in the order in which the line passes them: `L = sum_j l_j`, `l_j = |d_j|`, `d_j = x_(j+1) - x_j`.
 ///
@@ -71,14 +71,14 @@ impl Guides {
         Line { guides: self, unknowns: u.len(), segments: segments.collect() }
     }
 
-    /// The two neighbours that are nearest to each other, measured by their reference distance, where less than [`MEETING`] of that is left.
+    /// The two neighbours that are nearest to each other, measured by their reference distance, where less than [`MIN_DISTANCE_SHARE`] of that is left.
     pub fn meeting(&self, name: &str, u: &[f64]) -> Option<MeetingGuides> {
         let line = self.at(u);
         let pairs = self.points.windows(2).zip(&line.segments).map(|(pair, segment)| {
             let [a, b] = [pair[0].reference, pair[1].reference];
             ([a.into(), b.into()], segment.length / (b - a).norm())
         });
-        let nearest = pairs.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share < MEETING);
+        let nearest = pairs.min_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, share)| *share < MIN_DISTANCE_SHARE);
         nearest.map(|(places, share)| MeetingGuides { name: name.to_owned(), places, share, limit: None })
     }
 
@@ -186,12 +186,12 @@ impl Segment<'_> {
 
     /// The longest step along v that keeps its ends apart by a tenth of their distance.
     fn max_step(&self, v: &[f64]) -> f64 {
-        const NEAREST: f64 = 0.1;
+        const MIN_DISTANCE_RATIO: f64 = 0.1;
         let (along, change) = (self.length * self.direction, self.change(v));
         let squared = change.norm_squared();
         let closest = if squared > 0.0 { (-along.dot(&change) / squared).clamp(0.0, 1.0) } else { 0.0 };
-        let passes = (along + closest * change).norm() < NEAREST * self.length;
-        if passes { (1.0 - NEAREST) * closest } else { 1.0 }
+        let passes = (along + closest * change).norm() < MIN_DISTANCE_RATIO * self.length;
+        if passes { (1.0 - MIN_DISTANCE_RATIO) * closest } else { 1.0 }
     }
 }
 

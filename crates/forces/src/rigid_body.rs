@@ -206,7 +206,7 @@ impl Constrains for Rigid {
         Some(nodes.flat_map(place).collect())
     }
 
-    /// Translations, and rotations about the middle of the simplex; beside supports those that these let go, and what they hold.
+    /// Translations, and rotations about the middle of the simplex; with supports those that these leave free, and the held ones.
     fn local(&self, at: &Instant) -> Option<(Vec<u32>, DMatrix<f64>)> {
         let motions = self.motions(|m| self.of_node(at.u, m));
         Some((self.masters.clone(), self.held.let_go(&motions)))

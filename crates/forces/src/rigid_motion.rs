@@ -7,7 +7,7 @@ use nastic_energy::Slot;
 use nastic_tensor::Vec3;
 
 /// The largest angle of a rotation vector: once around.
-const TURN: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
+const MAX_ANGLE: f64 = std::f64::consts::TAU * (1.0 + 1e-12);
 
 const TRANSLATION: [Slot; 3] = Slot::vector("translation", "m");
 const ROTATION: [Slot; 3] = Slot::vector("rotation", "1");
@@ -31,7 +31,7 @@ pub(crate) fn each_slot(dim: usize, translation: Vec3, rotation: Vec3, mut call:
 /// Refuses to turn by more than once around, and to leave the plane of a plane-strain body; `what` is moved.
 pub(crate) fn check(what: &str, dim: usize, values: &[f64]) -> Result<(), FemError> {
     let angle = values[3..6].iter().map(|r| r * r).sum::<f64>().sqrt();
-    if angle > TURN {
+    if angle > MAX_ANGLE {
         let what = format!(
             "{what} turns by {angle:.4} rad, more than once around; rotations are in radians, 90 degrees are pi / 2"
         );

@@ -2,7 +2,7 @@
 
 use std::ops::{Deref, DerefMut};
 
-const LINE: usize = 64;
+const CACHE_LINE: usize = 64;
 
 /// An array on a cache line; its length changes only through `reset`.
 #[derive(Debug, Default)]
@@ -14,9 +14,9 @@ pub(super) struct Aligned {
 
 impl Aligned {
     pub fn zeros(len: usize) -> Self {
-        let data = vec![0.0; len + LINE / size_of::<f64>()];
+        let data = vec![0.0; len + CACHE_LINE / size_of::<f64>()];
         // The allocation never moves; an address that cannot be aligned only costs speed.
-        let start = data.as_ptr().align_offset(LINE).min(LINE / size_of::<f64>());
+        let start = data.as_ptr().align_offset(CACHE_LINE).min(CACHE_LINE / size_of::<f64>());
         Self { data, start, len }
     }
 }

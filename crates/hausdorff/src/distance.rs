@@ -183,7 +183,7 @@ impl Directed {
     }
 }
 
-/// ((a^gamma + b^gamma) / sqrt 2)^(1/gamma) without leaving the range of numbers on the way.
+/// ((a^gamma + b^gamma) / sqrt 2)^(1/gamma) without overflow of intermediate values.
 fn join(a: f64, b: f64, gamma: f64) -> f64 {
     let (small, large) = (a.min(b), a.max(b));
     if large == 0.0 {

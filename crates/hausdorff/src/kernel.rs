@@ -6,18 +6,18 @@ use super::lanes::Lanes;
 use super::phi::Phi;
 
 /// Added to every squared distance: keeps 1/r finite where points coincide, and is lost in every other.
-pub(super) const TINY: f64 = 1e-300;
+pub(super) const SQUARE_OFFSET: f64 = 1e-300;
 
 /// One of the three functions, in units of its length:
 /// E(r) = phi(r)^alpha / phi(0)^alpha, and grad_x E = -factor g(r) E (x - y).
 pub(super) trait Form: Copy + Send + Sync {
-    /// base + log2 E from r^2 + TINY.
+    /// base + log2 E from r^2 + SQUARE_OFFSET.
     fn log2<S: Lanes>(self, s: S, r2: S::f64s, base: S::f64s) -> S::f64s;
 
-    /// base + log2 E, and g, from r^2 + TINY.
+    /// base + log2 E, and g, from r^2 + SQUARE_OFFSET.
     fn log2_and_slope<S: Lanes>(self, s: S, r2: S::f64s, base: S::f64s) -> (S::f64s, S::f64s);
 
-    /// log2 E, g, and h = g'/r from r^2 + TINY: along a change v of x, `d(g (x - y)) = g v + h ((x - y).v) (x - y)`. Where a kink of phi
+    /// log2 E, g, and h = g'/r from r^2 + SQUARE_OFFSET: along a change v of x, `d(g (x - y)) = g v + h ((x - y).v) (x - y)`. Where a kink of phi
     /// lies between two points that meet, g and h are zero.
     fn log2_and_slopes<S: Lanes>(self, s: S, r2: S::f64s) -> [S::f64s; 3];
 
@@ -28,13 +28,13 @@ pub(super) trait Form: Copy + Send + Sync {
     fn factor(self) -> f64;
 }
 
-/// Squared distances below this are those of points that meet.
-const MEET: f64 = 1e-200;
+/// Squared distance below which two points coincide.
+const MAX_COINCIDENT_SQUARE: f64 = 1e-200;
 
 /// `value`, zero where points meet.
 #[inline(always)]
 fn unless_met<S: Lanes>(s: S, r2: S::f64s, value: S::f64s) -> S::f64s {
-    s.select_f64s(s.less_than_f64s(r2, s.splat_f64s(MEET)), s.splat_f64s(0.0), value)
+    s.select_f64s(s.less_than_f64s(r2, s.splat_f64s(MAX_COINCIDENT_SQUARE)), s.splat_f64s(0.0), value)
 }
 
 /// 2^(-r): lengths are in units of length / (alpha log2 e).

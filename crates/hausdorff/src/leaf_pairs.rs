@@ -11,12 +11,12 @@ use super::sum_tiles::{SumTile, WideSumTile};
 use super::together::{Together, is_own};
 use super::truncation::columns_of;
 
-/// Leaves of rows that are worked on independently, in so many groups at most; fixed, so that sums do not depend on
-/// threads. While sums are formed each group has a sum of its own for every column.
-const PANELS: usize = 64;
+/// Groups of leaves of rows that are handled independently; fixed, so that sums do not depend on threads. While sums are
+/// formed each group has a separate sum for every column.
+const MAX_PANELS: usize = 64;
 
-/// A panel has so many leaves at least.
-const PANEL: usize = 4;
+/// Leaves of a panel.
+const MIN_LEAVES_PER_PANEL: usize = 4;
 
 /// log2 of the sums at the points of both sets, tree order, padded to a multiple of `WIDTH`.
 #[derive(Debug)]
@@ -54,7 +54,7 @@ impl LeafPairs<'_> {
     /// Leaves of rows, in order, in groups for one thread each.
     pub fn panels(&self) -> Vec<Vec<u32>> {
         let leaves = self.rows.points.leaves();
-        let size = leaves.len().div_ceil(PANELS).max(PANEL);
+        let size = leaves.len().div_ceil(MAX_PANELS).max(MIN_LEAVES_PER_PANEL);
         leaves.chunks(size).map(<[u32]>::to_vec).collect()
     }
 

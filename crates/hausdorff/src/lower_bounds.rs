@@ -8,8 +8,8 @@ use super::lanes::{InstructionSet, WIDTH};
 use super::point_set::{PointSet, padded};
 use super::sum_tiles::{MaxTile, SumTile};
 
-/// Where log2 E differs by more than this among what a leaf may see as largest, its points get a scale each.
-const WIDE: f64 = 512.0;
+/// Largest difference of log2 E among the candidates of a leaf for the largest term, above which every point of the leaf has a scale of its own.
+const MAX_LOG2_SPREAD: f64 = 512.0;
 
 /// What is known beforehand of the sums sum_t w_t E_qt at the points q of a set.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ impl LeafBounds {
         let count = rows.node(leaf).count as usize;
         let mut row_sums = vec![0.0; count * WIDTH];
         let mut column_sums = vec![0.0; padded(columns.node(near.leaf)).len()];
-        if kernel.at(near.gap) - lowest <= WIDE {
+        if kernel.at(near.gap) - lowest <= MAX_LOG2_SPREAD {
             with_form!(kernel, form => instructions.run(SumTile {
                 form,
                 rows: rows.rows(leaf),
@@ -79,7 +79,7 @@ impl LeafBounds {
             let sums = row_sums.chunks_exact(WIDTH).map(|row| row.iter().sum::<f64>());
             let lower = lowest + sums.fold(f64::INFINITY, f64::min).log2();
             // Tiny weights near by may leave the sums far below what larger ones farther off reach.
-            if kernel.at(near.gap) - lower <= WIDE {
+            if kernel.at(near.gap) - lower <= MAX_LOG2_SPREAD {
                 return Self { lower, wide: false, scale: vec![lower; count] };
             }
         }
@@ -140,7 +140,7 @@ impl Nearest {
     }
 }
 
-/// Visits nodes with their gap from `here`, the nearer child first; `visit` says whether to go on into the node.
+/// Visits nodes with their gap from `here`, the nearer child first; `visit` says whether to descend into the node.
 fn nearest_first(here: &BoundingBox, columns: &PointSet, mut visit: impl FnMut(f64, u32) -> bool) {
     let mut stack = vec![(here.gap(&columns.boxes[0]), 0)];
     while let Some((gap, node)) = stack.pop() {

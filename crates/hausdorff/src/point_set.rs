@@ -5,7 +5,7 @@ use super::bounding_box::BoundingBox;
 use super::cloud::{Cloud, fit};
 use super::lanes::WIDTH;
 use super::sum_tiles::Slab;
-use super::tree::{LEAF, Node, Tree};
+use super::tree::{Node, POINTS_PER_LEAF, Tree};
 
 /// The points in units, tree order, padded to a multiple of `WIDTH` by copies of the last one with weight zero.
 #[derive(Debug)]
@@ -78,4 +78,4 @@ pub(super) fn in_cloud_order<T: Copy + Default>(cloud: &Cloud, values: &[T]) -> 
     back
 }
 
-const _: () = assert!(LEAF.is_multiple_of(WIDTH), "a full leaf is a tile without padding");
+const _: () = assert!(POINTS_PER_LEAF.is_multiple_of(WIDTH), "a full leaf is a tile without padding");

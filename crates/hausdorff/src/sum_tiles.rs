@@ -1,6 +1,6 @@
 //! Sums over a tile: all pairs of a few rows and a few columns, each exponential computed once.
 
-use super::kernel::{Form, TINY};
+use super::kernel::{Form, SQUARE_OFFSET};
 use super::lanes::{Lanes, Task, WIDTH};
 
 /// Points with weights, one array per coordinate, in units of the kernel. As columns their number is a multiple of
@@ -11,11 +11,11 @@ pub(super) struct Slab<'a> {
     pub weight: &'a [f64],
 }
 
-/// r^2 + TINY between one row and one vector of columns, and x - y.
+/// r^2 + SQUARE_OFFSET between one row and one vector of columns, and x - y.
 #[inline(always)]
 pub(super) fn apart<S: Lanes>(s: S, x: [S::f64s; 3], y: [S::f64s; 3]) -> (S::f64s, [S::f64s; 3]) {
     let d = [s.sub_f64s(x[0], y[0]), s.sub_f64s(x[1], y[1]), s.sub_f64s(x[2], y[2])];
-    let r2 = s.mul_add_e_f64s(d[2], d[2], s.splat_f64s(TINY));
+    let r2 = s.mul_add_e_f64s(d[2], d[2], s.splat_f64s(SQUARE_OFFSET));
     let r2 = s.mul_add_e_f64s(d[1], d[1], r2);
     (s.mul_add_e_f64s(d[0], d[0], r2), d)
 }

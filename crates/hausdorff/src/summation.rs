@@ -32,14 +32,14 @@ impl Default for Summation {
     }
 }
 
-/// Below this pairs do not change the last bits of sums.
-const LAST_BITS: f64 = f64::EPSILON / 16.0;
+/// Share of a sum below which a pair does not change its last bits.
+const MIN_PAIR_SHARE: f64 = f64::EPSILON / 16.0;
 
 impl Summation {
     pub(super) fn tolerance(self) -> Result<f64, HausdorffError> {
         match self {
-            Self::Truncated { tolerance } => Ok(positive("tolerance", tolerance)?.max(LAST_BITS)),
-            Self::Direct => Ok(LAST_BITS),
+            Self::Truncated { tolerance } => Ok(positive("tolerance", tolerance)?.max(MIN_PAIR_SHARE)),
+            Self::Direct => Ok(MIN_PAIR_SHARE),
         }
     }
 }

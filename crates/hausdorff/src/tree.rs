@@ -5,10 +5,10 @@
 use rayon::join;
 
 /// Points in a leaf: the rows or columns of a tile of pairs. All leaves but the last are full.
-pub(super) const LEAF: usize = 64;
+pub(super) const POINTS_PER_LEAF: usize = 64;
 
-/// Below this many points a subtree is built by one thread.
-const PARALLEL: usize = 1 << 13;
+/// Points from which a subtree is built by several threads.
+const MIN_PARALLEL_POINTS: usize = 1 << 13;
 
 /// A node and the points it holds: `order[first .. first + count]`.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,7 +30,7 @@ impl Node {
     }
 }
 
-/// Split at the median along the longest side, down to leaves of `LEAF` points; nodes in preorder, the root first.
+/// Split at the median along the longest side, down to leaves of `POINTS_PER_LEAF` points; nodes in preorder, the root first.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     /// order[k] = number in the cloud of the k-th point in tree order.
@@ -54,20 +54,20 @@ impl Tree {
 
 /// Leaves that n points need.
 fn leaves(n: usize) -> usize {
-    n.div_ceil(LEAF)
+    n.div_ceil(POINTS_PER_LEAF)
 }
 
 fn build(points: &[[f64; 3]], order: &mut [u32], nodes: &mut [Node], mut root: Node, id: u32) {
     let all = leaves(order.len());
     if all > 1 {
         let half = all.div_ceil(2);
-        let at = half * LEAF;
+        let at = half * POINTS_PER_LEAF;
         let (left, right) = split(points, order, at);
         root.right = id + 2 * half as u32;
         let (first, second) = nodes[1..].split_at_mut(2 * half - 1);
         let on_left = Node { first: root.first, count: at as u32, right: 0, parent: id };
         let on_right = Node { first: root.first + at as u32, count: right.len() as u32, right: 0, parent: id };
-        if right.len() > PARALLEL {
+        if right.len() > MIN_PARALLEL_POINTS {
             join(|| build(points, left, first, on_left, id + 1), || build(points, right, second, on_right, root.right));
         } else {
             build(points, left, first, on_left, id + 1);

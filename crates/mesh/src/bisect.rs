@@ -27,7 +27,7 @@ impl Mesh {
     }
 }
 
-/// Gives cells to so many parts from the first one on.
+/// Assigns cells to a number of parts from `first` on.
 fn bisect(middles: &[[f64; 3]], cells: &mut [u32], first: usize, parts: usize, owners: &mut [u32]) {
     if parts == 1 {
         cells.iter().for_each(|&cell| owners[cell as usize] = first as u32);

@@ -15,14 +15,14 @@ pub struct Column {
     pub cells: usize,
 }
 
-/// Faces of a cell, at most.
-const FACES: usize = 6;
+/// Faces of a cell.
+const MAX_FACES: usize = 6;
 
 impl Mesh {
     /// The columns of every cell, one for each of its local axes: two of a quadrilateral, three of a hexahedron, none of a
     /// simplex.
     pub fn columns(&self) -> Vec<Vec<Column>> {
-        let mut across: Vec<[Option<Facet>; FACES]> = vec![[None; FACES]; self.cells()];
+        let mut across: Vec<[Option<Facet>; MAX_FACES]> = vec![[None; MAX_FACES]; self.cells()];
         for &(a, b) in self.neighbours() {
             across[a.cell as usize][a.face as usize] = Some(b);
             across[b.cell as usize][b.face as usize] = Some(a);
@@ -74,7 +74,7 @@ fn opposite_faces(kind: CellKind) -> &'static [[u8; 2]] {
 
 /// The chain through a cell along one of its axes, as cells with their axes, and whether it closes.
 fn chain(
-    across: &[[Option<Facet>; FACES]],
+    across: &[[Option<Facet>; MAX_FACES]],
     axes: impl Fn(u32) -> &'static [[u8; 2]],
     first: u32,
     axis: usize,

@@ -105,7 +105,7 @@ pub enum Fault {
         expected: usize,
     },
     /// More nodes or elements than 32-bit numbers can count.
-    #[error("{found} {what} are more than this program can number (at most {MOST_ENTITIES})")]
+    #[error("{found} {what} are more than this program can number (at most {MAX_ENTITIES})")]
     TooMany {
         /// "nodes" or "elements".
         what: &'static str,
@@ -252,8 +252,8 @@ fn untangled(kind: CellKind) -> &'static str {
     }
 }
 
-/// Six faces per cell still count in 32 bits.
-pub(crate) const MOST_ENTITIES: usize = u32::MAX as usize / 8;
+/// Entities of a mesh: the numbers of six faces per cell fit into 32 bits.
+pub(crate) const MAX_ENTITIES: usize = u32::MAX as usize / 8;
 
 fn offer(known: &[String], nearest: &Option<String>) -> String {
     let list = if known.is_empty() { "it has none".to_owned() } else { format!("it has: {}", known.join(", ")) };

@@ -2,8 +2,8 @@
 
 use crate::{CellKind, Domain, Mesh, MeshError, RawMesh};
 
-/// A generated mesh has at most this many grid points; beyond it the request is taken for a slip.
-const MOST_POINTS: usize = 1 << 26;
+/// Grid points of a generated mesh; a request for more is refused as a mistake.
+const MAX_GRID_POINTS: usize = 1 << 26;
 
 /// Corners of the unit cube or square in the order of `Hex8` and `Quad4`, as steps along the axes.
 const CORNERS: [[usize; 3]; 8] =
@@ -65,9 +65,9 @@ impl Grid {
         }
         let points =
             cells.iter().try_fold(1usize, |product, n| n.checked_mul(order)?.checked_add(1)?.checked_mul(product));
-        if points.is_none_or(|points| points > MOST_POINTS) {
+        if points.is_none_or(|points| points > MAX_GRID_POINTS) {
             return Err(format!(
-                "{cells:?} cells of {kind} need more than {MOST_POINTS} grid points; take fewer cells"
+                "{cells:?} cells of {kind} need more than {MAX_GRID_POINTS} grid points; take fewer cells"
             ));
         }
         let along = |d: usize, value: usize| if d < dim { value } else { 1 };

@@ -1,9 +1,9 @@
-//! [`GroupNames`]: one or several groups of a mesh that stand for their union.
+//! [`GroupNames`]: the union of one or several groups of a mesh.
 
 use crate::{Facet, Mesh, MeshError, geometry};
 use std::fmt;
 
-/// The names of one or several regions, surfaces or node sets; several stand for their union.
+/// The names of one or several regions, surfaces or node sets; several mean their union.
 ///
 /// ```
 /// use nastic_mesh::{CellKind, GroupNames, box_mesh};

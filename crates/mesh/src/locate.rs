@@ -25,8 +25,8 @@ impl Located {
     }
 }
 
-/// Points this near to a cell, as a share of its size, belong to it.
-const EDGE: f64 = 1e-9;
+/// Distance up to which a point belongs to a cell, as a share of its size.
+const CELL_TOLERANCE: f64 = 1e-9;
 
 impl Mesh {
     /// The first cell that holds the point (to 1e-9 of its size), and its shape functions there; a node of the mesh has
@@ -90,13 +90,13 @@ fn invert(kind: CellKind, positions: &[[f64; 3]], point: [f64; 3]) -> Option<[f6
             break;
         }
     }
-    (gap(&xi).norm() <= EDGE * size && in_domain(kind, &xi)).then_some(xi)
+    (gap(&xi).norm() <= CELL_TOLERANCE * size && in_domain(kind, &xi)).then_some(xi)
 }
 
 fn in_domain(kind: CellKind, xi: &[f64; 3]) -> bool {
     let xi = &xi[..kind.dim()];
     match kind.domain() {
-        Domain::Box => xi.iter().all(|x| x.abs() <= 1.0 + EDGE),
-        Domain::Simplex => xi.iter().all(|x| *x >= -EDGE) && xi.iter().sum::<f64>() <= 1.0 + EDGE,
+        Domain::Box => xi.iter().all(|x| x.abs() <= 1.0 + CELL_TOLERANCE),
+        Domain::Simplex => xi.iter().all(|x| *x >= -CELL_TOLERANCE) && xi.iter().sum::<f64>() <= 1.0 + CELL_TOLERANCE,
     }
 }

@@ -135,7 +135,7 @@ impl Division {
         loop {
             let looked_at = changed.iter().map(|&node| self.star(node, class).0);
             stars.extend(looked_at.filter(|star| star.cells > 0 && self.is_large(mesh, star, class)));
-            // those that have lost cells since they were looked at are among the others as what they are now
+            // those that have lost cells since are in the queue again with their present size
             let current = |best: Star| Some(self.star(best.node.0, class)).filter(|(star, _)| *star == best);
             let Some((_, cells)) = std::iter::from_fn(|| stars.pop()).find_map(current) else { return };
             cells.iter().for_each(|&cell| self.patch[cell as usize] = cells[0]);

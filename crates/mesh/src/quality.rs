@@ -106,18 +106,20 @@ impl Quality {
             warnings
                 .push(format!("the map of {count} cells turns over at a node (first: cell {first}); expect trouble"));
         }
-        let poor = self.below(POOR);
+        let poor = self.below(MIN_SCALED_JACOBIAN);
         if let (1.., Some(worst)) = (poor, self.worst(1).first()) {
             let lowest = worst.scaled_jacobian;
-            warnings
-                .push(format!("{poor} cells have a scaled Jacobian below {POOR} (cell {}: {lowest:.3})", worst.cell));
+            warnings.push(format!(
+                "{poor} cells have a scaled Jacobian below {MIN_SCALED_JACOBIAN} (cell {}: {lowest:.3})",
+                worst.cell
+            ));
         }
         warnings
     }
 }
 
-/// Below this scaled Jacobian a cell is called poor.
-const POOR: f64 = 0.1;
+/// Scaled Jacobian below which a cell is poor.
+const MIN_SCALED_JACOBIAN: f64 = 0.1;
 
 impl fmt::Display for Quality {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -13,16 +13,18 @@ use nastic_equilibrium::search::options::SolveOptions;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// The error of the next step is aimed at 0.9^3 of what is allowed; lengths change by at most these factors.
-const SAFETY: f64 = 0.9;
-const SHRINK: f64 = 0.2;
-const GROW: f64 = 2.0;
-/// Shorter steps, as a share of the whole time, are given up.
-const SHORTEST: f64 = 1e-9;
-/// The first step, likewise.
-const FIRST: f64 = 1e-3;
-/// No motion takes more steps.
-const MOST_STEPS: usize = 1_000_000;
+/// Safety factor of the length of a step: the error of the next one is aimed at 0.9^3 of what is allowed.
+const ERROR_SAFETY: f64 = 0.9;
+/// Smallest ratio of the length of a step to the one before.
+const MIN_STEP_RATIO: f64 = 0.2;
+/// Largest ratio of the length of a step to the one before.
+const MAX_STEP_RATIO: f64 = 2.0;
+/// Shortest step, as a share of the whole time.
+const MIN_STEP_SHARE: f64 = 1e-9;
+/// Length of the first step, as a share of the whole time.
+const FIRST_STEP_SHARE: f64 = 1e-3;
+/// Steps of a motion.
+const MAX_STEPS: usize = 1_000_000;
 
 /// What adaptive steps took.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -116,9 +118,9 @@ fn adapt(
     check(scheme, begin, instants, tolerance)?;
     let mut report = AdaptiveReport::default();
     let whole = instants.last().map_or(0.0, |last| last - begin);
-    let (scheme, shortest) = (Arc::new(scheme.clone()), SHORTEST * whole);
+    let (scheme, shortest) = (Arc::new(scheme.clone()), MIN_STEP_SHARE * whole);
     let longest = tolerance.longest.unwrap_or(whole).min(whole);
-    let mut h = tolerance.first.unwrap_or(FIRST * whole).min(longest);
+    let mut h = tolerance.first.unwrap_or(FIRST_STEP_SHARE * whole).min(longest);
     for &goal in instants {
         while goal - trajectory.end().time > shortest {
             let begin = trajectory.end().time;
@@ -129,7 +131,7 @@ fn adapt(
                 Ok(found) => found,
                 Err(error) => {
                     let may_help = matches!(error, StateError::InStep { .. } | StateError::EndOfStep { .. });
-                    h = SHRINK * dt;
+                    h = MIN_STEP_RATIO * dt;
                     report.failed += 1;
                     if !may_help || h < shortest {
                         return Err(error);
@@ -138,7 +140,7 @@ fn adapt(
                 }
             };
             let error = largest_free(model, found.error.take().unwrap_or_default());
-            let next = dt * (SAFETY * (tolerance.error / error).cbrt()).clamp(SHRINK, GROW);
+            let next = dt * (ERROR_SAFETY * (tolerance.error / error).cbrt()).clamp(MIN_STEP_RATIO, MAX_STEP_RATIO);
             if error <= tolerance.error {
                 if goal - begin - dt <= shortest {
                     found.state.time = goal; // without the rounding of a sum
@@ -204,11 +206,11 @@ fn out_of_reach(h: f64, shortest: f64, t: f64, tolerance: Tolerance) -> Result<(
 
 /// A mistaken unit of a tolerance would take steps for ever.
 fn not_too_many(steps: usize, t: f64, tolerance: Tolerance) -> Result<(), FemError> {
-    if steps <= MOST_STEPS {
+    if steps <= MAX_STEPS {
         return Ok(());
     }
     let what = format!(
-        "{MOST_STEPS} steps of a motion end at t = {t} already: an error of {:e} per step is very small; allow a larger one",
+        "{MAX_STEPS} steps of a motion end at t = {t} already: an error of {:e} per step is very small; allow a larger one",
         tolerance.error
     );
     Err(FemError::Meaningless { what })

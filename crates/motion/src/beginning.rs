@@ -6,8 +6,8 @@ use nastic_body::instant::Instant;
 use nastic_body::state::State;
 use nastic_equilibrium::model::Model;
 
-/// Largest part of a velocity that constraints do not allow, as a share of the whole: what rounding leaves.
-const OFF: f64 = 1e-6;
+/// Largest part of a velocity that violates the constraints, as a share of the whole: rounding.
+const MAX_VIOLATION_SHARE: f64 = 1e-6;
 
 /// [`TimeStepping::check_velocity`](crate::TimeStepping::check_velocity).
 pub(crate) fn check_velocity(model: &Model, begin: &State) -> Result<(), FemError> {
@@ -24,7 +24,7 @@ pub(crate) fn check_velocity(model: &Model, begin: &State) -> Result<(), FemErro
         let own = DVector::from_iterator(allowed.nrows(), entries.copied());
         let basis = allowed.qr().q();
         let off = (&own - &basis * basis.tr_mul(&own)).norm() / own.norm();
-        if off.is_nan() || off <= OFF {
+        if off.is_nan() || off <= MAX_VIOLATION_SHARE {
             return Ok(());
         }
         let what = format!(

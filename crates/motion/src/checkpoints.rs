@@ -25,7 +25,7 @@ pub struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// All states of so many steps are kept; nothing is computed again. Segments have the length `segment` nevertheless.
+    /// All states of this number of steps are stored; nothing is recomputed. Segments have the length `segment` nevertheless.
     ///
     /// # Errors
     /// Segments without steps.
@@ -41,7 +41,7 @@ impl Checkpoints {
         Checkpoints { steps: 0, segment: 1, most: None }
     }
 
-    /// At most so many checkpoints, the beginning of the motion among them.
+    /// At most this number of checkpoints, the beginning of the motion among them.
     ///
     /// # Errors
     /// No checkpoint, segments without steps.
@@ -52,7 +52,7 @@ impl Checkpoints {
         }
     }
 
-    /// As many as fit into so many bytes; all states where these fit.
+    /// As many as fit into a number of bytes; all states if these fit.
     ///
     /// # Errors
     /// Less memory than one checkpoint and one segment take; segments without steps.

@@ -10,10 +10,11 @@ use nastic_equilibrium::model::Model;
 use nastic_linear::{CgEnd, Preconditioner, conjugate_gradient};
 use std::sync::Arc;
 
-/// Where conjugate gradients end, and how many may be needed: with the diagonal as preconditioner the condition
-/// number of a mass matrix depends on the kind of cells alone (Wathen, IMA J. Numer. Anal. 7, 1987).
-const RESIDUAL: f64 = 1e-15;
-const ITERATIONS: usize = 1000;
+/// Relative residual of conjugate gradients: with the diagonal as preconditioner the condition number of a mass matrix
+/// depends on the kind of cells alone (Wathen, IMA J. Numer. Anal. 7, 1987).
+const RESIDUAL_TOLERANCE: f64 = 1e-15;
+/// Iterations of conjugate gradients.
+const MAX_ITERATIONS: usize = 1000;
 
 struct Diagonal(Vec<f64>);
 
@@ -77,7 +78,7 @@ pub(crate) fn divide_by_mass(
         model.supports.clear(out);
     };
     let mut x = vec![0.0; b.len()];
-    let report = conjugate_gradient(&product, &Diagonal(diagonal), &b, &mut x, RESIDUAL, ITERATIONS);
+    let report = conjugate_gradient(&product, &Diagonal(diagonal), &b, &mut x, RESIDUAL_TOLERANCE, MAX_ITERATIONS);
     match report.end {
         CgEnd::Converged | CgEnd::Stagnated => {
             model.supports.extend(&mut x);

@@ -32,7 +32,7 @@ pub struct ModalDamping {
 impl Scheme {
     /// R on `q'' + d q' + w^2 q = 0`, from `h w` and `d/w`: of the eigenvalues of the matrix by which a step multiplies
     /// (u, h v), with `h^2 a` where the scheme carries an acceleration that is not in equilibrium and the state before
-    /// where it needs that, the largest of a conjugate pair; of real ones, of a mode that creeps back, the one with the
+    /// where it needs that, the largest of a conjugate pair; of real ones, of an overdamped mode, the one with the
     /// largest value, its slower part. (The other ones of an acceleration may be as large as -1.)
     ///
     /// Of a scheme with [`exact_modes`](Self::exact_modes) it is that of the others.

@@ -1,4 +1,4 @@
-//! [`Recording`]: a motion as it runs, with as many of its states as its reverse sweep is given memory for; of a static problem its state.
+//! [`Recording`]: a motion with all its states or with checkpoints, for the reverse sweep; for a static problem its state.
 
 use crate::TimeStepping;
 use crate::checkpoints::{Checkpoints, split};
@@ -11,11 +11,11 @@ use nastic_equilibrium::model::Model;
 use nastic_equilibrium::search::options::SolveOptions;
 use std::sync::{Arc, LazyLock};
 
-/// A motion by one scheme that keeps all its states, or checkpoints from which the others are computed again.
+/// A motion by one scheme with all its states, or with checkpoints from which the others are recomputed.
 ///
-/// Every segment of it begins with an empty [`Workspace`], whether states are kept or not: what a segment computes depends on its
-/// first states and its controls alone, and comes out the same, to the bit, when it is computed again. So does, within a segment, a step behind
-/// [96 Newton iterations or more](Self::begins_anew): what is lost where a motion is stopped stays small where steps are hard to solve.
+/// Every segment begins with an empty [`Workspace`], whether states are stored or not: its results depend on its first states and its
+/// controls alone, and have the same bits when it is recomputed. Within a segment a step after
+/// [96 Newton iterations or more](Self::begins_anew) begins likewise, which limits the work that is lost when a motion is stopped.
 ///
 /// ```
 /// # use nastic_fem::{Checkpoints, Inertia, Recording, ReverseSweep, Scheme, Solid, SolveOptions, StateError, StatePartials};
@@ -51,13 +51,13 @@ use std::sync::{Arc, LazyLock};
 pub struct Recording {
     scheme: Arc<Scheme>,
     plan: Checkpoints,
-    /// The segments at whose beginnings checkpoints are left.
+    /// The segments that begin with a checkpoint.
     places: Vec<usize>,
-    /// Increasing; the first is the beginning of the motion. None where all states are kept.
+    /// Increasing; the first is the beginning of the motion. Empty where all states are stored.
     kept: Vec<Checkpoint>,
-    /// The states of the last segment that was computed; where all states are kept, all.
+    /// The states of the last segment that was computed, or all of them.
     part: Trajectory,
-    /// The number of that segment; nothing while it is computed again.
+    /// The number of that segment; `None` while it is recomputed.
     segment: Option<usize>,
     /// Newton iterations since the workspace was empty.
     iterations: usize,
@@ -71,18 +71,18 @@ struct Checkpoint {
     states: Trajectory,
 }
 
-/// What a recording has done.
+/// Counts of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RecordingCounts {
-    /// Steps that were computed again.
+    /// Recomputed steps.
     pub recomputed_steps: usize,
-    /// States in memory at once, at most.
+    /// Largest number of states in memory.
     pub states: usize,
 }
 
-/// Newton iterations behind which a step begins with an empty workspace. A segment of steps that are easy to solve takes less; of others another
-/// factorisation among so many iterations costs 1 %.
-const MOST_ITERATIONS: usize = 96;
+/// Newton iterations after which a step begins with an empty workspace. Most segments take fewer; in the others one more
+/// factorisation for this number of iterations costs 1 %.
+const MAX_ITERATIONS: usize = 96;
 
 static NO_STEPS: LazyLock<Arc<Scheme>> = LazyLock::new(|| Arc::new(Scheme::quasi_static()));
 
@@ -96,7 +96,7 @@ impl From<State> for Recording {
 }
 
 impl Recording {
-    /// A motion that is to begin there.
+    /// A motion that begins with `begin`.
     pub fn new(begin: Trajectory, scheme: Scheme, plan: Checkpoints) -> Self {
         let counts = RecordingCounts::default();
         let places = plan.first_places();
@@ -104,8 +104,8 @@ impl Recording {
         Recording { scheme, plan, places, kept, part: begin, segment: None, iterations: 0, counts }
     }
 
-    /// The states of the last segment that was computed, the last step before it included where the scheme goes over two; all states
-    /// where they are kept.
+    /// The states of the last segment that was computed, with the last step before it for two-step schemes; all states where they
+    /// are stored.
     pub fn part(&self) -> &Trajectory {
         &self.part
     }
@@ -115,19 +115,19 @@ impl Recording {
         self.plan.most().is_none()
     }
 
-    /// Whether the next step begins with an empty workspace, so that a motion goes on from here as if it had never stopped: at the beginnings of
-    /// segments, and within them behind 96 Newton iterations or more. Counts alone decide, which are the same when steps are computed again.
+    /// Whether the next step begins with an empty workspace, so that a motion resumed here has the bits of one without a stop: at the beginning of a
+    /// segment, and within it after 96 Newton iterations or more. Only counts decide, which are the same when steps are recomputed.
     pub fn begins_anew(&self) -> bool {
         let done = self.part.first() + self.part.states().len() - 1;
-        done.is_multiple_of(self.plan.segment()) || self.iterations >= MOST_ITERATIONS
+        done.is_multiple_of(self.plan.segment()) || self.iterations >= MAX_ITERATIONS
     }
 
-    /// What was computed again, and what was kept.
+    /// Recomputed steps and stored states.
     pub fn counts(&self) -> RecordingCounts {
         self.counts
     }
 
-    /// One step further.
+    /// Makes one step.
     ///
     /// # Errors
     /// As [`TimeStepping::advance`].
@@ -158,14 +158,14 @@ impl Recording {
         Ok(())
     }
 
-    /// Calls with every step of the motion, from the last to the first: with a part of the motion and the number of the step in it, which
-    /// leads to the state of number `part.first() + k + 1`. States that are not there are computed again, under `to(n)`, the controls
-    /// that led to the n-th state the first time. Returns the work of that.
+    /// Calls `each` with every step of the motion, from the last to the first: with a part of the motion and the number k of the step in it, which
+    /// leads to the state of number `part.first() + k + 1`. States that are not stored are recomputed, under `to(n)`, the controls of the
+    /// step to the n-th state. Returns the work of the recomputation.
     ///
-    /// Afterwards the checkpoints behind the beginning are gone: another call computes the whole motion again.
+    /// Afterwards only the checkpoint at the beginning is left: another call recomputes the whole motion.
     ///
     /// # Errors
-    /// What `to` and `each` return; a [`StateError`] where `how` or the controls differ from those of the motion.
+    /// Those of `to` and `each`; a [`StateError`] where `how` or the controls differ from those of the motion.
     pub fn backwards<E: From<StateError>>(
         &mut self,
         model: &Model,
@@ -178,7 +178,7 @@ impl Recording {
             (0..self.part.steps().len()).rev().try_for_each(|k| each(&self.part, k))?;
             return Ok(work);
         }
-        // its own, so that the solves of the sweep are those of one that finds all states in memory
+        // a separate one, so that the solves of the sweep are the same as with all states in memory
         let mut workspace = Workspace::default();
         for segment in (0..self.plan.segments()).rev() {
             let begin = segment * self.plan.segment();
@@ -194,7 +194,7 @@ impl Recording {
         Ok(work)
     }
 
-    /// Computes a segment from the checkpoint before it, and leaves further checkpoints on the way.
+    /// Computes a segment from the checkpoint before it, and stores further checkpoints between them.
     fn reach<E>(&mut self, segment: usize, again: &mut dyn FnMut(&mut Self, usize) -> Result<(), E>) -> Result<(), E> {
         let Some(last) = self.kept.last() else { return Ok(()) };
         self.part = last.states.clone();
@@ -214,7 +214,7 @@ impl Recording {
         again(self, segment)
     }
 
-    /// Computes a segment again, whose first states are at hand.
+    /// Recomputes a segment from its first states, which `part` holds.
     fn again<E: From<StateError>>(
         &mut self,
         model: &Model,

@@ -21,8 +21,8 @@ use nastic_equilibrium::search::options::SolveOptions;
 use nastic_linear::LinearError;
 use std::sync::Arc;
 
-/// Lengths of steps that differ by less, relatively, are equal.
-const EQUAL: f64 = 1e-12;
+/// Relative difference up to which two lengths of steps are equal.
+const LENGTH_TOLERANCE: f64 = 1e-12;
 
 /// A step that was found.
 pub(crate) struct SolvedStep {
@@ -32,8 +32,8 @@ pub(crate) struct SolvedStep {
     pub error: Option<Vec<f64>>,
 }
 
-/// Steps that one without a solution is made as at most.
-pub(crate) const MOST_PARTS: usize = 16;
+/// Parts into which a step without a solution is cut.
+pub(crate) const MAX_PARTS: usize = 16;
 
 /// [`TimeStepping::advance`](crate::TimeStepping::advance).
 pub(crate) fn advance(
@@ -59,7 +59,7 @@ pub(crate) fn advance(
             return Err(FemError::Meaningless { what }.into());
         }
         model.checks().check_controls(&to.controls)?;
-        let equal = trajectory.steps().last().is_some_and(|last| (last.dt - to.dt).abs() <= EQUAL * to.dt);
+        let equal = trajectory.steps().last().is_some_and(|last| (last.dt - to.dt).abs() <= LENGTH_TOLERANCE * to.dt);
         let used = start.as_ref().filter(|_| !equal).unwrap_or(&scheme).clone();
         let found = step_or_parts(model, trajectory, used, to, how, workspace)?;
         trajectory.push(found.step, found.state);
@@ -67,7 +67,7 @@ pub(crate) fn advance(
     Ok(())
 }
 
-/// Whether a motion can go on from there.
+/// Whether a motion can continue from there.
 pub(crate) fn check_motion(model: &Model, trajectory: &Trajectory, scheme: &Scheme) -> Result<(), StateError> {
     model.checks().check_in_motion()?;
     supports_motion(model, scheme)?;
@@ -102,7 +102,7 @@ fn step_or_parts(
     workspace: &mut Workspace,
 ) -> Result<SolvedStep, StateError> {
     let whole = scheme.start().unwrap_or(&scheme);
-    let parted = |cut: u32| match model.properties().goes_in_parts() && cut <= MOST_PARTS.ilog2() {
+    let parted = |cut: u32| match model.properties().goes_in_parts() && cut <= MAX_PARTS.ilog2() {
         true => whole.in_parts(1 << cut).map(Arc::new),
         false => None,
     };
@@ -131,7 +131,7 @@ fn step_or_parts(
     Err(failed)
 }
 
-/// `shorter`: what fails goes on as shorter steps.
+/// `shorter`: a step that fails is replaced by shorter steps.
 pub(crate) fn step(
     model: &Model,
     trajectory: &Trajectory,

@@ -5,9 +5,10 @@ use nastic_body::error::FemError;
 use nastic_equilibrium::model::Model;
 use nastic_equilibrium::model::features::refuse;
 
-/// A mode that no step resolves, `h w`, which a scheme has to damp beside constraints.
-const UNRESOLVED: f64 = 1e6;
-const DAMPED: f64 = 1.0 - 1e-3;
+/// `h w` of a mode that no step resolves.
+const UNRESOLVED_FREQUENCY: f64 = 1e6;
+/// Largest amplification of such a mode, which a scheme has to damp beside constraints.
+const MAX_AMPLIFICATION: f64 = 1.0 - 1e-3;
 
 /// [`TimeStepping::supports_motion`](crate::TimeStepping::supports_motion).
 pub(crate) fn supports_motion(model: &Model, scheme: &Scheme) -> Result<(), FemError> {
@@ -40,7 +41,8 @@ pub(crate) fn supports_motion(model: &Model, scheme: &Scheme) -> Result<(), FemE
         "the end of its steps is extrapolated, where no constraint would hold: take bdf2 or tr_bdf2"
     } else if scheme.is_linearised() {
         "its steps are linear, and no constraint would hold at their end: take bdf2 or backward_euler"
-    } else if !scheme.is_quasi_static() && scheme.amplification(UNRESOLVED, 0.0)?.modulus > DAMPED {
+    } else if !scheme.is_quasi_static() && scheme.amplification(UNRESOLVED_FREQUENCY, 0.0)?.modulus > MAX_AMPLIFICATION
+    {
         "it damps nothing, and the multiplier of a constraint would oscillate and grow: take bdf2 or tr_bdf2"
     } else {
         return Ok(());

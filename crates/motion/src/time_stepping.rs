@@ -19,7 +19,7 @@ use std::borrow::Borrow;
 pub trait TimeStepping: Borrow<Model> {
     /// Whether a motion may begin with the velocity of a state: nodes that follow others have that of these, and constraints on a few nodes are kept to
     /// first order, by which the velocity of a rigid body is a translation and a rotation. A state that a motion led to, t > 0, has the velocity that
-    /// its scheme gave it, which keeps constraints as far as the scheme is accurate, and of a body at rest is rounding: it is not looked at.
+    /// its scheme gave it, which keeps constraints as far as the scheme is accurate, and of a body at rest is rounding: it is not checked.
     ///
     /// # Errors
     /// [`FemError::Meaningless`]: of which body, and how far off it is.

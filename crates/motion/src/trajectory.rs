@@ -1,7 +1,7 @@
 //! [`Trajectory`]: the states of a problem in time, one after the other; of a static problem, one.
 
 use crate::scheme::Scheme;
-use crate::step::MOST_PARTS;
+use crate::step::MAX_PARTS;
 use nastic_body::controls::Controls;
 use nastic_body::error::FemError;
 use nastic_body::state::State;
@@ -116,7 +116,7 @@ impl Trajectory {
         Some(StepRecord { dt, starts, parts, stages, started })
     }
 
-    /// The [end](Self::tail) of a motion by a scheme that was written down, from which it goes on as if it had never stopped: its last states,
+    /// The [end](Self::tail) of a saved motion by a scheme, from which it continues with the same bits: its last states,
     /// the first of which has this number, and the step between them where there are two.
     ///
     /// # Errors
@@ -134,7 +134,7 @@ impl Trajectory {
         };
         let made_by = match &step {
             Some(StepRecord { parts, .. }) if *parts != 1 => {
-                Some(*parts).filter(|n| n.is_power_of_two() && *n <= MOST_PARTS).and_then(|n| whole.in_parts(n))
+                Some(*parts).filter(|n| n.is_power_of_two() && *n <= MAX_PARTS).and_then(|n| whole.in_parts(n))
             }
             _ => Some(whole.clone()),
         };

@@ -21,13 +21,13 @@ pub struct Certificate {
 }
 
 /// Steps of the short check, as shares of a direction a tenth of the set's extent long.
-const STEPS: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
-/// A mismatch below this vouches for the derivative: its error would show at every step.
-const ENOUGH: f64 = 1e-3;
-/// Share of the set's extent.
-const LENGTH: f64 = 0.1;
+const STEP_SHARES: [f64; 4] = [1e-1, 1e-2, 1e-3, 1e-4];
+/// Largest mismatch of a correct derivative: an error would show at every step.
+const MAX_MISMATCH: f64 = 1e-3;
+/// Length of a direction, as a share of the set's extent.
+const DIRECTION_SHARE: f64 = 0.1;
 /// Relative accuracy asked of state solves.
-const ACCURACY: f64 = 1e-10;
+const STATE_ACCURACY: f64 = 1e-10;
 
 /// An evaluated control with its derivative: what a certificate is about.
 #[derive(Debug)]
@@ -65,10 +65,10 @@ impl Certificate {
         let direction = direction(set, base.m, size, seed)?;
         let slope = dot(base.derivative, &direction);
         let cost = objective.value(base.point);
-        let how = Request { near: Some(base.point), accuracy: ACCURACY, stage: base.stage, ..Request::default() };
+        let how = Request { near: Some(base.point), accuracy: STATE_ACCURACY, stage: base.stage, ..Request::default() };
         let mut certificate = Self { mismatch: f64::INFINITY, trials: 0, verdict: Verdict::Undecided, full: None };
         let mut trial = base.m.to_vec();
-        for t in STEPS {
+        for t in STEP_SHARES {
             set.retract(base.m, &direction, t, &mut trial);
             certificate.trials += 1;
             let evaluated = match objective.evaluate(&trial, &how, workspace) {
@@ -79,7 +79,7 @@ impl Certificate {
             let change = objective.value(&evaluated) - cost;
             let mismatch = (change - t * slope).abs() / (t * slope).abs();
             certificate.mismatch = certificate.mismatch.min(mismatch);
-            if mismatch < ENOUGH {
+            if mismatch < MAX_MISMATCH {
                 certificate.verdict = Verdict::Right;
                 return Ok(certificate);
             }
@@ -110,7 +110,8 @@ fn direction(set: &dyn Admissible, m: &[f64], size: Option<f64>, seed: u64) -> R
     let fallback = size.unwrap_or_else(|| m.iter().fold(0.0, |most: f64, x| most.max(x.abs())));
     let mut random = Random::new(seed);
     let extent = set.extent(m).into_iter();
-    let mut d: Vec<f64> = extent.map(|e| LENGTH * if e > 0.0 { e } else { fallback } * random.symmetric()).collect();
+    let mut d: Vec<f64> =
+        extent.map(|e| DIRECTION_SHARE * if e > 0.0 { e } else { fallback } * random.symmetric()).collect();
     set.inward(m, &mut d);
     if d.iter().any(|d| *d != 0.0) { Ok(d) } else { Err(TaylorError::NoDirection) }
 }

@@ -4,11 +4,11 @@ use crate::Progress;
 use serde::{Deserialize, Serialize};
 
 /// Iterations at which starts are compared for the first time; each further round has twice as many as all before.
-const FIRST: usize = 10;
-/// Iterations within the last stage from which a decrease is extrapolated, at least.
-const FEWEST: usize = 4;
+const FIRST_COMPARISON: usize = 10;
+/// Iterations within the last stage before a decrease is extrapolated.
+const MIN_ITERATIONS: usize = 4;
 /// An extrapolated cost is divided by this: far from a minimum a decrease may become faster.
-const MARGIN: f64 = 2.0;
+const EXTRAPOLATION_MARGIN: f64 = 2.0;
 
 /// A start in the last continuation stage, where costs of different starts compare.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,11 +35,11 @@ impl Standing {
     /// Of a run under way; none in an earlier stage, after too few iterations, or where the cost is not above zero.
     pub fn of(progress: &Progress, last_stage: usize) -> Option<Self> {
         let costs = &progress.costs;
-        let done = costs.len().checked_sub(1).filter(|done| *done >= FEWEST && progress.stage == last_stage)?;
+        let done = costs.len().checked_sub(1).filter(|done| *done >= MIN_ITERATIONS && progress.stage == last_stage)?;
         // Costs of a method that is not monotone may have been lower before: the best start would be stopped for a rise.
         let least = |costs: &[f64]| costs.iter().copied().fold(f64::INFINITY, f64::min);
         let (cost, half) = (least(costs), least(&costs[..=done / 2]));
-        (cost > 0.0).then(|| Self { cost, within_reach: cost * (cost / half) / MARGIN })
+        (cost > 0.0).then(|| Self { cost, within_reach: cost * (cost / half) / EXTRAPOLATION_MARGIN })
     }
 
     /// Of a run that has ended.
@@ -50,7 +50,7 @@ impl Standing {
 
 /// Number of iterations at which a round ends: 10, 20, 40 ..
 pub fn limit(round: usize) -> usize {
-    FIRST.saturating_mul(1_usize.checked_shl(round.try_into().unwrap_or(u32::MAX)).unwrap_or(usize::MAX))
+    FIRST_COMPARISON.saturating_mul(1_usize.checked_shl(round.try_into().unwrap_or(u32::MAX)).unwrap_or(usize::MAX))
 }
 
 /// Those starts under way that cannot reach the lowest cost so far: the worst first, at most half of all under way (rounded down).
@@ -86,7 +86,7 @@ mod tests {
     fn a_decrease_is_extrapolated_in_the_last_stage_alone() {
         let costs = [9.0, 5.0, 4.0, 3.5, 3.25];
         let standing = Standing::of(&progress(1, &costs), 1).unwrap();
-        assert_eq!(standing, Standing { cost: 3.25, within_reach: 3.25 * 3.25 / (4.0 * MARGIN) });
+        assert_eq!(standing, Standing { cost: 3.25, within_reach: 3.25 * 3.25 / (4.0 * EXTRAPOLATION_MARGIN) });
         assert_eq!(Standing::of(&progress(0, &costs), 1), None);
         assert_eq!(Standing::of(&progress(1, &costs[..4]), 1), None);
         assert_eq!(Standing::of(&progress(1, &[1.0, 0.5, 0.2, 0.1, -0.1]), 1), None);
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn a_rise_does_not_stop_the_best() {
         let rising = Standing::of(&progress(0, &[9.0, 2.0, 1.0, 8.0, 7.0]), 0).unwrap();
-        assert_eq!(rising, Standing { cost: 1.0, within_reach: 1.0 / MARGIN });
+        assert_eq!(rising, Standing { cost: 1.0, within_reach: 1.0 / EXTRAPOLATION_MARGIN });
         let other = Standing::of(&progress(0, &[9.0, 8.0, 7.5, 7.2, 7.1]), 0);
         let stopped = outperformed(&[(0, Some(rising)), (1, other)], &[]);
         assert_eq!(stopped.iter().map(|one| one.start).collect::<Vec<_>>(), [1]);
@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(stopped(&[]), [2, 5]);
         // One that has ended lower makes all hopeless; two of five are stopped.
         assert_eq!(stopped(&[Standing::ended(0.1)]), [2, 5]);
-        // Alone it goes on to its end.
+        // Alone it is never stopped.
         assert_eq!(outperformed(&[(1, at(3.0, 3.0))], &[Standing::ended(0.1)]), []);
         assert_eq!(outperformed(&[(0, at(1.0, 1.0)), (1, at(1.0, 1.0))], &[]), []);
     }

@@ -49,7 +49,7 @@ pub struct InnerProductRow {
     pub name: &'static str,
     /// What it is, in a few words.
     pub about: &'static str,
-    /// An example of so many components.
+    /// An example by the number of components.
     pub make: fn(usize) -> Result<Arc<dyn InnerProduct>, InnerProductError>,
 }
 

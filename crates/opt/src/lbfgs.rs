@@ -54,7 +54,7 @@ struct QuasiNewton {
     theta: f64,
     /// Oldest first.
     pairs: VecDeque<Secant>,
-    /// Iterations in a row without a usable pair.
+    /// Consecutive iterations without a usable pair.
     skipped: usize,
     direction: Vec<f64>,
     /// The direction's share of the step to the model's minimiser.
@@ -64,12 +64,12 @@ struct QuasiNewton {
 }
 
 impl QuasiNewton {
-    /// By how much theta falls where the cost does not curve upward.
-    const RELAX: f64 = 0.25;
-    /// Pairs left out in a row before the memory is cleared.
-    const PATIENCE: usize = 2;
+    /// Factor of theta where the curvature of the cost is not positive.
+    const THETA_DECREASE: f64 = 0.25;
+    /// Consecutive pairs left out before the memory is cleared.
+    const MAX_SKIPPED: usize = 2;
     /// Length of a first trial after a search that shortened its step, in lengths of the step it accepted.
-    const GROWTH: f64 = 4.0;
+    const MAX_LENGTH_RATIO: f64 = 4.0;
 
     /// The step to the minimiser of the model over the set's local model.
     fn model_step(&mut self, here: &Current<'_>) -> Vec<f64> {
@@ -135,7 +135,7 @@ impl Method for QuasiNewton {
     fn accepted(&mut self, from: &Current<'_>, to: &Current<'_>, fraction: f64, trials: usize) {
         self.carry(from, to);
         let secant = Secant::between(from, to);
-        self.reach = if trials > 1 { Self::GROWTH * secant.ss.sqrt() } else { f64::INFINITY };
+        self.reach = if trials > 1 { Self::MAX_LENGTH_RATIO * secant.ss.sqrt() } else { f64::INFINITY };
         if secant.is_convex() {
             // The largest curvature met, y.y / s.y, would be too stiff for most directions of an ill-posed problem; this is the geometric mean
             // of that and of s.y / s.s.
@@ -149,14 +149,14 @@ impl Method for QuasiNewton {
         }
         self.skipped += 1;
         if self.pairs.is_empty() {
-            self.theta *= Self::RELAX / self.step(fraction);
-        } else if self.skipped >= Self::PATIENCE {
+            self.theta *= Self::THETA_DECREASE / self.step(fraction);
+        } else if self.skipped >= Self::MAX_SKIPPED {
             // The step just taken, four times as long, is where the next gradient step begins. The gradient's part that pushes on
             // active bounds moves nothing.
             self.pairs.clear();
             let gradient = to.set.optimality(to.metric, to.m, to.derivative).norm;
             if gradient > 0.0 {
-                self.theta = Self::RELAX * gradient / secant.ss.sqrt();
+                self.theta = Self::THETA_DECREASE * gradient / secant.ss.sqrt();
             }
         }
     }

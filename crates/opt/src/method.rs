@@ -49,7 +49,7 @@ pub struct Secant {
 
 impl Secant {
     /// Smallest cosine between s and the Riesz image of y that still counts as positive curvature.
-    const COSINE: f64 = 1e-9;
+    const MIN_COSINE: f64 = 1e-9;
 
     /// From one control to another.
     pub fn between(from: &Current<'_>, to: &Current<'_>) -> Self {
@@ -64,7 +64,7 @@ impl Secant {
 
     /// Whether the cost curves upward along s, beyond rounding.
     pub fn is_convex(&self) -> bool {
-        self.sy > 0.0 && self.sy * self.sy > Self::COSINE * Self::COSINE * self.ss * self.yy
+        self.sy > 0.0 && self.sy * self.sy > Self::MIN_COSINE * Self::MIN_COSINE * self.ss * self.yy
     }
 }
 

@@ -39,12 +39,12 @@ impl Curvature for Steepest<'_> {
     }
 }
 
-/// Rounds of face identification at most.
-const ROUNDS: usize = 25;
-/// The model's projected gradient is reduced by this factor.
-const REDUCTION: f64 = 1e-4;
+/// Rounds of face identification.
+const MAX_ROUNDS: usize = 25;
+/// Ratio of the last to the first projected gradient of the model.
+const GRADIENT_REDUCTION: f64 = 1e-4;
 /// Halvings of a step within the model.
-const HALVINGS: usize = 8;
+const MAX_HALVINGS: usize = 8;
 
 /// A step d of the set's local model at m that (nearly) minimises q(d) = derivative . d + d . B d / 2.
 ///
@@ -68,9 +68,9 @@ pub(crate) fn minimise(
     if let Some(next) = model.gradient_step(&at) {
         at = next;
     }
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let (face, size) = model.residual(&at);
-        if size <= REDUCTION * first {
+        if size <= GRADIENT_REDUCTION * first {
             break;
         }
         match model.newton_step(&at, &face).or_else(|| model.gradient_step(&at)) {
@@ -148,7 +148,7 @@ impl Model<'_> {
         let precondition = |r: &[f64]| face.projected(&self.b.solve(r));
         let newton = conjugate_gradient(apply, precondition, &rhs, 1e-5, 200);
         let mut length = 1.0;
-        for _ in 0..HALVINGS {
+        for _ in 0..MAX_HALVINGS {
             let mut d = at.d.clone();
             axpy(length, &newton, &mut d);
             self.set.restrict(self.m, &mut d);

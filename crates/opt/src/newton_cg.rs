@@ -81,16 +81,18 @@ struct TrustRegion {
     gradient_alone: bool,
 }
 
-/// The largest share of the projected gradient that a model may leave.
-const COARSEST: f64 = 0.5;
+/// Largest share of the projected gradient that the solution of a model may leave.
+const MAX_FORCING: f64 = 0.5;
 
 impl TrustRegion {
-    /// The first radius, in lengths of a sensible first gradient step: the model is better than a gradient, and a trial too far costs one.
-    const FIRST: f64 = 10.0;
-    /// Below this ratio of decreases the radius shrinks, above the other it grows.
-    const POOR: f64 = 0.25;
-    const GOOD: f64 = 0.75;
-    const GROWTH: f64 = 4.0;
+    /// First radius over the length of the first gradient step: the model is better than a gradient, and a trial too far costs one evaluation.
+    const FIRST_RADIUS_RATIO: f64 = 10.0;
+    /// Ratio of actual to predicted decrease below which the radius shrinks.
+    const SHRINK_RATIO: f64 = 0.25;
+    /// Ratio of decreases above which the radius grows.
+    const GROWTH_RATIO: f64 = 0.75;
+    /// Factor by which the radius grows.
+    const RADIUS_GROWTH: f64 = 4.0;
 }
 
 impl Method for TrustRegion {
@@ -103,12 +105,12 @@ impl Method for TrustRegion {
         let size = here.set.optimality(here.metric, here.m, here.derivative).norm;
         if self.first == 0.0 {
             self.first = size;
-            self.radius = Self::FIRST * self.first_step * size;
+            self.radius = Self::FIRST_RADIUS_RATIO * self.first_step * size;
         }
         let subproblem = Subproblem {
             here: *here,
             radius: self.radius,
-            forcing: self.forcing.min(COARSEST).min((size / self.first).sqrt()),
+            forcing: self.forcing.min(MAX_FORCING).min((size / self.first).sqrt()),
             max_products: self.max_products.max(1),
         };
         let mut product = |v: &[f64]| hessian.product(v, self.hessian);
@@ -140,12 +142,12 @@ impl Method for TrustRegion {
         if predicted.abs() <= 10.0 * f64::EPSILON * from.cost.abs() {
             return;
         }
-        if ratio < Self::POOR {
+        if ratio < Self::SHRINK_RATIO {
             self.radius = 0.5 * length;
         } else if fraction < 1.0 {
             self.radius = length;
-        } else if ratio > Self::GOOD && step.at_radius {
-            self.radius = self.radius.max(Self::GROWTH * length);
+        } else if ratio > Self::GROWTH_RATIO && step.at_radius {
+            self.radius = self.radius.max(Self::RADIUS_GROWTH * length);
         }
     }
 

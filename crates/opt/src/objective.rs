@@ -21,26 +21,26 @@ pub struct Request<'a, P> {
     pub budget: Budget,
 }
 
-/// The most work of a state solve, in the unit of the objective: Newton iterations. One that has used it up fails.
+/// Limit of the work of a state solve, in the unit of the objective: Newton iterations. A solve that reaches it fails.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Budget {
-    /// As much as it takes.
+    /// No limit.
     #[default]
     Unlimited,
-    /// So much.
+    /// This amount.
     Of(usize),
-    /// So many times what the last accepted points took, the one that it [starts near](Request::near) among them, and not less than what the objective
-    /// grants any trial; without such a point as much as it takes.
+    /// A multiple of the work of the last accepted points, the one that it [starts near](Request::near) among them, and not less than the least
+    /// budget of the objective; without such a point no limit.
     Times(f64),
 }
 
 impl Budget {
-    /// In units of work, beside accepted points that took so many, where any trial has at least `least`; `None` without a limit.
+    /// The limit in units of work, by the work of accepted points, and at least `least`; `None` without a limit.
     pub fn work(self, accepted: Option<usize>, least: usize) -> Option<usize> {
         match (self, accepted) {
             (Self::Unlimited, _) | (Self::Times(_), None) => None,
             (Self::Of(most), _) => Some(most),
-            // as a float may be beyond all integers, at which the conversion ends
+            // the conversion saturates where the product exceeds all integers
             (Self::Times(factor), Some(usual)) => Some(((factor * usual as f64).ceil() as usize).max(least)),
         }
     }
@@ -73,23 +73,23 @@ impl<P> Copy for Request<'_, P> {}
 /// A cost j(m) of a control vector m. A *point* is an evaluated trial; its derivative is asked for only when the trial is
 /// accepted.
 ///
-/// Every method is a function of its arguments: the objective holds no current point and no current stage. What makes the
-/// next evaluation faster (factors, predictors) is kept in a [`Workspace`](Self::Workspace) that belongs to the caller, one
-/// per sequence of evaluations. Results depend on it within [`Request::accuracy`] only, and the same sequence of calls
-/// gives the same bits.
+/// Every method is a function of its arguments: the objective holds no current point and no current stage. Factors and
+/// predictors for the next evaluation are in a [`Workspace`](Self::Workspace) that belongs to the caller, one per sequence
+/// of evaluations. Results depend on it within [`Request::accuracy`] only, and the same sequence of calls gives the same
+/// bits.
 ///
 /// `&T` and `Arc<T>` are objectives if `T` is one, so that a run may borrow a problem, share it or own it.
 pub trait Objective: Sync {
-    /// An evaluated trial: the state, the value, what a derivative needs.
+    /// An evaluated trial: the state, the value, and the data of a derivative.
     type Point;
 
-    /// What one evaluation leaves for the next; `()` if nothing.
+    /// Data that one evaluation holds for the next; `()` if none.
     type Workspace: Default + Send;
 
     /// Evaluates the cost of stage `how.stage` at `m`.
     ///
     /// # Errors
-    /// [`Failed`] when there is no value there; the driver tries a shorter step, or ends the run if it is
+    /// [`Failed`] when there is no value there; the driver tries a shorter step, or stops the run if the failure is
     /// [fatal](Failed::fatal).
     fn evaluate(
         &self,
@@ -102,17 +102,17 @@ pub trait Objective: Sync {
     fn value(&self, point: &Self::Point) -> f64;
 
     /// The derivative dj/dm_i at an evaluated point: a dual vector, not yet a gradient (see
-    /// [`InnerProduct::riesz`]). The point may take up what was computed on the way (an adjoint state, for output).
+    /// [`InnerProduct::riesz`]). The point may store intermediate results (an adjoint state, for output).
     ///
     /// # Errors
-    /// [`Failed`] when the adjoint cannot be had; the driver treats the trial as failed.
+    /// [`Failed`] when the adjoint solve fails; the driver treats the trial as failed.
     fn derivative(&self, point: &mut Self::Point, workspace: &mut Self::Workspace) -> Result<Vec<f64>, Failed>;
 
     /// The second derivative of j at an evaluated point, applied to a direction v: `H v`, a dual vector. Symmetric:
     /// `w . H v = v . H w`.
     ///
     /// # Errors
-    /// [`NoSecondDerivatives`] of an objective that has none (the default); [`Failed`] where they cannot be had.
+    /// [`NoSecondDerivatives`] of an objective that has none (the default); [`Failed`] where their solve fails.
     fn hessian_vector(
         &self,
         _point: &Self::Point,
@@ -123,50 +123,50 @@ pub trait Objective: Sync {
         Err(Failed::new(NoSecondDerivatives { objective: std::any::type_name::<Self>() }))
     }
 
-    /// Whether the states of two evaluated points lie on different branches of the state equation, the cost jumping between them, and why. Asked of a trial from
-    /// `from` whose cost is too high: what it reports of the way ([`Failed::limit`]) shortens the step. `None` where nothing says so (the default).
+    /// Whether the states of two evaluated points lie on different branches of the state equation, between which the cost is discontinuous, and why. It is called
+    /// for a trial from `from` whose cost is too high; [`Failed::limit`] then shortens the step. `None` where the branch is the same or unknown (the default).
     fn jump(&self, _from: &Self::Point, _to: &Self::Point, _workspace: &mut Self::Workspace) -> Option<Failed> {
         None
     }
 
-    /// Number of continuation stages (alpha, beta, gamma of a smoothed distance): same states, another value.
+    /// Number of continuation stages (alpha, beta, gamma of a smoothed distance), which share the states and differ in the value.
     fn stages(&self) -> usize {
         1
     }
 
-    /// The same control and state, valued by another stage.
+    /// The same control and state with the value of another stage.
     ///
     /// # Errors
     /// [`Failed`] when that stage has no value there.
     fn restage(&self, stage: usize, point: &Self::Point) -> Result<Self::Point, Failed>;
 
-    /// What a history line holds of this point.
+    /// Numbers of this point for a line of the history.
     fn summary(&self, _point: &Self::Point) -> Summary {
         Summary::default()
     }
 
-    /// Numbers worth reporting of an accepted point that cost more than its value: distances from targets, say
-    /// ([`TRUE_DISTANCE`](crate::TRUE_DISTANCE)). Asked for by those who show a run, never by the run itself.
+    /// Further numbers of an accepted point, more expensive than its value, such as distances from targets
+    /// ([`TRUE_DISTANCE`](crate::TRUE_DISTANCE)). Reports of a run call it, the run itself never does.
     fn figures(&self, _point: &Self::Point) -> Summary {
         Summary::default()
     }
 
-    /// Whether it is so here, or with any of those who make the same calls together (ranks, each with an optimiser of its own), the same answer for all of
-    /// them: a driver asks before each trial whether any is cancelled. The default knows nobody else.
+    /// The logical or of `here` over all ranks that make the same calls, each with its own optimiser, the same on all of them: a driver calls it before each
+    /// trial to agree on cancellation. The default is a single rank.
     ///
     /// # Errors
-    /// [Fatal](Failed::fatal) ones, where the others cannot be asked.
+    /// [Fatal](Failed::fatal) ones, where messages to other ranks fail.
     fn any(&self, here: bool) -> Result<bool, Failed> {
         Ok(here)
     }
 
-    /// A point as bytes for a checkpoint. The default keeps nothing, and [`Objective::load`] evaluates anew.
+    /// A point as bytes for a checkpoint. The default saves nothing, and [`Objective::load`] evaluates the point again.
     fn save(&self, _point: &Self::Point) -> Vec<u8> {
         Vec::new()
     }
 
-    /// The point that [`Objective::save`] wrote. For a resumed run to go on to the bit, what follows must not depend
-    /// on whether a point was computed or loaded. The default evaluates `m` from rest, which is to the bit only when
+    /// The point that [`Objective::save`] wrote. For a resumed run to have the same bits, later results must not depend
+    /// on whether a point was computed or loaded. The default evaluates `m` from rest, which gives the same bits only if
     /// values do not depend on the warm start.
     ///
     /// # Errors
@@ -191,11 +191,11 @@ pub trait Problem: Objective {
     /// The inner product (a, b) = a . G b; its length is the number of controls.
     ///
     /// # Errors
-    /// [`Failed`] when it cannot be built. Nothing takes its place.
+    /// [`Failed`] when it cannot be built. There is no fallback.
     fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed>;
 }
 
-/// Passes every method on to what `$self` points to.
+/// Forwards every method to the target of `$self`.
 macro_rules! forward {
     ($(($($generics:tt)*) $pointer:ty;)*) => {$(
         impl<$($generics)*> Objective for $pointer {

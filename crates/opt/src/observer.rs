@@ -29,7 +29,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Whether it is the state of the trial before, valued anew.
+    /// Whether it is the state of the previous trial with the value of another stage.
     pub fn is_revaluation(&self) -> bool {
         matches!(self, Self::Stage | Self::Multipliers)
     }

@@ -35,7 +35,7 @@ pub struct Options {
     pub window: usize,
     /// Relative accuracy asked of state solves, at the end: see [`accuracy_at`](Self::accuracy_at).
     pub accuracy: f64,
-    /// State solves of trials are given up beyond so many times the work of the last accepted ones: see [`Budget::Times`](crate::Budget::Times).
+    /// Limit of the work of a trial's state solve over that of the last accepted ones: see [`Budget::Times`](crate::Budget::Times).
     pub patience: f64,
     /// How steps are accepted and shortened.
     pub line_search: LineSearch,
@@ -52,24 +52,25 @@ impl Default for Options {
             stagnation: 1e-5,
             window: 10,
             accuracy: DEFAULT_ACCURACY,
-            patience: PATIENCE,
+            patience: MAX_NEWTON_RATIO,
             line_search: LineSearch::default(),
         }
     }
 }
 
-/// A trial may take so many times the Newton iterations of the last accepted ones.
-const PATIENCE: f64 = 3.0;
-/// Accuracy of states per remaining share of the projected gradient, and the coarsest.
+/// Newton iterations of a trial over those of the last accepted ones.
+const MAX_NEWTON_RATIO: f64 = 3.0;
+/// Accuracy of states per remaining share of the projected gradient.
 const ACCURACY_PER_GRADIENT: f64 = 1e-5;
-const COARSEST: f64 = 1e-7;
+/// Coarsest accuracy of states.
+const MAX_STATE_ACCURACY: f64 = 1e-7;
 
 impl Options {
     /// Relative accuracy asked of trials while the projected gradient is `relative` of the stage's first: as far below as
     /// `1e-5 relative`, between `1e-7` and [`accuracy`](Self::accuracy). Far from the optimum more is of no use.
     pub fn accuracy_at(&self, relative: f64) -> f64 {
         // not `clamp`, which panics where an accuracy is NaN
-        (ACCURACY_PER_GRADIENT * relative).min(COARSEST).max(self.accuracy)
+        (ACCURACY_PER_GRADIENT * relative).min(MAX_STATE_ACCURACY).max(self.accuracy)
     }
 }
 

@@ -43,8 +43,8 @@ struct ProjectionArc {
 }
 
 impl ProjectionArc {
-    /// Growth of the step where the cost does not curve upward.
-    const GROWTH: f64 = 2.0;
+    /// Growth of the step where the curvature of the cost is not positive.
+    const STEP_GROWTH: f64 = 2.0;
 }
 
 impl Method for ProjectionArc {
@@ -74,7 +74,7 @@ impl Method for ProjectionArc {
 
     fn accepted(&mut self, from: &Current<'_>, to: &Current<'_>, fraction: f64, _trials: usize) {
         let secant = Secant::between(from, to);
-        self.step = if secant.is_convex() { secant.sy / secant.yy } else { Self::GROWTH * fraction * self.step };
+        self.step = if secant.is_convex() { secant.sy / secant.yy } else { Self::STEP_GROWTH * fraction * self.step };
     }
 
     fn save(&self) -> Memory {

@@ -19,13 +19,13 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use thiserror::Error;
 
-/// Why a run could not begin or go on.
+/// Why a run could not begin or continue.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RunError {
     /// The start is not admissible.
     #[error("the start is not admissible: {0}")]
     Outside(#[from] Outside),
-    /// The inner product is of another space.
+    /// The inner product belongs to another space.
     #[error("the control has {control} components, its inner product {metric}")]
     Lengths {
         /// Components of the start.
@@ -82,27 +82,27 @@ pub enum RunError {
     Saved(#[source] Failed),
 }
 
-/// What a call of [`Run::step`] did.
+/// The result of a call of [`Run::step`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// An iteration.
     Iterated,
-    /// It went on to this stage, from the same control.
+    /// The passage to this stage, from the same control.
     Staged(usize),
-    /// The run has ended; further calls do nothing (but go on after a cancellation that was taken back).
+    /// The run has terminated; further calls do nothing (after a cancellation that was withdrawn they continue).
     Stopped(Stop),
 }
 
-/// Where a run ended.
+/// The result of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Best<P> {
     /// The control.
     pub m: Vec<f64>,
     /// The evaluated point.
     pub point: P,
-    /// The continuation stage that values it: the last one, unless the run ended before.
+    /// The continuation stage of its cost: the last one, unless the run terminated before.
     pub stage: usize,
-    /// The cost, as that stage values it.
+    /// The cost of that stage.
     pub cost: f64,
     /// Its derivative (dual, tangential part).
     pub derivative: Vec<f64>,
@@ -110,11 +110,11 @@ pub struct Best<P> {
     pub gradient_norm: f64,
     /// Active bounds.
     pub active: usize,
-    /// Why the run ended.
+    /// Why the run terminated.
     pub stop: Stop,
-    /// What it took.
+    /// The work.
     pub counts: Counts,
-    /// How each stage ended.
+    /// How each stage terminated.
     pub stages: Vec<StageEnd>,
     /// The gradient check at the start, where one was made; it is not saved.
     #[serde(skip)]
@@ -122,7 +122,7 @@ pub struct Best<P> {
 }
 
 /// A run of an optimiser. It owns its problem (which may be a reference or an [`Arc`]), its set, its inner product and the
-/// [workspace](Objective::Workspace) of its evaluations. Between two calls of [`Run::step`] it can be looked at and saved.
+/// [workspace](Objective::Workspace) of its evaluations. Between two calls of [`Run::step`] it can be inspected and saved.
 #[derive(Debug)]
 pub struct Run<O: Objective> {
     pub(crate) setting: Setting<O>,
@@ -131,13 +131,13 @@ pub struct Run<O: Objective> {
     workspace: O::Workspace,
     pub(crate) progress: Progress,
     pub(crate) current: Iterate<O::Point>,
-    /// A better point than the present one, met before in this stage.
+    /// An earlier point of this stage that is better than the present one.
     best: Option<Iterate<O::Point>>,
     ended: Option<Stop>,
 }
 
 impl<O: Objective> Run<O> {
-    /// Goes on with what earlier evaluations of the same problem left in a workspace, in place of the run's own.
+    /// Continues with a workspace of earlier evaluations of the same problem, in place of the run's own.
     #[must_use]
     pub fn with_workspace(mut self, workspace: O::Workspace) -> Self {
         self.workspace = workspace;
@@ -145,15 +145,15 @@ impl<O: Objective> Run<O> {
     }
 
     /// A scheduled checkpoint: empties the workspace, then [saves](Self::save) the run. [`Run::load`] starts with an empty
-    /// workspace too, so a run that goes on from here and one that is loaded give the same bits.
+    /// workspace too, so a run that continues from here and one that is loaded give the same bits.
     pub fn checkpoint(&mut self) -> RunState {
         self.workspace = O::Workspace::default();
         self.save()
     }
 
-    /// The run as plain numbers, without its workspace: where that matters within the accuracy of states, a loaded run ends
-    /// near this one; [`checkpoint`](Self::checkpoint) makes it the same to the bit. After a cancelled or aborted step the run stands
-    /// before that step: trials made in it will be made again.
+    /// The run as plain numbers, without its workspace, so that a loaded run agrees with this one within the accuracy of
+    /// states; with [`checkpoint`](Self::checkpoint) it has the same bits. After a cancelled or aborted step the run is in the state
+    /// before that step: its trials will be repeated.
     pub fn save(&self) -> RunState {
         let saved = |at: &Iterate<O::Point>| SavedPoint {
             m: at.m.clone(),
@@ -179,7 +179,7 @@ impl<O: Objective> Run<O> {
         self
     }
 
-    /// One iteration, or the passage to the next stage, or nothing when the run has ended.
+    /// One iteration, or the passage to the next stage, or nothing when the run has terminated.
     pub fn step(&mut self, observer: &mut dyn Observer<O::Point>) -> Outcome {
         self.announce(observer);
         if let Some(stop) = &self.ended {
@@ -215,7 +215,7 @@ impl<O: Objective> Run<O> {
         }
     }
 
-    /// Ends the run where it stands, for a reason.
+    /// Terminates the run at its present point, for a reason.
     pub fn finish(mut self, stop: Stop) -> Best<O::Point> {
         self.settle(&stop);
         let Iterate { m, point, cost, derivative, gradient_norm, active, .. } = self.current;
@@ -223,7 +223,7 @@ impl<O: Objective> Run<O> {
         Best { m, point, stage, cost, derivative, gradient_norm, active, stop, counts, stages, certificate: None }
     }
 
-    /// Where a stage ends: at the point that met the tolerance, else at the best one.
+    /// The result of a stage: the point that met the tolerance, else the best one.
     pub(crate) fn settle(&mut self, stop: &Stop) {
         if !stop.is_converged() {
             self.take_best();
@@ -244,7 +244,7 @@ impl<O: Objective> Run<O> {
         &self.setting.objective
     }
 
-    /// What the evaluations so far left for the next.
+    /// The workspace of the evaluations.
     pub fn workspace(&self) -> &O::Workspace {
         &self.workspace
     }
@@ -274,7 +274,7 @@ impl<O: Objective> Run<O> {
         self.current.gradient_norm
     }
 
-    /// Where the run stands.
+    /// The progress of the run.
     pub fn progress(&self) -> &Progress {
         &self.progress
     }

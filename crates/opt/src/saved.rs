@@ -16,7 +16,7 @@ pub enum SavedError {
         /// What they should begin with.
         expected: &'static str,
     },
-    /// They end early, go on behind the end, or hold a field with an impossible value.
+    /// They are too short, too long, or hold a field with an impossible value.
     #[error("the saved run is damaged at byte {at} of {length}: {what}")]
     Damaged {
         /// Where.
@@ -26,7 +26,7 @@ pub enum SavedError {
         /// What is wrong.
         what: String,
     },
-    /// Whole, but not of the problem at hand.
+    /// Complete, but of another problem.
     #[error("the saved run is of another problem: {0}")]
     Unfit(&'static str),
 }

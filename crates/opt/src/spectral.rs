@@ -52,12 +52,12 @@ struct BarzilaiBorwein {
 }
 
 impl BarzilaiBorwein {
-    /// Growth of the step where the cost does not curve upward.
-    const GROWTH: f64 = 4.0;
-    /// The short length is taken when it is below this share of the long one.
-    const SWITCH: f64 = 0.5;
-    /// How many short lengths are remembered.
-    const SHORT: usize = 3;
+    /// Growth of the step where the curvature of the cost is not positive.
+    const STEP_GROWTH: f64 = 4.0;
+    /// Largest ratio of the short to the long length at which the short one is taken.
+    const MAX_SHORT_RATIO: f64 = 0.5;
+    /// Short lengths that are held.
+    const MEMORY: usize = 3;
 }
 
 impl Method for BarzilaiBorwein {
@@ -91,14 +91,14 @@ impl Method for BarzilaiBorwein {
         push(&mut self.costs, to.cost, self.window);
         let secant = Secant::between(from, to);
         if !secant.is_convex() {
-            self.step *= fraction * Self::GROWTH;
+            self.step *= fraction * Self::STEP_GROWTH;
             self.short.clear();
             return;
         }
         let (long, short) = (secant.ss / secant.sy, secant.sy / secant.yy);
-        push(&mut self.short, short, Self::SHORT);
+        push(&mut self.short, short, Self::MEMORY);
         let shortest = self.short.iter().fold(short, |least, t| least.min(*t));
-        self.step = if short < Self::SWITCH * long { shortest } else { long };
+        self.step = if short < Self::MAX_SHORT_RATIO * long { shortest } else { long };
     }
 
     fn save(&self) -> Memory {

@@ -1,4 +1,4 @@
-//! [`Spectrum`]: leading eigenpairs of the reduced Hessian at an optimum, and what they say of its accuracy.
+//! [`Spectrum`]: leading eigenpairs of the reduced Hessian at an optimum, and the accuracy of the control by them.
 
 mod krylov;
 
@@ -14,17 +14,17 @@ use nastic_numeric::vector::{axpy, dot};
 use std::sync::atomic::Ordering;
 use thiserror::Error;
 
-/// Eigenvalues of this share of the largest absolute one are zero within rounding.
+/// Share of the largest absolute eigenvalue below which others are zero within rounding.
 const ZERO: f64 = 1e-10;
 
 /// Eigenpairs of `H v = lambda G v` on the free directions of a control: H is the second derivative of the cost, through the curvature of the
 /// set too, G the Gram matrix of the inner product, and active bounds are fixed ([`Admissible::face`](crate::Admissible::face)).
 ///
 /// At an optimum m* the cost along an eigenvector is `j(m* + t v_k) = j(m*) + lambda_k t^2 / 2 + o(t^2)`: directions of large lambda are
-/// determined well by the target, those of small lambda hardly at all.
+/// well determined by the target, those of small lambda are not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// The algebraically largest eigenvalues, descending, in the unit of the cost per squared norm of the control. Fewer than asked for where
+    /// The algebraically largest eigenvalues, descending, in the unit of the cost per squared norm of the control. Fewer than asked for if
     /// there are not so many free directions, or the products did not suffice.
     pub values: Vec<f64>,
     /// Their eigenvectors, whole control vectors, `v_i . G v_k = delta_ik`; the entry of largest size is positive.
@@ -36,28 +36,28 @@ pub struct Spectrum {
     pub free: usize,
     /// The smallest `v . H v / v . G v` that was met, 0 without free directions: the smallest eigenvalue is not above it.
     pub lowest: f64,
-    /// At least so many eigenvalues are negative (Cauchy's interlacing): if any is, the control is a saddle within the free directions, and no
-    /// minimum.
+    /// Lower bound of the number of negative eigenvalues (Cauchy's interlacing): if it is positive, the control is a saddle within the free
+    /// directions, and no minimum.
     pub negative: usize,
     /// Products with H, those for the residuals included.
     pub products: usize,
 }
 
-/// What is asked of a [`Spectrum`].
+/// Options of a [`Spectrum`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpectrumOptions {
     /// Number of eigenpairs.
     pub count: usize,
     /// Which second derivative.
     pub hessian: Hessian,
-    /// A pair counts when its residual in the Krylov space is below this, relative to the largest absolute eigenvalue met.
+    /// Residual of a converged pair in the Krylov space, relative to the largest absolute eigenvalue met.
     pub tolerance: f64,
-    /// Products at most, those for the residuals apart.
+    /// Largest number of products, without those for the residuals.
     pub max_products: usize,
 }
 
 impl SpectrumOptions {
-    /// So many eigenpairs of the exact second derivative.
+    /// This number of eigenpairs of the exact second derivative.
     pub fn leading(count: usize) -> Self {
         Self { count, hessian: Hessian::Exact, tolerance: 1e-8, max_products: 100 + 10 * count }
     }
@@ -80,7 +80,7 @@ pub enum SpectrumError {
     /// The derivative, which shows the active bounds, or a product failed.
     #[error("the second derivative at the optimum: {0}")]
     Product(#[from] Failed),
-    /// The flag of the domain was raised.
+    /// The flag of the domain was set.
     #[error("cancelled")]
     Cancelled,
 }
@@ -169,7 +169,7 @@ impl Spectrum {
         Ok(out)
     }
 
-    /// Number of eigenvalues above a share of the largest: so many directions matter.
+    /// Number of eigenvalues above a share of the largest, the number of directions that matter.
     pub fn above(&self, share: f64) -> usize {
         let Some(largest) = self.values.first().filter(|largest| **largest > 0.0) else { return 0 };
         self.values.iter().filter(|value| **value > share * largest).count()

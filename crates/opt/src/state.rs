@@ -53,7 +53,7 @@ pub struct Progress {
     pub costs: Vec<f64>,
     /// Projected gradient norm, per iteration of this stage, its start first.
     pub gradients: Vec<f64>,
-    /// Steps in a row whose predicted decrease was below the rounding of the cost.
+    /// Consecutive steps whose predicted decrease was below the rounding of the cost.
     pub flat: usize,
     /// Stages that ended.
     pub ends: Vec<StageEnd>,
@@ -86,7 +86,7 @@ pub struct SavedPoint {
     pub active: usize,
 }
 
-/// Everything a run needs to go on to the bit.
+/// Everything a run needs to continue with the same bits.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunState {
     /// Name of the optimiser.

@@ -124,7 +124,7 @@ pub enum Stall {
 }
 
 impl Stop {
-    /// Whether the run was broken off, and may go on where it stands.
+    /// Whether the run was interrupted, and may continue.
     pub fn is_interrupted(&self) -> bool {
         matches!(self, Self::Cancelled | Self::Aborted(_))
     }

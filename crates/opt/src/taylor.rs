@@ -20,12 +20,12 @@ use thiserror::Error;
 ///
 /// r0(t) = |j(m(t)) - j(m)| and r1(t) = |j(m(t)) - j(m) - t dj.d|
 ///
-/// fall as t and t^2 if dj is the derivative. Orders are fitted to the smallest steps whose r1 stands clear of the noise
+/// decrease as t and t^2 if dj is the derivative. Orders are fitted to the smallest steps whose r1 exceeds the noise
 /// of j, which is estimated from the scatter of j(m(t)) at the smallest steps, without use of the derivative.
 /// Remainders at round-off are not judged: where the order at these steps is neither that of a right derivative nor that of a
-/// remainder linear in t, larger steps are asked.
+/// remainder linear in t, larger steps are used.
 ///
-/// With [`second`](Self::second), the remainder r2(t) = |j(m(t)) - j(m) - dj.(m(t) - m) - t^2/2 d.Hd| falls as t^3 if H is the
+/// With [`second`](Self::second), the remainder r2(t) = |j(m(t)) - j(m) - dj.(m(t) - m) - t^2/2 d.Hd| decreases as t^3 if H is the
 /// second derivative, on curved paths too: their curvature is in the linear term, and changes the quadratic one by t^3.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Taylor {
@@ -36,7 +36,7 @@ pub struct Taylor {
     /// Length of d, as a share of the set's extent, component by component (of the largest |m_i| where the set has no
     /// extent).
     pub length: f64,
-    /// Size of a control where it follows neither from the set nor from m.
+    /// Size of a control where neither the set nor m determines it.
     pub size: Option<f64>,
     /// Only these components vary (a control block); all if none are given.
     pub components: Option<Range<usize>>,
@@ -75,7 +75,7 @@ pub enum TaylorError {
     /// No cost or no derivative at the control.
     #[error("no Taylor test where the cost or its derivative fails: {0}")]
     Base(#[from] Failed),
-    /// A direction came out zero or without a scale.
+    /// A direction is zero or without a scale.
     #[error("no direction to vary the control along: the set has no extent here and the control is zero; give a size")]
     NoDirection,
     /// Components beyond the end of the control.
@@ -92,17 +92,17 @@ pub enum TaylorError {
 
 impl Taylor {
     /// Steps per decade.
-    const PER_DECADE: usize = 2;
+    const STEPS_PER_DECADE: usize = 2;
     /// Decades of step sizes.
     const DECADES: usize = 8;
-    /// Rows an order is fitted to, at least.
-    const FEWEST: usize = 3;
-    /// Rows an order is fitted to, at most.
-    const MOST: usize = 5;
-    /// A remainder this many times the noise is clear of it.
-    const CLEAR: f64 = 30.0;
-    /// An error of the derivative above this share of the slope must not hide behind noise and curvature where it is called right.
-    const HIDDEN: f64 = 1e-3;
+    /// Least number of rows that an order is fitted to.
+    const MIN_ROWS: usize = 3;
+    /// Largest number of rows that an order is fitted to.
+    const MAX_ROWS: usize = 5;
+    /// Ratio of a remainder to the noise above which it counts.
+    const MIN_NOISE_RATIO: f64 = 30.0;
+    /// Largest error of the derivative, as a share of the slope, that noise and curvature may hide where the verdict is right.
+    const MAX_HIDDEN_ERROR: f64 = 1e-3;
 
     /// Tests the derivative of `objective` at an admissible control.
     ///
@@ -144,10 +144,10 @@ impl Taylor {
         };
         let how = Request { near: Some(&base.point), accuracy: self.accuracy, stage: self.stage, ..Request::default() };
         let mut m = base.m.to_vec();
-        let mut rows = Vec::with_capacity(Self::PER_DECADE * Self::DECADES + 1);
-        let mut remainders = Vec::with_capacity(Self::PER_DECADE * Self::DECADES + 1);
-        for k in 0..=Self::PER_DECADE * Self::DECADES {
-            let t = 10f64.powf(-(k as f64) / Self::PER_DECADE as f64);
+        let mut rows = Vec::with_capacity(Self::STEPS_PER_DECADE * Self::DECADES + 1);
+        let mut remainders = Vec::with_capacity(Self::STEPS_PER_DECADE * Self::DECADES + 1);
+        for k in 0..=Self::STEPS_PER_DECADE * Self::DECADES {
+            let t = 10f64.powf(-(k as f64) / Self::STEPS_PER_DECADE as f64);
             base.set.retract(base.m, &direction, t, &mut m);
             let evaluated = match base.objective.evaluate(&m, &how, workspace) {
                 Err(failed) if failed.is_fatal() => return Err(failed.into()),
@@ -189,14 +189,14 @@ impl Taylor {
     fn judge(&self, seed: u64, direction: Vec<f64>, slope: f64, cost: f64, mut rows: Vec<Row>) -> TaylorDirection {
         let (scatter, observed) = noise_and_slope(&rows, cost);
         let noise = scatter.max(2.0 * f64::EPSILON * cost.abs());
-        let clear: Vec<usize> = (0..rows.len()).filter(|k| rows[*k].r1 > Self::CLEAR * noise).collect();
+        let clear: Vec<usize> = (0..rows.len()).filter(|k| rows[*k].r1 > Self::MIN_NOISE_RATIO * noise).collect();
         let linear = clear.is_empty() && rows.iter().any(|row| row.r0 > 1e6 * noise);
         let hidden = hidden_error(&rows, slope);
         let fit = |window: &[usize], r: fn(&Row) -> f64| order(window.iter().map(|k| (rows[*k].t, r(&rows[*k]))));
         let judged = windows(&clear).find_map(|window| {
             let order1 = fit(window, |row| row.r1);
             let verdict = match () {
-                () if order1 >= self.order && hidden <= Self::HIDDEN => Verdict::Right,
+                () if order1 >= self.order && hidden <= Self::MAX_HIDDEN_ERROR => Verdict::Right,
                 () if order1 >= self.order => Verdict::Undecided,
                 () if is_linear(window, &rows, order1) && persists(window, &rows) => Verdict::Wrong,
                 () => return None, // round-off, or between the two: ask steps that stand clearer of it
@@ -215,10 +215,10 @@ impl Taylor {
     }
 }
 
-/// Share of a linear part that noise leaves of it at small steps.
-const PERSISTS: f64 = 0.3;
+/// Share of a linear part that remains at small steps in spite of noise.
+const MIN_PERSISTENT_SHARE: f64 = 0.3;
 
-/// What stays the same along all directions.
+/// The arguments that are the same for all directions.
 struct Base<'a, O: Objective> {
     objective: &'a O,
     set: &'a dyn Admissible,
@@ -228,24 +228,24 @@ struct Base<'a, O: Objective> {
     cost: f64,
 }
 
-/// What the values of j at the smallest steps show without any derivative: its noise, and its slope.
+/// Noise and slope of j by its values at the smallest steps, without any derivative.
 ///
-/// Windows of consecutive steps slide upward from the smallest until j responds there as a smooth function does; the noise
-/// is the largest scatter on the way. (A solver that returns its warm start unchanged answers the smallest steps with no
-/// change at all, which is not the absence of noise.)
+/// Windows of consecutive steps are moved upward from the smallest until j is smooth in one; the noise is the largest
+/// scatter in these windows. (A solver that returns its warm start unchanged gives no change at the smallest steps, which
+/// is not the absence of noise.)
 fn noise_and_slope(rows: &[Row], cost: f64) -> (f64, f64) {
-    const STEPS: usize = 6;
+    const WINDOW: usize = 6;
     let values: Vec<(f64, f64)> = rows.iter().rev().filter_map(|row| row.cost.map(|c| (row.t, c - cost))).collect();
-    if values.len() < STEPS {
+    if values.len() < WINDOW {
         return (f64::INFINITY, f64::NAN);
     }
     let mut noise: f64 = 0.0;
     let mut slope = 0.0;
-    for window in values.windows(STEPS) {
+    for window in values.windows(WINDOW) {
         let scatter;
         (scatter, slope) = fit(window);
         noise = noise.max(scatter);
-        let top = window[STEPS - 1].1.abs();
+        let top = window[WINDOW - 1].1.abs();
         if window.iter().all(|(_, y)| *y != 0.0) && scatter < 0.01 * top {
             break;
         }
@@ -268,10 +268,10 @@ fn fit(values: &[(f64, f64)]) -> (f64, f64) {
     (3.0 * (squares / (values.len() - 2) as f64).sqrt(), b / longest)
 }
 
-/// Rows to fit orders to: the smallest clear ones first, then without the smallest of them, and so on.
+/// Rows to fit orders to: the smallest ones above the noise first, then without the smallest of them, and so on.
 fn windows(clear: &[usize]) -> impl Iterator<Item = &[usize]> {
-    let ends = (Taylor::FEWEST..=clear.len()).rev();
-    ends.map(|end| &clear[end.saturating_sub(Taylor::MOST)..end])
+    let ends = (Taylor::MIN_ROWS..=clear.len()).rev();
+    ends.map(|end| &clear[end.saturating_sub(Taylor::MAX_ROWS)..end])
 }
 
 /// Whether the remainders are those of a wrong derivative: proportional to t.
@@ -281,18 +281,18 @@ fn is_linear(window: &[usize], rows: &[Row], order: f64) -> bool {
     (order - 1.0).abs() < 0.2 && high < 2.0 * low
 }
 
-/// Whether the linear part of the remainders of a window is there at the smallest steps too, as the error of a derivative is: else it comes from
-/// what happens on the way, the beginning of a contact say.
+/// Whether the linear part of the remainders of a window is present at the smallest steps too, like the error of a derivative: else it is the effect
+/// of an event along the curve, such as the beginning of a contact.
 fn persists(window: &[usize], rows: &[Row]) -> bool {
     let rate = |row: &Row| if row.r0 > 0.0 { row.r1 / row.t } else { f64::INFINITY };
     let largest = |rows: &[Row]| rows.iter().map(rate).fold(0.0, f64::max);
     let least = rows.windows(3).map(largest).filter(|rate| !rate.is_nan()).fold(f64::INFINITY, f64::min);
     let low = window.iter().map(|k| rate(&rows[*k])).fold(f64::INFINITY, f64::min);
-    least >= PERSISTS * low
+    least >= MIN_PERSISTENT_SHARE * low
 }
 
-/// The largest error of the derivative, as a share of the slope, that the remainders leave room for: the least r1 / (t |slope|)
-/// that three neighbouring steps stay below. Noise makes remainders larger, hardly ever smaller three times in a row.
+/// Upper bound of the derivative's error that the remainders allow, as a share of the slope: the least r1 / (t |slope|) that
+/// three neighbouring steps stay below. Noise makes remainders larger, and rarely smaller at three consecutive steps.
 fn hidden_error(rows: &[Row], slope: f64) -> f64 {
     let share = |row: &Row| if row.r0 > 0.0 { row.r1 / (row.t * slope.abs()) } else { f64::INFINITY };
     let largest = |rows: &[Row]| rows.iter().map(share).fold(0.0, f64::max);

@@ -23,7 +23,7 @@ pub struct TrialTable {
 }
 
 impl TrialTable {
-    /// The columns for a problem of so many stages whose points have these figures.
+    /// The columns, by the number of stages and the figures of points.
     #[must_use]
     pub fn new(stages: usize, figures: &Summary) -> Self {
         Self { distance: figures.get(TRUE_DISTANCE).is_some(), stages: stages > 1, violation: false }

@@ -42,19 +42,19 @@ impl ModelStep {
     }
 }
 
-/// Rounds of face identification at most.
-const ROUNDS: usize = 50;
-/// Times that a round begins again with the bounds that its step would pass: bounds are met in ever smaller numbers.
-const JOINS: usize = 2;
+/// Rounds of face identification.
+const MAX_ROUNDS: usize = 50;
+/// Restarts of a round with the bounds that its step would pass: each step meets fewer bounds.
+const MAX_JOINS: usize = 2;
 /// Points on the projection of a step that are tried.
-const HALVINGS: usize = 4;
-/// Share of the linear prediction by which q must fall there.
-const DECREASE: f64 = 1e-4;
+const MAX_HALVINGS: usize = 4;
+/// Least decrease of q there, as a share of the linear prediction.
+const MIN_DECREASE_RATIO: f64 = 1e-4;
 
-/// Cosine between a step and the steepest descent below which no line search goes along it.
-const SLIGHT: f64 = 1e-12;
-/// Share of a step that may lie outside the set while conjugate gradients go on.
-const OUTSIDE: f64 = 0.2;
+/// Least cosine between a step and the steepest descent for a line search along the step.
+const MIN_DESCENT_COSINE: f64 = 1e-12;
+/// Share of a step that may lie outside the set before conjugate gradients stop.
+const MAX_OUTSIDE_SHARE: f64 = 0.2;
 
 type Product<'p> = dyn FnMut(&[f64]) -> Result<Vec<f64>, Failed> + 'p;
 
@@ -68,7 +68,7 @@ impl Subproblem<'_> {
         let mut at = ModelStep { d: vec![0.0; n], image: vec![0.0; n], at_radius: false };
         let mut left = self.max_products;
         let mut first = None;
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let gradient = add(self.here.derivative, &at.image);
             let mut face = self.here.set.face(self.here.m, &at.d, &gradient);
             let size = self.here.metric.dual_norm(&face.projected(&gradient));
@@ -83,7 +83,7 @@ impl Subproblem<'_> {
                 let before = face.active();
                 face.join(&self.here.set.face(self.here.m, &at.d, &moved.s.iter().map(|s| -s).collect::<Vec<_>>()));
                 // After the last restart the step is kept as it is: it is taken no farther than its first bound, or where q falls.
-                if face.active() == before || joins == JOINS {
+                if face.active() == before || joins == MAX_JOINS {
                     break Some(moved);
                 }
                 joins += 1;
@@ -97,7 +97,7 @@ impl Subproblem<'_> {
             let before = (at.d.clone(), at.image.clone());
             let falls = self.bring_back(&mut at, &face, &gradient, moved, &mut left, product)?;
             if dot(self.here.derivative, &at.d)
-                >= -SLIGHT * self.here.metric.dual_norm(self.here.derivative) * self.here.metric.norm(&at.d)
+                >= -MIN_DESCENT_COSINE * self.here.metric.dual_norm(self.here.derivative) * self.here.metric.norm(&at.d)
             {
                 // q fell by negative curvature alone: a line search would not find that it does.
                 (at.d, at.image) = before;
@@ -111,7 +111,7 @@ impl Subproblem<'_> {
         if stays && first.is_some_and(|size| size > 0.0) { self.gradient_step(product) } else { Ok(at) }
     }
 
-    /// The projected gradient step as long as the radius: downhill whatever H is.
+    /// The projected gradient step as long as the radius: a descent direction for any H.
     ///
     /// # Errors
     /// A product that failed.
@@ -185,7 +185,7 @@ impl Subproblem<'_> {
         let straight = add(d, s);
         let mut inside = straight.clone();
         self.restrict(face, &mut inside);
-        self.here.metric.norm(&sub(&straight, &inside)) > OUTSIDE * self.here.metric.norm(s)
+        self.here.metric.norm(&sub(&straight, &inside)) > MAX_OUTSIDE_SHARE * self.here.metric.norm(s)
     }
 
     /// The t >= 0 with |d + t p| = radius.
@@ -218,7 +218,7 @@ impl Subproblem<'_> {
         let reach = set.reach(self.here.m, &at.d, &s);
         let straight = reach * dot(gradient, &s) + 0.5 * reach * reach * dot(&s, &image);
         let mut length = 1.0;
-        for _ in 0..HALVINGS {
+        for _ in 0..MAX_HALVINGS {
             let mut d = at.d.clone();
             axpy(length, &s, &mut d);
             let unbent = d.clone();
@@ -232,7 +232,7 @@ impl Subproblem<'_> {
                 *left -= 1;
                 let step_image = product(&step)?;
                 let change = slope + 0.5 * dot(&step, &step_image);
-                if change <= straight.min(DECREASE * slope) {
+                if change <= straight.min(MIN_DECREASE_RATIO * slope) {
                     axpy(1.0, &step_image, &mut at.image);
                     at.d = d;
                     // Bent back, it may be far inside the radius.

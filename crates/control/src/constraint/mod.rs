@@ -37,7 +37,7 @@ pub trait Constraint: Debug + Send + Sync {
         None
     }
 
-    /// What a distance that is kept at nodes comes to between them; none of other constraints.
+    /// The smallest distance between nodes, for a distance constraint, which acts at nodes; `None` for other constraints.
     fn between_nodes(&self, _at: &CostContext) -> Option<BetweenNodes> {
         None
     }
@@ -50,7 +50,7 @@ pub trait Constraint: Debug + Send + Sync {
         Ok(())
     }
 
-    /// Whether they look at [the step](CostContext::step) that led to a state.
+    /// Whether they use [the step](CostContext::step) that led to a state.
     fn needs_step(&self) -> bool {
         false
     }

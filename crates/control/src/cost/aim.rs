@@ -1,6 +1,6 @@
 //! [`Aim`]: a place of the body and where a cost wants it.
 
-/// Where the point is that a cost looks at, or the mean of the points, and where it should be.
+/// The position of a cost's point, or the mean of its points, and its target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aim {
     /// x.

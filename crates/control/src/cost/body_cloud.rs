@@ -1,6 +1,6 @@
 //! [`BodyCloud`]: the quadrature points of a body as a cloud, also where several ranks have the body.
 
-use super::smoothed_hausdorff::MOST;
+use super::smoothed_hausdorff::MAX_GAUSS_POINTS;
 use crate::error::ControlError;
 use crate::over_ranks::gathered;
 use nastic_fem::{QuadraturePoints, Share, all_accept};
@@ -17,7 +17,7 @@ pub(super) struct BodyCloud {
 }
 
 impl BodyCloud {
-    /// Points of a mesh, with their cloud: so many per direction, or the fewest that resolve a length. With a share the points of all ranks make
+    /// Points of a mesh, with their cloud: a number per direction, or the fewest that resolve a length. With a share the points of all ranks make
     /// the cloud, of which one may have none.
     pub fn of(
         mesh: &Mesh,
@@ -40,7 +40,7 @@ impl BodyCloud {
             let body = BodyCloud { points: sampled, share: share.clone() };
             let (cloud, _) = body.gathered(body.points.positions(mesh, None), body.points.weights().to_vec())?;
             let resolved = cloud.len() > 1 && cloud.spacing() <= length;
-            if points.is_some() || resolved || count == MOST {
+            if points.is_some() || resolved || count == MAX_GAUSS_POINTS {
                 return Ok((body, cloud));
             }
             count += 1;

@@ -1,4 +1,4 @@
-//! [`BodyPoints`]: the points of a surface, region or node set that a cost looks at.
+//! [`BodyPoints`]: the points of a surface, region or node set of a cost.
 
 use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};

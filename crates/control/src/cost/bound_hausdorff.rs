@@ -184,7 +184,7 @@ impl CostPoint for HausdorffPoint {
         let points = &partials.points[self.own.clone()];
         let forces: Vec<f64> = points.iter().flat_map(|p| p.iter().take(dim).map(move |p| weight * p)).collect();
         body.spread(&forces, dim, &mut out.u);
-        // dw_q = w_q^0 H : grad v. H is cheap beside the sums, and large: nine numbers per point.
+        // dw_q = w_q^0 H : grad v. H takes little time beside the sums, and much memory: nine numbers per point.
         let kinematics = body.kinematics(&self.u)?;
         let stresses = kinematics.iter().zip(body.weights()).zip(&partials.weights[self.own.clone()]);
         let stresses: Vec<Mat3> = stresses.map(|((k, w), d)| k.h() * (weight * w * d)).collect();

@@ -17,7 +17,7 @@ use std::sync::Arc;
 /// What examples are made on.
 #[derive(Debug, Clone, Copy)]
 pub struct CostExample<'a> {
-    /// The body; its first region and its last surface are looked at.
+    /// The body; its first region and its last surface are used.
     pub solid: &'a Solid,
     /// A control, as the layout names it.
     pub control: &'a str,

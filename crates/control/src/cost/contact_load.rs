@@ -111,7 +111,7 @@ impl IntoCost for ContactLoad {
 /// What a contact of a name is made of.
 ///
 /// # Errors
-/// There is none of that name.
+/// There is no contact of that name.
 pub(super) fn contact_of(cost: &str, solid: &Solid, contact: &str) -> Result<TouchParameters, ControlError> {
     let known = solid.model().contacts().parameters();
     if let Some((_, own)) = known.iter().find(|(own, _)| *own == contact) {

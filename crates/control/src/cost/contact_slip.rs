@@ -41,8 +41,8 @@ impl ContactSlip {
 }
 
 const NAME: &str = "contact_slip";
-/// The largest exponent q: powers of 2q of speeds up to 1e9 times the slip speed are numbers.
-const MOST: u32 = 16;
+/// Largest exponent q: the power 2q of speeds up to 1e9 times the slip speed is finite.
+const MAX_EXPONENT: u32 = 16;
 
 /// How it stands in case files.
 pub(super) const FORM: CostForm = CostForm::new(
@@ -73,8 +73,8 @@ impl IntoCost for ContactSlip {
             let what = format!("the contact \"{}\" has no friction: what slips is not held back", self.contact);
             return refuse(what);
         }
-        if !(1..=MOST).contains(&self.exponent) {
-            return refuse(format!("the exponent is {}; it is 1 to {MOST}", self.exponent));
+        if !(1..=MAX_EXPONENT).contains(&self.exponent) {
+            return refuse(format!("the exponent is {}; it is 1 to {MAX_EXPONENT}", self.exponent));
         }
         Ok(Box::new(OnBody(self)))
     }

@@ -64,7 +64,7 @@ use nastic_numeric::vector::axpy;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// What a cost may look at.
+/// The arguments of a cost.
 #[derive(Clone, Copy)]
 pub struct CostContext<'a> {
     /// The body.
@@ -73,17 +73,17 @@ pub struct CostContext<'a> {
     pub layout: &'a Layout,
     /// Displacement, flat.
     pub u: &'a [f64],
-    /// The equilibrium that u is of; `None` where a displacement alone is given. A cost that needs its tangent refuses without it.
+    /// The equilibrium with displacement u; `None` where a displacement alone is given. A cost that needs its tangent refuses `None`.
     pub state: Option<&'a State>,
     /// Control vector.
     pub m: &'a [f64],
-    /// Continuation stage; a cost with fewer stages stays at its last.
+    /// Continuation stage; a cost with fewer stages uses its last one.
     pub stage: usize,
-    /// With what the step began that led to the state, of a cost of a motion that [asks for it](Cost::needs_step); `None` where it begins.
+    /// The beginning of the step that led to the state, for a cost of a motion that [needs it](Cost::needs_step); `None` at the first state.
     pub step: Option<&'a StepBegin>,
 }
 
-/// With what a step begins.
+/// The beginning of a step.
 #[derive(Debug, Clone)]
 pub struct StepBegin {
     /// Its instant.
@@ -117,17 +117,17 @@ impl MotionPartials {
     }
 }
 
-/// Partial derivatives of a cost, to be added to; also a change of what they are by.
+/// Partial derivatives of a cost, to be added to; also a change of the variables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Partials {
-    /// `dj/du`, flat, supported unknowns included, and behind it `dj/dp` by the multipliers of constraints; of a change, that of them.
+    /// `dj/du`, flat, supported unknowns included, followed by `dj/dp` by the multipliers of constraints; or the change of u and p.
     pub u: Vec<f64>,
-    /// `dj/dm`; of a change, that of m.
+    /// `dj/dm`; or the change of m.
     pub m: Vec<f64>,
 }
 
 impl Partials {
-    /// Zero, for so many unknowns of the state and controls.
+    /// Zero, for these numbers of unknowns of the state and of controls.
     pub fn zero(u: usize, m: usize) -> Self {
         Partials { u: vec![0.0; u], m: vec![0.0; m] }
     }
@@ -135,7 +135,7 @@ impl Partials {
 
 /// A term of the objective, j(u, m), bound to a body.
 ///
-/// Implement it for your own target; the derivative through the state equation comes for free. Contract: `add_partials`
+/// Implement it for your own target; the library differentiates through the state equation. Contract: `add_partials`
 /// of a [`CostPoint`] is the exact derivative of its `value` (the same quadrature), `add_second_partials`, where it is
 /// implemented, that of `add_partials`, and all are deterministic.
 ///
@@ -195,21 +195,21 @@ pub trait Cost: Debug + Send + Sync {
     /// Name of the term in tables and results.
     fn name(&self) -> &str;
 
-    /// The cost evaluated at a displacement and a control: its value, and what its partials and figures need of what the
-    /// value took. The point outlives the context; a line search drops it, an accepted trial asks it for its partials.
+    /// The cost evaluated at a displacement and a control: its value, and the data of its partials and figures. The point
+    /// outlives the context: a line search drops it, an accepted trial calls its partials.
     ///
     /// # Errors
     /// Where the cost is not defined.
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError>;
 
-    /// Whether it is one of a body over ranks ([`Solid::of_part`](nastic_fem::Solid::of_part)), if its points are: values of the whole body, the same on all ranks, partial
-    /// derivatives whose sum over the ranks is that of the whole. All ranks call [`at`](Self::at) together; where that sends the others something it asks first whether
-    /// [all accept](nastic_fem::views::OverRanks::all_accept) what they have to send. So they do partial derivatives of points, but ask for figures each by itself.
+    /// Whether it supports a body over ranks ([`Solid::of_part`](nastic_fem::Solid::of_part)): its values are those of the whole body, the same on all ranks, and its partial
+    /// derivatives sum up over the ranks to those of the whole. All ranks call [`at`](Self::at) together, and it calls
+    /// [`all_accept`](nastic_fem::views::OverRanks::all_accept) before it sends messages. All ranks call the partial derivatives of points together too, but figures separately.
     fn spans_ranks(&self) -> bool {
         false
     }
 
-    /// Whether it looks at this body: one that is bound to another looks at other nodes. It is asked where a cost is added to a problem.
+    /// Whether it is bound to this body, and not to another with other nodes. A problem calls it when a cost is added.
     fn is_of(&self, _solid: &Solid) -> bool {
         true
     }
@@ -224,52 +224,52 @@ pub trait Cost: Debug + Send + Sync {
         vec![]
     }
 
-    /// What decides how long it takes, for checks before a solve: its numbers of points, say.
+    /// Sizes that determine its run time, such as numbers of points, for checks before a solve.
     fn size(&self) -> Option<String> {
         None
     }
 
-    /// How many numbers of the body it looks at, of a sum of squares of their deviations from wanted ones, which determines no more
-    /// directions of the control than that where it is small; `None` of any other cost.
+    /// Number of terms of a sum of squared deviations: near its minimum the cost determines no more directions of the control than
+    /// this; `None` for any other cost.
     fn numbers(&self) -> Option<usize> {
         None
     }
 
-    /// Whether its figures have the distance of one point from its target, at hardly any cost: a motion then reports it over its instants.
+    /// Whether its figures have the distance of one point from its target, with little work: a motion then reports it over its instants.
     fn has_position(&self) -> bool {
         false
     }
 
-    /// Whether it can count in a motion, and at its beginning if it does there.
+    /// Checks that it can be evaluated in a motion, and at its beginning if `at_start`.
     ///
     /// # Errors
-    /// What it needs and the motion has not.
+    /// A requirement that the motion does not meet.
     fn check_in_motion(&self, _solid: &Solid, _timeline: &Timeline, _at_start: bool) -> Result<(), ControlError> {
         Ok(())
     }
 
-    /// Whether it looks at [the step](CostContext::step) that led to a state.
+    /// Whether it uses [the step](CostContext::step) that led to a state.
     fn needs_step(&self) -> bool {
         false
     }
 
-    /// Things the user should know (a smoothing length below the point spacing, say).
+    /// Warnings for the user, such as a smoothing length below the point spacing.
     fn warnings(&self, _solid: &Solid) -> Vec<String> {
         vec![]
     }
 
-    /// The shape it aims at on a body, where it has one: pictures and `target.vtu` show it.
+    /// Its target shape on a body, if it has one: pictures and `target.vtu` show it.
     fn target(&self, _solid: &Solid) -> Option<CostTarget> {
         None
     }
 
-    /// The place that it looks at under a displacement, and where that should be: tables of motions and paths in figures show it.
+    /// The point that it measures under a displacement, and its target: tables of motions and paths in figures show them.
     fn aim(&self, _solid: &Solid, _u: &[f64]) -> Option<Aim> {
         None
     }
 }
 
-/// A cost evaluated at one (u, m). A value: it depends on nothing that changes.
+/// A cost evaluated at one (u, m): an immutable value.
 pub trait CostPoint: Debug + Send + Sync {
     /// j(u, m), weight included.
     fn value(&self) -> f64;
@@ -280,8 +280,8 @@ pub trait CostPoint: Debug + Send + Sync {
     /// A derivative that is not finite.
     fn add_partials(&self, out: &mut Partials) -> Result<(), ControlError>;
 
-    /// The same of a state of a motion: what hangs on the forces R that supports exert ([`PrescribedUnknowns::held_forces`](nastic_fem::views::PrescribedUnknowns::held_forces)), on
-    /// velocities and on the controls where the step begins is left out of `out`, and added to `more`.
+    /// The same for a state of a motion: derivatives by the forces R that supports exert ([`PrescribedUnknowns::held_forces`](nastic_fem::views::PrescribedUnknowns::held_forces)), by
+    /// velocities and by the controls at the beginning of the step are added to `more` and not to `out`.
     ///
     /// # Errors
     /// A derivative that is not finite.
@@ -297,7 +297,7 @@ pub trait CostPoint: Debug + Send + Sync {
         Err(ControlError::NoSecondPartials { cost: std::any::type_name::<Self>().to_owned() })
     }
 
-    /// Figures worth reporting beside the value, more expensive than it: for accepted points alone.
+    /// Further figures, more expensive than the value: for accepted points alone.
     ///
     /// # Errors
     /// Where they are not defined.
@@ -306,9 +306,9 @@ pub trait CostPoint: Debug + Send + Sync {
     }
 }
 
-/// What can become a cost once the body is known.
+/// A description that becomes a cost once the body is known.
 pub trait IntoCost {
-    /// What is refused of a body over ranks, by name; `None` of a cost that [spans ranks](Cost::spans_ranks).
+    /// The name under which a body over ranks refuses it; `None` for a cost that [spans ranks](Cost::spans_ranks).
     fn not_over_ranks(&self) -> Option<String> {
         Some(format!("the cost {}", std::any::type_name::<Self>().rsplit("::").next().unwrap_or_default()))
     }
@@ -320,7 +320,7 @@ pub trait IntoCost {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError>;
 }
 
-/// What is refused of a body over ranks.
+/// The name under which a body over ranks refuses a cost.
 fn not_spanning(cost: &dyn Cost) -> Option<String> {
     (!cost.spans_ranks()).then(|| format!("the cost \"{}\"", cost.name()))
 }

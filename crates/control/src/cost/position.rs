@@ -148,7 +148,7 @@ fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
     Ok((shares, reference))
 }
 
-/// Whether this rank counts what is in one place of the body: the lowest of those that have found it does, all where none has.
+/// Whether this rank counts a point of the body: the lowest rank that has found it does, or all if none has.
 fn counts(solid: &Solid, found: bool) -> bool {
     let Some(share) = solid.model().unknowns().share() else { return true };
     let own = share.team().rank() as f64;

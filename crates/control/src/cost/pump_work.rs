@@ -15,7 +15,7 @@ use std::sync::Arc;
 /// with the energy Psi that the passive materials store and the dead loads f. On a way of equilibria whose cavities alone change,
 /// `dW = sum_k p_k dV_k` (the potential is stationary under the volumes as constraints), so W is the work `sum_k int p_k dV_k` of the
 /// pumps, on every such way; `p (V - V_0)` is not: of a linear body it is twice the work. Other actuations and moved supports add
-/// theirs. What flows back on the way is counted as regained. Beside springs, foundations and elastic tendons, whose energy it does not
+/// theirs. Work of backflow is counted as regained. Beside springs, foundations and elastic tendons, whose energy it does not
 /// know, it is refused. Units: N m (N in plane strain: per thickness).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PumpWork {

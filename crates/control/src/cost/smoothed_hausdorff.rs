@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// the self-distance are reported beside rho. Unit: length times the weight's.
 ///
 /// The relative error of every sum A, B is below 1e-10 ([`Summation`](nastic_hausdorff::Summation)'s default, where what that means for the derivative is
-/// stated): far below the differences that line searches and gradient checks look at.
+/// stated): far below the differences in line searches and gradient checks.
 ///
 /// Of a body over ranks every rank has the points of all, in the order of the ranks; they form the sums together, each those of some of
 /// the points, whichever rank has these in its cells.
@@ -44,15 +44,15 @@ pub struct SmoothedHausdorff {
     weight: f64,
 }
 
-/// Share of the target's diagonal that the length of phi is unless given.
-const DEFAULT_LENGTH: f64 = 0.1;
+/// Default length of phi, as a share of the target's diagonal.
+const DEFAULT_LENGTH_RATIO: f64 = 0.1;
 
 impl SmoothedHausdorff {
     /// To the whole of a target mesh, with `phi = exp(-r/l)`, l a tenth of the target's diagonal, and the stages
     /// (alpha, beta, gamma) = (1, 4, 4), (4, 16, 8).
     pub fn to(target: impl Into<Arc<Mesh>>) -> Self {
         let target = target.into();
-        let phi = Phi::Exponential { length: DEFAULT_LENGTH * target.diagonal() };
+        let phi = Phi::Exponential { length: DEFAULT_LENGTH_RATIO * target.diagonal() };
         let stages = Some(vec![(1.0, 4.0, 4.0), (4.0, 16.0, 8.0)]);
         SmoothedHausdorff { target, target_region: None, region: None, phi, stages, quadrature: None, weight: 1.0 }
     }
@@ -158,8 +158,8 @@ impl SmoothedHausdorff {
         if self.stages.as_ref().is_some_and(Vec::is_empty) {
             return Err(fail("smoothed_hausdorff needs at least one stage (alpha, beta, gamma)".to_owned()));
         }
-        if let Some(points) = self.quadrature.filter(|points| *points == 0 || *points > MOST) {
-            return Err(fail(format!("smoothed_hausdorff: quadrature {points} is not within 1 to {MOST}")));
+        if let Some(points) = self.quadrature.filter(|points| *points == 0 || *points > MAX_GAUSS_POINTS) {
+            return Err(fail(format!("smoothed_hausdorff: quadrature {points} is not within 1 to {MAX_GAUSS_POINTS}")));
         }
         let stages = self.stages.as_deref().map(|stages| self.smoothings(stages)).transpose()?;
         let length = match &stages {
@@ -200,8 +200,8 @@ impl IntoCost for SmoothedHausdorff {
     }
 }
 
-/// Most Gauss points per direction.
-pub(super) const MOST: usize = 20;
+/// Gauss points per direction.
+pub(super) const MAX_GAUSS_POINTS: usize = 20;
 
 /// Diagonal of the bounding box of points.
 fn diagonal(points: &[[f64; 3]]) -> f64 {

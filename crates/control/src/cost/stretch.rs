@@ -27,13 +27,13 @@ pub struct LargestStretch {
 }
 
 /// p where none is given: a uniform stretch of 1.2 along one axis gives 1.17, one of a twentieth of the volume 1.10.
-const EXPONENT: u32 = 24;
-/// Beyond it C^p of a stretch of 100 overflows.
-const LARGEST_EXPONENT: u32 = 32;
+const DEFAULT_EXPONENT: u32 = 24;
+/// Largest p: above it C^p of a stretch of 100 overflows.
+const MAX_EXPONENT: u32 = 32;
 
 impl Default for LargestStretch {
     fn default() -> Self {
-        LargestStretch { region: None, exponent: EXPONENT, weight: 1.0 }
+        LargestStretch { region: None, exponent: DEFAULT_EXPONENT, weight: 1.0 }
     }
 }
 
@@ -66,7 +66,7 @@ pub(super) const FORM: CostForm = CostForm::new(
     "weight times a smoothed maximum of the principal stretches, the power mean of exponent 2p over a region.",
     &[
         Key::REGION.about("Region of the mesh; the body if left out.").optional(),
-        Key::new("exponent", "p, from 1 to 32.", KeyKind::Count { default: Some(EXPONENT) }).optional(),
+        Key::new("exponent", "p, from 1 to 32.", KeyKind::Count { default: Some(DEFAULT_EXPONENT) }).optional(),
     ],
     |on| {
         let (region, exponent) = (on.given("region"), on.get("exponent")?);
@@ -82,8 +82,8 @@ pub(super) const FORM: CostForm = CostForm::new(
 impl IntoCost for LargestStretch {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {
         let weight = check_weight("largest_stretch", self.weight)?;
-        if !(1..=LARGEST_EXPONENT).contains(&self.exponent) {
-            let what = format!("the exponent of a largest stretch is {}; take 1 to {LARGEST_EXPONENT}", self.exponent);
+        if !(1..=MAX_EXPONENT).contains(&self.exponent) {
+            let what = format!("the exponent of a largest stretch is {}; take 1 to {MAX_EXPONENT}", self.exponent);
             return Err(ControlError::Cost { what });
         }
         let mesh = solid.mesh();

@@ -81,7 +81,7 @@ pub enum EnsembleError {
         /// Why.
         what: String,
     },
-    /// The ranks of the team cannot go on together.
+    /// The ranks of the team cannot continue together.
     #[error(transparent)]
     Team(#[from] TeamError),
     /// The risk measure does not fit.

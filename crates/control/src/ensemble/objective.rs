@@ -43,13 +43,13 @@ impl Objective for Ensemble {
         })
     }
 
-    /// That of the member whose limit point comes first on the way, else of the first one, in order, that has one; what ends a run before all.
+    /// The failure of the member with the first limit point on the way, else the first one in order; failures that stop a run take precedence.
     fn jump(&self, from: &EnsemblePoint, to: &EnsemblePoint, workspace: &mut EnsembleWorkspace) -> Option<Failed> {
         let of = |index: usize, member: &Member, _: &mut ReducedWorkspace| {
             let points = from.member(index).zip(to.member(index));
             Ok(points.and_then(|(from, to)| member.problem.other_branch(from, to)))
         };
-        // whoever has the member has the error itself
+        // the rank of the member has the original error
         let rank = self.ranks.team().rank();
         let tell = |_: usize, found: &Option<ControlError>| found.as_ref().map(|why| ReportedFailure::of(rank, why));
         let (own, found) = match self.side_by_side(workspace, of, tell) {

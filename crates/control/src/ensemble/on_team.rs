@@ -1,4 +1,4 @@
-//! [`Ensemble`] on a team: members shared out over ranks, and what the first rank is sent of them.
+//! [`Ensemble`] on a team: members distributed over ranks, and gathered at the first rank.
 
 use super::blocks::gather;
 use super::point::Held;
@@ -13,22 +13,22 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, PoisonError};
 
 impl Ensemble {
-    /// Shares the members out over the ranks of a team, in ranges by number: each rank solves, and keeps the states and factors of, its own. All
-    /// ranks have all problems, and must make the same calls in the same order with the same arguments; they get the same costs, derivatives
-    /// and failures, the bits of one rank.
+    /// Distributes the members over the ranks of a team, in ranges by number: each rank solves its members and holds their states and factors. All
+    /// ranks have all problems, and must make the same calls in the same order with the same arguments; they return the same costs, derivatives
+    /// and failures, with the bits of one rank.
     ///
-    /// `signal` is the flag of this rank that asks for an end, as in [`EnsembleBuilder::cancelled_by`](super::EnsembleBuilder::cancelled_by);
-    /// `agreed` is raised on all ranks behind the same evaluation once one of them has its own raised.
+    /// `signal` is the flag by which this rank is asked to stop, as in [`EnsembleBuilder::cancelled_by`](super::EnsembleBuilder::cancelled_by);
+    /// `agreed` is set on all ranks after the same evaluation once `signal` is set on one of them.
     pub fn share_out(&mut self, team: Arc<dyn Team>, signal: Arc<AtomicBool>, agreed: Arc<AtomicBool>) {
         self.ranks = Ranks::new(team, self.members.len(), Some([signal, agreed]));
     }
 
-    /// Shares the members out anew, in ranges that balance what they have taken, which all ranks have counted alike, if the largest share becomes
-    /// smaller by that; whether any moves. Points from before must be saved and [loaded](Objective::load) then, and workspaces cleared: no bit
-    /// depends on who has which members.
+    /// Distributes the members anew by their work, which all ranks have counted in the same way, if the largest share becomes smaller; whether any
+    /// member moves. Earlier points must then be saved and [loaded](Objective::load), and workspaces cleared: no bit depends on the distribution
+    /// of the members.
     ///
-    /// A load solves motions once more. Of `kept`, points that will be loaded, this rank keeps the motions that stay with it until
-    /// [`forget`](Self::forget) is called; those that move are counted, with what they took for each of so many `solves`.
+    /// A load solves motions again. Of the points `kept`, which will be loaded, this rank holds the motions that stay with it until
+    /// [`forget`](Self::forget) is called; for those that move, their work for this number of `solves` is added.
     pub fn share_anew(&self, work: &[usize], kept: &[&EnsemblePoint], solves: usize) -> bool {
         if work.len() != self.members.len() {
             return false;
@@ -46,29 +46,29 @@ impl Ensemble {
         true
     }
 
-    /// Forgets the motions that were kept for loads.
+    /// Drops the motions that are held for loads.
     pub fn forget(&self) {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
-    /// Takes a motion that was kept.
+    /// Takes a motion that is held.
     fn kept(&self, index: usize, bytes: &[u8]) -> Option<Evaluated> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let place = kept.iter().position(|(own, saved, _)| *own == index && saved == bytes)?;
         Some(kept.swap_remove(place).2)
     }
 
-    /// Why messages pass between the ranks no more, if so: every evaluation fails from then on.
+    /// The error that broke the communication between the ranks, if any: every evaluation fails from then on.
     pub fn broken(&self) -> Option<&TeamError> {
         self.ranks.broken()
     }
 
-    /// Whether this is the rank that speaks, and writes what belongs to no member.
+    /// Whether this is the rank that reports, and writes the files that belong to no member.
     pub fn leads(&self) -> bool {
         self.ranks.team().leads()
     }
 
-    /// What `of` makes of every member of a point, made where the member is, at all ranks.
+    /// The results of `of` for every member of a point, computed on the rank of the member, on all ranks.
     ///
     /// # Errors
     /// [`EnsembleError::Team`].
@@ -86,7 +86,7 @@ impl Ensemble {
         all.map_err(|(index, error)| EnsembleError::member(&self.members[index].name, error))
     }
 
-    /// The point with all members, at the first rank: the others send it theirs, and wait for as long as it works with them. `None` elsewhere.
+    /// At the first rank the point with all members: the others send theirs, and wait while the first rank works with them. `None` elsewhere.
     ///
     /// # Errors
     /// [`EnsembleError::Team`].
@@ -106,7 +106,7 @@ impl Ensemble {
     pub fn first_members(&self, point: &EnsemblePoint, count: usize) -> Result<Option<Vec<Evaluated>>, EnsembleError> {
         let count = count.min(self.members.len());
         let own: Vec<Evaluated> = point.held().take(count).map(|(_, at)| at.clone()).collect();
-        // nothing is sent that is there
+        // without messages where the first rank has them
         if point.is_whole() || self.ranks.leader_owns(count) {
             return Ok(self.leads().then_some(own));
         }
@@ -132,13 +132,13 @@ impl Ensemble {
         loaded.map_err(|failed| EnsembleError::member(&member.name, unloaded(&failed)))
     }
 
-    /// Whether the members are shared out over ranks.
+    /// Whether the members are distributed over ranks.
     pub fn is_shared_out(&self) -> bool {
         !self.ranks.is_alone()
     }
 
-    /// What `of` makes of every member, [block by block](super::blocks_of_members): at the owner of the first member of a block all of that block. `of`
-    /// is asked for this rank's own members.
+    /// The results of `of` for every member, [block by block](super::blocks_of_members): a whole block on the rank of its first member. `of`
+    /// is called for the members of this rank.
     ///
     /// # Errors
     /// [`EnsembleError::Team`].
@@ -146,7 +146,7 @@ impl Ensemble {
         self.ranks.blocks(super::blocks_of_members(self.members.len()), of)
     }
 
-    /// The point of saved members, of which each rank reads its own; those that it lacks are sent to it.
+    /// The point of saved members, of which each rank reads its own, and receives the missing ones.
     pub(super) fn loaded(
         &self,
         m: &[f64],

@@ -118,7 +118,7 @@ impl EnsembleWorkspace {
         self.members.iter().map(ReducedWorkspace::factor_bytes).sum()
     }
 
-    /// One for each of so many members.
+    /// One for each member.
     pub(super) fn of(&mut self, members: usize) -> &mut [ReducedWorkspace] {
         self.members.resize_with(members, ReducedWorkspace::default);
         &mut self.members

@@ -1,4 +1,4 @@
-//! [`Ranks`]: who evaluates which members, on threads of this process and on the ranks of a team.
+//! [`Ranks`]: which threads of this process, and which ranks of a team, evaluate which members.
 
 use super::error::EnsembleError;
 use super::parcel::{Parcel, ReportedFailure, unpacked};
@@ -12,23 +12,23 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock, RwLockReadGuard};
 use std::time::Duration;
 
-/// A run ends that makes no progress in so many times its longest trial.
-const TRIALS: u32 = 10;
-/// But not before.
-const LEAST: Duration = Duration::from_secs(60);
-/// As long as one rank works for itself the others wait for it.
-const FOR_EVER: Duration = Duration::from_secs(1 << 32);
+/// Time without progress over that of the longest trial, after which a run is stopped.
+const MAX_TRIAL_RATIO: u32 = 10;
+/// Least time without progress after which a run is stopped.
+const MIN_WAIT: Duration = Duration::from_secs(60);
+/// Time that the other ranks wait while one rank works alone: without limit.
+const MAX_WAIT_FOR_ONE_RANK: Duration = Duration::from_secs(1 << 32);
 
-/// The ranks of a team, each with a range of the members. They exchange what all need to go on alike: small
-/// reports, the first failure, whether somebody asks for an end; and sums.
+/// The ranks of a team, each with a range of the members. They exchange small reports, the first failure, requests to
+/// stop, and sums, so that all continue in the same way.
 #[derive(Debug)]
 pub(super) struct Ranks {
     team: Arc<dyn Team>,
-    /// Read by every message, written by [`share_anew`](Self::share_anew) between evaluations.
+    /// Read for every message, written by [`share_anew`](Self::share_anew) between evaluations.
     shares: RwLock<Shares>,
-    /// Raised where this rank is to stop.
+    /// Set where this rank is asked to stop.
     signal: Option<Arc<AtomicBool>>,
-    /// Raised on all ranks at the same message.
+    /// Set on all ranks at the same message.
     agreed: Option<Arc<AtomicBool>>,
     longest: Mutex<Duration>,
     broken: OnceLock<TeamError>,
@@ -39,7 +39,7 @@ impl Ranks {
         Self::new(Arc::new(Alone), members, None)
     }
 
-    /// On a team; the flags are that of this rank, and one that is raised on all ranks once one of them has its own raised.
+    /// On a team. The first flag is that of this rank, the second is set on all ranks once one of them has the first one set.
     pub fn new(team: Arc<dyn Team>, members: usize, flags: Option<[Arc<AtomicBool>; 2]>) -> Self {
         let shares = RwLock::new(Shares::even(members, team.size()));
         let [signal, agreed] = flags.map_or([None, None], |flags| flags.map(Some));
@@ -63,8 +63,8 @@ impl Ranks {
         self.shares.read().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Ranges that balance what the members have taken, in a unit that all ranks have counted alike, if the largest share is smaller then, with what a
-    /// member that moves takes `again`; whether they are taken.
+    /// Distributes the members anew by their work, in a unit that all ranks count in the same way, if the largest share becomes smaller, the work `again`
+    /// of members that move included; whether it did.
     pub fn share_anew(&self, work: &[usize], again: impl Fn(usize) -> usize) -> bool {
         let (now, balanced) = (self.shares().clone(), Shares::balanced(work, self.team.size()));
         let ranks = 0..self.team.size();
@@ -78,31 +78,31 @@ impl Ranks {
         changes
     }
 
-    /// Why messages pass no more, if so.
+    /// The error that broke the communication, if any.
     pub fn broken(&self) -> Option<&TeamError> {
         self.broken.get()
     }
 
-    /// Keeps the first failure of the team.
+    /// Stores the first failure of the team.
     pub fn noted<T>(&self, outcome: Result<T, TeamError>) -> Result<T, EnsembleError> {
         outcome.map_err(|error| EnsembleError::Team(self.broken.get_or_init(|| error).clone()))
     }
 
-    /// A trial took so long: ten times the longest one is how long the others are waited for.
+    /// Records the time of a trial: other ranks are waited for ten times as long as the longest one took.
     pub fn took(&self, trial: Duration) {
         if !self.is_alone() {
             let mut longest = self.longest.lock().unwrap_or_else(PoisonError::into_inner);
             *longest = trial.max(*longest);
-            self.team.wait_at_most((TRIALS * *longest).max(LEAST));
+            self.team.wait_at_most((MAX_TRIAL_RATIO * *longest).max(MIN_WAIT));
         }
     }
 
-    /// The first rank works for itself until the next trial: the others wait for it.
+    /// The first rank works alone until the next trial, and the others wait for it.
     pub fn wait(&self) {
-        self.team.wait_at_most(FOR_EVER);
+        self.team.wait_at_most(MAX_WAIT_FOR_ONE_RANK);
     }
 
-    /// What every rank sends of its own members, or the first failure of these: of all members, or the first failure of all.
+    /// Exchanges the reports of each rank's members, or their first failure: the reports of all members, or the first failure of all.
     pub fn share<R: Parcel>(
         &self,
         own: Result<Vec<R>, (usize, ControlError)>,
@@ -111,14 +111,14 @@ impl Ranks {
             return Ok(own);
         }
         let raised = |flag: &Option<Arc<AtomicBool>>| flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed));
-        let told = own.as_ref().map_err(|(index, error)| (*index, ReportedFailure::of(self.team.rank(), error)));
-        let all = self.noted(nastic_team::exchange(self.team(), pack(&(raised(&self.signal), told))))?;
+        let reported = own.as_ref().map_err(|(index, error)| (*index, ReportedFailure::of(self.team.rank(), error)));
+        let all = self.noted(nastic_team::exchange(self.team(), pack(&(raised(&self.signal), reported))))?;
         let (mut reports, mut first, mut stops) = (Vec::new(), None, false);
         for (rank, bytes) in all.iter().enumerate() {
-            let (stop, told) = self.noted(self.told(rank, bytes))?;
+            let (stop, reported) = self.noted(self.reported(rank, bytes))?;
             stops |= stop;
-            match told {
-                Ok(told) => reports.extend(told),
+            match reported {
+                Ok(reported) => reports.extend(reported),
                 // ranks are in the order of their members
                 Err((index, failure)) => first = first.or(Some((index, failure.into()))),
             }
@@ -127,33 +127,33 @@ impl Ranks {
             self.signal.iter().chain(&self.agreed).for_each(|flag| flag.store(true, Ordering::Relaxed));
         }
         Ok(match (first, own) {
-            // whoever owns it has the error itself
+            // the rank of the failed member returns the original error
             (Some((index, _)), Err((own, error))) if index == own => Err((own, error)),
             (Some(failed), _) => Err(failed),
             (None, _) => Ok(reports),
         })
     }
 
-    /// What one rank sent: whether it was asked to stop, and its reports or its failure.
+    /// The message of one rank: whether it was asked to stop, and its reports or its failure.
     #[allow(clippy::type_complexity)] // a message and its two halves
-    fn told<R: Parcel>(
+    fn reported<R: Parcel>(
         &self,
         rank: usize,
         bytes: &[u8],
     ) -> Result<(bool, Result<Vec<R>, (usize, ReportedFailure)>), TeamError> {
-        let (stop, told): (bool, Result<Vec<R>, _>) = unpacked(rank, bytes)?;
-        match told.as_ref().map_or(true, |told| told.len() == self.shares().of(rank).len()) {
-            true => Ok((stop, told)),
+        let (stop, reported): (bool, Result<Vec<R>, _>) = unpacked(rank, bytes)?;
+        match reported.as_ref().map_or(true, |reported| reported.len() == self.shares().of(rank).len()) {
+            true => Ok((stop, reported)),
             false => Err(TeamError::Unexpected { rank, what: "reports of other members" }),
         }
     }
 
-    /// Whether the first rank has the first `count` members itself.
+    /// Whether the first `count` members are on the first rank.
     pub fn leader_owns(&self, count: usize) -> bool {
         self.shares().of(0).len() >= count
     }
 
-    /// The bytes of the first `count` members, but of those of the first rank itself, at the first rank, each made by its owner; `None` elsewhere.
+    /// At the first rank the bytes of those of the first `count` members that other ranks own, each made by its owner; `None` elsewhere.
     pub fn at_first(
         &self,
         count: usize,
@@ -168,7 +168,7 @@ impl Ranks {
         Ok(Some(out))
     }
 
-    /// Completes saved members: every rank is sent those of its own that it lacks by the first one that has them. What a rank has is a range.
+    /// Completes saved members: every rank receives the missing ones of its members from the first rank that has them. Each rank has a range of them.
     pub fn complete(&self, saved: &mut [Vec<u8>]) -> Result<(), EnsembleError> {
         if self.is_alone() {
             return Ok(());
@@ -176,15 +176,15 @@ impl Ranks {
         let first = saved.iter().position(|member| !member.is_empty()).unwrap_or(0);
         let count = saved[first..].iter().take_while(|member| !member.is_empty()).count();
         let lacking = self.own().filter(|index| !(first..first + count).contains(index));
-        let told: Vec<usize> = [first, count].into_iter().chain(lacking).collect();
-        let all = self.noted(nastic_team::exchange(self.team(), pack(&told)))?;
+        let reported: Vec<usize> = [first, count].into_iter().chain(lacking).collect();
+        let all = self.noted(nastic_team::exchange(self.team(), pack(&reported)))?;
         let read = |(rank, bytes): (usize, &Vec<u8>)| unpacked::<Vec<usize>>(rank, bytes);
         let all = self.noted(all.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>())?;
-        let has = |told: &[usize], index: usize| matches!(told, [first, count, ..] if (*first..first + count).contains(&index));
+        let has = |reported: &[usize], index: usize| matches!(reported, [first, count, ..] if (*first..first + count).contains(&index));
         // in the same order on all ranks
-        for (to, told) in all.iter().enumerate() {
-            let of = |index: &usize| all.iter().position(|told| has(told, *index));
-            for wanted in told.get(2..).unwrap_or_default().chunk_by(|a, b| of(a) == of(b)) {
+        for (to, reported) in all.iter().enumerate() {
+            let of = |index: &usize| all.iter().position(|reported| has(reported, *index));
+            for wanted in reported.get(2..).unwrap_or_default().chunk_by(|a, b| of(a) == of(b)) {
                 let nobody = TeamError::Unexpected { rank: to, what: "it wants a state that no rank has" };
                 let from = self.noted(of(&wanted[0]).ok_or(nobody))?;
                 if from == self.team.rank() {
@@ -200,7 +200,7 @@ impl Ranks {
         Ok(())
     }
 
-    /// What `of` makes of the members of every block whose first member is this rank's: others send it theirs.
+    /// The results of `of` for all members of every block whose first member is on this rank: other ranks send theirs.
     pub fn blocks(
         &self,
         blocks: impl Iterator<Item = Range<usize>>,
@@ -226,17 +226,17 @@ impl Ranks {
         Ok(found)
     }
 
-    /// The sum over the members of all ranks; `leaf` is asked for this rank's own.
+    /// The sum over the members of all ranks; `leaf` gives those of this rank.
     pub fn sum(&self, len: usize, leaf: impl FnMut(usize) -> Option<Vec<f64>>) -> Result<Vec<f64>, EnsembleError> {
         let shares = self.shares().clone();
         self.noted(nastic_team::sum(self.team(), &shares, len, leaf))
     }
 }
 
-/// `each` of all workspaces, on the threads at hand; outcomes in their order.
+/// Calls `each` with all workspaces on the available threads; outcomes in the order of the workspaces.
 ///
 /// # Errors
-/// The failure that is the first in their order, whichever came first in time, with its index. Those behind it may or may not have run.
+/// The first failure in this order, not in time, with its index. Calls behind it may or may not have been made.
 pub(super) fn side_by_side<W: Send, T: Send, E: Send>(
     workspaces: &mut [W],
     each: impl Fn(usize, &mut W) -> Result<T, E> + Sync,
@@ -253,7 +253,7 @@ pub(super) fn side_by_side<W: Send, T: Send, E: Send>(
         Some(outcome)
     };
     let outcomes: Vec<Option<_>> = workspaces.par_iter_mut().enumerate().with_max_len(1).map(run).collect();
-    // One left out stands behind a failure, at which this stops.
+    // One left out is behind a failure, at which this stops.
     outcomes.into_iter().flatten().collect()
 }
 
@@ -262,7 +262,7 @@ mod tests {
     use super::side_by_side;
 
     #[test]
-    fn outcomes_are_in_the_members_order_and_the_first_failure_is_told() {
+    fn outcomes_are_in_the_members_order_and_the_first_failure_is_returned() {
         let mut workspaces = vec![0; 40];
         let slow = |index: usize| std::thread::sleep(std::time::Duration::from_micros(40 - index as u64));
         let squares = side_by_side(&mut workspaces, |index, own| {

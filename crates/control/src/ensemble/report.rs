@@ -11,7 +11,7 @@ use nastic_uncertainty::risk::{CATALOGUE, Risk, deviation};
 pub struct Measured {
     /// The measure.
     pub name: &'static str,
-    /// The share of cases that it does not look at, where it has such a level.
+    /// The share of cases that it ignores, if it has such a level.
     pub level: Option<f64>,
     /// R as it is optimised.
     pub value: f64,

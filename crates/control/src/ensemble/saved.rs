@@ -4,16 +4,17 @@ use nastic_opt::Saved;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Members of a block at least, and how many blocks there are at most while they are no larger than that: files of a checkpoint.
-const LEAST: usize = 4;
-const MOST_BLOCKS: usize = 4096;
+/// Least number of members of a block, which is a file of a checkpoint.
+const MIN_BLOCK_MEMBERS: usize = 4;
+/// Number of blocks above which blocks become larger.
+const MAX_BLOCKS: usize = 4096;
 
 /// What [`Objective::save`](nastic_opt::Objective::save) gives of an ensemble: every member as its problem saves it, empty where it is another rank's.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SavedMembers(pub Vec<Vec<u8>>);
 
 impl SavedMembers {
-    /// Of so many members none.
+    /// None of the members.
     pub fn none(members: usize) -> Self {
         Self(vec![vec![]; members])
     }
@@ -32,8 +33,8 @@ pub struct MemberBlock {
     pub members: Vec<Vec<u8>>,
 }
 
-/// Blocks of so many members, by their numbers alone: each but the last has the same power of two of them.
+/// Blocks of members, by their number alone: each but the last has the same power of two of them.
 pub fn blocks(members: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
-    let size = members.div_ceil(MOST_BLOCKS).next_power_of_two().max(LEAST);
+    let size = members.div_ceil(MAX_BLOCKS).next_power_of_two().max(MIN_BLOCK_MEMBERS);
     (0..members.div_ceil(size)).map(move |block| block * size..((block + 1) * size).min(members))
 }

@@ -257,7 +257,7 @@ impl Basis {
         self.starts[q] < self.starts[q + 1]
     }
 
-    /// Values at the points of a field of so many components, `components * point + component`; zero where it does not act.
+    /// Values at the points of a field of several components, `components * point + component`; zero where it does not act.
     pub fn values(&self, m: &[f64], components: usize) -> Vec<f64> {
         let mut out = vec![0.0; components * self.points()];
         for (q, out) in out.chunks_exact_mut(components).enumerate().filter(|(q, _)| self.acts_at(*q)) {

@@ -21,7 +21,7 @@ pub struct Filter {
 }
 
 impl Filter {
-    /// Of the basis functions of a field with so many components, over the length R.
+    /// For the basis functions of a field with a number of components, over the length R.
     ///
     /// # Errors
     /// A length that is not positive, a field over points of a contribution, ranks that fail.

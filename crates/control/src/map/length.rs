@@ -3,7 +3,7 @@
 use super::ControlMap;
 use nastic_numeric::vector::{dot, norm};
 
-/// `y = L x/|x|` at every point, of vectors of so many components; where `x = 0` it stays zero. Linear interpolation between nodes on a
+/// `y = L x/|x|` at every point, for vectors of several components; where `x = 0` it stays zero. Linear interpolation between nodes on a
 /// sphere falls short of it, so a nodal field of unit vectors needs this; elsewhere it changes rounding alone.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Length {

@@ -13,7 +13,7 @@ pub enum Space {
     Point,
     /// Linear (multilinear) between corner nodes, on every element: bounds at the nodes hold everywhere.
     Node,
-    /// Multilinear between the nodes of a regular grid of so many cells along x, y and z over the bounding box of the actuation's regions
+    /// Multilinear between the nodes of a regular grid with these numbers of cells along x, y and z over the bounding box of the actuation's regions
     /// (of a plane body the third number does not matter): a control mesh that is independent of the body's. Grid cells without a
     /// quadrature point have no part in it, and nodes of such cells alone no unknown.
     Grid([u32; 3]),

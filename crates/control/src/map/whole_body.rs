@@ -88,7 +88,7 @@ impl<'d> WholeBody<'d> {
         Grid::over([low, high.map(|x| -x)], cells)
     }
 
-    /// The nodes that are counted here: of those that several ranks have each one once.
+    /// The nodes that are counted here: each node of several ranks is counted once.
     pub fn owned(&self) -> usize {
         self.over.map_or(usize::MAX, |(part, _)| part.owned())
     }

@@ -20,8 +20,8 @@ pub struct Knots {
     interpolation: Interpolation,
 }
 
-/// Relative to the whole time: instants that differ by less are the same.
-const SAME: f64 = 1e-9;
+/// Difference up to which instants are the same, as a share of the whole time.
+const TIME_TOLERANCE: f64 = 1e-9;
 
 impl Knots {
     /// At given instants, from 0 on.
@@ -92,7 +92,7 @@ impl Knots {
         let t = t.clamp(0.0, self.end());
         let slack = match self.interpolation {
             // an instant at a knot belongs to the interval before it, whatever its rounding
-            Interpolation::Constant => SAME * self.end(),
+            Interpolation::Constant => TIME_TOLERANCE * self.end(),
             Interpolation::Linear => 0.0,
         };
         let k = self.times.partition_point(|knot| *knot < t - slack).clamp(1, self.times.len() - 1) - 1;

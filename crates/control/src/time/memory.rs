@@ -8,7 +8,7 @@ pub enum MotionMemory {
     /// All states.
     #[default]
     All,
-    /// As many states as fit into so many bytes.
+    /// As many states as fit into this number of bytes.
     AtMost {
         /// Memory of the states of one motion.
         bytes: usize,

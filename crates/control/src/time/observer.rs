@@ -16,9 +16,9 @@ pub struct StepUnderWay {
     pub end: f64,
 }
 
-/// Called while a motion runs, so that a motion that fails or is stopped leaves what it found, and may go on from there.
+/// Called while a motion runs, so that the states of a motion that fails or is stopped are available, and it may be resumed.
 pub trait MotionObserver: Sync {
-    /// What an earlier motion of the same problem and control vector reported [`resumable`](Self::resumable): this one goes on from there.
+    /// What an earlier motion of the same problem and control vector reported [`resumable`](Self::resumable): this one continues from there.
     fn resume(&self) -> Option<Vec<u8>> {
         None
     }
@@ -29,7 +29,7 @@ pub trait MotionObserver: Sync {
     /// What ends the motion.
     fn reached(&self, n: usize, state: &State) -> Result<(), ControlError>;
 
-    /// The motion can go on from the n-th state, with the same bits, by what `bytes` returns: wherever the next step begins
-    /// without what was kept of earlier ones ([`Recording::begins_anew`](nastic_fem::Recording::begins_anew)), and at the end, but not under costs that look at all states.
+    /// The motion can continue from the n-th state, with the same bits, by what `bytes` returns: wherever the next step begins
+    /// without what was kept of earlier ones ([`Recording::begins_anew`](nastic_fem::Recording::begins_anew)), and at the end, but not under costs that use all states.
     fn resumable(&self, _n: usize, _bytes: &dyn Fn() -> Vec<u8>) {}
 }

@@ -18,8 +18,8 @@ pub struct Timeline {
     segment: usize,
 }
 
-/// Steps of a segment: solves begin without what was kept of earlier ones so rarely that it costs 1 to 5 % more factorisations.
-const SEGMENT: usize = 16;
+/// Steps of a segment, after which the workspace is cleared: this costs 1 to 5 % more factorisations.
+const STEPS_PER_SEGMENT: usize = 16;
 
 impl Timeline {
     /// So many equal steps from 0 to the end.
@@ -46,7 +46,7 @@ impl Timeline {
 
     fn new(scheme: Scheme, instants: Vec<f64>) -> Self {
         let (begin, memory) = (Begin::Equilibrium, MotionMemory::All);
-        Timeline { scheme, instants, begin, velocity: None, memory, segment: SEGMENT }
+        Timeline { scheme, instants, begin, velocity: None, memory, segment: STEPS_PER_SEGMENT }
     }
 
     /// Begins undeformed, whatever loads and controls do from t = 0 on.
@@ -67,7 +67,7 @@ impl Timeline {
         Timeline { memory, ..self }
     }
 
-    /// Solves begin anew, without factors of earlier ones, every so many steps (by default 16); only there may checkpoints of a reverse sweep be.
+    /// Steps of a segment (by default 16), after which solves begin without factors of earlier ones; checkpoints of a reverse sweep are at the beginnings of segments.
     /// Where steps take many Newton iterations they do so in between too. Results depend on it within the accuracy of the solves.
     #[must_use]
     pub fn segments_of(self, steps: usize) -> Self {

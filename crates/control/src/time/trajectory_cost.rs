@@ -6,7 +6,7 @@ use crate::time::Timeline;
 use nastic_fem::{Solid, StatePartials, Trajectory};
 use std::fmt::Debug;
 
-/// What a cost of a motion may look at.
+/// The arguments of a cost of a motion.
 #[derive(Clone, Copy)]
 pub struct TrajectoryContext<'a> {
     /// The body.
@@ -33,7 +33,7 @@ pub struct TrajectoryPartials {
 }
 
 impl TrajectoryPartials {
-    /// Zero, for so many instants and controls.
+    /// Zero, for these numbers of instants and controls.
     pub fn zero(instants: usize, m: usize) -> Self {
         TrajectoryPartials { states: vec![StatePartials::default(); instants], m: vec![0.0; m] }
     }
@@ -53,7 +53,7 @@ pub trait TrajectoryCost: Debug + Send + Sync {
         Ok(())
     }
 
-    /// Whether it looks at states; one that does not goes with motions that keep few of them.
+    /// Whether it uses states; otherwise motions may store few of them.
     fn needs_states(&self) -> bool {
         true
     }

@@ -26,9 +26,9 @@ pub struct Adjoint {
     pub report: SolveReport,
 }
 
-/// Iterations with products that assemble nothing, on hex27: there one takes a seventh of an assembly. On hex20 and tet10 it
-/// takes a quarter and does not pay.
-const PRODUCTS: usize = 6;
+/// Iterations with matrix-free products, on hex27, where a product takes a seventh of an assembly. On hex20 and tet10 it takes
+/// a quarter, which is too much.
+const MAX_PRODUCT_ITERATIONS: usize = 6;
 
 impl Model {
     /// Solves `K(u*, m) lambda = rhs`, `lambda = 0` on the supports, for every right-hand side (entries on supports are
@@ -89,7 +89,7 @@ impl Model {
         Ok(self.check_spans_ranks(how.solver)?)
     }
 
-    /// `K(u*) x = b` with the factor at hand and K(u*) as a product, where that is cheaper than K(u*) as a matrix; `None`
+    /// `K(u*) x = b` with the factor held and K(u*) as a product, where that is faster than K(u*) as a matrix; `None`
     /// where it is not, or does not converge in time.
     fn solve_by_products(
         &self,
@@ -106,7 +106,7 @@ impl Model {
         }
         let at = self.instant(state, None, how.parallel);
         let product = |v: &[f64], out: &mut [f64]| self.product_or_nan(&at, v, out);
-        systems.solve_by_products(&product, &state.u, b, accuracy, PRODUCTS, report)
+        systems.solve_by_products(&product, &state.u, b, accuracy, MAX_PRODUCT_ITERATIONS, report)
     }
 
     /// Where a state was evaluated, at the end of a time step if there is one.

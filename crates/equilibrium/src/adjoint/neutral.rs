@@ -15,20 +15,20 @@ use nastic_body::state::{SolveReport, State};
 use nastic_linear::solver::{Accuracy, Inertia};
 use nastic_numeric::vector::{axpy, sub};
 
-/// Times that what the anchor took is given back.
+/// Corrections by the force of the anchor.
 const CORRECTIONS: usize = 2;
-/// Share of a right-hand side along free motions that is rounding.
-const ALONG: f64 = 1e-6;
-/// Below so many of the weakest anchor a stiffness is rounding.
-const NEUTRAL: f64 = 10.0;
+/// Largest share of a right-hand side along free motions that is rounding.
+const MAX_FREE_MOTION_SHARE: f64 = 1e-6;
+/// Stiffness over that of the weakest anchor, below which it is rounding.
+const MAX_NEUTRAL_RATIO: f64 = 10.0;
 
 impl Model {
-    /// What is free of an equilibrium that contact alone may hold.
+    /// Free motions of an equilibrium that may be held by contact alone.
     pub(super) fn loose(&self, at: &Instant) -> Option<FreeMotion> {
         if at.step.is_some() || !self.settles() { None } else { self.free_motion(at) }
     }
 
-    /// The negative eigenvalues with so many of the weakest anchor.
+    /// Number of negative eigenvalues with a multiple of the weakest anchor.
     pub(super) fn count_anchored(
         &self,
         at: &Instant,
@@ -42,7 +42,7 @@ impl Model {
         Ok(system.inertia(&mut systems, self.nodal(at.u), &mut SolveReport::default())?)
     }
 
-    /// The system with so many of the weakest anchor, and these, by unknowns on nodes.
+    /// The system with a multiple of the weakest anchor, and the anchor by unknowns on nodes.
     fn anchored(&self, at: &Instant, factor: f64) -> Result<(SaddlePoint, Vec<f64>), Inadmissible> {
         let mut tangent = self.tangents().bordered_tangent(at)?;
         let anchor = Anchor::new(self, &[], factor * Anchor::least(self, &tangent.matrix)).diagonal().to_vec();
@@ -52,14 +52,14 @@ impl Model {
         Ok((system, anchor))
     }
 
-    /// `[K B; B^T 0] x = b` at an equilibrium of which nothing resists to some motions, so that K is singular (and symmetric, as it has a potential). With D the weakest anchor,
+    /// `[K B; B^T 0] x = b` at an equilibrium with free motions, so that K is singular (and symmetric, as it has a potential). With D the weakest anchor,
     ///
     /// ```text
     /// (K + D) x_0 = b,    (K + D) x_k = b + D x_(k-1)
     /// ```
     ///
-    /// is wrong by `(D / (K + D))^(k+1)` where K is regular, and grows by the same `y = x_k - x_(k-1)` along free motions: D y is the part of b along them. Where that
-    /// does not vanish the derivative is not determined; what rounding left of it is taken out. The derivative is that of the equilibrium nearest to this one.
+    /// has the error `(D / (K + D))^(k+1)` where K is regular, and grows by the same `y = x_k - x_(k-1)` along free motions: D y is the part of b along them. Where D y
+    /// exceeds rounding the derivative is not determined; rounding is removed. The derivative is that of the equilibrium nearest to this one.
     pub(super) fn solve_neutral(
         &self,
         at: &Instant,
@@ -89,7 +89,7 @@ impl Model {
             let growth = sub(x, before);
             let along = space.norm(&self.held_by(&anchor, &growth)[..dofs]);
             let share = along / space.norm(&b[..dofs]).max(f64::MIN_POSITIVE);
-            if share.is_nan() || share > ALONG {
+            if share.is_nan() || share > MAX_FREE_MOTION_SHARE {
                 let FreeMotion { count, what, example } = free.clone();
                 return Err(FemError::FreeDerivative { share, count, what, example }.into());
             }
@@ -98,7 +98,7 @@ impl Model {
         Ok(found)
     }
 
-    /// D x, of nodes that follow others on these.
+    /// D x, on the independent nodes.
     fn held_by(&self, anchor: &[f64], x: &[f64]) -> Vec<f64> {
         let mut force = vec![0.0; x.len()];
         force.iter_mut().zip(anchor).zip(x).for_each(|((force, s), x)| *force = s * x);
@@ -108,8 +108,8 @@ impl Model {
 }
 
 impl Stability<'_> {
-    /// Rigid motions of an equilibrium under full loads that nothing resists to: neither what touches it, by the normals there, nor the tangent. What contact alone holds may roll or slide on so,
-    /// and rests where it came to.
+    /// Rigid motions of an equilibrium under full loads without resistance, by contact normals and by the tangent: a body held by contact alone may roll or slide along them,
+    /// and its position among them is arbitrary.
     ///
     /// # Errors
     /// As of [`negative_pivots`](Self::negative_pivots).
@@ -120,6 +120,6 @@ impl Stability<'_> {
         let mut count = |factor: f64| {
             self.model.count_anchored(&at, factor, state, how, &mut workspace).map(|counted| counted.negative)
         };
-        Ok((count(-NEUTRAL)? > count(1.0)?).then_some(free))
+        Ok((count(-MAX_NEUTRAL_RATIO)? > count(1.0)?).then_some(free))
     }
 }

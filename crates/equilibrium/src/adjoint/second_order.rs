@@ -16,7 +16,7 @@ use nastic_linear::solver::Accuracy;
 use nastic_numeric::vector::axpy;
 
 /// Of products that iterations with them take.
-const ITERATED: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
+const ITERATION_ACCURACY: Accuracy = Accuracy { error: 1e-9, residual: 1e-11 };
 
 /// Directional derivatives of a state and its adjoint by the controls, in two linear solves with the factor that a workspace
 /// keeps, as [`Model::adjoint_with`] uses it, and until double precision ends: with `r(u, m) = 0`, `K = r_u` and `K^T lambda = -j_u`,
@@ -73,7 +73,7 @@ impl<'a> SecondOrder<'a> {
     /// The same with solutions as exact as iterations with the products need them; the products are symmetric to less.
     #[must_use]
     pub fn for_iterations(self) -> Self {
-        SecondOrder { accuracy: ITERATED, ..self }
+        SecondOrder { accuracy: ITERATION_ACCURACY, ..self }
     }
 
     /// `du` along v.

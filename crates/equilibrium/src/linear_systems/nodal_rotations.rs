@@ -10,7 +10,7 @@ use nastic_tensor::{Mat3, polar_rotation};
 use rayon::prelude::*;
 
 /// Cells of one task.
-const CHUNK: usize = 128;
+const CELLS_PER_TASK: usize = 128;
 
 /// The rotation of the body at every node: that of the polar decomposition of the sum over the cells that meet there of
 /// `int F dX`. Cells that are inverted do not count.
@@ -18,12 +18,12 @@ pub(crate) fn nodal_rotations(disc: &Discretization, u: &[f64], parallel: bool) 
     let mut sums = vec![Mat3::zeros(); disc.mesh().points().len()];
     for group in Cells::all(disc) {
         let cells: Vec<u32> = (0..group.part.cells.len() as u32).collect();
-        let means = group.map(&cells, CHUNK, parallel, |cells| means(group, cells, u));
+        let means = group.map(&cells, CELLS_PER_TASK, parallel, |cells| means(group, cells, u));
         for (c, mean) in means.iter().flatten().enumerate() {
             group.part.nodes_of(c).iter().for_each(|&node| sums[node as usize] += mean);
         }
     }
-    let parallel = parallel && sums.len() > 8 * CHUNK;
+    let parallel = parallel && sums.len() > 8 * CELLS_PER_TASK;
     Rotations(if parallel { sums.par_iter().map(rotation).collect() } else { sums.iter().map(rotation).collect() })
 }
 

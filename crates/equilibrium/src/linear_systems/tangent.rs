@@ -63,7 +63,7 @@ impl Tangent {
         if self.products.is_none() { Some(&mut self.matrix) } else { None }
     }
 
-    /// Whether products of cells stand for its entries.
+    /// Whether products of cells replace its entries.
     pub fn is_unassembled(&self) -> bool {
         self.products.is_some()
     }

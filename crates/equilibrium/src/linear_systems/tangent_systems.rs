@@ -16,42 +16,44 @@ use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 /// Of a solution that counts as exact: an adjoint, and the two systems of a second derivative, whose products shall be symmetric to 1e-10.
-/// Their errors are errors of `a . H b`, and of a derivative, beside the product of the energy norms of both solutions. That is hundreds of
-/// times larger where an actuator strains the body and the cost sees its bending, and a million times where the cost is the compliance of a nearly
-/// incompressible one: with 1e-9 its derivative was off by 4e-4. (Over the bodies, costs and actuations of crates/control/tests/hessian.rs,
+/// The error of a derivative, and of `a . H b`, is relative to the product of the energy norms of both solutions. This product is hundreds of
+/// times larger than the derivative where an actuator strains the body and the cost depends on its bending, and a million times larger for the compliance of a nearly
+/// incompressible body, whose derivative had an error of 4e-4 with 1e-9. (Over the bodies, costs and actuations of crates/control/tests/hessian.rs,
 /// 1e-12 gives 2e-10, 1e-13 gives 2e-12, and 1e-14 is where double precision ends: 9e-13.)
 pub(crate) const EXACT: Accuracy = Accuracy { error: 1e-13, residual: 1e-11 };
 
 /// Relative residual of a system that nothing corrects afterwards.
-const DEFINITE: f64 = 1e-12;
+const MAX_UNCORRECTED_RESIDUAL: f64 = 1e-12;
 
-/// Least relative residual of a solution that is corrected by a product of its own, about the rounding of moduli, and corrections at most.
-const ROUNDED: f64 = 1e-7;
-const CORRECTIONS: usize = 5;
+/// Least relative residual of a solution that is corrected by a separate product, about the rounding of moduli.
+const MIN_CORRECTED_RESIDUAL: f64 = 1e-7;
+/// Corrections of such a solution.
+const MAX_CORRECTIONS: usize = 5;
 
-/// Of full steps of Newton's method with an indefinite or bordered tangent.
+/// Accuracy of full Newton steps with an indefinite or bordered tangent.
 pub(crate) const FULL_STEP: Accuracy = Accuracy { error: 1e-9, residual: 1e-7 };
 
-/// Relative residual from which a factor of the tangent before serves bordered systems, and the largest error of theirs.
-const KEPT: f64 = 0.05;
-const COARSE: f64 = 1e-3;
+/// Largest relative residual at which the factor of the tangent before serves bordered systems.
+const MAX_REUSE_RESIDUAL: f64 = 0.05;
+/// Largest error of these systems.
+const MAX_REUSE_ERROR: f64 = 1e-3;
 
-/// Of a full step with a bordered tangent from a relative residual towards one of `accuracy`, and whether a factor of the tangent before may
-/// serve: a tenth of the residual keeps convergence quadratic, and nothing beyond a thousandth of what the end asks for is of use.
+/// Accuracy of a full step with a bordered tangent from a relative residual towards one of `accuracy`, and whether a factor of the tangent before may
+/// be used: a tenth of the residual keeps convergence quadratic, and a thousandth of the final residual is always sufficient.
 pub(crate) fn bordered_step(relative: f64, accuracy: f64) -> (Accuracy, bool) {
-    if relative.is_nan() || relative > KEPT {
+    if relative.is_nan() || relative > MAX_REUSE_RESIDUAL {
         return (FULL_STEP, false);
     }
-    let error = (0.1 * relative).max(1e-3 * accuracy / relative).clamp(FULL_STEP.error, COARSE);
+    let error = (0.1 * relative).max(1e-3 * accuracy / relative).clamp(FULL_STEP.error, MAX_REUSE_ERROR);
     (Accuracy { error, residual: error.max(FULL_STEP.residual) }, true)
 }
 
-/// Which step is wanted where the tangent turns out to be indefinite.
+/// Which step to compute if the tangent is indefinite.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StepWanted {
-    /// Newton's, though it may lead to a saddle, if the solver has it.
+    /// Newton's step, which may lead to a saddle, if the solver supports it.
     Newton,
-    /// One downhill.
+    /// A descent direction.
     Downhill,
 }
 
@@ -68,7 +70,7 @@ pub enum Transposition {
 pub struct Counted<S> {
     /// One by right-hand side.
     pub solved: Vec<S>,
-    /// Negative eigenvalues of the system, or why they are not known: rounding decides the sign of one, or the solver does not count.
+    /// Number of negative eigenvalues of the system, or why it is unknown: the sign of one is rounding, or the solver does not count.
     pub negative: Result<usize, LinearError>,
 }
 
@@ -78,21 +80,21 @@ pub struct TangentSystems<'a> {
     parallel: bool,
     solver: &'a mut dyn LinearSolver,
     shift: Shift,
-    /// Changes of volume that the solution of the next steps is expected to have, by quadrature point.
+    /// Expected changes of volume of the next steps, by quadrature point.
     expected: Option<Vec<f64>>,
-    /// By volume mode, what the last step left between pressures and changes of volume.
+    /// By volume mode, the difference between pressures and changes of volume of the last step.
     left: Option<Vec<f64>>,
 }
 
 impl<'a> TangentSystems<'a> {
-    /// Of a model, with what solves them.
+    /// The systems of a model, with a solver.
     pub fn new(model: &'a Model, parallel: bool, solver: &'a mut dyn LinearSolver) -> Self {
         solver.restart();
         TangentSystems { model, parallel, solver, shift: Shift::default(), expected: None, left: None }
     }
 
-    /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and what the
-    /// tangent turned out to be.
+    /// The Newton step of a tangent at u whose supports are eliminated, to a relative residual of `tolerance`, and the
+    /// curvature of the tangent.
     pub fn step<'m>(
         &mut self,
         tangent: impl Into<TangentRef<'m>>,
@@ -124,28 +126,28 @@ impl<'a> TangentSystems<'a> {
         step.map(|step| (self.extended(step.x), step.curvature))
     }
 
-    /// Notes the changes of volume that the solutions of the next [steps](Self::step) are expected to have, by quadrature point.
+    /// Sets the expected changes of volume of the next [steps](Self::step), by quadrature point.
     pub fn expect_changes(&mut self, changes: Option<Vec<f64>>) {
         self.expected = changes;
     }
 
-    /// By volume mode, what the last step left between its pressures and its changes of volume ([`Step::changes_left`]).
+    /// By volume mode, the difference between pressures and changes of volume of the last step ([`Step::changes_left`]).
     pub fn changes_left(&self) -> Option<&[f64]> {
         self.left.as_deref()
     }
 
-    /// Drops what is kept of earlier tangents.
+    /// Drops the preconditioners of earlier tangents.
     pub fn forget(&mut self) {
         self.solver.clear();
     }
 
-    /// With nodes that follow others where these lead them.
+    /// Sets nodes that depend on others to their dependent values.
     fn extended(&self, mut x: Vec<f64>) -> Vec<f64> {
         self.model.supports.extend(&mut x);
         x
     }
 
-    /// A downhill step where the tangent is not positive definite.
+    /// A descent direction where the tangent is not positive definite.
     pub fn shifted_step<'m>(
         &mut self,
         tangent: impl Into<TangentRef<'m>>,
@@ -172,7 +174,7 @@ impl<'a> TangentSystems<'a> {
         self.solve_to(FULL_STEP, matrix, u, b, Transposition::No, report)
     }
 
-    /// `K^T x = b` for several right-hand sides, with the tangent as it stands at u; it may be indefinite.
+    /// `K^T x = b` for several right-hand sides, with the present tangent at u; it may be indefinite.
     pub fn solve_transposed(
         &mut self,
         mut matrix: SparseMatrix,
@@ -231,8 +233,8 @@ impl<'a> TangentSystems<'a> {
         let space = self.model.unknowns();
         let (mut x, mut rest, mut before) = (vec![0.0; b.len()], b.to_vec(), f64::INFINITY);
         // two solutions that leave the root of the error each
-        let rounded = Accuracy { residual: ROUNDED.max(0.3 * accuracy.error.sqrt()), ..accuracy };
-        for _ in 0..=CORRECTIONS {
+        let rounded = Accuracy { residual: MIN_CORRECTED_RESIDUAL.max(0.3 * accuracy.error.sqrt()), ..accuracy };
+        for _ in 0..=MAX_CORRECTIONS {
             let dx = self.solve_to(rounded, tangent, u, &rest, Transposition::No, report)?;
             // |dx|_K, and the next one by the ratio to the one before
             let size = space.dot(&dx, &rest).max(0.0).sqrt();
@@ -255,7 +257,7 @@ impl<'a> TangentSystems<'a> {
     }
 
     /// `K x = b` with a tangent at u whose supports are eliminated, which is to be positive definite, to a relative residual of 1e-12;
-    /// nothing that is kept of earlier systems has a part in it.
+    /// preconditioners of earlier systems are not used.
     ///
     /// # Errors
     /// [`LinearError::Indefinite`].
@@ -274,10 +276,10 @@ impl<'a> TangentSystems<'a> {
         let mut rest = vec![0.0; b.len()];
         configuration.system(matrix.into()).multiply(&x, &mut rest);
         rest.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
-        // of multigrid, which shows at a coarser residual that a matrix is definite
-        if self.model.unknowns().norm(&rest) > DEFINITE * self.model.unknowns().norm(b) {
+        // for multigrid, which shows at a coarser residual that a matrix is definite
+        if self.model.unknowns().norm(&rest) > MAX_UNCORRECTED_RESIDUAL * self.model.unknowns().norm(b) {
             let correction = self.solution(EXACT, matrix.into(), u, &rest, Transposition::No, report)?;
-            // a factor that was fallen back on takes what is indefinite too
+            // the factor of a fallback also solves indefinite systems
             if correction.negative.is_some_and(|negative| negative > 0) {
                 return Err(LinearError::Indefinite { quotient: None });
             }
@@ -375,8 +377,8 @@ impl<'a> TangentSystems<'a> {
         Ok(Inertia { negative: of_matrix + of_border, by_factor })
     }
 
-    /// `K x = b` with the symmetric tangent at u as a product, zero on the supports, and what is kept as preconditioner, if
-    /// that is good enough for so many iterations; `None` where it is not.
+    /// `K x = b` with the symmetric tangent at u as a product, zero on the supports, and the preconditioner held, if it
+    /// converges within a number of iterations; `None` otherwise.
     pub fn solve_by_products(
         &mut self,
         product: &dyn Operator,
@@ -401,7 +403,7 @@ impl<'a> TangentSystems<'a> {
         x
     }
 
-    /// Whether products of cells may stand for the entries of a tangent.
+    /// Whether products of cells may replace the entries of a tangent.
     pub fn takes_products(&self) -> bool {
         self.solver.state().takes_products
     }
@@ -413,12 +415,12 @@ impl<'a> TangentSystems<'a> {
     }
 }
 
-/// Negative eigenvalues of a matrix; refused by a solver that does not count them.
+/// Number of negative eigenvalues of a matrix; refused by a solver that does not count them.
 fn inertia(solver: &mut dyn LinearSolver, system: &System) -> Result<Inertia, LinearError> {
     solver.inertia(system)?.ok_or(LinearError::NotCounted { solver: solver.state().name })
 }
 
-/// Rows and columns of supported unknowns and of nodes that follow others become those of a multiple of the identity.
+/// Rows and columns of supported unknowns and of nodes that depend on others become those of a multiple of the identity.
 pub(crate) fn eliminate(model: &Model, matrix: &mut SparseMatrix) {
     let diagonal = matrix.diagonal().iter().fold(0.0, |m: f64, d| m.max(d.abs()));
     let diagonal = if diagonal > 0.0 && diagonal.is_finite() { diagonal } else { 1.0 };

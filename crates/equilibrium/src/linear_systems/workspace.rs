@@ -1,4 +1,4 @@
-//! [`Workspace`]: what makes the next solve faster, and decides no result beyond the accuracy asked for.
+//! [`Workspace`]: data that accelerates the next solve, and affects results within the accuracy asked for only.
 
 use crate::linear_systems::tangent::Tangent;
 use crate::model::Model;
@@ -9,39 +9,38 @@ use nastic_linear::{Factor, LinearSolver, Pattern, Solver, SolverFactory, Struct
 use std::fmt;
 use std::sync::Arc;
 
-/// What one solve leaves behind for the next on the same body: a linear solver with what it keeps (a factor of a recent
-/// tangent, a multigrid hierarchy), used as preconditioner while that is cheaper than a new one. Owned by the run that makes the
-/// solves, one after the other; results depend on it only within the accuracy asked of them, and the same history gives the
-/// same bits.
+/// Data of one solve for the next on the same body: a linear solver with a factor of a recent tangent or a multigrid hierarchy,
+/// used as preconditioner while that is less expensive than a new one. Owned by the run that makes the solves, one after the
+/// other; results depend on it only within the accuracy asked for, and the same history gives the same bits.
 #[derive(Default)]
 pub struct Workspace {
     solver: Option<KeptSolver>,
     tangent: Option<KeptTangent>,
-    /// Attempts with predicted pressures that have failed since the last that did not.
+    /// Consecutive failed attempts with predicted pressures.
     pub(crate) unpredicted: usize,
 }
 
-/// The tangent at the state whose second derivatives were last asked for, its supports eliminated.
+/// The tangent at the state of the last second derivatives, its supports eliminated.
 #[derive(Clone)]
 struct KeptTangent {
-    /// Of which state: these are shared with it, so that no other state of the body can have them.
+    /// The displacement of the state, shared with it, so that no other state of the body can have it.
     of: (Arc<Vec<f64>>, Arc<Controls>, f64),
-    /// On which mesh.
+    /// Its mesh.
     pattern: Arc<Pattern>,
     tangent: Option<Tangent>,
-    /// Whether what the solver keeps is of this tangent.
+    /// Whether the preconditioner held is of this tangent.
     factorised: bool,
 }
 
 struct KeptSolver {
-    /// Name of what made it.
+    /// Name of its factory.
     name: &'static str,
     pattern: Arc<Pattern>,
     solver: Box<dyn LinearSolver>,
 }
 
 impl Workspace {
-    /// One that holds a factor of a tangent near the expected ones.
+    /// A workspace with a factor of a tangent near the expected ones.
     pub fn with_factor(factor: Factor) -> Self {
         let (name, pattern) = (Solver::DIRECT.name(), factor.symbolic().pattern().clone());
         let structure = Structure::analysed(factor.symbolic().clone());
@@ -49,7 +48,7 @@ impl Workspace {
         Workspace { solver: Some(KeptSolver { name, pattern, solver }), ..Workspace::default() }
     }
 
-    /// The linear solver of a factory for a model: the one that is here, if it is such.
+    /// The linear solver of a factory for a model: the one held, if it is from this factory.
     pub(crate) fn solver(&mut self, factory: &dyn SolverFactory, model: &Model) -> &mut dyn LinearSolver {
         let (name, structure) = (factory.name(), model.structure());
         let fits = |kept: &KeptSolver| kept.name == name && Arc::ptr_eq(&kept.pattern, structure.pattern());
@@ -61,7 +60,7 @@ impl Workspace {
         self.solver.insert(kept.unwrap_or_else(new)).solver.as_mut()
     }
 
-    /// Notes that second derivatives at a state are asked for; whether that is not the first time in a row.
+    /// Records that second derivatives are computed at a state; whether the last ones were at the same state.
     pub(crate) fn comes_again(&mut self, state: &State, model: &Model) -> bool {
         let structure = model.structure();
         let pattern = structure.pattern();
@@ -77,7 +76,7 @@ impl Workspace {
         again
     }
 
-    /// Takes out the tangent of the state that was noted last, if it was put there, and whether it was factorised.
+    /// Takes the tangent of the state that was recorded last, if it is held, and whether it was factorised.
     pub(crate) fn take_tangent(&mut self) -> Option<(Tangent, bool)> {
         let kept = self.tangent.as_mut()?;
         Some((kept.tangent.take()?, kept.factorised))
@@ -98,7 +97,7 @@ impl Workspace {
         }
     }
 
-    /// Memory of what is kept, in bytes.
+    /// Memory held, in bytes.
     pub fn factor_bytes(&self) -> usize {
         self.solver.as_ref().map_or(0, |kept| kept.solver.state().bytes)
     }

@@ -8,7 +8,7 @@ use nastic_body::state::State;
 
 impl Moves<'_> {
     /// The longest share of the straight move from a displacement, that of `from`, to another one which every contribution bears: of
-    /// the body no point loses more than nine tenths of its volume on the way.
+    /// the body no point loses more than nine tenths of its volume.
     ///
     /// Every displacement that a solver accepts was reached by such moves. Where it is no straight step (a curved one, a guess, a
     /// prediction, an extrapolation) the body may turn by any angle, and is asked at the end alone, the other contributions all the way.

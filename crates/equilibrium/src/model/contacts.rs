@@ -194,7 +194,7 @@ impl Model {
         Contacts { model: self }
     }
 
-    /// Rigid motions of what contact alone holds that nothing resists to at an instant: it may roll or slide on, and rests where it came to.
+    /// Free rigid motions at an instant of a body that is held by contact alone, along which it may roll or slide.
     pub(crate) fn free_motion(&self, at: &Instant) -> Option<FreeMotion> {
         if !self.touches_something() || self.ranks().is_over_ranks() || self.checks().is_held_without_contact() {
             return None;

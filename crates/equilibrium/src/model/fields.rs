@@ -175,7 +175,7 @@ impl Model {
         }))
     }
 
-    /// Calls with a contribution's point, made for its own fields, as it stands among the unknowns of the model.
+    /// Calls a function with a contribution's point, restricted to its own fields, with their positions among the unknowns of the model.
     pub(super) fn wrapped<T>(
         &self,
         contribution: &dyn Contribution,

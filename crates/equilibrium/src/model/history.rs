@@ -1,4 +1,4 @@
-//! Internal variables of the body and of all contributions: those of a step, how they go on, and the transpose.
+//! Internal variables of the body and of all contributions: those of a step, their evolution, and its transpose.
 
 use super::Model;
 use crate::model::views::InternalVariables;

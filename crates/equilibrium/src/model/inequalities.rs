@@ -8,8 +8,8 @@ use nastic_body::error::Inadmissible;
 use nastic_body::instant::Instant;
 use std::sync::Arc;
 
-/// A constraint whose `g` is less than this share of what its rounding is measured against is at its onset.
-const ONSET: f64 = 64.0 * f64::EPSILON;
+/// A constraint is at its onset where `g` is below this share of the scale of its rounding.
+const ONSET_TOLERANCE: f64 = 64.0 * f64::EPSILON;
 
 impl Model {
     /// By constraint, whether it is an inequality.
@@ -29,7 +29,7 @@ impl Model {
         }
         let sums = self.inequality_residuals(at)?;
         let dofs = self.unknowns().nodal();
-        let touches = |k: usize| at.u[k] > 0.0 || sums.force[k] >= -ONSET * sums.force_scale[k];
+        let touches = |k: usize| at.u[k] > 0.0 || sums.force[k] >= -ONSET_TOLERANCE * sums.force_scale[k];
         Ok(inequalities.iter().enumerate().map(|(k, inequality)| !inequality || touches(dofs + k)).collect())
     }
 

@@ -66,7 +66,7 @@ impl OverRanks<'_> {
         all_accept(self.model.share(), found)
     }
 
-    /// The end of a solve, unless messages between the ranks have failed on the way.
+    /// The result of a solve, unless messages between the ranks have failed.
     ///
     /// # Errors
     /// What was found; [`FemError::Team`] where messages have failed.

@@ -9,8 +9,8 @@ use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::instant::Instant;
 use nastic_body::state::State;
 
-/// How far a held surface may be from its place where a motion goes on, as a share of the size of the body: rounding.
-const IN_PLACE: f64 = 1e-10;
+/// Largest distance of a held surface from its prescribed position when a motion is resumed, as a share of the size of the body: rounding.
+const POSITION_TOLERANCE: f64 = 1e-10;
 
 impl Model {
     /// The displacement of all held unknowns under these controls and a multiple of the prescribed displacements; 0 elsewhere.
@@ -76,7 +76,7 @@ impl PrescribedUnknowns<'_> {
             moved.prescribe(at, &mut prescribed);
             let gap = |dof: &u32| (prescribed[*dof as usize] - state.u[*dof as usize]).abs();
             let largest = moved.unknowns().iter().map(gap).fold(0.0, f64::max);
-            if found.is_ok() && largest > IN_PLACE * size {
+            if found.is_ok() && largest > POSITION_TOLERANCE * size {
                 let what = format!(
                     "at t = {} a node of the motion \"{name}\" is {largest:.3e} away from where its controls hold it: begin at the equilibrium \
                      under the first controls, or with controls that hold it where the body is",

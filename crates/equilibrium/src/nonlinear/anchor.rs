@@ -4,8 +4,8 @@ use crate::model::Model;
 use nastic_body::contribution::Sums;
 use nastic_linear::SparseMatrix;
 
-/// As a share of the mean stiffness of the body per volume: what rolls has a tangent that is singular without an anchor.
-const LEAST: f64 = 1e-10;
+/// Least stiffness, as a share of the mean stiffness of the body per volume: the tangent of a body that rolls is singular without an anchor.
+const MIN_ANCHOR_RATIO: f64 = 1e-10;
 
 /// Springs from every node to where it is, by its volume: the potential `(s/2) sum_a V_a |u_a - c_a|^2`, s a stiffness per volume (N/m^4).
 #[derive(Debug, Clone)]
@@ -25,11 +25,11 @@ impl Anchor {
         Anchor { at: at.to_vec(), stiffness }
     }
 
-    /// The stiffness of one so weak that it is felt where nothing else resists alone, by the tangent of the model.
+    /// The least stiffness, by the tangent of the model: it matters only where nothing else resists.
     pub fn least(model: &Model, tangent: &SparseMatrix) -> f64 {
         let disc = model.discretization();
         let diagonal: f64 = tangent.diagonal().iter().map(|entry| entry.abs()).sum();
-        LEAST * diagonal / (disc.dim() as f64 * disc.nodal_volumes().iter().sum::<f64>())
+        MIN_ANCHOR_RATIO * diagonal / (disc.dim() as f64 * disc.nodal_volumes().iter().sum::<f64>())
     }
 
     /// What it adds to the tangent: a diagonal, by unknowns on nodes.

@@ -63,7 +63,7 @@ pub(crate) trait Direction {
     /// Why there is none.
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop>;
 
-    /// Another one at the same iterate that leads downhill in the merit, where the first may not.
+    /// A descent direction of the merit at the same iterate, where the first may be none.
     ///
     /// # Errors
     /// Why there is none.

@@ -1,4 +1,4 @@
-//! [`Equations`]: the one place where solvers evaluate a model.
+//! [`Equations`]: the evaluation of a model by solvers.
 
 use crate::linear_systems::saddle_point::BorderedTangent;
 use crate::linear_systems::tangent::{Tangent, TangentRef};
@@ -19,18 +19,18 @@ pub(crate) struct Equations<'a> {
     pub model: &'a Model,
     pub drive: Drive<'a>,
     pub options: &'a SolveOptions<'a>,
-    /// What pulls it back, beside the model.
+    /// A proximal term beside the model.
     pub anchor: Option<&'a Anchor>,
 }
 
-/// What drives the body.
+/// How controls and loads are given.
 #[derive(Clone, Copy)]
 pub(crate) enum Drive<'a> {
     /// Controls and loads are given.
     Held {
         controls: &'a Controls,
         load: f64,
-        /// The time step that ends at this equilibrium, if it is one.
+        /// The time step to this equilibrium, if any.
         time_step: Option<&'a TimeStep>,
         /// Share of the way to the controls asked for.
         share: f64,
@@ -39,18 +39,18 @@ pub(crate) enum Drive<'a> {
     Path { from: &'a State, to: (&'a Controls, f64) },
 }
 
-/// Where prescribed components are at a displacement, and how they still have to move.
+/// The remaining displacement of the prescribed components.
 pub(super) type Jump = Option<Vec<f64>>;
 
 /// A model evaluated at a vector of unknowns.
 pub(crate) struct Evaluated<'m> {
-    /// Energy and residual, without those of inequalities that are slack.
+    /// Energy and residual, without inactive inequalities.
     pub sums: Sums,
     pub point: ModelPoint<'m>,
 }
 
 impl<'a> Equations<'a> {
-    /// Calls with where a vector of unknowns is evaluated.
+    /// Calls a function with the instant of a vector of unknowns.
     fn with<T>(&self, x: &[f64], call: impl FnOnce(&Instant) -> T) -> T {
         let parallel = self.options.parallel;
         match self.drive {
@@ -65,7 +65,7 @@ impl<'a> Equations<'a> {
         }
     }
 
-    /// Whether the residual is the derivative of a potential: of the model, or with the normal forces of friction taken elsewhere.
+    /// Whether the residual is the derivative of a potential: of the model, or with lagged normal forces of friction.
     pub fn has_potential(&self) -> bool {
         match self.drive {
             Drive::Held { time_step: Some(step), .. } if step.lag.is_some() => {
@@ -80,12 +80,12 @@ impl<'a> Equations<'a> {
         matches!(self.drive, Drive::Held { time_step: None, .. })
     }
 
-    /// Whether trials put rigid bodies onto their constraints. Steps in time do not: they turn little, and took half again as many iterations so.
+    /// Whether trials project rigid bodies onto their constraints. Steps in time do not: rotations are small, and the projection increased iterations by half.
     pub fn turns_rigid_bodies(&self) -> bool {
         self.is_static() && !self.model.supports.ties().is_empty() && self.model.unknowns().has_one_nodal_field()
     }
 
-    /// Displacement with multipliers, and where on the way they are.
+    /// Displacement with multipliers, and their place s on the way.
     pub fn split<'x>(&self, x: &'x [f64]) -> (&'x [f64], f64) {
         match self.drive {
             Drive::Held { share, .. } => (x, share),
@@ -109,7 +109,7 @@ impl<'a> Equations<'a> {
         self.model.unknowns().nodal()
     }
 
-    /// The model at x, of which derivatives are wanted.
+    /// The model at x, for derivatives.
     pub fn point(&self, x: &[f64]) -> Result<ModelPoint<'a>, Inadmissible> {
         self.with(x, |at| self.model.at(at, Need::Derivatives))
     }
@@ -142,7 +142,7 @@ impl<'a> Equations<'a> {
         self.with(x, |at| point.evaluate_without_potential(at))
     }
 
-    /// The tangent by the displacement, in the memory of the one before.
+    /// The tangent by the displacement, in the memory of the previous one.
     pub fn tangent<'m>(
         &self,
         here: &Iterate,
@@ -157,14 +157,14 @@ impl<'a> Equations<'a> {
         Ok(matrix)
     }
 
-    /// The same by the products of its cells where these are wanted and the model has some.
+    /// The same by products of cells, if `products` is set and the model has them.
     pub fn tangent_or_products<'m>(
         &self,
         here: &Iterate,
         products: bool,
         memory: &'m mut Option<Tangent>,
     ) -> Result<&'m mut Tangent, Inadmissible> {
-        // what was there is not held beside what comes
+        // the old tangent is dropped before the new one is made
         let mut entries = memory.take().and_then(Tangent::into_entries);
         if products
             && self.anchor.is_none()
@@ -186,7 +186,7 @@ impl<'a> Equations<'a> {
         Ok(tangent)
     }
 
-    /// Puts the residuals `-g` of all inequalities, of slack ones too, among the others, and gives what their rounding is measured against.
+    /// Adds the residuals `-g` of all inequalities, of inactive ones too, and returns the scales of their rounding.
     pub fn put_slack(
         &self,
         point: &ModelPoint,
@@ -205,17 +205,17 @@ impl<'a> Equations<'a> {
         Ok(of_them.force_scale[dofs..].to_vec())
     }
 
-    /// Calls with where x is evaluated.
+    /// Calls a function with the instant of x.
     pub fn at<T>(&self, x: &[f64], call: impl FnOnce(&Instant) -> T) -> T {
         self.with(x, call)
     }
 
-    /// The longest share of the straight move from an iterate to another displacement that every contribution bears.
+    /// The longest share of the straight move from an iterate to another displacement that every contribution admits.
     pub fn admissible_move(&self, from: &Iterate, to: &[f64]) -> Result<f64, Inadmissible> {
         self.with(from.x, |at| from.point.admissible_move(at, self.split(to).0))
     }
 
-    /// The same of the contributions beside the body, for moves on which the body may turn: a straight line inverts what turns by more
+    /// The same for the contributions beside the body, for moves with rotations: a straight line inverts parts that rotate by more
     /// than 110 degrees.
     pub fn admissible_chord(&self, from: &[f64], to: &[f64]) -> Result<f64, Inadmissible> {
         self.chord(&self.point(from)?, from, to)
@@ -226,7 +226,7 @@ impl<'a> Equations<'a> {
         self.with(from, |at| point.admissible_move_of_others(at, self.split(to).0))
     }
 
-    /// Puts prescribed components where they belong at s, along a path; elsewhere they [jump](Self::jump) in a step.
+    /// Along a path, sets prescribed components to their values at s; elsewhere they [jump](Self::jump) in a step.
     pub fn place(&self, x: &mut [f64]) {
         let Drive::Path { .. } = self.drive else { return };
         let (controls, load) = self.prescribed_at(self.split(x).1);
@@ -238,7 +238,7 @@ impl<'a> Equations<'a> {
         }
     }
 
-    /// What the prescribed components still have to move; `None` when they are in place.
+    /// The remaining displacement of the prescribed components; `None` when it is zero.
     pub fn jump(&self, x: &[f64]) -> Jump {
         let Drive::Held { controls, load, time_step, share } = self.drive else { return None };
         let prescribed = self.prescribed(controls, load, time_step, share);
@@ -247,7 +247,7 @@ impl<'a> Equations<'a> {
         self.model.unknowns().any(jump.iter().any(|&d| d != 0.0)).then_some(jump)
     }
 
-    /// Where the prescribed components are wanted: those of an extrapolated end are on the way from the state before to that end.
+    /// The values of the prescribed components; those of an extrapolated end are interpolated between the state before and that end.
     fn prescribed(&self, controls: &Controls, load: f64, time_step: Option<&TimeStep>, share: f64) -> Vec<f64> {
         let Some((step, end)) = time_step.and_then(|step| Some((step, step.end.as_ref()?))) else {
             return self.model.prescribed(controls, load);
@@ -258,7 +258,7 @@ impl<'a> Equations<'a> {
         w
     }
 
-    /// Free residual, and its norm relative to the norm of the sums of absolute forces, of every field by itself; of constraints each relative
+    /// Free residual, and its norm relative to the norm of the sums of absolute forces, for each field separately; for constraints each relative
     /// to its own scale.
     pub fn residual(&self, now: &Sums) -> (Vec<f64>, f64) {
         let mut residual = now.force.clone();
@@ -274,8 +274,8 @@ impl<'a> Equations<'a> {
         (residual, relative)
     }
 
-    /// The norm of the forces that the moduli of the body make where it strains by 1: forces have this scale where there are none. Zero of a body over ranks, which
-    /// sends no message for it.
+    /// The norm of the forces of the moduli of the body under a strain of 1, the scale of forces where there are none. Zero for a body over ranks, without
+    /// messages.
     pub fn force_of_moduli(&self) -> f64 {
         let Equations { model, .. } = self;
         match model.ranks().is_over_ranks() {
@@ -290,8 +290,8 @@ impl<'a> Equations<'a> {
         residual.iter().zip(&now.force_scale).skip(self.dofs()).map(share).fold(0.0, f64::max)
     }
 
-    /// Energies are small differences of large terms, the smaller the nearer to rest: W vanishes there, while what it is
-    /// the difference of is of the size of `F : dP/dF : F`, or `x . K x` with the current positions x.
+    /// The size of the terms whose difference is the energy: W vanishes at rest, while its terms have the size of
+    /// `F : dP/dF : F`, or `x . K x` with the current positions x.
     pub fn energy_scale<'m>(&self, tangent: impl Into<TangentRef<'m>>, u: &[f64], now: &Sums) -> f64 {
         let disc = self.model.discretization();
         let dim = disc.dim();

@@ -16,7 +16,7 @@ pub enum Stop {
         /// Relative residual of the last iterate.
         residual: f64,
     },
-    /// What contact alone holds fell or flew off, or comes to no rest.
+    /// A body that is held by contact alone moves away, or finds no equilibrium.
     Lost {
         /// Relative residual of the last iterate.
         residual: f64,
@@ -53,7 +53,7 @@ impl Stop {
         }
     }
 
-    /// The error of what cannot go on from a state.
+    /// The error of a solve that cannot continue from a state.
     pub fn into_error(self, newton: usize, last: &State) -> StateError {
         let (load, last) = (last.load, Box::new(last.clone()));
         match self {

@@ -12,22 +12,22 @@ use nastic_body::strategy::Strategy;
 use nastic_linear::solver::Curvature;
 use std::cell::OnceCell;
 
-/// Below this relative residual a step that does not halve it has met the limit of double precision.
-pub(crate) const ROUNDING: f64 = 1e-10;
-/// Below this one too, if it is rounding of the stiffness: of nearly incompressible bodies that bear little, that of `kappa (J - 1)` is more than the former share
-/// of their forces.
-const NOISY: f64 = 1e-8;
-/// Rounding of a force, as a share of that which a strain of order 1 takes.
-const NOISE: f64 = 16.0 * f64::EPSILON;
-/// Rounding of the residual of a body without stress, as a share of the forces that its moduli make.
-const NOISE_OF_MODULI: f64 = 64.0 * f64::EPSILON;
-/// Share of the forces that moduli make, by which residuals are divided where the forces at hand are smaller.
-const LEAST_FORCE: f64 = 1e-6;
-/// A full step shorter than this share of the body's size is below what double precision resolves.
-pub(crate) const RESOLUTION: f64 = 1e-12;
-/// Largest relative residual that such a step may leave of an equilibrium, by the largest forces met on the way; where more is left, the
-/// tangent grows without bound as the step shrinks (that of a tendon whose guides meet), and nothing balances.
-const RESOLVED: f64 = 1e-6;
+/// Relative residual below which a step that does not halve it has met the limit of double precision.
+pub(crate) const STAGNATION_TOLERANCE: f64 = 1e-10;
+/// The same where the residual is rounding of the stiffness: in nearly incompressible bodies under small loads the rounding of `kappa (J - 1)` exceeds the former
+/// share of the forces.
+const STIFF_STAGNATION_TOLERANCE: f64 = 1e-8;
+/// Rounding of a force, as a share of the force of a strain of order 1.
+const FORCE_ROUNDING: f64 = 16.0 * f64::EPSILON;
+/// Rounding of the residual of a body without stress, as a share of the forces of its moduli.
+const MODULI_ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Smallest force that residuals are divided by, as a share of the forces of the moduli.
+const MIN_FORCE_RATIO: f64 = 1e-6;
+/// Shortest full step that double precision resolves, as a share of the body's size.
+pub(crate) const MIN_STEP_RATIO: f64 = 1e-12;
+/// Largest residual behind an unresolved step that is an equilibrium, relative to the largest forces of the iteration. Where more is left, the
+/// tangent grows without bound as the step shrinks (the tangent of a tendon whose guides meet), and there is no equilibrium.
+const MAX_TINY_STEP_RESIDUAL: f64 = 1e-6;
 
 /// The next iterate, and how it was reached.
 type Moved<'m> = (Vec<f64>, Evaluated<'m>, Reached);
@@ -36,26 +36,26 @@ type Moved<'m> = (Vec<f64>, Evaluated<'m>, Reached);
 #[derive(Clone, Copy)]
 struct Reached {
     curvature: Curvature,
-    /// The energy that a strain of order 1 takes.
+    /// The energy of a strain of order 1.
     energy: f64,
-    /// Its pressures are apart from its changes of volume.
+    /// Its pressures do not belong to its changes of volume.
     apart: bool,
-    /// Rounding may be more than [`ROUNDING`] of the forces.
+    /// Rounding may be more than [`STAGNATION_TOLERANCE`] of the forces.
     noisy: bool,
-    /// One that double precision does not resolve.
+    /// Double precision does not resolve it.
     tiny: bool,
 }
 
-/// What is left of a residual.
+/// The residual of an iterate.
 struct Left {
-    /// Relative to the forces at hand, whose norm is `scale`.
+    /// Relative to the present forces, whose norm is `scale`.
     relative: f64,
     scale: f64,
-    /// The largest on the way.
+    /// The largest forces of the iteration.
     forces: f64,
-    /// Whether an equilibrium with it would be none, by any measure of forces but those on the way.
+    /// Whether it is too large for an equilibrium by every measure of forces other than the largest of the iteration.
     meaningless: bool,
-    /// Whether forces are below what rounding makes of moduli, and constraints are held to rounding.
+    /// Whether forces are below the rounding of those of the moduli, and constraints are fulfilled to rounding.
     below_moduli: bool,
     /// Relative residual before the last step.
     before: f64,
@@ -63,39 +63,57 @@ struct Left {
 }
 
 impl Left {
-    /// Whether it is small enough, or as small as double precision lets it become. Asked of a norm: whether that of the forces is below so much of what a strain of
-    /// order 1 takes.
+    /// Whether it is small enough, or as small as double precision allows. `is_below(share)` says whether the norm of the forces is below this share of the force of
+    /// a strain of order 1.
     fn is_equilibrium(&self, last: &Reached, is_below: impl Fn(f64) -> bool) -> bool {
-        // at rest no force is left to measure it by but those of the way there; pressures of their own may be wrong where the displacement is not
-        let resolved = || self.relative * self.scale <= if last.apart { ROUNDING } else { RESOLVED } * self.forces;
-        let noisy = || last.noisy && self.relative <= NOISY && is_below(NOISE);
-        let is_rounding = || self.relative <= ROUNDING || self.below_moduli && !last.apart || noisy();
+        // at rest there are no forces to compare with but the largest of the iteration; independent pressures may be wrong where the displacement is right
+        let resolved = || {
+            self.relative * self.scale
+                <= if last.apart { STAGNATION_TOLERANCE } else { MAX_TINY_STEP_RESIDUAL } * self.forces
+        };
+        let noisy = || last.noisy && self.relative <= STIFF_STAGNATION_TOLERANCE && is_below(FORCE_ROUNDING);
+        let is_rounding = || self.relative <= STAGNATION_TOLERANCE || self.below_moduli && !last.apart || noisy();
         self.relative <= self.accuracy
             || self.relative > 0.5 * self.before && is_rounding()
-            || last.tiny && !self.meaningless && (resolved() || is_below(RESOLUTION))
+            || last.tiny && !self.meaningless && (resolved() || is_below(MIN_STEP_RATIO))
     }
 }
 
-/// When an iteration ends.
+/// When an iteration stops.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Limits {
     /// Steps.
     pub most: usize,
     /// Relative residual of a solution.
     pub accuracy: f64,
-    /// Iterations after which it is given up where the tangent was shifted so many times: it goes downhill far from any equilibrium,
-    /// which shorter load steps do not. Attempts that converge shift it once or twice.
-    pub lost: (usize, usize),
-    /// Growth of the residual beyond its least value at which it is given up.
+    /// Iterations after which it is given up if the tangent was shifted `max_shifts` times: it descends far from any
+    /// equilibrium, which shorter load steps avoid. Attempts that converge shift the tangent once or twice.
+    pub max_shifted_iterations: usize,
+    /// Shifts of the tangent.
+    pub max_shifts: usize,
+    /// Ratio of the residual to its least value at which it is given up.
     pub diverged: f64,
-    /// Steps in a row that are shorter than a length at which it is given up.
-    pub creeps: (usize, f64),
+    /// Short steps at which it is given up.
+    pub short_steps: ShortSteps,
+}
+
+/// Consecutive steps that are shorter than a length.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ShortSteps {
+    pub most: usize,
+    pub length: f64,
+}
+
+impl ShortSteps {
+    /// No step is short.
+    pub const ALLOWED: Self = ShortSteps { most: usize::MAX, length: 0.0 };
 }
 
 impl Limits {
-    /// So many steps to an accuracy.
+    /// At most `most` steps to an accuracy.
     pub fn new(most: usize, accuracy: f64) -> Self {
-        Limits { most, accuracy, lost: (30, 3), diverged: f64::INFINITY, creeps: (usize::MAX, 0.0) }
+        let (diverged, short_steps) = (f64::INFINITY, ShortSteps::ALLOWED);
+        Limits { most, accuracy, max_shifted_iterations: 30, max_shifts: 3, diverged, short_steps }
     }
 }
 
@@ -104,9 +122,9 @@ pub(crate) struct Iteration<'a> {
     equations: &'a Equations<'a>,
     limits: Limits,
     search: LineSearch<'a>,
-    /// Short steps in a row.
+    /// Consecutive short steps.
     short: usize,
-    /// How much of the last step was taken.
+    /// Length of the last step, of the whole one.
     length: f64,
 }
 
@@ -115,7 +133,7 @@ impl<'a> Iteration<'a> {
         Iteration { equations, limits, search: LineSearch::new(equations), short: 0, length: 0.0 }
     }
 
-    /// From x to a solution, and what the last tangent was (positive where none was needed); where it stops short, x is the last
+    /// From x to a solution, with the curvature of the last tangent (positive where none was needed); on failure x is the last
     /// iterate.
     pub fn run(
         &mut self,
@@ -142,11 +160,14 @@ impl<'a> Iteration<'a> {
             let scale = space.norm(&now.sums.force_scale[..equations.dofs()]);
             record(&now.sums, relative, report);
             forces = forces.max(scale);
-            let stalls = relative > ROUNDING && relative > 0.5 * before;
+            let stalls = relative > STAGNATION_TOLERANCE && relative > 0.5 * before;
             let below_moduli = stalls && self.is_below_moduli(&now.sums, &residual, moduli());
-            let beside_moduli = || relative * (scale / (LEAST_FORCE * moduli())).min(1.0);
-            let odd = last.tiny && equations.is_static() && relative > RESOLVED && beside_moduli() > RESOLVED;
-            let meaningless = odd && self.leaves(relative * scale, moduli(), &last) > RESOLVED;
+            let beside_moduli = || relative * (scale / (MIN_FORCE_RATIO * moduli())).min(1.0);
+            let odd = last.tiny
+                && equations.is_static()
+                && relative > MAX_TINY_STEP_RESIDUAL
+                && beside_moduli() > MAX_TINY_STEP_RESIDUAL;
+            let meaningless = odd && self.leaves(relative * scale, moduli(), &last) > MAX_TINY_STEP_RESIDUAL;
             let left = Left { relative, scale, forces, meaningless, below_moduli, before, accuracy: limits.accuracy };
             if !direction.is_pending() && left.is_equilibrium(&last, |share| self.is_below(share, &residual, &last)) {
                 if relative > limits.accuracy {
@@ -164,8 +185,8 @@ impl<'a> Iteration<'a> {
             let here = Iterate { x, now: &now.sums, point: &now.point, residual: &residual, relative };
             let (is_pending, load) = (direction.is_pending(), equations.split(x).1);
             (*x, now, last) = match self.step(&here, direction, report) {
-                // no step lowers what is rounding alone
-                Err(Stop::Slow { .. }) if relative <= ROUNDING && !is_pending => return Ok(last.curvature),
+                // no step reduces rounding
+                Err(Stop::Slow { .. }) if relative <= STAGNATION_TOLERANCE && !is_pending => return Ok(last.curvature),
                 taken => taken?,
             };
             (residual, relative) = equations.residual(&now.sums);
@@ -174,7 +195,7 @@ impl<'a> Iteration<'a> {
         Err(Stop::Slow { residual: report.residual })
     }
 
-    /// One step from a start, whatever residual it leaves.
+    /// One step from a start, whatever its residual.
     pub fn once(
         &mut self,
         x: &mut Vec<f64>,
@@ -206,9 +227,9 @@ impl<'a> Iteration<'a> {
         if taken.curved {
             report.strategies.count(Strategy::CurvedStep);
         }
-        self.short = if taken.length < self.limits.creeps.1 { self.short + 1 } else { 0 };
-        let resolved = step.size > RESOLUTION * self.equations.diagonal();
-        // of the displacement alone it says nothing of further fields
+        self.short = if taken.length < self.limits.short_steps.length { self.short + 1 } else { 0 };
+        let resolved = step.size > MIN_STEP_RATIO * self.equations.diagonal();
+        // the size of the displacement step says nothing about further fields
         let alone = self.equations.model.unknowns().has_one_nodal_field();
         let apart = direction.pressures().is_some_and(PredictedPressures::is_apart);
         let tiny = alone && step.curvature == Curvature::Positive && taken.length == 1.0 && !resolved;
@@ -217,40 +238,40 @@ impl<'a> Iteration<'a> {
         Ok((taken.x, taken.now, Reached { curvature: step.curvature, energy: step.scale, apart, noisy, tiny }))
     }
 
-    /// Whether an iteration that tangents were shifted in so many times leads nowhere.
+    /// Whether the iteration is given up, after this number of shifts.
     fn gives_up(&self, iteration: usize, shifts: usize, relative: f64, least: f64, last: &Reached) -> bool {
         let limits = &self.limits;
         // multipliers may still move where the body does not
         let unresolved = last.tiny && !last.apart && self.equations.model.unknowns().multipliers() == 0;
-        let lost = iteration >= limits.lost.0 && shifts >= limits.lost.1;
+        let lost = iteration >= limits.max_shifted_iterations && shifts >= limits.max_shifts;
         let diverged = limits.diverged.is_finite() && (relative > limits.diverged * least || !relative.is_finite());
-        let creeps = self.short >= limits.creeps.0;
-        iteration == limits.most || unresolved || lost || diverged || creeps
+        let is_slow = self.short >= limits.short_steps.most;
+        iteration == limits.most || unresolved || lost || diverged || is_slow
     }
 
-    /// Whether forces are below what rounding makes of moduli, and constraints are held to rounding; not over ranks, where nobody asks for it.
+    /// Whether forces are below the rounding of those of the moduli, and constraints are fulfilled to rounding; not over ranks, where it is not used.
     fn is_below_moduli(&self, now: &Sums, residual: &[f64], moduli: f64) -> bool {
         let (equations, space) = (self.equations, self.equations.model.unknowns());
         moduli > 0.0
-            && space.norm(&residual[..equations.dofs()]) <= NOISE_OF_MODULI * moduli
-            && equations.constraint_residual(residual, now) <= ROUNDING
+            && space.norm(&residual[..equations.dofs()]) <= MODULI_ROUNDING * moduli
+            && equations.constraint_residual(residual, now) <= STAGNATION_TOLERANCE
     }
 
-    /// A residual by a small share of what a strain of 1 takes; where something touches, whose stiffness says nothing of the body, by that of moduli.
+    /// A residual relative to a small share of the force of a strain of 1; where something touches, whose stiffness says nothing about the body, of the force of the moduli.
     fn leaves(&self, residual: f64, moduli: f64, last: &Reached) -> f64 {
         let touches = self.equations.model.touches_something();
         let force = if touches { moduli } else { moduli.max(last.energy / self.equations.diagonal()) };
-        residual / (LEAST_FORCE * force)
+        residual / (MIN_FORCE_RATIO * force)
     }
 
-    /// Whether the forces left are below so much of those that a strain of order 1 takes.
+    /// Whether the residual is below this share of the force of a strain of order 1.
     fn is_below(&self, share: f64, residual: &[f64], last: &Reached) -> bool {
         let equations = self.equations;
         let norm = equations.model.unknowns().norm(&residual[..equations.dofs()]);
         norm <= share * last.energy / equations.diagonal()
     }
 
-    /// Whether rounding of the stiffness may be all that a step has left: a full one, of forces in statics alone, without what pushes only where it is met.
+    /// Whether the residual behind a step may be rounding of the stiffness alone: a full step in statics, without constraints and contact.
     fn is_noisy(&self, step: &Step, length: f64, apart: bool) -> bool {
         let Equations { model, drive, .. } = self.equations;
         let space = model.unknowns();
@@ -264,7 +285,7 @@ impl<'a> Iteration<'a> {
             && !model.touches_something()
     }
 
-    /// Reports the step just taken to a watch; without messages between ranks, of which some may have none.
+    /// Reports the step just taken to a watch; without messages between ranks, some of which may have no watch.
     fn watched(&self, load: f64, residual: f64, now: &Sums, report: &SolveReport) {
         if let Some(watch) = self.equations.options.watch {
             watch(&Progress { load, newton: report.newton, residual, step: self.length, energy: now.energy });

@@ -1,4 +1,4 @@
-//! [`LineSearch`]: how far a step goes.
+//! [`LineSearch`]: the length of a step.
 
 use crate::nonlinear::direction::{Direction, Step, Take};
 use crate::nonlinear::equations::{Equations, Evaluated, moved};
@@ -16,19 +16,19 @@ use nastic_body::state::SolveReport;
 use nastic_body::strategy::Strategy;
 use nastic_linear::solver::Curvature;
 
-/// Steps along a curve that leave less than this share of the smallest J are too long.
-const COLLAPSE: f64 = 0.09;
-/// Sufficient decrease wanted of a step, as a share of what the slope promises; lengths that are tried.
-const DESCENT: Rule = Rule { decrease: 1e-4, tries: 30 };
+/// Steps that reduce the smallest J below this share of itself are too long.
+const MIN_J_RATIO: f64 = 0.09;
+/// Sufficient decrease of a step, as a share of what the slope predicts, and the number of lengths that are tried.
+const DESCENT_RULE: Rule = Rule { decrease: 1e-4, tries: 30 };
 /// The same where the tangent is not positive definite and an equilibrium nearby may be a saddle.
-const TO_SADDLE: Rule = Rule { decrease: 0.1, tries: 4 };
-/// Under constraints a whole step that leaves this share of the residual is taken whatever the potential.
-const FALLS: Rule = Rule { decrease: 0.5, tries: 1 };
+const SADDLE_RULE: Rule = Rule { decrease: 0.1, tries: 4 };
+/// Under constraints a whole step that reduces the residual by this share is taken whatever the potential.
+const CONSTRAINED_RULE: Rule = Rule { decrease: 0.5, tries: 1 };
 
-/// Least share of a length that the next one has.
-const SHORTEST: f64 = 0.1;
-/// Longer steps that are tried where parabolas asked for less than that share: a contact that closes is a wall, far from which they see nothing else.
-const BEFORE_WALL: usize = 3;
+/// Smallest ratio of a length to the one before.
+const MIN_LENGTH_RATIO: f64 = 0.1;
+/// Longer steps that are tried where the parabola asked for a smaller ratio: where a contact closes, the potential at the trial is dominated by the barrier.
+const MAX_EXTENSIONS: usize = 3;
 
 #[derive(Clone, Copy)]
 struct Rule {
@@ -41,11 +41,11 @@ pub(super) struct Taken<'m> {
     pub x: Vec<f64>,
     pub now: Evaluated<'m>,
     pub length: f64,
-    /// Whether it turned with the body.
+    /// Whether it was taken along a rotation-corrected curve.
     pub curved: bool,
 }
 
-/// Along what trials lie: `x + s dx`, or the curve that turns with the body, of which every trial has to be reached by a straight move.
+/// The path of trials: `x + s dx`, or a rotation-corrected curve, each trial of which must be reached by an admissible straight move.
 type Path<'p> = (&'p dyn Fn(f64) -> Vec<f64>, Along);
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -65,7 +65,7 @@ impl<'a> LineSearch<'a> {
         LineSearch { equations, fit: None }
     }
 
-    /// As the step wants to be taken.
+    /// Takes a step in the way that it prescribes.
     pub fn take(
         &mut self,
         here: &Iterate,
@@ -93,7 +93,7 @@ impl<'a> LineSearch<'a> {
         }
     }
 
-    /// As far as is admissible, at least this share of the step.
+    /// Takes the longest admissible share of a step, if it is at least `least`.
     fn within(&self, here: &Iterate, dx: &[f64], least: f64) -> Result<Taken<'a>, Stop> {
         let mut x = moved(here.x, dx, 1.0);
         self.equations.place(&mut x);
@@ -108,9 +108,9 @@ impl<'a> LineSearch<'a> {
         Ok(Taken { x, now, length, curved: false })
     }
 
-    /// Downhill in the potential, or in the augmented Lagrangian; where the tangent has negative eigenvalues an equilibrium nearby may be a
-    /// saddle, which is followed as long as the residual falls, and the state's inertia shows what was found. Without a potential the
-    /// residual falls, or the potential of those contributions that have one with the work of the others, whose forces stay.
+    /// Descent in the potential, or in the augmented Lagrangian. Where the tangent has negative eigenvalues an equilibrium nearby may be a
+    /// saddle, which is followed as long as the residual decreases; the state's inertia shows which. Without a potential the residual
+    /// decreases, or the potential of the contributions that have one with the work of the constant forces of the others.
     fn search(
         &mut self,
         here: &Iterate,
@@ -120,15 +120,15 @@ impl<'a> LineSearch<'a> {
     ) -> Result<Taken<'a>, Stop> {
         let model = self.equations.model;
         let constrained = model.unknowns().multipliers() > 0;
-        // a proximal step goes downhill
+        // a proximal step is a descent step
         if constrained
             && self.equations.anchor.is_none()
-            && let Some(taken) = self.residual_falls(here, &step.dx, FALLS)?
+            && let Some(taken) = self.residual_falls(here, &step.dx, CONSTRAINED_RULE)?
         {
             return Ok(taken);
         }
         if !self.equations.has_potential() {
-            if let Some(taken) = self.residual_falls(here, &step.dx, DESCENT)? {
+            if let Some(taken) = self.residual_falls(here, &step.dx, DESCENT_RULE)? {
                 return Ok(taken);
             }
             if constrained {
@@ -141,11 +141,11 @@ impl<'a> LineSearch<'a> {
         if step.curvature != Curvature::Negative && !uphill {
             return self.descend(here, step, &step.dx, direction.pressures());
         }
-        // errors of the volumes make most of a residual, which shows no saddle then
+        // a residual that is mostly errors of the volumes does not indicate a saddle
         if self.equations.anchor.is_none()
             && !uphill
             && direction.pressures().is_none_or(PredictedPressures::are_settled)
-            && let Some(taken) = self.residual_falls(here, &step.dx, TO_SADDLE)?
+            && let Some(taken) = self.residual_falls(here, &step.dx, SADDLE_RULE)?
         {
             return Ok(taken);
         }
@@ -188,7 +188,7 @@ impl<'a> LineSearch<'a> {
         self.along(here, &merit, (&straight, Along::Straight), longest, rule)
     }
 
-    /// Along the curve that turns with the body where the step turns it, else (or where that leads nowhere) straight on.
+    /// Along a rotation-corrected curve where the step rotates the body, else (or where that fails) along a straight line.
     fn downhill(&mut self, here: &Iterate, dx: &[f64], merit: &dyn Merit) -> Result<Taken<'a>, Stop> {
         let Equations { model, options, .. } = *self.equations;
         let (u, du, parallel) = (&*model.displacement(here.x), &*model.displacement(dx), options.parallel);
@@ -196,9 +196,9 @@ impl<'a> LineSearch<'a> {
         let straight = |s: f64| moved(here.x, dx, s);
         let reach = StepLimits::of_model(model, at, du, parallel);
         if self.equations.turns_rigid_bodies() {
-            // a rotation is no straight line: that leaves the constraints, which the merit holds against it
+            // a rotation along a straight line violates the constraints, which increases the merit
             let rigid = |s: f64| model.restored(&straight(s)).unwrap_or_else(|| straight(s));
-            let taken = self.along(here, merit, (&rigid, Along::Curve), reach.straight, DESCENT)?;
+            let taken = self.along(here, merit, (&rigid, Along::Curve), reach.straight, DESCENT_RULE)?;
             if let Some(taken) = taken {
                 return Ok(taken);
             }
@@ -216,18 +216,18 @@ impl<'a> LineSearch<'a> {
                     to.iter_mut().zip(&bent).for_each(|(u, bent)| *u += bent);
                     to
                 };
-                let taken = self.along(here, merit, (&curve, Along::Curve), longest.min(others), DESCENT)?;
+                let taken = self.along(here, merit, (&curve, Along::Curve), longest.min(others), DESCENT_RULE)?;
                 if let Some(taken) = taken {
                     return Ok(Taken { curved: true, ..taken });
                 }
             }
         }
         let longest = reach.straight.min(others);
-        let taken = self.along(here, merit, (&straight, Along::Straight), longest, DESCENT)?;
+        let taken = self.along(here, merit, (&straight, Along::Straight), longest, DESCENT_RULE)?;
         taken.ok_or(Stop::Slow { residual: here.relative })
     }
 
-    /// The longest of a few lengths along a path that lowers a merit enough and is admissible.
+    /// The longest of a few lengths along a path that decreases a merit sufficiently and is admissible.
     fn along(
         &self,
         here: &Iterate,
@@ -237,7 +237,7 @@ impl<'a> LineSearch<'a> {
         rule: Rule,
     ) -> Result<Option<Taken<'a>>, Inadmissible> {
         let line = merit.line();
-        let least_j = if merit.is_energy() { COLLAPSE * here.now.min_j } else { f64::NEG_INFINITY };
+        let least_j = if merit.is_energy() { MIN_J_RATIO * here.now.min_j } else { f64::NEG_INFINITY };
         let (mut length, mut wall) = (longest, None);
         let at = |length: f64| -> Result<_, Inadmissible> {
             let trial = path(length);
@@ -254,7 +254,7 @@ impl<'a> LineSearch<'a> {
             let change = value - line.start;
             if change <= rule.decrease * length * line.slope + line.noise {
                 let mut best = (trial, value, now);
-                for _ in 0..wall.map_or(0, |_| BEFORE_WALL) {
+                for _ in 0..wall.map_or(0, |_| MAX_EXTENSIONS) {
                     let longer = wall.map_or(length, |wall: f64| (length * wall).sqrt());
                     match at(longer)?.filter(|(_, value, _)| *value < best.1) {
                         Some(found) => (best, length) = (found, longer),
@@ -267,9 +267,9 @@ impl<'a> LineSearch<'a> {
             // the vertex of the parabola through the start, its slope and this value
             let vertex = -line.slope * length * length / (2.0 * (change - line.slope * length));
             let shorter = merit.is_energy() && vertex.is_finite();
-            wall =
-                (shorter && vertex < SHORTEST * length && self.equations.model.touches_something()).then_some(length);
-            length = if shorter { vertex.clamp(SHORTEST * length, 0.5 * length) } else { 0.5 * length };
+            wall = (shorter && vertex < MIN_LENGTH_RATIO * length && self.equations.model.touches_something())
+                .then_some(length);
+            length = if shorter { vertex.clamp(MIN_LENGTH_RATIO * length, 0.5 * length) } else { 0.5 * length };
         }
         Ok(None)
     }

@@ -24,7 +24,7 @@ pub(super) trait Merit {
     /// What is known of it where the step begins.
     fn line(&self) -> Line;
 
-    /// Its value at a trial that is so much of the step, and what was evaluated for it.
+    /// Its value at a trial, which is a share of the step, and the evaluated model.
     ///
     /// # Errors
     /// [`Inadmissible`] outside of the admissible set.

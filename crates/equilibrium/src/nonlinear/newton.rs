@@ -1,4 +1,4 @@
-//! Equilibria by the [iteration](super::iteration) with the direction that a model takes.
+//! Equilibria by the [iteration](super::iteration) with the direction that suits a model.
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
@@ -22,17 +22,18 @@ use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
 
 /// Iterations of an attempt with point strains.
-const MOST: usize = 40;
+const MAX_POINT_STRAIN_ITERATIONS: usize = 40;
 /// Relative residual from which Newton's method on displacements takes over.
-const NEAR: f64 = 1e-6;
+const POINT_STRAIN_TOLERANCE: f64 = 1e-6;
 /// Rounding of the potential, as a share of the sum of its absolute terms.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
-/// Iterations of an attempt with predicted pressures, and tangents of it that may be shifted.
-const PREDICTED: usize = 25;
-const SHIFTED: usize = 8;
+const ENERGY_ROUNDING: f64 = 64.0 * f64::EPSILON;
+/// Iterations of an attempt with predicted pressures.
+const MAX_PREDICTED_ITERATIONS: usize = 25;
+/// Shifted tangents of such an attempt.
+const MAX_PREDICTED_SHIFTS: usize = 8;
 
 impl Equations<'_> {
-    /// From x to equilibrium, and what the last tangent was (positive where none was needed); where it stops short, x is the
+    /// From x to equilibrium, with the curvature of the last tangent (positive where none was needed); on failure x is the
     /// last iterate.
     pub fn solve(
         &self,
@@ -72,14 +73,14 @@ impl Equations<'_> {
         Iteration::new(self, limits).run(x, &mut direction, report)
     }
 
-    /// From x to an equilibrium of less potential with pressures that every step predicts; `None`, and x as it was, where they are of no use or lead to none.
+    /// From x to an equilibrium of less potential with predicted pressures; `None`, and x unchanged, where they are not used or do not converge.
     pub fn solve_with_pressures(
         &self,
         x: &mut Vec<f64>,
         solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
     ) -> Result<Option<Curvature>, Stop> {
-        // a tangent by the products of its cells is not assembled for that
+        // a tangent by products of cells would have to be assembled
         let of_entries = !(solver.state().takes_products && self.model.tangents().has_cell_products());
         let predicts = of_entries && self.predicts_pressures();
         let Some(pressures) = predicts.then(|| PredictedPressures::new(self)).flatten() else {
@@ -87,10 +88,11 @@ impl Equations<'_> {
         };
         report.strategies.count(Strategy::PredictedPressures);
         let (from, moves) = (x.clone(), self.jump(x).is_some());
-        // half of what may still be spent at most
+        // at most half of the remaining budget
         let left = self.options.budget.map_or(usize::MAX, |budget| budget.saturating_sub(report.newton));
-        let most = PREDICTED.min(self.options.max_newton).min(left / 2);
-        let limits = Limits { lost: (0, SHIFTED), ..Limits::new(most, self.options.accuracy) };
+        let most = MAX_PREDICTED_ITERATIONS.min(self.options.max_newton).min(left / 2);
+        let limits = Limits::new(most, self.options.accuracy);
+        let limits = Limits { max_shifted_iterations: 0, max_shifts: MAX_PREDICTED_SHIFTS, ..limits };
         let mut direction = Plain::new(self, x, &mut *solver).with_pressures(pressures);
         let start = if moves { Ok(None) } else { self.evaluate(x).map(|start| Some(start.sums)) };
         let run = start.map_err(Stop::from).and_then(|start| {
@@ -119,8 +121,8 @@ impl Equations<'_> {
         plain && self.has_potential() && self.anchor.is_none()
     }
 
-    /// From u, whose prescribed components are in place, to an equilibrium of less potential by strains of their own at the quadrature
-    /// points; where it stops short, u is the last iterate.
+    /// From u, whose prescribed components are in place, to an equilibrium of less potential by independent strains at the quadrature
+    /// points; on failure u is the last iterate.
     pub fn solve_with_point_strains(
         &self,
         u: &mut Vec<f64>,
@@ -129,9 +131,11 @@ impl Equations<'_> {
     ) -> Result<(), Stop> {
         let start = self.evaluate(u)?.sums;
         let moves = self.jump(u).is_some() || self.model.unknowns().multipliers() > 0;
-        // these steps may lead over indefinite tangents as often as they like
-        let lost = (usize::MAX, 0);
-        let limits = Limits { lost, ..Limits::new(MOST.min(self.options.max_newton), NEAR) };
+        // any number of tangents may be indefinite
+        let limits = Limits {
+            max_shifted_iterations: usize::MAX,
+            ..Limits::new(MAX_POINT_STRAIN_ITERATIONS.min(self.options.max_newton), POINT_STRAIN_TOLERANCE)
+        };
         let mut direction = WithPointStrains::new(self, u, &mut *solver)?;
         let curvature = Iteration::new(self, limits).run(u, &mut direction, report)?;
         let residual = report.residual;
@@ -156,14 +160,14 @@ impl Model {
     }
 }
 
-/// What rounding may change a potential by.
+/// Rounding of a potential.
 fn rounding(sums: &Sums) -> f64 {
-    ROUNDING * (sums.energy_scale + sums.energy.abs())
+    ENERGY_ROUNDING * (sums.energy_scale + sums.energy.abs())
 }
 
 impl Moves<'_> {
-    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, taken whole, but for the part that `replace` moves otherwise. The report shows the residual that
-    /// is left.
+    /// The solution of the equations of a time step, linearised at a state: `u - K^-1 r`, a whole step, except for the part that `replace` changes. The report has the remaining
+    /// residual.
     ///
     /// # Errors
     /// [`StateError::Inadmissible`] where J <= 0 there, [`StateError::NoConvergence`] where the whole step is not admissible,

@@ -1,16 +1,16 @@
-//! [`PredictedPressures`]: pressures of nearly incompressible bodies that are not those of the displacement.
+//! [`PredictedPressures`]: pressures of nearly incompressible bodies that differ from those of the displacement.
 //!
-//! A Newton step du changes the volumes V that nearly incompressible laws see by `B du` to first order, and by an error e of second order. The bulk modulus k makes a pressure
-//! `k e` of that, which is many times the pressure of the answer: the next tangent has it in its geometric part, which is indefinite for
-//! nothing else, and the potential has `k e^2 / 2`, for which a search along the step shortens it (a Maratos effect). With pressures as unknowns of their own the
-//! step predicts `p + k B du`, and the next tangent has that:
+//! A Newton step du changes the volumes V in nearly incompressible laws by `B du` to first order, and by an error e of second order. With the bulk modulus k
+//! this error is a pressure `k e`, many times the pressure of the solution. It makes the geometric part of the next tangent indefinite, and its energy
+//! `k e^2 / 2` makes the line search shorten the step (a Maratos effect). With pressures as independent unknowns the
+//! step predicts `p + k B du`, and the next tangent uses this pressure:
 //!
 //! ```text
 //! K_p du = -r(u),   K_p = K - sum_q w_q k_q e_q d^2 V_q / du^2,     e <- (1 - s) e + V(u_new) - V(u) - s B du
 //! ```
 //!
-//! after a share s of the step, from e = 0. The residual is that of the displacement, so are equilibria, and there `e = 0`. This is Newton's method for the
-//! principle of Hu and Washizu with its volumes and pressures eliminated from each step, exactly so where the energy is quadratic in V, else to first order.
+//! after a share s of the step, from e = 0. Residual and equilibria are those of the displacement, and `e = 0` in equilibrium. This is Newton's method for the
+//! principle of Hu and Washizu with volumes and pressures eliminated from each step, exactly where the energy is quadratic in V, else to first order.
 //!
 //! Sources: Magisano, Leonetti, Garcea, "How to improve efficiency and robustness of the Newton method in geometrically
 //! non-linear structural problem discretized via displacement-based finite elements", CMAME 313 (2017); Nocedal & Wright, "Numerical Optimization" (2006), section 15.5, of
@@ -24,7 +24,7 @@ use nastic_body::error::Inadmissible;
 use nastic_body::kernels::displaced::Displaced;
 use nastic_linear::SparseMatrix;
 
-/// By quadrature points, what the last step made of the volumes.
+/// Errors and changes of the volumes by the last step, by quadrature point.
 pub(crate) struct PredictedPressures<'a> {
     equations: &'a Equations<'a>,
     /// The largest ratio of bulk to shear modulus.
@@ -33,21 +33,21 @@ pub(crate) struct PredictedPressures<'a> {
     errors: Vec<f64>,
     /// w k
     stiffness: Vec<f64>,
-    /// V, the changes of it that the step that is taken predicts, and its share.
+    /// V, its changes as predicted by the present step, and the share of the step that is taken.
     volumes: Vec<f64>,
     changes: Vec<f64>,
     length: f64,
-    /// Of a step whose pressures are not those of `B du`: the start and the slope of its merit, beside those of the potential.
+    /// For a step whose pressures are not those of `B du`: start and slope of the part of its merit that is added to the potential.
     apart: Option<[f64; 2]>,
-    /// Share of the residual that errors of the volumes do not make.
+    /// Share of the residual that errors of the volumes do not explain.
     share: f64,
 }
 
-/// Least such share with which a residual that falls shows a saddle nearby.
-const OF_FORCES: f64 = 0.5;
+/// Least such share at which a decreasing residual indicates a saddle nearby.
+const MIN_FORCE_SHARE: f64 = 0.5;
 
 impl<'a> PredictedPressures<'a> {
-    /// Those of the displacement that an iteration begins at; `None` where no cell resists changes of its volume much.
+    /// The pressures of the displacement at the beginning of an iteration; `None` where no cell is nearly incompressible.
     pub fn new(equations: &'a Equations<'a>) -> Option<Self> {
         let ratio = equations.model.properties().bulk_over_shear();
         let [errors, stiffness, volumes, changes] = std::array::from_fn(|_| Vec::new());
@@ -65,8 +65,8 @@ impl<'a> PredictedPressures<'a> {
         (ratio >= STANDS_OUT).then_some(pressures)
     }
 
-    /// Makes the tangent at the next iterate that with predicted pressures. What the residual is with these is a part of the residual, and forces that a
-    /// solution may be wrong by are a share of it.
+    /// Corrects the tangent at the next iterate for the predicted pressures. The residual with these is a part of the whole residual, and bounds the errors of
+    /// the linear solution.
     pub fn add(&mut self, here: &Iterate, tangent: &mut SparseMatrix) -> Result<f64, Inadmissible> {
         let Equations { model, options, .. } = *self.equations;
         let at = here.point.displaced(here.x);
@@ -96,12 +96,12 @@ impl<'a> PredictedPressures<'a> {
         self.errors.iter().map(|error| -error).collect()
     }
 
-    /// Whether errors of the volumes make little of the residual, so that it says something of the equilibrium.
+    /// Whether errors of the volumes are a small share of the residual, which then indicates the distance from equilibrium.
     pub fn are_settled(&self) -> bool {
-        self.share >= OF_FORCES
+        self.share >= MIN_FORCE_SHARE
     }
 
-    /// Notes a step from there, and what it left by volume mode between its pressures and its changes of volume.
+    /// Records a step from `here`, and by volume mode the difference between its pressures and its changes of volume.
     pub fn begin(&mut self, here: &Iterate, dx: &[f64], left: Option<&[f64]>) -> Result<(), Inadmissible> {
         let (at, parallel) = (here.point.displaced(here.x), self.equations.options.parallel);
         let body = &self.equations.model.body;
@@ -121,7 +121,7 @@ impl<'a> PredictedPressures<'a> {
         Ok(())
     }
 
-    /// Notes how much of it was taken.
+    /// Records the share of the step that was taken.
     pub fn end(&mut self, length: f64) {
         self.length = length;
     }
@@ -131,13 +131,13 @@ impl<'a> PredictedPressures<'a> {
         self.apart.is_some()
     }
 
-    /// What the merit of the step has beside the potential where it begins, and its derivative along the step: nothing where `e(0) = 0`.
+    /// The part of the merit that is added to the potential at the start of the step, and its derivative along the step: zero where `e(0) = 0`.
     pub fn beside_potential(&self) -> [f64; 2] {
         self.apart.unwrap_or([0.0; 2])
     }
 
-    /// `1/2 sum_q w_q k_q e_q^2` of what a share of the step leads to, less what errors would take of a body with a few times its shear modulus as bulk modulus;
-    /// `e(s) = V(u(s)) - V - s B du`, or of a step whose pressures are not those of `B du`, which may go uphill in this, from the volumes of all of it.
+    /// `1/2 sum_q w_q k_q e_q^2` at a share of the step, less the energy of the same errors in a body whose bulk modulus is a few times its shear modulus;
+    /// `e(s) = V(u(s)) - V - s B du`. For a step whose pressures are not those of `B du`, along which this may increase, e is relative to the volumes at its end.
     pub fn energy_of_errors(&self, at: Displaced, length: f64) -> Result<f64, Inadmissible> {
         let Equations { model, options, .. } = *self.equations;
         let now = model.body.dilatations(at, Dilatation::Value, options.parallel)?;

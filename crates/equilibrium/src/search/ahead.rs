@@ -33,20 +33,21 @@ pub struct LimitAhead {
     pub passed: Vec<(f64, State)>,
 }
 
-/// Steps of the path: as long as its direction and Newton's method allow, at most a tenth of the body's diagonal in the
-/// root mean square.
-const STEP: f64 = 1.0;
-/// Points of a path that explains why a solve ended, and how far behind the load that failed a limit point may be its reason.
-const NEAR: usize = 30;
-const BEHIND_FAILURE: f64 = 1.0 / 64.0;
-/// A branch without limit points takes some ten points; one that takes more is given up.
-const POINTS: usize = 60;
-/// A path begins towards larger s, and ends at 1 or at its first limit point: this end is never reached.
-const BEHIND: f64 = -1.0;
+/// Longest step of the path: its direction and Newton's method limit it, and a tenth of the body's diagonal in the root
+/// mean square.
+const MAX_PATH_STEP: f64 = 1.0;
+/// Points of a path that is followed to explain why a solve failed.
+const MAX_EXPLANATION_POINTS: usize = 30;
+/// How far behind the load that failed a limit point may be the cause.
+const MAX_LOAD_BEHIND_FAILURE: f64 = 1.0 / 64.0;
+/// Points of a branch: one without limit points takes about ten.
+const MAX_BRANCH_POINTS: usize = 60;
+/// Lower end of the range of s, which is never reached: a path begins towards larger s, and stops at 1 or at its first limit point.
+const PATH_RANGE_START: f64 = -1.0;
 
 impl Model {
-    /// A solve that ended without an equilibrium, for a reason that is not known, or at guides that meet: where the path from its last one turns back
-    /// before the load that failed, or just behind it, that is said.
+    /// The error of a solve that failed for an unknown cause, or at guides that meet, with the limit point as its cause where the path from the last
+    /// equilibrium turns back before the load that failed, or just behind it.
     pub(crate) fn explained(&self, mut error: StateError, to: &Controls, how: &SolveOptions) -> StateError {
         let StateError::NoConvergence { cause, last, reached, load, newton, .. } = &mut error else { return error };
         if !matches!(cause, Cause::Unknown | Cause::GuidesMeet(_)) {
@@ -55,13 +56,13 @@ impl Model {
         let budget = how.budget.map(|budget| budget.saturating_sub(*newton));
         let how = SolveOptions { near: None, guess: None, budget, ..how.clone() };
         let (mut kept, mut report) = (Workspace::default(), SolveReport::default());
-        let at = match self.ahead_within(NEAR, last, (to, 1.0), &how, &mut kept, &mut report) {
+        let at = match self.ahead_within(MAX_EXPLANATION_POINTS, last, (to, 1.0), &how, &mut kept, &mut report) {
             Err(StateError::Cancelled) => return StateError::Cancelled,
             Ok(Ahead::LimitPoint(at)) => *reached + at.share * (1.0 - *reached),
             _ => return error,
         };
         *newton += report.newton;
-        if at > *load + BEHIND_FAILURE {
+        if at > *load + MAX_LOAD_BEHIND_FAILURE {
             return error;
         }
         match cause {
@@ -80,7 +81,7 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Ahead, StateError> {
-        let options = PathOptions { step: STEP, points, range: [BEHIND, 1.0], to_limit: true };
+        let options = PathOptions { step: MAX_PATH_STEP, points, range: [PATH_RANGE_START, 1.0], to_limit: true };
         let mut path = self.stability().path(from, to, &options, how, workspace, &mut |point| {
             report.add_work(&point.state.report);
         })?;
@@ -115,6 +116,6 @@ impl Moves<'_> {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Ahead, StateError> {
-        self.model.ahead_within(POINTS, from, to, how, workspace, report)
+        self.model.ahead_within(MAX_BRANCH_POINTS, from, to, how, workspace, report)
     }
 }

@@ -1,6 +1,6 @@
 //! [`CellLaplacian`]: the Laplace operator of a body of 27-node hexahedra by the products of its cells.
 
-use crate::search::gradient_fit::{CHUNK, WAVE, elements};
+use crate::search::gradient_fit::{CELLS_PER_TASK, TASKS_PER_WAVE, elements};
 use nastic_body::discretization::hexahedra::Hexahedra;
 use nastic_body::discretization::quadrature_points::CellGroup;
 use nastic_body::discretization::{Discretization, corner_shapes};
@@ -14,15 +14,17 @@ use std::array::from_fn;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Numbers of a batch.
-const BATCH: usize = NODES * METRIC * CELLS;
-const ROWS: usize = NODES * CELLS;
-/// Batches handled by one task, and nodes.
-const TASK: usize = 16;
-const NODES_OF_TASK: usize = 4096;
+const VALUES_PER_BATCH: usize = NODES * METRIC * CELLS;
+/// Rows of a batch.
+const ROWS_PER_BATCH: usize = NODES * CELLS;
+/// Batches handled by one task.
+const BATCHES_PER_TASK: usize = 16;
+/// Nodes handled by one task.
+const NODES_PER_TASK: usize = 4096;
 /// Share of the diagonal's inverse beside the correction at the corners: about the inverse of the largest eigenvalue of `D^-1 A`.
 const DAMPING: f64 = 0.5;
 /// Unknowns at corners up to which a factor solves for them.
-const FACTORISED: usize = 50_000;
+const MAX_FACTORISED_UNKNOWNS: usize = 50_000;
 
 /// One number per node, in single precision, before any is held.
 pub(crate) struct CellLaplacian {
@@ -55,9 +57,9 @@ impl CellLaplacian {
     /// Nothing of a mesh of other cells.
     pub fn new(disc: &Discretization, hexahedra: &Arc<Hexahedra>, parallel: bool) -> Option<Self> {
         let ([part], corners) = (disc.points().parts.as_slice(), disc.corners()?) else { return None };
-        let mut metric = vec![0.0; hexahedra.batches() * BATCH];
+        let mut metric = vec![0.0; hexahedra.batches() * VALUES_PER_BATCH];
         for c in 0..hexahedra.cells() {
-            let batch = &mut metric[c / CELLS * BATCH..][..BATCH];
+            let batch = &mut metric[c / CELLS * VALUES_PER_BATCH..][..VALUES_PER_BATCH];
             for (q, inverse) in part.inverse[c * NODES..][..NODES].iter().enumerate() {
                 let weight = disc.points().weights()[part.first_point(c) + q];
                 let pairs = (0..3).flat_map(|k| (k..3).map(move |m| (k, m)));
@@ -77,7 +79,7 @@ impl CellLaplacian {
         let fixed_corners = corners.fixed(1, fixed);
         let mut matrix = self.at_corners.clone();
         matrix.eliminate(&fixed_corners, matrix.diagonal().into_iter().fold(0.0, f64::max));
-        let below = if corners.nodes().len() <= FACTORISED {
+        let below = if corners.nodes().len() <= MAX_FACTORISED_UNKNOWNS {
             let structure = Structure::new(matrix.pattern().clone());
             Below::Factor(structure.symbolic().approximate(&matrix, parallel).ok()?)
         } else {
@@ -92,25 +94,32 @@ impl CellLaplacian {
     fn multiply(&self, v: &[f64], fixed: &[bool], out: &mut [f64], parallel: bool) {
         let hexahedra = &*self.hexahedra;
         let mut room = self.rooms.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
-        room.resize(v.len() + hexahedra.batches() * ROWS, 0.0);
+        room.resize(v.len() + hexahedra.batches() * ROWS_PER_BATCH, 0.0);
         let (own, rows) = room.split_at_mut(v.len());
         own.iter_mut()
             .zip(v.iter().zip(fixed))
             .for_each(|(own, (v, fixed))| *own = if *fixed { 0.0 } else { *v as f32 });
         let own = &*own;
         let multiply = |(task, rows): (usize, &mut [f32])| {
-            for (batch, rows) in (TASK * task..).zip(rows.chunks_exact_mut(ROWS)) {
+            for (batch, rows) in (BATCHES_PER_TASK * task..).zip(rows.chunks_exact_mut(ROWS_PER_BATCH)) {
                 let (line, nodes) = (hexahedra.line(), hexahedra.nodes_of(batch));
-                LaplaceBatch { line, metric: &self.metric[batch * BATCH..][..BATCH], nodes, v: own, rows }.multiply();
+                LaplaceBatch {
+                    line,
+                    metric: &self.metric[batch * VALUES_PER_BATCH..][..VALUES_PER_BATCH],
+                    nodes,
+                    v: own,
+                    rows,
+                }
+                .multiply();
             }
         };
         match parallel {
-            true => rows.par_chunks_mut(TASK * ROWS).enumerate().for_each(multiply),
-            false => rows.chunks_mut(TASK * ROWS).enumerate().for_each(multiply),
+            true => rows.par_chunks_mut(BATCHES_PER_TASK * ROWS_PER_BATCH).enumerate().for_each(multiply),
+            false => rows.chunks_mut(BATCHES_PER_TASK * ROWS_PER_BATCH).enumerate().for_each(multiply),
         }
         let rows = &*rows;
         let add = |(task, out): (usize, &mut [f64])| {
-            for (node, out) in (NODES_OF_TASK * task..).zip(out) {
+            for (node, out) in (NODES_PER_TASK * task..).zip(out) {
                 // from the place of three rows to that of one
                 let row = |&place: &u32| rows[place as usize / (3 * CELLS) * CELLS + place as usize % CELLS];
                 let sum: f64 = hexahedra.places(node).iter().map(|place| f64::from(row(place))).sum();
@@ -118,15 +127,15 @@ impl CellLaplacian {
             }
         };
         match parallel {
-            true => out.par_chunks_mut(NODES_OF_TASK).enumerate().for_each(add),
-            false => out.chunks_mut(NODES_OF_TASK).enumerate().for_each(add),
+            true => out.par_chunks_mut(NODES_PER_TASK).enumerate().for_each(add),
+            false => out.chunks_mut(NODES_PER_TASK).enumerate().for_each(add),
         }
         self.rooms.lock().unwrap_or_else(PoisonError::into_inner).push(room);
     }
 }
 
 impl Held {
-    /// `A x = b` to a relative residual, in so many iterations at most; b is zero where nodes are held.
+    /// `A x = b` to a relative residual, within a number of iterations; b is zero where nodes are held.
     pub fn solve(&self, b: &[f64], tolerance: f64, most: usize, parallel: bool) -> Vec<f64> {
         let mut x = vec![0.0; b.len()];
         let product = |v: &[f64], out: &mut [f64]| self.of.multiply(v, &self.fixed, out, parallel);
@@ -167,11 +176,11 @@ fn assembled(
     let (kernel, shapes) = (kernel(part.kind)?, corner_shapes(part));
     let mut diagonal = vec![0.0; disc.mesh().points().len()];
     let numbers: Vec<usize> = (0..cells.len()).collect();
-    for numbers in numbers.chunks(WAVE * CHUNK) {
+    for numbers in numbers.chunks(TASKS_PER_WAVE * CELLS_PER_TASK) {
         let of = |cells: &[usize]| elements(disc, part, kernel, cells);
         let elements: Vec<Vec<f64>> = match parallel {
-            true => numbers.par_chunks(CHUNK).map(of).collect(),
-            false => numbers.chunks(CHUNK).map(of).collect(),
+            true => numbers.par_chunks(CELLS_PER_TASK).map(of).collect(),
+            false => numbers.chunks(CELLS_PER_TASK).map(of).collect(),
         };
         let triangles = elements.iter().flat_map(|of_task| of_task.chunks_exact(NODES * (NODES + 1) / 2));
         for (&c, triangle) in numbers.iter().zip(triangles) {

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use std::cell::OnceCell;
 use std::sync::Arc;
 
-/// Whether the branch of equilibria through one state, followed along the straight way to the controls of another, comes
+/// Whether the branch of equilibria through one state, followed along the straight way to the controls of another, leads
 /// to that other one.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Connection {
@@ -22,23 +22,24 @@ pub enum Connection {
     Connected,
     /// It turns back at a limit point, at this share of the way: the body has snapped.
     LimitPoint(f64),
-    /// It comes to another equilibrium, whose displacement differs by this share of the change.
+    /// It leads to another equilibrium, whose displacement differs by this share of the change.
     Elsewhere(f64),
     /// It could be followed to this share of the way only.
     Unknown(f64),
 }
 
-/// Displacements that differ by less, relative to the change between the two states, are one.
-const SAME: f64 = 0.01;
-/// So small a change of the displacement, relative to it, is no jump.
-const SMALL: f64 = 0.01;
-/// A solve of fewer Newton iterations, all with a positive definite tangent, has not left its branch.
-const FEW: usize = 5;
-/// The first part of the way that is solved by itself, and parts that may be refused before the path is followed.
+/// Displacements whose difference is below this share of the change between the two states are the same.
+const SAME_STATE_TOLERANCE: f64 = 0.01;
+/// Largest change of the displacement, relative to it, that is never a jump.
+const MAX_CHANGE_WITHOUT_JUMP: f64 = 0.01;
+/// Newton iterations from which a solve with positive definite tangents may have left its branch.
+const MIN_ITERATIONS_OF_JUMP: usize = 5;
+/// The first part of the way that is solved separately.
 const FIRST_PART: f64 = 0.25;
-const REFUSED: usize = 2;
-/// Where between the two displacements the tangent is looked at.
-const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
+/// Parts that may be refused before the path is followed.
+const MAX_REFUSED_PARTS: usize = 2;
+/// Where between the two displacements the tangent is evaluated.
+const TANGENT_SHARES: [f64; 3] = [0.25, 0.5, 0.75];
 
 impl Model {
     /// Whether the tangent was, or is between the two states, not positive definite.
@@ -54,11 +55,11 @@ impl Model {
         if report.shifted > 0 || report.restarts > 0 {
             return Ok(true);
         }
-        if report.newton < FEW {
+        if report.newton < MIN_ITERATIONS_OF_JUMP {
             return Ok(false);
         }
         let fit = fit.get_or_init(|| GradientFit::new(self, how.parallel));
-        for share in BETWEEN {
+        for share in TANGENT_SHARES {
             let between = self.between(from, to, share, fit.as_ref(), how.parallel);
             let at = self.instant(from, None, how.parallel);
             if !self.moves().admissible_move_of_others(&at, &between.u).is_ok_and(|share| share >= 1.0) {
@@ -67,7 +68,7 @@ impl Model {
             match self.negative_pivots_with(&between, how, workspace) {
                 Ok(0) => {}
                 Err(error) if error.is_final() => return Err(error),
-                // Negative, singular, or turned inside out on the way.
+                // Negative, singular, or inverted cells.
                 Ok(_) | Err(_) => return Ok(true),
             }
         }
@@ -88,7 +89,7 @@ impl Model {
             return Ok(false);
         }
         let (mut here, mut share, mut part, mut refused) = (from.clone(), 0.0, FIRST_PART, 0);
-        while refused <= REFUSED {
+        while refused <= MAX_REFUSED_PARTS {
             let next = f64::min(share + part, 1.0);
             let controls = from.controls.blend(&to.controls, next);
             match self.solve_with(&controls, &SolveOptions { near: Some(&here), guess: None, ..how.clone() }, workspace)
@@ -101,7 +102,7 @@ impl Model {
             }
             if share == 1.0 {
                 let apart = |a: &State, b: &State| self.unknowns().norm(&sub(self.nodal(&a.u), self.nodal(&b.u)));
-                return Ok(apart(&here, to) <= SAME * apart(to, from));
+                return Ok(apart(&here, to) <= SAME_STATE_TOLERANCE * apart(to, from));
             }
         }
         Ok(false)
@@ -141,7 +142,7 @@ impl Stability<'_> {
         self.model.checks().check_state(to)?;
         let change = self.model.unknowns().norm(&sub(self.model.nodal(&to.u), self.model.nodal(&from.u)));
         let (mut workspace, fit) = (Workspace::default(), OnceCell::new());
-        if change <= SMALL * self.model.unknowns().norm(self.model.nodal(&to.u))
+        if change <= MAX_CHANGE_WITHOUT_JUMP * self.model.unknowns().norm(self.model.nodal(&to.u))
             || !self.model.may_have_jumped(from, to, how, &mut workspace, &fit)?
             || self.model.is_reached_in_parts(from, to, how, &mut workspace, &fit)?
         {
@@ -154,7 +155,7 @@ impl Stability<'_> {
             Ahead::LimitPoint(limit) => Connection::LimitPoint(limit.share),
             Ahead::Clear(state) => {
                 let apart = self.model.unknowns().norm(&sub(&state.u, &to.u)) / change;
-                if apart <= SAME { Connection::Connected } else { Connection::Elsewhere(apart) }
+                if apart <= SAME_STATE_TOLERANCE { Connection::Connected } else { Connection::Elsewhere(apart) }
             }
             Ahead::Unknown(share) => Connection::Unknown(share),
         })

@@ -14,23 +14,26 @@ use nastic_body::strategy::Strategy;
 use nastic_linear::LinearSolver;
 use nastic_numeric::vector::sub;
 
-/// A warm start is left for the way from rest at the first step that fails after so many times the iterations allowed for
-/// one: a state nearby that takes more is not nearby.
-const WARM: usize = 3;
-/// Iterations after which a guess was a poor one.
-const GUESS: usize = 15;
-/// Newton iterations after which load steps from rest are given up at the first that fails.
-const MOST: usize = 10_000;
-/// Attempts with predicted pressures that may fail one after the other before no more are made.
-const FAILURES: usize = 2;
-/// Ratios of bulk to shear modulus from which load steps that move prescribed components, which no line search shortens, begin with strains of
-/// their own at the quadrature points, and from which others turn to them after so many iterations downhill.
-const STIFF: (f64, f64) = (100.0, 1000.0);
-const BRIEF: usize = 12;
-/// Relative residual of the states on the way, where obstacles move.
-const ON_THE_WAY: f64 = 1e-7;
-/// Longer load steps than this share of the way that fail with strains of their own, of a body that creeps downhill, are halved at once.
-const DOWNHILL: f64 = 1.0 / 16.0;
+/// Newton iterations of a warm start over those allowed for one step, after which the first step that fails makes the load
+/// steps begin again at rest: a state that takes more is not nearby.
+const MAX_WARM_START_RATIO: usize = 3;
+/// Newton iterations from a guess.
+const MAX_GUESS_ITERATIONS: usize = 15;
+/// Newton iterations of load steps from rest after which the first step that fails ends them.
+const MAX_ITERATIONS_FROM_REST: usize = 10_000;
+/// Consecutive attempts with predicted pressures that may fail before no more are made.
+const MAX_PRESSURE_FAILURES: usize = 2;
+/// Ratio of bulk to shear modulus above which load steps that move prescribed components, which no line search shortens, begin with
+/// independent strains at the quadrature points.
+const MIN_RATIO_WITH_JUMP: f64 = 100.0;
+/// Ratio of bulk to shear modulus above which other load steps try independent strains after a brief descent.
+const MIN_RATIO: f64 = 1000.0;
+/// Newton iterations of a brief descent.
+const MAX_BRIEF_ITERATIONS: usize = 12;
+/// Relative residual of intermediate states, where obstacles move.
+const INTERMEDIATE_TOLERANCE: f64 = 1e-7;
+/// Longest load step that is tried by descent after independent strains have failed, where descent is known to be slow; longer steps are halved at once.
+const MAX_DESCENT_STEP: f64 = 1.0 / 16.0;
 
 /// How load steps begin.
 struct Way {
@@ -38,37 +41,38 @@ struct Way {
     constrained: bool,
     /// Its ratio of bulk to shear modulus.
     ratio: f64,
-    /// Whether strains of their own have helped.
+    /// Whether independent strains have converged before.
     helped: bool,
 }
 
 impl Way {
-    /// Steps in time are short: theirs do not creep, but for those under constraints without a potential, where the residual alone is searched.
+    /// Steps in time are short, so that descent is not slow except under constraints without a potential, where the residual alone is searched.
     fn new(model: &Model, in_time: bool) -> Self {
         let constrained = !(in_time && model.properties().has_potential()) && model.unknowns().multipliers() > 0;
         Way { constrained, ratio: if in_time { 0.0 } else { model.properties().bulk_over_shear() }, helped: false }
     }
 
-    /// Whether a step on displacements creeps: whatever turns or shears the body changes its volume, or leaves the constraints.
+    /// Whether descent on displacements is slow: a step that rotates or shears the body changes its volume, or violates the constraints.
     fn creeps(&self, jumps: bool) -> bool {
-        self.constrained || jumps && self.ratio > STIFF.0
+        self.constrained || jumps && self.ratio > MIN_RATIO_WITH_JUMP
     }
 
-    /// Whether it may creep.
+    /// Whether descent may be slow.
     fn may_creep(&self) -> bool {
-        self.ratio > STIFF.1
+        self.ratio > MIN_RATIO
     }
 }
 
 impl Model {
     /// The equilibrium under these controls, at full dead loads and prescribed displacements.
     ///
-    /// The straight way from the starting state (rest with the designs of these controls, or `how.near`) is tried in one step; where Newton's method creeps, it goes on
-    /// with strains of their own at the quadrature points (slender bodies), with which steps under constraints and of nearly incompressible bodies begin
-    /// that prescribed components move (other nearly incompressible ones after a few iterations); where that fails too,
-    /// the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance. The
-    /// path is given up on at 1/4096 of the way, or at a limit point that two estimates agree on. A guess (`how.guess`) is tried before all, if a straight move from `how.near` to it is admissible. When a warm start leads nowhere, or fails after more
-    /// than three times `how.max_newton` iterations, the way from rest is tried.
+    /// 1. A guess (`how.guess`) is tried first, if a straight move from `how.near` to it is admissible.
+    /// 2. The straight way from the starting state (rest with the designs of these controls, or `how.near`) is tried in one step. Where Newton's method is slow
+    ///    (slender bodies), it continues with independent strains at the quadrature points. Steps under constraints, and those of nearly incompressible bodies
+    ///    that move prescribed components, begin with them; other nearly incompressible bodies use them after a few iterations.
+    /// 3. Where that fails too, the step is halved, and doubled again after a success; a load that failed is tried again from a quarter of the distance.
+    ///    Steps below 1/4096 of the way fail, as does a limit point that two estimates agree on.
+    /// 4. When a warm start fails, or needs more than three times `how.max_newton` iterations, the way from rest is tried.
     ///
     /// # Errors
     /// A typed [`StateError`]; where there was progress it holds the last equilibrium. [`StateError::Start`] where the way would begin
@@ -77,7 +81,7 @@ impl Model {
         self.solve_with(controls, how, &mut Workspace::default())
     }
 
-    /// [`solve`](Self::solve) with what earlier solves left behind; a solve that fails leaves nothing.
+    /// [`solve`](Self::solve) with the workspace of earlier solves; a solve that fails clears it.
     ///
     /// # Errors
     /// As there.
@@ -117,7 +121,7 @@ impl Model {
         let rest = self.rest_under(controls);
         let mut spent = SolveReport::default();
         let start = how.near.unwrap_or(&rest);
-        // those of a motion were checked where it began
+        // the controls of a motion were checked at its beginning
         if time_step.is_none() {
             self.moves().check_start(start, how.parallel)?;
         }
@@ -135,12 +139,12 @@ impl Model {
             return Ok(found);
         }
         let most = match time_step {
-            Some(_) if !shorter => MOST,
-            Some(_) => spent.newton + WARM * how.max_newton,
-            None => WARM * how.max_newton,
+            Some(_) if !shorter => MAX_ITERATIONS_FROM_REST,
+            Some(_) => spent.newton + MAX_WARM_START_RATIO * how.max_newton,
+            None => MAX_WARM_START_RATIO * how.max_newton,
         };
         let Some(near) = how.near else {
-            return self.walk(&rest, controls, (how, time_step), MOST, workspace, &mut spent);
+            return self.walk(&rest, controls, (how, time_step), MAX_ITERATIONS_FROM_REST, workspace, &mut spent);
         };
         match self.walk(near, controls, (how, time_step), most, workspace, &mut spent) {
             // a motion does not begin again at rest in the middle
@@ -150,7 +154,14 @@ impl Model {
                 workspace.forget();
                 let left = how.budget.map(|budget| budget.saturating_sub(spent.newton));
                 let left = SolveOptions { budget: left, ..how.clone() };
-                let found = self.walk(&rest, controls, (&left, None), MOST, workspace, &mut SolveReport::default());
+                let found = self.walk(
+                    &rest,
+                    controls,
+                    (&left, None),
+                    MAX_ITERATIONS_FROM_REST,
+                    workspace,
+                    &mut SolveReport::default(),
+                );
                 let mut state = found.map_err(|again| again.or_cut(failed, how.budget))?;
                 state.report.add_work(&spent);
                 state.report.restarts += 1;
@@ -160,9 +171,9 @@ impl Model {
         }
     }
 
-    /// One load step: downhill, and where that creeps, from where it came to with strains of their own at the quadrature
-    /// points; once these have helped, the next steps begin with them, as all do where a descent is known to creep. Not where the path seems
-    /// to turn back, nor beyond the convexity bound (`hopeless`). Where it fails, u is the last iterate.
+    /// One load step: descent and, where that is slow, independent strains at the quadrature points from its last iterate. Once these have
+    /// converged, the next steps begin with them, as all steps do for which descent is known to be slow. Independent strains are not used where the
+    /// path seems to turn back, nor beyond the convexity bound (`hopeless`). On failure u is the last iterate.
     fn attempt(
         &self,
         newton: &Equations,
@@ -195,7 +206,7 @@ impl Model {
                 Ok(()) => return Ok(()),
                 Err(stop) if stop.is_final() => return Err(stop),
                 Err(stop @ Stop::Linear(_)) => return Err(stop),
-                Err(stop) if creeps && distance > DOWNHILL => return Err(stop),
+                Err(stop) if creeps && distance > MAX_DESCENT_STEP => return Err(stop),
                 Err(_) => workspace.forget(),
             }
             *u = from;
@@ -229,7 +240,7 @@ impl Model {
         }
     }
 
-    /// With pressures that steps predict, unless these have failed before; where they lead nowhere, u is as it was.
+    /// With predicted pressures, unless these have failed before; on failure u is unchanged.
     fn attempt_with_pressures(
         &self,
         newton: &Equations,
@@ -237,7 +248,9 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<bool, Stop> {
-        if workspace.unpredicted >= FAILURES || !newton.options.strategies.has(Strategy::PredictedPressures) {
+        if workspace.unpredicted >= MAX_PRESSURE_FAILURES
+            || !newton.options.strategies.has(Strategy::PredictedPressures)
+        {
             return Ok(false);
         }
         let before = report.unpredicted;
@@ -249,8 +262,8 @@ impl Model {
         Ok(found.is_some())
     }
 
-    /// A few iterations downhill, then strains of their own at the quadrature points, from the same start; where neither arrives, u is the
-    /// last iterate downhill.
+    /// A few iterations of descent, then independent strains at the quadrature points from the same start; where neither converges, u is the
+    /// last iterate of the descent.
     fn attempt_briefly(
         &self,
         newton: &Equations,
@@ -259,7 +272,8 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<bool, Stop> {
-        let brief = SolveOptions { max_newton: newton.options.max_newton.min(BRIEF), ..newton.options.clone() };
+        let brief =
+            SolveOptions { max_newton: newton.options.max_newton.min(MAX_BRIEF_ITERATIONS), ..newton.options.clone() };
         let briefly = Equations { options: &brief, ..*newton };
         let mut from = u.clone();
         match briefly.solve_by_displacement(u, self.linear_solver(newton.options, workspace), report) {
@@ -281,7 +295,7 @@ impl Model {
         }
     }
 
-    /// Whether its equations can be solved with strains of their own at the quadrature points.
+    /// Whether its equations can be solved with independent strains at the quadrature points.
     pub(crate) fn suits_point_strains(&self) -> bool {
         let searched = self.properties().has_potential() || self.unknowns().multipliers() > 0;
         searched
@@ -290,12 +304,12 @@ impl Model {
             && !self.inequalities().contains(&true)
     }
 
-    /// Whether its equations are searched on the residual and under constraints, and can be solved with strains of their own: that search creeps.
+    /// Whether the line search on the residual under constraints, which is slow, can be replaced by independent strains.
     pub(crate) fn residual_creeps(&self) -> bool {
         !self.properties().has_potential() && self.unknowns().multipliers() > 0 && self.suits_point_strains()
     }
 
-    /// To the equilibrium at once, from a guess of it; `None` where Newton's method does not get there.
+    /// The equilibrium in one step from a guess; `None` where Newton's method does not converge.
     fn jump(
         &self,
         guess: &[f64],
@@ -305,15 +319,15 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
-        // with friction an impact takes many short steps, and what does not go at once rounds, each of which is a solve
-        let most = if self.properties().depends_on_path() { usize::MAX } else { GUESS };
+        // with friction an impact takes many short steps; where the step fails, rounds of lagged friction follow, each of which is a solve
+        let most = if self.properties().depends_on_path() { usize::MAX } else { MAX_GUESS_ITERATIONS };
         let brief = SolveOptions { max_newton: how.max_newton.min(most), ..how.clone() };
         let newton = self.equations(controls, 1.0, time_step, 1.0, &brief);
         let is_borne = match how.near {
             Some(near) => self.bears(near, controls, guess, how, time_step),
             None => newton.admissible_chord(guess, guess).is_ok(),
         };
-        // a step of Newton's method may carry what is free anywhere
+        // a step of Newton's method may move a free body arbitrarily far
         let drifts = || newton.is_static() && self.settles() && newton.at(guess, |at| self.free_motion(at)).is_some();
         if !is_borne || drifts() {
             return Ok(None);
@@ -328,7 +342,7 @@ impl Model {
         }
     }
 
-    /// The undeformed state without loads, all multipliers zero: where every way begins unless set otherwise.
+    /// The undeformed state without loads, all multipliers zero: the default start of every solve.
     pub fn rest(&self) -> State {
         let report = SolveReport { min_j: 1.0, ..SolveReport::default() };
         State::equilibrium(vec![0.0; self.unknowns().len()], self.controls(), 0.0, report)
@@ -345,7 +359,7 @@ impl Model {
         workspace.solver(how.solver.unwrap_or_else(|| self.solver()), self)
     }
 
-    /// In as few load steps as it takes; given up on at the first that fails after `most` iterations.
+    /// By load steps, as few as converge; it fails at the first failed step after `most` iterations.
     fn walk(
         &self,
         from: &State,
@@ -368,7 +382,7 @@ impl Model {
             let instant = Instant { controls: &here.controls, ..self.instant(&here, time_step, how.parallel) };
             let bears =
                 self.moves().admissible_change(&instant, &instant.under(to)).map_err(|at| StateError::Start { at })?;
-            // where obstacles move, what they touch goes with them, unless that has just led nowhere; else the body may go on as it did
+            // where obstacles move, the predictor is the tangent of the contact, unless the last step with it failed; else the last increment
             let tangent = match obstacles_move && !failed && how.tries(Strategy::Rate, report) {
                 true => self.rate_along((&here, from, to), how, steps.done, bears, workspace, report),
                 false => None,
@@ -385,7 +399,7 @@ impl Model {
             let controls = from.controls.blend(to, path);
             // exactly 1 at the end of the way
             let load = if path == 1.0 { 1.0 } else { from.load + path * (1.0 - from.load) };
-            let rough = SolveOptions { accuracy: how.accuracy.max(ON_THE_WAY), ..how.clone() };
+            let rough = SolveOptions { accuracy: how.accuracy.max(INTERMEDIATE_TOLERANCE), ..how.clone() };
             let how_here = if obstacles_move && path < 1.0 { &rough } else { how };
             let newton = self.equations(&controls, load, time_step, path, how_here);
             let hopeless = unbounded || steps.limit_point().is_some();
@@ -411,7 +425,7 @@ impl Model {
                     return Err(self.give_up(stop, path, (&steps, None), (to, how.budget), report, here));
                 }
                 Err(stop) => {
-                    // what fell or flew off does so under less load too
+                    // a body that no contact holds is not held under less load either
                     let lost = matches!(stop, Stop::Lost { .. });
                     if steps.failed(path) || report.newton > most || lost {
                         let known = steps.limit_point().is_some() || time_step.is_some();
@@ -420,7 +434,7 @@ impl Model {
                         };
                         let suspect = newton.at(&u, |at| self.suspect(at)).or_else(free);
                         let error = self.give_up(stop, path, (&steps, suspect), (to, None), report, here);
-                        // a trial from a state nearby is looked into by who makes it
+                        // the caller of a trial from a state nearby finds its cause
                         let alone = time_step.is_none() && how.near.is_none() && !self.ranks().is_over_ranks();
                         return Err(if alone { self.explained(error, to, how) } else { error });
                     }

@@ -19,18 +19,19 @@ pub struct Descent {
     pub saddles: usize,
 }
 
-/// Saddles that are left before it is given up.
-const SADDLES: usize = 10;
-/// Displacements along a mode at which the potential is looked at: the least and the largest as shares of the body's
-/// diagonal, and from one to the next.
-const LEAST: f64 = 1e-6;
-const LARGEST: f64 = 0.5;
-const GROWTH: f64 = 1.5;
-/// Starts, as multiples of the displacement at which the potential is least: on the straight line slender bodies
-/// stretch, which keeps that nearer to the saddle than the equilibrium below it is.
-const MULTIPLES: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
-/// Falls of the potential that differ by less than this share are alike.
-const ALIKE: f64 = 1e-6;
+/// Saddles from which it descends before it is given up.
+const MAX_SADDLES: usize = 10;
+/// Smallest displacement along a mode at which the potential is evaluated, as a share of the body's diagonal.
+const MIN_DISPLACEMENT_RATIO: f64 = 1e-6;
+/// Largest displacement along a mode, likewise.
+const MAX_DISPLACEMENT_RATIO: f64 = 0.5;
+/// Ratio of one displacement to the one before.
+const DISPLACEMENT_GROWTH: f64 = 1.5;
+/// Starts, as multiples of the displacement at which the potential is least: slender bodies stretch along the straight line,
+/// so that this displacement is nearer to the saddle than the equilibrium is.
+const START_MULTIPLES: [f64; 4] = [1.0, 3.0, 10.0, 30.0];
+/// Decreases of the potential whose difference is below this share count as equal.
+const ENERGY_TOLERANCE: f64 = 1e-6;
 
 impl Model {
     /// An equilibrium of less potential, on either side of a saddle along a mode.
@@ -43,10 +44,10 @@ impl Model {
         work: &mut SolveReport,
     ) -> Result<Option<State>, StateError> {
         let mut sides = [1.0, -1.0].map(|side| self.lowest_along(saddle, mode, side, how));
-        if sides[1].0 < sides[0].0 - ALIKE * (saddle.report.energy - sides[0].0).abs() {
+        if sides[1].0 < sides[0].0 - ENERGY_TOLERANCE * (saddle.report.energy - sides[0].0).abs() {
             sides.swap(0, 1);
         }
-        for multiple in MULTIPLES {
+        for multiple in START_MULTIPLES {
             for (_, amplitude) in sides {
                 let mut u = saddle.u.to_vec();
                 axpy(multiple * amplitude, mode, &mut u);
@@ -73,7 +74,7 @@ impl Model {
         Ok(None)
     }
 
-    /// To an equilibrium of less potential by displacements, where these creep with strains of their own at the quadrature points: along the straight
+    /// To an equilibrium of less potential by displacements or, where these are slow, by independent strains at the quadrature points: along the straight
     /// line a nearly incompressible body changes its volume.
     fn down(
         &self,
@@ -97,9 +98,9 @@ impl Model {
     /// mode. Not the first minimum: near the saddle rounding makes many.
     fn lowest_along(&self, state: &State, mode: &[f64], side: f64, how: &SolveOptions) -> (f64, f64) {
         let size = self.discretization().mesh().diagonal();
-        let mut best = (f64::INFINITY, side * LEAST * size);
-        let mut share = LEAST;
-        while share <= LARGEST {
+        let mut best = (f64::INFINITY, side * MIN_DISPLACEMENT_RATIO * size);
+        let mut share = MIN_DISPLACEMENT_RATIO;
+        while share <= MAX_DISPLACEMENT_RATIO {
             let mut u = state.u.to_vec();
             axpy(side * share * size, mode, &mut u);
             let energy = self.energy_beside(&u, state, how);
@@ -109,7 +110,7 @@ impl Model {
             if energy < best.0 {
                 best = (energy, side * share * size);
             }
-            share *= GROWTH;
+            share *= DISPLACEMENT_GROWTH;
         }
         best
     }
@@ -132,7 +133,7 @@ fn differs(u: &[f64], saddle: &State, amplitude: f64) -> bool {
 }
 
 impl Stability<'_> {
-    /// A stable equilibrium under the controls of one that is not, at full loads, downhill from it.
+    /// A stable equilibrium under the controls of an unstable one, at full loads, by descent from it.
     ///
     /// Along the mode of the most negative eigenvalue (see [`modes`](Self::modes)) the potential falls to both sides.
     /// From where it is least on this line, and beyond, Newton's method lowers it to an equilibrium below the first;
@@ -153,7 +154,7 @@ impl Stability<'_> {
         }
         let mut work = SolveReport::default();
         let mut here = state.clone();
-        for saddles in 0..=SADDLES {
+        for saddles in 0..=MAX_SADDLES {
             let modes = self.modes(&here, 1, &self.counting(how))?;
             if modes.negative == 0 {
                 here.report.add_work(&work);

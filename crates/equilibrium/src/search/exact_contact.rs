@@ -10,10 +10,10 @@ use nastic_body::instant::Instant;
 use nastic_body::state::{SolveReport, State};
 use std::sync::Arc;
 
-/// Gaps that are left, as a share of the layer's thickness.
-const VIOLATION: f64 = 1e-6;
-/// Equilibria at most.
-const ROUNDS: usize = 60;
+/// Largest remaining gap, as a share of the layer's thickness.
+const GAP_TOLERANCE: f64 = 1e-6;
+/// Equilibria that are solved for.
+const MAX_SOLVES: usize = 60;
 
 /// An equilibrium whose contacts have no layer.
 #[derive(Debug, Clone)]
@@ -75,10 +75,10 @@ impl Stability<'_> {
         let (mut model, mut state) = (self.model.clone(), from.clone());
         let mut work = SolveReport::default();
         let mut violation = f64::INFINITY;
-        for rounds in 0..ROUNDS {
+        for rounds in 0..MAX_SOLVES {
             let weakly_active;
             (model, violation, weakly_active) = model.with_multipliers(&Instant::of(&state));
-            if violation <= VIOLATION {
+            if violation <= GAP_TOLERANCE {
                 state.report.add_work(&work);
                 return Ok(ExactEquilibrium { model, state, rounds, violation, weakly_active });
             }
@@ -86,6 +86,6 @@ impl Stability<'_> {
             let controls = state.controls.clone();
             state = model.solve_with(&controls, &SolveOptions { near: Some(&state), ..how.clone() }, workspace)?;
         }
-        Err(StateError::InexactContact { violation, rounds: ROUNDS })
+        Err(StateError::InexactContact { violation, rounds: MAX_SOLVES })
     }
 }

@@ -12,16 +12,19 @@ use nastic_tensor::Tangent;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Cells of one task, and tasks whose element matrices are held at a time.
-pub(crate) const CHUNK: usize = 64;
-pub(crate) const WAVE: usize = 64;
+/// Cells of one task.
+pub(crate) const CELLS_PER_TASK: usize = 64;
+/// Tasks whose element matrices are held at a time.
+pub(crate) const TASKS_PER_WAVE: usize = 64;
 
-/// Relative residual of a fit by multigrid, and cycles that it may take.
-const FIT: (f64, usize) = (1e-3, 60);
-/// Operations of a factorisation that take as long as the levels of the tangent, per value that it stores.
-const HIERARCHY: f64 = 2000.0;
-/// The same of a body of 27-node hexahedra, whose tangent has cheaper levels, and where the memory of a factor would be a third of all.
-const HIERARCHY_OF_PRODUCTS: f64 = 1000.0;
+/// Relative residual of a fit by multigrid.
+const FIT_TOLERANCE: f64 = 1e-3;
+/// Cycles of a fit by multigrid.
+const MAX_FIT_CYCLES: usize = 60;
+/// Operations per stored value up to which a factorisation takes no longer than the levels of the tangent.
+const MAX_FLOPS_PER_VALUE: f64 = 2000.0;
+/// The same for a body of 27-node hexahedra, whose tangent has less expensive levels, and where a factor would take a third of the memory.
+const MAX_FLOPS_PER_VALUE_OF_PRODUCTS: f64 = 1000.0;
 
 /// The Laplace operator of a body under its supports, with what solves it: fits displacements to gradients.
 pub(crate) struct GradientFit {
@@ -52,11 +55,11 @@ impl Unheld {
         let disc = model.discretization();
         let structure = model.tangent_structure().with_components(1);
         let (values, flops) = (model.tangent_structure().pattern().values() as f64, structure.factor_size().flops);
-        if let Some(hexahedra) = disc.hexahedra().filter(|_| flops > HIERARCHY_OF_PRODUCTS * values) {
+        if let Some(hexahedra) = disc.hexahedra().filter(|_| flops > MAX_FLOPS_PER_VALUE_OF_PRODUCTS * values) {
             return Some(Unheld::Cells(Arc::new(CellLaplacian::new(disc, hexahedra, parallel)?)));
         }
         let matrix = laplacian(model, SparseMatrix::zeros(structure.pattern().clone()), parallel);
-        Some(Unheld::Matrix(structure, matrix, flops <= HIERARCHY * values))
+        Some(Unheld::Matrix(structure, matrix, flops <= MAX_FLOPS_PER_VALUE * values))
     }
 }
 
@@ -80,12 +83,12 @@ impl Laplacian {
     fn solve(&self, b: &mut Vec<f64>, parallel: bool) {
         match self {
             Laplacian::Factor(factor) => factor.solve(b, 1),
-            Laplacian::Cells(of) => *b = of.solve(b, FIT.0, FIT.1, parallel),
+            Laplacian::Cells(of) => *b = of.solve(b, FIT_TOLERANCE, MAX_FIT_CYCLES, parallel),
             Laplacian::Multigrid(of) => {
                 let mut x = vec![0.0; b.len()];
                 let product = |v: &[f64], out: &mut [f64]| of.0.multiply_on(v, out, parallel);
                 // what is left of the residual changes the curve a little, and no state
-                conjugate_gradient(&product, &of.1, b, &mut x, FIT.0, FIT.1);
+                conjugate_gradient(&product, &of.1, b, &mut x, FIT_TOLERANCE, MAX_FIT_CYCLES);
                 *b = x;
             }
         }
@@ -158,10 +161,10 @@ fn laplacian(model: &Model, mut matrix: SparseMatrix, parallel: bool) -> SparseM
         let per_cell = maps.len() / part.cells.len();
         let cells: Vec<usize> = (0..part.cells.len()).collect();
         let of = |cells: &[usize]| elements(disc, part, kernel, cells);
-        for cells in cells.chunks(WAVE * CHUNK) {
+        for cells in cells.chunks(TASKS_PER_WAVE * CELLS_PER_TASK) {
             let elements: Vec<Vec<f64>> = match parallel {
-                true => cells.par_chunks(CHUNK).map(of).collect(),
-                false => cells.chunks(CHUNK).map(of).collect(),
+                true => cells.par_chunks(CELLS_PER_TASK).map(of).collect(),
+                false => cells.chunks(CELLS_PER_TASK).map(of).collect(),
             };
             let maps = &maps[cells[0] * per_cell..];
             for (value, &code) in elements.iter().flatten().zip(maps) {

@@ -8,10 +8,10 @@ use nastic_body::controls::Controls;
 use nastic_body::state::{SolveReport, State};
 use nastic_linear::solver::Curvature;
 
-/// Share of what contacts bear over which the change of the residual is taken.
-const NUDGE: f64 = 1e-4;
+/// Length of the difference that gives the change of the residual, as a share of the change that contacts admit.
+const DIFFERENCE_RATIO: f64 = 1e-4;
 /// Relative residual of the linear system.
-const ROUGH: f64 = 1e-3;
+const LINEAR_TOLERANCE: f64 = 1e-3;
 
 impl Model {
     /// How fast the equilibrium moves along the way, per share of it: `K du/ds = -dr/ds`, the latter by a difference over a small part of what contacts
@@ -30,7 +30,7 @@ impl Model {
         if !free || !self.checks().is_held_without_contact() {
             return None;
         }
-        let length = NUDGE * bears * (1.0 - done);
+        let length = DIFFERENCE_RATIO * bears * (1.0 - done);
         let next = done + length;
         let (controls, load) = (from.controls.blend(to, next), from.load + next * (1.0 - from.load));
         if self.unknowns().any(self.prescribed(&controls, load) != self.prescribed(&here.controls, here.load)) {
@@ -43,7 +43,8 @@ impl Model {
         self.supports.restrict(&mut rhs);
         let mut systems = TangentSystems::new(self, how.parallel, self.linear_solver(how, workspace));
         let tangent = now.at(&here.u, |at| self.eliminated(at, false)).ok()?;
-        let (rate, curvature) = systems.step(&tangent, &here.u, &rhs, ROUGH, StepWanted::Newton, report).ok()?;
+        let (rate, curvature) =
+            systems.step(&tangent, &here.u, &rhs, LINEAR_TOLERANCE, StepWanted::Newton, report).ok()?;
         (curvature != Curvature::Negative).then_some(rate)
     }
 }

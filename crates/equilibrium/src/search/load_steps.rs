@@ -2,12 +2,12 @@
 
 use crate::stability::limit_point::LimitPoint;
 
-/// Load steps shorter than this share of the way are given up on.
-const SHORTEST: f64 = 1.0 / 4096.0;
-/// A load that failed is tried again from this share of the distance it failed from.
-const CLOSER: f64 = 0.25;
-/// Two steps are worth the other: a load nearer than this to a limit point is not tried for.
-const AT_LIMIT: f64 = 1.0 / 64.0;
+/// Shortest load step, as a share of the way.
+const MIN_LOAD_STEP: f64 = 1.0 / 4096.0;
+/// A load that failed is tried again from a distance below this share of that of its failure.
+const RETRY_DISTANCE_RATIO: f64 = 0.25;
+/// Distance from a limit point below which loads behind it are not tried.
+const LIMIT_POINT_DISTANCE: f64 = 1.0 / 64.0;
 
 /// Where the way stands; 0 is its start, 1 its end.
 #[derive(Debug)]
@@ -31,7 +31,7 @@ impl LoadSteps {
     pub fn next(&self) -> f64 {
         let ahead = (self.done + self.step).min(1.0);
         match self.failed {
-            Some((at, from)) if ahead >= at && at - self.done > CLOSER * from => 0.5 * (self.done + at),
+            Some((at, from)) if ahead >= at && at - self.done > RETRY_DISTANCE_RATIO * from => 0.5 * (self.done + at),
             Some((at, _)) => ahead.min(at),
             None => ahead,
         }
@@ -50,8 +50,8 @@ impl LoadSteps {
         let distance = at - self.done;
         self.failed = Some((at, distance));
         self.step = 0.5 * distance;
-        let beyond = self.limit.load().is_some_and(|limit| at > limit && limit - self.done < AT_LIMIT);
-        beyond || distance <= SHORTEST
+        let beyond = self.limit.load().is_some_and(|limit| at > limit && limit - self.done < LIMIT_POINT_DISTANCE);
+        beyond || distance <= MIN_LOAD_STEP
     }
 
     /// The load at which the path turns back, if it seems to.

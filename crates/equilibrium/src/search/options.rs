@@ -1,4 +1,4 @@
-//! [`SolveOptions`]: how an equilibrium is to be found.
+//! [`SolveOptions`]: options of a solve.
 
 use nastic_body::state::{SolveReport, State};
 use nastic_body::strategy::{Strategies, Strategy};
@@ -6,39 +6,39 @@ use nastic_linear::SolverFactory;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How to solve: warm starts are handed in here, explicitly. The default needs no tuning.
+/// How to solve, with an explicit warm start. The default needs no tuning.
 #[derive(Clone)]
 pub struct SolveOptions<'a> {
     /// Start from this state (its controls and load are where the path begins); one of another body is an error. Default: from
     /// rest.
     pub near: Option<&'a State>,
-    /// A guess of the equilibrium, flat displacements, from which the first attempt begins; where that leads nowhere, it
-    /// is as if none had been given. Another length than that of the body's displacements is an error.
+    /// A guess of the equilibrium, flat displacements, from which the first attempt begins; if that fails, the solve is the
+    /// same as without it. Another length than that of the body's displacements is an error.
     pub guess: Option<&'a [f64]>,
-    /// By what tangent systems are solved: a row of [`Solver::CATALOGUE`](nastic_linear::Solver::CATALOGUE), or a factory of your own. Default:
-    /// that of the body (`Solid::solver`), or what [`Solver::cheaper`](nastic_linear::Solver::cheaper) expects to be cheaper.
+    /// The solver of tangent systems: a row of [`Solver::CATALOGUE`](nastic_linear::Solver::CATALOGUE), or a user's factory. Default:
+    /// that of the body (`Solid::solver`), or the choice of [`Solver::cheaper`](nastic_linear::Solver::cheaper).
     pub solver: Option<&'a dyn SolverFactory>,
-    /// Residual wanted, relative to the norm of the summed absolute element forces of laws, actuations and loads. Equilibria on the way there meet 1e-7
-    /// where obstacles move, also those that an error gives as the last ones found.
+    /// Residual, relative to the norm of the summed absolute element forces of laws, actuations and loads. Where obstacles move, intermediate equilibria
+    /// meet 1e-7, also the last one in an error.
     pub accuracy: f64,
-    /// Newton iterations allowed downhill per load step; where that many lead nowhere, up to 40 with strains of their own at the
-    /// quadrature points follow, and as many as downhill from where these arrive. Nearly incompressible bodies turn to these after twelve,
-    /// where prescribed components move them at once, as under constraints.
+    /// Newton iterations of a descent per load step. If they do not converge, up to 40 with independent strains at the quadrature
+    /// points follow, and a further descent from their result. Nearly incompressible bodies use these strains after twelve iterations, or
+    /// at once where prescribed components move, as do constrained bodies.
     pub max_newton: usize,
-    /// Newton iterations allowed in all, those of abandoned load steps and of the way from rest included; a solve that has used them up ends with
-    /// [`StateError::NoConvergence`](nastic_body::error::StateError), whose `budget` they are, and no other way is tried; a path ends where it stands. Default: no limit.
+    /// Newton iterations of the whole solve, those of abandoned load steps and of the way from rest included. A solve that reaches this limit fails with
+    /// [`StateError::NoConvergence`](nastic_body::error::StateError) and this `budget`, without further attempts; a path stops. Default: no limit.
     pub budget: Option<usize>,
     /// Compute cells and factors on all threads; `false` inside parallelism over scenarios.
     pub parallel: bool,
-    /// What may be tried beside Newton's method on the displacement; fewer for those who measure what each is worth.
+    /// Strategies beside Newton's method on the displacement; they can be switched off to measure the effect of each.
     pub strategies: Strategies,
-    /// Checked between iterations; when it turns true the solve ends with [`StateError::Cancelled`](nastic_body::error::StateError).
+    /// Checked between iterations; if it is true the solve stops with [`StateError::Cancelled`](nastic_body::error::StateError).
     pub cancel: Option<&'a AtomicBool>,
     /// Called after every Newton iteration.
     pub watch: Option<&'a (dyn Fn(&Progress) + Sync)>,
 }
 
-/// Where a solve stands.
+/// Progress of a solve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Progress {
     /// Fraction of the way from the starting state that is being tried.
@@ -76,12 +76,12 @@ impl<'a> SolveOptions<'a> {
         SolveOptions { near: Some(state), ..SolveOptions::default() }
     }
 
-    /// Whether so many Newton iterations are all that were allowed.
+    /// Whether this number of Newton iterations reaches the budget.
     pub(crate) fn is_spent(&self, newton: usize) -> bool {
         self.budget.is_some_and(|budget| newton >= budget)
     }
 
-    /// Whether a strategy may be tried, which is counted then.
+    /// Whether a strategy may be tried; the attempt is counted.
     pub(crate) fn tries(&self, strategy: Strategy, report: &mut SolveReport) -> bool {
         let may = self.strategies.has(strategy);
         if may {

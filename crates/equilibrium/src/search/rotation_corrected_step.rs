@@ -26,10 +26,10 @@ use nastic_body::kernels::displaced::Displaced;
 use nastic_body::kernels::patch::Patch;
 use nastic_tensor::{Kinematics, Mat3, Vec3, polar_rotation};
 
-/// Steps that turn nothing further than this (radians) stay straight: there is nothing to gain.
-const STRAIGHT: f64 = 0.05;
+/// Largest rotation of a step (radians) above which the step is corrected.
+const MIN_ANGLE: f64 = 0.05;
 /// Cells of one task.
-const CHUNK: usize = 64;
+const CELLS_PER_TASK: usize = 64;
 
 /// The longest admissible step, straight and rotation-corrected.
 pub(crate) struct StepLimits {
@@ -57,10 +57,10 @@ impl StepLimits {
         let mut worst = Extremes::default();
         for group in Cells::all(disc) {
             let cells: Vec<u32> = (0..group.part.cells.len() as u32).collect();
-            let found = group.map(&cells, CHUNK, parallel, |cells| of(group, cells));
+            let found = group.map(&cells, CELLS_PER_TASK, parallel, |cells| of(group, cells));
             found.iter().for_each(|found| worst.add(found));
         }
-        Self { straight: worst.straight, curved: (worst.angle > STRAIGHT).then_some(worst.curved) }
+        Self { straight: worst.straight, curved: (worst.angle > MIN_ANGLE).then_some(worst.curved) }
     }
 
     /// The same of a model: of a body over ranks the least of all, and straight, since its gradients are fitted on one rank alone.
@@ -120,7 +120,7 @@ pub(crate) fn misfit(
             rows
         };
         let cells: Vec<u32> = (0..group.part.cells.len() as u32).collect();
-        let rows = group.map(&cells, CHUNK, parallel, rows_of);
+        let rows = group.map(&cells, CELLS_PER_TASK, parallel, rows_of);
         for (c, rows) in cells.iter().zip(rows.iter().flat_map(|rows| rows.chunks_exact(length))) {
             group.scatter(Patch::single(c), rows, &mut out);
         }

@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::nonlinear::anchor::Anchor;
 use crate::nonlinear::equations::Equations;
 use crate::nonlinear::iterate::Stop;
-use crate::nonlinear::iteration::{Limits, RESOLUTION, ROUNDING};
+use crate::nonlinear::iteration::{Limits, MIN_STEP_RATIO, STAGNATION_TOLERANCE};
 use crate::search::options::SolveOptions;
 use nastic_body::contribution::Sums;
 use nastic_body::state::SolveReport;
@@ -13,28 +13,37 @@ use nastic_linear::solver::Curvature;
 use nastic_numeric::vector::sub;
 
 /// Newton iterations of all steps.
-const MOST: usize = 1000;
-const MOST_MOVED: usize = 200;
-/// How far a free body goes in the first one, as a share of the body's diagonal.
-const FIRST: f64 = 0.05;
-/// How far nodes may go before nothing is expected to stop them, in diagonals.
-const FAR: f64 = 20.0;
-/// What the anchor becomes after a step: as much smaller as the residual, within these shares, after one of more than so many iterations within the second ones.
-const WEAKER: (f64, f64) = (0.03, 0.25);
-const LITTLE_WEAKER: (f64, f64) = (0.03, 0.7);
-const EASY: usize = 6;
-/// Its growth after a step that was not found, and how many of these in a row are tried.
-const STRONGER: f64 = 8.0;
-const FAILURES: usize = 12;
-/// Newton iterations of a step; what they leave, as a share of the residual and at most.
-const EACH: usize = 40;
-const STEP: f64 = 1e-3;
-const ROUGH: f64 = 1e-6;
-/// Newton iterations to the equilibrium once something holds every part, and the share to which the residual has to fall before they are tried again.
-const AT_LAST: usize = 20;
-const AGAIN: f64 = 0.1;
+const MAX_ITERATIONS: usize = 1000;
+/// The same where prescribed components move.
+const MAX_ITERATIONS_WITH_JUMP: usize = 200;
+/// Displacement of a free body in the first step, as a share of the body's diagonal.
+const FIRST_DISPLACEMENT_RATIO: f64 = 0.05;
+/// Displacement of a node, in diagonals of the body, beyond which no contact is expected to stop it.
+const MAX_DISPLACEMENT_RATIO: f64 = 20.0;
+/// Smallest ratio of the anchor's stiffness to that of the step before, which follows the ratio of the residuals.
+const MIN_ANCHOR_RATIO: f64 = 0.03;
+/// Largest ratio behind a fast step.
+const MAX_ANCHOR_RATIO: f64 = 0.25;
+/// Largest ratio behind a slow step.
+const MAX_ANCHOR_RATIO_SLOW: f64 = 0.7;
+/// Newton iterations up to which a step is fast.
+const MAX_FAST_ITERATIONS: usize = 6;
+/// Growth of the anchor's stiffness after a step that failed.
+const ANCHOR_GROWTH: f64 = 8.0;
+/// Consecutive steps that may fail.
+const MAX_FAILURES: usize = 12;
+/// Newton iterations of a step.
+const MAX_STEP_ITERATIONS: usize = 40;
+/// Relative residual of a step over the one at its start.
+const STEP_RESIDUAL_RATIO: f64 = 1e-3;
+/// Largest relative residual of a step.
+const MAX_STEP_RESIDUAL: f64 = 1e-6;
+/// Newton iterations without an anchor, once something holds every part.
+const MAX_FINAL_ITERATIONS: usize = 20;
+/// Residual over that of the last attempt without an anchor, below which the next one is made.
+const RETRY_RESIDUAL_RATIO: f64 = 0.1;
 /// Rounding of the potential, as a share of the sum of its absolute terms.
-const ENERGY: f64 = 1e-12;
+const ENERGY_ROUNDING: f64 = 1e-12;
 
 impl Model {
     /// Whether contact, or little more, holds a part of the body in an equilibrium that is the minimum of a potential: nothing else, or of rigid bodies springs and a
@@ -55,9 +64,9 @@ impl Model {
     /// P(u) + (s/2) sum_a V_a |u_a - c_a|^2
     /// ```
     ///
-    /// c the end of the step before: a body that nothing holds yet falls by its weight over s, lands, and tilts until it lies; what may roll or slide on rests where
-    /// it came to, though the tangent of P is singular there. P falls with every step. s becomes smaller as the residual does, so that the last
-    /// steps converge faster than linearly. Where it stops short, u is the last end.
+    /// c the end of the step before. A body that nothing holds yet moves by its weight over s until contact holds it; a body that may still roll or slide stops where
+    /// the steps converge, though the tangent of P is singular there. P decreases with every step. s decreases with the residual, so that the last
+    /// steps converge superlinearly. Where the steps fail, u is the end of the last one.
     ///
     /// Source: Kelley and Keyes, Convergence Analysis of Pseudo-Transient Continuation, SIAM J. Numer. Anal. 35 (1998); Rockafellar, Monotone Operators and the Proximal
     /// Point Algorithm, SIAM J. Control Optim. 14 (1976).
@@ -72,19 +81,19 @@ impl Model {
         let (mut here, mut stiffness, least, unresolved) = self.first_anchor(newton, u, report)?;
         let (mut before, mut tried) = (f64::INFINITY, f64::INFINITY);
         let (mut steps, mut failures, mut went) = (0, 0, f64::INFINITY);
-        // shorter moves of supports may be found where this one is not
-        let most = if newton.jump(u).is_some() { MOST_MOVED } else { MOST };
+        // shorter moves of supports may succeed where this one fails
+        let most = if newton.jump(u).is_some() { MAX_ITERATIONS_WITH_JUMP } else { MAX_ITERATIONS };
         while report.newton - spent < most && steps < most {
             steps += 1;
             // as far as double precision goes
-            let stagnates = here.relative <= ROUNDING && here.relative > 0.5 * before && stiffness <= least;
-            // forces of a body without stress are rounding, however large beside each other
-            let rests = here.force <= unresolved && went <= RESOLUTION * newton.diagonal();
+            let stagnates = here.relative <= STAGNATION_TOLERANCE && here.relative > 0.5 * before && stiffness <= least;
+            // forces of a body without stress are rounding, however large they are relative to each other
+            let rests = here.force <= unresolved && went <= MIN_STEP_RATIO * newton.diagonal();
             let moves = newton.jump(u).is_some();
             if !moves && (here.relative <= options.accuracy || stagnates || rests) {
                 return Ok(());
             }
-            if here.relative < AGAIN * tried && newton.at(u, |at| self.free_motion(at)).is_none() {
+            if here.relative < RETRY_RESIDUAL_RATIO * tried && newton.at(u, |at| self.free_motion(at)).is_none() {
                 if self.arrives(newton, u, workspace, report)? {
                     return Ok(());
                 }
@@ -93,31 +102,31 @@ impl Model {
             let (at_step, from) = (report.newton, u.clone());
             match self.proximal_step(newton, u, (stiffness, &here, moves), workspace, report) {
                 Ok(left) => {
-                    let easy = report.newton - at_step <= EASY;
+                    let fast = report.newton - at_step <= MAX_FAST_ITERATIONS;
                     let share = left.relative / here.relative.max(f64::MIN_POSITIVE);
-                    let shares = if easy { WEAKER } else { LITTLE_WEAKER };
-                    stiffness = (share.clamp(shares.0, shares.1) * stiffness).max(least);
+                    let largest = if fast { MAX_ANCHOR_RATIO } else { MAX_ANCHOR_RATIO_SLOW };
+                    stiffness = (share.clamp(MIN_ANCHOR_RATIO, largest) * stiffness).max(least);
                     (before, here, failures) = (here.relative, left, 0);
                     went = self.unknowns().max_abs(&sub(self.nodal(u), self.nodal(&from)));
                     let gone = self.unknowns().max_abs(&sub(self.nodal(u), self.nodal(&start)));
-                    if gone > FAR * newton.diagonal() {
+                    if gone > MAX_DISPLACEMENT_RATIO * newton.diagonal() {
                         return Err(Stop::Lost { residual: here.relative });
                     }
                 }
-                Err(stop) if stop.is_final() || matches!(stop, Stop::Linear(_)) || failures == FAILURES => {
+                Err(stop) if stop.is_final() || matches!(stop, Stop::Linear(_)) || failures == MAX_FAILURES => {
                     return Err(stop);
                 }
                 Err(_) => {
                     workspace.forget();
-                    (stiffness, failures) = (STRONGER * stiffness, failures + 1);
+                    (stiffness, failures) = (ANCHOR_GROWTH * stiffness, failures + 1);
                 }
             }
         }
         let residual = here.relative;
-        Err(if most == MOST { Stop::Lost { residual } } else { Stop::Slow { residual } })
+        Err(if most == MAX_ITERATIONS { Stop::Lost { residual } } else { Stop::Slow { residual } })
     }
 
-    /// One step from u with an anchor there, and what it leaves without; where it is not found, or leads to no minimum, u stays.
+    /// One step from u with an anchor there: the iterate without the anchor. u stays where the step fails or leads to no minimum.
     fn proximal_step(
         &self,
         newton: &Equations,
@@ -126,11 +135,11 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Here, Stop> {
-        let accuracy = (STEP * here.relative).min(ROUGH).max(0.5 * newton.options.accuracy);
+        let accuracy = (STEP_RESIDUAL_RATIO * here.relative).min(MAX_STEP_RESIDUAL).max(0.5 * newton.options.accuracy);
         let options = SolveOptions { accuracy, ..newton.options.clone() };
         let anchor = Anchor::new(self, u, stiffness);
         let step = Equations { anchor: Some(&anchor), options: &options, ..*newton };
-        let (mut end, limits) = (u.clone(), Limits::new(EACH.min(options.max_newton), accuracy));
+        let (mut end, limits) = (u.clone(), Limits::new(MAX_STEP_ITERATIONS.min(options.max_newton), accuracy));
         let curvature = step.solve_within(limits, &mut end, self.linear_solver(newton.options, workspace), report)?;
         let left = Here::at(newton, &end, report)?;
         let rises = !moves && left.energy > here.energy + left.rounding;
@@ -141,7 +150,7 @@ impl Model {
         Ok(left)
     }
 
-    /// Newton's method from where something resists every motion; false where it does not arrive at a minimum.
+    /// Newton's method without an anchor, where something resists every motion; false where it does not converge to a minimum.
     fn arrives(
         &self,
         newton: &Equations,
@@ -149,7 +158,7 @@ impl Model {
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<bool, Stop> {
-        let (mut end, limits) = (u.clone(), Limits::new(AT_LAST, newton.options.accuracy));
+        let (mut end, limits) = (u.clone(), Limits::new(MAX_FINAL_ITERATIONS, newton.options.accuracy));
         match newton.solve_within(limits, &mut end, self.linear_solver(newton.options, workspace), report) {
             Ok(Curvature::Positive) => {
                 *u = end;
@@ -163,7 +172,7 @@ impl Model {
         }
     }
 
-    /// What is at u; of anchors the stiffness of the first, as much as lets forces that nothing balances move the body by a share of its size, and the least one; and the
+    /// The iterate at u; the stiffness of the first anchor, with which the unbalanced forces move the body by a share of its size; the least stiffness; and the
     /// forces of displacements that double precision does not resolve.
     fn first_anchor(
         &self,
@@ -180,12 +189,12 @@ impl Model {
         let mut tangent = self.tangents().matrix();
         newton.at(u, |at| now.point.add_tangent(at, &mut tangent))?;
         let least = Anchor::least(self, &tangent);
-        let unresolved = RESOLUTION * newton.diagonal() * self.unknowns().norm(&tangent.diagonal());
-        Ok((here, (density / (FIRST * newton.diagonal())).max(least), least, unresolved))
+        let unresolved = MIN_STEP_RATIO * newton.diagonal() * self.unknowns().norm(&tangent.diagonal());
+        Ok((here, (density / (FIRST_DISPLACEMENT_RATIO * newton.diagonal())).max(least), least, unresolved))
     }
 }
 
-/// A place on the way.
+/// The iterate between two steps.
 struct Here {
     /// Residual, without an anchor, relative to forces, and that of the displacement itself.
     relative: f64,
@@ -205,6 +214,6 @@ impl Here {
         let (residual, relative) = newton.residual(now);
         let force = newton.model.unknowns().norm(&residual[..newton.dofs()]);
         (report.residual, report.energy, report.min_j) = (relative, now.energy, now.min_j);
-        (Here { relative, force, energy: now.energy, rounding: ENERGY * now.energy_scale }, residual)
+        (Here { relative, force, energy: now.energy, rounding: ENERGY_ROUNDING * now.energy_scale }, residual)
     }
 }

@@ -1,10 +1,10 @@
-//! Steps in time with friction that are not found at once.
+//! Steps in time with friction for which Newton's method fails.
 
 use crate::linear_systems::workspace::Workspace;
 use crate::model::Model;
 use crate::model::views::Moves;
 use crate::nonlinear::iterate::Stop;
-use crate::nonlinear::iteration::Limits;
+use crate::nonlinear::iteration::{Limits, ShortSteps};
 use crate::search::options::SolveOptions;
 use nastic_body::controls::Controls;
 use nastic_body::error::StateError;
@@ -12,37 +12,51 @@ use nastic_body::instant::{FrictionLag, Instant, TimeStep};
 use nastic_body::state::{SolveReport, State};
 use std::sync::Arc;
 
-/// Newton iterations for a step at once behind a round.
-const ITERATIONS: usize = 20;
+/// Newton iterations with implicit friction behind a round.
+const MAX_IMPLICIT_ITERATIONS: usize = 20;
 /// Rounds of lagged friction.
-const ROUNDS: usize = 30;
-/// The largest factor of the slip speed.
-const ROUGHEST: f64 = 1e4;
+const MAX_ROUNDS: usize = 30;
+/// Largest factor of the slip speed.
+const MAX_SMOOTHING: f64 = 1e4;
 
-/// When a way is left that creeps.
-struct Patience {
-    /// Steps in a row that are shorter than a length, with implicit friction and in a round.
-    at_once: (usize, f64),
-    round: (usize, f64),
-    /// Factors of the slip speed behind a round that was not found, and behind one that was.
-    rougher: f64,
-    finer: f64,
+/// When iterations with short steps are given up, and how the slip speed changes.
+struct RoundLimits {
+    /// Short steps with implicit friction.
+    at_once: ShortSteps,
+    /// Short steps in a round.
+    round: ShortSteps,
+    /// Factor of the slip speed behind a round that failed.
+    smoothing_growth: f64,
+    /// Divisor of the slip speed behind a round that converged.
+    smoothing_decrease: f64,
 }
 
-/// First in long steps, as far as these succeed.
-const HASTE: Patience = Patience { at_once: (3, 0.1), round: (4, 0.03), rougher: 100.0, finer: 10.0 };
-const PATIENCE: Patience = Patience { at_once: (usize::MAX, 0.0), round: (usize::MAX, 0.0), rougher: 10.0, finer: 3.0 };
-/// Relative residual to which a round is solved, and below which what is left of friction is tried at once.
-const ROUND: f64 = 1e-6;
-const NEAR: f64 = 0.1;
+/// The first attempt, by long steps.
+const LONG_STEPS_ONLY: RoundLimits = RoundLimits {
+    at_once: ShortSteps { most: 3, length: 0.1 },
+    round: ShortSteps { most: 4, length: 0.03 },
+    smoothing_growth: 100.0,
+    smoothing_decrease: 10.0,
+};
+/// The second attempt, without a limit on short steps.
+const STEPS_OF_ANY_LENGTH: RoundLimits = RoundLimits {
+    at_once: ShortSteps::ALLOWED,
+    round: ShortSteps::ALLOWED,
+    smoothing_growth: 10.0,
+    smoothing_decrease: 3.0,
+};
+/// Relative residual to which a round is solved.
+const ROUND_TOLERANCE: f64 = 1e-6;
+/// Relative residual of the equations with implicit friction below which these are tried behind a round.
+const MAX_IMPLICIT_RESIDUAL: f64 = 0.1;
 
 impl Model {
-    /// The end of a step with friction: from its beginning at once, else by rounds in each of which the normal forces of friction are those
-    /// of the round before (at first those where the step begins), which is the minimum of a potential, with a larger slip speed where that is
-    /// not found; `None` where neither leads there.
+    /// The end of a step with friction: by Newton's method from its beginning, else by rounds with lagged friction. In a round the normal forces of
+    /// friction are those of the round before (at first those at the beginning of the step), so that its solution is the minimum of a potential; where a
+    /// round fails, the slip speed is increased. `None` where neither converges.
     ///
     /// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020), section 5.5, there with a fixed number of rounds; here
-    /// Newton's method ends them, with implicit friction.
+    /// Newton's method with implicit friction follows them.
     pub(crate) fn slide(
         &self,
         near: &State,
@@ -76,34 +90,32 @@ impl Model {
             }
             workspace.forget();
         }
-        for patience in [HASTE, PATIENCE] {
-            if let Some((u, rounds)) =
-                self.rounds(near, (&start, controls), (how, step), &patience, workspace, report)?
-            {
+        for limits in [LONG_STEPS_ONLY, STEPS_OF_ANY_LENGTH] {
+            if let Some((u, rounds)) = self.rounds(near, (&start, controls), (how, step), &limits, workspace, report)? {
                 return found(u, rounds, report);
             }
         }
         Ok(None)
     }
 
-    /// Rounds of lagged friction: the displacement that they lead to, and their number.
+    /// Rounds of lagged friction: the resulting displacement, and their number.
     fn rounds(
         &self,
         near: &State,
         (start, controls): (&[f64], &Controls),
         (how, step): (&SolveOptions, &TimeStep),
-        patience: &Patience,
+        limits: &RoundLimits,
         workspace: &mut Workspace,
         report: &mut SolveReport,
     ) -> Result<Option<(Vec<f64>, usize)>, StateError> {
-        let once = SolveOptions { max_newton: how.max_newton.min(ITERATIONS), ..how.clone() };
+        let once = SolveOptions { max_newton: how.max_newton.min(MAX_IMPLICIT_ITERATIONS), ..how.clone() };
         let at_once = self.equations(controls, 1.0, Some(step), 1.0, &once);
-        let at_once_within = Limits { creeps: patience.at_once, ..Limits::new(once.max_newton, how.accuracy) };
-        let each = SolveOptions { accuracy: how.accuracy.max(ROUND), ..how.clone() };
-        let each_within = Limits { creeps: patience.round, ..Limits::new(each.max_newton, each.accuracy) };
+        let at_once_within = Limits { short_steps: limits.at_once, ..Limits::new(once.max_newton, how.accuracy) };
+        let each = SolveOptions { accuracy: how.accuracy.max(ROUND_TOLERANCE), ..how.clone() };
+        let each_within = Limits { short_steps: limits.round, ..Limits::new(each.max_newton, each.accuracy) };
         let mut lag = FrictionLag { u: near.u.clone(), controls: near.controls.clone(), smoothing: 1.0 };
         let mut u = start.to_vec();
-        for round in 1..=ROUNDS {
+        for round in 1..=MAX_ROUNDS {
             let lagged = TimeStep { lag: Some(lag.clone()), ..step.clone() };
             let equations = self.equations(controls, 1.0, Some(&lagged), 1.0, &each);
             let mut end = u.clone();
@@ -111,15 +123,15 @@ impl Model {
             {
                 go_on(stop)?;
                 workspace.forget();
-                lag.smoothing *= patience.rougher;
-                if lag.smoothing > ROUGHEST {
+                lag.smoothing *= limits.smoothing_growth;
+                if lag.smoothing > MAX_SMOOTHING {
                     return Ok(None);
                 }
                 continue;
             }
             u = end;
             let Ok(now) = at_once.evaluate(&u) else { return Ok(None) };
-            if at_once.residual(&now.sums).1 < NEAR {
+            if at_once.residual(&now.sums).1 < MAX_IMPLICIT_RESIDUAL {
                 let mut end = u.clone();
                 match at_once.solve_within(at_once_within, &mut end, self.linear_solver(how, workspace), report) {
                     Ok(_) => return Ok(Some((end, round))),
@@ -127,14 +139,14 @@ impl Model {
                 }
                 workspace.forget();
             }
-            let smoothing = (lag.smoothing / patience.finer).max(1.0);
+            let smoothing = (lag.smoothing / limits.smoothing_decrease).max(1.0);
             lag = FrictionLag { u: Arc::new(u.clone()), controls: Arc::new(controls.clone()), smoothing };
         }
         Ok(None)
     }
 
-    /// Whether the controls may change at once while the body goes to a displacement: no obstacle enters it by more than a few layers. Else it
-    /// goes in load steps.
+    /// Whether the controls may change at once while the body moves to a displacement: no obstacle enters it by more than a few layers. Otherwise
+    /// load steps are made.
     pub(crate) fn bears(
         &self,
         near: &State,
@@ -149,14 +161,14 @@ impl Model {
     }
 }
 
-/// What another way would not mend is an error.
+/// Returns an error that no other attempt would avoid.
 fn go_on(stop: Stop) -> Result<(), StateError> {
     stop.final_error().map_or(Ok(()), Err)
 }
 
 impl Moves<'_> {
-    /// The displacement if the body went on with what it touches, by the mean of the rigid motions of the obstacles, weighted by what they press
-    /// with; `None` where nothing touches, or obstacles stay.
+    /// The displacement if the body moved with the obstacles that it touches, by the mean of their rigid motions, weighted by their contact
+    /// forces; `None` without contact, or if obstacles do not move.
     pub fn carried(&self, near: &State, controls: &Controls, parallel: bool) -> Option<Vec<f64>> {
         if !self.model.unknowns().has_one_nodal_field() {
             return None;

@@ -12,11 +12,11 @@ use nastic_body::controls::Controls;
 use nastic_body::state::{SolveReport, State};
 
 /// Newton iterations of a corrector.
-pub(crate) const ITERATIONS: usize = 10;
-/// A corrector whose residual grows by this factor is given up.
-const DIVERGED: f64 = 1e3;
+pub(crate) const MAX_CORRECTOR_ITERATIONS: usize = 10;
+/// Growth of the residual at which a corrector is given up.
+const MAX_RESIDUAL_GROWTH: f64 = 1e3;
 /// Longest change of the displacement in one step, as a share of the body's diagonal, for a longest step of 1.
-const REACH: f64 = 0.1;
+const MAX_DISPLACEMENT_RATIO: f64 = 0.1;
 
 /// A point of the path.
 #[derive(Clone)]
@@ -120,7 +120,10 @@ impl<'a> PathEquations<'a> {
 
     /// Newton's method from a guess to the equilibrium in a plane.
     fn correct(&mut self, mut x: Vec<f64>, plane: Plane) -> Result<PathIterate, Stop> {
-        let limits = Limits { diverged: DIVERGED, ..Limits::new(ITERATIONS, self.equations.options.accuracy) };
+        let limits = Limits {
+            diverged: MAX_RESIDUAL_GROWTH,
+            ..Limits::new(MAX_CORRECTOR_ITERATIONS, self.equations.options.accuracy)
+        };
         let mut report = SolveReport { load_steps: 1, ..SolveReport::default() };
         let tangent = plane.normal.to_vec();
         let Self { equations, workspace, metric } = self;
@@ -145,7 +148,7 @@ impl<'a> PathEquations<'a> {
 
     /// How far a step may go: see [`PathOptions::step`](crate::stability::path::PathOptions).
     pub fn longest(&self, here: &PathIterate, step: f64) -> f64 {
-        let reach = REACH * step * self.equations.diagonal();
+        let reach = MAX_DISPLACEMENT_RATIO * step * self.equations.diagonal();
         (step / here.slope().abs()).min(reach / self.mean_square(&here.tangent).sqrt())
     }
 

@@ -34,19 +34,21 @@ pub struct Equilibrium {
 }
 
 /// Modes of a known equilibrium along which starts are displaced, to both sides.
-const MODES: usize = 3;
-/// Displacements along a mode at which the potential is looked at: the largest as a share of the body's diagonal, from
-/// one to the next, and how many.
-const LARGEST: f64 = 0.5;
-const GROWTH: f64 = 1.25;
-const SAMPLES: usize = 48;
+const MODES_PER_STATE: usize = 3;
+/// Largest displacement along a mode at which the potential is evaluated, as a share of the body's diagonal.
+const MAX_AMPLITUDE: f64 = 0.5;
+/// Ratio of one displacement to the one before.
+const AMPLITUDE_GROWTH: f64 = 1.25;
+/// Number of displacements along a mode.
+const AMPLITUDE_SAMPLES: usize = 48;
 /// Further amplitudes along a mode, as shares of the body's diagonal.
-const AMPLITUDES: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
-/// Newton iterations from one start, and from one of a body of a larger ratio of bulk to shear modulus than this, which creeps along the states of
-/// constant volume. (Twice as many in soft bodies found more states of nearly inverted cells, not the others sooner.)
-const ITERATIONS: usize = 40;
-const ITERATIONS_HARD: usize = 80;
-const HARD: f64 = 200.0;
+const FURTHER_AMPLITUDES: [f64; 4] = [0.01, 0.03, 0.1, 0.3];
+/// Newton iterations from one start. (Twice as many found more states of nearly inverted cells, not the others sooner.)
+const MAX_ITERATIONS: usize = 40;
+/// The same for nearly incompressible bodies, which move slowly along the states of constant volume.
+const MAX_ITERATIONS_STIFF: usize = 80;
+/// Ratio of bulk to shear modulus above which a body is nearly incompressible here.
+const MIN_STIFF_RATIO: f64 = 200.0;
 
 impl Model {
     fn with_inertia(&self, state: State, how: &SolveOptions) -> Equilibrium {
@@ -58,7 +60,7 @@ impl Model {
     /// potential is stationary along the mode, then some of fixed amplitudes, of either those of lower potential first.
     fn starts(&self, state: &State, how: &SolveOptions) -> Result<Vec<Vec<f64>>, StateError> {
         let free = self.supports.fixed().iter().filter(|&&fixed| !fixed).count();
-        let modes = self.stability().modes(state, MODES.min(free), &self.stability().counting(how))?;
+        let modes = self.stability().modes(state, MODES_PER_STATE.min(free), &self.stability().counting(how))?;
         let size = self.discretization().mesh().diagonal();
         let (mut stationary, mut further) = (Vec::new(), Vec::new());
         for shape in &modes.shapes {
@@ -69,11 +71,13 @@ impl Model {
                     let energy = self.energy_beside(&u, state, how);
                     (energy, u)
                 };
-                let sample = |k: usize| displaced(LARGEST * GROWTH.powi(k as i32 + 1 - SAMPLES as i32));
-                let energies: Vec<f64> = (0..SAMPLES).map(|k| sample(k).0).collect();
+                let sample = |k: usize| {
+                    displaced(MAX_AMPLITUDE * AMPLITUDE_GROWTH.powi(k as i32 + 1 - AMPLITUDE_SAMPLES as i32))
+                };
+                let energies: Vec<f64> = (0..AMPLITUDE_SAMPLES).map(|k| sample(k).0).collect();
                 let turns = |k: &usize| (energies[*k] - energies[k - 1]) * (energies[k + 1] - energies[*k]) < 0.0;
-                stationary.extend((1..SAMPLES - 1).filter(turns).map(sample));
-                further.extend(AMPLITUDES.map(displaced));
+                stationary.extend((1..AMPLITUDE_SAMPLES - 1).filter(turns).map(sample));
+                further.extend(FURTHER_AMPLITUDES.map(displaced));
             }
         }
         let ordered = |mut starts: Vec<(f64, Vec<f64>)>| {
@@ -109,7 +113,8 @@ impl Model {
         let known = Known::new(&equations, known.iter().map(|known| &known.state).collect());
         let solver = self.linear_solver(how, workspace);
         let mut direction = Deflated::new(&equations, &mut u, &known, solver);
-        let most = if self.properties().bulk_over_shear() > HARD { ITERATIONS_HARD } else { ITERATIONS };
+        let most =
+            if self.properties().bulk_over_shear() > MIN_STIFF_RATIO { MAX_ITERATIONS_STIFF } else { MAX_ITERATIONS };
         Iteration::new(&equations, Limits::new(most, how.accuracy)).run(&mut u, &mut direction, report)?;
         let report = SolveReport { load_steps: 1, ..*report };
         let new = !known.contains(&u);

@@ -15,23 +15,23 @@ pub(crate) struct LimitPoint {
     agrees: bool,
 }
 
-/// Limit points farther off than so many times the last two steps are not distinguished from a straight path.
-const FARTHEST: f64 = 4.0;
+/// Distance of a limit point over the last two steps, beyond which the path counts as straight.
+const MAX_DISTANCE_RATIO: f64 = 4.0;
 /// Two estimates agree when they differ by less than this share of the way left to the later one, or of the last step.
-const AGREEMENT: f64 = 0.5;
+const AGREEMENT_TOLERANCE: f64 = 0.5;
 
 impl LimitPoint {
     /// A step along the path from load `from` to load `to` that changed the displacement by `change` (norm).
     pub fn record(&mut self, from: f64, to: f64, change: f64) {
         let estimate = self.last.and_then(|(first, before)| fold(first, from, to, change / before));
         self.agrees = match (self.estimate, estimate) {
-            (Some(before), Some(at)) => (before - at).abs() < AGREEMENT * (at - to).max(to - from),
+            (Some(before), Some(at)) => (before - at).abs() < AGREEMENT_TOLERANCE * (at - to).max(to - from),
             _ => false,
         };
         (self.last, self.estimate) = (Some((from, change)), estimate);
     }
 
-    /// The load at which the path turns back, once two estimates in a row agree.
+    /// The load at which the path turns back, once two consecutive estimates agree.
     pub fn load(&self) -> Option<f64> {
         self.estimate.filter(|_| self.agrees)
     }
@@ -44,7 +44,7 @@ fn fold(s0: f64, s1: f64, s2: f64, ratio: f64) -> Option<f64> {
         let root = |s: f64| (s2 + beyond - s).sqrt();
         (root(s1) - root(s2)) / (root(s0) - root(s1))
     };
-    let (mut low, mut high) = (0.0, FARTHEST * (s2 - s0));
+    let (mut low, mut high) = (0.0, MAX_DISTANCE_RATIO * (s2 - s0));
     if ratio.is_nan() || ratio <= law(high) {
         return None;
     }

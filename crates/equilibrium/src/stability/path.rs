@@ -5,7 +5,7 @@ use crate::model::Feature;
 use crate::model::views::Stability;
 use crate::nonlinear::iterate::Stop;
 use crate::search::options::SolveOptions;
-use crate::stability::arc_length::{ITERATIONS, PathEquations, PathIterate};
+use crate::stability::arc_length::{MAX_CORRECTOR_ITERATIONS, PathEquations, PathIterate};
 use crate::stability::path_events::{Between, events};
 use nastic_body::controls::Controls;
 use nastic_body::error::{FemError, StateError};
@@ -91,7 +91,7 @@ pub enum PathEnd {
     Left,
     /// It has passed a limit point, and was to go no further.
     LimitPoint,
-    /// As many points, or Newton iterations ([`SolveOptions::budget`]; those of a step that leads nowhere count as ten), as allowed.
+    /// As many points, or Newton iterations ([`SolveOptions::budget`]; a failed step counts as ten), as allowed.
     Points,
     /// No step, however short, leads on.
     Stuck(StateError),
@@ -100,18 +100,19 @@ pub enum PathEnd {
 }
 
 /// Length of the first step, in the norm of the path.
-const FIRST: f64 = 0.05;
-/// A path is stuck where steps of this share of the first lead nowhere.
-const SHORTEST: f64 = 1e-6;
-/// Cosine of the largest angle between the directions at two neighbours.
-const STRAIGHT: f64 = 0.9;
-/// Neighbours nearer than this share of the first step are taken whatever lies between them.
-const INSEPARABLE: f64 = 1e-2;
-/// A step that ends at a singular matrix is so much lengthened, and so often, before it is shortened.
-const STRETCH: f64 = 1.4;
-const STRETCHES: i32 = 3;
-/// Newton iterations of a step that is as long as it should be.
-const WANTED: f64 = 4.0;
+const FIRST_STEP: f64 = 0.05;
+/// Shortest step, as a share of the first one.
+const MIN_STEP_RATIO: f64 = 1e-6;
+/// Least cosine of the angle between the directions at two neighbours.
+const MIN_COSINE: f64 = 0.9;
+/// Step up to which neighbours are accepted whatever lies between them, as a share of the first step.
+const MIN_SEPARABLE_RATIO: f64 = 1e-2;
+/// Factor by which a step that ends at a singular matrix is lengthened.
+const STEP_EXTENSION: f64 = 1.4;
+/// How often such a step is lengthened before it is shortened.
+const MAX_EXTENSIONS: i32 = 3;
+/// Newton iterations of a step, by which its length is controlled.
+const TARGET_ITERATIONS: f64 = 4.0;
 
 impl PathOptions {
     fn check(&self) -> Result<(), FemError> {
@@ -151,8 +152,8 @@ fn advance(
     if let Some(end) = end {
         point = equations.land(here, &point, end)?;
     }
-    let separable = length > INSEPARABLE * FIRST;
-    if separable && equations.product(&here.tangent, &point.tangent) < STRAIGHT {
+    let separable = length > MIN_SEPARABLE_RATIO * FIRST_STEP;
+    if separable && equations.product(&here.tangent, &point.tangent) < MIN_COSINE {
         return Err(too_long());
     }
     let path_point = equations.path_point(&point);
@@ -207,9 +208,9 @@ impl Stability<'_> {
             EquilibriumPath { points: vec![equations.path_point(&start)], events: Vec::new(), end: PathEnd::Points };
         watch(&path.points[0]);
         let mut here = start;
-        let (mut step, mut stretched, mut spent) = (FIRST, 0, 0);
+        let (mut step, mut stretched, mut spent) = (FIRST_STEP, 0, 0);
         while path.points.len() < options.points && !how.is_spent(spent) {
-            let length = step.min(STRETCH.powi(stretched) * equations.longest(&here, options.step));
+            let length = step.min(STEP_EXTENSION.powi(stretched) * equations.longest(&here, options.step));
             let tried = advance(&mut equations, &path, &here, length, options.range);
             match tried {
                 Ok(Advance { point, path_point, events, left }) => {
@@ -218,7 +219,7 @@ impl Stability<'_> {
                     watch(&path_point);
                     path.points.push(path_point);
                     stretched = 0;
-                    step = length * (WANTED / point.report.newton.max(1) as f64).sqrt().clamp(0.5, 2.0);
+                    step = length * (TARGET_ITERATIONS / point.report.newton.max(1) as f64).sqrt().clamp(0.5, 2.0);
                     here = point;
                     if left {
                         path.end = PathEnd::Left;
@@ -234,14 +235,14 @@ impl Stability<'_> {
                     break;
                 }
                 // A bifurcation stands in the way, and may be stepped over.
-                Err(Stop::Linear(_)) if stretched < STRETCHES => {
+                Err(Stop::Linear(_)) if stretched < MAX_EXTENSIONS => {
                     stretched += 1;
-                    step = STRETCH * length;
+                    step = STEP_EXTENSION * length;
                 }
                 Err(why) => {
-                    spent += ITERATIONS;
+                    spent += MAX_CORRECTOR_ITERATIONS;
                     step = 0.5 * length;
-                    if step < SHORTEST * FIRST {
+                    if step < MIN_STEP_RATIO * FIRST_STEP {
                         let last = &path.points[path.points.len() - 1].state;
                         path.end = PathEnd::Stuck(why.into_error(last.report.newton, last));
                         break;

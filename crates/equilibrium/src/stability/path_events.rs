@@ -4,12 +4,12 @@ use crate::nonlinear::iterate::Stop;
 use crate::stability::arc_length::{PathEquations, PathIterate};
 use crate::stability::path::{EventKind, PathEvent, too_long};
 
-/// Bifurcations are known to this share of the step.
-const BISECTED: f64 = 1e-3;
-/// At a located limit point |s'| is below this, as a share of its values at both ends, or the iterations below are used
-/// up.
-const LEVEL: f64 = 1e-6;
-const ITERATIONS: usize = 30;
+/// Tolerance of a bifurcation, as a share of the step.
+const BISECTION_TOLERANCE: f64 = 1e-3;
+/// Largest |s'| at a located limit point, as a share of its values at both ends.
+const SLOPE_TOLERANCE: f64 = 1e-6;
+/// Iterations after which a limit point counts as located.
+const MAX_ITERATIONS: usize = 30;
 
 /// Two neighbours on a path.
 pub(crate) struct Between<'a> {
@@ -48,10 +48,10 @@ pub(crate) fn events(
 fn limit_point(equations: &mut PathEquations, here: &PathIterate, there: &PathIterate) -> Result<PathIterate, Stop> {
     let (mut low, mut high) = (0.0, equations.along(here, there));
     let (mut at_low, mut at_high) = (here.slope(), there.slope());
-    let level = LEVEL * at_low.abs().max(at_high.abs());
+    let level = SLOPE_TOLERANCE * at_low.abs().max(at_high.abs());
     let mut best = if at_low.abs() < at_high.abs() { here.clone() } else { there.clone() };
     let mut last_side = 0;
-    for _ in 0..ITERATIONS {
+    for _ in 0..MAX_ITERATIONS {
         if best.slope().abs() <= level {
             break;
         }
@@ -109,7 +109,7 @@ fn bifurcations(
     let mut found = Vec::new();
     while before != last {
         let (mut high, mut after, mut at) = (end, last, there.clone());
-        while high - low > BISECTED * end {
+        while high - low > BISECTION_TOLERANCE * end {
             let Some((middle, point)) = divide(equations, here, low, high)? else { break };
             // A singular tangent is where it is looked for: its other side counts.
             match equations.path_point(&point).negative {

@@ -8,8 +8,8 @@ use nastic_body::controls::Controls;
 use nastic_body::error::{FemError, StateError};
 use nastic_body::state::State;
 
-/// Critical values are known to this share of the step between two equilibria.
-const BISECTED: f64 = 1e-3;
+/// Tolerance of a critical value, as a share of the step between two equilibria.
+const BISECTION_TOLERANCE: f64 = 1e-3;
 
 /// Equilibria at controls `(1 - s) from + s to`, s from 0 to 1 in equal steps; designs are those of `to` throughout.
 #[derive(Debug, Clone)]
@@ -25,7 +25,7 @@ pub struct Ramp {
 /// One equilibrium of a ramp.
 #[derive(Debug, Clone)]
 pub struct RampPoint {
-    /// Where on the way.
+    /// The place on the ramp.
     pub s: f64,
     /// The equilibrium.
     pub state: State,
@@ -73,7 +73,7 @@ impl Search<'_, '_> {
     /// All changes of the number of negative pivots between two points; errors are a cancelled solve and a lack of memory.
     fn crossings(&mut self, a: &RampPoint, b: &RampPoint) -> Result<Vec<CriticalPoint>, StateError> {
         let mut found = Vec::new();
-        let width = BISECTED * (b.s - a.s);
+        let width = BISECTION_TOLERANCE * (b.s - a.s);
         let mut low = a.clone();
         while let (Some(before), Some(last)) = (low.negative, b.negative)
             && before != last
@@ -81,7 +81,7 @@ impl Search<'_, '_> {
             let mut high = b.clone();
             while high.s - low.s > width {
                 match self.point(0.5 * (low.s + high.s), Some(&low.state)) {
-                    // From rest, so perhaps of another branch: no bisection goes on with it.
+                    // From rest, so perhaps of another branch: bisection does not use it.
                     Ok(middle) if middle.state.report.restarts > 0 => break,
                     Ok(middle) if middle.negative == Some(before) => low = middle,
                     Ok(middle) => high = middle,

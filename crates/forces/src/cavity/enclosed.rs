@@ -1,7 +1,7 @@
 //! [`Enclosed`]: the volume behind a surface as a sum over its facets and lids.
 
 use super::Cavity;
-use super::rim::{ON_PLANE, Plane, RimEdge, open_edges, places, rims};
+use super::rim::{PLANE_TOLERANCE, Plane, RimEdge, open_edges, places, rims};
 use super::triple_product::{Term, Volume};
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::FemError;
@@ -44,8 +44,9 @@ impl Enclosed {
         let surface = mesh.facets_of(&cavity.surface)?;
         let planes = cavity.symmetry.iter().map(|name| Plane::of(mesh, name)).collect::<Result<Vec<_>, _>>()?;
         // o can lie on one plane across an axis alone; the cap on another one would be missing from the volume.
-        let parallel =
-            |p: &Plane| planes.iter().any(|q| q.axis == p.axis && (q.at - p.at).abs() > ON_PLANE * mesh.diagonal());
+        let parallel = |p: &Plane| {
+            planes.iter().any(|q| q.axis == p.axis && (q.at - p.at).abs() > PLANE_TOLERANCE * mesh.diagonal())
+        };
         if planes.iter().any(parallel) {
             let what = format!(
                 "cavity \"{}\" ends on two parallel planes of symmetry; name one of them and close the other end by a lid",
@@ -110,7 +111,7 @@ impl Enclosed {
 
     /// Whether the nodes of a rim lie, and are held, in one plane across an axis: no control moves them out of it.
     pub fn stays_in_plane(&self, rim: &[u32], supports: &Supports) -> bool {
-        let (dim, tolerance) = (self.mesh.dim(), ON_PLANE * self.mesh.diagonal());
+        let (dim, tolerance) = (self.mesh.dim(), PLANE_TOLERANCE * self.mesh.diagonal());
         let dof = |node: u32, axis: usize| dim * node as usize + axis;
         (0..dim).any(|axis| {
             let held = rim.iter().all(|&node| supports.holds_still(dof(node, axis)));

@@ -5,8 +5,8 @@ use nastic_body::error::FemError;
 use nastic_mesh::{GroupNames, Mesh};
 use std::sync::Arc;
 
-/// A volume below this share of that of the body's box counts as zero.
-const NONE: f64 = 1e-12;
+/// Volume below which it counts as zero, as a share of that of the body's box.
+const MIN_VOLUME_SHARE: f64 = 1e-12;
 
 /// The volume that a surface encloses, that of a [`Cavity`] of its walls with openings closed by lids,
 ///
@@ -31,7 +31,7 @@ impl Lumen {
         let cavity = Cavity::new("volume", surface).lid();
         let enclosed = Enclosed::new(mesh, &cavity)?;
         let volume = enclosed.volume(None);
-        if volume.abs() > NONE * mesh.diagonal().powi(mesh.dim() as i32) {
+        if volume.abs() > MIN_VOLUME_SHARE * mesh.diagonal().powi(mesh.dim() as i32) {
             return Ok(Lumen { enclosed, sign: volume.signum() });
         }
         let what =

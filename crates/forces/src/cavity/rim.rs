@@ -22,8 +22,8 @@ pub(super) struct RimEdge {
     pub end: bool,
 }
 
-/// Distance from a plane, as a share of the body's diagonal, within which a node lies on it.
-pub(super) const ON_PLANE: f64 = 1e-9;
+/// Distance from a plane up to which a node lies on it, as a share of the body's diagonal.
+pub(super) const PLANE_TOLERANCE: f64 = 1e-9;
 
 impl Plane {
     /// The plane of a surface whose nodes share a coordinate.
@@ -33,7 +33,7 @@ impl Plane {
             let coordinate = |node: &u32| mesh.points()[*node as usize][axis];
             let (least, most) =
                 nodes.iter().map(coordinate).fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), x| (l.min(x), m.max(x)));
-            if most - least <= ON_PLANE * mesh.diagonal() {
+            if most - least <= PLANE_TOLERANCE * mesh.diagonal() {
                 return Ok(Plane { axis, at: 0.5 * (least + most) });
             }
         }
@@ -44,7 +44,7 @@ impl Plane {
     }
 
     pub fn has(&self, mesh: &Mesh, node: u32) -> bool {
-        (mesh.points()[node as usize][self.axis] - self.at).abs() <= ON_PLANE * mesh.diagonal()
+        (mesh.points()[node as usize][self.axis] - self.at).abs() <= PLANE_TOLERANCE * mesh.diagonal()
     }
 }
 
@@ -79,7 +79,7 @@ fn edges_of(kind: nastic_mesh::CellKind, nodes: &[u32]) -> Vec<RimEdge> {
 
 /// Where a surface is open, for people: `4 around (1, 0.5, 0.5), 4 around (0, 0.5, 0.5)`.
 pub(super) fn places(mesh: &Mesh, open: Vec<RimEdge>) -> String {
-    const NAMED: usize = 4;
+    const MAX_NAMED: usize = 4;
     let rims = rims(open, mesh.dim() == 2);
     let place = |rim: &Vec<RimEdge>| {
         let nodes: Vec<u32> = rim.iter().flat_map(|edge| edge.nodes.iter().copied()).collect();
@@ -89,9 +89,9 @@ pub(super) fn places(mesh: &Mesh, open: Vec<RimEdge>) -> String {
         };
         format!("{} around ({}, {}, {})", rim.len(), middle(0), middle(1), middle(2))
     };
-    let more = rims.len().saturating_sub(NAMED);
+    let more = rims.len().saturating_sub(MAX_NAMED);
     let rest = if more > 0 { format!(" and {more} more rims") } else { String::new() };
-    rims.iter().take(NAMED).map(place).collect::<Vec<_>>().join(", ") + &rest
+    rims.iter().take(MAX_NAMED).map(place).collect::<Vec<_>>().join(", ") + &rest
 }
 
 /// Edges that hang together, rim by rim.

@@ -16,8 +16,8 @@ use nastic_linear::SparseMatrix;
 use nastic_numeric::vector::axpy;
 use std::cell::OnceCell;
 
-/// Times the volume at rest beyond which a volume is a mistake: a stretch of more than 20 everywhere.
-const LARGEST: f64 = 1e4;
+/// Largest volume over that at rest, a stretch of about 20 everywhere; larger ones are refused.
+const MAX_VOLUME_RATIO: f64 = 1e4;
 
 /// The constraint `g(u) = V(u) - V_0 - dV = 0` of a [`Cavity`](super::Cavity) with the pressure p as its multiplier:
 ///
@@ -41,7 +41,7 @@ impl Constrains for CavityVolume {
 
     fn check(&self, at: &Instant) -> Result<(), FemError> {
         let rest = self.0.reference_volume;
-        if self.wanted(at) > LARGEST * rest {
+        if self.wanted(at) > MAX_VOLUME_RATIO * rest {
             let what = format!(
                 "the added volume {:.4e} of cavity \"{}\" is {:.1e} times its reference volume {rest:.4e}, beyond any material; is it \
                  in another unit?",

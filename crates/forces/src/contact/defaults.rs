@@ -10,19 +10,19 @@ use nastic_mesh::{Facet, Mesh};
 use nastic_tensor::{Kinematics, Mat3, Tangent, Vec3};
 
 /// Thickness as a share of the surface's diagonal.
-const THICKNESS: f64 = 1.0 / 500.0;
-/// Stiffness over that which fits the body, at most.
+const THICKNESS_RATIO: f64 = 1.0 / 500.0;
+/// Stiffness over the one that suits the body.
 const MAX_STIFFNESS_RATIO: f64 = 1e6;
-/// Thickness over the largest coordinate of the surface, at least: positions are rounded to 1e-16 of that, gaps with them.
-const MIN_THICKNESS: f64 = 1e-9;
-/// Pieces of all facets together, at most.
+/// Thickness over the largest coordinate of the surface: positions, and gaps with them, are rounded to 1e-16 of this coordinate.
+const MIN_THICKNESS_RATIO: f64 = 1e-9;
+/// Pieces of all facets together.
 const MAX_PIECES: f64 = 1e7;
-/// Pieces of a facet's edge, unless more are asked for.
-const MOST_PIECES: usize = 4;
-/// Pieces of a facet's edge at least, before an obstacle whose edges are sharper than half of it.
-const AT_EDGES: usize = 2;
+/// Pieces of a facet's edge by default.
+const MAX_EDGE_PIECES: usize = 4;
+/// Pieces of a facet's edge at an obstacle whose edges are sharper than half of it.
+const MIN_SHARP_EDGE_PIECES: usize = 2;
 /// Least rounding radius, in thicknesses, at which a box touches where its distance has a continuous gradient.
-pub(super) const ROUNDING: f64 = 2.0;
+pub(super) const MIN_ROUNDING_RATIO: f64 = 2.0;
 
 /// 1/500 of the diagonal of the surface's bounding box.
 pub(super) fn thickness(mesh: &Mesh, facets: &[Facet]) -> f64 {
@@ -31,7 +31,7 @@ pub(super) fn thickness(mesh: &Mesh, facets: &[Facet]) -> f64 {
     let (low, high) = points.fold((Vec3::repeat(f64::INFINITY), Vec3::repeat(f64::NEG_INFINITY)), |(low, high), x| {
         (low.inf(&x), high.sup(&x))
     });
-    THICKNESS * (high - low).norm()
+    THICKNESS_RATIO * (high - low).norm()
 }
 
 /// By the mean of Young's modulus behind the facets; `None` where no material is stiff.
@@ -76,12 +76,12 @@ pub(super) fn check_layer(given: &Settings, mesh: &Mesh, facets: &[Facet]) -> Re
         Some(given) if !(given > 0.0 && given.is_finite()) => {
             return Err(format!("its thickness is {given}; it must be positive and finite"));
         }
-        Some(given) if given < MIN_THICKNESS * farthest => {
+        Some(given) if given < MIN_THICKNESS_RATIO * farthest => {
             return Err(format!(
                 "a thickness of {given:e} m is {:.0e} of coordinates up to {farthest:e} m: rounding of positions would decide its forces; take at least {:e} m, or \
                  leave it out",
                 given / farthest,
-                MIN_THICKNESS * farthest
+                MIN_THICKNESS_RATIO * farthest
             ));
         }
         _ => {}
@@ -161,7 +161,7 @@ pub(super) fn refine(obstacle: &Obstacle, mesh: &Mesh, facet: &Facet) -> usize {
         Obstacle::Box { rounding, .. } | Obstacle::Solid { rounding, .. } => *rounding < 0.5 * longest,
         _ => false,
     };
-    ((longest / width).ceil() as usize).clamp(if sharp { AT_EDGES } else { 1 }, MOST_PIECES)
+    ((longest / width).ceil() as usize).clamp(if sharp { MIN_SHARP_EDGE_PIECES } else { 1 }, MAX_EDGE_PIECES)
 }
 
 /// The point about which an obstacle turns.

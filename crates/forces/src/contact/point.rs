@@ -20,8 +20,8 @@ use nastic_tensor::Vec3;
 use rayon::prelude::*;
 use std::borrow::Cow;
 
-/// From so many stencils on their tangents are found by all threads.
-const PARALLEL: usize = 256;
+/// Number of stencils from which their tangents are computed by all threads.
+const MIN_PARALLEL_STENCILS: usize = 256;
 
 /// A [`BoundContact`] at one displacement.
 pub(super) struct ContactPoint<'a, W: Counterpart> {
@@ -125,7 +125,7 @@ pub(super) fn add_element<W: Counterpart>(
     element: Vec<f64>,
     tangent: &mut SparseMatrix,
 ) -> Result<(), Inadmissible> {
-    match W::BEYOND {
+    match W::COUPLES_BEYOND_PATTERN {
         true => tangent.add_beyond(nodes, element),
         false => tangent.add_pairs(nodes, &element)?,
     }
@@ -181,7 +181,7 @@ impl<W: Counterpart> ContributionPoint for ContactPoint<'_, W> {
             let pressed = acting.on(of, stencil);
             stencil.tangent(&pressed.pressure, pressed.friction.as_ref())
         };
-        let found: Vec<_> = match at.parallel && stencils.len() > PARALLEL {
+        let found: Vec<_> = match at.parallel && stencils.len() > MIN_PARALLEL_STENCILS {
             true => stencils.par_iter().map(of_stencil).collect(),
             false => stencils.iter().map(of_stencil).collect(),
         };

@@ -160,7 +160,7 @@ impl Pose {
         [translation, spin(&self.theta) * dtheta]
     }
 
-    /// Adds the change along an increment of derivatives by the pose, `by`, which changes by so much itself: `J(theta)^T m` by theta.
+    /// Adds the change along an increment of derivatives by the pose, `by`, which itself has a change: `J(theta)^T m` by theta.
     pub fn add_second(
         &self,
         at: &Instant,

@@ -6,8 +6,8 @@ use super::stencil::Stencil;
 use nastic_tensor::Vec3;
 use nastic_tensor::{HyperDual, Scalar};
 
-/// Least part in a sample's pressure of a foot whose sliding is reported.
-const PART: f64 = 1e-3;
+/// Least share of a foot in a sample's pressure for its sliding to be reported.
+const MIN_FOOT_SHARE: f64 = 1e-3;
 
 /// Friction at a sample, by its pressure and the velocities v of its slots: at every foot the force `mu P_i f(v_t,i)` per area.
 pub(super) struct Rubbing<'s, S: Stencil + 's> {
@@ -93,7 +93,7 @@ impl<'s, S: Stencil + 's> Rubbing<'s, S> {
 
     /// Those that have more than almost no part in the pressure.
     fn feet(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.stencil.feet()).filter(|&foot| self.stencil.part(foot) > PART)
+        (0..self.stencil.feet()).filter(|&foot| self.stencil.part(foot) > MIN_FOOT_SHARE)
     }
 
     fn speed(&self, foot: usize) -> f64 {

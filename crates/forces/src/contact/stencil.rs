@@ -1,4 +1,4 @@
-//! [`Stencil`]: a sample of a surface near what it may touch; [`Counterpart`]: what surfaces touch, where stencils come from.
+//! [`Stencil`]: a sample of a surface near its counterpart; [`Counterpart`]: an obstacle or surface, which makes the stencils.
 
 use super::bound::BoundContact;
 use super::law::Pressure;
@@ -13,16 +13,16 @@ use nastic_tensor::HyperDual;
 use nastic_tensor::Vec3;
 use std::fmt::Debug;
 
-/// A sample near what it may touch, at one displacement: a gap d that depends on *slots*, the place of the sample and what the other side moves by.
+/// A sample near its counterpart, at one displacement: a gap d that depends on *slots*, the position of the sample and the variables of the other side.
 ///
-/// Behind an obstacle these are the translation and the turn of its pose, which controls give; of a surface the nodes of its pieces and, for friction alone, the corners
-/// of the sample's own facets, which move with the body. Pressure, friction, their derivatives and sums know nothing else.
+/// Those of an obstacle are the translation and rotation of its pose, which controls give; those of a surface are the nodes of its pieces and, for friction alone, the
+/// corners of the sample's own facets, which move with the body. Pressure, friction, their derivatives and sums depend on nothing else.
 pub(super) trait Stencil: Feet + Sync + Sized {
     /// Its number among all samples of the contact.
     fn number(&self) -> usize;
     /// Reference area that counts.
     fn weight(&self) -> f64;
-    /// d, by which the pressure is known.
+    /// d, which determines the pressure.
     fn gap(&self) -> f64;
     /// The gap that is reported.
     fn remaining_gap(&self) -> f64 {
@@ -31,7 +31,7 @@ pub(super) trait Stencil: Feet + Sync + Sized {
     fn touches(&self, layer: &Layer) -> bool {
         self.gap() < layer.thickness
     }
-    /// `m = |dd/dx|`: it is pressed with `P = p m`.
+    /// `m = |dd/dx|`: the force per area is `P = p m`.
     fn steepness(&self) -> f64 {
         1.0
     }
@@ -39,18 +39,18 @@ pub(super) trait Stencil: Feet + Sync + Sized {
     fn gradient(&self) -> &Self::Slots;
     /// `dP/dz`
     fn push_gradient(&self, pressure: &Pressure) -> Self::Slots;
-    /// `H a`, `H b` and the change of `H a` along b, H the second derivative of d. A pose has no part in a.
+    /// `H a`, `H b` and the change of `H a` along b, H the second derivative of d. a is zero in the slots of a pose.
     fn second(&self, a: &Self::Slots, b: &Self::Slots) -> [Self::Slots; 3];
 
     /// Values of the slots by those of the unknowns and of a pose.
     fn slots(&self, of: impl Fn(usize) -> f64, pose: &[Vec3; 2]) -> Self::Slots;
     /// Values of the slots of a pose; zero without one.
     fn of_pose(values: &Self::Slots) -> [Vec3; 2];
-    /// Force and moment about a pivot, at a displacement, that such forces of the residual are on what is pushed.
+    /// Force and moment about a pivot, at a displacement, on the counterpart by these forces of the residual.
     fn resultant(&self, forces: &Self::Slots, u: &[f64], pivot: &Vec3) -> [Vec3; 2];
 
     fn dim(&self) -> usize;
-    /// The nodes that move its slots; one that moves two is there twice.
+    /// The nodes that move its slots; a node that moves two appears twice.
     fn parts(&self) -> impl Iterator<Item = Part>;
     fn nodes(&self) -> Vec<u32> {
         self.parts().map(|part| part.node).collect()
@@ -94,13 +94,13 @@ pub(super) trait Feet {
     type Slots: AsRef<[Vec3]> + AsMut<[Vec3]> + Clone;
 
     fn feet(&self) -> usize;
-    /// `P_i / p`, what a foot bears of the pressure.
+    /// `P_i / p`, the share of a foot in the pressure.
     fn part(&self, foot: usize) -> f64;
     /// `v_t` on a foot, linear in the velocities of the slots.
     fn slides(&self, foot: usize, velocities: &Self::Slots) -> Vec3;
-    /// Forces on the slots by one within the plane of every foot: the transpose of [`Self::slides`].
+    /// Forces on the slots by a tangential force at every foot: the transpose of [`Self::slides`].
     fn spread_sliding(&self, force: impl Fn(usize) -> Vec3) -> Self::Slots;
-    /// The derivative by the slots of `sum_i P_i phi(v_t,i, w_t,i)` for two fields v and w of the slots, which do not depend on them; w is none of a pose.
+    /// The derivative by the slots of `sum_i P_i phi(v_t,i, w_t,i)` for two fields v and w of the slots, which do not depend on them; w is zero in the slots of a pose.
     fn by_place(
         &self,
         pressure: &Pressure,
@@ -119,48 +119,48 @@ pub(super) struct Nearest {
     pub approach: f64,
 }
 
-/// What a contact is by its samples.
+/// Area and spacing of the samples of a contact.
 pub(super) struct Extent {
     pub area: f64,
     pub samples: usize,
     pub inset: f64,
     pub between_samples: f64,
-    /// It has multipliers.
+    /// Whether it has multipliers.
     pub is_exact: bool,
 }
 
 /// A straight move of the body, and of an obstacle.
 pub(super) struct Move<'a> {
     pub way: &'a [f64],
-    /// Where controls go in a load step; none in an iteration.
+    /// The controls at the end of a load step; `None` in an iteration.
     pub to: Option<&'a Controls>,
 }
 
-/// What surfaces touch.
+/// The counterpart of the samples: an obstacle or other surfaces.
 pub(super) trait Counterpart: Debug + Send + Sync + Sized + 'static {
-    /// Where its stencils are.
+    /// The data of its stencils at a displacement.
     type State: Clone;
     type Stencil<'a>: Stencil;
-    /// Its stencils couple nodes that the pattern lacks.
-    const BEYOND: bool;
+    /// Whether its stencils couple nodes outside of the pattern.
+    const COUPLES_BEYOND_PATTERN: bool;
 
-    /// With `all` samples, or those near the layer.
+    /// The state with `all` samples, or with those near the layer.
     ///
     /// # Errors
-    /// [`Inadmissible`] where the body cannot be.
+    /// [`Inadmissible`] where the displacement is not admissible.
     fn state(of: &BoundContact<Self>, at: &Instant, all: bool) -> Result<Self::State, Inadmissible>;
-    /// The samples of a state that are in the layer or, where they couple nodes that the pattern lacks, near it; in the order of their numbers.
+    /// The samples of a state in the layer or, where they couple nodes outside of the pattern, near it; in the order of their numbers.
     fn stencils<'a>(of: &'a BoundContact<Self>, state: &'a Self::State, u: &'a [f64]) -> Vec<Self::Stencil<'a>>;
-    /// The gaps of all samples that a state of all knows, infinite of others.
+    /// The gaps of all samples of a state of all samples; infinite where there is no counterpart.
     fn gaps(of: &BoundContact<Self>, state: &Self::State) -> Vec<f64>;
     fn nearest(of: &BoundContact<Self>, state: &Self::State, at: &Instant) -> Option<Nearest>;
     fn extent(&self) -> Extent;
-    /// The longest share of a move.
+    /// The longest admissible share of a move.
     fn longest_move(of: &BoundContact<Self>, state: &Self::State, at: &Instant, by: &Move) -> f64;
 
-    /// Pressures that are reported, by node.
+    /// The reported pressures, by node.
     fn nodal_pressures(of: &BoundContact<Self>, at: &Instant) -> Vec<(u32, f64)>;
-    /// The largest one of them, by that of the samples.
+    /// The largest of them, by the largest of the samples.
     fn largest_pressure(_of: &BoundContact<Self>, _state: &Self::State, _at: &Instant, of_samples: f64) -> f64 {
         of_samples
     }

@@ -6,14 +6,14 @@ use nastic_body::discretization::supports::Supports;
 use nastic_body::error::FemError;
 use nastic_tensor::{Mat3, Vec3};
 
-/// A gradient that is this share of itself without the others counts as one of them.
-const DEPENDENT: f64 = 1e-8;
-/// Part of a turn, rad, after which a motion that supports let begin must still be rigid.
-const TURN: f64 = 0.1;
+/// Share of a gradient that is orthogonal to the others, below which it depends on them.
+const DEPENDENCE_TOLERANCE: f64 = 1e-8;
+/// Rotation, rad, after which a motion that the supports admit at rest must still be rigid.
+const TEST_ANGLE: f64 = 0.1;
 /// Components of F^T F - 1 that count as zero there.
-const RIGID: f64 = 1e-9;
-/// Iterations onto the constraints, at most.
-const ITERATIONS: usize = 50;
+const STRAIN_TOLERANCE: f64 = 1e-9;
+/// Iterations of the projection onto the constraints.
+const MAX_ITERATIONS: usize = 50;
 
 /// Which unknowns of the corners of the simplex supports hold, corner by corner.
 #[derive(Debug, Clone)]
@@ -64,8 +64,9 @@ impl Held {
         let moved = DMatrix::from_fn(motions.nrows(), motions.ncols(), of_held);
         let eigen = (moved.transpose() * moved).symmetric_eigen();
         let most = eigen.eigenvalues.max();
-        let kept: Vec<usize> =
-            (0..motions.ncols()).filter(|&k| eigen.eigenvalues[k] <= DEPENDENT * DEPENDENT * most).collect();
+        let kept: Vec<usize> = (0..motions.ncols())
+            .filter(|&k| eigen.eigenvalues[k] <= DEPENDENCE_TOLERANCE * DEPENDENCE_TOLERANCE * most)
+            .collect();
         let mut free = motions * DMatrix::from_fn(motions.ncols(), kept.len(), |i, j| eigen.eigenvectors[(i, kept[j])]);
         // rounding moves nothing that is held
         for (dof, _) in self.0.iter().enumerate().filter(|(_, held)| **held) {
@@ -80,11 +81,11 @@ fn spans(ways: impl Iterator<Item = Vec3>, unit: Vec3) -> bool {
     let mut basis: Vec<Vec3> = Vec::new();
     for way in ways {
         let rest = basis.iter().fold(way, |rest, b| rest - b * b.dot(&rest));
-        if rest.norm() > DEPENDENT * way.norm() {
+        if rest.norm() > DEPENDENCE_TOLERANCE * way.norm() {
             basis.push(rest.normalize());
         }
     }
-    basis.iter().fold(unit, |rest, b| rest - b * b.dot(&rest)).norm() < DEPENDENT
+    basis.iter().fold(unit, |rest, b| rest - b * b.dot(&rest)).norm() < DEPENDENCE_TOLERANCE
 }
 
 impl Rigid {
@@ -98,7 +99,7 @@ impl Rigid {
         self.components.clear();
         for (component, gradient) in all.iter().zip(free.column_iter()) {
             let rest = basis.iter().fold(gradient.into_owned(), |rest, b| &rest - b * b.dot(&rest));
-            if rest.norm() > DEPENDENT * self.volume * self.steepest() {
+            if rest.norm() > DEPENDENCE_TOLERANCE * self.volume * self.steepest() {
                 basis.push(rest.normalize());
                 self.components.push(*component);
             }
@@ -133,17 +134,17 @@ impl Rigid {
         let together = motions.column_sum();
         let directions = motions.column_iter().map(|column| column.into_owned()).chain([together]);
         directions.filter(|direction| direction.norm() > 0.0).all(|direction| {
-            let begun = &rest + direction.normalize() * (TURN * size);
+            let begun = &rest + direction.normalize() * (TEST_ANGLE * size);
             let Some(moved) = self.onto_constraints(begun) else { return false };
             let f = self.f_of(&moved);
             let strain = f.transpose() * f - Mat3::identity();
-            all.iter().all(|at| strain[*at].abs() < RIGID)
+            all.iter().all(|at| strain[*at].abs() < STRAIN_TOLERANCE)
         })
     }
 
     /// The nearest affine motion that keeps the constraints and what is held, by Gauss-Newton steps of least length; unknowns of the corners.
     fn onto_constraints(&self, mut q: DVector<f64>) -> Option<DVector<f64>> {
-        for _ in 0..ITERATIONS {
+        for _ in 0..MAX_ITERATIONS {
             let f = self.f_of(&q);
             let rest = Mat3::identity();
             let off = self.pairs(&f, &f).into_iter().zip(self.pairs(&rest, &rest)).map(|(now, rest)| now - rest);

@@ -4,9 +4,9 @@ use nalgebra::DMatrix;
 use nastic_tensor::Vec3;
 
 /// Largest slope of an affine function on a simplex, per size of it, that is not flat.
-const FLAT: f64 = 1e8;
-/// Distance from the point, line or plane of those before, as a share of the largest one, at which a node counts as apart from it.
-const APART: f64 = 1e-3;
+const MAX_SLOPE: f64 = 1e8;
+/// Least distance of a node from the point, line or plane of the nodes before, as a share of the largest distance.
+const MIN_DISTANCE_RATIO: f64 = 1e-3;
 
 /// The nodes of a simplex that is about as large as a body: the node farthest from their middle, then each time the one farthest from the point, line or plane
 /// of those before; of several the lowest. Those that supports hold in most components come first, so that what they hold is held at corners.
@@ -14,7 +14,7 @@ pub(super) fn simplex(nodes: &[u32], dim: usize, place: impl Fn(u32) -> Vec3, he
     let middle = nodes.iter().map(|&node| place(node)).sum::<Vec3>() / nodes.len() as f64;
     let farthest = |distance: &dyn Fn(Vec3) -> f64| {
         let most = nodes.iter().map(|&node| distance(place(node))).fold(0.0, f64::max);
-        let apart = nodes.iter().filter(|node| distance(place(**node)) > APART * most);
+        let apart = nodes.iter().filter(|node| distance(place(**node)) > MIN_DISTANCE_RATIO * most);
         let rank = apart.clone().map(|&node| held(node)).max().unwrap_or(0);
         let mut found = (f64::NEG_INFINITY, nodes[0]);
         for &node in apart.filter(|node| held(**node) == rank) {
@@ -53,7 +53,7 @@ impl Affine {
         let size = corners.iter().map(|x| (x - origin).norm()).fold(0.0, f64::max);
         let row = |i: usize, j: usize| if j == 0 { 1.0 } else { (corners[i][j - 1] - origin[j - 1]) / size };
         let inverse = DMatrix::from_fn(dim + 1, dim + 1, row).try_inverse()?;
-        if !inverse.iter().all(|entry| entry.abs() < FLAT) {
+        if !inverse.iter().all(|entry| entry.abs() < MAX_SLOPE) {
             return None;
         }
         let gradient = |m: usize| Vec3::from_fn(|j, _| if j < dim { inverse[(j + 1, m)] / size } else { 0.0 });

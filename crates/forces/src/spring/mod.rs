@@ -4,7 +4,7 @@ mod elsewhere;
 mod force;
 mod over_ranks;
 
-use crate::guides::{COINCIDE, Guides};
+use crate::guides::{COINCIDENCE_TOLERANCE, Guides};
 use force::SpringForce;
 use nastic_body::contribution::body_point::{AttachedPoint, BodyPoint};
 use nastic_body::error::FemError;
@@ -102,7 +102,7 @@ impl Spring {
         Ok(())
     }
 
-    /// With these ends on a body of so many dimensions and such a diagonal.
+    /// With these ends on a body of these dimensions and this diagonal.
     fn held_by(
         &self,
         from: AttachedPoint,
@@ -114,7 +114,7 @@ impl Spring {
             return Err(self.refuse("has both ends at one point of the body; move one of them".to_owned()));
         }
         let along = to.reference - from.reference;
-        let distance = if along.norm() > COINCIDE * diagonal { along.norm() } else { 0.0 };
+        let distance = if along.norm() > COINCIDENCE_TOLERANCE * diagonal { along.norm() } else { 0.0 };
         let rest_length = self.rest_length.unwrap_or(distance);
         if distance == 0.0 && rest_length > 0.0 {
             return Err(self.refuse(format!(

@@ -3,7 +3,7 @@
 pub mod force;
 mod inextensible;
 
-use crate::guides::{COINCIDE, Guides};
+use crate::guides::{COINCIDENCE_TOLERANCE, Guides};
 use force::{Drive, TendonForce};
 use inextensible::InextensibleTendon;
 use nastic_body::contribution::Contribution;
@@ -42,8 +42,8 @@ pub struct Tendon {
     pub inextensible: bool,
 }
 
-/// Most guides of a tendon.
-const MOST: usize = 10_000;
+/// Guides of a tendon.
+const MAX_GUIDES: usize = 10_000;
 
 impl Tendon {
     /// A tendon through points of the body, in the order in which it passes them, straight between them; `name` is that of
@@ -99,8 +99,8 @@ impl Tendon {
                 points.extend(self.between(mesh, last, &next, k)?);
             }
             points.push(next);
-            if points.len() > MOST {
-                return Err(self.refuse(format!("has more than {MOST} guides; give a larger \"spacing\"")));
+            if points.len() > MAX_GUIDES {
+                return Err(self.refuse(format!("has more than {MAX_GUIDES} guides; give a larger \"spacing\"")));
             }
         }
         if points.len() < 2 {
@@ -116,7 +116,7 @@ impl Tendon {
 
     fn check_apart(&self, mesh: &Mesh, a: &AttachedPoint, b: &AttachedPoint, k: usize) -> Result<(), FemError> {
         let distance = (b.reference - a.reference).norm();
-        if distance > COINCIDE * mesh.diagonal() {
+        if distance > COINCIDENCE_TOLERANCE * mesh.diagonal() {
             return Ok(());
         }
         let what = format!("passes guides {} and {k} at one place (distance {distance:.1e}); leave one out", k - 1);
@@ -134,8 +134,8 @@ impl Tendon {
         let Some(spacing) = self.spacing else { return Ok(Vec::new()) };
         // a distance that is a multiple of the spacing but for rounding takes no further guide
         let pieces = ((b.reference - a.reference).norm() / spacing * (1.0 - 1e-9)).ceil();
-        if pieces > MOST as f64 {
-            return Err(self.refuse(format!("has more than {MOST} guides; give a larger \"spacing\"")));
+        if pieces > MAX_GUIDES as f64 {
+            return Err(self.refuse(format!("has more than {MAX_GUIDES} guides; give a larger \"spacing\"")));
         }
         let place = |i: usize| a.reference + (b.reference - a.reference) * (i as f64 / pieces);
         let shown = || format!("a guide on the straight way from guide {} to guide {k}", k - 1);

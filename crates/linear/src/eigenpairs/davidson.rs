@@ -1,8 +1,8 @@
 //! [`smallest_eigenpairs_by_products`]: `A x = lambda M x` by a block Davidson method with multigrid as preconditioner.
 
-use super::inner_product::{InnerProduct, SPANNED};
+use super::inner_product::{DEPENDENCE_TOLERANCE, InnerProduct};
 use super::preconditioner::ShiftedLevels;
-use super::{BASIS_BYTES, ByProducts, Eigenpairs, MassMatrix, ROUNDING};
+use super::{ByProducts, ENTRY_ROUNDING, Eigenpairs, MAX_BASIS_BYTES, MassMatrix};
 use crate::error::FactorError;
 use crate::memory;
 use crate::pattern::operator::Operator;
@@ -13,49 +13,53 @@ use nastic_numeric::Random;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// A Ritz pair counts when the error of its vector in the energy norm is this share of it, as far as the preconditioned residual shows; that of the value is its square.
+/// Relative error of the vector of a Ritz pair in the energy norm, as estimated by the preconditioned residual, at which the pair has converged; the error of the value is its square.
 const TOLERANCE: f64 = 1e-7;
-/// Vectors of the basis before a restart, as a multiple of those of the block.
-const LONGEST: usize = 4;
-/// Vectors of the block beyond those that are wanted, as a share of these, and at least: the next eigenvalues decide the pace.
-const GUARD_SHARE: usize = 2;
-const GUARD: usize = 2;
-/// Iterations at most.
-const MOST: usize = 60;
-/// The first shift where the levels are not positive definite, as a share of the mean of `A_ii` over that of `M_ii`, from one to the next, and the largest.
-const LEAST_SHIFT: f64 = 1e-12;
+/// Vectors of the basis before a restart, over those of the block.
+const MAX_BASIS_RATIO: usize = 4;
+/// Eigenpairs asked for, over the further vectors of the block: the next eigenvalues determine the convergence rate.
+const GUARD_DIVISOR: usize = 2;
+/// Least number of further vectors of the block.
+const MIN_GUARD_VECTORS: usize = 2;
+/// Iterations.
+const MAX_ITERATIONS: usize = 60;
+/// First shift where the levels are not positive definite, as a share of the mean of `A_ii` over that of `M_ii`.
+const FIRST_SHIFT: f64 = 1e-12;
+/// Ratio of one shift to the one before.
 const SHIFT_GROWTH: f64 = 16.0;
-const MOST_SHIFT: f64 = 1e3;
-/// Least distance of the lowest eigenvalue from minus the shift, as a share of the spread of those of the block, and what it becomes.
-const LEAST_SHARE: f64 = 1e-6;
-const SHARE: f64 = 1e-2;
-/// Magnitudes of a row of A over its diagonal entry, about.
-const COUPLINGS: f64 = 8.0;
-/// Levels at most that are made for other shifts.
-const SHIFTS: usize = 8;
+/// Largest shift.
+const MAX_SHIFT: f64 = 1e3;
+/// Least distance of the lowest eigenvalue from minus the shift, as a share of the spread of the eigenvalues of the block.
+const MIN_SHIFT_DISTANCE: f64 = 1e-6;
+/// The distance that a new shift has.
+const SHIFT_DISTANCE: f64 = 1e-2;
+/// Approximate sum of the magnitudes of a row of A over its diagonal entry.
+const ROW_SUM_RATIO: f64 = 8.0;
+/// Sets of levels for further shifts.
+const MAX_SHIFTED_LEVELS: usize = 8;
 
-/// `A x = lambda M x` on the unknowns that are not fixed, of a symmetric A that has no factor.
+/// `A x = lambda M x` on the unknowns that are not fixed, for a symmetric A without a factor.
 #[derive(Clone, Copy)]
 pub struct ProductEigenproblem<'a> {
     /// `out = A v`, zero where fixed for a v that is.
     pub product: &'a dyn Operator,
-    /// A, or a matrix close to it: what the levels of multigrid are made of.
+    /// A, or a matrix close to it, for the levels of multigrid.
     pub system: System<'a>,
     /// M, positive definite on the unknowns that are not fixed.
     pub mass: MassMatrix<'a>,
-    /// Eigenvalues that are zero, as those of rigid motions that nothing holds: the block goes beyond them, since nothing distinguishes these.
+    /// Number of zero eigenvalues, of free rigid motions: the block is larger than this, since their vectors are arbitrary within one space.
     pub zeros: usize,
-    /// Set to end between iterations.
+    /// Set to stop between iterations.
     pub cancel: Option<&'a AtomicBool>,
 }
 
-/// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones that are found where these are more.
+/// The `count` algebraically smallest eigenvalues with their vectors, and all negative ones that are found if there are more of them.
 ///
-/// The Rayleigh-Ritz values of a space that grows by the residuals `A x - theta M x` of a block of Ritz vectors, preconditioned by a V-cycle of A (where
-/// that is not positive definite of `A + s M`), and is restarted with those vectors and the ones before: the locally optimal gradients of Knyazev, "Toward the
+/// The Rayleigh-Ritz values of a space that grows by the residuals `A x - theta M x` of a block of Ritz vectors, preconditioned by a V-cycle of A (of
+/// `A + s M` where A is not positive definite), and is restarted with the present and the previous Ritz vectors: the locally optimal gradients of Knyazev, "Toward the
 /// optimal preconditioned eigensolver", SIAM J. Sci. Comput. 23 (2001), with the orthogonal basis of Stathopoulos, Saad, "Restarting techniques for the
-/// (Jacobi-)Davidson symmetric eigenvalue methods", ETNA 7 (1998). From a seeded start. No factor is made, so nothing proves that no eigenvalue is missed
-/// ([`Eigenpairs::counted`]): the block has half as many vectors again as are wanted, or are zero, and what is orthogonal to all of these was not met.
+/// (Jacobi-)Davidson symmetric eigenvalue methods", ETNA 7 (1998). The start is random with a fixed seed. Without a factor nothing proves that no eigenvalue is missed
+/// ([`Eigenpairs::counted`]): an eigenvector that is orthogonal to all vectors of the block, half as many again as are asked for or are zero, is not found.
 ///
 /// # Errors
 /// More eigenvalues wanted than there are unknowns, or than fit; [`LinearError::Eigenpairs`] where the iteration does not find them;
@@ -86,13 +90,13 @@ pub fn smallest_eigenpairs_by_products(problem: &ProductEigenproblem, count: usi
 }
 
 impl ProductEigenproblem<'_> {
-    /// Vectors of a block for so many eigenvalues.
+    /// Vectors of a block for this number of eigenvalues.
     fn block(&self, wanted: usize, unknowns: usize) -> Result<usize, LinearError> {
-        let block = unknowns.min(wanted.max(self.zeros) + GUARD.max(wanted / GUARD_SHARE));
-        // the basis and its products, and what a restart makes of them
-        let vectors = 2 * (LONGEST + 2) * block;
+        let block = unknowns.min(wanted.max(self.zeros) + MIN_GUARD_VECTORS.max(wanted / GUARD_DIVISOR));
+        // the basis and its products, and those of a restart
+        let vectors = 2 * (MAX_BASIS_RATIO + 2) * block;
         let bytes = vectors.saturating_mul(self.system.fixed.len() * size_of::<f64>());
-        if bytes > BASIS_BYTES {
+        if bytes > MAX_BASIS_BYTES {
             let gib = bytes as f64 / f64::from(1 << 30);
             return Err(LinearError::EigenpairsTooLarge { count: wanted, unknowns, gib });
         }
@@ -100,7 +104,7 @@ impl ProductEigenproblem<'_> {
         Ok(block)
     }
 
-    /// `A_ii`, of products too.
+    /// `A_ii`, also by products.
     fn diagonal(&self) -> Vec<f64> {
         let System { matrix, products, parallel, .. } = self.system;
         match products {
@@ -115,19 +119,19 @@ impl ProductEigenproblem<'_> {
         }
     }
 
-    /// `16 eps |x| . |A| |x|`, of products by some times the diagonal of A.
+    /// `16 eps |x| . |A| |x|`; for products |A| is a multiple of the diagonal of A.
     fn rounding(&self, vectors: &[Vec<f64>]) -> Vec<f64> {
         let System { matrix, products, parallel, .. } = self.system;
         if products.is_some() {
             let diagonal = self.diagonal();
             let of = |x: &Vec<f64>| x.iter().zip(&diagonal).map(|(x, d)| x * x * d.abs()).sum::<f64>();
-            return vectors.iter().map(|x| ROUNDING * COUPLINGS * of(x)).collect();
+            return vectors.iter().map(|x| ENTRY_ROUNDING * ROW_SUM_RATIO * of(x)).collect();
         }
         let magnitudes = matrix.magnitudes();
         let of = |x: &Vec<f64>| {
             let (x, mut product) = (x.iter().map(|x| x.abs()).collect::<Vec<_>>(), vec![0.0; x.len()]);
             magnitudes.multiply_on(&x, &mut product, parallel);
-            ROUNDING * dot(&x, &product, parallel)
+            ENTRY_ROUNDING * dot(&x, &product, parallel)
         };
         vectors.iter().map(of).collect()
     }
@@ -152,14 +156,14 @@ impl ProductEigenproblem<'_> {
 struct Search<'a> {
     problem: &'a ProductEigenproblem<'a>,
     inner: InnerProduct<'a>,
-    /// None while others are made.
+    /// `None` while new ones are made.
     levels: Option<ShiftedLevels<'a>>,
-    /// s of the levels of `A + s diag(M)`; by products of A and the mean of that.
+    /// s of the levels of `A + s diag(M)`; with products the mean of `diag(M)` replaces it.
     shift: f64,
     shifts: usize,
-    /// The largest one that was not enough.
+    /// The largest shift that was too small.
     refused: f64,
-    /// `M_ii`, and the means of `A_ii` and of these.
+    /// `M_ii`, and the means of `A_ii` and `M_ii`.
     masses: Vec<f64>,
     means: (f64, f64),
     unknowns: usize,
@@ -170,7 +174,7 @@ struct Search<'a> {
     /// `x_i . A x_k` of the basis, `k <= i`.
     projected: Vec<Vec<f64>>,
     random: Random,
-    /// Iterations so far, those of smaller blocks too.
+    /// Iterations so far, those of smaller blocks included.
     iterations: usize,
 }
 
@@ -206,14 +210,14 @@ impl<'a> Search<'a> {
         Ok(search)
     }
 
-    /// A larger block: vectors of random numbers that the levels have smoothed.
+    /// Enlarges the block by random vectors that are smoothed by the levels.
     fn widen(&mut self, block: usize, wanted: usize) -> Result<(), LinearError> {
         for _ in self.block..block {
             let fixed = self.inner.fixed;
             let scattered: Vec<f64> =
                 fixed.iter().map(|&fixed| if fixed { 0.0 } else { self.random.symmetric() }).collect();
             let smooth = self.preconditioned(&self.inner.times_mass(&scattered));
-            // levels of a singular matrix leave its kernel alone
+            // levels of a singular matrix do not change vectors of its kernel
             if !self.add(smooth) {
                 self.add(scattered);
             }
@@ -226,13 +230,13 @@ impl<'a> Search<'a> {
         self.levels.as_ref().map_or(residual.to_vec(), |levels| levels.apply(residual))
     }
 
-    /// Adds what a vector has beyond the basis; whether that is anything.
+    /// Adds the part of a vector that is orthogonal to the basis; whether it is not zero.
     fn add(&mut self, mut vector: Vec<f64>) -> bool {
         let parallel = self.inner.parallel;
         vector.iter_mut().zip(self.inner.fixed).for_each(|(x, &fixed)| *x = if fixed { 0.0 } else { *x });
         let size = self.inner.square(&vector).sqrt();
         let (_, left) = self.inner.orthogonalize(&mut vector, self.basis.iter());
-        if !left.is_finite() || left <= SPANNED * size {
+        if !left.is_finite() || left <= DEPENDENCE_TOLERANCE * size {
             return false;
         }
         vector.iter_mut().for_each(|x| *x /= left);
@@ -256,10 +260,10 @@ impl<'a> Search<'a> {
         Ritz { values, vectors: eigenvectors.select_columns(&order) }
     }
 
-    /// Until so many pairs count.
+    /// Iterates until `wanted` pairs have converged.
     fn run(&mut self, wanted: usize) -> Result<Eigenpairs, LinearError> {
         let (mut before, mut found) = (DMatrix::zeros(0, 0), 0);
-        for _ in 0..MOST {
+        for _ in 0..MAX_ITERATIONS {
             if self.problem.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
                 return Err(LinearError::Cancelled);
             }
@@ -281,7 +285,7 @@ impl<'a> Search<'a> {
                 errors.truncate(wanted);
                 return Ok(self.pairs(&ritz, errors));
             }
-            if self.basis.len() + directions.len() > LONGEST * self.block {
+            if self.basis.len() + directions.len() > MAX_BASIS_RATIO * self.block {
                 before = self.restart(&ritz, &before, block);
             } else {
                 before = ritz.vectors.columns(0, block).into_owned();
@@ -289,7 +293,7 @@ impl<'a> Search<'a> {
             let grown =
                 directions.into_iter().map(|direction| self.add(direction)).fold(false, |any, grown| any | grown);
             if !grown {
-                // nothing is left beyond the space, or what is left is no number
+                // all residuals lie in the space, or are NaN
                 if self.basis.len() < self.unknowns {
                     return Err(LinearError::Eigenpairs { found, wanted });
                 }
@@ -301,7 +305,7 @@ impl<'a> Search<'a> {
         Err(LinearError::Eigenpairs { found, wanted })
     }
 
-    /// The preconditioned residual of a Ritz pair, and the relative error of its vector that this shows.
+    /// The preconditioned residual of a Ritz pair, and the relative error of its vector as estimated by it.
     fn correction(&self, ritz: &Ritz, k: usize) -> (Vec<f64>, f64) {
         let parallel = self.inner.parallel;
         let coefficients = ritz.vectors.column(k);
@@ -312,7 +316,7 @@ impl<'a> Search<'a> {
         residual.iter_mut().zip(self.inner.fixed).for_each(|(r, &fixed)| *r = if fixed { 0.0 } else { *r });
         let direction = self.preconditioned(&residual);
         let size = sums::norm(&residual, parallel);
-        // where the preconditioner shows no energy of the error, a bound of it
+        // a bound where the estimate of the error's energy is not positive
         let squared = match dot(&residual, &direction, parallel) {
             squared if squared > 0.0 => squared,
             _ => match size * sums::norm(&direction, parallel) {
@@ -323,25 +327,25 @@ impl<'a> Search<'a> {
         (direction, (squared / (theta + self.shift).max(f64::MIN_POSITIVE)).sqrt())
     }
 
-    /// Levels for a shift that is at a distance from the lowest eigenvalue, as a factor would need it, where that at hand is not.
+    /// New levels, whose shift has a distance from the lowest eigenvalue, where the present shift has not.
     fn adapt_shift(&mut self, ritz: &Ritz) -> Result<(), LinearError> {
         let (first, last) = (ritz.values[0], ritz.values[self.block.min(ritz.values.len()) - 1]);
         let (spread, distance) = (last - first, first + self.shift);
         let too_far = self.shift > 0.0 && distance > spread;
-        let needed = (SHARE * spread - first).max(0.0);
-        let serves = distance >= LEAST_SHARE * spread && !(too_far && needed > self.refused);
-        if self.shifts == SHIFTS || spread <= 0.0 || serves {
+        let needed = (SHIFT_DISTANCE * spread - first).max(0.0);
+        let serves = distance >= MIN_SHIFT_DISTANCE * spread && !(too_far && needed > self.refused);
+        if self.shifts == MAX_SHIFTED_LEVELS || spread <= 0.0 || serves {
             return Ok(());
         }
         self.shifts += 1;
         self.make_levels(needed)
     }
 
-    /// The levels of the first shift from this one on that is large enough as far as they show.
+    /// The levels of the first shift from this one on with which they are positive definite.
     fn make_levels(&mut self, from: f64) -> Result<(), LinearError> {
         self.levels = None;
         let (stiffness, mass) = self.means;
-        let (least, most) = (LEAST_SHIFT * stiffness / mass, MOST_SHIFT * stiffness / mass);
+        let (least, most) = (FIRST_SHIFT * stiffness / mass, MAX_SHIFT * stiffness / mass);
         self.shift = from;
         while self.shift <= most {
             match ShiftedLevels::new(&self.problem.system, self.shift, &self.masses, mass) {
@@ -358,7 +362,7 @@ impl<'a> Search<'a> {
         Err(LinearError::Shift)
     }
 
-    /// Keeps the Ritz vectors of the block, and what those before have beyond them; their coefficients in the new basis.
+    /// Reduces the basis to the Ritz vectors of the block and the orthogonal parts of the previous ones; the coefficients of the block in the new basis.
     fn restart(&mut self, ritz: &Ritz, before: &DMatrix<f64>, block: usize) -> DMatrix<f64> {
         let mut kept: Vec<Vec<f64>> = (0..block).map(|k| ritz.vectors.column(k).as_slice().to_vec()).collect();
         for column in before.column_iter() {
@@ -371,7 +375,7 @@ impl<'a> Search<'a> {
                 }
             }
             let left = dot(&own, &own, false).sqrt();
-            if left > SPANNED.sqrt() {
+            if left > DEPENDENCE_TOLERANCE.sqrt() {
                 own.iter_mut().for_each(|x| *x /= left);
                 kept.push(own);
             }
@@ -386,10 +390,10 @@ impl<'a> Search<'a> {
         DMatrix::identity(n, block)
     }
 
-    /// The first pairs, as many as there are errors of them.
+    /// The first pairs, one for each of `errors`.
     fn pairs(&self, ritz: &Ritz, errors: Vec<f64>) -> Eigenpairs {
         let parallel = self.inner.parallel;
-        // of each alone: sums over a basis have the rounding of its roughest vectors
+        // by a product with each vector: sums over a basis have the rounding of its largest eigenvalues
         let of = |k: usize| {
             let x = combined(&self.basis, ritz.vectors.column(k).as_slice(), parallel);
             let mut product = vec![0.0; x.len()];

@@ -3,8 +3,8 @@
 use super::MassMatrix;
 use crate::sums::{self, dot};
 
-/// A vector that orthogonalisation leaves this share of lies in the span of the others.
-pub(super) const SPANNED: f64 = 1e-12;
+/// Share of a vector after orthogonalisation below which it lies in the span of the others.
+pub(super) const DEPENDENCE_TOLERANCE: f64 = 1e-12;
 
 /// The inner product of M, on the unknowns that are not fixed.
 #[derive(Clone, Copy)]

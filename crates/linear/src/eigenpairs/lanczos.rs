@@ -1,7 +1,7 @@
 //! [`smallest_eigenpairs`]: `A x = lambda M x` by shift-invert Lanczos.
 
-use super::inner_product::{InnerProduct, SPANNED};
-use super::{BASIS_BYTES, Eigenpairs, MassMatrix, ROUNDING};
+use super::inner_product::{DEPENDENCE_TOLERANCE, InnerProduct};
+use super::{ENTRY_ROUNDING, Eigenpairs, MAX_BASIS_BYTES, MassMatrix};
 use crate::error::{FactorError, StructureError};
 use crate::factor::factor_size::fits;
 use crate::factor::symbolic::Symbolic;
@@ -14,26 +14,27 @@ use nastic_numeric::vector::{axpy, dot, scale};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// A Ritz pair counts when `|B x - theta x|_M` is this share of theta.
+/// `|B x - theta x|_M` over theta at which a Ritz pair has converged.
 const TOLERANCE: f64 = 1e-11;
-/// Least number of steps between two looks at the Ritz pairs, and as a share of the steps made, for a look costs their
-/// cube.
-const PACE: usize = 4;
-const PACE_SHARE: usize = 10;
-/// Least and largest shift tried below an indefinite matrix, as shares of the largest `|A_ii| / M_ii`, and from one
-/// shift to the next.
-const LEAST_SHIFT: f64 = 1e-14;
+/// Least number of steps between two computations of the Ritz pairs.
+const MIN_STEPS: usize = 4;
+/// Steps made over those between two computations of the Ritz pairs, whose cost is cubic in the steps.
+const STEP_DIVISOR: usize = 10;
+/// Smallest shift below an indefinite matrix, as a share of the largest `|A_ii| / M_ii`.
+const MIN_SHIFT: f64 = 1e-14;
+/// Ratio of one shift to the one before.
 const SHIFT_GROWTH: f64 = 16.0;
-const MOST_SHIFT: f64 = 1e3;
-/// Least distance of the shift from the lowest eigenvalue, as a multiple of its rounding: of a singular A the factor is
-/// rounding alone. And as a share of the distance of the highest that is wanted, for B has that share of its digits;
-/// where it is less, the share that it becomes.
-const SEPARATION: f64 = 1e3;
-const LEAST_SHARE: f64 = 1e-6;
-const SHARE: f64 = 1e-3;
-/// How far above an eigenvalue the others are counted, as a share of its distance from the shift; at least by its
-/// rounding.
-const ABOVE: f64 = 1e-6;
+/// Largest shift, as a share of the largest `|A_ii| / M_ii`.
+const MAX_SHIFT: f64 = 1e3;
+/// Least distance of the shift from the lowest eigenvalue over its rounding: the factor of a singular A is rounding alone.
+const MIN_ROUNDING_RATIO: f64 = 1e3;
+/// The same as a share of the distance of the highest eigenvalue asked for, which is the share of its digits that B has.
+const MIN_SHIFT_DISTANCE: f64 = 1e-6;
+/// The share that a new shift has.
+const SHIFT_DISTANCE: f64 = 1e-3;
+/// Distance above an eigenvalue at which the others are counted, as a share of its distance from the shift; never less than
+/// its rounding.
+const COUNT_OFFSET: f64 = 1e-6;
 
 /// `A x = lambda M x` on the unknowns that are not fixed; with constraints `A x + B p = lambda M x`, `B^T x = 0`.
 #[derive(Clone, Copy)]
@@ -80,7 +81,7 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
     let magnitudes = problem.matrix.magnitudes();
     let rounding = |x: &[f64]| {
         let magnitude: Vec<f64> = x.iter().map(|x| x.abs()).collect();
-        ROUNDING * quadratic_form(&magnitudes, &magnitude, problem.parallel)
+        ENTRY_ROUNDING * quadratic_form(&magnitudes, &magnitude, problem.parallel)
     };
     let mut found = KnownPairs::default();
     let mut missing = wanted;
@@ -100,7 +101,7 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
             missing = wanted - found.values.len();
             continue;
         };
-        let mu = last + (ABOVE * (last - sigma)).max(rounding(&found.vectors[wanted - 1]));
+        let mu = last + (COUNT_OFFSET * (last - sigma)).max(rounding(&found.vectors[wanted - 1]));
         let known = found.values.iter().filter(|&&value| value < mu).count();
         missing = problem.count_below(mu)?.saturating_sub(known);
         if missing == 0 {
@@ -114,7 +115,7 @@ pub fn smallest_eigenpairs(problem: &Eigenproblem, count: usize) -> Result<Eigen
     Err(LinearError::Eigenpairs { found: wanted.saturating_sub(missing), wanted })
 }
 
-/// Most steps of one iteration for so many eigenvalues.
+/// Largest number of steps of one iteration, by the number of eigenvalues.
 fn steps(wanted: usize, unknowns: usize) -> usize {
     unknowns.min(wanted.saturating_mul(10).saturating_add(200))
 }
@@ -129,7 +130,7 @@ impl Eigenproblem<'_> {
         }
         let vectors = steps(count, unknowns) + count;
         let bytes = vectors.saturating_mul(self.fixed.len() * size_of::<f64>());
-        if bytes > BASIS_BYTES {
+        if bytes > MAX_BASIS_BYTES {
             let gib = bytes as f64 / f64::from(1 << 30);
             return Err(LinearError::EigenpairsTooLarge { count, unknowns, gib });
         }
@@ -163,8 +164,8 @@ impl Eigenproblem<'_> {
     /// The first shift at this distance below a value, or farther, that is below all eigenvalues.
     fn shifted_below(&self, value: f64, distance: f64) -> Result<(f64, Inverse<'_>), LinearError> {
         let most = self.largest_quotient();
-        let mut distance = distance.max(LEAST_SHIFT * most);
-        while distance < MOST_SHIFT * most {
+        let mut distance = distance.max(MIN_SHIFT * most);
+        while distance < MAX_SHIFT * most {
             let sigma = value - distance;
             match self.symbolic.factorize(&self.shifted(sigma)?, Pivots::Positive, self.parallel) {
                 Err(FactorError::NotPositive { .. }) => distance *= SHIFT_GROWTH,
@@ -188,7 +189,7 @@ impl Eigenproblem<'_> {
     /// Number of negative eigenvalues; of a matrix that has no factor, being singular, of those below rounding.
     fn count_negative(&self) -> Result<usize, LinearError> {
         match self.count_below(0.0) {
-            Err(error) if error.is_singular() => self.count_below(-LEAST_SHIFT * self.largest_quotient()),
+            Err(error) if error.is_singular() => self.count_below(-MIN_SHIFT * self.largest_quotient()),
             counted => counted,
         }
     }
@@ -281,8 +282,8 @@ impl KnownPairs {
     fn separation(&self, wanted: usize, sigma: f64, rounding: &impl Fn(&[f64]) -> f64) -> Option<f64> {
         let (first, x) = self.values.first().zip(self.vectors.first())?;
         let spread = self.values[wanted.min(self.values.len()) - 1] - first;
-        let (least, below) = (SEPARATION * rounding(x), first - sigma);
-        (below < least.max(LEAST_SHARE * spread)).then(|| (SHIFT_GROWTH * least).max(SHARE * spread))
+        let (least, below) = (MIN_ROUNDING_RATIO * rounding(x), first - sigma);
+        (below < least.max(MIN_SHIFT_DISTANCE * spread)).then(|| (SHIFT_GROWTH * least).max(SHIFT_DISTANCE * spread))
     }
 }
 
@@ -304,13 +305,13 @@ fn lanczos(
     }
     let size = inner.square(&q).sqrt();
     let (_, left) = inner.orthogonalize(&mut q, known.iter());
-    if left <= SPANNED * size {
+    if left <= DEPENDENCE_TOLERANCE * size {
         return Vec::new();
     }
     scale(1.0 / left, &mut q);
     let mut basis = vec![q];
     let (mut alpha, mut beta): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
-    let mut look = PACE;
+    let mut look = MIN_STEPS;
     loop {
         let j = basis.len() - 1;
         let mut w = inner.times_mass(&basis[j]);
@@ -318,9 +319,9 @@ fn lanczos(
         let (h, left) = inner.orthogonalize(&mut w, known.iter().chain(&basis));
         alpha.push(h[known.len() + j]);
         let largest = alpha.iter().chain(&beta).fold(0.0, |most: f64, t| most.max(t.abs()));
-        let exhausted = left <= SPANNED * largest;
+        let exhausted = left <= DEPENDENCE_TOLERANCE * largest;
         if exhausted || j + 1 == steps || j + 1 == look {
-            look += PACE.max(look / PACE_SHARE);
+            look += MIN_STEPS.max(look / STEP_DIVISOR);
             let pairs = Ritz::of(&alpha, &beta);
             let done = pairs.converged(if exhausted { 0.0 } else { left }).min(wanted);
             if exhausted || j + 1 == steps || done == wanted {

@@ -10,10 +10,10 @@ pub use lanczos::{Eigenproblem, smallest_eigenpairs};
 
 use crate::pattern::matrix::SparseMatrix;
 
-/// Most memory of a basis: 8 GiB.
-const BASIS_BYTES: usize = 8 << 30;
+/// Memory of a basis: 8 GiB.
+const MAX_BASIS_BYTES: usize = 8 << 30;
 /// Relative error of the entries of A: sums of some tens of products.
-const ROUNDING: f64 = 16.0 * f64::EPSILON;
+const ENTRY_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// M of `A x = lambda M x`.
 #[derive(Clone, Copy, Debug)]

@@ -9,9 +9,10 @@ use crate::pattern::operator::Preconditioner;
 use crate::solver::System;
 use std::borrow::Cow;
 
-/// Residual and cycles at most of a system with pressures as unknowns, of which one cycle does little.
-const RESIDUAL: f64 = 0.1;
-const CYCLES: usize = 30;
+/// Relative residual of a system with pressures as unknowns, for which one cycle is not enough.
+const RESIDUAL_TOLERANCE: f64 = 0.1;
+/// Cycles of such a system.
+const MAX_CYCLES: usize = 30;
 
 /// A V-cycle of a matrix with a multiple of masses added, or where it has volume modes GMRES with cycles of the rest.
 pub(super) struct ShiftedLevels<'a> {
@@ -59,7 +60,7 @@ impl<'a> ShiftedLevels<'a> {
         let apply = |v: &[f64], out: &mut [f64]| self.matrix.multiply_on(v, out, self.system.parallel);
         let saddle = SaddleGmres { apply: &apply, modes, preconditioner: &self.levels, counts: Counts::Matrix };
         let (mut x, mut p) = (vec![0.0; b.len()], vec![0.0; modes.len()]);
-        saddle.solve(b, Start { u: &mut x, p: &mut p }, Aim { tolerance: RESIDUAL, most: CYCLES });
+        saddle.solve(b, Start { u: &mut x, p: &mut p }, Aim { tolerance: RESIDUAL_TOLERANCE, most: MAX_CYCLES });
         x
     }
 }

@@ -8,7 +8,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::real::Real;
 
 /// Columns taken together.
-const COLUMNS: usize = 8;
+const COLUMNS_PER_PASS: usize = 8;
 /// Partial sums of a scalar product, a vector register or two of them.
 const LANES: usize = 16;
 
@@ -34,9 +34,9 @@ impl<T: Real> WithSimd for Forward<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let height = self.work.len();
-        for first in (0..self.width).step_by(COLUMNS) {
+        for first in (0..self.width).step_by(COLUMNS_PER_PASS) {
             let columns: &[T] = &self.panel[height * first..];
-            let count = COLUMNS.min(self.width - first);
+            let count = COLUMNS_PER_PASS.min(self.width - first);
             let (solved, rest) = self.work[first..].split_at_mut(count);
             for c in 0..count {
                 let mut x = solved[c];
@@ -46,7 +46,7 @@ impl<T: Real> WithSimd for Forward<'_, T> {
                 solved[c] = x / columns[height * c + first + c];
             }
             let below = |c: usize| &columns[height * c + first + count..height * (c + 1)];
-            match <&[T; COLUMNS]>::try_from(&*solved) {
+            match <&[T; COLUMNS_PER_PASS]>::try_from(&*solved) {
                 Ok(x) => subtract(rest, std::array::from_fn(below), x),
                 Err(_) => (0..count).for_each(|c| subtract(rest, [below(c)], &[solved[c]])),
             }
@@ -79,13 +79,13 @@ impl<T: Real> WithSimd for Backward<'_, T> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let height = self.work.len();
-        for first in (0..self.width).step_by(COLUMNS).rev() {
+        for first in (0..self.width).step_by(COLUMNS_PER_PASS).rev() {
             let columns: &[T] = &self.panel[height * first..];
-            let count = COLUMNS.min(self.width - first);
+            let count = COLUMNS_PER_PASS.min(self.width - first);
             let (own, rest) = self.work[first..].split_at_mut(count);
             let below = |c: usize| &columns[height * c + first + count..height * (c + 1)];
-            if count == COLUMNS {
-                let sums = products(std::array::from_fn::<_, COLUMNS, _>(below), rest);
+            if count == COLUMNS_PER_PASS {
+                let sums = products(std::array::from_fn::<_, COLUMNS_PER_PASS, _>(below), rest);
                 own.iter_mut().zip(sums).for_each(|(x, sum)| *x -= sum);
             } else {
                 own.iter_mut().enumerate().for_each(|(c, x)| *x -= products([below(c)], rest)[0]);

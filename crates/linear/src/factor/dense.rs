@@ -15,7 +15,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use super::real::Real;
 
 /// Rows and columns of the largest tile.
-const TILE: usize = 384;
+const MAX_TILE: usize = 384;
 
 /// Runs both, on two threads if `parallel`.
 fn join(parallel: bool, a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
@@ -37,7 +37,7 @@ pub(super) enum Stop {
 /// `[A; B] -> [L; B L^-T]` with `A = L L^T`; only the lower triangle of `A` is read.
 pub(super) fn cholesky<T: Real>(panel: MatMut<'_, T>, parallel: bool) -> Result<(), Stop> {
     let width = panel.ncols();
-    if width > TILE {
+    if width > MAX_TILE {
         let half = width / 2;
         let (mut left, right) = panel.split_at_col_mut(half);
         cholesky(left.as_mut(), parallel)?;
@@ -83,7 +83,7 @@ pub(super) enum Triangle {
 /// `B -> B L^-T`.
 pub(super) fn solve_rows<T: Real>(b: MatMut<'_, T>, l: MatRef<'_, T>, kind: Triangle, parallel: bool) {
     let rows = b.nrows();
-    if rows > TILE {
+    if rows > MAX_TILE {
         let (upper, lower) = b.split_at_row_mut(rows / 2);
         join(parallel, || solve_rows(upper, l, kind, parallel), || solve_rows(lower, l, kind, parallel));
     } else if rows > 0 {
@@ -96,7 +96,7 @@ pub(super) fn solve_rows<T: Real>(b: MatMut<'_, T>, l: MatRef<'_, T>, kind: Tria
     }
 }
 
-/// The lower triangle of a symmetric matrix in slabs of [`TILE`] columns, each a dense column-major block that starts at
+/// The lower triangle of a symmetric matrix in slabs of [`MAX_TILE`] columns, each a dense column-major block that starts at
 /// its diagonal: half the memory of the square, and columns stay contiguous.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Slabs {
@@ -115,15 +115,15 @@ impl Slabs {
 
     /// First column and width of each slab.
     fn slabs(self) -> impl Iterator<Item = (usize, usize)> {
-        (0..self.size).step_by(TILE).map(move |first| (first, TILE.min(self.size - first)))
+        (0..self.size).step_by(MAX_TILE).map(move |first| (first, MAX_TILE.min(self.size - first)))
     }
 
     /// Where column `j` is stored, and its first row there (that of its slab, at most `j`).
     pub fn column(self, j: usize) -> (Range<usize>, usize) {
-        let slab = j / TILE;
-        let first = TILE * slab;
-        // The slabs before have size, size - TILE, ... rows of TILE values.
-        let before = TILE * (slab * self.size - TILE * (slab * slab.saturating_sub(1) / 2));
+        let slab = j / MAX_TILE;
+        let first = MAX_TILE * slab;
+        // The slabs before have size, size - MAX_TILE, ... rows of MAX_TILE values.
+        let before = MAX_TILE * (slab * self.size - MAX_TILE * (slab * slab.saturating_sub(1) / 2));
         let start = before + (j - first) * (self.size - first);
         (start..start + self.size - first, first)
     }
@@ -161,7 +161,7 @@ fn minus_symmetric_product<T: Real>(
     parallel: bool,
 ) {
     let n = c.nrows();
-    if n > TILE {
+    if n > MAX_TILE {
         let (left, right) = c.split_at_col_mut(n / 2);
         let (corner, below) = left.split_at_row_mut(n / 2);
         let ((x_upper, x_lower), (y_upper, y_lower)) = (x.split_at_row(n / 2), y.split_at_row(n / 2));
@@ -182,7 +182,7 @@ fn minus_symmetric_product<T: Real>(
 /// `C = -X Y^T` or `C -= X Y^T`.
 fn minus_product<T: Real>(c: MatMut<'_, T>, accum: Accum, x: MatRef<'_, T>, y: MatRef<'_, T>, parallel: bool) {
     let (rows, columns) = (c.nrows(), c.ncols());
-    if rows > 2 * TILE && rows >= columns {
+    if rows > 2 * MAX_TILE && rows >= columns {
         let (upper, lower) = c.split_at_row_mut(rows / 2);
         let (x_upper, x_lower) = x.split_at_row(rows / 2);
         join(
@@ -190,7 +190,7 @@ fn minus_product<T: Real>(c: MatMut<'_, T>, accum: Accum, x: MatRef<'_, T>, y: M
             || minus_product(upper, accum, x_upper, y, parallel),
             || minus_product(lower, accum, x_lower, y, parallel),
         );
-    } else if columns > 2 * TILE {
+    } else if columns > 2 * MAX_TILE {
         let (left, right) = c.split_at_col_mut(columns / 2);
         let (y_left, y_right) = y.split_at_row(columns / 2);
         join(

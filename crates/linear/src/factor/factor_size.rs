@@ -2,8 +2,8 @@
 
 use crate::pattern::entries::Pattern;
 
-/// Largest factor that is made unasked: 8 GiB. Its workspace comes on top.
-const FACTOR_BYTES: usize = 8 << 30;
+/// Largest factor that is made by default: 8 GiB, without its workspace.
+const MAX_FACTOR_BYTES: usize = 8 << 30;
 
 /// What a factor of a pattern takes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,7 +47,7 @@ pub(super) fn front_flops(width: f64, height: f64) -> f64 {
     squares(height) - squares(height - width)
 }
 
-/// Whether a factor of so many bytes may be made unasked.
+/// Whether a factor of this number of bytes may be made by default.
 pub(crate) fn fits(factor_bytes: usize) -> bool {
-    factor_bytes <= FACTOR_BYTES
+    factor_bytes <= MAX_FACTOR_BYTES
 }

@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 /// Memory at the largest over that of both triangles in the elimination order of the structure, as seen on blocks of hexahedra with 7k to
 /// 95k unknowns (docs/development/performance.md): columns are ordered anew, and pivots chosen.
-const FILL: usize = 4;
+const MAX_FILL_RATIO: usize = 4;
 
 /// The entries of both triangles of a pattern by columns, in elimination order, and the order of its columns (COLAMD).
 #[derive(Debug)]
@@ -184,7 +184,7 @@ fn least_bytes(structure: &Structure) -> usize {
 
 /// What it takes at its largest.
 fn predicted_bytes(structure: &Structure) -> usize {
-    FILL * least_bytes(structure)
+    MAX_FILL_RATIO * least_bytes(structure)
 }
 
 fn too_large(structure: &Structure) -> FactorError {

@@ -18,7 +18,7 @@ struct Sweep<'a, T> {
     values: &'a [T],
     columns: usize,
     blocks: Vec<RwLock<&'a mut [T]>>,
-    /// What each front hands to its parent on the way up, `below x columns`.
+    /// The values that each front passes to its parent, `below x columns`.
     updates: Vec<Mutex<Vec<T>>>,
 }
 

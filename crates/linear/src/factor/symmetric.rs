@@ -1,4 +1,4 @@
-//! Factors and what is done with them: solve, refactorise, count negative pivots.
+//! Factors: solve, refactorise, count negative pivots.
 
 use std::sync::Arc;
 

@@ -3,8 +3,8 @@
 use crate::pattern::operator::Preconditioner;
 use crate::sums;
 
-/// Factor between the true residual and the one carried along within which the steps taken are believed.
-const DRIFT: f64 = 2.0;
+/// Largest ratio of the true residual to the recursive one at which the steps taken are used.
+const MAX_RESIDUAL_DRIFT: f64 = 2.0;
 
 /// Why conjugate gradients stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,13 +65,14 @@ pub enum StoppingTest {
     },
 }
 
-/// Multiple of the residual asked for within which an estimate of the error is believed, and the largest such residual.
-const NEAR: f64 = 1e3;
-const NEAREST: f64 = 1e-4;
+/// Residual over the one asked for, up to which an estimate of the error is used.
+const RESIDUAL_RATIO: f64 = 1e3;
+/// Largest residual at which an estimate of the error is used.
+const MAX_RESIDUAL: f64 = 1e-4;
 
 /// The residual within which an estimate of the error is believed where this one is asked for.
 fn near(residual: f64) -> f64 {
-    (NEAR * residual).min(NEAREST).max(residual)
+    (RESIDUAL_RATIO * residual).min(MAX_RESIDUAL).max(residual)
 }
 
 impl StoppingTest {
@@ -93,7 +94,9 @@ impl StoppingTest {
     fn holds(&self, relative: f64, carried: f64, steps: &Steps, asked: f64) -> bool {
         match *self {
             StoppingTest::Residual(tolerance) => relative <= tolerance,
-            StoppingTest::Error(tolerance) => relative <= DRIFT * carried || corrected(steps, asked, tolerance),
+            StoppingTest::Error(tolerance) => {
+                relative <= MAX_RESIDUAL_DRIFT * carried || corrected(steps, asked, tolerance)
+            }
             StoppingTest::Either { error, residual } => {
                 relative <= residual
                     || relative <= near(residual) && StoppingTest::Error(error).holds(relative, carried, steps, asked)

@@ -5,7 +5,7 @@ use crate::pattern::operator::Preconditioner;
 use crate::sums;
 
 /// Directions of [`gmres`] between restarts.
-const LENGTH: usize = 60;
+const RESTART_LENGTH: usize = 60;
 
 /// What differs between the systems that are solved by [`flexible_gmres`].
 #[derive(Clone, Copy)]
@@ -208,7 +208,7 @@ struct Preconditioned<'a> {
 
 impl FlexibleSystem for Preconditioned<'_> {
     fn rules(&self) -> CycleRules {
-        CycleRules { length: LENGTH, passes: 2, parallel: false, split: self.b.len() }
+        CycleRules { length: RESTART_LENGTH, passes: 2, parallel: false, split: self.b.len() }
     }
 
     fn residual(&mut self) -> Vec<f64> {
@@ -249,7 +249,7 @@ impl FlexibleSystem for Preconditioned<'_> {
     }
 
     fn take(&mut self, cycle: &Cycle) {
-        self.before = (cycle.len() < LENGTH).then_some(cycle.size());
+        self.before = (cycle.len() < RESTART_LENGTH).then_some(cycle.size());
         let mut step = vec![0.0; self.b.len()];
         for (factor, v) in cycle.coefficients().iter().zip(cycle.basis()) {
             sums::zipped(&mut step, v, false, |x, v| *x += factor * v);

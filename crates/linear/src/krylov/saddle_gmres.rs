@@ -1,4 +1,4 @@
-//! Nearly incompressible matrices by GMRES, with the pressures as unknowns of their own.
+//! Nearly incompressible matrices by GMRES, with the pressures as unknowns.
 
 use super::conjugate_gradients::{CgEnd, CgReport, relative};
 use super::gmres::{Cycle, CycleRules, FlexibleSystem, Next, flexible_gmres};
@@ -7,20 +7,21 @@ use crate::pattern::operator::Preconditioner;
 use crate::sums::{self, dot};
 
 /// Vectors between restarts.
-const LENGTH: usize = 30;
-/// A direction with less curvature than this share of that of its newest part adds nothing but rounding.
-const DEPENDENT: f64 = 1e-10;
-/// Iterations where A is not positive definite, and K may not be.
-const MOST_UNSURE: usize = 60;
-/// Share of the residual left by all directions between two restarts beyond which nothing more is expected.
-const STAGNATION: f64 = 0.8;
-/// Share of the residual that is aimed at where a solution was looked at and not good enough yet, and the most that it falls until the next look.
-const MARGIN: f64 = 0.7;
-const NEXT_LOOK: f64 = 1e-3;
+const RESTART_LENGTH: usize = 30;
+/// Curvature of a direction, as a share of the curvature of its newest part, below which it is rounding.
+const DEPENDENCE_TOLERANCE: f64 = 1e-10;
+/// Iterations where A is not positive definite, so that K may not be either.
+const MAX_INDEFINITE_ITERATIONS: usize = 60;
+/// Share of the residual left by all directions between two restarts, above which the iteration stagnates.
+const STAGNATION_RATIO: f64 = 0.8;
+/// Largest ratio of the residual at the next evaluation of the solution to the present one, where the solution is not accurate enough yet.
+const TARGET_RATIO: f64 = 0.7;
+/// Smallest such ratio.
+const MIN_DECREASE: f64 = 1e-3;
 
 /// `K x = f` with `K = A + B^T C^-1 B`: the saddle-point system `A u + B^T p = f`, `B u - C p = 0` by flexible GMRES, whose preconditioner
-/// is a block triangle of one of A and of `1 / c + 1 / g` per pressure, g being what A has of the bulk modulus: `B A^-1 B^T` is near `1 / g` whatever the mesh,
-/// where displacements control pressures. A solution counts by its residual of K, in which an error of the second row is one of the bulk modulus, or by that of
+/// is block triangular, with a preconditioner of A and `1 / c + 1 / g` per pressure, g being the bulk modulus of A: `B A^-1 B^T` is near `1 / g` for any mesh
+/// on which displacements control pressures. The residual is that of K, in which an error of the second row is multiplied by the bulk modulus, or that of
 /// the saddle-point system, whose second row is then a force, `|b| / (1 / c + 1 / g)` times the difference of the volumes.
 ///
 /// Elman, Silvester, Wathen, *Finite Elements and Fast Iterative Solvers* (2014), chapter 4.
@@ -33,7 +34,7 @@ pub(crate) struct SaddleGmres<'a> {
     pub counts: Counts,
 }
 
-/// The residual that a solution counts by.
+/// The residual of the stopping test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Counts {
     /// Of K, as a share of the right-hand side.
@@ -48,38 +49,38 @@ pub(crate) struct Start<'a> {
     pub p: &'a mut [f64],
 }
 
-/// Residual wanted, and iterations at most.
+/// Residual and largest number of iterations.
 #[derive(Clone, Copy)]
 pub(crate) struct Aim {
     pub tolerance: f64,
     pub most: usize,
 }
 
-/// What an iteration did.
+/// The report of an iteration.
 pub(crate) struct SaddleReport {
     pub cg: CgReport,
-    /// Whether A had positive curvature along all that was looked at, so that K has.
+    /// Whether A had positive curvature along all directions, so that K has.
     pub positive: bool,
 }
 
-/// Cholesky's factor of `z_i . A z_j`, by rows; rows of what adds nothing are zero but for an infinite last entry.
+/// Cholesky's factor of `z_i . A z_j`, by rows; rows of dependent directions are zero except for an infinite last entry.
 #[derive(Default)]
 struct Curvature {
     rows: Vec<Vec<f64>>,
 }
 
-/// Where an iteration stands.
+/// The state of an iteration.
 struct Run<'a> {
     saddle: &'a SaddleGmres<'a>,
     f: &'a [f64],
-    /// What residuals are shares of.
+    /// The norm that residuals are relative to.
     scale: f64,
     tolerance: f64,
     most: usize,
     rows: Rows,
     u: &'a mut [f64],
     p: &'a mut [f64],
-    /// Displacements and pressures since the last restart, rounded: flexible GMRES takes any preconditioner.
+    /// Displacements and pressures since the last restart, rounded: flexible GMRES admits any preconditioner.
     directions: Vec<[Vec<f32>; 2]>,
     curvature: Curvature,
     /// A negative curvature of K along the last one.
@@ -88,15 +89,15 @@ struct Run<'a> {
     positive: bool,
     /// Residual of the saddle-point system at the last restart.
     left: f64,
-    /// Residual of K that was last looked at, and what the one of the saddle-point system has to fall to before the next look.
+    /// Last computed residual of K, and the residual of the saddle-point system at which the next one is computed.
     seen: f64,
     next_look: f64,
 }
 
 impl SaddleGmres<'_> {
-    /// Memory of the vectors between restarts, for so many unknowns.
+    /// Memory of the vectors between restarts, for this number of unknowns.
     pub fn bytes(unknowns: usize) -> usize {
-        LENGTH * (size_of::<f64>() + size_of::<f32>()) * unknowns
+        RESTART_LENGTH * (size_of::<f64>() + size_of::<f32>()) * unknowns
     }
 
     /// From the given displacements and pressures, which may be zero.
@@ -130,10 +131,10 @@ impl SaddleGmres<'_> {
 impl FlexibleSystem for Run<'_> {
     fn rules(&self) -> CycleRules {
         let (split, parallel) = (self.f.len(), self.saddle.preconditioner.parallel());
-        CycleRules { length: LENGTH, passes: 1, parallel, split }
+        CycleRules { length: RESTART_LENGTH, passes: 1, parallel, split }
     }
 
-    /// Forces, and differences of volumes in the place of which forces stand.
+    /// Forces, and differences of volumes scaled to forces.
     fn residual(&mut self) -> Vec<f64> {
         self.directions.clear();
         self.curvature = Curvature::default();
@@ -187,7 +188,7 @@ impl FlexibleSystem for Run<'_> {
         if let Some((end, residual)) = end {
             return Next::End(end, residual);
         }
-        let spent = iterations == self.most || !self.positive && iterations >= MOST_UNSURE;
+        let spent = iterations == self.most || !self.positive && iterations >= MAX_INDEFINITE_ITERATIONS;
         if cycle.is_over() || !spent {
             return Next::Step;
         }
@@ -213,7 +214,7 @@ impl Run<'_> {
         if size == 0.0 {
             return Some((CgEnd::Converged, 0.0));
         }
-        (size > STAGNATION * before).then(|| (CgEnd::Stagnated, self.look(cycle)))
+        (size > STAGNATION_RATIO * before).then(|| (CgEnd::Stagnated, self.look(cycle)))
     }
 
     fn end_after_step(&mut self, cycle: &Cycle) -> Option<(CgEnd, f64)> {
@@ -235,21 +236,21 @@ impl Run<'_> {
         if self.seen <= self.tolerance {
             return Some((CgEnd::Converged, self.seen));
         }
-        if self.seen > 0.5 * before && left <= f64::EPSILON * NEXT_LOOK.recip() {
+        if self.seen > 0.5 * before && left <= f64::EPSILON * MIN_DECREASE.recip() {
             return Some((CgEnd::Stagnated, self.seen));
         }
-        self.next_look = left * (MARGIN * self.tolerance / self.seen).clamp(NEXT_LOOK, MARGIN);
+        self.next_look = left * (TARGET_RATIO * self.tolerance / self.seen).clamp(MIN_DECREASE, TARGET_RATIO);
         None
     }
 
-    /// Looks for negative curvature of A among the directions and, where there is some, of K.
+    /// Tests for negative curvature of A among the directions and, if there is any, of K.
     fn negative_curvature(&mut self, z: &[f64], az: &[f64]) -> Option<f64> {
         let SaddleGmres { modes, preconditioner, .. } = self.saddle;
         let parallel = preconditioner.parallel();
         let (own, earlier) = (dot(z, az, parallel), self.directions.len() - 1);
         let products = self.directions[..earlier].iter().map(|[u, _]| sums::dot_single(u, az, parallel)).collect();
         let (pivot, along) = self.curvature.push(products, own);
-        if pivot > -DEPENDENT * own.abs() {
+        if pivot > -DEPENDENCE_TOLERANCE * own.abs() {
             return None;
         }
         self.positive = false;
@@ -264,7 +265,7 @@ impl Run<'_> {
         (of_k <= 0.0).then(|| of_k / dot(&direction, &direction, parallel))
     }
 
-    /// The residual that counts of what the directions make.
+    /// The residual of the stopping test for the present combination of the directions.
     fn look(&self, cycle: &Cycle) -> f64 {
         if self.saddle.counts != Counts::Matrix {
             return cycle.left() / self.scale;
@@ -295,7 +296,7 @@ pub(crate) fn residual_of_pressures(modes: &VolumeModes, f: &[f64], p: &[f64], p
 struct Rows {
     /// `|b|`, 1 where that is zero.
     size: Vec<f64>,
-    /// `|b| / (1 / c + 1 / g)`: what makes the difference of a volume a force.
+    /// `|b| / (1 / c + 1 / g)`, which scales the difference of a volume to a force.
     scale: Vec<f64>,
 }
 
@@ -321,7 +322,7 @@ impl Curvature {
             let known: f64 = (i + 1..along.len()).map(|k| self.rows[k][i] * along[k]).sum();
             along[i] = (along[i] - known) / self.rows[i][i];
         }
-        match pivot > DEPENDENT * own.abs() {
+        match pivot > DEPENDENCE_TOLERANCE * own.abs() {
             true => row.push(pivot.sqrt()),
             false => {
                 row.fill(0.0);

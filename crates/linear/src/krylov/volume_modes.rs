@@ -5,7 +5,7 @@ use crate::pattern::matrix::SparseMatrix;
 use rayon::prelude::*;
 
 /// Modes or nodes of one task.
-const CHUNK: usize = 2048;
+const ROWS_PER_TASK: usize = 2048;
 
 /// The stiff part of a symmetric matrix, `sum_e c_e b_e b_e^T`: of a nearly incompressible body every `b_e` is the derivative of the mean volume of a
 /// cell or patch of cells, and `c_e` its bulk modulus, less a share that stays with the rest. Any split will do that leaves a rest which is positive definite and
@@ -196,14 +196,14 @@ impl VolumeModes {
     }
 }
 
-/// Calls with the number of every part of so many numbers, and the part.
+/// Calls a function with the index of every part, and the part.
 fn each(values: &mut [f64], size: usize, parallel: bool, set: impl Fn(usize, &mut [f64]) + Sync) {
     let chunk = |(k, chunk): (usize, &mut [f64])| {
-        chunk.chunks_exact_mut(size).enumerate().for_each(|(at, part)| set(CHUNK * k + at, part));
+        chunk.chunks_exact_mut(size).enumerate().for_each(|(at, part)| set(ROWS_PER_TASK * k + at, part));
     };
-    if parallel && values.len() > CHUNK * size {
-        values.par_chunks_mut(CHUNK * size).enumerate().for_each(chunk);
+    if parallel && values.len() > ROWS_PER_TASK * size {
+        values.par_chunks_mut(ROWS_PER_TASK * size).enumerate().for_each(chunk);
     } else {
-        values.chunks_mut(CHUNK * size).enumerate().for_each(chunk);
+        values.chunks_mut(ROWS_PER_TASK * size).enumerate().for_each(chunk);
     }
 }

@@ -10,10 +10,10 @@ use std::sync::OnceLock;
 /// The variable of the environment that limits the memory of the process: see [`limit`].
 pub const LIMIT: &str = "NASTIC_MEMORY";
 
-/// Below this size the machine is not asked, only the limit of the user: asking takes as long as a small factor.
-const SMALL: usize = 64 << 20;
-/// But before the first factor of this size, with which dense products have their buffers.
-const BUFFERED: usize = 128 << 10;
+/// Size from which the memory of the machine is queried, not the limit of the user alone: a query takes as long as a small factor.
+const MIN_CHECKED_BYTES: usize = 64 << 20;
+/// Size of the first factor before which it is queried too: from it on dense products allocate their buffers.
+const MIN_BUFFERED_BYTES: usize = 128 << 10;
 
 /// [`LIMIT`] holds a text that is no size.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -52,12 +52,12 @@ pub fn limit() -> Result<Option<usize>, LimitError> {
     SET.get_or_init(read).clone()
 }
 
-/// Whether so many bytes more can be allocated for `what`.
+/// Whether `needed` more bytes can be allocated for `what`.
 ///
 /// # Errors
 /// [`FactorError::Memory`], [`FactorError::Limit`].
 pub(crate) fn check(what: &'static str, needed: usize) -> Result<(), FactorError> {
-    compare(what, needed, if needed < SMALL { of_limit()? } else { available()? })
+    compare(what, needed, if needed < MIN_CHECKED_BYTES { of_limit()? } else { available()? })
 }
 
 /// The same of a factor, whose dense products have buffers.
@@ -66,12 +66,12 @@ pub(crate) fn check(what: &'static str, needed: usize) -> Result<(), FactorError
 /// As [`check`].
 pub(crate) fn check_factor(what: &'static str, needed: usize) -> Result<(), FactorError> {
     let uses = match needed {
-        0..BUFFERED => Buffers::None,
-        BUFFERED..SMALL => Buffers::OfOneThread,
+        0..MIN_BUFFERED_BYTES => Buffers::None,
+        MIN_BUFFERED_BYTES..MIN_CHECKED_BYTES => Buffers::OfOneThread,
         _ => Buffers::OfAll,
     };
     let first = packing::made() < uses;
-    compare(what, needed, if needed < SMALL && !first { of_limit()? } else { available()? })?;
+    compare(what, needed, if needed < MIN_CHECKED_BYTES && !first { of_limit()? } else { available()? })?;
     packing::make(uses);
     Ok(())
 }

@@ -4,10 +4,10 @@ use super::block_matrix::BlockMatrix;
 use super::chunks;
 use super::couplings::{BlockRows, Couplings};
 
-/// A coupling is strong where `|A_ij|^2 > STRONG^2 |A_ii| |A_jj|` (Frobenius norms of the blocks).
-const STRONG: f64 = 0.02;
+/// A coupling is strong where `|A_ij|^2 > STRENGTH_THRESHOLD^2 |A_ii| |A_jj|` (Frobenius norms of the blocks).
+const STRENGTH_THRESHOLD: f64 = 0.02;
 /// Marks a node that belongs to no aggregate: nothing couples it to others, the smoother is enough for it.
-pub(super) const ALONE: u32 = u32::MAX;
+pub(super) const NO_AGGREGATE: u32 = u32::MAX;
 
 /// The aggregates of the nodes of a level.
 #[derive(Debug)]
@@ -24,10 +24,10 @@ impl Aggregates {
     pub fn new(matrix: &BlockMatrix, strength: &Strength) -> Self {
         let couplings = &*matrix.couplings;
         let (nodes, strong) = (couplings.rows.rows(), |i: usize| strength.strong(couplings, i));
-        let mut of_node = vec![ALONE; nodes];
+        let mut of_node = vec![NO_AGGREGATE; nodes];
         let mut count = 0u32;
         for i in 0..nodes {
-            let free = |j: u32| of_node[j as usize] == ALONE;
+            let free = |j: u32| of_node[j as usize] == NO_AGGREGATE;
             if free(i as u32) && strong(i).next().is_some() && strong(i).all(|(j, _)| free(j)) {
                 of_node[i] = count;
                 strong(i).for_each(|(j, _)| of_node[j as usize] = count);
@@ -36,9 +36,9 @@ impl Aggregates {
         }
         let whole = of_node.clone();
         let scale = |i: usize| couplings.rows.position(i, i as u32).map_or(0.0, |at| matrix.square(at).sqrt());
-        for i in (0..nodes).filter(|&i| whole[i] == ALONE) {
+        for i in (0..nodes).filter(|&i| whole[i] == NO_AGGREGATE) {
             let own = scale(i);
-            let joined = strong(i).filter(|&(j, _)| whole[j as usize] != ALONE);
+            let joined = strong(i).filter(|&(j, _)| whole[j as usize] != NO_AGGREGATE);
             let weighed = joined.map(|(j, at)| (j, matrix.square(at) / (own * scale(j as usize))));
             if let Some((j, _)) = weighed.reduce(|best, next| if next.1 > best.1 { next } else { best }) {
                 of_node[i] = whole[j as usize];
@@ -49,10 +49,10 @@ impl Aggregates {
             row.any(|at| couplings.rows.columns[at] as usize != i && matrix.square(at) > 0.0)
         };
         for i in 0..nodes {
-            if of_node[i] == ALONE && coupled(i) {
+            if of_node[i] == NO_AGGREGATE && coupled(i) {
                 of_node[i] = count;
                 for (j, _) in strong(i) {
-                    if of_node[j as usize] == ALONE {
+                    if of_node[j as usize] == NO_AGGREGATE {
                         of_node[j as usize] = count;
                     }
                 }
@@ -71,7 +71,7 @@ impl Aggregates {
 
 fn members(of_node: &[u32], count: usize) -> BlockRows {
     let mut starts = vec![0; count + 1];
-    let grouped = || of_node.iter().enumerate().filter(|&(_, &aggregate)| aggregate != ALONE);
+    let grouped = || of_node.iter().enumerate().filter(|&(_, &aggregate)| aggregate != NO_AGGREGATE);
     grouped().for_each(|(_, &aggregate)| starts[aggregate as usize + 1] += 1);
     (0..count).for_each(|a| starts[a + 1] += starts[a]);
     let (mut next, mut columns) = (starts.clone(), vec![0; starts[count]]);
@@ -119,7 +119,7 @@ impl Strength {
 
 fn is_strong(matrix: &BlockMatrix, scales: &[f64], i: usize, at: usize) -> bool {
     let j = matrix.couplings.rows.columns[at] as usize;
-    j != i && matrix.square(at) > STRONG * STRONG * scales[i] * scales[j]
+    j != i && matrix.square(at) > STRENGTH_THRESHOLD * STRENGTH_THRESHOLD * scales[i] * scales[j]
 }
 
 /// `|A_ii|` of every node.

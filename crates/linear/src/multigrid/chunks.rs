@@ -7,7 +7,7 @@ use rayon::prelude::*;
 /// Block rows handled by one task. Fixed, so that nothing depends on the number of threads.
 pub(super) const CHUNK: usize = 512;
 
-/// What a function makes of every chunk of so many rows, in their order.
+/// The results of a function for every chunk of rows, in their order.
 pub(super) fn map<T: Send>(rows: usize, parallel: bool, make: impl Fn(Range<usize>) -> T + Sync + Send) -> Vec<T> {
     let chunk = |k: usize| make(CHUNK * k..(CHUNK * (k + 1)).min(rows));
     let chunks = 0..rows.div_ceil(CHUNK);

@@ -7,11 +7,12 @@ use super::chunks;
 use super::corners::Corners;
 use super::couplings::{BlockRows, Couplings};
 
-/// Cells of one task, and those whose matrices are held at a time.
-const TASK: usize = 64;
-const WAVE: usize = 16 * TASK;
+/// Cells of one task.
+const CELLS_PER_TASK: usize = 64;
+/// Cells whose matrices are held at a time.
+const CELLS_PER_WAVE: usize = 16 * CELLS_PER_TASK;
 /// Pairs of corners of a cell.
-const PAIRS: usize = size_of::<CornerMatrix>() / size_of::<[[f64; 3]; 3]>();
+const PAIRS_PER_CELL: usize = size_of::<CornerMatrix>() / size_of::<[[f64; 3]; 3]>();
 
 /// Which corners share a cell, and where the matrices of cells are added.
 #[derive(Debug)]
@@ -71,14 +72,18 @@ impl CornerCells {
     pub fn values(&self, products: &dyn CellProducts, fixed: &[bool], parallel: bool) -> Vec<f64> {
         let Couplings { rows, stored, .. } = &*self.couplings;
         let mut blocks = vec![[[0.0; 3]; 3]; stored[rows.rows()]];
-        let cells = self.codes.len() / PAIRS;
-        let mut room: Vec<CornerMatrix> = vec![[[[0.0; 3]; 3]; PAIRS]; WAVE.min(cells)];
-        for first in (0..cells).step_by(WAVE) {
-            let matrices = &mut room[..WAVE.min(cells - first)];
-            chunks::each(matrices.chunks_mut(TASK).collect(), parallel, |k, matrices: &mut [CornerMatrix]| {
-                products.corner_matrices(first + TASK * k, matrices);
-            });
-            let codes = self.codes[PAIRS * first..].chunks_exact(PAIRS);
+        let cells = self.codes.len() / PAIRS_PER_CELL;
+        let mut room: Vec<CornerMatrix> = vec![[[[0.0; 3]; 3]; PAIRS_PER_CELL]; CELLS_PER_WAVE.min(cells)];
+        for first in (0..cells).step_by(CELLS_PER_WAVE) {
+            let matrices = &mut room[..CELLS_PER_WAVE.min(cells - first)];
+            chunks::each(
+                matrices.chunks_mut(CELLS_PER_TASK).collect(),
+                parallel,
+                |k, matrices: &mut [CornerMatrix]| {
+                    products.corner_matrices(first + CELLS_PER_TASK * k, matrices);
+                },
+            );
+            let codes = self.codes[PAIRS_PER_CELL * first..].chunks_exact(PAIRS_PER_CELL);
             for (block, &code) in matrices.iter().zip(codes).flat_map(|(matrix, codes)| matrix.iter().zip(codes)) {
                 let sum = &mut blocks[(code >> 1) as usize];
                 for r in 0..3 {

@@ -13,11 +13,11 @@ use super::couplings::{BlockRows, Couplings, Symmetric};
 use super::transfer::{Transfer, with_shape};
 
 /// Chunks of one slab: enough for all threads, few enough for a cache.
-const SLAB: usize = 16;
-/// Rows of the product taken up by one task.
-const FEW: usize = 8;
-/// No place among the columns of a row.
-const NOWHERE: u32 = u32::MAX;
+const CHUNKS_PER_SLAB: usize = 16;
+/// Rows of the product that one task forms.
+const ROWS_PER_TASK: usize = 8;
+/// No position among the columns of a row.
+const NO_POSITION: u32 = u32::MAX;
 
 /// The couplings of `P^T A P`.
 pub(super) fn couplings(fine: &Couplings, transfer: &Transfer, parallel: bool) -> Arc<Couplings> {
@@ -25,7 +25,7 @@ pub(super) fn couplings(fine: &Couplings, transfer: &Transfer, parallel: bool) -
         transfer.rows.block_columns,
         transfer.rows.block_columns,
         parallel,
-        || (vec![NOWHERE; fine.rows.rows()], vec![NOWHERE; transfer.rows.block_columns], Vec::new()),
+        || (vec![NO_POSITION; fine.rows.rows()], vec![NO_POSITION; transfer.rows.block_columns], Vec::new()),
         |(seen_fine, seen, reached): &mut (Vec<u32>, Vec<u32>, Vec<u32>), row, out| {
             let mark = row as u32;
             reached.clear();
@@ -88,10 +88,10 @@ fn product_of_blocks<const R: usize, const C: usize, const W: usize>(
 ) {
     let rows = fine.couplings.rows.rows();
     let mut targets = targets::<C>(coarse, values);
-    let mut moved: Vec<Moved<R, W>> = (0..SLAB).map(|_| Moved::default()).collect();
-    let nowhere = || vec![NOWHERE; coarse.rows.rows()];
-    for first in (0..rows).step_by(SLAB * CHUNK) {
-        let last = (first + SLAB * CHUNK).min(rows);
+    let mut moved: Vec<Moved<R, W>> = (0..CHUNKS_PER_SLAB).map(|_| Moved::default()).collect();
+    let nowhere = || vec![NO_POSITION; coarse.rows.rows()];
+    for first in (0..rows).step_by(CHUNKS_PER_SLAB * CHUNK) {
+        let last = (first + CHUNKS_PER_SLAB * CHUNK).min(rows);
         chunks::each_with(moved.iter_mut().collect(), parallel, nowhere, |place, k, moved| {
             let chunk = first + CHUNK * k..(first + CHUNK * (k + 1)).min(last);
             Arch::new().dispatch(Multiply::<R, C, W> { fine, transfer, rows: chunk, place, moved });
@@ -135,7 +135,10 @@ fn targets<'v, const C: usize>(coarse: &Couplings, values: &'v mut [f64]) -> Vec
         (row, Target { done: 0, sums })
     };
     let rows = coarse.rows.rows();
-    (0..rows).step_by(FEW).map(|first| (first..(first + FEW).min(rows)).map(&mut of_row).collect()).collect()
+    (0..rows)
+        .step_by(ROWS_PER_TASK)
+        .map(|first| (first..(first + ROWS_PER_TASK).min(rows)).map(&mut of_row).collect())
+        .collect()
 }
 
 /// `A P` in a chunk of rows; rows of blocks are padded to W numbers, a register of the widest instructions.
@@ -180,7 +183,7 @@ impl<const R: usize, const C: usize, const W: usize> WithSimd for Multiply<'_, R
                 let of_p = transfer.rows.row(j as usize);
                 for (block, &column) in blocks[of_p.clone()].iter().zip(&transfer.rows.columns[of_p]) {
                     let at = &mut place[column as usize];
-                    if *at == NOWHERE {
+                    if *at == NO_POSITION {
                         *at = (moved.columns.len() - first) as u32;
                         moved.columns.push(column);
                         moved.blocks.push([[0.0; W]; R]);
@@ -189,7 +192,7 @@ impl<const R: usize, const C: usize, const W: usize> WithSimd for Multiply<'_, R
                     add_product(a, block, sum);
                 }
             }
-            moved.columns[first..].iter().for_each(|&column| place[column as usize] = NOWHERE);
+            moved.columns[first..].iter().for_each(|&column| place[column as usize] = NO_POSITION);
             moved.ends.push(moved.columns.len());
         }
     }
@@ -226,7 +229,7 @@ impl<const R: usize, const C: usize, const W: usize> WithSimd for TakeUp<'_, R, 
                 add_transposed_product(p, term, &mut self.sums[place[column as usize] as usize]);
             }
         }
-        columns.iter().for_each(|&column| place[column as usize] = NOWHERE);
+        columns.iter().for_each(|&column| place[column as usize] = NO_POSITION);
     }
 }
 

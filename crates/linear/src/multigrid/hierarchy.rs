@@ -17,7 +17,7 @@ use crate::pattern::entries::Pattern;
 use crate::pattern::matrix::SparseMatrix;
 use crate::pattern::operator::Preconditioner;
 
-/// What multigrid must know of a body besides its matrix.
+/// The data of a body that multigrid needs besides its matrix.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometry<'a> {
     /// Current positions of the nodes (z = 0 in two dimensions).
@@ -32,20 +32,20 @@ pub struct Geometry<'a> {
 
 /// A symmetric positive definite approximation of the inverse of a positive definite matrix.
 ///
-/// Its bits depend on the matrices and geometries it was made of alone, not on the number of threads.
+/// Its bits depend only on its matrices and geometries, not on the number of threads.
 #[derive(Debug)]
 pub struct Multigrid {
-    /// What the levels were laid out for.
+    /// The data that the levels were made for.
     pattern: Arc<Pattern>,
     fixed: Vec<bool>,
     finest: Arc<Couplings>,
     levels: Vec<Level>,
     coarsest: Option<Coarsest>,
     layouts: usize,
-    /// Of the matrix, where products stand for its entries: a bound of its largest eigenvalue.
+    /// A bound of the largest eigenvalue of the matrix, where products replace its entries.
     norm: f64,
     parallel: bool,
-    /// Working memory of cycles that are over.
+    /// Working memory of earlier cycles.
     vectors: Mutex<Vec<Vec<Vectors>>>,
 }
 
@@ -56,13 +56,13 @@ struct Coarsest {
     factor: Option<Factor>,
 }
 
-/// A level is factorised when its factor has no more entries than this share of the finest matrix: a cycle then spends
-/// no more on it than on smoothing.
-const COARSEST_SHARE: f64 = 0.5;
-/// Larger levels are not considered for a factor: ordering them costs more than a level.
-const ANALYSED: usize = 60_000;
-/// A level with more than this share of the nodes of the one above does not pay.
-const COARSENING: f64 = 0.7;
+/// Entries of the factor of a level over those of the finest matrix, up to which the level is factorised: a cycle then
+/// spends no more on it than on smoothing.
+const MAX_FACTOR_SHARE: f64 = 0.5;
+/// Unknowns of a level that is considered for a factor: ordering a larger one costs more than a level.
+const MAX_ANALYSED_UNKNOWNS: usize = 60_000;
+/// Nodes of a level over those of the finer one, above which no further level is made.
+const MAX_COARSENING_RATIO: f64 = 0.7;
 
 impl Multigrid {
     /// The levels of a matrix whose supports are eliminated, one to three unknowns per node.
@@ -92,11 +92,11 @@ impl Multigrid {
         }
     }
 
-    /// Becomes the levels of another matrix. Couplings and aggregates are kept where pattern and supports are the same, and
-    /// the strong couplings of a level are so but for a twentieth; values are computed in place.
+    /// Becomes the levels of another matrix. Couplings and aggregates are reused where pattern and supports are the same, and
+    /// at most a twentieth of the strong couplings of a level has changed; values are computed in place.
     ///
     /// # Errors
-    /// As [`new`](Self::new); of no use as a preconditioner then, until it is renewed.
+    /// As [`new`](Self::new); then it is no preconditioner until it is renewed.
     pub fn renew(&mut self, matrix: &SparseMatrix, geometry: &Geometry, parallel: bool) -> Result<(), FactorError> {
         let (dim, nodes) = (matrix.pattern().dim(), matrix.pattern().nodes());
         check("dofs per node (one to three)", dim.clamp(1, 3), dim)?;
@@ -118,7 +118,7 @@ impl Multigrid {
         self.renew_from(0, &matrix.values, modes, geometry.corners)
     }
 
-    /// The same with products in the place of entries.
+    /// The same with products instead of entries.
     fn renew_by_products(
         &mut self,
         pattern: &Arc<Pattern>,
@@ -141,12 +141,12 @@ impl Multigrid {
         self.renew_from(1, &below.values, modes_of_corners(corners, 3, geometry, self.parallel), None)
     }
 
-    /// Whether levels were laid out for another pattern or other supports.
+    /// Whether levels were made for another pattern or other supports.
     fn is_foreign(&self, pattern: &Arc<Pattern>, geometry: &Geometry) -> bool {
         !Arc::ptr_eq(&self.pattern, pattern) || self.fixed != geometry.fixed
     }
 
-    /// Begins anew.
+    /// Drops all levels.
     fn lay_out_for(&mut self, pattern: &Arc<Pattern>, geometry: &Geometry) {
         (self.pattern, self.fixed) = (pattern.clone(), geometry.fixed.to_vec());
         self.cut(0);
@@ -189,7 +189,7 @@ impl Multigrid {
         lock(&self.vectors).clear();
     }
 
-    /// Lays out the next level for a matrix, or decides that it is the last.
+    /// Makes the next level for a matrix, or decides that it is the last.
     fn lay_out(&mut self, values: &[f64], corners: Option<&Corners>) -> Result<(), StructureError> {
         let parallel = self.parallel;
         let couplings = self.last_couplings().clone();
@@ -200,22 +200,22 @@ impl Multigrid {
             self.levels.push(Level::of_corners(matrix, corners, &self.fixed, parallel));
             return Ok(());
         }
-        if !self.levels.is_empty() && couplings.unknowns() <= ANALYSED {
+        if !self.levels.is_empty() && couplings.unknowns() <= MAX_ANALYSED_UNKNOWNS {
             let symbolic = coarsest::analyse(&couplings)?;
-            if symbolic.nonzeros() as f64 <= COARSEST_SHARE * self.finest_numbers() as f64 {
+            if symbolic.nonzeros() as f64 <= MAX_FACTOR_SHARE * self.finest_numbers() as f64 {
                 self.coarsest = Some(Coarsest { symbolic, factor: None });
                 return Ok(());
             }
         }
         matrix.fill(values, None, parallel);
-        match Level::of_aggregates(matrix, modes::count(self.finest.size), COARSENING, parallel) {
+        match Level::of_aggregates(matrix, modes::count(self.finest.size), MAX_COARSENING_RATIO, parallel) {
             Some(level) => self.levels.push(level),
             None => self.coarsest = Some(Coarsest { symbolic: coarsest::analyse(&couplings)?, factor: None }),
         }
         Ok(())
     }
 
-    /// Numbers that a product on the finest level passes.
+    /// Numbers that a product on the finest level reads.
     fn finest_numbers(&self) -> usize {
         match self.levels.first().filter(|_| self.finest.codes.is_empty()) {
             Some(level) => level.matrix.numbers(),
@@ -240,7 +240,7 @@ impl Multigrid {
         Ok(())
     }
 
-    /// The error of a node of the l-th level.
+    /// The error that names a node of the l-th level.
     fn not_positive(&self, l: usize, node: usize) -> FactorError {
         let node = self.levels[..l].iter().rev().fold(node, |node, level| level.node_above(node));
         FactorError::NotPositive { node, component: 0 }
@@ -260,26 +260,26 @@ impl Multigrid {
         levels + self.last_couplings().bytes() + coarsest.map_or(0, Factor::bytes) + vectors
     }
 
-    /// A bound of the largest eigenvalue of the matrix, where products stand for its entries.
+    /// A bound of the largest eigenvalue of the matrix, where products replace its entries.
     pub(crate) fn norm(&self) -> f64 {
         self.norm
     }
 
-    /// How often a level was laid out: its couplings and aggregates made.
+    /// How often the couplings and aggregates of a level were made.
     pub fn layouts(&self) -> usize {
         self.layouts
     }
 }
 
 impl Multigrid {
-    /// The levels below the finest with a finest one by other products of cells than those that they were made of: these need not be held for it.
+    /// The levels below the finest with a finest one by other products of cells than those that they were made of, which need not be held then.
     pub(crate) fn below<'a>(&'a self, products: &Arc<dyn CellProducts>) -> BelowProducts<'a> {
         let mut finest = BlockMatrix::new(self.finest.clone());
         finest.fill(&[], Some(products), self.parallel);
         BelowProducts { levels: self, finest }
     }
 
-    /// Lets go of the products that the levels were made of: they serve [below](Self::below) others alone.
+    /// Drops the products that the levels were made of, which then serve only [below](Self::below) others.
     pub(crate) fn release_products(&mut self) {
         if let Some(level) = self.levels.first_mut() {
             level.matrix.release_products();

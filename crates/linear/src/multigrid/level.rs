@@ -1,4 +1,4 @@
-//! [`Level`]: what is smoothed on, and the way to the next level.
+//! [`Level`]: a matrix with its smoother, and the transfer to the next level.
 
 use std::sync::Arc;
 
@@ -13,13 +13,14 @@ use super::tentative::tentative;
 use super::transfer::Transfer;
 use super::{galerkin, prolongator};
 
-/// Degrees of the smoothing polynomials on second-order elements and below.
+/// Degree of the smoothing polynomial on second-order elements.
 const SECOND_ORDER_DEGREE: usize = 4;
+/// Degree of the smoothing polynomial on other levels.
 const DEGREE: usize = 3;
-/// Share of the couplings of a level that may become strong or weak before its aggregates are made anew.
-const CHANGED: f64 = 0.05;
+/// Share of the couplings of a level that may become strong or weak before its aggregates are formed again.
+const MAX_CHANGED_SHARE: f64 = 0.05;
 
-/// A level. Its couplings, aggregates, and those of the next level are kept from one matrix to the next.
+/// A level. Its couplings, its aggregates, and those of the next level are reused from one matrix to the next.
 #[derive(Debug)]
 pub(super) struct Level {
     pub matrix: BlockMatrix,
@@ -30,10 +31,10 @@ pub(super) struct Level {
     nodes: Nodes,
 }
 
-/// What the nodes of the next level are.
+/// The nodes of the next level.
 #[derive(Debug)]
 enum Nodes {
-    /// Nodes of this one, and which of their unknowns are fixed; where products stand for the entries of this level, the cells that make those of
+    /// Nodes of this level, and which of their unknowns are fixed; where products replace the entries of this level, the cells for the entries of
     /// the next.
     Corners {
         nodes: Vec<u32>,
@@ -43,7 +44,7 @@ enum Nodes {
     Aggregates(Aggregates, Strength),
 }
 
-/// What the next level inherits.
+/// The data of the next level.
 pub(super) struct Inherited {
     pub values: Vec<f64>,
     /// Modes as [`tentative`] takes them; nothing below second-order elements.
@@ -51,7 +52,7 @@ pub(super) struct Inherited {
 }
 
 impl Level {
-    /// Of second-order elements.
+    /// A level of second-order elements.
     pub fn of_corners(matrix: BlockMatrix, corners: &Corners, fixed: &[bool], parallel: bool) -> Self {
         let fixed = corners.fixed(matrix.couplings.size, fixed);
         let transfer = corners.transfer(matrix.couplings.size, &fixed);
@@ -59,7 +60,7 @@ impl Level {
         Self::new(matrix, SECOND_ORDER_DEGREE, transfer, nodes, parallel)
     }
 
-    /// The same by products in the place of entries.
+    /// The same by products instead of entries.
     pub fn of_products(products: &dyn CellProducts, corners: &Corners, fixed: &[bool], parallel: bool) -> Self {
         let matrix = BlockMatrix::new(Couplings::unknown(3, fixed.len() / 3));
         let fixed = corners.fixed(3, fixed);
@@ -70,7 +71,7 @@ impl Level {
         Level { matrix, smoother, transfer, below, nodes }
     }
 
-    /// Of aggregates of its nodes with so many unknowns each; nothing where these have more than a share of the nodes.
+    /// A level with aggregates of its nodes, with this number of unknowns each; `None` if there are more of them than a share of the nodes.
     pub fn of_aggregates(matrix: BlockMatrix, unknowns: usize, most: f64, parallel: bool) -> Option<Self> {
         let strength = Strength::of(&matrix, parallel);
         let aggregates = Aggregates::new(&matrix, &strength);
@@ -91,11 +92,11 @@ impl Level {
     pub fn serves(&self, parallel: bool) -> bool {
         match &self.nodes {
             Nodes::Corners { .. } => true,
-            Nodes::Aggregates(_, strength) => strength.changed(&self.matrix, parallel) <= CHANGED,
+            Nodes::Aggregates(_, strength) => strength.changed(&self.matrix, parallel) <= MAX_CHANGED_SHARE,
         }
     }
 
-    /// Makes the smoother, the prolongator and the values of the next level for those of its own matrix.
+    /// Makes the smoother, the prolongator and the values of the next level from those of its matrix.
     pub fn fill(&mut self, values: &[f64], modes: &[f64], parallel: bool) -> Result<Inherited, NotPositive> {
         let couplings = self.matrix.couplings.clone();
         let matrix = Symmetric { couplings: &couplings, values };
@@ -146,7 +147,7 @@ impl Level {
         self.matrix.bytes() + self.smoother.bytes() + self.transfer.bytes() + nodes
     }
 
-    /// The node of this level that a node of the next one stands for.
+    /// The node of this level that a node of the next one represents.
     pub fn node_above(&self, node: usize) -> usize {
         match &self.nodes {
             Nodes::Corners { nodes, .. } => nodes[node] as usize,

@@ -2,7 +2,7 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-use super::aggregation::{ALONE, Aggregates};
+use super::aggregation::{Aggregates, NO_AGGREGATE};
 use super::block_matrix::BlockMatrix;
 use super::chunks::{self, CHUNK};
 use super::couplings::{BlockRows, Couplings};
@@ -12,8 +12,8 @@ use super::transfer::{Transfer, with_shape};
 
 /// `omega = DAMPING / bound`.
 const DAMPING: f64 = 4.0 / 3.0;
-/// No place among the columns of a row, or among members.
-const NOWHERE: u32 = u32::MAX;
+/// No position among the columns of a row, or among members.
+const NO_POSITION: u32 = u32::MAX;
 
 /// Where P has blocks: every node with the aggregates of all it is coupled with.
 pub(super) fn rows(couplings: &Couplings, aggregates: &Aggregates, parallel: bool) -> BlockRows {
@@ -27,7 +27,7 @@ pub(super) fn rows(couplings: &Couplings, aggregates: &Aggregates, parallel: boo
             let first = out.len();
             for &j in &couplings.rows.columns[couplings.rows.row(i)] {
                 let aggregate = aggregates.of_node[j as usize];
-                if aggregate != ALONE && !out[first..].contains(&aggregate) {
+                if aggregate != NO_AGGREGATE && !out[first..].contains(&aggregate) {
                     out.push(aggregate);
                 }
             }
@@ -44,7 +44,7 @@ pub(super) fn smooth(
     transfer: &mut Transfer,
     parallel: bool,
 ) {
-    let mut slots = vec![NOWHERE; aggregates.of_node.len()];
+    let mut slots = vec![NO_POSITION; aggregates.of_node.len()];
     aggregates.members.columns.iter().enumerate().for_each(|(slot, &node)| slots[node as usize] = slot as u32);
     transfer.values.resize(transfer.shape.0 * transfer.shape.1 * transfer.rows.columns.len(), 0.0);
     let work = Smooth { matrix, smoother, of_node: &aggregates.of_node, slots: &slots, blocks: &tentative.blocks };
@@ -64,7 +64,7 @@ impl Smooth<'_> {
     fn all<const R: usize, const C: usize, const W: usize>(&self, transfer: &mut Transfer, parallel: bool) {
         let rows = &transfer.rows;
         let parts = rows.cut(&mut transfer.values, R * C);
-        let nowhere = || vec![NOWHERE; rows.block_columns];
+        let nowhere = || vec![NO_POSITION; rows.block_columns];
         chunks::each_with(parts, parallel, nowhere, |place, k, values| {
             Arch::new().dispatch(Chunk::<R, C, W> { of: self, rows, first: CHUNK * k, values, place });
         });
@@ -97,7 +97,7 @@ impl<const R: usize, const C: usize, const W: usize> WithSimd for Chunk<'_, R, C
             sums.resize(columns.len(), [[0.0; W]; R]);
             for at in couplings.rows.row(i) {
                 let j = couplings.rows.columns[at] as usize;
-                if of.slots[j] == NOWHERE {
+                if of.slots[j] == NO_POSITION {
                     continue;
                 }
                 let (a, t) = (of.matrix.block::<R>(at), &tentative[of.slots[j] as usize]);

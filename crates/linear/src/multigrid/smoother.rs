@@ -6,9 +6,10 @@ use super::block_matrix::{BlockMatrix, with_size};
 use super::chunks::{self, CHUNK};
 use crate::sums::{self, dot};
 
-/// Lanczos steps for the largest eigenvalue, and what the bound is raised by.
+/// Lanczos steps for the largest eigenvalue.
 const LANCZOS_STEPS: usize = 12;
-const SAFETY: f64 = 1.08;
+/// Safety factor of the bound.
+const BOUND_SAFETY: f64 = 1.08;
 
 /// `x += q(D^-1 A) D^-1 (b - A x)` with D the diagonal blocks of A and `1 - t q(t)` the Chebyshev polynomial of the
 /// fourth kind on `(0, bound]`: the one that multigrid gains most by, without a guess of the lowest eigenvalue to be
@@ -43,7 +44,7 @@ impl Smoother {
         if !largest.is_finite() || largest <= 0.0 {
             return Err(NotPositive(0));
         }
-        self.bound = SAFETY * largest;
+        self.bound = BOUND_SAFETY * largest;
         Ok(())
     }
 

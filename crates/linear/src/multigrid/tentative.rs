@@ -4,8 +4,8 @@ use super::aggregation::Aggregates;
 use super::chunks::{self, CHUNK};
 use nastic_numeric::vector::norm;
 
-/// A mode that keeps less than this share of its length after orthogonalisation adds nothing on its aggregate.
-const DEPENDENT: f64 = 1e-6;
+/// Share of a mode after orthogonalisation below which it is dependent on its aggregate.
+const DEPENDENCE_TOLERANCE: f64 = 1e-6;
 
 /// Interpolation from the next level, one block per node, with what that level inherits.
 pub(super) struct Tentative {
@@ -13,7 +13,7 @@ pub(super) struct Tentative {
     pub blocks: Vec<f64>,
     /// The modes on the next level: `count x count` values per aggregate, column by column.
     pub modes: Vec<f64>,
-    /// Unknowns of the next level that stand for no mode of their aggregate (too few nodes carry it).
+    /// Unknowns of the next level without a mode of their aggregate (which has too few nodes).
     pub idle: Vec<bool>,
 }
 
@@ -60,7 +60,7 @@ fn orthonormalise(columns: &mut [Vec<f64>], triangle: &mut [f64], idle: &mut [bo
             }
         }
         let length = norm(column);
-        if length > DEPENDENT * whole {
+        if length > DEPENDENCE_TOLERANCE * whole {
             column.iter_mut().for_each(|value| *value /= length);
             triangle[count * m + m] = length;
         } else {

@@ -5,10 +5,10 @@
 use super::graph::Graph;
 
 /// Regions of at most this many nodes are ordered by minimum degree.
-const LEAF: usize = 64;
+const MAX_LEAF_NODES: usize = 64;
 
 /// Shares of the nodes left of the cut that are tried on each axis.
-const CUTS: [f64; 5] = [0.5, 0.45, 0.55, 0.4, 0.6];
+const CUT_SHARES: [f64; 5] = [0.5, 0.45, 0.55, 0.4, 0.6];
 
 /// Elimination order of the graph's nodes: both halves first, then what separates them, recursively.
 pub(super) fn nested_dissection(graph: &Graph, points: &[[f64; 3]]) -> Vec<u32> {
@@ -17,7 +17,7 @@ pub(super) fn nested_dissection(graph: &Graph, points: &[[f64; 3]]) -> Vec<u32> 
     let mut regions = Vec::from([(0, order.len())]);
     while let Some((first, end)) = regions.pop() {
         let nodes = &mut order[first..end];
-        let split = if nodes.len() > LEAF { dissector.split(nodes) } else { None };
+        let split = if nodes.len() > MAX_LEAF_NODES { dissector.split(nodes) } else { None };
         match split {
             Some((left, right)) => regions.extend([(first, first + left), (first + left, first + left + right)]),
             None => minimum_degree(graph, nodes),
@@ -95,7 +95,7 @@ impl Dissector<'_> {
         let at = |k: usize| self.points[nodes[k] as usize][axis];
         let same = 1e-6 * (at(nodes.len() - 1) - at(0));
         let mut cuts = Vec::new();
-        for share in CUTS {
+        for share in CUT_SHARES {
             let wanted = (share * nodes.len() as f64) as usize;
             let mut below = wanted;
             while below > 0 && at(below) - at(below - 1) <= same {
@@ -169,7 +169,8 @@ fn minimum_degree(graph: &Graph, nodes: &mut [u32]) {
 /// Multilevel nested dissection (minimum degree below its own threshold); nothing if it fails.
 pub(super) fn multilevel(starts: &[i32], rows: &[i32], nodes: usize) -> Option<Vec<u32>> {
     let pattern = feral_metis::CscPattern::new(nodes, starts, rows)?;
-    let options = feral_metis::MetisOptions { nd_to_amd_switch: LEAF.max(nodes.min(200)) as u32, ..Default::default() };
+    let options =
+        feral_metis::MetisOptions { nd_to_amd_switch: MAX_LEAF_NODES.max(nodes.min(200)) as u32, ..Default::default() };
     let (order, _, _) = feral_metis::metis_order_full(&pattern, &options).ok()?;
     Some(order.into_iter().map(|node| node as u32).collect())
 }

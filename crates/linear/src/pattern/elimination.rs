@@ -211,5 +211,5 @@ impl Merging {
     }
 }
 
-/// A merged front of at most so many node columns may store this share of explicit zeros.
+/// Share of explicit zeros that a merged front may store, by its largest number of node columns.
 const RELAXATION: [(u64, f64); 4] = [(2, 1.0), (6, 0.6), (16, 0.2), (u64::MAX, 0.05)];

@@ -6,8 +6,8 @@ use super::ordering::Ordering;
 use crate::error::{NotCoupled, StructureError};
 use std::sync::Arc;
 
-/// A geometric order may take this many times the operations of the best one.
-const BEYOND: f64 = 2.0;
+/// Operations of a geometric order over those of multigrid, up to which no other order is tried.
+const MAX_FLOPS_RATIO: f64 = 2.0;
 
 /// The lower triangle, by node blocks, of a matrix whose nodes are numbered in elimination order.
 ///
@@ -39,13 +39,13 @@ impl Pattern {
 
     /// The pattern of a node graph with `dim` dofs per node, in the best of the known orderings; `points` are the nodes' positions
     /// (without one per node the graph alone decides). Where a factor in the geometric order takes twice the operations from which
-    /// on [multigrid is taken](crate::Solver::cheaper), no better order is looked for: multigrid needs none.
+    /// on [multigrid is taken](crate::Solver::cheaper), no better order is computed: multigrid needs none.
     pub fn of_graph(graph: &Graph, points: &[[f64; 3]], dim: usize) -> Self {
         let ordering = match Ordering::geometric(graph, points) {
             Err(_) => Ordering::multilevel(graph),
             Ok(geometric) => {
                 let blocks = (graph.nodes() + graph.edges()) as f64;
-                let most = BEYOND * multigrid_flops(2.0 * blocks * (dim * dim) as f64);
+                let most = MAX_FLOPS_RATIO * multigrid_flops(2.0 * blocks * (dim * dim) as f64);
                 if geometric.work() * (dim * dim * dim) as f64 > most {
                     geometric
                 } else {

@@ -10,11 +10,12 @@ use super::entries::Pattern;
 use super::skew;
 use crate::error::{FactorError, NotCoupled};
 
-/// Most parts that a product is cut into, and blocks that are worth a part.
-const PARTS: usize = 8;
-const LEAST_PART: usize = 10_000;
+/// Parts of a product.
+const MAX_PARTS: usize = 8;
+/// Blocks of a part of a product.
+const MIN_PART_BLOCKS: usize = 10_000;
 /// Rows of a product added up by one task.
-const ROWS: usize = 4096;
+const ROWS_PER_TASK: usize = 4096;
 
 /// Whether a matrix equals its transpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -46,7 +47,7 @@ impl SparseMatrix {
         Self { pattern, values, skew: None, beyond: Vec::new(), aside: Vec::new() }
     }
 
-    /// A matrix that stores nothing, where products stand for it.
+    /// A matrix without entries, which products replace.
     pub fn without_values(pattern: Arc<Pattern>) -> Self {
         Self { pattern, values: Vec::new(), skew: None, beyond: Vec::new(), aside: Vec::new() }
     }
@@ -106,7 +107,7 @@ impl SparseMatrix {
 
     /// `A_ab += E_ab` for every pair of some nodes: `element` has the `n = dim * nodes` rows of a dense matrix one after the
     /// other, unknown `dim * local node + component`. All of it is read where the matrix is general; of a symmetric one it must
-    /// be symmetric. Where the same nodes come again, [`add_element`](Self::add_element) with a map kept is cheaper.
+    /// be symmetric. For repeated nodes [`add_element`](Self::add_element) with a stored map is faster.
     ///
     /// # Errors
     /// [`NotCoupled`] where the pattern lacks a pair; nothing is added then.
@@ -259,23 +260,23 @@ impl SparseMatrix {
         let (y, _) = y.as_chunks_mut::<D>();
         let new = self.pattern.ordering().old_to_new();
         let add = |(k, y): (usize, &mut [[f64; D]])| {
-            for (y, &j) in y.iter_mut().zip(&new[ROWS * k..]) {
+            for (y, &j) in y.iter_mut().zip(&new[ROWS_PER_TASK * k..]) {
                 *y = [0.0; D];
                 for (part, sums) in parts.iter().zip(&sums).take_while(|(part, _)| part.start <= j as usize) {
                     y.iter_mut().zip(&sums[j as usize - part.start]).for_each(|(s, v)| *s += v);
                 }
             }
         };
-        match parallel && y.len() > ROWS {
-            true => y.par_chunks_mut(ROWS).enumerate().for_each(add),
-            false => y.chunks_mut(ROWS).enumerate().for_each(add),
+        match parallel && y.len() > ROWS_PER_TASK {
+            true => y.par_chunks_mut(ROWS_PER_TASK).enumerate().for_each(add),
+            false => y.chunks_mut(ROWS_PER_TASK).enumerate().for_each(add),
         }
     }
 
     /// Ranges of columns with about as many blocks each. Their number depends on the matrix alone.
     fn parts(&self) -> Vec<Range<usize>> {
         let blocks = self.pattern.values() / self.pattern.dim().pow(2);
-        let number = (blocks / LEAST_PART).clamp(1, PARTS);
+        let number = (blocks / MIN_PART_BLOCKS).clamp(1, MAX_PARTS);
         let mut parts = Vec::with_capacity(number);
         let mut start = 0;
         for part in 1..=number {

@@ -40,14 +40,14 @@ impl Border {
     }
 }
 
-/// Relative change of x by a correction that rounding alone may cause: in slender bodies residuals stay far above what
-/// is wanted, because large terms cancel in A x, and what a correction leaves alone is a solution all the same.
-const SETTLED: f64 = 1e-7;
+/// Relative change of x by a correction that is rounding alone: in slender bodies residuals stay far above the one asked for,
+/// because large terms cancel in A x, and an x that a correction does not change is a solution.
+const ROUNDING_CHANGE: f64 = 1e-7;
 /// Corrections of the solution by its residual: elimination loses digits where A is nearly singular.
-const CORRECTIONS: usize = 3;
+const MAX_CORRECTIONS: usize = 3;
 
-/// Eigenvalues of a Schur complement below this share of the largest one have no certain sign.
-const UNCERTAIN: f64 = 1e-12;
+/// Share of the largest eigenvalue of a Schur complement below which the sign of another is uncertain.
+const MIN_CERTAIN_SHARE: f64 = 1e-12;
 
 /// Solves `A x + B y = f`, `C^T x + D y = g` by block elimination,
 ///
@@ -108,7 +108,7 @@ impl<'b> BlockElimination<'b> {
         }
         let values = scaled.symmetric_eigenvalues();
         let largest = values.amax();
-        let certain = values.iter().all(|value| value.abs() > UNCERTAIN * largest);
+        let certain = values.iter().all(|value| value.abs() > MIN_CERTAIN_SHARE * largest);
         certain.then(|| values.iter().filter(|value| **value < 0.0).count())
     }
 
@@ -134,7 +134,7 @@ impl<'b> BlockElimination<'b> {
         let (mut x, mut y) = (vec![0.0; f.len()], vec![0.0; scalars]);
         let (mut residual_f, mut residual_g) = (f.to_vec(), g.to_vec());
         let wanted = accuracy.residual * space.norm(f).hypot(Space::LOCAL.norm(g));
-        for _ in 0..=CORRECTIONS {
+        for _ in 0..=MAX_CORRECTIONS {
             let Solution { x: inner, negative } = solver.solve(system, &residual_f, accuracy, work)?;
             let rhs = DVector::from_fn(scalars, |i, _| residual_g[i] - space.dot(&rows[i], &inner));
             // LU of nothing panics
@@ -146,7 +146,7 @@ impl<'b> BlockElimination<'b> {
                 axpy(-dy[k], z, &mut dx);
                 y[k] += dy[k];
             }
-            let settled = space.norm(&dx) <= SETTLED * space.norm(&x);
+            let settled = space.norm(&dx) <= ROUNDING_CHANGE * space.norm(&x);
             axpy(1.0, &dx, &mut x);
             system.multiply(&x, &mut residual_f);
             residual_f.iter_mut().zip(f).for_each(|(r, f)| *r = f - *r);

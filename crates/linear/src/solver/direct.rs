@@ -1,4 +1,4 @@
-//! [`Direct`]: a sparse factor, kept as preconditioner while it serves.
+//! [`Direct`]: a sparse factor, reused as preconditioner while it is effective.
 
 use super::factor_reuse::FactorReuse;
 use super::{
@@ -16,24 +16,24 @@ use crate::pattern::operator::Operator;
 use nastic_numeric::Random;
 use std::sync::Arc;
 
-/// Relative residual with which a step is taken when the iterations that are worth it are used up: the work is done, and
-/// the next matrix gets a factor of its own.
-const ENOUGH: f64 = 0.1;
-/// Iterations after which a new factor in single precision is too coarse: where it is not, two or three are enough.
-const FRESH: usize = 12;
-/// Relative error of a solution that rounding alone may leave.
-const SETTLED: f64 = 1e-7;
-/// Residual at which the definiteness of a matrix counts as shown.
-const EVIDENCE: f64 = 1e-8;
-/// Residual of the solutions that only turn a vector towards the softest mode.
-const TOWARDS: f64 = 1e-3;
-/// How many times the rounding of a Rayleigh quotient the smallest eigenvalue has to be for that.
-const APART: f64 = 1e4;
+/// Relative residual up to which a step is taken when the iterations worth a factorisation are used up: the next matrix gets a
+/// factor of its own.
+const MAX_STEP_RESIDUAL: f64 = 0.1;
+/// Iterations with a new factor in single precision, beyond which it is too inaccurate; otherwise two or three suffice.
+const MAX_FRESH_ITERATIONS: usize = 12;
+/// Relative error of a solution by rounding alone.
+const ROUNDING_ERROR: f64 = 1e-7;
+/// Relative residual at which the definiteness of a matrix counts as shown.
+const DEFINITENESS_TOLERANCE: f64 = 1e-8;
+/// Relative residual of the inverse iterations before the last, which only turn a vector towards the softest mode.
+const MODE_TOLERANCE: f64 = 1e-3;
+/// Least ratio of the smallest eigenvalue to the rounding of its Rayleigh quotient with which definiteness is shown.
+const MIN_ROUNDING_RATIO: f64 = 1e4;
 /// Rounding of a Rayleigh quotient, in units of the rounding of the terms that cancel in it.
-const ROUNDING: f64 = 4.0;
+const QUOTIENT_ROUNDING: f64 = 4.0;
 
 /// Multifrontal factors of positive definite matrices in single precision, as preconditioner of conjugate gradients on the
-/// exact matrix; in double precision where single is too coarse; `L D L^T` where the matrix is indefinite.
+/// exact matrix; in double precision where single is too inaccurate; `L D L^T` where the matrix is indefinite.
 #[derive(Clone, Debug)]
 pub struct Direct {
     structure: Arc<Structure>,
@@ -41,7 +41,7 @@ pub struct Direct {
     /// Fingerprint of the matrix that the factor was made of.
     of: Option<u64>,
     reuse: FactorReuse,
-    /// In which the next factor is made: single, until that turns out too coarse for the matrices.
+    /// Precision of the next factor: single, unless that was too inaccurate for these matrices.
     precision: Precision,
 }
 
@@ -98,7 +98,7 @@ impl Direct {
         work: &mut LinearWork,
     ) -> Result<(Vec<f64>, CgReport), FactorError> {
         let fresh = self.refactorize_single(system, work)?;
-        let (x, cg) = precondition(system, fresh, system, b, test, FRESH);
+        let (x, cg) = precondition(system, fresh, system, b, test, MAX_FRESH_ITERATIONS);
         work.back_substitutions += cg.iterations;
         Ok((x, cg))
     }
@@ -158,7 +158,8 @@ impl Direct {
         let (x, cg) = precondition(system, kept, system, b, tolerance.into(), most);
         work.back_substitutions += cg.iterations;
         self.reuse.spent += cg.iterations;
-        if cg.converged() || (matches!(cg.end, CgEnd::Exhausted | CgEnd::Stagnated) && cg.residual <= ENOUGH) {
+        if cg.converged() || (matches!(cg.end, CgEnd::Exhausted | CgEnd::Stagnated) && cg.residual <= MAX_STEP_RESIDUAL)
+        {
             work.reused += 1;
             return Kept::Step(Step::new(x, Curvature::Positive));
         }
@@ -182,7 +183,7 @@ impl Direct {
             return Ok(Kept::Nothing { indefinite: false });
         }
         let indefinite = match self.approximate(system, b, tolerance.into(), work) {
-            Ok((x, cg)) if cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= ENOUGH) => {
+            Ok((x, cg)) if cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= MAX_STEP_RESIDUAL) => {
                 return Ok(Kept::Step(Step::new(x, Curvature::Positive)));
             }
             Ok((_, cg)) => matches!(cg.end, CgEnd::NegativeCurvature { .. }),
@@ -211,7 +212,8 @@ impl Direct {
         let own = self.is_of(system);
         if let Some(kept) = self.kept() {
             let worth = FactorReuse::worth(self.symbolic());
-            let (x, cg) = precondition(system, kept, system, b, test, if own { worth.max(FRESH) } else { worth });
+            let (x, cg) =
+                precondition(system, kept, system, b, test, if own { worth.max(MAX_FRESH_ITERATIONS) } else { worth });
             work.back_substitutions += cg.iterations;
             if exact(&cg, accuracy.residual) {
                 return Ok(x);
@@ -368,10 +370,10 @@ impl LinearSolver for Direct {
     fn inertia(&mut self, system: &System) -> Result<Option<Inertia>, LinearError> {
         symmetric(system)?;
         let symbolic = self.symbolic();
-        let rounding = |x: &[f64]| ROUNDING * f64::EPSILON * mean_diagonal(system, x);
+        let rounding = |x: &[f64]| QUOTIENT_ROUNDING * f64::EPSILON * mean_diagonal(system, x);
         let single = || symbolic.approximate(system.matrix, system.parallel).ok();
         let evidence = (self.precision == Precision::Single).then(single).flatten().and_then(|f| definite(&f, system));
-        if evidence.is_some_and(|(smallest, x)| smallest > APART * rounding(&x)) {
+        if evidence.is_some_and(|(smallest, x)| smallest > MIN_ROUNDING_RATIO * rounding(&x)) {
             return Ok(Some(Inertia { negative: 0, by_factor: true }));
         }
         let factor = match symbolic.factorize(system.matrix, Pivots::Positive, system.parallel) {
@@ -428,16 +430,16 @@ fn smallest_eigenvalue(mut solve: impl FnMut(&mut Vec<f64>) -> bool, system: &Sy
 }
 
 /// The smallest eigenvalue and its vector, if the matrix is positive definite as far as conjugate gradients show: they solve three systems of inverse
-/// iteration, whose right-hand sides turn into the softest mode, the last one to [`EVIDENCE`], with a factor in single precision. In that
+/// iteration, whose right-hand sides turn into the softest mode, the last one to [`DEFINITENESS_TOLERANCE`], with a factor in single precision. In that
 /// preconditioner all eigenvalues but those of the softest modes are 1 up to rounding; a negative one stands apart and shows as negative curvature.
 fn definite(factor: &Factor, system: &System) -> Option<(f64, Vec<f64>)> {
-    let mut tolerances = [TOWARDS, TOWARDS, EVIDENCE].into_iter();
+    let mut tolerances = [MODE_TOLERANCE, MODE_TOLERANCE, DEFINITENESS_TOLERANCE].into_iter();
     let solve = |x: &mut Vec<f64>| {
         let b = std::mem::take(x);
         *x = vec![0.0; b.len()];
         let product = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
-        let tolerance = tolerances.next().unwrap_or(EVIDENCE);
-        conjugate_gradient(&product, factor, &b, x, tolerance, FRESH).converged()
+        let tolerance = tolerances.next().unwrap_or(DEFINITENESS_TOLERANCE);
+        conjugate_gradient(&product, factor, &b, x, tolerance, MAX_FRESH_ITERATIONS).converged()
     };
     smallest_eigenvalue(solve, system)
 }
@@ -448,7 +450,7 @@ fn mean_diagonal(system: &System, x: &[f64]) -> f64 {
     system.matrix.diagonal().into_iter().zip(x).map(|(d, x)| d.abs() * (x / size).powi(2)).sum()
 }
 
-/// As far as conjugate gradients with a factor get in so many iterations.
+/// Conjugate gradients with a factor for a number of iterations.
 fn precondition(
     product: &dyn Operator,
     factor: &Factor,
@@ -468,7 +470,7 @@ fn exact(cg: &CgReport, tolerance: f64) -> bool {
     cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= 1e2 * tolerance)
 }
 
-/// Whether the factor's correction of x is below [`SETTLED`] of it: an estimate of the error, not of the residual.
+/// Whether the factor's correction of x is below [`ROUNDING_ERROR`] of it: an estimate of the error, not of the residual.
 fn settled(system: &System, factor: &Factor, b: &[f64], x: &[f64]) -> bool {
     let mut correction = vec![0.0; b.len()];
     system.multiply(x, &mut correction);
@@ -476,5 +478,5 @@ fn settled(system: &System, factor: &Factor, b: &[f64], x: &[f64]) -> bool {
     factor.solve(&mut correction, 1);
     let size = |v: &[f64]| v.iter().map(|v| v * v).sum::<f64>();
     let (correction, x) = (size(&correction), size(x));
-    x.is_finite() && correction <= SETTLED * SETTLED * x
+    x.is_finite() && correction <= ROUNDING_ERROR * ROUNDING_ERROR * x
 }

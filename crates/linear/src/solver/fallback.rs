@@ -9,9 +9,9 @@ use crate::factor::symmetric::Precision;
 use crate::memory;
 use std::sync::Arc;
 
-/// Steps of one nonlinear solve that may meet negative curvature: bodies that bend meet it once or twice on their way. An iteration that goes on among
+/// Steps of one nonlinear solve that may meet negative curvature: bodies that bend meet it once or twice. An iteration that continues among
 /// indefinite matrices is at a saddle or far from any equilibrium, and every step there takes several sets of levels.
-const INDEFINITE: usize = 8;
+const MAX_INDEFINITE_STEPS: usize = 8;
 
 /// Multigrid, until it fails or meets an indefinite matrix of which an exact solution is asked; from then on [`Direct`],
 /// since whatever made multigrid fail stays true nearby. [`Direct`] too for the rest of a nonlinear solve that has met several indefinite matrices, if a factor
@@ -112,7 +112,7 @@ impl LinearSolver for MultigridOrDirect {
     }
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
-        if self.serving().is_some() && self.indefinite >= INDEFINITE && self.factor_is_allowed() {
+        if self.serving().is_some() && self.indefinite >= MAX_INDEFINITE_STEPS && self.factor_is_allowed() {
             self.given_up = true;
             self.multigrid.iter_mut().for_each(LinearSolver::clear);
         }

@@ -13,10 +13,10 @@ use crate::krylov::gmres::gmres;
 use crate::pattern::matrix::SparseMatrix;
 use std::sync::Arc;
 
-/// Iterations after which a new factor is due.
-const WORN: usize = 30;
-/// Iterations allowed with a factor of the matrix's own symmetric part.
-const MOST: usize = 300;
+/// Iterations with an earlier factor before a new one is made.
+const MAX_REUSE_ITERATIONS: usize = 30;
+/// Iterations with a factor of the symmetric part of the matrix itself.
+const MAX_ITERATIONS: usize = 300;
 
 /// `A = S + W` by GMRES with a factor of the [stand-in](SparseMatrix::stand_in) as preconditioner, the symmetric part S with what was set aside: in
 /// double precision, of any signs, kept while it serves. Where that does not converge, or the stand-in has no factor, an LU factorisation of A takes its place from then on: whatever
@@ -46,7 +46,7 @@ impl General {
             return lu.run(system, b, tolerance, work);
         }
         if let Some(kept) = &self.factor {
-            let (x, report) = iterate(system, kept, b, tolerance, WORN);
+            let (x, report) = iterate(system, kept, b, tolerance, MAX_REUSE_ITERATIONS);
             work.back_substitutions += report.iterations;
             if report.converged() {
                 work.reused += 1;
@@ -55,7 +55,7 @@ impl General {
         }
         let why = match self.factorise(system, system.matrix.stand_in(), work) {
             Ok(factor) => {
-                let (x, report) = iterate(system, factor, b, tolerance, MOST);
+                let (x, report) = iterate(system, factor, b, tolerance, MAX_ITERATIONS);
                 work.back_substitutions += report.iterations;
                 if system.is_solved(&x, &report, b, tolerance) {
                     return Ok(x);

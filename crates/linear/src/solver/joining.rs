@@ -8,8 +8,8 @@ use crate::pattern::matrix::SparseMatrix;
 use crate::pattern::operator::Operator;
 use std::sync::Arc;
 
-/// Structures that are kept: pairs come and go between a few sets of them.
-const KEPT: usize = 4;
+/// Structures that are held: contact pairs alternate between a few sets.
+const MAX_STRUCTURES: usize = 4;
 
 /// A solver for matrices with blocks [beyond their pattern](SparseMatrix::add_beyond): every matrix is handed to a solver of the pattern
 /// with these blocks [joined](JoinedStructure) to it. A structure serves while it has all pairs that are needed; a new one needs a new
@@ -44,7 +44,7 @@ impl Joining {
             None => {
                 let fresh = JoinedStructure::new(&self.first, matrix)?;
                 let joined = fresh.join(matrix).ok_or(FactorError::ForeignPattern)?;
-                self.joined.truncate(KEPT - 1);
+                self.joined.truncate(MAX_STRUCTURES - 1);
                 self.joined.insert(0, fresh);
                 self.is_joined = false;
                 (0, joined)

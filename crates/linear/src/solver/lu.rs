@@ -10,10 +10,10 @@ use crate::krylov::conjugate_gradients::CgReport;
 use crate::krylov::gmres::gmres;
 use std::sync::Arc;
 
-/// Iterations after which a new factorisation is due.
-const WORN: usize = 30;
-/// Iterations allowed with a factorisation of the matrix itself: two are enough, but where it is nearly singular.
-const MOST: usize = 100;
+/// Iterations with an earlier factorisation before a new one is made.
+const MAX_REUSE_ITERATIONS: usize = 30;
+/// Iterations with a factorisation of the matrix itself: two suffice unless it is nearly singular.
+const MAX_ITERATIONS: usize = 100;
 
 /// `A x = b` by GMRES with `P A Q = L U` as preconditioner, which is kept while it serves; the analysis of the columns is made
 /// once. It takes matrices of any symmetry and signs, and counts none.
@@ -53,7 +53,7 @@ impl Lu {
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
         if let Some(kept) = &self.factor {
-            let (x, report) = iterate(system, kept, b, tolerance, WORN);
+            let (x, report) = iterate(system, kept, b, tolerance, MAX_REUSE_ITERATIONS);
             work.back_substitutions += report.iterations;
             if report.converged() {
                 work.reused += 1;
@@ -61,7 +61,7 @@ impl Lu {
             }
         }
         let fresh = self.factorise(system, work)?;
-        let (x, report) = iterate(system, fresh, b, tolerance, MOST);
+        let (x, report) = iterate(system, fresh, b, tolerance, MAX_ITERATIONS);
         work.back_substitutions += report.iterations;
         match system.is_solved(&x, &report, b, tolerance) {
             true => Ok(x),

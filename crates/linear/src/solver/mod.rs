@@ -1,4 +1,4 @@
-//! [`LinearSolver`]: tangent systems, whatever solves them.
+//! [`LinearSolver`]: the interface of all solvers of tangent systems.
 
 mod bordered;
 mod direct;
@@ -30,24 +30,24 @@ use crate::pattern::operator::Operator;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// How exact a solution has to be.
+/// The accuracy of a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Accuracy {
-    /// `|x - A^-1 b|_A <= error |A^-1 b|_A`, `|v|_A^2 = v . A v`: where conjugate gradients with a factor estimate it.
+    /// `|x - A^-1 b|_A <= error |A^-1 b|_A`, `|v|_A^2 = v . A v`, where conjugate gradients with a factor estimate the error.
     pub error: f64,
-    /// `|b - A x| <= residual |b|`, Euclidean: everywhere else.
+    /// `|b - A x| <= residual |b|`, Euclidean, for all other methods.
     pub residual: f64,
 }
 
-/// What the matrix turned out to be on the way to a step.
+/// The curvature of the matrix as seen by the computation of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Curvature {
-    /// Positive in every direction that was met: the step is Newton's, downhill.
+    /// Positive in every direction: the step is Newton's step, a descent direction.
     Positive,
-    /// Negative in some direction; the step is the part of Newton's found before that, downhill. Dembo, Steihaug,
+    /// Negative in some direction; the step is the last iterate before this direction, a descent direction. Dembo, Steihaug,
     /// "Truncated-Newton algorithms for large-scale unconstrained optimization", Math. Programming 26 (1983).
     CutShort,
-    /// Negative in some direction; the step is Newton's and may lead to a saddle, uphill.
+    /// Negative in some direction; the step is Newton's step, which may be an ascent direction and lead to a saddle.
     Negative,
 }
 
@@ -56,17 +56,17 @@ pub enum Curvature {
 pub struct Step {
     /// The step.
     pub x: Vec<f64>,
-    /// What the matrix turned out to be.
+    /// The curvature of the matrix.
     pub curvature: Curvature,
-    /// A quotient `p . A p / p . p` that is not positive, where one was met.
+    /// A Rayleigh quotient `p . A p / p . p` that is not positive, if one was found.
     pub quotient: Option<f64>,
-    /// By [volume mode](crate::VolumeModes), `b . x - p / c` where the pressures p are unknowns that did not become those of its changes; the forces
-    /// that it leaves are those without these differences. `None` where the pressures follow from x.
+    /// By [volume mode](crate::VolumeModes), the difference `b . x - p / c` where the pressures p are unknowns; the residual of the step is
+    /// without these differences. `None` where the pressures follow from x.
     pub changes_left: Option<Vec<f64>>,
 }
 
 impl Step {
-    /// One of which nothing else is known.
+    /// A step without a quotient and without pressures.
     pub fn new(x: Vec<f64>, curvature: Curvature) -> Self {
         Step { x, curvature, quotient: None, changes_left: None }
     }
@@ -81,24 +81,24 @@ pub struct Solution {
     pub negative: Option<usize>,
 }
 
-/// Which matrices are to be shown to be positive definite.
+/// Which matrices a test for positive definiteness is applied to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Definite {
-    /// One that does not come again: nothing is kept of it.
+    /// A single matrix: nothing of it is held for later.
     Once,
-    /// One of several that differ by multiples of the identity: coarsely, and with what serves of another one.
+    /// One of several matrices that differ by multiples of the identity: with lower accuracy, and reuse between them.
     Shifted,
 }
 
-/// What a solver is at the moment.
+/// The state of a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SolverState {
-    /// The name of what solves now: that of its [`SolverFactory`], or of what it fell back on.
+    /// The name of the present method: that of its [`SolverFactory`], or of the method that it fell back on.
     pub name: &'static str,
-    /// Whether it takes systems with [products](System::products) in the place of entries; it may turn out to need entries on the way
+    /// Whether it accepts systems with [products](System::products) instead of entries; it may still need entries later
     /// ([`LinearError::NoEntries`]).
     pub takes_products: bool,
-    /// Memory of what is kept.
+    /// Memory that it holds, in bytes.
     pub bytes: usize,
 }
 
@@ -107,18 +107,18 @@ pub struct SolverState {
 pub struct Inertia {
     /// Negative eigenvalues: 0 of a positive definite matrix.
     pub negative: usize,
-    /// Whether a factor shows it, by its pivots or by conjugate gradients with it; else these had none and met no negative curvature from scattered numbers, which is no proof.
+    /// Whether a factor proves it, by its pivots or as preconditioner of conjugate gradients; otherwise conjugate gradients from a random vector met no negative curvature.
     pub by_factor: bool,
 }
 
-/// What was done, in counts.
+/// Counts of the work done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LinearWork {
     /// Numeric factorisations.
     pub factorisations: usize,
     /// Steps found with a factor or a multigrid hierarchy kept from earlier.
     pub reused: usize,
-    /// Back substitutions, each iteration with a factor as preconditioner counting one.
+    /// Back substitutions, one for each iteration with a factor as preconditioner.
     pub back_substitutions: usize,
     /// Multigrid hierarchies built.
     pub hierarchies: usize,
@@ -128,31 +128,31 @@ pub struct LinearWork {
     pub shifted: usize,
 }
 
-/// Solves the systems of nonlinear solves that follow each other on one mesh, and keeps what serves the next one.
+/// Solves the systems of successive nonlinear solves on one mesh, and holds preconditioners for the next system.
 ///
-/// Matrices change from call to call, their pattern does not ([`Joining`] takes those with blocks beyond it). Results depend on what was kept within the accuracy asked;
+/// Matrices change from call to call, their pattern does not ([`Joining`] accepts blocks outside of it). Results depend on earlier calls only within the accuracy asked for;
 /// the same calls in the same order give the same bits.
 ///
-/// Rows of eliminated unknowns ([`System::fixed`]) have their diagonal alone, and are to be solved exactly, `x_i = b_i / A_ii`: what an iteration leaves there moves
-/// supports, within its tolerance and unseen by the residual.
+/// Rows of eliminated unknowns ([`System::fixed`]) have their diagonal alone, and must be solved exactly, `x_i = b_i / A_ii`: an error there would move
+/// supports without an effect on the residual.
 pub trait LinearSolver: CloneSolver + Debug + Send + Sync {
-    /// What it is now.
+    /// Its state.
     fn state(&self) -> SolverState;
 
-    /// Begins another nonlinear solve: counts that decide about new factors start again, what is kept stays.
+    /// Begins another nonlinear solve: counts that decide about new factors are reset, preconditioners are held.
     fn restart(&mut self);
 
-    /// Drops what is kept.
+    /// Drops all preconditioners.
     fn clear(&mut self);
 
-    /// Makes ready for several solutions with this matrix: factorises it.
+    /// Prepares several solutions with this matrix: factorises it.
     ///
     /// # Errors
     /// A matrix that cannot be factorised.
     fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError>;
 
-    /// A Newton step `A x = b` to a relative residual of about `tolerance`; it may end early where the curvature turns
-    /// negative, which the answer shows.
+    /// A Newton step `A x = b` to a relative residual of about `tolerance`; it may stop early at negative curvature, which
+    /// [`Step::curvature`] reports.
     ///
     /// # Errors
     /// [`LinearError::Indefinite`] where the solver finds no step in a matrix that is not positive definite.
@@ -161,7 +161,7 @@ pub trait LinearSolver: CloneSolver + Debug + Send + Sync {
     /// `A x = b`, of a [transposed](System::transposed) system `A^T x = b`; A may be indefinite.
     ///
     /// # Errors
-    /// A matrix that is singular to working precision, or that this solver does not take.
+    /// A matrix that is singular to working precision, or that this solver does not support.
     fn solve(
         &mut self,
         system: &System,
@@ -170,7 +170,7 @@ pub trait LinearSolver: CloneSolver + Debug + Send + Sync {
         work: &mut LinearWork,
     ) -> Result<Solution, LinearError>;
 
-    /// `A x = b` with A as a product alone, where what is kept is good enough for `most` iterations; `None` where it is not.
+    /// `A x = b` with A as a product alone and the preconditioner held, if `most` iterations suffice; `None` otherwise.
     fn solve_by_products(
         &mut self,
         _product: &dyn Operator,
@@ -203,11 +203,11 @@ pub trait LinearSolver: CloneSolver + Debug + Send + Sync {
         Ok(None)
     }
 
-    /// One of its kind for matrices of another structure, with nothing kept; what it fell back on stays.
+    /// A solver of the same kind for matrices of another structure, without preconditioners; the method that it fell back on stays.
     fn anew(&self, structure: &Arc<Structure>) -> Box<dyn LinearSolver>;
 }
 
-/// A solver that can be copied with what it keeps: every [`LinearSolver`] that is `Clone`.
+/// A solver that can be copied with its preconditioners: every [`LinearSolver`] that is `Clone`.
 pub trait CloneSolver {
     /// The copy.
     fn boxed_clone(&self) -> Box<dyn LinearSolver>;

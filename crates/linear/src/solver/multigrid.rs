@@ -12,46 +12,47 @@ use crate::multigrid::{Geometry, Multigrid};
 use crate::pattern::entries::Pattern;
 use std::sync::Arc;
 
-/// Residual wanted of a Newton step near a solution, and of one far from it: the step is corrected by the next one anyway.
+/// Relative residual of a Newton step near a solution.
 const STEP_TOLERANCE: f64 = 1e-4;
-const COARSEST_STEP: f64 = 1e-2;
-/// Residual at which the definiteness of a matrix counts as shown.
-const EVIDENCE: f64 = 1e-8;
-/// Cycles allowed per system. A nearly incompressible body (Poisson's ratio 0.4994) takes about 250 to full accuracy.
-const MOST: usize = 600;
-/// The same where the volume modes of such a body are unknowns of their own: some 30 to a step, 120 to full accuracy.
-const MOST_OF_REST: usize = 300;
-/// What a new hierarchy costs, in cycles: its products, and the bound of the smoother.
-const RENEWAL: f64 = 8.0;
-/// Cycles beyond those wanted after which the pace of levels that are kept is believed.
-const GRACE: f64 = 2.0;
+/// Relative residual of a Newton step far from a solution: the next step corrects it.
+const MAX_STEP_TOLERANCE: f64 = 1e-2;
+/// Relative residual at which the definiteness of a matrix counts as shown.
+const DEFINITENESS_TOLERANCE: f64 = 1e-8;
+/// Cycles per system. A nearly incompressible body (Poisson's ratio 0.4994) takes about 250 to full accuracy.
+const MAX_CYCLES: usize = 600;
+/// The same where the volume modes of such a body are separate unknowns: about 30 for a step, 120 to full accuracy.
+const MAX_CYCLES_WITH_MODES: usize = 300;
+/// Cost of a new hierarchy, in cycles: its products, and the bound of the smoother.
+const RENEWAL_CYCLES: f64 = 8.0;
+/// Cycles beyond those expected, after which the convergence rate of the levels held counts as known.
+const MAX_EXCESS_CYCLES: f64 = 2.0;
 /// Backward error `|b - A x| / (|A| |x| + |b|)` that counts as rounding.
 const ROUNDING: f64 = 1e-14;
 
-/// Positive definite matrices by conjugate gradients with a multigrid hierarchy, which is kept while it serves.
+/// Positive definite matrices by conjugate gradients with a multigrid hierarchy, which is reused while it is effective.
 #[derive(Clone, Debug, Default)]
 pub struct MultigridSolver {
-    /// The levels of a recent matrix; of no use as a preconditioner, but in the memory of the next ones, while they do not serve.
+    /// The levels of a recent matrix; while `serves` is false they are no preconditioner, and the next ones take their memory.
     levels: Option<Arc<Multigrid>>,
     serves: bool,
-    /// Whether they are of products of cells, and serve below such alone.
+    /// Whether they were made for products of cells, which they serve alone.
     by_products: bool,
-    /// Whether they are of what a matrix has beside its volume modes, and serve such alone.
+    /// Whether they were made for the part of a matrix without its volume modes, which they serve alone.
     of_rest: bool,
-    /// Cycles per decade of the residual that they took on their own matrix.
+    /// Cycles per decade of the residual on the matrix that they were made of.
     rate: Option<f64>,
-    /// Cycles that they took beyond that on others. They are due when these cost as much as a renewal.
+    /// Further cycles on other matrices. The levels are renewed when these cost as much as a renewal.
     excess: f64,
 }
 
 impl MultigridSolver {
-    /// Memory that a system with so many volume modes takes beside the levels: the vectors of its iteration, and what the matrix has beside the modes.
+    /// Memory of a system with this number of volume modes beside the levels: the vectors of its iteration, and the matrix without the modes.
     pub fn bytes_of_modes(pattern: &Pattern, modes: usize) -> usize {
         SaddleGmres::bytes(pattern.dofs() + modes) + size_of::<f64>() * pattern.values()
     }
 }
 
-/// What became of a system.
+/// The outcome of a solution.
 enum Outcome {
     Solved(Solved),
     Indefinite(NotDefinite),
@@ -60,26 +61,26 @@ enum Outcome {
 /// A solution.
 struct Solved {
     x: Vec<f64>,
-    /// Whether the matrix showed positive curvature, and that alone.
+    /// Whether all curvature met was positive.
     positive: bool,
-    /// What a step left between pressures and changes of volume.
+    /// Differences between pressures and changes of volume after a step.
     changes_left: Option<Vec<f64>>,
 }
 
-/// What was found of an indefinite matrix.
+/// The result for an indefinite matrix.
 struct NotDefinite {
-    /// How far the iteration went before it met negative curvature, downhill on the quadratic model, if anywhere.
+    /// The iterate before negative curvature, if it decreases the quadratic model.
     x: Option<Vec<f64>>,
-    /// The Rayleigh quotient of that.
+    /// The Rayleigh quotient of the direction of negative curvature.
     quotient: Option<f64>,
 }
 
 impl MultigridSolver {
-    /// To an aim, or to the limit of double precision.
+    /// Solves to an aim, or to the limit of double precision.
     fn run(&mut self, system: &System, b: &[f64], aim: Aim, work: &mut LinearWork) -> Result<Outcome, LinearError> {
         if let Some(modes) = modes_of(system) {
             match self.run_by(system, Some(modes), b, aim, work) {
-                // what is positive definite by its volume modes alone
+                // a matrix that is positive definite by its volume modes alone
                 Err(LinearError::Multigrid { .. } | LinearError::Factor(FactorError::NotPositive { .. })) => {}
                 done => return done,
             }
@@ -87,7 +88,7 @@ impl MultigridSolver {
         self.run_by(system, None, b, aim, work)
     }
 
-    /// The same with levels of the matrix, or of what it has beside volume modes.
+    /// The same with levels of the matrix, or of its part without volume modes.
     fn run_by(
         &mut self,
         system: &System,
@@ -128,7 +129,7 @@ impl MultigridSolver {
             renewed => renewed?,
         }
         let Some(levels) = &self.levels else { return indefinite(Vec::new(), None) };
-        let most = if modes.is_some() { MOST_OF_REST } else { MOST };
+        let most = if modes.is_some() { MAX_CYCLES_WITH_MODES } else { MAX_CYCLES };
         let (cg, positive) = iterate((system, modes, counts), levels, b, &mut x, &mut p, (aim, most), work);
         if let CgEnd::NegativeCurvature { curvature } = cg.end {
             return indefinite(x, Some(curvature));
@@ -141,7 +142,7 @@ impl MultigridSolver {
         solved(x, &p, positive)
     }
 
-    /// The same with the levels that are kept, as long as new ones are not expected to be cheaper.
+    /// The same with the levels held, as long as new ones are not expected to be less expensive.
     fn run_by_kept(
         &mut self,
         (system, modes, counts): (&System, Option<&VolumeModes>, Counts),
@@ -152,36 +153,36 @@ impl MultigridSolver {
         work: &mut LinearWork,
     ) -> WithKept {
         let Some(levels) = &self.levels else { return WithKept::Left(1.0) };
-        // GMRES goes on to the residual
+        // GMRES iterates until the residual is met
         let expected = if modes.is_some() { aim.residual } else { aim.expected() };
         let (rate, excess) = (self.rate, self.excess);
-        let wanted = rate.map_or(MOST as f64, |rate| rate * decades(expected));
+        let wanted = rate.map_or(MAX_CYCLES as f64, |rate| rate * decades(expected));
         let go_on = |cycles: usize, reached: f64| {
             let (cycles, left) = (cycles as f64, decades(expected / reached));
-            // what is left at the pace so far, and by new levels, if that is known
-            let (here, anew) = (cycles / decades(reached) * left, rate.map(|rate| RENEWAL + rate * left));
-            let pays = cycles + excess < wanted + GRACE || anew.is_some_and(|anew| here <= anew);
-            cycles < MOST as f64 && pays
+            // remaining cycles at the present rate, and with new levels, if their rate is known
+            let (here, anew) = (cycles / decades(reached) * left, rate.map(|rate| RENEWAL_CYCLES + rate * left));
+            let pays = cycles + excess < wanted + MAX_EXCESS_CYCLES || anew.is_some_and(|anew| here <= anew);
+            cycles < MAX_CYCLES as f64 && pays
         };
         let (cg, positive) = match modes {
             None => (by_cg(system, levels, b, x, aim, &go_on, work), true),
             Some(_) => {
-                let most = (wanted + RENEWAL - excess).ceil() as usize;
-                iterate((system, modes, counts), levels, b, x, p, (aim, most.min(MOST)), work)
+                let most = (wanted + RENEWAL_CYCLES - excess).ceil() as usize;
+                iterate((system, modes, counts), levels, b, x, p, (aim, most.min(MAX_CYCLES)), work)
             }
         };
         self.excess += (cg.iterations as f64 - wanted).max(0.0);
-        self.serves = self.excess < RENEWAL;
+        self.serves = self.excess < RENEWAL_CYCLES;
         match cg.end {
-            // they may be as good for what is definite as they were
+            // the levels may still be effective for definite matrices
             CgEnd::NegativeCurvature { curvature } => return WithKept::Indefinite { curvature },
             _ if arrived(system, levels, b, x, &cg) => {
                 work.reused += 1;
                 return WithKept::Solved { positive };
             }
-            // the next levels go on from there
+            // the next levels continue from this iterate
             CgEnd::Exhausted if cg.residual < 1.0 => {}
-            // and from pressures too, though displacements alone leave more than nothing does
+            // with volume modes too, though the residual of the displacements alone exceeds that of zero
             CgEnd::Exhausted if modes.is_some() => {}
             _ => {
                 x.fill(0.0);
@@ -192,7 +193,7 @@ impl MultigridSolver {
         WithKept::Left(if cg.end == CgEnd::Exhausted { cg.residual.min(1.0) } else { 1.0 })
     }
 
-    /// The levels of a matrix, or of what it has beside volume modes.
+    /// The levels of a matrix, or of its part without volume modes.
     fn renew(
         &mut self,
         system: &System,
@@ -215,7 +216,7 @@ impl MultigridSolver {
         (self.levels, self.serves) = (Some(Arc::new(levels)), renewed.is_ok());
         let same = (self.by_products, self.of_rest) == (system.products.is_some(), modes.is_some());
         (self.by_products, self.of_rest) = (system.products.is_some(), modes.is_some());
-        // that of levels before, until these have solved a system
+        // the rate of the levels before, until these have solved a system
         self.rate = self.rate.filter(|_| same);
         self.excess = 0.0;
         renewed
@@ -223,7 +224,7 @@ impl MultigridSolver {
 }
 
 impl MultigridSolver {
-    /// Whether what the matrix has beside its volume modes, which are not negative, shows no negative curvature.
+    /// Whether the matrix without its volume modes, which are not negative, shows no negative curvature.
     fn rest_is_definite(&mut self, system: &System, b: &[f64]) -> Result<bool, LinearError> {
         let Some(modes) = modes_of(system).filter(|_| system.matrix.is_symmetric()) else { return Ok(false) };
         match self.renew(system, Some(modes), &mut LinearWork::default()) {
@@ -239,7 +240,8 @@ impl MultigridSolver {
             modes.add(&p, out, system.parallel);
         };
         let preconditioner: &Multigrid = levels;
-        let cg = conjugate_gradient(&apply, preconditioner, b, &mut vec![0.0; b.len()], EVIDENCE, MOST);
+        let cg =
+            conjugate_gradient(&apply, preconditioner, b, &mut vec![0.0; b.len()], DEFINITENESS_TOLERANCE, MAX_CYCLES);
         self.serves = cg.converged();
         Ok(cg.converged())
     }
@@ -266,7 +268,7 @@ impl LinearSolver for MultigridSolver {
 
     fn step(&mut self, system: &System, b: &[f64], tolerance: f64, work: &mut LinearWork) -> Result<Step, LinearError> {
         match self.run(system, b, Aim::of_step(tolerance), work)? {
-            // nothing showed that it leads downhill
+            // nothing shows that it is a descent direction
             Outcome::Solved(Solved { x, changes_left: None, .. }) if system.space().dot(&x, b) <= 0.0 => {
                 Err(LinearError::Indefinite { quotient: None })
             }
@@ -293,7 +295,7 @@ impl LinearSolver for MultigridSolver {
         }
     }
 
-    /// Levels of a matrix nearby show negative curvature as well as its own do.
+    /// Levels of a matrix nearby show negative curvature as well as those of the matrix itself.
     fn solve_definite(
         &mut self,
         system: &System,
@@ -303,7 +305,7 @@ impl LinearSolver for MultigridSolver {
     ) -> Result<Vec<f64>, LinearError> {
         let once = which == Definite::Once;
         self.serves &= !once;
-        let found = self.run(system, b, Aim::residual(if once { STEP_TOLERANCE } else { COARSEST_STEP }), work);
+        let found = self.run(system, b, Aim::residual(if once { STEP_TOLERANCE } else { MAX_STEP_TOLERANCE }), work);
         self.serves &= !once;
         match found? {
             Outcome::Solved(Solved { x, positive: true, .. }) if system.space().dot(&x, b) > 0.0 => Ok(x),
@@ -321,7 +323,7 @@ impl LinearSolver for MultigridSolver {
         if self.rest_is_definite(system, &b)? {
             return Ok(Some(Inertia { negative: 0, by_factor: false }));
         }
-        match self.run_by(system, None, &b, Aim::residual(EVIDENCE), &mut LinearWork::default())? {
+        match self.run_by(system, None, &b, Aim::residual(DEFINITENESS_TOLERANCE), &mut LinearWork::default())? {
             Outcome::Solved(_) => Ok(Some(Inertia { negative: 0, by_factor: false })),
             Outcome::Indefinite(NotDefinite { quotient, .. }) => Err(LinearError::Indefinite { quotient }),
         }
@@ -332,7 +334,7 @@ impl LinearSolver for MultigridSolver {
     }
 }
 
-/// What became of a system with levels that were kept.
+/// The outcome of a solution with the levels held.
 enum WithKept {
     Solved {
         positive: bool,
@@ -340,17 +342,17 @@ enum WithKept {
     Indefinite {
         curvature: f64,
     },
-    /// Not solved, with the share of the residual that new levels begin from.
+    /// Not solved; the share of the residual at which new levels begin.
     Left(f64),
 }
 
-/// When a solution is good enough.
+/// When a solution is accurate enough.
 #[derive(Clone, Copy)]
 struct Aim {
     test: StoppingTest,
-    /// Relative residual that is good enough in any case.
+    /// Relative residual that is always accurate enough.
     residual: f64,
-    /// The one that was asked for, and whether a step is, which may leave pressures apart from changes of volume.
+    /// The residual asked for, and whether a step is computed, whose pressures may differ from those of its changes of volume.
     asked: f64,
     is_step: bool,
 }
@@ -362,14 +364,14 @@ impl Aim {
 
     /// Of a Newton step.
     fn of_step(asked: f64) -> Self {
-        Aim { asked, is_step: true, ..Aim::residual(asked.clamp(STEP_TOLERANCE, COARSEST_STEP)) }
+        Aim { asked, is_step: true, ..Aim::residual(asked.clamp(STEP_TOLERANCE, MAX_STEP_TOLERANCE)) }
     }
 
     fn exact(Accuracy { error, residual }: Accuracy) -> Self {
         Aim { test: StoppingTest::Either { error, residual }, residual, asked: residual, is_step: false }
     }
 
-    /// The relative residual that it is expected to be met at.
+    /// The relative residual at which the aim is expected to be met.
     fn expected(&self) -> f64 {
         match self.test {
             StoppingTest::Either { error, residual } => error.max(residual),
@@ -388,7 +390,7 @@ fn modes_of<'a>(system: &System<'a>) -> Option<&'a VolumeModes> {
     if system.products.is_some() { None } else { system.configuration.volume_modes() }
 }
 
-/// What was found, and whether all curvature that was looked at is positive.
+/// The report of the iteration, and whether all curvature met was positive.
 fn iterate(
     (system, modes, counts): (&System, Option<&VolumeModes>, Counts),
     multigrid: &Multigrid,
@@ -435,7 +437,7 @@ fn arrived(system: &System, levels: &Multigrid, b: &[f64], x: &[f64], cg: &CgRep
     cg.converged() || (cg.end == CgEnd::Stagnated && cg.residual <= rounding())
 }
 
-/// What was found before negative curvature was met, if it leads downhill.
+/// The iterate before negative curvature, if it is a descent direction.
 fn moved(system: &System, x: Vec<f64>, b: &[f64]) -> Option<Vec<f64>> {
     (system.space().dot(&x, b) > 0.0).then_some(x)
 }

@@ -1,18 +1,18 @@
-//! [`Shift`]: downhill steps where the matrix is not positive definite.
+//! [`Shift`]: descent steps where the matrix is not positive definite.
 
 use super::{Definite, LinearError, LinearSolver, LinearWork, System};
 use crate::multigrid::CellProducts;
 use std::sync::Arc;
 
-/// Least shift tried, as a share of the mean diagonal: slender bodies bend with eigenvalues as small as this, and a larger
+/// Smallest shift, as a share of the mean diagonal: slender bodies bend with eigenvalues as small as this, and a larger
 /// shift than needed shortens every step.
-const LEAST: f64 = 1e-8;
-/// Largest shift tried.
-const MOST: f64 = 1e3;
-/// From one shift to the next.
-const GROWTH: f64 = 8.0;
-/// Multiple of a negative quotient, which no smaller shift than itself makes positive.
-const BEYOND: f64 = 2.0;
+const MIN_SHIFT: f64 = 1e-8;
+/// Largest shift, likewise.
+const MAX_SHIFT: f64 = 1e3;
+/// Ratio of one shift to the one before.
+const SHIFT_GROWTH: f64 = 8.0;
+/// Least shift over a negative Rayleigh quotient: no shift below the quotient makes the matrix positive definite.
+const QUOTIENT_RATIO: f64 = 2.0;
 
 /// `(A + s I) x = b` with s raised until the matrix is positive definite; remembers the last s.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ pub struct Shift {
 
 impl Default for Shift {
     fn default() -> Self {
-        Shift { last: LEAST, quotient: None }
+        Shift { last: MIN_SHIFT, quotient: None }
     }
 }
 
@@ -57,7 +57,7 @@ impl Shift {
         let scale = space.total(own.iter().map(|d| d.abs()).sum()) / space.total(own.len() as f64);
         let (own, mut entries) = (own.len(), vec![0.0; diagonal.len()]);
         let (mut shift, mut added) = (self.first(scale), 0.0);
-        while shift <= MOST {
+        while shift <= MAX_SHIFT {
             // matrices of ranks add up: each unknown is shifted by its owner alone
             entries[..own].fill((shift - added) * scale);
             matrix.add_diagonal(&entries);
@@ -72,16 +72,16 @@ impl Shift {
 
     /// The first one to be tried, as a share of the mean diagonal.
     fn first(&self, scale: f64) -> f64 {
-        (self.last / 64.0).max(LEAST).max(self.needed(scale))
+        (self.last / 64.0).max(MIN_SHIFT).max(self.needed(scale))
     }
 
     /// The next one.
     fn next(&self, shift: f64, scale: f64) -> f64 {
-        (GROWTH * shift).max(shift + self.needed(scale))
+        (SHIFT_GROWTH * shift).max(shift + self.needed(scale))
     }
 
     fn needed(&self, scale: f64) -> f64 {
-        let needed = self.quotient.map_or(0.0, |quotient| -BEYOND * quotient / scale);
+        let needed = self.quotient.map_or(0.0, |quotient| -QUOTIENT_RATIO * quotient / scale);
         if needed.is_finite() { needed } else { 0.0 }
     }
 
@@ -124,7 +124,7 @@ impl Shift {
         let (scale, count) = own.fold((0.0, 0), |(sum, count), (_, entry)| (sum + entry, count + 1));
         let scale = scale / count.max(1) as f64;
         let mut shift = self.first(scale);
-        while shift <= MOST {
+        while shift <= MAX_SHIFT {
             let shifted = products.shifted(shift * scale);
             let system = System { products: Some(&shifted), ..*system };
             if let Some(step) = self.attempt(shift, solver, &system, b, work)? {

@@ -10,9 +10,9 @@ use crate::space::Space;
 use std::sync::Arc;
 
 /// Rounding of a residual, as a share of the sum of absolute values that it is a difference of.
-const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Largest residual that rounding excuses, as a multiple of the one that is wanted.
-const BESIDE: f64 = 1e3;
+const RESIDUAL_ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Largest residual that is accepted as rounding, over the one asked for.
+const MAX_ROUNDING_RATIO: f64 = 1e3;
 
 /// Where a matrix was taken: what preconditioners need besides its entries.
 pub trait Configuration: Sync {
@@ -80,13 +80,13 @@ impl System<'_> {
     /// Whether the solution of an iteration is as good as wanted, or as double precision has one where that is not far from it:
     /// `|r| <= 8 eps | |A| |x| |`, with the absolute values of the symmetric part of A. A body that hardly anything holds moves far.
     pub(super) fn is_solved(&self, x: &[f64], report: &CgReport, b: &[f64], tolerance: f64) -> bool {
-        if report.converged() || report.residual.is_nan() || report.residual > BESIDE * tolerance {
+        if report.converged() || report.residual.is_nan() || report.residual > MAX_ROUNDING_RATIO * tolerance {
             return report.converged();
         }
         let (magnitudes, mut sums) = (self.matrix.magnitudes(), vec![0.0; x.len()]);
         let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
         magnitudes.multiply_on(&x, &mut sums, self.parallel);
-        report.residual * self.space().norm(b) <= ROUNDING * self.space().norm(&sums)
+        report.residual * self.space().norm(b) <= RESIDUAL_ROUNDING * self.space().norm(&sums)
     }
 }
 

@@ -7,7 +7,7 @@ pub enum On {
     Nodes,
     /// Every cell.
     Cells,
-    /// The whole: so many numbers.
+    /// Global numbers.
     Whole,
 }
 

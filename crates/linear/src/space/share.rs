@@ -34,11 +34,11 @@ impl PartialEq for Share {
 
 impl Eq for Share {}
 
-/// Numbers that are sent to all ranks where they are summed, no more.
-const FEW: usize = 64;
+/// Numbers up to which a sum over ranks sends all of them to all ranks.
+const MAX_SUMMED_VALUES: usize = 64;
 
 impl Share {
-    /// That of a rank which owns its first so many nodes; `sharers` are the ranks that have nodes of it, ascending, with these nodes in an order that both
+    /// The share of a rank that owns its first `owned` nodes; `sharers` are the ranks that have nodes of it, ascending, with these nodes in an order that both
     /// sides have.
     pub fn new(team: Arc<dyn Team>, owned: usize, sharers: Vec<(usize, Vec<u32>)>) -> Arc<Self> {
         let shared: BTreeSet<u32> = sharers.iter().flat_map(|(_, nodes)| nodes).copied().collect();
@@ -90,7 +90,7 @@ impl Share {
 
     /// Each number becomes its sum over all ranks. A few are sent to all; many are added along a tree of the ranks, so that none holds those of all.
     pub fn sum(&self, values: &mut [f64]) {
-        if values.len() <= FEW {
+        if values.len() <= MAX_SUMMED_VALUES {
             return self.joined(values, |sum, next| sum + next);
         }
         let ranks = self.team.size();
@@ -143,7 +143,7 @@ impl Share {
         };
         let own = gathered(block, &self.shared, vector);
         self.shared.iter().for_each(|&node| entries(block, node, vector).fill(0.0));
-        // own values come in their turn: whoever adds up a node meets the same numbers in the same order
+        // own values are added in their turn: every rank adds the same numbers of a node in the same order
         let turn = self.sharers.partition_point(|(other, _)| *other < self.team.rank());
         let mut all: Vec<(&[u32], &[f64])> =
             self.sharers.iter().zip(&theirs).map(|((_, nodes), values)| (&nodes[..], &values[..])).collect();

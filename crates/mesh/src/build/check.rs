@@ -3,7 +3,7 @@
 use super::RawMesh;
 use super::raw::Element;
 use crate::Fault;
-use crate::error::MOST_ENTITIES;
+use crate::error::MAX_ENTITIES;
 
 pub(super) fn check(raw: &RawMesh) -> Result<(), Fault> {
     lengths(raw)?;
@@ -23,7 +23,7 @@ pub(super) fn check(raw: &RawMesh) -> Result<(), Fault> {
 fn lengths(raw: &RawMesh) -> Result<(), Fault> {
     let elements = raw.blocks.iter().map(|b| b.nodes.len() / b.kind.nodes()).sum();
     for (what, found) in [("nodes", raw.points.len()), ("elements", elements)] {
-        if found > MOST_ENTITIES {
+        if found > MAX_ENTITIES {
             return Err(Fault::TooMany { what, found });
         }
     }

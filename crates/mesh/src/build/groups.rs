@@ -109,7 +109,7 @@ fn surfaces(
     Ok(surfaces)
 }
 
-/// The facet a surface element stands for, and how many cells have it. A first-order element may stand for the facet
+/// The facet of a surface element, and how many cells have it. A first-order element may be the facet
 /// of a second-order cell, and the other way round, but nodes of the same kind of facet must agree.
 fn facet(element: &Element, selection: &Selection, table: &FacetTable) -> Option<(Facet, usize)> {
     let nodes: Vec<u32> = element.nodes.iter().map(|&node| selection.renumbered[node as usize]).collect();

@@ -5,9 +5,9 @@ use crate::mesh::CellBlock;
 use crate::tabulated::{Gathered, Tabulated};
 use crate::{CellKind, Fault};
 
-/// A cell whose volume is below this share of (bounding diagonal)^dim has none; far from the origin rounding of the
-/// coordinates leaves more of a flat cell than that.
-const FLAT: f64 = 1e-13;
+/// Volume of a cell over (bounding diagonal)^dim, below which it counts as zero; far from the origin the rounding of the
+/// coordinates gives a flat cell a larger one.
+const MIN_VOLUME_RATIO: f64 = 1e-13;
 
 /// Mirrors the cells whose Jacobian is negative throughout; returns their numbers. `label` names a cell in errors.
 pub(crate) fn orient(
@@ -97,7 +97,7 @@ impl Probe {
         let (low, high) = bounds(positions);
         let diameter = norm(&minus(&high, &low));
         let far = low.iter().chain(&high).fold(0.0f64, |far, x| far.max(x.abs()));
-        let share = FLAT.max(16.0 * f64::EPSILON * far / diameter);
+        let share = MIN_VOLUME_RATIO.max(16.0 * f64::EPSILON * far / diameter);
         // Written so that NaN (from overflow) is refused too.
         let solid = volume.abs() > share * diameter.powi(self.dim) && volume.is_finite();
         match solid {

@@ -56,8 +56,8 @@ pub(super) struct Boundary {
     control: Vec<V>,
 }
 
-/// Most cuts of a face in one direction: what is still not flat then is cut further where a search needs it.
-const CUTS: usize = 8;
+/// Cuts of a face in one direction; a piece that is not flat then is cut further where a search needs it.
+const MAX_CUTS: usize = 8;
 
 impl Boundary {
     /// An empty boundary, to be filled by `push` and closed by `finish`.
@@ -109,7 +109,7 @@ impl Boundary {
         loop {
             let w = n.map(|n| 1.0 / n as f64);
             let part = [m[0][0] * w[0] * w[0], 2.0 * m[0][1] * w[0] * w[1], m[1][1] * w[1] * w[1]];
-            if 0.125 * part.iter().sum::<f64>() <= flatness || n.iter().any(|&n| n >= CUTS) {
+            if 0.125 * part.iter().sum::<f64>() <= flatness || n.iter().any(|&n| n >= MAX_CUTS) {
                 return n;
             }
             if space.simplex {

@@ -6,10 +6,10 @@ use super::patch_space::{Conversion, PatchSpace};
 use super::subcell::{Containment, SubCell};
 use super::tree::{Aabb, Tree};
 
-/// Halvings of a cell made ahead, where it is too distorted for its map to be inverted in one go.
-const AHEAD: usize = 3;
-/// Most parts examined before a point that cannot be decided counts as outside.
-const PARTS: usize = 40;
+/// Halvings of a cell in advance, where it is too distorted for its map to be inverted at once.
+const MAX_FIRST_HALVINGS: usize = 3;
+/// Parts that are examined before an undecided point counts as outside.
+const MAX_PARTS: usize = 40;
 
 /// Cells as patches, cut into parts whose maps are easy to invert, in a tree.
 #[derive(Clone, Debug, Default)]
@@ -29,7 +29,7 @@ impl Cells {
         self.spaces.push(conversion.space);
         conversion.append(nodes, &mut self.control);
         self.second_bounds.push(self.patch(cell).second_bounds());
-        let mut stack = vec![(SubCell::whole(&self.patch(cell), &self.second_bounds[cell]), AHEAD)];
+        let mut stack = vec![(SubCell::whole(&self.patch(cell), &self.second_bounds[cell]), MAX_FIRST_HALVINGS)];
         while let Some((part, depth)) = stack.pop() {
             if part.is_nearly_linear() || depth == 0 {
                 self.parts.push((cell as u32, part));
@@ -113,7 +113,7 @@ impl Cells {
         let mut seen = 0;
         while let Some(part) = stack.pop() {
             seen += 1;
-            if seen > PARTS {
+            if seen > MAX_PARTS {
                 return false;
             }
             if !part.bounds.contains(p) {

@@ -6,7 +6,7 @@ use super::patch::longest;
 use super::shape::{ClosestPoint, Hint, Shape};
 
 /// Largest number of sides that are distinguished.
-const SIDES: usize = 6;
+const MAX_SIDES: usize = 6;
 
 /// Part of a cell: a box or simplex of its parameters, with the closest points to its corners on the other solid.
 #[derive(Clone, Debug)]
@@ -130,7 +130,7 @@ impl CellPiece {
                     sides[side].1 += way(i);
                     sides[side].2 += 1.0;
                 }
-                None if sides.len() < SIDES => sides.push((direction, way(i), 1.0)),
+                None if sides.len() < MAX_SIDES => sides.push((direction, way(i), 1.0)),
                 None => return None,
             }
         }

@@ -3,9 +3,9 @@
 use super::V;
 use super::patch::Patch;
 
-const STEPS: usize = 20;
-/// A parameter this near to an edge of the domain is on it.
-const ON: f64 = 1e-14;
+const MAX_STEPS: usize = 20;
+/// Distance from an edge of the domain up to which a parameter is on it.
+const EDGE_TOLERANCE: f64 = 1e-14;
 
 /// Half planes n.u + o >= 0 whose intersection is the face's parameter domain.
 type HalfPlane = ([f64; 2], f64);
@@ -25,7 +25,7 @@ pub(super) fn project(patch: &Patch, p: &V, start: [f64; 2]) -> (V, f64, [f64; 2
     let mut u = start;
     let mut jet = patch.second(&[u[0], u[1], 0.0]);
     let mut value = (jet.x - p).norm_squared();
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let r = jet.x - p;
         let gradient = [r.dot(&jet.first[0]), r.dot(&jet.first[1])];
         let hessian = curvature(&jet.first, &jet.second, &r, line);
@@ -34,7 +34,7 @@ pub(super) fn project(patch: &Patch, p: &V, start: [f64; 2]) -> (V, f64, [f64; 2
         for &(n, o) in domain {
             let slope = dot(&n, &step);
             let room = dot(&n, &u) + o;
-            if slope < 0.0 && room > ON {
+            if slope < 0.0 && room > EDGE_TOLERANCE {
                 t = t.min(-room / slope);
             }
         }
@@ -70,7 +70,7 @@ fn curvature(first: &[V; 3], second: &[V; 3], r: &V, line: bool) -> [f64; 3] {
 
 /// Newton direction in the domain: free, or along one of the edges `u` lies on. `None` where no direction descends.
 fn direction(domain: &[HalfPlane], u: &[f64; 2], g: &[f64; 2], h: &[f64; 3], line: bool) -> Option<[f64; 2]> {
-    let feasible = |d: &[f64; 2]| domain.iter().all(|(n, o)| dot(n, u) + o > ON || dot(n, d) >= 0.0);
+    let feasible = |d: &[f64; 2]| domain.iter().all(|(n, o)| dot(n, u) + o > EDGE_TOLERANCE || dot(n, d) >= 0.0);
     let descends = |d: &[f64; 2]| d.iter().all(|v| v.is_finite()) && dot(d, g) < 0.0;
     if line {
         let d = [-g[0] / h[0], 0.0];
@@ -87,7 +87,7 @@ fn direction(domain: &[HalfPlane], u: &[f64; 2], g: &[f64; 2], h: &[f64; 3], lin
         return (length > 0.0).then(|| steepest.map(|v| v / length));
     }
     let mut best: Option<([f64; 2], f64)> = None;
-    for (n, _) in domain.iter().filter(|(n, o)| dot(n, u) + o <= ON) {
+    for (n, _) in domain.iter().filter(|(n, o)| dot(n, u) + o <= EDGE_TOLERANCE) {
         let t = [-n[1], n[0]];
         let along = dot(&t, g);
         let curvature_along = h[0] * t[0] * t[0] + 2.0 * h[2] * t[0] * t[1] + h[1] * t[1] * t[1];

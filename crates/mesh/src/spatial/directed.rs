@@ -7,10 +7,10 @@ use super::V;
 use super::cell_piece::CellPiece;
 use super::shape::{ClosestPoint, Hint, Shape};
 
-/// Most pieces cut; what is left then shows in the gap.
-const CUTS: usize = 15_000;
-/// Most facets examined to prove the distance of the farthest point.
-const FACETS: usize = 50_000;
+/// Pieces that are cut; the gap reports the remaining error.
+const MAX_CUTS: usize = 15_000;
+/// Facets that are examined to prove the distance of the farthest point.
+const MAX_FACETS: usize = 50_000;
 
 /// The true value lies in [lower, upper]; `from` has about that distance from its nearest point `to`.
 #[derive(Clone, Copy, Debug)]
@@ -46,7 +46,7 @@ pub(super) fn directed(of: &Shape, on: &Shape, tolerance: f64) -> Directed {
     }
     search.run(of, on);
     let (distance, from, to) = search.best;
-    let lower = if distance > 0.0 { on.boundary.proven(&from, distance, 0.05 * tolerance, FACETS) } else { 0.0 };
+    let lower = if distance > 0.0 { on.boundary.proven(&from, distance, 0.05 * tolerance, MAX_FACETS) } else { 0.0 };
     Directed { lower, upper: search.ceiling.max(distance), from, to }
 }
 
@@ -95,7 +95,7 @@ impl Search {
                 self.ceiling = self.ceiling.max(proven);
                 continue;
             }
-            if cuts == CUTS {
+            if cuts == MAX_CUTS {
                 self.ceiling = self.ceiling.max(piece.relaxed_bound(of, on, goal, self.tolerance, bound));
                 continue;
             }

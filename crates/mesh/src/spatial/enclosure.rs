@@ -9,12 +9,12 @@ use super::interpolation_error::InterpolationError;
 use super::shape::Shape;
 use super::tree::Aabb;
 
-/// Most facets cut in one proof.
-const CUTS: usize = 200;
-/// Most facets whose normals decide where inwards is.
-const NORMALS: usize = 400;
-/// Most axes tried per facet, besides its own normal and the coordinate axes.
-const AXES: usize = 10;
+/// Facets that are cut in one proof.
+const MAX_CUTS: usize = 200;
+/// Facets whose normals determine the inward direction.
+const MAX_NORMALS: usize = 400;
+/// Axes tried per facet, besides its own normal and the coordinate axes.
+const MAX_AXES: usize = 10;
 
 /// The convex hull of points with all that a deviation may add to it, and how far it reaches along some axes.
 struct Hull<'a> {
@@ -29,7 +29,7 @@ impl Shape {
     /// A shift (at most `slack`) that brings the convex hull of `points`, which belong to the solid, with all that
     /// `deviation` may add to it, wholly into the solid. `None`: not proven.
     pub(super) fn shift_into(&self, points: &[V], deviation: &InterpolationError, slack: f64) -> Option<f64> {
-        let mut hull = Hull { points, deviation, shift: V::zeros(), reach: Vec::with_capacity(AXES + 3) };
+        let mut hull = Hull { points, deviation, shift: V::zeros(), reach: Vec::with_capacity(MAX_AXES + 3) };
         [V::x(), V::y(), V::z()].iter().for_each(|axis| hull.add(axis));
         let normals = self.normals_in_the_way(&hull)?;
         if normals.is_empty() {
@@ -56,15 +56,15 @@ impl Shape {
             if !hull.misses(facet) {
                 normals.push(facet.normal);
             }
-            normals.len() > NORMALS
+            normals.len() > MAX_NORMALS
         });
-        (normals.len() <= NORMALS).then_some(normals)
+        (normals.len() <= MAX_NORMALS).then_some(normals)
     }
 
     /// Does no boundary facet meet the hull? Facets that sag more than `fine` are cut where they are too coarse to
     /// show.
     fn clear(&self, hull: &Hull, fine: f64) -> bool {
-        let mut budget = CUTS;
+        let mut budget = MAX_CUTS;
         let mut met = false;
         self.boundary.tree.overlapping(&hull.bounds(), |facet| {
             met = !self.clears(hull, &self.boundary.facets[facet], fine, &mut budget);
@@ -100,7 +100,7 @@ impl Hull<'_> {
 
     /// Another axis to distinguish facets by, if it is new and there is room.
     fn add(&mut self, axis: &V) {
-        if self.reach.len() < AXES + 3 && self.reach.iter().all(|(a, _, _)| (a - axis).norm_squared() > 1e-8) {
+        if self.reach.len() < MAX_AXES + 3 && self.reach.iter().all(|(a, _, _)| (a - axis).norm_squared() > 1e-8) {
             let (lo, hi) = self.along(axis);
             self.reach.push((*axis, lo, hi));
         }

@@ -1,7 +1,7 @@
 use super::directed::directed;
 use super::{Shape, SpatialError};
 
-/// Relative to the larger diagonal.
+/// Error of the distance, relative to the larger diagonal.
 const TOLERANCE: f64 = 1e-4;
 
 /// The Hausdorff distance of two solids, with its proof: the true value lies in [`distance`, `distance + gap`].

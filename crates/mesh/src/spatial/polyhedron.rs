@@ -5,10 +5,10 @@ use super::{SpatialError, V, shape};
 use crate::{CellKind, GroupNames, Mesh};
 use std::collections::HashMap;
 
-/// Mean normals that differ by less from that of the face have one plane: a cosine's distance from 1.
-const FLAT: f64 = 1e-14;
-/// Twice the area of a triangle that counts as none, over its longest edge squared.
-const THIN: f64 = 1e-12;
+/// Difference from 1 of the cosine between a mean normal and that of the face, up to which they have one plane.
+const PLANE_TOLERANCE: f64 = 1e-14;
+/// Twice the area of a triangle over its longest edge squared, below which it counts as zero.
+const MIN_AREA_RATIO: f64 = 1e-12;
 
 /// The cells of a mesh, or of some of its regions, as a solid with flat faces: triangles, of quadrilaterals the two on one side of a
 /// diagonal each; segments in the plane. Made for the signed distance of points that move.
@@ -144,7 +144,7 @@ impl Polyhedron {
             Part::Corner(k) => (triangle.at_corners[k], Feature::Corner),
         };
         // between faces of one plane there is no edge
-        let in_plane = mean.dot(&triangle.face) >= (1.0 - FLAT) * mean.norm();
+        let in_plane = mean.dot(&triangle.face) >= (1.0 - PLANE_TOLERANCE) * mean.norm();
         let (part, mean, on) = if in_plane { (Part::Face, triangle.face, Feature::Face) } else { (part, mean, on) };
         let (away, offset) = (squared.sqrt(), x - point);
         let sign = if offset.dot(&mean) < 0.0 { -1.0 } else { 1.0 };
@@ -230,7 +230,7 @@ fn triangles(mesh: &Mesh, faces: &[[u32; 3]]) -> Result<Vec<Triangle>, SpatialEr
         let [a, b, c] = face.map(corner);
         let area = if mesh.dim() == 2 { (b - a).cross(&V::z()) } else { (b - a).cross(&(c - a)) };
         // the normal of less is rounding
-        let least = if mesh.dim() == 2 { 0.0 } else { THIN * longest_edge(&[a, b, c]).powi(2) };
+        let least = if mesh.dim() == 2 { 0.0 } else { MIN_AREA_RATIO * longest_edge(&[a, b, c]).powi(2) };
         let normal = area.try_normalize(least).filter(|n| n.iter().all(|n| n.is_finite()));
         let Some(normal) = normal else {
             return Err(SpatialError::Flat { mesh: mesh.name().into(), nodes: face.to_vec() });

@@ -29,9 +29,9 @@ impl SelfIntersection {
     }
 }
 
-/// An end of an edge must stand off the other facet's plane by this share of the edge's length, so that faces that only touch
-/// do not count.
-const TOUCHING: f64 = 1e-6;
+/// Least distance of an end of an edge from the other facet's plane, as a share of the edge's length, so that faces that only
+/// touch do not count.
+const MIN_CROSSING_SHARE: f64 = 1e-6;
 
 impl Shape {
     /// Where the solid intersects itself: boundary faces against each other, cell centres against other cells, both by the
@@ -92,7 +92,7 @@ impl Shape {
 
 /// Whether the ends of an edge lie on two sides of the plane through `x`, by more than the margin.
 fn straddles(edge: &[V; 2], x: &V, normal: &V, margin: f64) -> bool {
-    let least = margin + TOUCHING * (edge[1] - edge[0]).norm();
+    let least = margin + MIN_CROSSING_SHARE * (edge[1] - edge[0]).norm();
     let [d, e] = edge.map(|p| normal.dot(&(p - x)));
     d.abs() > least && e.abs() > least && d * e < 0.0
 }

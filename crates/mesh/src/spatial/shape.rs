@@ -7,8 +7,8 @@ use super::tree::Aabb;
 use super::{SpatialError, V};
 use crate::{CellKind, GroupNames, Mesh};
 
-/// Facets are cut until they sag no more than this fraction of the diagonal.
-const FLATNESS: f64 = 1e-4;
+/// Sag of the pieces of a facet, as a share of the diagonal.
+const MAX_SAG_RATIO: f64 = 1e-4;
 
 /// A solid to search: the cells of a mesh, or of one region, at given positions, with an index over cells and boundary
 /// faces.
@@ -101,7 +101,7 @@ impl Shape {
         }
         shape.cells.finish();
         let index_of: HashMap<u32, u32> = cells.iter().enumerate().map(|(k, &id)| (id, k as u32)).collect();
-        let flatness = FLATNESS * shape.cells.bounds().diagonal();
+        let flatness = MAX_SAG_RATIO * shape.cells.bounds().diagonal();
         for (id, face) in exterior(mesh, &cells) {
             let cell = mesh.cell(id as usize);
             let (kind, locals) = cell.kind.faces()[face];

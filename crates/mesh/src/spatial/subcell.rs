@@ -8,10 +8,10 @@ use super::patch::{Patch, SecondBounds, longest};
 use super::patch_space::PatchSpace;
 use super::tree::Aabb;
 
-/// Parameters this far outside the domain still belong to the cell: a point on a face is in the solid.
+/// Distance of parameters from the domain up to which they belong to the cell: a point on a face is in the solid.
 const FACE_TOLERANCE: f64 = 1e-9;
-/// A map whose slope changes less than this fraction over a part is inverted without cutting it further.
-const NEARLY_LINEAR: f64 = 0.5;
+/// Relative change of the slope of a map over a part, up to which it is inverted without cutting the part further.
+const MAX_SLOPE_CHANGE: f64 = 0.5;
 
 /// A box (by its least corner and its widths) or simplex (by its corners) of a cell's parameters.
 #[derive(Clone, Debug)]
@@ -68,7 +68,7 @@ impl SubCell {
     }
 
     pub fn is_nearly_linear(&self) -> bool {
-        self.expansion.as_ref().is_some_and(|e| e.contraction < NEARLY_LINEAR)
+        self.expansion.as_ref().is_some_and(|e| e.contraction < MAX_SLOPE_CHANGE)
     }
 
     /// Two halves, cut across the longest edge.

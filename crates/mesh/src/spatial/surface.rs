@@ -7,8 +7,8 @@ use super::{SpatialError, V};
 use crate::{Facet, Mesh};
 use std::collections::BTreeMap;
 
-/// Facets are cut until they sag no more than this fraction of the diagonal.
-const FLATNESS: f64 = 1e-4;
+/// Sag of the pieces of a facet, as a share of the diagonal.
+const MAX_SAG_RATIO: f64 = 1e-4;
 
 /// Faces of a mesh at given positions, curved ones as they are, with an index over them.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ impl Surface {
         let mut boundary = Boundary::new(mesh.dim() == 2);
         let mut conversions = BTreeMap::new();
         let points: Vec<V> = positions.iter().map(|x| V::from(*x)).collect();
-        let flatness = FLATNESS * Aabb::around(&points).diagonal();
+        let flatness = MAX_SAG_RATIO * Aabb::around(&points).diagonal();
         for facet in facets {
             let (kind, nodes) = mesh.facet_nodes(*facet);
             let nodes: Vec<V> = nodes.iter().map(|&node| points[node as usize]).collect();

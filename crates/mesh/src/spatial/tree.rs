@@ -3,7 +3,7 @@
 use super::V;
 use super::interpolation_error::InterpolationError;
 
-const LEAF: usize = 3;
+const MAX_LEAF_ITEMS: usize = 3;
 /// Depth of a balanced tree over at most 2^32 items, with one waiting sibling per level.
 const STACK: usize = 64;
 
@@ -35,7 +35,7 @@ impl Aabb {
         Self { lo: self.lo.inf(&other.lo), hi: self.hi.sup(&other.hi) }
     }
 
-    /// The box with so much more on every side.
+    /// The box extended by a margin on every side.
     #[must_use]
     pub fn grown(&self, by: f64) -> Self {
         Self { lo: self.lo.add_scalar(-by), hi: self.hi.add_scalar(by) }
@@ -107,7 +107,7 @@ impl Tree {
     fn fill(&mut self, node: usize, from: usize, to: usize, boxes: &[Aabb]) {
         let items = &mut self.order[from..to];
         let bounds = items.iter().fold(Aabb::EMPTY, |b, &i| b.union(&boxes[i as usize]));
-        if items.len() <= LEAF {
+        if items.len() <= MAX_LEAF_ITEMS {
             self.nodes[node] = Node { bounds, first: from as u32, count: items.len() as u32 };
             return;
         }

@@ -14,7 +14,7 @@ pub struct Ball {
 
 impl Ball {
     /// A vector this close to the radius (relatively) is on the boundary.
-    const BOUNDARY: f64 = 1e-13;
+    const BOUNDARY_TOLERANCE: f64 = 1e-13;
 
     /// Vectors of `dim` (1, 2 or 3) components no longer than `radius`.
     ///
@@ -37,8 +37,8 @@ impl Ball {
 
     /// Where a step has led one vector; a step tangential at the boundary stays in the tangent plane of its beginning.
     fn boundary_point(&self, m: &[f64], d: &[f64]) -> Vec<f64> {
-        let tangential = dot(m, d).abs() <= Self::BOUNDARY * norm(m) * norm(d);
-        if tangential && norm(m) >= self.radius * (1.0 - Self::BOUNDARY) { m.to_vec() } else { add(m, d) }
+        let tangential = dot(m, d).abs() <= Self::BOUNDARY_TOLERANCE * norm(m) * norm(d);
+        if tangential && norm(m) >= self.radius * (1.0 - Self::BOUNDARY_TOLERANCE) { m.to_vec() } else { add(m, d) }
     }
 
     /// Shortens one vector to the radius, never past it by rounding.
@@ -88,7 +88,7 @@ impl Admissible for Ball {
         for at in (0..m.len()).step_by(self.dim) {
             let x = self.boundary_point(&m[at..at + self.dim], &d[at..at + self.dim]);
             let s = &s[at..at + self.dim];
-            if norm(&x) < self.radius * (1.0 - Self::BOUNDARY) && norm(&add(&x, s)) > self.radius {
+            if norm(&x) < self.radius * (1.0 - Self::BOUNDARY_TOLERANCE) && norm(&add(&x, s)) > self.radius {
                 let (ss, xs, room) = (dot(s, s), dot(&x, s), self.radius * self.radius - dot(&x, &x));
                 reach = reach.min(((xs * xs + ss * room).sqrt() - xs) / ss);
             }
@@ -111,7 +111,7 @@ impl Admissible for Ball {
             let block = at..at + self.dim;
             let x = self.boundary_point(&m[block.clone()], &d[block.clone()]);
             let outward = -dot(&derivative[block], &x);
-            if norm(&x) >= self.radius * (1.0 - Self::BOUNDARY) && outward > 0.0 {
+            if norm(&x) >= self.radius * (1.0 - Self::BOUNDARY_TOLERANCE) && outward > 0.0 {
                 face.bar(at, &x, true);
             }
         }
@@ -123,7 +123,7 @@ impl Admissible for Ball {
         for (p, m) in m.chunks(self.dim).enumerate() {
             let at = p * self.dim..(p + 1) * self.dim;
             let outward = -dot(&derivative[at.clone()], m);
-            if norm(m) >= self.radius * (1.0 - Self::BOUNDARY) && outward > 0.0 {
+            if norm(m) >= self.radius * (1.0 - Self::BOUNDARY_TOLERANCE) && outward > 0.0 {
                 add_curvature(m, &derivative[at.clone()], &v[at.clone()], self.radius, &mut out[at]);
             }
         }

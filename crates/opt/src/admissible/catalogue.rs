@@ -14,7 +14,7 @@ pub struct SetRow {
     pub components: usize,
     /// Whether it is convex; steps of its local model are then differences of admissible controls.
     pub convex: bool,
-    /// An example over so many points, of a size of about one.
+    /// An example over a number of points, of a size of about one.
     pub make: fn(usize) -> Result<Arc<dyn Admissible>, SetError>,
 }
 

@@ -9,7 +9,7 @@ use crate::constrained::{ConstraintGroup, Sense};
 /// psi(c) = sum over c_k <= 0: (max(0, l_k + r d_k)^2 - l_k^2) / (2 r),   over c_k = 0: l_k d_k + r d_k^2 / 2
 /// ```
 ///
-/// A penalty of zero stands for no constraints at all: psi = 0.
+/// A penalty of zero means no constraints: psi = 0.
 ///
 /// Source: Nocedal and Wright, Numerical Optimization, 2nd ed., section 17.4 and eq. (17.65); Birgin and Martinez, Practical Augmented Lagrangian
 /// Methods for Constrained Optimization, section 4.1.

@@ -7,7 +7,7 @@ use crate::hessian::Hessian;
 use crate::objective::{Objective, Request};
 use crate::summary::Summary;
 
-/// The augmented Lagrangian `j(m) + psi(c(m))` of a constrained objective, for the multipliers and the penalty at hand: what the
+/// The augmented Lagrangian `j(m) + psi(c(m))` of a constrained objective, for the present multipliers and penalty: what the
 /// driver of an [`AugmentedRun`](super::AugmentedRun) minimises. Its points are those of the objective.
 #[derive(Debug)]
 pub struct Augmented<O> {

@@ -6,12 +6,12 @@ use crate::saved::Saved;
 use crate::state::RunState;
 use serde::{Deserialize, Serialize};
 
-/// Tenfold penalties in a row that hardly change the violation, at which it is called infeasible.
-const STAGNANT: usize = 3;
-/// A violation that is still this part of the one before has hardly changed.
-const HARDLY: f64 = 0.9;
-/// Bound of the multipliers, as a multiple of the first penalty.
-const LARGEST: f64 = 1e10;
+/// Consecutive tenfold increases of the penalty without effect on the violation, after which the problem counts as infeasible.
+const MAX_STAGNANT_STEPS: usize = 3;
+/// Ratio of a violation to the one before above which the penalty had no effect.
+const STAGNATION_RATIO: f64 = 0.9;
+/// Largest multiplier over the first penalty.
+const MAX_MULTIPLIER_RATIO: f64 = 1e10;
 
 /// Where the updates stand.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -26,7 +26,7 @@ pub(super) struct Outer {
     pub measure: f64,
     /// Violation at the last update; infinite before.
     pub violation: f64,
-    /// Growths of the penalty in a row that hardly changed the violation.
+    /// Consecutive increases of the penalty that hardly changed the violation.
     pub stagnant: usize,
     /// Whether the penalty grew at the last update.
     pub grew: bool,
@@ -38,9 +38,9 @@ impl Outer {
     /// Looks at the values c that a converged or stalled inner run ended with; whether they cannot be made feasible.
     pub fn is_infeasible(&mut self, options: &AugmentedLagrangian, multipliers: &Multipliers, c: &[f64]) -> bool {
         let violation = multipliers.violation(c);
-        let stays = self.grew && violation > options.feasibility && violation > HARDLY * self.violation;
+        let stays = self.grew && violation > options.feasibility && violation > STAGNATION_RATIO * self.violation;
         self.stagnant = if stays { self.stagnant + 1 } else { 0 };
-        self.stagnant >= STAGNANT
+        self.stagnant >= MAX_STAGNANT_STEPS
     }
 
     /// Multipliers and penalty after an update at values c. Where the optimiser was cut short (not `settled`), they say nothing of
@@ -53,7 +53,7 @@ impl Outer {
         settled: bool,
     ) -> (Vec<f64>, f64) {
         let measure = multipliers.measure(c);
-        let values = multipliers.updated(c, LARGEST * self.first_penalty);
+        let values = multipliers.updated(c, MAX_MULTIPLIER_RATIO * self.first_penalty);
         self.grew = settled && measure > options.decrease * self.measure;
         self.measure = measure;
         self.violation = multipliers.violation(c);
@@ -62,7 +62,7 @@ impl Outer {
     }
 }
 
-/// Everything a run under constraints needs to go on to the bit.
+/// Everything a run under constraints needs to continue with the same bits.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct AugmentedState {
     /// The optimiser's run.

@@ -17,10 +17,10 @@ use crate::stop::{Stall, Stop, Tolerance};
 use nastic_numeric::vector::sub;
 use std::fmt;
 
-/// States are at least as accurate as this part of the feasibility asked for.
-const ACCURACY: f64 = 0.1;
-/// An inner run that lowers the cost by less than this part of it has come to its end.
-const SLIGHT: f64 = 1e-6;
+/// Accuracy of states over the feasibility asked for.
+const STATE_ACCURACY_SHARE: f64 = 0.1;
+/// Decrease of the cost by an inner run, as a share of the cost, up to which the run has converged.
+const MAX_STALLED_DECREASE: f64 = 1e-6;
 
 /// A run under constraints: see [`AugmentedLagrangian`]. Stepped, saved and finished as a [`Run`]; without constraints it is one.
 pub struct AugmentedRun<O: Constrained> {
@@ -234,7 +234,7 @@ impl<O: Constrained> AugmentedRun<O> {
     /// its own first steps, and another one starts afresh.
     fn is_final(&self, stop: &Stop) -> bool {
         match stop {
-            Stop::Stalled(Stall::Stagnation { total, .. }) => *total <= SLIGHT * self.run.cost().abs(),
+            Stop::Stalled(Stall::Stagnation { total, .. }) => *total <= MAX_STALLED_DECREASE * self.run.cost().abs(),
             stop => matches!(stop, Stop::Stalled(_)),
         }
     }
@@ -336,7 +336,7 @@ impl<O: Constrained> AugmentedRun<O> {
         self.run.best_point()
     }
 
-    /// The augmented Lagrangian at hand, for a [`Taylor`](crate::Taylor) test, say.
+    /// The present augmented Lagrangian, for example for a [`Taylor`](crate::Taylor) test.
     pub fn augmented(&self) -> &Augmented<O> {
         self.run.objective()
     }
@@ -349,7 +349,7 @@ fn setting<O: Constrained>(
     objective: O,
     Domain { set, metric, cancel }: Domain,
 ) -> (Setting<Augmented<O>>, Options, bool) {
-    let augmented = Augmented::new(objective, ACCURACY * options.feasibility);
+    let augmented = Augmented::new(objective, STATE_ACCURACY_SHARE * options.feasibility);
     let constrained = !augmented.multipliers.values.is_empty();
     let own = *optimizer.options();
     let mut setting = Setting::new(augmented, set, metric, own);

@@ -7,7 +7,7 @@ use crate::taylor::TaylorError;
 
 impl<O: Objective> Run<O> {
     /// Checks the derivative at the present point: see [`Certificate::of`]. Evaluations have a workspace of their own,
-    /// so that the run goes on as if it had not been checked.
+    /// so that the run continues as without the check.
     ///
     /// # Errors
     /// As [`Certificate::of`].

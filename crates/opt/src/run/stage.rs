@@ -10,8 +10,8 @@ use crate::state::{Progress, StageEnd};
 use crate::stop::{Stall, Stop, Tolerance};
 use nastic_numeric::vector::sub;
 
-/// Flat steps in a row that end a stage.
-const FLAT: usize = 3;
+/// Consecutive flat steps that end a stage.
+const MAX_FLAT_STEPS: usize = 3;
 
 impl<O: Objective> Run<O> {
     pub(super) fn is_last_stage(&self) -> bool {
@@ -32,7 +32,7 @@ impl<O: Objective> Run<O> {
             return Some(Stop::Converged { gradient_norm, first, tolerance: Tolerance::Absolute(absolute_tolerance) });
         }
         let relative_gradient = self.progress.relative(gradient_norm);
-        if *flat >= FLAT {
+        if *flat >= MAX_FLAT_STEPS {
             let (cost, predicted) = (self.current.cost, 10.0 * f64::EPSILON * self.current.cost.abs());
             return Some(Stop::Stalled(Stall::Flat { cost, predicted, relative_gradient }));
         }

@@ -7,12 +7,13 @@ use nastic_numeric::Random;
 use nastic_numeric::vector::{axpy, dot, scale};
 
 /// Start vectors: as many copies of a multiple eigenvalue are found.
-const STARTS: usize = 4;
-/// A vector that orthogonalisation leaves this share of lies in the span of the others.
-const SPANNED: f64 = 1e-12;
-/// Least number of steps between two looks at the Ritz pairs, and as a share of the steps made, for a look costs their cube.
-const PACE: usize = 4;
-const PACE_SHARE: usize = 10;
+const START_VECTORS: usize = 4;
+/// Share of a vector after orthogonalisation below which it lies in the span of the others.
+const DEPENDENCE_TOLERANCE: f64 = 1e-12;
+/// Least number of steps between two computations of the Ritz pairs.
+const MIN_STEPS: usize = 4;
+/// Steps made over those between two computations of the Ritz pairs, whose cost is cubic in the steps.
+const STEP_DIVISOR: usize = 10;
 
 /// An orthonormal basis in the inner product, and the coefficients by it of the images of its first vectors under `B = (P G P)^-1 P H`.
 pub(super) struct Krylov<'a> {
@@ -29,8 +30,8 @@ impl<'a> Krylov<'a> {
     /// The space of the start vectors; `dimension` is that of the face.
     pub fn new(face: &'a Face, metric: &'a dyn InnerProduct, dimension: usize) -> Self {
         let random = Random::new(0);
-        let mut out = Self { face, metric, dimension, random, basis: vec![], images: vec![], look: PACE };
-        (0..STARTS).for_each(|_| out.start());
+        let mut out = Self { face, metric, dimension, random, basis: vec![], images: vec![], look: MIN_STEPS };
+        (0..START_VECTORS).for_each(|_| out.start());
         out
     }
 
@@ -40,7 +41,7 @@ impl<'a> Krylov<'a> {
         self.face.project(&mut v);
         let size = self.metric.norm(&v);
         let (_, left) = self.orthogonalize(&mut v);
-        self.push(v, left, SPANNED * size);
+        self.push(v, left, DEPENDENCE_TOLERANCE * size);
     }
 
     fn push(&mut self, mut v: Vec<f64>, left: f64, spanned: f64) {
@@ -64,7 +65,7 @@ impl<'a> Krylov<'a> {
         let (mut coefficients, left) = self.orthogonalize(&mut image);
         let largest = self.images.iter().flatten().chain(&coefficients).fold(0.0, |most: f64, h| most.max(h.abs()));
         let before = self.basis.len();
-        self.push(image, left, SPANNED * largest);
+        self.push(image, left, DEPENDENCE_TOLERANCE * largest);
         if self.basis.len() > before {
             coefficients.push(left);
         }
@@ -72,13 +73,13 @@ impl<'a> Krylov<'a> {
         self.images.len()
     }
 
-    /// Whether it is time to look at the Ritz pairs.
+    /// Whether the Ritz pairs are due.
     pub fn is_due(&mut self) -> bool {
         let steps = self.images.len();
         if steps < self.look && steps < self.dimension {
             return false;
         }
-        self.look = steps + PACE.max(steps / PACE_SHARE);
+        self.look = steps + MIN_STEPS.max(steps / STEP_DIVISOR);
         true
     }
 

@@ -26,12 +26,12 @@ impl fmt::Display for SecondOrder {
     }
 }
 
-/// How far the orders between neighbouring steps may be from the fitted one, where fewer than [`Taylor::MOST`] are left.
-const EVEN: f64 = 0.2;
+/// Largest difference of an order between neighbouring steps from the fitted one, where fewer than [`Taylor::MAX_ROWS`] are left.
+const MAX_ORDER_SCATTER: f64 = 0.2;
 
-/// From this order on the remainder is of a power that few functions have (4 where the third derivative vanishes, by symmetry say), or of
-/// noise: the order must be the same between all steps.
-const LIKELY: f64 = 3.5;
+/// Order from which the remainder has a power that few functions have (4 where the third derivative vanishes, for example by symmetry), or
+/// is noise: the order must be the same between all steps.
+const MAX_LIKELY_ORDER: f64 = 3.5;
 
 /// `|change - dj.(moved - m) - quadratic|`: the difference of controls is the one that j has seen, rounding included.
 pub(super) fn remainder(change: f64, derivative: &[f64], m: &[f64], moved: &[f64], quadratic: Option<f64>) -> f64 {
@@ -44,21 +44,23 @@ pub(super) fn remainder(change: f64, derivative: &[f64], m: &[f64], moved: &[f64
 /// and the higher powers of t: three or four serve if the order is the same between all of them.
 pub(super) fn judge(first: &TaylorDirection, curvature: f64, remainders: Vec<f64>, least: f64) -> SecondOrder {
     let (rows, noise) = (&first.rows, first.noise);
-    let clear: Vec<usize> = (0..rows.len()).filter(|k| remainders[*k] > Taylor::CLEAR * noise).collect();
+    let clear: Vec<usize> = (0..rows.len()).filter(|k| remainders[*k] > Taylor::MIN_NOISE_RATIO * noise).collect();
     let point = |k: &usize| (rows[*k].t, remainders[*k]);
     let fit = |window: &[usize]| order(window.iter().map(point));
-    let even = |window: &[usize]| window.windows(2).all(|pair| (fit(pair) - fit(window)).abs() < EVEN);
+    let even = |window: &[usize]| window.windows(2).all(|pair| (fit(pair) - fit(window)).abs() < MAX_ORDER_SCATTER);
     let quadratic = |window: &[usize]| {
         let ratios = window.iter().map(point).map(|(t, r)| r / (t * t));
         let (low, high) = ratios.fold((f64::INFINITY, 0.0f64), |(low, high), r| (low.min(r), high.max(r)));
         (fit(window) - 2.0).abs() < 0.2 && high < 2.0 * low
     };
     let judged = windows(&clear).find_map(|window| {
-        let fewer = (Taylor::FEWEST..window.len()).rev().map(|n| &window[window.len() - n..]);
-        let likely = |window: &[usize]| fit(window) < LIKELY && window.len() == Taylor::MOST;
+        let fewer = (Taylor::MIN_ROWS..window.len()).rev().map(|n| &window[window.len() - n..]);
+        let likely = |window: &[usize]| fit(window) < MAX_LIKELY_ORDER && window.len() == Taylor::MAX_ROWS;
         let right = |window: &&[usize]| fit(window) >= least && (likely(window) || even(window));
         match std::iter::once(window).chain(fewer).find(right) {
-            _ if quadratic(window) && window.len() == Taylor::MOST.min(clear.len()) => Some((window, Verdict::Wrong)),
+            _ if quadratic(window) && window.len() == Taylor::MAX_ROWS.min(clear.len()) => {
+                Some((window, Verdict::Wrong))
+            }
             Some(window) => Some((window, Verdict::Right)),
             None => None,
         }

@@ -1,7 +1,7 @@
 //! [`settle`]: which inequality constraints act in a linearised problem.
 
 /// Sets that are tried.
-const MOST: usize = 1000;
+const MAX_SETS: usize = 1000;
 
 /// What a set of acting constraints leads to.
 pub(super) struct Trial<T> {
@@ -26,7 +26,7 @@ pub(super) fn settle<T, E>(
     mut trial: impl FnMut(&[bool]) -> Result<Trial<T>, E>,
 ) -> Result<Option<T>, E> {
     let (mut acting, mut tried, mut by_index) = (first, Vec::new(), false);
-    for _ in 0..MOST {
+    for _ in 0..MAX_SETS {
         let Trial { found, wrong } = trial(&acting)?;
         let candidates = || (0..wrong.len()).filter(|&k| wrong[k] > 0.0);
         let worst = |of: bool| {

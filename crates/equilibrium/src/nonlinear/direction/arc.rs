@@ -13,7 +13,7 @@ use nastic_linear::{LinearSolver, Space};
 use std::sync::Arc;
 
 /// Difference of s for the derivative of the residual.
-const DIFFERENCE: f64 = 1e-2;
+const DIFFERENCE_STEP: f64 = 1e-2;
 
 /// The inner product of a path, `<(u, s), (v, t)> = sum_a w_a u_a . v_a + s t`; multipliers have no part in it.
 pub(crate) struct PathMetric {
@@ -128,9 +128,9 @@ impl Equations<'_> {
     /// Derivative of the residual by s, the displacement held: a central difference, exact for controls that enter linearly or in
     /// products of two.
     fn residual_by_s(&self, point: &ModelPoint, u: &[f64], s: f64) -> Result<Vec<f64>, Inadmissible> {
-        let behind = self.force_at(point, u, s + DIFFERENCE)?;
-        let before = self.force_at(point, u, s - DIFFERENCE)?;
-        Ok(behind.iter().zip(&before).map(|(b, a)| (b - a) / (2.0 * DIFFERENCE)).collect())
+        let behind = self.force_at(point, u, s + DIFFERENCE_STEP)?;
+        let before = self.force_at(point, u, s - DIFFERENCE_STEP)?;
+        Ok(behind.iter().zip(&before).map(|(b, a)| (b - a) / (2.0 * DIFFERENCE_STEP)).collect())
     }
 
     /// Derivative of the supported components by s, over all unknowns but s.

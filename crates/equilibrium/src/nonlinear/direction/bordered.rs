@@ -7,10 +7,10 @@
 //! [-g_u    0 ] [dp] = - [    -g     ],     K = P_uu - p g_uu
 //! ```
 //!
-//! K may be indefinite, as behind the pressure maximum of a balloon; what counts is that it is positive definite on the null space of
-//! `g_u`, which the inertia of the whole shows, else it is shifted until it is. Of inequalities `g >= 0`, `p >= 0`, `p g = 0` the step
-//! solves the linearised ones (sequential quadratic programming): those that do not act get `q = 0` and leave the system. Where no
-//! potential is known, K is not symmetric and the inertia says nothing.
+//! K may be indefinite, as behind the pressure maximum of a balloon. It must be positive definite on the null space of `g_u`, which
+//! the inertia of the whole system shows, and is shifted until it is. For inequalities `g >= 0`, `p >= 0`, `p g = 0` the step
+//! solves the linearised ones (sequential quadratic programming): inactive ones have `q = 0` and leave the system. Without a
+//! potential K is not symmetric and the inertia is not used.
 
 use super::active_set::{Trial, settle};
 use super::{Direction, Step, Take};
@@ -23,27 +23,32 @@ use nastic_linear::solver::{Accuracy, Curvature};
 use nastic_linear::{LinearError, LinearSolver};
 use nastic_numeric::vector::axpy;
 
-/// Shifts of K, as shares of its mean diagonal: the least, from one to the next, the largest.
-const SHIFTS: (f64, f64, f64) = (1e-8, 8.0, 1e3);
-/// The last shift over the first that is tried at the next iterate.
-const BACK: f64 = 64.0;
-/// What the linear systems' solutions may be wrong by: of the change of a constraint this share, beside the rounding of the constraint itself.
-const INEXACT: f64 = 1e-6;
-const ROUNDED: f64 = 8.0 * f64::EPSILON;
-/// Times that, what constraints that yield leave of one that touches.
-const TOUCHING: f64 = 10.0;
+/// Smallest shift of K, as a share of its mean diagonal.
+const MIN_SHIFT: f64 = 1e-8;
+/// Ratio of one shift to the one before.
+const SHIFT_GROWTH: f64 = 8.0;
+/// Largest shift of K, as a share of its mean diagonal.
+const MAX_SHIFT: f64 = 1e3;
+/// Ratio of the last shift to the first that is tried at the next iterate.
+const SHIFT_DECREASE: f64 = 64.0;
+/// Error of the linear systems' solutions, as a share of the change of a constraint.
+const LINEAR_ERROR_SHARE: f64 = 1e-6;
+/// Rounding of a constraint, as a share of its scale.
+const CONSTRAINT_ROUNDING: f64 = 8.0 * f64::EPSILON;
+/// Largest value of a constraint that touches, over the sum of both: constraints that yield leave more than rounding.
+const MAX_TOUCHING_RATIO: f64 = 10.0;
 
 /// The linearised equations and inequalities at an iterate.
 struct Linearised {
     system: SaddlePoint,
-    /// Minus the residual; of inequalities `g`, whether they act or not.
+    /// Minus the residual; `g` for all inequalities, active or not.
     rhs: Vec<f64>,
-    /// What the rounding of each constraint is measured against, where there are inequalities.
+    /// The scale of the rounding of each constraint, where there are inequalities.
     scales: Vec<f64>,
 }
 
-/// What a step leads to: the step, the negative eigenvalues of the system beyond one for each constraint that acts, and which constraints
-/// act or touch.
+/// A step, the number of negative eigenvalues of the system beyond one for each active constraint, and which constraints are active or
+/// touch.
 type BorderedStep = (Vec<f64>, usize, Vec<bool>);
 
 /// Steps of `(u, p)`.
@@ -54,12 +59,12 @@ pub(crate) struct Bordered<'a> {
     inequalities: Vec<bool>,
     jump: Jump,
     linearised: Option<Linearised>,
-    /// The last shift that was enough.
+    /// The last sufficient shift.
     shift: f64,
 }
 
 impl<'a> Bordered<'a> {
-    /// Makes multipliers of inequalities at x what they may be: in an extrapolated guess they may be negative.
+    /// Makes multipliers of inequalities at x admissible: in an extrapolated guess they may be negative.
     pub fn new(equations: &'a Equations<'a>, x: &mut [f64], solver: &'a mut dyn LinearSolver) -> Self {
         let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
         let inequalities = equations.model.inequalities();
@@ -67,8 +72,8 @@ impl<'a> Bordered<'a> {
         Bordered { equations, systems, inequalities, jump: equations.jump(x), linearised: None, shift: 0.0 }
     }
 
-    /// Newton's step, and the negative eigenvalues of the tangent on the null space of the constraints that act; `None` where rounding
-    /// decides, or no set of acting inequalities is right.
+    /// Newton's step, and the number of negative eigenvalues of the tangent on the null space of the active constraints; `None` where rounding
+    /// determines it, or no active set was found.
     pub(super) fn newton(
         &mut self,
         here: &Iterate,
@@ -95,7 +100,7 @@ impl<'a> Bordered<'a> {
         Ok((dx, negative, scale))
     }
 
-    /// The step; `kept` where a factor of the tangent before will do.
+    /// The step; with `kept` by a factor of the tangent before, if possible.
     fn solve(
         &mut self,
         (x, (accuracy, kept)): (&[f64], (Accuracy, bool)),
@@ -126,7 +131,7 @@ impl<'a> Bordered<'a> {
         let (multipliers, g) = (&x[u.len()..], &rhs[u.len()..]);
         let acts = |k: usize| !inequalities[k] || multipliers[k] > 0.0 || g[k] < 0.0;
         let settled = match settle((0..inequalities.len()).map(acts).collect(), |acting| trial(acting, false)) {
-            // Of constraints that depend on each other some may be slack: yielding ones show which.
+            // Some of several dependent constraints may be inactive: compliant ones show which.
             Err(LinearError::Border { .. }) => {
                 let equations = inequalities.iter().map(|inequality| !inequality).collect();
                 let yielding = settle(equations, |acting| trial(acting, true))?;
@@ -142,7 +147,7 @@ impl<'a> Bordered<'a> {
 
 pub(super) fn failed(error: LinearError, here: &Iterate) -> Stop {
     match error {
-        // Constraints that depend on each other are so at any control.
+        // Dependent constraints are dependent at any control.
         LinearError::Border { .. } | LinearError::NotCounted { .. } => Stop::Linear(error),
         _ if error.is_lack_of_memory() => Stop::Linear(error),
         _ => Stop::Slow { residual: here.relative },
@@ -176,9 +181,8 @@ impl Direction for Bordered<'_> {
     fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
         let Some(mut problem) = self.linearised.take() else { return Err(Stop::Slow { residual: here.relative }) };
         report.shifted += 1;
-        let (least, growth, most) = SHIFTS;
-        let (mut shift, mut added) = ((self.shift / BACK).max(least), 0.0);
-        while shift <= most {
+        let (mut shift, mut added) = ((self.shift / SHIFT_DECREASE).max(MIN_SHIFT), 0.0);
+        while shift <= MAX_SHIFT {
             problem.system.shift(shift - added);
             added = shift;
             let found =
@@ -187,13 +191,13 @@ impl Direction for Bordered<'_> {
                 self.shift = shift;
                 return Ok(step);
             }
-            shift *= growth;
+            shift *= SHIFT_GROWTH;
         }
         Err(failed(LinearError::Shift, here))
     }
 }
 
-/// What steps with different sets of acting constraints have in common.
+/// The arguments of all steps with different active sets.
 struct ActiveSets<'a> {
     x: &'a [f64],
     rhs: &'a [f64],
@@ -203,7 +207,7 @@ struct ActiveSets<'a> {
 }
 
 impl ActiveSets<'_> {
-    /// The step with a set of acting constraints; the multipliers of the others become 0.
+    /// The step with an active set; the multipliers of other constraints become 0.
     fn step_with(
         &self,
         acting: &[bool],
@@ -232,16 +236,16 @@ impl ActiveSets<'_> {
             step[dofs + k] = -x[dofs + k];
             let change = system.slope(k, &step[..dofs]);
             let beyond = change - rhs[dofs + k];
-            let noise = ROUNDED * scales[k] + INEXACT * change.abs();
+            let noise = CONSTRAINT_ROUNDING * scales[k] + LINEAR_ERROR_SHARE * change.abs();
             wrong[k] = if beyond > noise { beyond } else { 0.0 };
-            touching[k] = beyond.abs() <= TOUCHING * noise;
+            touching[k] = beyond.abs() <= MAX_TOUCHING_RATIO * noise;
         }
         Ok(Trial { found: (step, negative, touching), wrong })
     }
 }
 
 impl Equations<'_> {
-    /// Makes multipliers of inequalities what they may be.
+    /// Makes multipliers of inequalities admissible.
     pub(super) fn start_positive(&self, x: &mut [f64]) {
         let inequalities = self.model.inequalities();
         let own = x[self.dofs()..].iter_mut().zip(&inequalities).filter(|(_, inequality)| **inequality);

@@ -11,11 +11,11 @@ use nastic_linear::{LinearSolver, Space};
 use std::sync::Arc;
 
 /// Largest component of one step, as a share of the body's diagonal.
-const LONGEST: f64 = 0.1;
+const MAX_STEP_RATIO: f64 = 0.1;
 /// The distance at which deflation is as strong as the shift, as a share of the body's diagonal.
-const RANGE: f64 = 0.1;
-/// Equilibria nearer than this share of the body's diagonal (root mean square) are the same.
-const SAME: f64 = 1e-6;
+const DEFLATION_DISTANCE: f64 = 0.1;
+/// Distance below which two equilibria are the same, as a share of the body's diagonal (root mean square).
+const SAME_STATE_DISTANCE: f64 = 1e-6;
 
 /// Equilibria that are known, and the distance of others from them: `|v|^2 = sum_a V_a v_a . v_a / (V l^2)`.
 pub(crate) struct Known<'a> {
@@ -29,7 +29,8 @@ impl<'a> Known<'a> {
     pub fn new(equations: &Equations, states: Vec<&'a State>) -> Self {
         let disc = equations.model.discretization();
         let mut weights = disc.volumes_by_unknown();
-        let scale = weights.iter().sum::<f64>() / disc.dim() as f64 * (RANGE * equations.diagonal()).powi(2);
+        let scale =
+            weights.iter().sum::<f64>() / disc.dim() as f64 * (DEFLATION_DISTANCE * equations.diagonal()).powi(2);
         weights.iter_mut().for_each(|w| *w /= scale);
         Known { states, weights, space: equations.model.unknowns().clone() }
     }
@@ -48,7 +49,7 @@ impl<'a> Known<'a> {
 
     /// Whether a displacement is that of one of them.
     pub fn contains(&self, u: &[f64]) -> bool {
-        let least = (SAME / RANGE).powi(2);
+        let least = (SAME_STATE_DISTANCE / DEFLATION_DISTANCE).powi(2);
         self.states.iter().any(|known| {
             let squares = u.iter().zip(known.u.iter()).zip(&self.weights).map(|((u, v), w)| (u - v).powi(2) * w);
             squares.sum::<f64>() < least
@@ -103,7 +104,7 @@ impl Direction for Deflated<'_> {
         };
         let (u, du) = (equations.model.nodal(here.x), equations.model.nodal(&newton));
         let (factor, size) = (self.known.factor(u, du), equations.model.unknowns().max_abs(du));
-        let longest = LONGEST * equations.diagonal() / size.max(f64::MIN_POSITIVE);
+        let longest = MAX_STEP_RATIO * equations.diagonal() / size.max(f64::MIN_POSITIVE);
         let mut dx: Vec<f64> = newton.iter().map(|d| factor.clamp(-longest, longest) * d).collect();
         equations.keep_positive(here.x, &mut dx);
         Ok(Step { dx, curvature: Curvature::Positive, size, scale, take: Take::Longest })

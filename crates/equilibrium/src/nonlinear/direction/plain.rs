@@ -5,24 +5,24 @@ use crate::linear_systems::tangent::{Tangent, TangentRef};
 use crate::linear_systems::tangent_systems::{StepWanted, TangentSystems};
 use crate::nonlinear::equations::{Equations, Jump};
 use crate::nonlinear::iterate::{Iterate, Stop};
-use crate::nonlinear::iteration::ROUNDING;
+use crate::nonlinear::iteration::STAGNATION_TOLERANCE;
 use crate::nonlinear::predicted_pressures::PredictedPressures;
 use nastic_body::error::Inadmissible;
 use nastic_body::state::SolveReport;
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
 
-/// Relative residual of a step that moves prescribed components: it is taken whole, and from rest there is no residual yet to
-/// measure it by. The largest; steps shorter than that share of the body are solved as exactly as they are short, since what they leave may
-/// be within the accuracy asked for at once.
-const JUMP: f64 = 1e-2;
+/// Largest relative residual of a step that moves prescribed components, which is taken whole; at rest there is no residual yet to compare
+/// with. Steps shorter than this share of the body are solved to a residual equal to their length, since they may reach the accuracy asked
+/// for at once.
+const MAX_JUMP_TOLERANCE: f64 = 1e-2;
 
-/// Times that, what a step with the factor of an earlier tangent may leave: what most steps are corrected by in the next one are pressures here, which that is to have.
-const POOR: f64 = 10.0;
-/// The finest accuracy that is asked of such a step, more than what multigrid leaves.
-const FINEST: f64 = 2e-5;
+/// Largest residual of a step with the factor of an earlier tangent over the one asked for: with predicted pressures the next step does not correct it.
+const MAX_REUSED_RESIDUAL_RATIO: f64 = 10.0;
+/// Smallest relative residual that such a step is compared with, above that of multigrid.
+const MIN_REUSED_TOLERANCE: f64 = 2e-5;
 /// Share of the residual with predicted pressures that a step may leave.
-const SOFT: f64 = 0.1;
+const PRESSURE_RESIDUAL_SHARE: f64 = 0.1;
 
 /// `K du = -r`, to an accuracy that follows the residual, or with the tangent of predicted pressures; prescribed components move in the first step, at once or not at all.
 pub(crate) struct Plain<'a> {
@@ -86,22 +86,23 @@ impl Direction for Plain<'_> {
 }
 
 impl Plain<'_> {
-    /// With products of cells in the place of entries where these are wanted and the model has some.
+    /// With products of cells instead of entries, if asked for and the model has them.
     fn step(&mut self, here: &Iterate, products: bool, report: &mut SolveReport) -> Result<Step, Stop> {
         let equations = self.equations;
         let tangent = equations.tangent_or_products(here, products, &mut self.tangent)?;
         let mut soft = 1.0;
         if let (Some(pressures), Some(matrix)) = (&mut self.pressures, tangent.entries_mut()) {
             let share = pressures.add(here, matrix)?;
-            // a step that is taken whole has the pressures of its changes
+            // a whole step has the pressures of its changes of volume
             self.systems.expect_changes(self.jump.is_none().then(|| pressures.expected_changes()));
-            soft = SOFT * share;
+            soft = PRESSURE_RESIDUAL_SHARE * share;
         }
         self.rhs = equations.right_hand_side(&*tangent, here.residual, self.jump.as_deref());
         let scale = equations.energy_scale(&*tangent, here.x, here.now);
         tangent.eliminate(equations.model);
         let accuracy = match &self.jump {
-            Some(jump) => (equations.model.unknowns().max_abs(jump) / equations.diagonal()).clamp(ROUNDING, JUMP),
+            Some(jump) => (equations.model.unknowns().max_abs(jump) / equations.diagonal())
+                .clamp(STAGNATION_TOLERANCE, MAX_JUMP_TOLERANCE),
             None => forcing(here.relative, equations.options.accuracy).min(soft),
         };
         let wanted = (accuracy, StepWanted::Newton);
@@ -110,7 +111,9 @@ impl Plain<'_> {
         if self.pressures.is_some() && self.systems.changes_left().is_none() {
             let left = || left_by(&*tangent, &dx, &self.rhs, equations);
             let poor = curvature == Curvature::CutShort
-                || report.reused > kept && curvature == Curvature::Positive && left() > POOR * accuracy.max(FINEST);
+                || report.reused > kept
+                    && curvature == Curvature::Positive
+                    && left() > MAX_REUSED_RESIDUAL_RATIO * accuracy.max(MIN_REUSED_TOLERANCE);
             if poor {
                 self.systems.forget();
                 (dx, curvature) = self.systems.step(&*tangent, here.x, &self.rhs, wanted.0, wanted.1, report)?;
@@ -169,8 +172,8 @@ fn left_by<'m>(tangent: impl Into<TangentRef<'m>>, dx: &[f64], rhs: &[f64], equa
     space.norm(&left) / space.norm(rhs)
 }
 
-/// Relative residual wanted of a Newton step: a tenth at most and ten times the residual itself, for that keeps convergence
-/// quadratic, and no smaller than a thousandth of what the end asks for. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
+/// Forcing term, the relative residual of a Newton step: ten times the residual itself, which keeps convergence quadratic, at
+/// most a tenth, and at least a thousandth of the final residual. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
 fn forcing(relative: f64, accuracy: f64) -> f64 {
     (10.0 * relative).clamp(1e-10, 0.1).max(1e-3 * accuracy / relative)
 }

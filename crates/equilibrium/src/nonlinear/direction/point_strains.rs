@@ -1,13 +1,13 @@
-//! [`WithPointStrains`]: Newton's step with strains and stresses of their own at the quadrature points, see [`PointStrains`].
+//! [`WithPointStrains`]: Newton's step with independent strains and stresses at the quadrature points, see [`PointStrains`].
 //!
-//! Downhill on the potential, thin and nearly incompressible bodies creep: every step that turns the body stretches it, every one that
-//! shears it changes its volume, and the potential bears little of either. With strains of their own the iteration is
-//! indifferent to what a step costs on the way (mixed integration points). There is no potential to search along; a step is
-//! shortened only where it turns a point too far or inverts one. Only an end with less potential than the start counts (of a step that
-//! moves prescribed components or a constraint: any), where the last linear systems met no negative curvature.
+//! Descent on the potential is slow in thin and nearly incompressible bodies: every step that turns the body stretches it, every one that
+//! shears it changes its volume, and both increase the potential steeply. With independent strains the iteration does not depend
+//! on the energy of intermediate iterates (mixed integration points). There is no line search on a potential; a step is
+//! shortened only where it rotates a point too far or inverts one. A result counts only with less potential than the start (any, if the step
+//! moves prescribed components or a constraint), and if the last linear systems met no negative curvature.
 //!
-//! Under constraints the system has their border. It is not shifted where the inertia is wrong on the way: a shift changes what the
-//! constraints and the pressures of nearly incompressible points ask of a step, and the next tangent is right at most iterates.
+//! Under constraints the system is bordered. It is not shifted if the inertia of an intermediate iterate is wrong: a shift would change the
+//! step in the constraints and in the pressures of nearly incompressible points, and the next tangent has the right inertia at most iterates.
 
 use super::bordered::failed;
 use super::{Direction, Step, Take};
@@ -24,12 +24,12 @@ use nastic_body::state::SolveReport;
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
 
-/// Largest `|grad du|` of a step: what the linearised strains leave out is its square.
-const LARGEST: f64 = 1.0;
-/// Relative residual wanted of the linear systems.
-const LINEAR: f64 = 1e-10;
-/// Times a step is halved before it leads nowhere.
-const HALVINGS: usize = 30;
+/// Largest `|grad du|` of a step: the error of the linearised strains is its square.
+const MAX_STEP_GRADIENT: f64 = 1.0;
+/// Relative residual of the linear systems.
+const LINEAR_TOLERANCE: f64 = 1e-10;
+/// Halvings of a step before it has failed.
+const MAX_HALVINGS: usize = 30;
 
 /// Steps of u and of the strains.
 pub(crate) struct WithPointStrains<'a> {
@@ -42,7 +42,7 @@ pub(crate) struct WithPointStrains<'a> {
 }
 
 impl<'a> WithPointStrains<'a> {
-    /// With those of a displacement.
+    /// With the strains of a displacement.
     pub fn new(
         equations: &'a Equations<'a>,
         x: &[f64],
@@ -79,7 +79,14 @@ impl<'a> WithPointStrains<'a> {
         let model = self.equations.model;
         if model.unknowns().multipliers() == 0 {
             eliminate(model, &mut self.tangent.matrix);
-            return self.systems.step(&self.tangent.matrix, here.x, rhs, LINEAR, StepWanted::Downhill, report);
+            return self.systems.step(
+                &self.tangent.matrix,
+                here.x,
+                rhs,
+                LINEAR_TOLERANCE,
+                StepWanted::Downhill,
+                report,
+            );
         }
         let (system, u) = (SaddlePoint::new(model, self.tangent.clone()), model.nodal(here.x));
         let (accuracy, kept) = bordered_step(here.relative, self.equations.options.accuracy);
@@ -98,7 +105,7 @@ impl Direction for WithPointStrains<'_> {
         !self.begun
     }
 
-    /// The whole step, downhill where the tangent is indefinite, as far as strains can follow.
+    /// The whole step, a descent direction where the tangent is indefinite, limited by the strains.
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
         let Equations { model, options, .. } = *self.equations;
         self.begun = true;
@@ -119,8 +126,8 @@ impl Direction for WithPointStrains<'_> {
         })?;
         let longest = self.equations.admissible_move(here, &moved(here.x, &dx, 1.0))?;
         // prescribed components move at once or not at all
-        let longest = if jump.is_some() { longest } else { longest.min(LARGEST / largest) };
-        let shares = (0..HALVINGS).map(|k| longest * 0.5_f64.powi(k as i32));
+        let longest = if jump.is_some() { longest } else { longest.min(MAX_STEP_GRADIENT / largest) };
+        let shares = (0..MAX_HALVINGS).map(|k| longest * 0.5_f64.powi(k as i32));
         let found = shares.into_iter().find_map(|share| Some((share, self.strains.towards(&next, share)?)));
         let slow = Stop::Slow { residual: here.relative };
         let Some((length, strains)) = found else { return Err(slow) };

@@ -6,8 +6,8 @@ use crate::nonlinear::iterate::Iterate;
 use nastic_body::contribution::Sums;
 use nastic_body::error::Inadmissible;
 
-/// Relative violation below which the constraints of rigid bodies that are put onto them are fulfilled: the penalty does not grow for less.
-const FULFILLED: f64 = 1e-9;
+/// Relative violation up to which the constraints of rigid bodies count as fulfilled: the penalty does not grow for less.
+const MAX_FULFILLED_VIOLATION: f64 = 1e-9;
 
 /// With the potential `P(u)`, constraints `g(u) = 0` and the multiplier `q = p + dp` behind the step, where the residual is `r + B dp` and
 /// the slope along the step `-du . K du - c |g|^2`:
@@ -38,7 +38,7 @@ impl Augmented {
         let slope = equations.model.unknowns().dot(&force, &dx[..dofs]);
         let relative: Vec<f64> = violations(&at_new, dofs).map(|(g, scale)| g / scale).collect();
         let size = equations.model.unknowns().norm(&relative).powi(2);
-        let fulfilled = if equations.turns_rigid_bodies() { FULFILLED } else { 0.0 };
+        let fulfilled = if equations.turns_rigid_bodies() { MAX_FULFILLED_VIOLATION } else { 0.0 };
         let bent = if slope < 0.0 { slope.abs() } else { 3.0 * slope.abs() };
         let weight = Some(bent / size.max(fulfilled * fulfilled)).filter(|weight| weight.is_finite()).unwrap_or(0.0);
         merit.weights = violations(&at_new, dofs).map(|(_, scale)| weight / (scale * scale)).collect();

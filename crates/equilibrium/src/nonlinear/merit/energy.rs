@@ -7,7 +7,7 @@ use crate::nonlinear::iterate::Iterate;
 use nastic_body::error::Inadmissible;
 
 /// Rounding of the potential, as a share of the sum of its absolute terms.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const ENERGY_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The potential `P(u)`; of a model of which some contributions have none that of the others and the work of those,
 /// `P(u) + f(u_0) . u`, with their forces f where the step begins.
@@ -21,7 +21,7 @@ impl Energy {
     /// Along a step; `scale` is what the rounding of the potential is measured against.
     pub fn new(equations: &Equations, here: &Iterate, dx: &[f64], scale: f64) -> Self {
         let slope = equations.model.unknowns().dot_in_order(here.residual, dx);
-        Energy { line: Line { start: here.now.energy, slope, noise: ROUNDING * scale }, lagged: None }
+        Energy { line: Line { start: here.now.energy, slope, noise: ENERGY_ROUNDING * scale }, lagged: None }
     }
 
     /// With the work of the contributions that have no potential.
@@ -30,7 +30,7 @@ impl Energy {
         let others = equations.without_potential(here.point, here.x)?;
         let work = equations.model.unknowns().dot(&others.force, here.x);
         energy.line.start += work - others.energy;
-        energy.line.noise += ROUNDING * (work.abs() + others.energy_scale);
+        energy.line.noise += ENERGY_ROUNDING * (work.abs() + others.energy_scale);
         energy.lagged = Some(others.force);
         Ok(energy)
     }

@@ -7,7 +7,7 @@ use crate::nonlinear::predicted_pressures::PredictedPressures;
 use nastic_body::error::Inadmissible;
 
 /// Rounding of sums over the points.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const SUM_ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// `P(u(s)) - 1/2 sum_q w_q k_q e_q(s)^2`, `e(s)` the errors that the step makes of the volumes: to third order in these, what P would be with the volumes
 /// `V + s B du` and, for the rest, the pressures that the step predicts.
@@ -19,7 +19,7 @@ pub(crate) struct WithoutVolumeErrors<'a> {
 impl Merit for WithoutVolumeErrors<'_> {
     fn line(&self) -> Line {
         let (line, [start, slope]) = (self.energy.line(), self.pressures.beside_potential());
-        let noise = line.noise + ROUNDING * start.abs();
+        let noise = line.noise + SUM_ROUNDING * start.abs();
         Line { start: line.start + start, slope: line.slope + slope, noise }
     }
 

@@ -17,8 +17,8 @@ use nastic_body::contribution::touches::ExactContact;
 use nastic_body::instant::Instant;
 use std::sync::Arc;
 
-/// A pressure below this share of the largest one counts as none.
-const WEAK: f64 = 1e-3;
+/// Share of the largest pressure below which a pressure counts as zero.
+const WEAK_PRESSURE_SHARE: f64 = 1e-3;
 
 /// The contact with offsets by a state, and how far that is from exact; `None` where the law or friction does not go with it.
 pub(super) fn step(of: &ObstacleContact, at: &Instant) -> Option<ExactContact> {
@@ -31,13 +31,13 @@ pub(super) fn step(of: &ObstacleContact, at: &Instant) -> Option<ExactContact> {
         .iter()
         .map(|(_, (_, d))| of.layer.law.at(d.min(of.layer.thickness), of.layer.thickness).value)
         .collect();
-    let weak = WEAK * pressures.iter().copied().fold(0.0, f64::max);
+    let weak = WEAK_PRESSURE_SHARE * pressures.iter().copied().fold(0.0, f64::max);
     let (mut violation, mut weakly_active) = (0.0_f64, 0);
     for (&(sample, (_, d)), &p) in gaps.all.iter().zip(&pressures) {
         let gap = d - of.with.offset(sample);
         // what is pressed has no gap, what is not pressed is not inside
         violation = violation.max(if p > 0.0 { gap.abs() } else { -gap });
-        weakly_active += usize::from(p <= weak && gap.abs() <= WEAK * of.layer.thickness);
+        weakly_active += usize::from(p <= weak && gap.abs() <= WEAK_PRESSURE_SHARE * of.layer.thickness);
     }
     let offsets = gaps.all.iter().map(|(_, (_, d))| d.min(of.layer.thickness) - of.with.inset).collect();
     let mut contribution = of.clone();

@@ -9,8 +9,8 @@ use nastic_mesh::spatial::SignedDistance;
 use nastic_tensor::Vec3;
 use std::ops::Range;
 
-/// Below this share of its gap (of the cubic law its gap and a depth) no move brings a sample.
-const REST_OF_GAP: f64 = 0.1;
+/// Least share of its gap (with the cubic law, its gap and a depth) that a move leaves to a sample.
+const MIN_GAP_SHARE: f64 = 0.1;
 
 /// Where the samples of a contact are.
 #[derive(Debug, Clone)]
@@ -102,5 +102,5 @@ impl Gaps {
 /// How near a sample may come in a move of one `reach`: a tenth of its gap is left; the cubic law bears a depth more.
 pub(super) fn floor(law: ContactLaw, d: f64, depth: f64) -> f64 {
     let sunk = if law == ContactLaw::Cubic { depth + (-d).max(0.0) } else { 0.0 };
-    REST_OF_GAP * (d + sunk) - sunk
+    MIN_GAP_SHARE * (d + sunk) - sunk
 }

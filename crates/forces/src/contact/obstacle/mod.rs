@@ -5,7 +5,7 @@ mod gaps;
 mod probes;
 mod stencil;
 
-use super::advance::{Advance, NEAR};
+use super::advance::{Advance, BOUND_TOLERANCE};
 use super::bound::BoundContact;
 use super::layer::{Settings, Surface};
 use super::pose::{Moved, Pose};
@@ -23,8 +23,8 @@ use nastic_tensor::Vec3;
 use probes::Probes;
 use stencil::BeforeObstacle;
 
-/// How deep, in thicknesses, samples of the cubic law may be in a load step before the body yields.
-const DEPTH: f64 = 3.0;
+/// Depth of samples of the cubic law in a load step, in thicknesses, before the body yields.
+const MAX_DEPTH: f64 = 3.0;
 
 pub(super) type ObstacleContact = BoundContact<RigidObstacle>;
 
@@ -142,7 +142,7 @@ impl RigidObstacle {
 impl Counterpart for RigidObstacle {
     type State = Gaps;
     type Stencil<'a> = BeforeObstacle<'a>;
-    const BEYOND: bool = false;
+    const COUPLES_BEYOND_PATTERN: bool = false;
 
     fn state(of: &ObstacleContact, at: &Instant, all: bool) -> Result<Gaps, Inadmissible> {
         Gaps::at(of, at, all)
@@ -182,7 +182,7 @@ impl Counterpart for RigidObstacle {
     /// limit of the log law.
     fn longest_move(of: &ObstacleContact, gaps: &Gaps, at: &Instant, by: &Move) -> f64 {
         let (own, law, pose) = (&of.with, of.layer.law, &gaps.pose);
-        let depth = if by.to.is_some() { DEPTH * of.layer.thickness } else { own.depth };
+        let depth = if by.to.is_some() { MAX_DEPTH * of.layer.thickness } else { own.depth };
         if law == ContactLaw::Cubic && depth.is_infinite() {
             return 1.0;
         }
@@ -202,7 +202,7 @@ impl Counterpart for RigidObstacle {
                     by.to.map_or(*pose, |to| Pose::at(&at.under(&at.controls.blend(to, share)), own.centre))
                 };
                 let distance = |share: f64| own.guarded(&pose_at(share), sample, &(x + share * dx));
-                Advance { floor, nearest: floor + NEAR * (d - floor), reach, most: 1.0 }.share(distance)
+                Advance { floor, nearest: floor + BOUND_TOLERANCE * (d - floor), reach, most: 1.0 }.share(distance)
             });
         shares.fold(1.0, f64::min)
     }
@@ -238,7 +238,7 @@ fn normals(samples: &Samples, reference: &[Vec3], obstacle: &Obstacle, dim: usiz
 
 /// A box with edges that are round enough for a layer: its faces stay. A meshed solid grows when rounded, so that has to be asked for.
 fn rounded(obstacle: &Obstacle, thickness: f64) -> Result<Obstacle, String> {
-    let least = defaults::ROUNDING * thickness;
+    let least = defaults::MIN_ROUNDING_RATIO * thickness;
     match obstacle {
         Obstacle::Box { low, high, rounding } if *rounding < least => {
             let half = (0..3).map(|i| 0.5 * (high[i] - low[i])).fold(f64::INFINITY, f64::min);

@@ -9,10 +9,10 @@ use nastic_tensor::Vec3;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// So many places on the way from one sample to the next.
-const FINER: usize = 4;
-/// By this factor a facet of second order may reach further from its middle than its nodes do.
-const CURVED: f64 = 1.25;
+/// Probes between one sample and the next.
+const PROBES_PER_SAMPLE: usize = 4;
+/// Largest distance of a point of a second-order facet from its middle over that of its nodes.
+const MAX_REACH_RATIO: f64 = 1.25;
 
 /// Places of a surface, four times as dense as its samples. They carry nothing: they show how deep an edge or a corner of an obstacle is inside of
 /// the body between samples.
@@ -35,7 +35,7 @@ impl Probes {
         for facet in mesh.facets_of(surface)? {
             let (kind, nodes) = mesh.facet_nodes(facet);
             within_nodes &= kind.order() == 1;
-            let n = FINER * refine(&facet);
+            let n = PROBES_PER_SAMPLE * refine(&facet);
             let table = *known.entry((kind, n)).or_insert_with(|| {
                 shapes.push(places(kind, n));
                 shapes.len() - 1
@@ -55,7 +55,7 @@ impl Probes {
         for (nodes, table) in &self.facets {
             let nodes: Vec<Vec3> = nodes.iter().map(|&node| place(&self.mesh, u, node)).collect();
             let middle = nodes.iter().sum::<Vec3>() / nodes.len() as f64;
-            let reach = CURVED * nodes.iter().map(|x| (x - middle).norm()).fold(0.0, f64::max);
+            let reach = MAX_REACH_RATIO * nodes.iter().map(|x| (x - middle).norm()).fold(0.0, f64::max);
             if pose.guarded(obstacle, &middle) - steepest * reach >= least.0 {
                 continue;
             }

@@ -67,7 +67,7 @@ impl Edges {
         let [own, others] = [boxes(&self.own), boxes(&self.others)];
         let all = |boxes: &[Aabb]| boxes.iter().copied().reduce(|all, one| all.union(&one));
         let (Some(of_own), Some(of_others)) = (all(&own), all(&others)) else { return };
-        // of bodies that are far from each other none is looked at
+        // none is tested for bodies that are far from each other
         let near_own: Vec<usize> = (0..others.len()).filter(|&other| others[other].overlaps(&of_own)).collect();
         if near_own.is_empty() {
             return;

@@ -3,8 +3,8 @@
 use super::simplex::{Nearest, nearest};
 use nastic_tensor::Scalar;
 
-/// Pieces further away than the nearest by more than this, in units of e, have no part in the least distance.
-const FAR: f64 = 30.0;
+/// Distance of a piece beyond the nearest one, in units of e, above which it does not enter the smooth least distance.
+const MAX_GAP_DIFFERENCE: f64 = 30.0;
 
 /// A sample near a surface: its nearest pieces.
 #[derive(Debug, Clone)]
@@ -38,7 +38,7 @@ impl Gap {
         if least > reach {
             return None;
         }
-        let near = || pieces.iter().filter(|(d, _)| d - least < FAR * smooth).map(|(_, nodes)| nodes);
+        let near = || pieces.iter().filter(|(d, _)| d - least < MAX_GAP_DIFFERENCE * smooth).map(|(_, nodes)| nodes);
         let mut nodes: Vec<u32> = near().flatten().copied().collect();
         nodes.sort_unstable();
         nodes.dedup();

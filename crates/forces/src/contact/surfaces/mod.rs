@@ -35,21 +35,21 @@ use stencil::BeforeSurface;
 /// Pieces of the edge of a facet in space, unless another number is asked for. Samples carry all, also where edges of both surfaces cross: with one piece
 /// 22 of 105 random pairs of blocks, slots and collisions ended there, with two 1.
 const PIECES_IN_SPACE: usize = 2;
-/// Distance at which surfaces begin to be inside each other, in thicknesses.
-const APART: f64 = 2.0;
+/// Distance below which surfaces count as inside each other, in thicknesses.
+const MIN_SIDE_DISTANCE: f64 = 2.0;
 /// Largest default thickness as a share of the distance at rest.
-const OF_REST: f64 = 0.25;
+const MAX_THICKNESS_SHARE: f64 = 0.25;
 /// Width of the smooth least distance, in thicknesses.
-const SMOOTH: f64 = 0.01;
-/// What the log law needs beyond that at rest.
-const MARGIN: f64 = 0.1;
-/// Blocks of the tangent are there for samples this near to the layer, in thicknesses, so that its structure serves while they move.
-const NEAR: f64 = 2.0;
-/// Below this distance, as a share of that at which surfaces begin to be inside each other, the side of a sample is not certain.
-const LEAST: f64 = 0.02;
+const SMOOTHING_WIDTH: f64 = 0.01;
+/// Distance at rest that the log law needs beyond that, in thicknesses.
+const LOG_LAW_MARGIN: f64 = 0.1;
+/// Distance from the layer, in thicknesses, up to which samples have blocks in the tangent, so that its structure serves while they move.
+const STRUCTURE_DISTANCE: f64 = 2.0;
+/// Distance, as a share of that below which surfaces are inside each other, below which the side of a sample is uncertain.
+const MIN_CERTAIN_SHARE: f64 = 0.02;
 
-/// Of the area of a sample what counts: both walls that touch have samples, and each of these pushes both.
-const SHARE: f64 = 0.5;
+/// Share of the area of a sample that counts: both walls that touch have samples, each of which acts on both.
+const AREA_SHARE: f64 = 0.5;
 
 pub(super) type SurfacesContact = BoundContact<Surfaces>;
 
@@ -125,10 +125,11 @@ impl Surfaces {
             let what = "its surfaces meet, or bodies are inside of each other, at rest";
             return Err(refuse(format!("{what}; they are nearest at {place}: move them apart")));
         }
-        let usual = defaults::thickness(mesh, own).min(defaults::thickness(mesh, others)).min(OF_REST * gap);
+        let usual =
+            defaults::thickness(mesh, own).min(defaults::thickness(mesh, others)).min(MAX_THICKNESS_SHARE * gap);
         let layer = given.on(&surfaces, body, usual)?;
         // the log law has no value where the smooth least distance, which is smaller, is below that
-        let near = if layer.law == ContactLaw::Log { APART + MARGIN } else { APART };
+        let near = if layer.law == ContactLaw::Log { MIN_SIDE_DISTANCE + LOG_LAW_MARGIN } else { MIN_SIDE_DISTANCE };
         if gap < near * layer.thickness {
             return Err(refuse(format!(
                 "its surfaces are {gap:.3e} apart at rest at {place}; that must be at least {near} times the thickness, {:.3e}: give \
@@ -145,7 +146,7 @@ impl Surfaces {
 impl SurfacesContact {
     /// Distance at which a gap is zero.
     fn apart(&self) -> f64 {
-        APART * self.layer.thickness
+        MIN_SIDE_DISTANCE * self.layer.thickness
     }
 
     fn sides<'a>(&'a self, near: &'a Near) -> impl Iterator<Item = (&'a Side, &'a Vec<Gap>)> {
@@ -156,22 +157,22 @@ impl SurfacesContact {
 impl Counterpart for Surfaces {
     type State = Near;
     type Stencil<'a> = BeforeSurface<'a>;
-    const BEYOND: bool = true;
+    const COUPLES_BEYOND_PATTERN: bool = true;
 
     /// # Errors
     /// [`Inadmissible::Penetrates`] where a sample is on the other surface or, of the log law, inside; [`Inadmissible::EdgesMeet`] where edges are as near
     /// as no sample may come.
     fn state(of: &SurfacesContact, at: &Instant, _: bool) -> Result<Near, Inadmissible> {
         let (thickness, u) = (of.layer.thickness, at.u);
-        let reach = of.apart() + (1.0 + NEAR) * thickness;
-        let all: Near = of.with.sides.iter().map(|side| side.gaps(u, reach, SMOOTH * thickness)).collect();
-        let least = if of.layer.law == ContactLaw::Log { 1.0 } else { LEAST } * of.apart();
+        let reach = of.apart() + (1.0 + STRUCTURE_DISTANCE) * thickness;
+        let all: Near = of.with.sides.iter().map(|side| side.gaps(u, reach, SMOOTHING_WIDTH * thickness)).collect();
+        let least = if of.layer.law == ContactLaw::Log { 1.0 } else { MIN_CERTAIN_SHARE } * of.apart();
         for (side, gaps) in of.sides(&all) {
             if let Some(gap) = gaps.iter().find(|gap| gap.smoothed <= least) {
                 return Err(of.layer.penetrates(&side.place(u, gap.sample), of.apart() - gap.least));
             }
         }
-        match of.with.edges.nearer(u, LEAST * of.apart()) {
+        match of.with.edges.nearer(u, MIN_CERTAIN_SHARE * of.apart()) {
             Some((place, distance)) => {
                 Err(Inadmissible::EdgesMeet { name: of.layer.name.clone(), place: place.into(), distance })
             }
@@ -205,7 +206,7 @@ impl Counterpart for Surfaces {
     }
 
     fn extent(&self) -> Extent {
-        let area = SHARE * self.sides.iter().flat_map(|side| &side.samples.weights).sum::<f64>();
+        let area = AREA_SHARE * self.sides.iter().flat_map(|side| &side.samples.weights).sum::<f64>();
         let samples = self.sides.iter().map(|side| side.samples.len()).sum();
         Extent { area, samples, inset: 0.0, between_samples: 0.0, is_exact: false }
     }
@@ -241,9 +242,9 @@ impl Counterpart for Surfaces {
         let (mut sum, mut by_stiffness, mut by_pressures) = (0.0, 0.0, Vec::new());
         for (unit, area) in pressures.of_corners.iter().zip(&of.with.recovery.areas) {
             let [value, slope] = if *unit > 0.0 { by(k * unit) } else { [0.0; 2] };
-            sum += SHARE * area * value;
-            by_stiffness += SHARE * area * slope * unit;
-            by_pressures.push(SHARE * area * slope * k);
+            sum += AREA_SHARE * area * value;
+            by_stiffness += AREA_SHARE * area * slope * unit;
+            by_pressures.push(AREA_SHARE * area * slope * k);
         }
         pressures.add_derivatives(&by_pressures, |dof, value| by_u[dof] += value);
         into.add_control(at, of.layer.stiffness, by_stiffness);

@@ -3,13 +3,13 @@
 use super::Surfaces;
 use super::side::Side;
 use super::simplex::distance;
-use crate::contact::advance::{Advance, NEAR};
+use crate::contact::advance::{Advance, BOUND_TOLERANCE};
 use nastic_mesh::spatial::Aabb;
 use nastic_tensor::Vec3;
 use std::collections::BTreeSet;
 
-/// Of a distance this share is left.
-const REST: f64 = 0.1;
+/// Least share of a distance that a move leaves.
+const MIN_DISTANCE_SHARE: f64 = 0.1;
 
 impl Surfaces {
     /// The longest share of a straight move that leaves every sample on its side: a tenth of its distance is left from every piece, and of the distances of
@@ -67,5 +67,11 @@ fn advance(x: Vec3, dx: Vec3, corners: &[Vec3], moves: &[Vec3], most: f64) -> f6
 /// How far a distance that changes by no more than `speed` over the whole way may go, `most` at most.
 pub(super) fn advance_within(distance: impl Fn(f64) -> f64, speed: f64, most: f64) -> f64 {
     let start = distance(0.0);
-    Advance { floor: REST * start, nearest: (REST + NEAR) * start, reach: speed, most }.share(distance)
+    Advance {
+        floor: MIN_DISTANCE_SHARE * start,
+        nearest: (MIN_DISTANCE_SHARE + BOUND_TOLERANCE) * start,
+        reach: speed,
+        most,
+    }
+    .share(distance)
 }

@@ -7,11 +7,13 @@ use crate::contact::slots::scaled;
 use crate::contact::stencil::{Counterpart, Stencil};
 use nastic_tensor::{HyperDual, Scalar};
 
-/// Gap, in thicknesses, beyond which a corner does not look at the other surface; less than what gaps are known to.
-const BESIDE: f64 = 2.5;
+/// Gap, in thicknesses, beyond which a corner ignores the other surface; gaps are known up to a larger distance.
+const MAX_GAP: f64 = 2.5;
 
-/// Lengths of facets of the other surface, in own ones, from which on its pressures count for less, and for nothing.
-const COARSE: [f64; 2] = [2.5, 5.0];
+/// Ratio of the facets' length on the other surface to the own one, above which its pressures have less weight.
+const MIN_COARSE_RATIO: f64 = 2.5;
+/// The ratio above which they have none.
+const MAX_COARSE_RATIO: f64 = 5.0;
 
 /// Pressures at the corners of the facets of both surfaces, per unit of stiffness:
 ///
@@ -126,13 +128,13 @@ impl Recovery {
     fn finer(&self, c: usize, d: usize, dim: usize) -> f64 {
         let ratio = self.areas[d] / self.areas[c];
         let longer = if dim == 3 { ratio.sqrt() } else { ratio };
-        ((COARSE[1] - longer) / (COARSE[1] - COARSE[0])).clamp(0.0, 1.0)
+        ((MAX_COARSE_RATIO - longer) / (MAX_COARSE_RATIO - MIN_COARSE_RATIO)).clamp(0.0, 1.0)
     }
 }
 
-/// 1 within the layer, zero beyond [`BESIDE`], with a continuous derivative.
+/// 1 within the layer, zero beyond [`MAX_GAP`], with a continuous derivative.
 fn chi<T: Scalar>(gap: T, thickness: f64) -> T {
-    let t = (gap / T::of(thickness) - T::of(1.0)) / T::of(BESIDE - 1.0);
+    let t = (gap / T::of(thickness) - T::of(1.0)) / T::of(MAX_GAP - 1.0);
     match t.value() {
         t if t <= 0.0 => T::of(1.0),
         t if t >= 1.0 => T::of(0.0),

@@ -17,7 +17,7 @@ pub(super) struct Spin {
 }
 
 impl Spin {
-    /// Of a body in so many dimensions.
+    /// For a body in this number of dimensions.
     pub fn new(arms: Vec<Vec3>, dim: usize) -> Self {
         let squares: f64 = arms.iter().map(Vec3::norm_squared).sum();
         let inverse = match dim {

@@ -1,10 +1,10 @@
-//! [`BeforeSurface`]: a sample of a surface with the pieces of the other one that it is near to.
+//! [`BeforeSurface`]: a sample of a surface with the nearest pieces of the other surface.
 
 use super::gap::{Foot, Gap};
 use super::side::Side;
 use super::sliding;
 use super::spin::Spin;
-use super::{SHARE, SurfacesContact};
+use super::{AREA_SHARE, SurfacesContact};
 use crate::contact::law::Pressure;
 use crate::contact::potential::potential_changes;
 use crate::contact::rubbing::Rubbing;
@@ -13,18 +13,18 @@ use crate::contact::stencil::{Part, Stencil};
 use nastic_tensor::Vec3;
 use nastic_tensor::{HyperDual, Scalar};
 
-/// A sample and what it is near to.
+/// A sample and the nearest pieces.
 ///
-/// Its slots are points that move with the body: its own place, the nodes of the pieces and, with friction, the corners of its own facets.
+/// Its slots are points that move with the body: its position, the nodes of the pieces and, with friction, the corners of its own facets.
 pub(crate) struct BeforeSurface<'a> {
     pub of: &'a SurfacesContact,
     pub side: &'a Side,
     pub near: &'a Gap,
-    /// Where the slots are.
+    /// Positions of the slots.
     pub places: Vec<Vec3>,
     /// The nearest points of pieces.
     pub(super) feet: Vec<Foot<'a, f64>>,
-    /// That of the sample's own surface.
+    /// Spin of the sample's own surface.
     pub(super) spin: Spin,
     gap: f64,
     gradient: Vec<Vec3>,
@@ -42,24 +42,24 @@ impl<'a> BeforeSurface<'a> {
         BeforeSurface { of, side, near, places, feet, spin, gap: distance - of.apart(), gradient }
     }
 
-    /// How many slots are those of the potential.
+    /// Number of the slots of the potential.
     pub fn near_slots(&self) -> usize {
         self.near.nodes.len() + 1
     }
 
-    /// The nodes that are slots.
+    /// The nodes of the slots.
     fn slot_nodes(&self) -> impl Iterator<Item = u32> {
         let ring: &[u32] = if self.places.len() > self.near_slots() { &self.side.rings[self.near.sample] } else { &[] };
         self.near.nodes.iter().chain(ring).copied()
     }
 
-    /// The places of the slots of the potential along two changes.
+    /// The positions of the slots of the potential along two changes.
     pub fn along(&self, [a, b]: [&[Vec3]; 2]) -> Vec<[HyperDual; 3]> {
         let slot = |k: usize| dual(&self.places[k], 1.0, [&a[k], &b[k]]);
         (0..self.near_slots()).map(slot).collect()
     }
 
-    /// The gap, and which shares of what presses there the nodes of the pieces bear.
+    /// The gap, and the shares of the nodes of the pieces in the pressure there.
     pub fn foot<T: Scalar>(&self, slots: &[[T; 3]]) -> (T, Vec<T>) {
         let (distance, feet) = self.near.near(slots[0], &slots[1..self.near_slots()]);
         let mut shares = vec![T::of(0.0); self.near.nodes.len()];
@@ -69,7 +69,7 @@ impl<'a> BeforeSurface<'a> {
         (distance - T::of(self.of.apart()), shares)
     }
 
-    /// The derivatives by so many slots of what is found along two changes of them.
+    /// The derivatives by the first `slots` slots of a function that is evaluated along two changes of them.
     pub fn gradient_of(&self, slots: usize, f: impl Fn([&[Vec3]; 2]) -> HyperDual) -> Vec<Vec3> {
         let (dim, mut by) = (self.dim(), vec![Vec3::zeros(); slots]);
         for pair in (0..dim * slots).step_by(2) {
@@ -92,7 +92,7 @@ impl<'a> BeforeSurface<'a> {
         })
     }
 
-    /// The corner of facets that it is at.
+    /// The corner of facets at which it lies, if any.
     pub fn corner(&self) -> Option<usize> {
         match self.side.samples.parts(self.near.sample) {
             [(node, _)] => self.of.with.recovery.corner(*node),
@@ -100,7 +100,7 @@ impl<'a> BeforeSurface<'a> {
         }
     }
 
-    /// A matrix of such columns over the slots as one over the unknowns of its nodes; a column or row that is not there is zero.
+    /// A matrix of columns over the slots as a matrix over the unknowns of its nodes; missing columns and rows are zero.
     fn element_of(&self, columns: &[Vec<Vec3>], factor: f64) -> Vec<f64> {
         self.element(|[a, i], [b, j]| {
             let row = columns.get(self.dim() * b + j).and_then(|column| column.get(a));
@@ -128,7 +128,7 @@ impl<'a> BeforeSurface<'a> {
     }
 }
 
-/// A change of one component of one of some slots; none beyond the last.
+/// A change of one component of one of the slots; zero beyond the last.
 pub(super) fn unit(dim: usize, slots: usize, component: usize) -> Vec<Vec3> {
     let mut v = vec![Vec3::zeros(); slots];
     if component < dim * slots {
@@ -137,7 +137,7 @@ pub(super) fn unit(dim: usize, slots: usize, component: usize) -> Vec<Vec3> {
     v
 }
 
-/// A vector that changes by so much along two changes, `factor` times.
+/// A vector and its two changes, times `factor`.
 pub(super) fn dual(x: &Vec3, factor: f64, [a, b]: [&Vec3; 2]) -> [HyperDual; 3] {
     std::array::from_fn(|i| HyperDual([x[i], factor * a[i], factor * b[i], 0.0]))
 }
@@ -148,7 +148,7 @@ impl Stencil for BeforeSurface<'_> {
     }
 
     fn weight(&self) -> f64 {
-        SHARE * self.side.samples.weights[self.near.sample]
+        AREA_SHARE * self.side.samples.weights[self.near.sample]
     }
 
     fn gap(&self) -> f64 {
@@ -181,7 +181,7 @@ impl Stencil for BeforeSurface<'_> {
         [Vec3::zeros(); 2]
     }
 
-    /// On the first surface: the nodes of the pieces bear the opposite of what the sample's side does, and the opposite moment.
+    /// On the first surface: force and moment on the nodes of the pieces are the opposite of those on the sample's side.
     fn resultant(&self, forces: &Vec<Vec3>, u: &[f64], pivot: &Vec3) -> [Vec3; 2] {
         let on_own = match &self.of.with.sides[..] {
             [first, _] if std::ptr::eq(first, self.side) => 1.0,
@@ -207,7 +207,7 @@ impl Stencil for BeforeSurface<'_> {
         own.map(|&(node, share)| Part { node, slot: 0, share }).chain(nodes)
     }
 
-    /// In what stands in for a general matrix the tangent of friction is its derivative by velocities alone.
+    /// In the symmetric approximation of a general matrix the tangent of friction is its derivative by velocities alone.
     fn tangent(&self, pressure: &Pressure, friction: Option<&Rubbing<'_, Self>>) -> (Vec<f64>, Option<Vec<f64>>) {
         let weight = self.weight();
         let mut element = self.element_of(&self.columns(pressure), weight);

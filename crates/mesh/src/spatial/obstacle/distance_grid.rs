@@ -5,20 +5,22 @@ use super::grid_spline::{GridSpline, Partials};
 use super::{SignedDistance, SpatialError, V, from_surface};
 use std::sync::Arc;
 
-/// Numbers that a grid keeps at most, of 8 bytes each.
-const MOST_NUMBERS: f64 = 8e6;
-/// From one spacing that is tried to the next.
-const COARSER: f64 = 1.05;
-/// Share of the solid's size at which the search begins: no grid of it is that fine.
-const LEAST: f64 = 1e-7;
-/// Least margin around the solid in spacings, and as a share of the diagonal of its bounding box.
-const MARGIN: [f64; 2] = [4.0, 0.05];
+/// Numbers of a grid, of 8 bytes each.
+const MAX_NUMBERS: f64 = 8e6;
+/// Ratio of one spacing that is tried to the one before.
+const SPACING_GROWTH: f64 = 1.05;
+/// Spacing at which the search begins, as a share of the solid's size: no grid is that fine.
+const MIN_SPACING_SHARE: f64 = 1e-7;
+/// Least margin around the solid, in spacings.
+const MIN_MARGIN_SPACINGS: f64 = 4.0;
+/// Least margin around the solid, as a share of the diagonal of its bounding box.
+const MIN_MARGIN_SHARE: f64 = 0.05;
 /// Spacings of the grid beyond the margin.
-const BORDER: f64 = 1.5;
-/// Normals of the sides of a wall have a cosine below this.
-const OPPOSITE: f64 = -0.8;
-/// Halvings of a spacing within which the other side of a wall is looked for.
-const HALVINGS: usize = 20;
+const BORDER_SPACINGS: f64 = 1.5;
+/// Cosine between the normals of two sides of a wall.
+const MAX_OPPOSITE_COSINE: f64 = -0.8;
+/// Halvings of a spacing in the search for the other side of a wall.
+const MAX_HALVINGS: usize = 20;
 
 /// Of a closed solid with flat faces the exact signed distance at the nodes of a regular grid of spacing h around it, in between cubic B-splines through
 /// these values: two times continuously differentiable, where the exact distance has edges. It differs from that by `O(h^2)` where that is smooth, and
@@ -63,17 +65,17 @@ impl DistanceGrid {
         let nodes_at = |spacing: f64| {
             let margin = widened(margin, spacing, size);
             // next to its border d is less than on it
-            let cells = |i: usize| ((size[i] + 2.0 * margin) / spacing + 2.0 * BORDER).ceil();
+            let cells = |i: usize| ((size[i] + 2.0 * margin) / spacing + 2.0 * BORDER_SPACINGS).ceil();
             let nodes: [f64; 3] = std::array::from_fn(|i| if i < dim { cells(i) + 1.0 } else { 1.0 });
             (nodes, GridSpline::numbers(nodes))
         };
         let (nodes, numbers) = nodes_at(spacing);
-        if numbers > MOST_NUMBERS {
-            let enough = |spacing: &f64| nodes_at(*spacing).1 <= MOST_NUMBERS;
-            let least = spacing.max(LEAST * V::from(size).max());
-            let coarser = std::iter::successors(Some(least), |h| Some(COARSER * h)).map(rounded_up).find(enough);
+        if numbers > MAX_NUMBERS {
+            let enough = |spacing: &f64| nodes_at(*spacing).1 <= MAX_NUMBERS;
+            let least = spacing.max(MIN_SPACING_SHARE * V::from(size).max());
+            let coarser = std::iter::successors(Some(least), |h| Some(SPACING_GROWTH * h)).map(rounded_up).find(enough);
             let coarser = coarser.unwrap_or(f64::INFINITY);
-            return Err(SpatialError::LargeGrid { spacing, numbers, most: MOST_NUMBERS, coarser });
+            return Err(SpatialError::LargeGrid { spacing, numbers, most: MAX_NUMBERS, coarser });
         }
         let margin = widened(margin, spacing, size);
         // the rest of the last cell goes to both sides alike
@@ -178,12 +180,12 @@ impl DistanceGrid {
             return None;
         }
         let (mut inside, mut outside) = (0.0, h);
-        for _ in 0..HALVINGS {
+        for _ in 0..MAX_HALVINGS {
             let middle = 0.5 * (inside + outside);
             if self.solid.nearest(behind(middle)).distance < 0.0 { inside = middle } else { outside = middle }
         }
         let (thickness, other) = (inside, self.solid.nearest(behind(inside)));
-        let is_wall = thickness > 0.0 && V::from(other.normal).dot(normal) < OPPOSITE;
+        let is_wall = thickness > 0.0 && V::from(other.normal).dot(normal) < MAX_OPPOSITE_COSINE;
         let is_lost = is_wall && self.distance(&behind(0.5 * thickness)) >= 0.0;
         is_lost.then(|| LostWall { place: (*place).into(), thickness })
     }
@@ -223,7 +225,7 @@ fn signed_distance(d: &Partials) -> SignedDistance {
 
 /// The margin of a grid of a spacing around a solid of a size.
 fn widened(margin: f64, spacing: f64, size: [f64; 3]) -> f64 {
-    margin.max(MARGIN[0] * spacing).max(MARGIN[1] * V::from(size).norm())
+    margin.max(MIN_MARGIN_SPACINGS * spacing).max(MIN_MARGIN_SHARE * V::from(size).norm())
 }
 
 /// To two digits.

@@ -1,13 +1,15 @@
-//! [`Obstacle::drawn`]: an obstacle as a mesh, to be looked at.
+//! [`Obstacle::drawn`]: an obstacle as a mesh, for pictures.
 
 use super::Obstacle;
 use crate::{CellKind, Mesh, box_mesh, rectangle};
 
 /// Cells per direction; odd, so that a layer in the middle can be stretched.
-const CELLS: usize = 11;
+const CELLS_PER_DIRECTION: usize = 11;
 
-/// Thickness of the plate that stands for a half-space, and half of its width, as shares of the body's diagonal.
-const PLATE: [f64; 2] = [0.02, 0.75];
+/// Thickness of the plate that represents a half-space, as a share of the body's diagonal.
+const PLATE_THICKNESS: f64 = 0.02;
+/// Half of the width of this plate, likewise.
+const PLATE_HALF_WIDTH: f64 = 0.75;
 
 impl Obstacle {
     /// A mesh of it beside a body, in its plane or in space: a ball or a capsule of bricks, a box; of a half-space, which has no end, a plate in
@@ -21,7 +23,7 @@ impl Obstacle {
             Obstacle::Box { low, high, .. } => {
                 let size = std::array::from_fn(|i| high[i] - low[i]);
                 let at = |x: [f64; 3]| std::array::from_fn(|i| if i < dim { low[i] + x[i] } else { 0.0 });
-                block(size, [CELLS; 3], dim)?.mapped(at).ok()
+                block(size, [CELLS_PER_DIRECTION; 3], dim)?.mapped(at).ok()
             }
             Obstacle::HalfSpace { point, normal } => plate(*point, *normal, body),
             Obstacle::Solid { .. } | Obstacle::Grid(_) => None,
@@ -44,7 +46,7 @@ fn round([from, to]: [[f64; 3]; 2], radius: f64, dim: usize) -> Option<Mesh> {
     let last = dim - 1;
     let axis = if length > 0.0 { along.map(|a| a / length) } else { std::array::from_fn(|i| f64::from(i == last)) };
     let frame = frame(axis, dim);
-    let cube = block([2.0; 3], [CELLS; 3], dim)?;
+    let cube = block([2.0; 3], [CELLS_PER_DIRECTION; 3], dim)?;
     let place = |x: [f64; 3]| {
         // The cube to the unit ball: the same direction, the largest coordinate for a length.
         let p: [f64; 3] = std::array::from_fn(|i| if i < dim { x[i] - 1.0 } else { 0.0 });
@@ -62,9 +64,9 @@ fn plate(point: [f64; 3], normal: [f64; 3], body: &Mesh) -> Option<Mesh> {
     let count = body.points().len() as f64;
     let center: [f64; 3] = std::array::from_fn(|i| body.points().iter().map(|x| x[i]).sum::<f64>() / count);
     let away: f64 = (0..3).map(|i| normal[i] * (center[i] - point[i])).sum();
-    let [thickness, reach] = PLATE.map(|share| share * body.diagonal());
+    let [thickness, reach] = [PLATE_THICKNESS, PLATE_HALF_WIDTH].map(|share| share * body.diagonal());
     let frame = frame(normal, dim);
-    let (mut size, mut cells) = ([2.0 * reach; 3], [CELLS; 3]);
+    let (mut size, mut cells) = ([2.0 * reach; 3], [CELLS_PER_DIRECTION; 3]);
     (size[dim - 1], cells[dim - 1]) = (thickness, 1);
     let slab = block(size, cells, dim)?;
     let place = |x: [f64; 3]| {

@@ -18,7 +18,7 @@ pub(super) struct GridSpline {
 /// Derivatives by how often each coordinate is taken, three in all at most.
 pub(super) type Partials = [[[f64; 4]; 4]; 4];
 
-/// Coefficients along an axis of so many nodes.
+/// Coefficients along an axis of nodes.
 fn extent(nodes: usize) -> usize {
     if nodes == 1 { 1 } else { nodes + 2 }
 }
@@ -49,7 +49,7 @@ impl GridSpline {
         GridSpline { low, spacing, nodes, coefficients }
     }
 
-    /// How many numbers it keeps for a grid of so many nodes along each axis.
+    /// Numbers that it stores for a grid, by the nodes along each axis.
     pub fn numbers(nodes: [f64; 3]) -> f64 {
         nodes.iter().map(|n| if *n > 1.0 { n + 2.0 } else { 1.0 }).product()
     }
