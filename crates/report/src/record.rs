@@ -30,6 +30,7 @@ mod absent;
 mod case_record;
 mod comparison_record;
 mod contact_record;
+mod contribution_record;
 mod control_record;
 mod error_record;
 mod failure_record;
@@ -55,6 +56,7 @@ pub use case_record::{
 };
 pub use comparison_record::{ComparedRecord, ComparisonRecord, DistancesRecord, NodeByNodeRecord};
 pub use contact_record::{ContactRecord, ExactContactRecord, HalfThicknessRecord};
+pub use contribution_record::{ContributionKind, ContributionRecord};
 pub use control_record::{ControlRecord, ControlValues, RangeRecord};
 pub use error_record::{ErrorRecord, ProblemRecord};
 pub use failure_record::{

@@ -1,11 +1,11 @@
 //! What to try after trials that met a limit point: another control there, or bounds before it.
 
+use crate::result::summary;
 use crate::run::optimize::advice::{Advice, optimize};
 use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseProblem, ControlField};
 use nastic_control::EnsemblePoint;
-use nastic_fem::Instant;
 use nastic_language::number::short;
 use nastic_language::schema::Control;
 
@@ -90,8 +90,6 @@ fn met<'s>(problem: &'s CaseProblem, ended: &'s FinishedRun) -> impl Iterator<It
 fn added_volume(problem: &CaseProblem, met: &str, best: &EnsemblePoint, cavity: &str) -> Option<f64> {
     let mut members = problem.members().zip(&best.members);
     let (member, at) = members.find(|(member, _)| member.name() == met)?;
-    let all = member.solid().model().quantities(&Instant::of(at.state())).ok()?;
-    let of =
-        |quantity: &str| all.iter().find(|(name, what, _)| name == cavity && *what == quantity).map(|found| found.2);
-    Some(of("volume")? - of("reference_volume")?)
+    let [volume, rest] = summary::contributions(member, at.state()).ok()?.get(cavity)?.volumes()?;
+    Some(volume - rest)
 }

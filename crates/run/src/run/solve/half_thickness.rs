@@ -1,6 +1,5 @@
 //! `nastic solve --half-thickness`: the state whose contacts have layers half as thick, beside the one that was asked for.
 
-use crate::run::contacts::quantities;
 use crate::run::error::{Exit, RunError};
 use crate::run::session::{START_ACCURACY, Session};
 use nastic_case::lower::{CaseMember, CaseProblem};
@@ -87,7 +86,7 @@ fn say(
         newton_iterations: half.1.work.newton,
         largest_change: change.into(),
         largest_displacement: displacement.into(),
-        contacts: Some(after.iter().map(|(name, touch)| (name.clone(), quantities(touch, dim))).collect()),
+        contacts: Some(after.iter().map(|(name, touch)| (name.clone(), touch.quantities(dim).into())).collect()),
     }
 }
 
