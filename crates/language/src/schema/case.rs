@@ -1,13 +1,19 @@
-//! The whole case.
+//! The whole case, and the rows of its blocks that add a contribution each.
+
+mod spring;
+
+pub use spring::{Ground, Spring, SpringEnd};
 
 use crate::quantity::{Units, Want};
 use crate::schema::actuation::Actuation;
-use crate::schema::check;
+use crate::schema::block::Block;
+use crate::schema::check::{self, block, list};
 use crate::schema::constraint::Constraint;
 use crate::schema::contact::Contact;
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::expectation::Expectation;
+use crate::schema::hints::Hint;
 use crate::schema::load::Load;
 use crate::schema::load_case::LoadCase;
 use crate::schema::material::Material;
@@ -17,12 +23,18 @@ use crate::schema::obstacle::Obstacle;
 use crate::schema::optimizer::Optimizer;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
-use crate::schema::spring::Spring;
 use crate::schema::support::Support;
 use crate::schema::time::Time;
 use crate::schema::value::Vector;
 use crate::syntax::{At, Diagnostic, Diagnostics, Document};
 use std::collections::BTreeMap;
+
+/// Blocks a variant of the case may change; everything else is shared.
+pub(crate) const CHANGEABLE: [&str; 8] =
+    ["materials", "supports", "springs", "obstacles", "contact", "loads", "actuation", "costs"];
+
+/// What people try in the place of the blocks that add a contribution each.
+pub(crate) const HINTS: &[&[Hint]] = &[spring::HINTS];
 
 object! {
     /// A case: a soft body, what moves it, what it shall become.
@@ -137,11 +149,11 @@ impl Case {
 
     /// What can be read, whole if there are no problems.
     pub fn read_all(document: &Document) -> Reading {
-        let mut reader = Reader::new(document, units(document));
+        let mut reader = Self::reader(document, units(document));
         reader.problems.extend(document.problems().iter().cloned());
         let case = Self::read_document(&mut reader);
         check::check(&mut reader);
-        Reading { case: case.or_else(|| check::readable(&reader)), problems: reader.problems }
+        Reading { case: case.or_else(|| Self::readable(&reader)), problems: reader.problems }
     }
 
     /// Reads a variant of a case that was read before: other values, the same blocks.
@@ -150,10 +162,25 @@ impl Case {
     ///
     /// Values that do not fit their places.
     pub fn read_variant(document: &Document, units: Units) -> Result<Self, Diagnostics> {
-        let mut reader = Reader::new(document, units);
+        let mut reader = Self::reader(document, units);
         let case = Self::read_document(&mut reader);
         Diagnostics::new(reader.problems).into_result()?;
         case.ok_or_else(Diagnostics::default)
+    }
+
+    /// Entries that add a contribution each to the body, in the order of the case's keys.
+    pub fn blocks(&self) -> impl Iterator<Item = &dyn Block> {
+        self.springs.iter().map(|own| own as &dyn Block)
+    }
+
+    /// The same as far as they can be read.
+    pub(super) fn read_blocks(reader: &Reader<'_>) -> Vec<Box<dyn Block>> {
+        list::<Spring>(reader, "springs").into_iter().map(|own| Box::new(own) as _).collect()
+    }
+
+    /// A reader of cases.
+    pub(super) fn reader(document: &Document, units: Units) -> Reader<'_> {
+        Reader { hints: HINTS, ..Reader::new(document, units) }
     }
 
     /// Without the checks between blocks.
@@ -162,6 +189,39 @@ impl Case {
         let touches = !case.contact.is_empty();
         case.time.iter_mut().for_each(|time| time.choose_scheme(touches));
         Some(case)
+    }
+
+    /// The blocks of a case that cannot be read as a whole, as far as they can be: so much shows what else is wrong.
+    fn readable(reader: &Reader<'_>) -> Option<Self> {
+        Some(Self {
+            at: At::root(),
+            nastic: check::VERSION as u64,
+            title: None,
+            units: reader.units,
+            mesh: block(reader, "mesh")?,
+            surfaces: list(reader, "surfaces"),
+            regions: list(reader, "regions"),
+            materials: list(reader, "materials"),
+            supports: list(reader, "supports"),
+            springs: list(reader, "springs"),
+            obstacles: list(reader, "obstacles"),
+            contact: list(reader, "contact"),
+            loads: list(reader, "loads"),
+            actuation: list(reader, "actuation"),
+            controls: list(reader, "controls"),
+            costs: list(reader, "costs"),
+            constraints: list(reader, "constraints"),
+            load_cases: list(reader, "load_cases"),
+            scenarios: Read::absent()?,
+            risk: Risk::Mean,
+            time: block(reader, "time"),
+            optimizer: block(reader, "optimizer").or_else(Read::absent)?,
+            linear_solver: None,
+            probes: list(reader, "probes"),
+            expect: BTreeMap::new(),
+            output: Read::absent()?,
+            schema: None,
+        })
     }
 }
 

@@ -7,6 +7,7 @@ mod variants;
 
 use crate::quantity::Want;
 use crate::schema::actuation::Actuation;
+use crate::schema::block::Block;
 use crate::schema::case::{Case, Probe};
 use crate::schema::constraint::Constraint;
 use crate::schema::contact::Contact;
@@ -17,12 +18,10 @@ use crate::schema::material::Material;
 use crate::schema::obstacle::Obstacle;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
-use crate::schema::spring::Spring;
 use crate::syntax::{At, Value, quoted};
-use std::collections::BTreeMap;
 
 /// The version of case files this program reads.
-const VERSION: f64 = 1.0;
+pub(super) const VERSION: f64 = 1.0;
 
 /// The blocks that speak of each other, as far as they can be read: a mistake elsewhere does not hide one here.
 pub(crate) struct Blocks {
@@ -33,7 +32,8 @@ pub(crate) struct Blocks {
     pub(crate) constraints: Vec<Constraint>,
     pub(crate) load_cases: Vec<LoadCase>,
     pub(crate) probes: Vec<Probe>,
-    pub(crate) springs: Vec<Spring>,
+    /// Those that add a contribution each.
+    pub(crate) rows: Vec<Box<dyn Block>>,
     pub(crate) obstacles: Vec<Obstacle>,
     pub(crate) contact: Vec<Contact>,
     pub(crate) scenarios: Option<Scenarios>,
@@ -64,7 +64,7 @@ impl Blocks {
             constraints: list(reader, "constraints"),
             load_cases: list(reader, "load_cases"),
             probes: list(reader, "probes"),
-            springs: list(reader, "springs"),
+            rows: Case::read_blocks(reader),
             obstacles: list(reader, "obstacles"),
             contact: list(reader, "contact"),
             scenarios: block(reader, "scenarios"),
@@ -86,46 +86,13 @@ impl Blocks {
     }
 }
 
-/// The blocks of a case that cannot be read as a whole, as far as they can be: so much shows what else is wrong.
-pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
-    Some(Case {
-        at: At::root(),
-        nastic: VERSION as u64,
-        title: None,
-        units: reader.units,
-        mesh: block(reader, "mesh")?,
-        surfaces: list(reader, "surfaces"),
-        regions: list(reader, "regions"),
-        materials: list(reader, "materials"),
-        supports: list(reader, "supports"),
-        springs: list(reader, "springs"),
-        obstacles: list(reader, "obstacles"),
-        contact: list(reader, "contact"),
-        loads: list(reader, "loads"),
-        actuation: list(reader, "actuation"),
-        controls: list(reader, "controls"),
-        costs: list(reader, "costs"),
-        constraints: list(reader, "constraints"),
-        load_cases: list(reader, "load_cases"),
-        scenarios: Read::absent()?,
-        risk: Risk::Mean,
-        time: block(reader, "time"),
-        optimizer: block(reader, "optimizer").or_else(Read::absent)?,
-        linear_solver: None,
-        probes: list(reader, "probes"),
-        expect: BTreeMap::new(),
-        output: Read::absent()?,
-        schema: None,
-    })
-}
-
 /// A block without complaints: the full reading makes those.
-fn block<T: Read>(reader: &Reader<'_>, key: &str) -> Option<T> {
+pub(super) fn block<T: Read>(reader: &Reader<'_>, key: &str) -> Option<T> {
     let mut silent = Reader::new(reader.document, reader.units);
     T::read(reader.document.root().find(key)?, &At::root().key(key), Want::ANY, &mut silent)
 }
 
-fn list<T: Read>(reader: &Reader<'_>, key: &str) -> Vec<T> {
+pub(super) fn list<T: Read>(reader: &Reader<'_>, key: &str) -> Vec<T> {
     block(reader, key).unwrap_or_default()
 }
 
@@ -163,8 +130,8 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     for actuation in &blocks.actuation {
         plain(&actuation.name, &actuation.at.key("name"), &['.', '/'], reader);
     }
-    for spring in &blocks.springs {
-        plain(&spring.name(), &spring.at.key("name"), &['/'], reader);
+    for row in &blocks.rows {
+        plain(&row.name(), &row.at().key("name"), &['/'], reader);
     }
     for probe in &blocks.probes {
         plain(&probe.name, &probe.at.key("name"), &['/'], reader);

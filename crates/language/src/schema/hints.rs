@@ -3,7 +3,7 @@
 use crate::syntax::At;
 
 /// What stands for some words in some block.
-pub(super) struct Hint {
+pub(crate) struct Hint {
     /// The block, `""` for the case itself.
     within: &'static str,
     /// The words, in lower case.
@@ -12,7 +12,8 @@ pub(super) struct Hint {
     pub(super) say: &'static str,
 }
 
-const fn hint(within: &'static str, words: &'static [&'static str], say: &'static str) -> Hint {
+/// One of them.
+pub(super) const fn hint(within: &'static str, words: &'static [&'static str], say: &'static str) -> Hint {
     Hint { within, words, say }
 }
 
@@ -30,8 +31,6 @@ const MUSCLE: &str = "a muscle is an actuation of the \"kind\": \"muscle\" with 
 const CHAMBER: &str = "an air chamber is an actuation of the \"kind\": \"cavity\", with the \"surface\" of its walls";
 const TENDON: &str = "a cable is an actuation of the \"kind\": \"tendon\" with the \"points\" that it passes; its control is the \"tension\" (\"of\": \"NAME\") \
     or the \"pull\" (\"of\": \"NAME.pull\"), with a \"stiffness\" the pull alone";
-const SPRING: &str = "a spring stands in \"springs\": [ { \"from\": [0, 0, 5], \"to\": { \"ground\": [0, 0, 9] }, \
-    \"stiffness\": \"2 N/mm\" } ]; an elastic bed of a surface is a \"foundation\" in \"supports\"";
 const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with the vectors \"remanence\" (mu0 \
     times the magnetisation, in T) and \
                       \"field\" (in T)";
@@ -72,7 +71,6 @@ pub(super) const HINTS: &[Hint] = &[
     hint("", &["muscle", "muscles", "fiber", "fibre", "tension"], MUSCLE),
     hint("", &["chamber", "chambers", "air_chamber", "cavity", "pneumatics"], CHAMBER),
     hint("", &["tendon", "tendons", "cable", "cables"], TENDON),
-    hint("", &["spring", "elastic", "rubber_band"], SPRING),
     hint("", &["friction", "floor", "ground", "obstacle", "contacts", "collision", "collisions", "touches"], CONTACT),
     hint("", &["self_contact", "self_collision", "bodies"], BETWEEN),
     hint("", &["rigid_bodies", "rigid_body"], NOT_YET),
@@ -161,14 +159,6 @@ pub(super) const HINTS: &[Hint] = &[
         "write \"fix\": \"all\", or a list of \"x\", \"y\" and \"z\"",
     ),
     hint("supports", &["u", "ux", "uy", "uz", "value", "disp"], "write \"displacement\": { \"x\": \"1 mm\" }"),
-    hint("supports", &["spring", "springs", "elastic", "stiffness", "k"], SPRING),
-    hint("springs", &["k", "constant", "rate", "spring_constant"], "force per elongation stands under \"stiffness\""),
-    hint("springs", &["rest_length", "rest", "l0", "natural_length"], "the rest length stands under \"length\""),
-    hint(
-        "springs",
-        &["ground", "points", "ends", "point", "between", "nodes", "surface"],
-        "a spring goes \"from\" a point of the body \"to\" another one, or \"to\" a fixed one, { \"ground\": [0, 0, 9] }",
-    ),
     hint("loads", &["pressure", "air"], AIR),
     hint("loads", &["weight", "density", "acceleration", "g"], WEIGHT),
     hint("loads", &["force", "forces", "total_force", "point_force", "value", "magnitude"], FORCE),
@@ -184,7 +174,6 @@ pub(super) const HINTS: &[Hint] = &[
         "a pressure inside the material itself is of the \"kind\": \"turgor\", swelling by a given part of lengths \"growth\"",
     ),
     hint("actuation", &["cable", "wire", "string", "rope", "tendons"], TENDON),
-    hint("actuation", &["spring", "elastic_band"], SPRING),
     hint("actuation", &["magnetic", "magnetization", "magnetisation", "b", "b_r", "m"], MAGNET),
     hint("actuation", &["electric", "voltage", "electrode", "electrodes", "dea", "eps"], ELECTRIC),
     hint("actuation", &["thermal", "temperature", "heat"], HEAT),
@@ -237,12 +226,13 @@ pub(super) const HINTS: &[Hint] = &[
     ),
 ];
 
-/// What to say of a word that means nothing in this block.
-pub(crate) fn say(word: &str, at: &At) -> Option<&'static str> {
+/// What to say of a word that means nothing in this block, with the hints of blocks of the case.
+pub(crate) fn say(word: &str, at: &At, more: &[&[Hint]]) -> Option<&'static str> {
     let word = word.to_lowercase().replace(' ', "_");
     let within = |block: &str| match block {
         "" => at.as_str().is_empty(),
         block => at.as_str().split('/').any(|step| step == block),
     };
-    HINTS.iter().find(|hint| within(hint.within) && hint.words.contains(&word.as_str())).map(|hint| hint.say)
+    let mut all = HINTS.iter().chain(more.iter().copied().flatten());
+    all.find(|hint| within(hint.within) && hint.words.contains(&word.as_str())).map(|hint| hint.say)
 }

@@ -1,11 +1,36 @@
-//! [`ContributionRecord`]: what a contribution reports of a state, by its [`ContributionKind`].
+//! [`ContributionRecord`]: what a contribution reports of a state, by its [`ContributionKind`]; [`BlockRecords`]: blocks of the case that add one each,
+//! as `check` describes them.
 
 use crate::number::{number, short};
-use crate::record::{Number, Numbers, RigidMotion, UnitsRecord, number_of};
+use crate::record::{BodyPointRecord, Nullable, Number, Numbers, RigidMotion, UnitsRecord, number_of};
 use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::ops::Deref;
+
+records! {
+    /// The blocks of the case that add a contribution each.
+    BlockRecords {
+        /// The springs.
+        springs: Option<Vec<SpringRecord>>,
+    }
+
+    /// A spring.
+    SpringRecord {
+        /// Its name.
+        name: String,
+        /// One end.
+        from: Nullable<BodyPointRecord>,
+        /// The other.
+        to: Nullable<BodyPointRecord>,
+        /// Its stiffness.
+        stiffness: Number,
+        /// Its length without a force.
+        rest_length: Nullable<f64>,
+        /// Its force where the body is at rest.
+        force_at_rest: Nullable<f64>,
+    }
+}
 
 /// What a contribution reports of a state. Files have the numbers alone: they tell the kind, once, where a record is made or read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
