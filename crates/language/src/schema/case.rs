@@ -152,8 +152,8 @@ impl Case {
         let mut reader = Self::reader(document, units(document));
         reader.problems.extend(document.problems().iter().cloned());
         let case = Self::read_document(&mut reader);
-        check::check(&mut reader);
-        Reading { case: case.or_else(|| Self::readable(&reader)), problems: reader.problems }
+        let readable = check::check(&mut reader);
+        Reading { case: case.or(readable), problems: reader.problems }
     }
 
     /// Reads a variant of a case that was read before: other values, the same blocks.
@@ -173,11 +173,6 @@ impl Case {
         self.springs.iter().map(|own| own as &dyn Block)
     }
 
-    /// The same as far as they can be read.
-    pub(super) fn read_blocks(reader: &Reader<'_>) -> Vec<Box<dyn Block>> {
-        list::<Spring>(reader, "springs").into_iter().map(|own| Box::new(own) as _).collect()
-    }
-
     /// A reader of cases.
     pub(super) fn reader(document: &Document, units: Units) -> Reader<'_> {
         Reader { hints: HINTS, ..Reader::new(document, units) }
@@ -192,13 +187,13 @@ impl Case {
     }
 
     /// The blocks of a case that cannot be read as a whole, as far as they can be: so much shows what else is wrong.
-    fn readable(reader: &Reader<'_>) -> Option<Self> {
+    pub(super) fn readable(reader: &Reader<'_>, mesh: MeshSource) -> Option<Self> {
         Some(Self {
             at: At::root(),
             nastic: check::VERSION as u64,
             title: None,
             units: reader.units,
-            mesh: block(reader, "mesh")?,
+            mesh,
             surfaces: list(reader, "surfaces"),
             regions: list(reader, "regions"),
             materials: list(reader, "materials"),

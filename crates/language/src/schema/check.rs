@@ -6,45 +6,43 @@ mod motion;
 mod variants;
 
 use crate::quantity::Want;
-use crate::schema::actuation::Actuation;
-use crate::schema::block::Block;
-use crate::schema::case::{Case, Probe};
-use crate::schema::constraint::Constraint;
-use crate::schema::contact::Contact;
-use crate::schema::control::Control;
+use crate::schema::case::Case;
 use crate::schema::cost::Cost;
-use crate::schema::load_case::LoadCase;
-use crate::schema::material::Material;
-use crate::schema::obstacle::Obstacle;
+use crate::schema::mesh::{BoxesMesh, MeshSource};
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
 use crate::syntax::{At, Value, quoted};
+use std::ops::Deref;
 
 /// The version of case files this program reads.
 pub(super) const VERSION: f64 = 1.0;
 
-/// The blocks that speak of each other, as far as they can be read: a mistake elsewhere does not hide one here.
+/// The blocks as far as they can be read: a mistake elsewhere does not hide one in what they say of each other.
 pub(crate) struct Blocks {
-    pub(crate) materials: Vec<Material>,
-    pub(crate) actuation: Vec<Actuation>,
-    pub(crate) controls: Vec<Control>,
-    pub(crate) costs: Vec<Cost>,
-    pub(crate) constraints: Vec<Constraint>,
-    pub(crate) load_cases: Vec<LoadCase>,
-    pub(crate) probes: Vec<Probe>,
-    /// Those that add a contribution each.
-    pub(crate) rows: Vec<Box<dyn Block>>,
-    pub(crate) obstacles: Vec<Obstacle>,
-    pub(crate) contact: Vec<Contact>,
+    case: Case,
     pub(crate) scenarios: Option<Scenarios>,
     pub(crate) risk: Option<Risk>,
     /// Paths of problems: what is missing there may be there, misspelt.
     troubled: Vec<String>,
 }
 
-/// Adds all problems between blocks to those of `reader`, which has read the whole case already.
-pub(crate) fn check(reader: &mut Reader<'_>) {
-    let blocks = Blocks::read(reader);
+impl Deref for Blocks {
+    type Target = Case;
+
+    fn deref(&self) -> &Case {
+        &self.case
+    }
+}
+
+/// Adds all problems between blocks to those of `reader`, which has read the whole case already. What could be read, without the entries of lists that cannot;
+/// `None` where even the mesh cannot be read.
+pub(crate) fn check(reader: &mut Reader<'_>) -> Option<Case> {
+    let mesh = block(reader, "mesh");
+    let has_mesh = mesh.is_some();
+    let nowhere = MeshSource::Boxes(BoxesMesh { at: At::root(), boxes: vec![] });
+    let case = Case::readable(reader, mesh.unwrap_or(nowhere))?;
+    let troubled = reader.problems.iter().map(|problem| problem.path.clone()).collect();
+    let blocks = Blocks { case, scenarios: block(reader, "scenarios"), risk: block(reader, "risk"), troubled };
     check_version(reader);
     check_names(&blocks, reader);
     contact::check(&blocks, reader);
@@ -52,27 +50,10 @@ pub(crate) fn check(reader: &mut Reader<'_>) {
     check_risk(&blocks, reader);
     motion::check(&blocks, reader);
     variants::check(&blocks, reader);
+    has_mesh.then_some(blocks.case)
 }
 
 impl Blocks {
-    fn read(reader: &Reader<'_>) -> Self {
-        Self {
-            materials: list(reader, "materials"),
-            actuation: list(reader, "actuation"),
-            controls: list(reader, "controls"),
-            costs: list(reader, "costs"),
-            constraints: list(reader, "constraints"),
-            load_cases: list(reader, "load_cases"),
-            probes: list(reader, "probes"),
-            rows: Case::read_blocks(reader),
-            obstacles: list(reader, "obstacles"),
-            contact: list(reader, "contact"),
-            scenarios: block(reader, "scenarios"),
-            risk: block(reader, "risk"),
-            troubled: reader.problems.iter().map(|problem| problem.path.clone()).collect(),
-        }
-    }
-
     /// True if everything in this block could be read.
     fn complete(&self, block: &str) -> bool {
         self.is_sound(&At::root().key(block))
@@ -130,7 +111,7 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     for actuation in &blocks.actuation {
         plain(&actuation.name, &actuation.at.key("name"), &['.', '/'], reader);
     }
-    for row in &blocks.rows {
+    for row in blocks.blocks() {
         plain(&row.name(), &row.at().key("name"), &['/'], reader);
     }
     for probe in &blocks.probes {

@@ -7,7 +7,7 @@ use nastic_control::{ControlBlock, Space};
 use nastic_io::WriteError;
 use nastic_mesh::{NamedArray, Snapshot};
 use nastic_picture::{Appearance, Body, Colour, Face, Field, Picture, Sheet};
-use nastic_report::record::{StateRecord, number_of};
+use nastic_report::record::{PLAIN_LINES, StateRecord, number_of};
 use nastic_report::{FIELD, obstacles_label, tension, uniform_field, with_marks};
 use std::mem::take;
 
@@ -175,12 +175,12 @@ pub(crate) fn legend(body: &Snapshot) -> String {
         (false, true) => "; lines: tendons",
         (false, false) => "; lines: tendons, grey where slack",
     };
-    let springs = match (tensions.len() < body.lines.len(), tensions.is_empty()) {
-        (false, _) => "",
-        (true, true) => "; lines: springs",
-        (true, false) => "; springs green",
+    let others = match (tensions.len() < body.lines.len(), tensions.is_empty()) {
+        (false, _) => String::new(),
+        (true, true) => format!("; lines: {PLAIN_LINES}"),
+        (true, false) => format!("; {PLAIN_LINES} green"),
     };
-    arrows(body).to_owned() + tendons + springs
+    arrows(body).to_owned() + tendons + &others
 }
 
 fn arrows(body: &Snapshot) -> &'static str {

@@ -9,7 +9,7 @@ use nastic_control::EnsemblePoint;
 use nastic_fem::{Sliding, Touch, TouchParameters};
 use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;
-use nastic_report::record::number_of;
+use nastic_report::record::{ContributionRecord, number_of};
 
 /// A touch of fewer steps has no sharp end: how fast the body parts again is a number of the step.
 const FEW_STEPS: usize = 5;
@@ -94,40 +94,37 @@ struct History {
 
 impl History {
     fn of(table: &Table, name: &str, sliding: Option<Sliding>) -> Self {
-        let none = (f64::INFINITY, 0.0);
-        let mut history = History { gap: none, between: none, ..Self::default() };
+        let steps: Vec<(f64, ContributionRecord)> = table.contribution(name).collect();
+        let smallest = |what: &str| {
+            let all = steps.iter().filter_map(|(t, own)| Some((number_of(own, what)?, *t)));
+            all.fold((f64::INFINITY, 0.0), |least, one| if one.0 < least.0 { one } else { least })
+        };
+        let mut history =
+            History { gap: smallest("smallest_gap"), between: smallest("gap_between"), ..Self::default() };
         let (mut begun, mut before) = (None, None::<f64>);
-        for (n, (t, contact)) in table.contribution(name).enumerate() {
-            let of = |what: &str| number_of(&contact, what);
-            let area = of("area").unwrap_or(0.0);
+        for (n, (t, contact)) in steps.iter().enumerate() {
+            let of = |what: &str| number_of(contact, what).unwrap_or(0.0);
+            let (area, pressure) = (of("area"), of("largest_pressure"));
             let touches = area > 0.0;
             history.acted |= touches;
-            if let Some(gap) = of("smallest_gap").filter(|gap| *gap < history.gap.0) {
-                history.gap = (gap, t);
-            }
-            if let Some(pressure) = of("largest_pressure").filter(|pressure| *pressure > history.pressed[0]) {
-                history.pressed = [pressure, area, t];
-            }
-            if let Some(between) = of("gap_between").filter(|between| *between < history.between.0) {
-                history.between = (between, t);
+            if pressure > history.pressed[0] {
+                history.pressed = [pressure, area, *t];
             }
             match (touches, begun) {
                 (true, None) if n > 0 => begun = Some(n),
                 (false, Some(first)) => {
                     let steps = n - first;
                     if history.shortest.is_none_or(|(least, _)| steps < least) {
-                        history.shortest = Some((steps, t));
+                        history.shortest = Some((steps, *t));
                     }
                     begun = None;
                 }
                 _ => {}
             }
-            if let (Some(_), Some(before), Some(speed)) = (sliding, before, of("sliding_speed"))
-                && of("sticking") == Some(1.0)
-            {
-                history.creep += speed * (t - before);
+            if sliding.is_some() && of("sticking") == 1.0 {
+                history.creep += before.map_or(0.0, |before| of("sliding_speed") * (t - before));
             }
-            before = Some(t);
+            before = Some(*t);
         }
         history
     }
