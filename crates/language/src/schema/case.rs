@@ -7,7 +7,7 @@ pub use spring::{Ground, Spring, SpringEnd};
 use crate::quantity::{Units, Want};
 use crate::schema::actuation::Actuation;
 use crate::schema::block::Block;
-use crate::schema::check::{self, block, list};
+use crate::schema::check::{self, block};
 use crate::schema::constraint::Constraint;
 use crate::schema::contact::Contact;
 use crate::schema::control::Control;
@@ -26,7 +26,7 @@ use crate::schema::scenario::{Risk, Scenarios};
 use crate::schema::support::Support;
 use crate::schema::time::Time;
 use crate::schema::value::Vector;
-use crate::syntax::{At, Diagnostic, Diagnostics, Document};
+use crate::syntax::{At, Diagnostic, Diagnostics, Document, Node, Property, Value};
 use std::collections::BTreeMap;
 
 /// Blocks a variant of the case may change; everything else is shared.
@@ -186,37 +186,26 @@ impl Case {
         Some(case)
     }
 
-    /// The blocks of a case that cannot be read as a whole, as far as they can be: so much shows what else is wrong.
-    pub(super) fn readable(reader: &Reader<'_>, mesh: MeshSource) -> Option<Self> {
-        Some(Self {
-            at: At::root(),
-            nastic: check::VERSION as u64,
-            title: None,
-            units: reader.units,
-            mesh,
-            surfaces: list(reader, "surfaces"),
-            regions: list(reader, "regions"),
-            materials: list(reader, "materials"),
-            supports: list(reader, "supports"),
-            springs: list(reader, "springs"),
-            obstacles: list(reader, "obstacles"),
-            contact: list(reader, "contact"),
-            loads: list(reader, "loads"),
-            actuation: list(reader, "actuation"),
-            controls: list(reader, "controls"),
-            costs: list(reader, "costs"),
-            constraints: list(reader, "constraints"),
-            load_cases: list(reader, "load_cases"),
-            scenarios: Read::absent()?,
-            risk: Risk::Mean,
-            time: block(reader, "time"),
-            optimizer: block(reader, "optimizer").or_else(Read::absent)?,
-            linear_solver: None,
-            probes: list(reader, "probes"),
-            expect: BTreeMap::new(),
-            output: Read::absent()?,
-            schema: None,
-        })
+    /// The case as far as it can be read, with stand-ins for what must be there: so much shows what else is wrong.
+    pub(super) fn readable(reader: &Reader<'_>) -> Option<Self> {
+        let root = reader.document.root();
+        let place = &root.place;
+        let mut members = match &root.value {
+            Value::Object(members) => members.clone(),
+            _ => vec![],
+        };
+        let mut stand_in = |is_read: bool, key: &str, value: Value| {
+            if !is_read {
+                let node = Node { value, place: place.clone() };
+                members.retain(|member| member.key != key);
+                members.push(Property { key: key.to_owned(), place: place.clone(), node });
+            }
+        };
+        stand_in(block::<u64>(reader, "nastic").is_some(), "nastic", Value::Number(check::VERSION));
+        stand_in(block::<MeshSource>(reader, "mesh").is_some(), "mesh", Value::Text("none".to_owned()));
+        stand_in(block::<Vec<Material>>(reader, "materials").is_some(), "materials", Value::Array(vec![]));
+        let root = Node { value: Value::Object(members), place: place.clone() };
+        <Self as Read>::read(&root, &At::root(), Want::ANY, &mut Reader::new(reader.document, reader.units))
     }
 }
 

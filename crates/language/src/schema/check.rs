@@ -8,7 +8,7 @@ mod variants;
 use crate::quantity::Want;
 use crate::schema::case::Case;
 use crate::schema::cost::Cost;
-use crate::schema::mesh::{BoxesMesh, MeshSource};
+use crate::schema::mesh::MeshSource;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
 use crate::syntax::{At, Value, quoted};
@@ -37,10 +37,7 @@ impl Deref for Blocks {
 /// Adds all problems between blocks to those of `reader`, which has read the whole case already. What could be read, without the entries of lists that cannot;
 /// `None` where even the mesh cannot be read.
 pub(crate) fn check(reader: &mut Reader<'_>) -> Option<Case> {
-    let mesh = block(reader, "mesh");
-    let has_mesh = mesh.is_some();
-    let nowhere = MeshSource::Boxes(BoxesMesh { at: At::root(), boxes: vec![] });
-    let case = Case::readable(reader, mesh.unwrap_or(nowhere))?;
+    let case = Case::readable(reader)?;
     let troubled = reader.problems.iter().map(|problem| problem.path.clone()).collect();
     let blocks = Blocks { case, scenarios: block(reader, "scenarios"), risk: block(reader, "risk"), troubled };
     check_version(reader);
@@ -50,7 +47,7 @@ pub(crate) fn check(reader: &mut Reader<'_>) -> Option<Case> {
     check_risk(&blocks, reader);
     motion::check(&blocks, reader);
     variants::check(&blocks, reader);
-    has_mesh.then_some(blocks.case)
+    block::<MeshSource>(reader, "mesh").map(|_| blocks.case)
 }
 
 impl Blocks {
@@ -71,10 +68,6 @@ impl Blocks {
 pub(super) fn block<T: Read>(reader: &Reader<'_>, key: &str) -> Option<T> {
     let mut silent = Reader::new(reader.document, reader.units);
     T::read(reader.document.root().find(key)?, &At::root().key(key), Want::ANY, &mut silent)
-}
-
-pub(super) fn list<T: Read>(reader: &Reader<'_>, key: &str) -> Vec<T> {
-    block(reader, key).unwrap_or_default()
 }
 
 fn check_version(reader: &mut Reader<'_>) {

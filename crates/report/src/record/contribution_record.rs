@@ -3,9 +3,8 @@
 
 use crate::number::{number, short};
 use crate::record::{BodyPointRecord, Nullable, Number, Numbers, RigidMotion, UnitsRecord, number_of};
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 use std::ops::Deref;
 
 records! {
@@ -33,8 +32,9 @@ records! {
 }
 
 /// What a contribution reports of a state. Files have the numbers alone: they tell the kind, once, where a record is made or read.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "Numbers", into = "Numbers")]
+#[schemars(inline)]
 pub struct ContributionRecord {
     /// The kind.
     pub kind: ContributionKind,
@@ -202,19 +202,5 @@ impl Deref for ContributionRecord {
 
     fn deref(&self) -> &Numbers {
         &self.numbers
-    }
-}
-
-impl JsonSchema for ContributionRecord {
-    fn inline_schema() -> bool {
-        true
-    }
-
-    fn schema_name() -> Cow<'static, str> {
-        "ContributionRecord".into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        Numbers::json_schema(generator)
     }
 }

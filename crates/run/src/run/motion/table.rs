@@ -218,7 +218,7 @@ fn quantities(member: CaseMember<'_>, before: Option<&State>, state: &State) -> 
 }
 
 /// What every contact carries in a state, and in the step that led there.
-pub(super) fn touches(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, Touch)> {
+pub(crate) fn touches(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, Touch)> {
     let (step, at) = (before.map(|before| TimeStep::between(before, state)), Instant::of(state));
     member.solid().model().contacts().touches(&step.as_ref().map_or(at, |step| at.in_step(step)))
 }
