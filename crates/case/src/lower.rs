@@ -70,7 +70,6 @@ mod time_table;
 mod variant;
 mod weight;
 
-pub use actuation::CONTRACTION;
 pub use adaptive_steps::StepsError;
 pub use assembled::AssemblyError;
 pub use assembled::{Admission, Assembled, ControlProblem};

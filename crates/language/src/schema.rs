@@ -9,6 +9,7 @@
 mod macros;
 
 mod actuation;
+mod actuation_words;
 mod block;
 mod body_point;
 mod case;
@@ -50,6 +51,7 @@ mod units;
 mod value;
 
 pub use actuation::{Actuation, Means};
+pub use actuation_words::{CONVENTIONS, pulling};
 pub use block::{Block, at_rest};
 pub use body_point::point_in_words;
 pub use case::*;

@@ -2,27 +2,8 @@
 
 use super::line::{Line, line};
 use crate::lower::CaseProblem;
-use nastic_language::schema::{Input, Means};
+use nastic_language::schema::{CONVENTIONS, Input, Means};
 use nastic_numeric::format::scientific;
-
-/// What kinds of actuation add to the energy.
-const OF_KINDS: [(&str, &str); 6] = [
-    (
-        "fiber_tension",
-        "fibre tension m adds -(m/2)|F a|^2 to the energy: m < 0 contracts the fibre, m > 0 lengthens it",
-    ),
-    ("muscle", "muscle contraction c adds (c/2)|F a|^2 to the energy: c > 0 pulls"),
-    ("turgor", "turgor m adds -m (J - 1) to the energy: m > 0 inflates"),
-    (
-        "dielectric",
-        "dielectric E adds -(eps/2) J |F^-T E e|^2 to the energy, E the voltage over the film's reference thickness; eps0 = EPS0 in these units unless given",
-    ),
-    ("cavity", "cavity p adds -p V to the energy, V its volume: p > 0 inflates"),
-    (
-        "tendon",
-        "tendon T adds T L to the energy, L its length; by its pull s it keeps L <= L0 - s, with a stiffness k the energy is (k/2) max(0, L - L0 + s)^2: both pull if positive",
-    ),
-];
 
 /// What the signs of the case mean.
 pub fn conventions(problem: &CaseProblem) -> Vec<Line> {
@@ -35,7 +16,7 @@ pub fn conventions(problem: &CaseProblem) -> Vec<Line> {
     }
     let eps0 = scientific(problem.units().permittivity(), 8);
     let has = |kind: &str| problem.case.actuation.iter().any(|a| a.kind() == kind);
-    let used = OF_KINDS.iter().filter(|(kind, _)| has(kind));
+    let used = CONVENTIONS.iter().filter(|(kind, _)| has(kind));
     out.extend(used.map(|(_, text)| line("conventions", text.replace("EPS0", &eps0))));
     if has("magnet") {
         let mu0 = problem.units().permeability();

@@ -6,6 +6,7 @@ pub use spring::{Ground, Spring, SpringEnd};
 
 use crate::quantity::{Units, Want};
 use crate::schema::actuation::Actuation;
+use crate::schema::actuation_words;
 use crate::schema::block::Block;
 use crate::schema::check::{self, block};
 use crate::schema::constraint::Constraint;
@@ -34,7 +35,7 @@ pub(crate) const CHANGEABLE: [&str; 8] =
     ["materials", "supports", "springs", "obstacles", "contact", "loads", "actuation", "costs"];
 
 /// What people try in the place of the blocks that add a contribution each.
-pub(crate) const HINTS: &[&[Hint]] = &[spring::HINTS];
+pub(crate) const HINTS: &[&[Hint]] = &[spring::HINTS, actuation_words::HINTS];
 
 object! {
     /// A case: a soft body, what moves it, what it shall become.

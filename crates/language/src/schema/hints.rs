@@ -26,20 +26,8 @@ const AIR: &str = "the pressure of an air chamber is an actuation, as it follows
 const FORCE: &str = "forces stand in \"loads\", per reference area or volume: { \"surface\": \"tip\", \
     \"traction\": [0, 0, \"-1 N / 4 cm^2\"] } \
                      (nastic check prints the areas)";
-const MUSCLE: &str = "a muscle is an actuation of the \"kind\": \"muscle\" with a \"region\" and a \"direction\"; a \
-    positive \"contraction\" pulls";
-const CHAMBER: &str = "an air chamber is an actuation of the \"kind\": \"cavity\", with the \"surface\" of its walls";
-const TENDON: &str = "a cable is an actuation of the \"kind\": \"tendon\" with the \"points\" that it passes; its control is the \"tension\" (\"of\": \"NAME\") \
-    or the \"pull\" (\"of\": \"NAME.pull\"), with a \"stiffness\" the pull alone";
-const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with the vectors \"remanence\" (mu0 \
-    times the magnetisation, in T) and \
-                      \"field\" (in T)";
 const NO_LAW: &str = "nastic does not have this law yet; \"mooney_rivlin\" and \"neo_hooke\" take large strains \
     too, also by \"young\" and \"poisson\"";
-const HEAT: &str = "the strain alpha dT of a given temperature is a \"kind\": \"growth\", its \"growth\" alpha dT: conduction is not solved";
-const NO_FIELD: &str = "nastic has no actuation of this kind yet; there are fibre tension, turgor, magnets, dielectrics, air chambers and tendons";
-const ELECTRIC: &str = "a dielectric elastomer is an actuation of the \"kind\": \"dielectric\" with a \"region\", a \
-    \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"";
 const YOUNG: &str = "write \"young\": \"300 kPa\", with \"poisson\" (the law \"transverse_mooney_rivlin\" takes \
     \"mu1\" to \"mu4\" alone)";
 const POISSON: &str = "write \"poisson\": 0.45, with \"young\" (the law \"transverse_mooney_rivlin\" takes \
@@ -68,9 +56,6 @@ pub(super) const HINTS: &[Hint] = &[
         SUPPORT,
     ),
     hint("", &["force", "forces", "load", "traction", "neumann"], FORCE),
-    hint("", &["muscle", "muscles", "fiber", "fibre", "tension"], MUSCLE),
-    hint("", &["chamber", "chambers", "air_chamber", "cavity", "pneumatics"], CHAMBER),
-    hint("", &["tendon", "tendons", "cable", "cables"], TENDON),
     hint("", &["friction", "floor", "ground", "obstacle", "contacts", "collision", "collisions", "touches"], CONTACT),
     hint("", &["self_contact", "self_collision", "bodies"], BETWEEN),
     hint("", &["rigid_bodies", "rigid_body"], NOT_YET),
@@ -98,7 +83,6 @@ pub(super) const HINTS: &[Hint] = &[
         &["eps_v", "epsv", "slip_velocity", "regularization"],
         "the speed below which friction is smoothed stands under \"slip_speed\"",
     ),
-    hint("", &["magnet", "magnets", "magnetization", "magnetisation", "field"], MAGNET),
     hint("", &["dynamics", "motion", "damping", "dt", "steps", "time_step", "transient"], TIME),
     hint("time", &["dt", "time_step", "timestep", "h"], "write \"step\": \"10 ms\""),
     hint("time", &["t_end", "tend", "duration", "span", "until"], "write \"end\": \"1 s\""),
@@ -162,22 +146,6 @@ pub(super) const HINTS: &[Hint] = &[
     hint("loads", &["pressure", "air"], AIR),
     hint("loads", &["weight", "density", "acceleration", "g"], WEIGHT),
     hint("loads", &["force", "forces", "total_force", "point_force", "value", "magnitude"], FORCE),
-    hint(
-        "actuation",
-        &["muscle", "fiber", "fibre", "active_stress", "active_strain", "tension", "contraction"],
-        MUSCLE,
-    ),
-    hint("actuation", &["chamber", "air_chamber", "air", "pneumatic", "pneunet", "balloon", "pressure"], CHAMBER),
-    hint(
-        "actuation",
-        &["swelling", "osmosis", "inflation", "expansion"],
-        "a pressure inside the material itself is of the \"kind\": \"turgor\", swelling by a given part of lengths \"growth\"",
-    ),
-    hint("actuation", &["cable", "wire", "string", "rope", "tendons"], TENDON),
-    hint("actuation", &["magnetic", "magnetization", "magnetisation", "b", "b_r", "m"], MAGNET),
-    hint("actuation", &["electric", "voltage", "electrode", "electrodes", "dea", "eps"], ELECTRIC),
-    hint("actuation", &["thermal", "temperature", "heat"], HEAT),
-    hint("actuation", &["shape_memory", "lce", "light"], NO_FIELD),
     hint(
         "actuation",
         &["stress", "activation", "value", "strength"],

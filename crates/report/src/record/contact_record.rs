@@ -1,7 +1,7 @@
 //! [`ContactRecord`]: a contact as it was understood; [`ExactContactRecord`]: an equilibrium without contact layers;
 //! [`HalfThicknessRecord`]: a state whose layers are half as thick.
 
-use crate::record::{ByName, ContributionRecord, Nullable, Number};
+use crate::record::{ByName, ContributionRecord, Nullable, Number, Numbers};
 
 records! {
     /// A contact as `check` describes it.
@@ -39,6 +39,7 @@ records! {
         /// Largest change of a displacement.
         largest_change: Number,
         /// By name what each contact carries, as under `contributions`.
+        #[schemars(with = "Option<ByName<Numbers>>")]
         contacts: Option<ByName<ContributionRecord>>,
     }
 
@@ -51,6 +52,7 @@ records! {
         /// Largest displacement.
         largest_displacement: Number,
         /// By name what each contact carries, as under `contributions`.
+        #[schemars(with = "Option<ByName<Numbers>>")]
         contacts: Option<ByName<ContributionRecord>>,
     }
 }

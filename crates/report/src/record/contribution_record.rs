@@ -3,7 +3,6 @@
 
 use crate::number::{number, short};
 use crate::record::{BodyPointRecord, Nullable, Number, Numbers, RigidMotion, UnitsRecord, number_of};
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 
@@ -32,9 +31,8 @@ records! {
 }
 
 /// What a contribution reports of a state. Files have the numbers alone: they tell the kind, once, where a record is made or read.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Numbers", into = "Numbers")]
-#[schemars(inline)]
 pub struct ContributionRecord {
     /// The kind.
     pub kind: ContributionKind,

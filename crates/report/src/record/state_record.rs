@@ -45,6 +45,7 @@ records! {
         /// By name, or by load case and name.
         probes: Option<ByName<ProbesRecord>>,
         /// By contribution what it reports: `pressure` and `volume` of a chamber (the part that is modelled), `tension` and `length` of a tendon, what a contact carries.
+        #[schemars(with = "ByName<Numbers>")]
         contributions: ByName<ContributionRecord>,
         /// By support, those that move too, the force (x, y, z) that it exerts on the body; at the end of a motion, every instant's are in `motion.csv`.
         reactions: Option<ByName<Vec<Number>>>,
