@@ -101,7 +101,9 @@ const OF_TENDON: [Column; 4] = [
 ];
 const OF_SPRING: [Column; 3] =
     [("force", "force", "F"), ("length", "length", "L"), ("rest length", "rest_length", "L")];
-/// What draws lines that have no tension.
+/// What draws lines that have a tension.
+pub const TENSED_LINES: &str = "tendons";
+/// What draws lines that have none.
 pub const PLAIN_LINES: &str = "springs";
 /// What a tendon reports of itself as 1 or 0.
 const SLACK: &str = "slack";
