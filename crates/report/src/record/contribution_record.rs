@@ -204,3 +204,28 @@ impl Deref for ContributionRecord {
         &self.numbers
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_tell_the_kind_and_stay_as_they_are() {
+        use ContributionKind::{Cavity, Contact, Other, RigidBody, Spring, Support, Tendon};
+        for (kind, text) in [
+            (Support, r#"{"force_x":1.0,"force_y":null}"#),
+            (Contact, r#"{"force_x":1.0,"pressing":2.0,"area":3.0}"#),
+            (RigidBody, r#"{"translation_x":1.0,"rotation_z":0.5}"#),
+            (Cavity, r#"{"pressure":1.0,"volume":2.0,"reference_volume":1.5}"#),
+            (Other, r#"{"pressure":1.0,"swept_volume":2.0,"force_x":3.0}"#),
+            (Other, r#"{"mass":1.0}"#),
+            (Tendon, r#"{"tension":1.0,"length":2.0,"slack":0.0}"#),
+            (Spring, r#"{"force":1.0,"length":2.0,"rest_length":1.5}"#),
+        ] {
+            let record: Result<ContributionRecord, _> = serde_json::from_str(text);
+            let found = record.ok().map(|own| (own.kind, own.volumes(), serde_json::to_string(&own).ok()));
+            let volumes = (kind == Cavity).then_some([2.0, 1.5]);
+            assert_eq!(found, Some((kind, volumes, Some(text.to_owned()))));
+        }
+    }
+}
