@@ -1,5 +1,5 @@
 //! What signatures look like: few parameters are tuples that are taken apart at once, and a model hands out what is asked of it by subject. What is
-//! saved is few files.
+//! saved is few files, and what a block of a case is.
 #![allow(clippy::unwrap_used)] // helpers of a test
 
 use std::fs;
@@ -11,6 +11,10 @@ const TUPLES: usize = 40;
 const METHODS_OF_MODEL: usize = 44;
 /// Files of `run` that are of starts or checkpoints, at most.
 const FILES_OF_STARTS: usize = 12;
+/// Crates of the front end.
+const FRONT_END: [&str; 4] = ["language", "case", "run", "report"];
+/// Files of the front end that name springs, a block like any other, or a kind of actuation, at most.
+const FILES_OF_A_BLOCK: usize = 4;
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
@@ -123,4 +127,18 @@ fn starts_and_checkpoints_are_few_files() {
     };
     let found: Vec<&PathBuf> = files.iter().filter(|file| named(file) || makes_bytes(file)).collect();
     assert!((6..=FILES_OF_STARTS).contains(&found.len()), "{} files: {found:#?}", found.len());
+}
+
+/// Springs of viscous branches aside, which are no block, and comments.
+#[test]
+fn a_block_is_few_files_of_the_front_end() {
+    let code_of = |text: &String| {
+        let code: String = text.lines().map(|line| line.split("//").next().unwrap()).collect();
+        code.replace("SpringMeasure", "").replace("neo-Hookean spring", "").to_lowercase()
+    };
+    let codes: Vec<String> = texts(|name| FRONT_END.contains(&name)).iter().map(code_of).collect();
+    for block in ["spring", "tendon", "cavity"] {
+        let found = codes.iter().filter(|code| code.contains(block)).count();
+        assert!((2..=FILES_OF_A_BLOCK).contains(&found), "{found} files name a {block}");
+    }
 }

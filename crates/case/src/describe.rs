@@ -11,7 +11,7 @@ mod parameters;
 mod shape_cost;
 mod time;
 
-pub use body::{groups, materials, mesh, supports, units};
+pub use body::{blocks, groups, materials, mesh, supports, units};
 pub use contact::{contacts, rigid_bodies};
 pub use controls::{controls, optimizer};
 pub use conventions::conventions;

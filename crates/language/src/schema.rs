@@ -9,6 +9,8 @@
 mod macros;
 
 mod actuation;
+mod actuation_words;
+mod block;
 mod body_point;
 mod case;
 mod case_schema;
@@ -40,7 +42,6 @@ mod read;
 mod scenario;
 mod settings;
 mod smoothed_hausdorff;
-mod spring;
 mod support;
 mod target;
 mod time;
@@ -50,7 +51,10 @@ mod units;
 mod value;
 
 pub use actuation::{Actuation, Means};
-pub use case::{Case, LinearSolver, Output, Probe, Reading};
+pub use actuation_words::{CONVENTIONS, pulling};
+pub use block::{Block, at_rest};
+pub use body_point::point_in_words;
+pub use case::*;
 pub use case_schema::json_schema;
 pub use catalogue::{Input, SlotName};
 pub use constraint::{Constraint, KeepOut};
@@ -78,7 +82,6 @@ pub use scenario::{
     RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
 };
 pub use smoothed_hausdorff::{Exponential, Inverse, Phi, SmoothedHausdorff, Stage, Stages};
-pub use spring::{Ground, Spring, SpringEnd};
 pub use support::{Along, Axis, Displacement, Fix, Support};
 pub use target::{Coordinates, Target};
 pub use time::{Beginning, KelvinVoigt, MassKind, Maxwell, Rayleigh, SpringMeasure, Time};

@@ -30,6 +30,7 @@ mod absent;
 mod case_record;
 mod comparison_record;
 mod contact_record;
+mod contribution_record;
 mod control_record;
 mod error_record;
 mod failure_record;
@@ -51,10 +52,11 @@ mod trial_record;
 pub use absent::Absent;
 pub use case_record::{
     BodyPointRecord, CaseDescription, CellGroupRecord, ConstantRecord, ExistenceRecord, GrowthRecord, LawRecord,
-    MemoryRecord, MeshRecord, NamesRecord, QualityRecord, SetRecord, SpringRecord,
+    MemoryRecord, MeshRecord, NamesRecord, QualityRecord, SetRecord,
 };
 pub use comparison_record::{ComparedRecord, ComparisonRecord, DistancesRecord, NodeByNodeRecord};
 pub use contact_record::{ContactRecord, ExactContactRecord, HalfThicknessRecord};
+pub use contribution_record::*;
 pub use control_record::{ControlRecord, ControlValues, RangeRecord};
 pub use error_record::{ErrorRecord, ProblemRecord};
 pub use failure_record::{

@@ -3,8 +3,8 @@
 use crate::html::{escape, folded, paragraph, section, table};
 use crate::number::{count, duration, number, short};
 use crate::record::{
-    ControlRecord, MemberRecord, Nullable, Number, Numbers, ProbesRecord, RangeRecord, RigidMotion, RunRecord,
-    StateRecord, UnitsRecord, number_of,
+    ContributionKind, ContributionRecord, ControlRecord, MemberRecord, Nullable, Number, ProbesRecord, RangeRecord,
+    RunRecord, StateRecord,
 };
 use crate::summary::stability;
 use nastic_mesh::Snapshot;
@@ -145,12 +145,12 @@ pub(crate) fn events(result: &RunRecord) -> String {
     section("events", "Critical points", &table(&["kind", "value", "negative pivots"], &rows))
 }
 
-/// Probes, reactions, contacts, rigid bodies, cavities, tendons and springs of the result's state, or of every load case.
+/// Probes, reactions and what contributions report, of the result's state, or of every load case.
 pub(crate) fn states(result: &RunRecord) -> String {
-    let UnitsRecord { length, force, pressure, .. } = &result.units;
+    let length = &result.units.length;
     let vector =
         |value: &[Number]| -> Vec<String> { (0..3).map(|k| number(value.get(k).and_then(|x| **x), "")).collect() };
-    let (mut probes, mut rows) = (Vec::new(), Rows::default());
+    let (mut probes, mut reported) = (Vec::new(), Vec::new());
     for (name, own) in entries(result) {
         for (probe, entry) in own.probes.iter().flatten() {
             let (displacement, position) = match entry {
@@ -162,89 +162,25 @@ pub(crate) fn states(result: &RunRecord) -> String {
             row.extend(vector(position));
             probes.push(row);
         }
-        for (support, force) in own.reactions.iter().flatten() {
-            let mut row = vec![format!("{name}{support}")];
-            row.extend(vector(force));
-            rows.reactions.push(row);
-        }
-        for (contribution, entry) in &own.contributions {
-            rows.add(format!("{name}{contribution}"), entry, &result.units);
-        }
+        let supports = own.reactions.iter().flatten();
+        reported.extend(supports.map(|(own, force)| (format!("{name}{own}"), ContributionRecord::of_support(force))));
+        reported.extend(own.contributions.iter().map(|(own, record)| (format!("{name}{own}"), record.clone())));
         let half = own.half_thickness.iter().flat_map(|half| half.contacts.iter().flatten());
-        for (contact, entry) in half {
-            rows.add(format!("{name}{contact}, its layer half as thick"), entry, &result.units);
-        }
+        reported.extend(half.map(|(own, entry)| (format!("{name}{own}, its layer half as thick"), entry.clone())));
     }
     let heads = ["u x", "u y", "u z", "x", "y", "z"].map(|head| format!("{head} [{length}]"));
     let head: Vec<&str> = ["probe"].into_iter().chain(heads.iter().map(String::as_str)).collect();
-    let forces = ["x", "y", "z"].map(|head| format!("{head} [{force}]"));
-    let of_force = |first| -> Vec<&str> { [first].into_iter().chain(forces.iter().map(String::as_str)).collect() };
-    let more = [
-        format!("sum of normal forces [{force}]"),
-        format!("area [{length}^2]"),
-        format!("largest pressure [{pressure}]"),
-        format!("smallest gap [{length}]"),
-    ];
-    let of_contact: Vec<&str> = of_force("contact").into_iter().chain(more.iter().map(String::as_str)).collect();
-    let turned = ["turns by [degrees]", "turn x [rad]", "turn y [rad]", "turn z [rad]"];
-    let of_rigid: Vec<&str> =
-        ["rigid body"].into_iter().chain(heads[..3].iter().map(String::as_str)).chain(turned).collect();
-    let content = table(&head, &probes)
-        + &table(&of_force("reaction at"), &rows.reactions)
-        + &table(&of_contact, &rows.contacts)
-        + &table(&of_rigid, &rows.rigid)
-        + &table(&["cavity", "pressure", "volume", "volume at rest"], &rows.cavities)
-        + &table(&["contribution", "", ""], &rows.others)
-        + &table(&["tendon", "", "tension", "length", "length at rest"], &rows.tendons)
-        + &table(&["spring", "force", "length", "rest length"], &rows.springs);
-    section("states", "Probes, reactions, contacts, rigid bodies, cavities, tendons, springs", &content)
-}
-
-/// What contributions report, by kind.
-#[derive(Default)]
-struct Rows {
-    reactions: Vec<Vec<String>>,
-    contacts: Vec<Vec<String>>,
-    rigid: Vec<Vec<String>>,
-    cavities: Vec<Vec<String>>,
-    tendons: Vec<Vec<String>>,
-    springs: Vec<Vec<String>>,
-    others: Vec<Vec<String>>,
-}
-
-impl Rows {
-    /// Adds a contribution to those of its kind, by the numbers that it has.
-    fn add(&mut self, name: String, entry: &Numbers, UnitsRecord { length, force, pressure, .. }: &UnitsRecord) {
-        let of = |key: &str, unit: &str| number(number_of(entry, key), unit);
-        let has = |key: &str| entry.get(key).is_some();
-        let forces = ["force_x", "force_y", "force_z"].map(|key| of(key, ""));
-        if has("pressing") {
-            let more = ["pressing", "area", "largest_pressure", "smallest_gap"].map(|key| of(key, ""));
-            self.contacts.push([name].into_iter().chain(forces).chain(more).collect());
-        } else if let Some(RigidMotion { translation, rotation }) = RigidMotion::of(entry) {
-            let degrees = short(RigidMotion::size(&rotation).to_degrees());
-            let row = translation.map(short).into_iter().chain([degrees]).chain(rotation.map(short));
-            self.rigid.push([name].into_iter().chain(row).collect());
-        } else if has("force_x") && !has("pressure") {
-            self.reactions.push([name].into_iter().chain(forces).collect());
-        } else if has("tension") {
-            let slack = if number_of(entry, "slack") == Some(1.0) { "slack" } else { "taut" };
-            let lengths = ["length", "reference_length"].map(|key| of(key, length));
-            self.tendons.push([name, slack.to_owned(), of("tension", force)].into_iter().chain(lengths).collect());
-        } else if has("rest_length") {
-            let lengths = ["length", "rest_length"].map(|key| of(key, length));
-            self.springs.push([name, of("force", force)].into_iter().chain(lengths).collect());
-        } else if has("volume") {
-            let volume = format!("{length}^3");
-            let volumes = ["volume", "reference_volume"].map(|key| of(key, &volume));
-            self.cavities.push([name, of("pressure", pressure)].into_iter().chain(volumes).collect());
-        } else {
-            let row = |(quantity, value): (&String, &Number)| {
-                vec![name.clone(), quantity.replace('_', " "), number(*value, "")]
-            };
-            self.others.extend(entry.iter().map(row));
-        }
+    let mut content = table(&head, &probes);
+    let mut shown = "Probes".to_owned();
+    for kind in ContributionKind::ALL {
+        let heads = kind.heads(&result.units);
+        let own = reported.iter().filter(|(_, record)| record.kind == kind);
+        let rows: Vec<Vec<String>> = own.flat_map(|(name, record)| record.rows(name, &result.units)).collect();
+        content += &table(&heads.iter().map(String::as_str).collect::<Vec<_>>(), &rows);
+        let several = kind.row().several;
+        shown += &if several.is_empty() { String::new() } else { format!(", {several}") };
     }
+    section("states", &shown, &content)
 }
 
 /// The result's own entries, or those of its load cases with their names.

@@ -164,3 +164,9 @@ pub fn supports(problem: &CaseProblem) -> Vec<Line> {
     }
     out
 }
+
+/// The blocks that add a contribution each.
+pub fn blocks(problem: &CaseProblem) -> Vec<Line> {
+    let (solid, units) = (problem.solid(), problem.units());
+    problem.case.blocks().map(|block| line(block.head(), block.words(solid, units))).collect()
+}

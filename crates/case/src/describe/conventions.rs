@@ -2,7 +2,7 @@
 
 use super::line::{Line, line};
 use crate::lower::CaseProblem;
-use nastic_language::schema::{Input, Means};
+use nastic_language::schema::{CONVENTIONS, Input, Means};
 use nastic_numeric::format::scientific;
 
 /// What the signs of the case mean.
@@ -14,35 +14,11 @@ pub fn conventions(problem: &CaseProblem) -> Vec<Line> {
     if problem.mesh().dim() == 2 {
         out.push(line("conventions", "plane strain: F = diag(F_2x2, 1), forces per unit of depth"));
     }
-    if problem.case.actuation.iter().any(|a| a.kind() == "fiber_tension") {
-        out.push(line(
-            "conventions",
-            "fibre tension m adds -(m/2)|F a|^2 to the energy: m < 0 contracts the fibre, m > 0 lengthens it",
-        ));
-    }
-    if problem.case.actuation.iter().any(|a| a.kind() == "muscle") {
-        out.push(line("conventions", "muscle contraction c adds (c/2)|F a|^2 to the energy: c > 0 pulls"));
-    }
-    if problem.case.actuation.iter().any(|a| a.kind() == "turgor") {
-        out.push(line("conventions", "turgor m adds -m (J - 1) to the energy: m > 0 inflates"));
-    }
-    if problem.case.actuation.iter().any(|a| a.kind() == "dielectric") {
-        let eps0 = scientific(problem.units().permittivity(), 8);
-        out.push(line(
-            "conventions",
-            format!("dielectric E adds -(eps/2) J |F^-T E e|^2 to the energy, E the voltage over the film's reference thickness; eps0 = {eps0} in these units unless given"),
-        ));
-    }
-    if problem.case.actuation.iter().any(|a| a.kind() == "cavity") {
-        out.push(line("conventions", "cavity p adds -p V to the energy, V its volume: p > 0 inflates"));
-    }
-    if problem.case.actuation.iter().any(|a| a.kind() == "tendon") {
-        out.push(line(
-            "conventions",
-            "tendon T adds T L to the energy, L its length; by its pull s it keeps L <= L0 - s, with a stiffness k the energy is (k/2) max(0, L - L0 + s)^2: both pull if positive",
-        ));
-    }
-    if problem.case.actuation.iter().any(|a| a.kind() == "magnet") {
+    let eps0 = scientific(problem.units().permittivity(), 8);
+    let has = |kind: &str| problem.case.actuation.iter().any(|a| a.kind() == kind);
+    let used = CONVENTIONS.iter().filter(|(kind, _)| has(kind));
+    out.extend(used.map(|(_, text)| line("conventions", text.replace("EPS0", &eps0))));
+    if has("magnet") {
         let mu0 = problem.units().permeability();
         for magnet in problem.case.actuation.iter().filter(|a| a.kind() == "magnet") {
             let Means::Law { parameters, .. } = &magnet.means else { continue };

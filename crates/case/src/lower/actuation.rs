@@ -15,7 +15,7 @@ use nastic_fem::Solid;
 use nastic_language::expression::{EvaluationError, Formula, dimension_of};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{
-    Actuation, Beginning, Case, Fixed, Input, Means, Parameter as Number, Time, VectorField, vector_at,
+    Actuation, Beginning, Case, Fixed, Input, Means, Parameter as Number, Time, VectorField, pulling, vector_at,
 };
 use nastic_language::syntax::At;
 use nastic_mesh::GroupNames;
@@ -186,7 +186,7 @@ fn fix_slot(
         return None;
     }
     if only_pulls && first_values.iter().flatten().any(|value| *value < 0.0) {
-        context.complain(&at, must_pull(key));
+        context.complain(&at, pulling(key).why);
         return None;
     }
     let mut reduced = reduced;
@@ -280,7 +280,7 @@ pub(super) fn fix_in_time(
         if let Some(key) = only_pulls
             && each.iter().flatten().any(|value| *value < 0.0)
         {
-            context.complain(at, must_pull(key));
+            context.complain(at, pulling(key).why);
             return None;
         }
         let values = move |t: f64| values(t).map_err(|error| ControlError::Cost { what: error.to_string() });
@@ -319,7 +319,7 @@ pub(super) fn fix_number(
         return None;
     }
     if only_pulls && constants.iter().any(|constant| *constant < 0.0) {
-        context.complain(at, must_pull(key));
+        context.complain(at, pulling(key).why);
         return None;
     }
     if dimension_of(unit) == Some(Dimension::PRESSURE) && !uses_time(value) {
@@ -358,19 +358,5 @@ fn everywhere(value: &Fixed) -> Option<Vec<f64>> {
             vector_at(entries, [0.0; 3]).ok().map(Vec::from)
         }
         _ => None,
-    }
-}
-
-/// The control of a muscle.
-pub const CONTRACTION: &str = "contraction";
-
-/// Why a negative value of a slot that only pulls is refused.
-pub(super) fn must_pull(slot: &str) -> &'static str {
-    match slot {
-        CONTRACTION => {
-            "a muscle only pulls: its contraction is positive or zero; fibres that lengthen are of the kind \"fiber_tension\", \
-             with a positive tension"
-        }
-        _ => "a tendon only pulls: its tension is positive or zero",
     }
 }

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use super::variant::Variant;
-use super::{actuation, contact, control, gravity, inertia, load, material, optimizer, spring, support, time};
+use super::{actuation, blocks, contact, control, gravity, inertia, load, material, optimizer, support, time};
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid, Solver};
 use nastic_language::schema::{Beginning, Case, LinearSolver, Time};
@@ -16,7 +16,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     material::add(case, &mut solid, context);
     actuation::add(case, &mut solid, context);
     support::add(case, &mut solid, context);
-    spring::add(case, &mut solid, context);
+    blocks::add(case, &mut solid, context);
     material::add_rigid(case, &mut solid, context);
     load::add(case, &mut solid, context);
     contact::add(case, &mut solid, context);

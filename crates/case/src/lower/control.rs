@@ -1,7 +1,7 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
 use crate::lower::actuation::TOO_SMALL_GROWTH;
-use crate::lower::actuation::{is_built, must_pull};
+use crate::lower::actuation::is_built;
 use crate::lower::context::Context;
 use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::control_grid::unresolved;
@@ -15,7 +15,9 @@ use nastic_control::{ControlBlock, RateLimit, Reduced, Shown, Space};
 use nastic_energy::Slot;
 use nastic_language::expression::Formula;
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::{Beginning, Bound, Case, Cells, Contact, Control, Parameter, Space as SpaceBlock, Start};
+use nastic_language::schema::{
+    Beginning, Bound, Case, Cells, Contact, Control, Parameter, Space as SpaceBlock, Start, pulling,
+};
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
 
 /// A number of a law so many times its own is as good as infinite.
@@ -295,7 +297,7 @@ impl Lowering<'_> {
         let (mut lower, mut upper) = (lower?, upper?);
         if let Some(slot) = self.pulling() {
             if lower.as_ref().is_some_and(|lower| least(lower) < 0.0) {
-                context.complain(&self.control.at.key("lower"), must_pull(slot));
+                context.complain(&self.control.at.key("lower"), pulling(slot).why);
                 return None;
             }
             lower = lower.or(Some(Limit::Uniform(0.0)));

@@ -195,7 +195,7 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
             elements::check(&variant.case, body.solid(), context);
             sizes::check_moduli(&variant.case, body.solid(), context);
             sizes::check_poissons_ratios(&variant.case, body.solid(), context);
-            sizes::check_springs(&variant.case, body.solid(), context);
+            sizes::check_stiffness(&variant.case, body.solid(), context);
             slack::check(&variant.case, body.solid(), context);
             weight::check(&variant.case, body.solid(), context);
         }

@@ -5,7 +5,7 @@ use super::elements::Elastic;
 use super::magnitude;
 use crate::lower::target_shape::TargetShape;
 use crate::warning::UNITS;
-use nastic_fem::{Instant, Solid};
+use nastic_fem::Solid;
 use nastic_language::number::{count, short};
 use nastic_language::quantity::{Dimension, Units};
 use nastic_language::schema::{Case, Cost, Material, MeshSource, Shape, ShapeOrName};
@@ -78,13 +78,11 @@ pub(super) fn check_poissons_ratios(case: &Case, solid: &Solid, context: &mut Co
     }
 }
 
-/// A foundation or spring so many times as stiff as the body holds it rigidly.
+/// What is so many times as stiff as the body holds it rigidly.
 const RIGID: f64 = 1e6;
-/// Rest lengths of springs that differ so much from the distance of their ends are in another unit.
-const REST_APART: f64 = 50.0;
 
-/// Warns of foundations and springs beside which the body has no stiffness, and of rest lengths in another unit.
-pub(super) fn check_springs(case: &Case, solid: &Solid, context: &mut Context<'_>) {
+/// Warns of foundations and other blocks beside which the body has no stiffness, and of their values in another unit.
+pub(super) fn check_stiffness(case: &Case, solid: &Solid, context: &mut Context<'_>) {
     let (mesh, points) = (solid.mesh(), solid.discretization().points_of_cells());
     let young = |(cell, (point, _)): (usize, &(usize, usize))| Some(Elastic::of(solid, cell, *point)?.young());
     let stiffest = points.iter().enumerate().map(young).try_fold(0.0, |most: f64, young| Some(most.max(young?)));
@@ -107,28 +105,15 @@ pub(super) fn check_springs(case: &Case, solid: &Solid, context: &mut Context<'_
     }
     // of a plane body stiffness is per unit of thickness
     let of_size = if mesh.dim() == 2 { 1.0 } else { size };
-    for spring in &case.springs {
-        stiff(spring.stiffness / (stiffest * of_size), spring.at.key("stiffness"), "this spring", context);
-        let distance = spring_quantity(solid, &spring.name(), "length");
-        let Some((length, distance)) = spring.length.filter(|length| *length > 0.0).zip(distance) else { continue };
-        let ratio = length / distance;
-        if distance > 0.0 && !(1.0 / REST_APART..=REST_APART).contains(&ratio) {
-            let unit = context.units.length().symbol;
-            let message = format!(
-                "a rest length of {} {unit} where its ends are {} {unit} apart: is it in another unit?",
-                short(length),
-                short(distance)
-            );
-            context.warn(&UNITS, &spring.at.key("length"), message);
+    for block in case.blocks() {
+        if let Some(stiffness) = block.stiffness() {
+            let what = format!("this {}", block.kind());
+            stiff(stiffness / (stiffest * of_size), block.at().key("stiffness"), &what, context);
+        }
+        if let Some((key, message)) = block.doubt(solid, &context.units) {
+            context.warn(&UNITS, &block.at().key(key), message);
         }
     }
-}
-
-/// A number that a contribution reports of itself at rest.
-fn spring_quantity(solid: &Solid, name: &str, quantity: &str) -> Option<f64> {
-    let rest = solid.rest();
-    let all = solid.model().quantities(&Instant::new(&rest.u, &rest.controls, 0.0)).ok()?;
-    all.into_iter().find(|(of, what, _)| of == name && *what == quantity).map(|(.., value)| value)
 }
 
 pub(super) fn check(case: &Case, mesh: &Mesh, targets: &[Option<TargetShape>], context: &mut Context<'_>) {

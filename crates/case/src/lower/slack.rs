@@ -1,9 +1,9 @@
-//! Cables and springs between held points: whatever they pull with, supports take it.
+//! What pulls between held points: supports take it.
 
 use super::context::Context;
 use crate::warning::INPUT;
 use nastic_fem::{BodyPoint, Solid};
-use nastic_language::schema::{Case, Means, SpringEnd};
+use nastic_language::schema::{Case, Means};
 use nastic_mesh::GroupNames;
 
 /// Shape functions that are zero but for rounding.
@@ -20,14 +20,9 @@ pub(super) fn check(case: &Case, solid: &Solid, context: &mut Context<'_>) {
             context.warn(&INPUT, &actuation.at, message);
         }
     }
-    for spring in &case.springs {
-        let end = match &spring.to {
-            SpringEnd::Body(to) => is_held(to, solid),
-            SpringEnd::Ground(_) => true,
-        };
-        if end && is_held(&spring.from, solid) {
-            let message = "both its ends are held: its force ends in the supports and moves nothing";
-            context.warn(&INPUT, &spring.at, message);
+    for block in case.blocks() {
+        if let Some(message) = block.idle(&|point| is_held(point, solid)) {
+            context.warn(&INPUT, block.at(), message);
         }
     }
 }

@@ -2,7 +2,7 @@
 //! lacks, parameters out of range, probes outside the body.
 
 use super::context::Context;
-use super::{actuation, contact, cost, load, material, mesh, named_groups, probe, spring, support};
+use super::{actuation, blocks, contact, cost, load, material, mesh, named_groups, probe, support};
 use nastic_fem::{Discretization, Solid};
 use nastic_language::schema::{Case, group_names};
 use nastic_language::syntax::{At, Document, Node, Value};
@@ -25,7 +25,7 @@ pub(super) fn look(case: &Case, document: &Document, context: &mut Context<'_>) 
     material::add(case, &mut solid, context);
     actuation::add(case, &mut solid, context);
     support::add(case, &mut solid, context);
-    spring::add(case, &mut solid, context);
+    blocks::add(case, &mut solid, context);
     load::add(case, &mut solid, context);
     contact::add(case, &mut solid, context);
 }

@@ -40,3 +40,12 @@ impl Read for BodyPoint {
         any_of(vec![Vector::schema(want, definitions), String::schema(Want::ANY, definitions)])
     }
 }
+
+/// A point of the body in words.
+#[must_use]
+pub fn point_in_words(point: &BodyPoint) -> String {
+    match point {
+        BodyPoint::At([x, y, z]) => format!("({x}, {y}, {z})"),
+        BodyPoint::Nodes(name) => format!("\"{name}\""),
+    }
+}

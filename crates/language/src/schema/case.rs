@@ -1,13 +1,20 @@
-//! The whole case.
+//! The whole case, and the rows of its blocks that add a contribution each.
+
+mod spring;
+
+pub use spring::{Ground, Spring, SpringEnd};
 
 use crate::quantity::{Units, Want};
 use crate::schema::actuation::Actuation;
-use crate::schema::check;
+use crate::schema::actuation_words;
+use crate::schema::block::Block;
+use crate::schema::check::{self, block};
 use crate::schema::constraint::Constraint;
 use crate::schema::contact::Contact;
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::expectation::Expectation;
+use crate::schema::hints::Hint;
 use crate::schema::load::Load;
 use crate::schema::load_case::LoadCase;
 use crate::schema::material::Material;
@@ -17,12 +24,18 @@ use crate::schema::obstacle::Obstacle;
 use crate::schema::optimizer::Optimizer;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
-use crate::schema::spring::Spring;
 use crate::schema::support::Support;
 use crate::schema::time::Time;
 use crate::schema::value::Vector;
-use crate::syntax::{At, Diagnostic, Diagnostics, Document};
+use crate::syntax::{At, Diagnostic, Diagnostics, Document, Node, Property, Value};
 use std::collections::BTreeMap;
+
+/// Blocks a variant of the case may change; everything else is shared.
+pub(crate) const CHANGEABLE: [&str; 8] =
+    ["materials", "supports", "springs", "obstacles", "contact", "loads", "actuation", "costs"];
+
+/// What people try in the place of the blocks that add a contribution each.
+pub(crate) const HINTS: &[&[Hint]] = &[spring::HINTS, actuation_words::HINTS];
 
 object! {
     /// A case: a soft body, what moves it, what it shall become.
@@ -137,11 +150,11 @@ impl Case {
 
     /// What can be read, whole if there are no problems.
     pub fn read_all(document: &Document) -> Reading {
-        let mut reader = Reader::new(document, units(document));
+        let mut reader = Self::reader(document, units(document));
         reader.problems.extend(document.problems().iter().cloned());
         let case = Self::read_document(&mut reader);
-        check::check(&mut reader);
-        Reading { case: case.or_else(|| check::readable(&reader)), problems: reader.problems }
+        let readable = check::check(&mut reader);
+        Reading { case: case.or(readable), problems: reader.problems }
     }
 
     /// Reads a variant of a case that was read before: other values, the same blocks.
@@ -150,10 +163,20 @@ impl Case {
     ///
     /// Values that do not fit their places.
     pub fn read_variant(document: &Document, units: Units) -> Result<Self, Diagnostics> {
-        let mut reader = Reader::new(document, units);
+        let mut reader = Self::reader(document, units);
         let case = Self::read_document(&mut reader);
         Diagnostics::new(reader.problems).into_result()?;
         case.ok_or_else(Diagnostics::default)
+    }
+
+    /// Entries that add a contribution each to the body, in the order of the case's keys.
+    pub fn blocks(&self) -> impl Iterator<Item = &dyn Block> {
+        self.springs.iter().map(|own| own as &dyn Block)
+    }
+
+    /// A reader of cases.
+    pub(super) fn reader(document: &Document, units: Units) -> Reader<'_> {
+        Reader { hints: HINTS, ..Reader::new(document, units) }
     }
 
     /// Without the checks between blocks.
@@ -162,6 +185,28 @@ impl Case {
         let touches = !case.contact.is_empty();
         case.time.iter_mut().for_each(|time| time.choose_scheme(touches));
         Some(case)
+    }
+
+    /// The case as far as it can be read, with stand-ins for what must be there: so much shows what else is wrong.
+    pub(super) fn readable(reader: &Reader<'_>) -> Option<Self> {
+        let root = reader.document.root();
+        let place = &root.place;
+        let mut members = match &root.value {
+            Value::Object(members) => members.clone(),
+            _ => vec![],
+        };
+        let mut stand_in = |is_read: bool, key: &str, value: Value| {
+            if !is_read {
+                let node = Node { value, place: place.clone() };
+                members.retain(|member| member.key != key);
+                members.push(Property { key: key.to_owned(), place: place.clone(), node });
+            }
+        };
+        stand_in(block::<u64>(reader, "nastic").is_some(), "nastic", Value::Number(check::VERSION));
+        stand_in(block::<MeshSource>(reader, "mesh").is_some(), "mesh", Value::Text("none".to_owned()));
+        stand_in(block::<Vec<Material>>(reader, "materials").is_some(), "materials", Value::Array(vec![]));
+        let root = Node { value: Value::Object(members), place: place.clone() };
+        <Self as Read>::read(&root, &At::root(), Want::ANY, &mut Reader::new(reader.document, reader.units))
     }
 }
 

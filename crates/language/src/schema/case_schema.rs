@@ -15,7 +15,7 @@ pub fn json_schema(catalogue: &Catalogue) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schema::hints::HINTS;
+    use crate::schema::{case, hints};
 
     /// Names that examples give to groups and actuations, and values.
     const EXAMPLES: [&str; 10] = ["clamp", "body", "air", "chamber", "tip", "floor", "skin", "NAME", "X", "Y"];
@@ -23,7 +23,7 @@ mod tests {
     #[test]
     fn hints_name_what_there_is() {
         let schema = json_schema(&Catalogue::standard()).to_string();
-        for hint in HINTS {
+        for hint in hints::HINTS.iter().chain(case::HINTS.iter().copied().flatten()) {
             for quoted in hint.say.split('"').skip(1).step_by(2) {
                 let word = quoted.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
                 let known = !word || EXAMPLES.contains(&quoted) || schema.contains(&format!("\"{quoted}\""));

@@ -6,45 +6,40 @@ mod motion;
 mod variants;
 
 use crate::quantity::Want;
-use crate::schema::actuation::Actuation;
-use crate::schema::case::{Case, Probe};
-use crate::schema::constraint::Constraint;
-use crate::schema::contact::Contact;
-use crate::schema::control::Control;
+use crate::schema::case::Case;
 use crate::schema::cost::Cost;
-use crate::schema::load_case::LoadCase;
-use crate::schema::material::Material;
-use crate::schema::obstacle::Obstacle;
+use crate::schema::mesh::MeshSource;
 use crate::schema::read::{Read, Reader};
 use crate::schema::scenario::{Risk, Scenarios};
-use crate::schema::spring::Spring;
 use crate::syntax::{At, Value, quoted};
-use std::collections::BTreeMap;
+use std::ops::Deref;
 
 /// The version of case files this program reads.
-const VERSION: f64 = 1.0;
+pub(super) const VERSION: f64 = 1.0;
 
-/// The blocks that speak of each other, as far as they can be read: a mistake elsewhere does not hide one here.
+/// The blocks as far as they can be read: a mistake elsewhere does not hide one in what they say of each other.
 pub(crate) struct Blocks {
-    pub(crate) materials: Vec<Material>,
-    pub(crate) actuation: Vec<Actuation>,
-    pub(crate) controls: Vec<Control>,
-    pub(crate) costs: Vec<Cost>,
-    pub(crate) constraints: Vec<Constraint>,
-    pub(crate) load_cases: Vec<LoadCase>,
-    pub(crate) probes: Vec<Probe>,
-    pub(crate) springs: Vec<Spring>,
-    pub(crate) obstacles: Vec<Obstacle>,
-    pub(crate) contact: Vec<Contact>,
+    case: Case,
     pub(crate) scenarios: Option<Scenarios>,
     pub(crate) risk: Option<Risk>,
     /// Paths of problems: what is missing there may be there, misspelt.
     troubled: Vec<String>,
 }
 
-/// Adds all problems between blocks to those of `reader`, which has read the whole case already.
-pub(crate) fn check(reader: &mut Reader<'_>) {
-    let blocks = Blocks::read(reader);
+impl Deref for Blocks {
+    type Target = Case;
+
+    fn deref(&self) -> &Case {
+        &self.case
+    }
+}
+
+/// Adds all problems between blocks to those of `reader`, which has read the whole case already. What could be read, without the entries of lists that cannot;
+/// `None` where even the mesh cannot be read.
+pub(crate) fn check(reader: &mut Reader<'_>) -> Option<Case> {
+    let case = Case::readable(reader)?;
+    let troubled = reader.problems.iter().map(|problem| problem.path.clone()).collect();
+    let blocks = Blocks { case, scenarios: block(reader, "scenarios"), risk: block(reader, "risk"), troubled };
     check_version(reader);
     check_names(&blocks, reader);
     contact::check(&blocks, reader);
@@ -52,27 +47,10 @@ pub(crate) fn check(reader: &mut Reader<'_>) {
     check_risk(&blocks, reader);
     motion::check(&blocks, reader);
     variants::check(&blocks, reader);
+    block::<MeshSource>(reader, "mesh").map(|_| blocks.case)
 }
 
 impl Blocks {
-    fn read(reader: &Reader<'_>) -> Self {
-        Self {
-            materials: list(reader, "materials"),
-            actuation: list(reader, "actuation"),
-            controls: list(reader, "controls"),
-            costs: list(reader, "costs"),
-            constraints: list(reader, "constraints"),
-            load_cases: list(reader, "load_cases"),
-            probes: list(reader, "probes"),
-            springs: list(reader, "springs"),
-            obstacles: list(reader, "obstacles"),
-            contact: list(reader, "contact"),
-            scenarios: block(reader, "scenarios"),
-            risk: block(reader, "risk"),
-            troubled: reader.problems.iter().map(|problem| problem.path.clone()).collect(),
-        }
-    }
-
     /// True if everything in this block could be read.
     fn complete(&self, block: &str) -> bool {
         self.is_sound(&At::root().key(block))
@@ -86,47 +64,10 @@ impl Blocks {
     }
 }
 
-/// The blocks of a case that cannot be read as a whole, as far as they can be: so much shows what else is wrong.
-pub(crate) fn readable(reader: &Reader<'_>) -> Option<Case> {
-    Some(Case {
-        at: At::root(),
-        nastic: VERSION as u64,
-        title: None,
-        units: reader.units,
-        mesh: block(reader, "mesh")?,
-        surfaces: list(reader, "surfaces"),
-        regions: list(reader, "regions"),
-        materials: list(reader, "materials"),
-        supports: list(reader, "supports"),
-        springs: list(reader, "springs"),
-        obstacles: list(reader, "obstacles"),
-        contact: list(reader, "contact"),
-        loads: list(reader, "loads"),
-        actuation: list(reader, "actuation"),
-        controls: list(reader, "controls"),
-        costs: list(reader, "costs"),
-        constraints: list(reader, "constraints"),
-        load_cases: list(reader, "load_cases"),
-        scenarios: Read::absent()?,
-        risk: Risk::Mean,
-        time: block(reader, "time"),
-        optimizer: block(reader, "optimizer").or_else(Read::absent)?,
-        linear_solver: None,
-        probes: list(reader, "probes"),
-        expect: BTreeMap::new(),
-        output: Read::absent()?,
-        schema: None,
-    })
-}
-
 /// A block without complaints: the full reading makes those.
-fn block<T: Read>(reader: &Reader<'_>, key: &str) -> Option<T> {
+pub(super) fn block<T: Read>(reader: &Reader<'_>, key: &str) -> Option<T> {
     let mut silent = Reader::new(reader.document, reader.units);
     T::read(reader.document.root().find(key)?, &At::root().key(key), Want::ANY, &mut silent)
-}
-
-fn list<T: Read>(reader: &Reader<'_>, key: &str) -> Vec<T> {
-    block(reader, key).unwrap_or_default()
 }
 
 fn check_version(reader: &mut Reader<'_>) {
@@ -163,8 +104,8 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     for actuation in &blocks.actuation {
         plain(&actuation.name, &actuation.at.key("name"), &['.', '/'], reader);
     }
-    for spring in &blocks.springs {
-        plain(&spring.name(), &spring.at.key("name"), &['/'], reader);
+    for row in blocks.blocks() {
+        plain(&row.name(), &row.at().key("name"), &['/'], reader);
     }
     for probe in &blocks.probes {
         plain(&probe.name, &probe.at.key("name"), &['/'], reader);

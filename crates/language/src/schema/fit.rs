@@ -1,6 +1,7 @@
 //! Data files of `nastic fit`: what was measured, and which laws to fit.
 
 use crate::quantity::Want;
+use crate::schema::case::Case;
 use crate::schema::json::Definitions;
 use crate::schema::optimizer::MOST_STARTS;
 use crate::schema::read::{Read, Reader};
@@ -212,7 +213,7 @@ impl FitData {
     /// # Errors
     /// All problems of the file at once.
     pub fn read_document(document: &Document) -> Result<Self, Diagnostics> {
-        let mut reader = Reader::new(document, crate::quantity::Units::default());
+        let mut reader = Case::reader(document, crate::quantity::Units::default());
         reader.problems.extend(document.problems().iter().cloned());
         let data = <Self as Read>::read(document.root(), &At::root(), Want::ANY, &mut reader);
         Diagnostics::new(reader.problems).into_result()?;

@@ -3,7 +3,7 @@
 use crate::syntax::At;
 
 /// What stands for some words in some block.
-pub(super) struct Hint {
+pub(crate) struct Hint {
     /// The block, `""` for the case itself.
     within: &'static str,
     /// The words, in lower case.
@@ -12,7 +12,8 @@ pub(super) struct Hint {
     pub(super) say: &'static str,
 }
 
-const fn hint(within: &'static str, words: &'static [&'static str], say: &'static str) -> Hint {
+/// One of them.
+pub(super) const fn hint(within: &'static str, words: &'static [&'static str], say: &'static str) -> Hint {
     Hint { within, words, say }
 }
 
@@ -25,22 +26,8 @@ const AIR: &str = "the pressure of an air chamber is an actuation, as it follows
 const FORCE: &str = "forces stand in \"loads\", per reference area or volume: { \"surface\": \"tip\", \
     \"traction\": [0, 0, \"-1 N / 4 cm^2\"] } \
                      (nastic check prints the areas)";
-const MUSCLE: &str = "a muscle is an actuation of the \"kind\": \"muscle\" with a \"region\" and a \"direction\"; a \
-    positive \"contraction\" pulls";
-const CHAMBER: &str = "an air chamber is an actuation of the \"kind\": \"cavity\", with the \"surface\" of its walls";
-const TENDON: &str = "a cable is an actuation of the \"kind\": \"tendon\" with the \"points\" that it passes; its control is the \"tension\" (\"of\": \"NAME\") \
-    or the \"pull\" (\"of\": \"NAME.pull\"), with a \"stiffness\" the pull alone";
-const SPRING: &str = "a spring stands in \"springs\": [ { \"from\": [0, 0, 5], \"to\": { \"ground\": [0, 0, 9] }, \
-    \"stiffness\": \"2 N/mm\" } ]; an elastic bed of a surface is a \"foundation\" in \"supports\"";
-const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with the vectors \"remanence\" (mu0 \
-    times the magnetisation, in T) and \
-                      \"field\" (in T)";
 const NO_LAW: &str = "nastic does not have this law yet; \"mooney_rivlin\" and \"neo_hooke\" take large strains \
     too, also by \"young\" and \"poisson\"";
-const HEAT: &str = "the strain alpha dT of a given temperature is a \"kind\": \"growth\", its \"growth\" alpha dT: conduction is not solved";
-const NO_FIELD: &str = "nastic has no actuation of this kind yet; there are fibre tension, turgor, magnets, dielectrics, air chambers and tendons";
-const ELECTRIC: &str = "a dielectric elastomer is an actuation of the \"kind\": \"dielectric\" with a \"region\", a \
-    \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"";
 const YOUNG: &str = "write \"young\": \"300 kPa\", with \"poisson\" (the law \"transverse_mooney_rivlin\" takes \
     \"mu1\" to \"mu4\" alone)";
 const POISSON: &str = "write \"poisson\": 0.45, with \"young\" (the law \"transverse_mooney_rivlin\" takes \
@@ -69,10 +56,6 @@ pub(super) const HINTS: &[Hint] = &[
         SUPPORT,
     ),
     hint("", &["force", "forces", "load", "traction", "neumann"], FORCE),
-    hint("", &["muscle", "muscles", "fiber", "fibre", "tension"], MUSCLE),
-    hint("", &["chamber", "chambers", "air_chamber", "cavity", "pneumatics"], CHAMBER),
-    hint("", &["tendon", "tendons", "cable", "cables"], TENDON),
-    hint("", &["spring", "elastic", "rubber_band"], SPRING),
     hint("", &["friction", "floor", "ground", "obstacle", "contacts", "collision", "collisions", "touches"], CONTACT),
     hint("", &["self_contact", "self_collision", "bodies"], BETWEEN),
     hint("", &["rigid_bodies", "rigid_body"], NOT_YET),
@@ -100,7 +83,6 @@ pub(super) const HINTS: &[Hint] = &[
         &["eps_v", "epsv", "slip_velocity", "regularization"],
         "the speed below which friction is smoothed stands under \"slip_speed\"",
     ),
-    hint("", &["magnet", "magnets", "magnetization", "magnetisation", "field"], MAGNET),
     hint("", &["dynamics", "motion", "damping", "dt", "steps", "time_step", "transient"], TIME),
     hint("time", &["dt", "time_step", "timestep", "h"], "write \"step\": \"10 ms\""),
     hint("time", &["t_end", "tend", "duration", "span", "until"], "write \"end\": \"1 s\""),
@@ -161,34 +143,9 @@ pub(super) const HINTS: &[Hint] = &[
         "write \"fix\": \"all\", or a list of \"x\", \"y\" and \"z\"",
     ),
     hint("supports", &["u", "ux", "uy", "uz", "value", "disp"], "write \"displacement\": { \"x\": \"1 mm\" }"),
-    hint("supports", &["spring", "springs", "elastic", "stiffness", "k"], SPRING),
-    hint("springs", &["k", "constant", "rate", "spring_constant"], "force per elongation stands under \"stiffness\""),
-    hint("springs", &["rest_length", "rest", "l0", "natural_length"], "the rest length stands under \"length\""),
-    hint(
-        "springs",
-        &["ground", "points", "ends", "point", "between", "nodes", "surface"],
-        "a spring goes \"from\" a point of the body \"to\" another one, or \"to\" a fixed one, { \"ground\": [0, 0, 9] }",
-    ),
     hint("loads", &["pressure", "air"], AIR),
     hint("loads", &["weight", "density", "acceleration", "g"], WEIGHT),
     hint("loads", &["force", "forces", "total_force", "point_force", "value", "magnitude"], FORCE),
-    hint(
-        "actuation",
-        &["muscle", "fiber", "fibre", "active_stress", "active_strain", "tension", "contraction"],
-        MUSCLE,
-    ),
-    hint("actuation", &["chamber", "air_chamber", "air", "pneumatic", "pneunet", "balloon", "pressure"], CHAMBER),
-    hint(
-        "actuation",
-        &["swelling", "osmosis", "inflation", "expansion"],
-        "a pressure inside the material itself is of the \"kind\": \"turgor\", swelling by a given part of lengths \"growth\"",
-    ),
-    hint("actuation", &["cable", "wire", "string", "rope", "tendons"], TENDON),
-    hint("actuation", &["spring", "elastic_band"], SPRING),
-    hint("actuation", &["magnetic", "magnetization", "magnetisation", "b", "b_r", "m"], MAGNET),
-    hint("actuation", &["electric", "voltage", "electrode", "electrodes", "dea", "eps"], ELECTRIC),
-    hint("actuation", &["thermal", "temperature", "heat"], HEAT),
-    hint("actuation", &["shape_memory", "lce", "light"], NO_FIELD),
     hint(
         "actuation",
         &["stress", "activation", "value", "strength"],
@@ -237,12 +194,13 @@ pub(super) const HINTS: &[Hint] = &[
     ),
 ];
 
-/// What to say of a word that means nothing in this block.
-pub(crate) fn say(word: &str, at: &At) -> Option<&'static str> {
+/// What to say of a word that means nothing in this block, with the hints of blocks of the case.
+pub(crate) fn say(word: &str, at: &At, more: &[&[Hint]]) -> Option<&'static str> {
     let word = word.to_lowercase().replace(' ', "_");
     let within = |block: &str| match block {
         "" => at.as_str().is_empty(),
         block => at.as_str().split('/').any(|step| step == block),
     };
-    HINTS.iter().find(|hint| within(hint.within) && hint.words.contains(&word.as_str())).map(|hint| hint.say)
+    let mut all = HINTS.iter().chain(more.iter().copied().flatten());
+    all.find(|hint| within(hint.within) && hint.words.contains(&word.as_str())).map(|hint| hint.say)
 }

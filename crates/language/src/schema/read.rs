@@ -1,7 +1,7 @@
 //! Nodes to typed values, every problem noted.
 
 use crate::quantity::{Units, Want};
-use crate::schema::hints;
+use crate::schema::hints::{self, Hint};
 use crate::schema::json::{Definitions, annotated};
 use crate::syntax::{At, Diagnostic, Document, Node, Property, Value, nearest, quoted};
 use serde_json::Value as Json;
@@ -116,11 +116,13 @@ pub(crate) struct Reader<'a> {
     pub(crate) document: &'a Document,
     pub(crate) units: Units,
     pub(crate) problems: Vec<Diagnostic>,
+    /// What to say of words that mean nothing, beside the hints that hold for all files.
+    pub(crate) hints: &'static [&'static [Hint]],
 }
 
 impl<'a> Reader<'a> {
     pub(crate) fn new(document: &'a Document, units: Units) -> Self {
-        Self { document, units, problems: Vec::new() }
+        Self { document, units, problems: Vec::new(), hints: &[] }
     }
 
     /// Notes a problem at a node.
@@ -189,7 +191,7 @@ impl<'a> Reader<'a> {
     pub(crate) fn refuse_unknown(&mut self, members: &[Property], at: &At, known: &[&str]) {
         for member in members {
             if !known.contains(&member.key.as_str()) {
-                let clause = clause(&member.key, at, known);
+                let clause = self.clause(&member.key, at, known);
                 let message = format!("unknown key {}{clause}", quoted(&member.key));
                 self.problems.push(self.document.problem(&member.place, &at.key(&member.key), message));
             }
@@ -254,17 +256,17 @@ impl<'a> Reader<'a> {
         };
         let found = known.iter().find(|word| *word == text).copied();
         if found.is_none() {
-            self.complain(node, at, format!("unknown {what} {}{}", quoted(text), clause(text, at, known)));
+            self.complain(node, at, format!("unknown {what} {}{}", quoted(text), self.clause(text, at, known)));
         }
         found
     }
-}
 
-/// What an unknown word is called here, or the nearest known one.
-fn clause(word: &str, at: &At, known: &[&str]) -> String {
-    match hints::say(word, at) {
-        Some(hint) => format!(": {hint} (one of: {})", known.join(", ")),
-        None => nearest::clause(word, known),
+    /// What an unknown word is called here, or the nearest known one.
+    fn clause(&self, word: &str, at: &At, known: &[&str]) -> String {
+        match hints::say(word, at, self.hints) {
+            Some(hint) => format!(": {hint} (one of: {})", known.join(", ")),
+            None => nearest::clause(word, known),
+        }
     }
 }
 

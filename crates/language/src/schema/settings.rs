@@ -1,14 +1,11 @@
 //! The key `set` of scenarios and load cases.
 
 use crate::quantity::Want;
+use crate::schema::case::CHANGEABLE;
 use crate::schema::json::Definitions;
 use crate::schema::read::{Read, Reader};
 use crate::syntax::{At, Node, Setting, quoted};
 use serde_json::{Value as Json, json};
-
-/// Blocks a variant of the case may change; everything else is shared.
-pub(crate) const CHANGEABLE: [&str; 8] =
-    ["materials", "supports", "springs", "obstacles", "contact", "loads", "actuation", "costs"];
 
 /// `{ "path": value, ... }`: all settings of a variant. The values are read later, in their place.
 #[derive(Clone, PartialEq, Debug, Default)]

@@ -91,15 +91,13 @@ fn pressure(folder: &ResultFolder, state: &State<'_>, chamber: &str) -> Result<f
         return paths::at_instant(folder, state, &format!("{chamber}.{PRESSURE}"));
     }
     let row = own.strip_prefix("ramp_").and_then(|number| number.parse::<usize>().ok());
-    if let (Some(row), Some(ramp)) = (row, state.record.and_then(|record| record.ramp.as_ref())) {
-        let values = ramp.points.get(row).and_then(|point| point.state.contributions.get(chamber));
-        let known = values.and_then(|values| number_of(values, PRESSURE));
-        return known.ok_or_else(|| ReportError::NoPressure { chamber: chamber.to_owned(), state: state.name.clone() });
-    }
     // the result speaks of the optimum, or of the equilibrium of a solve
     let is_reported = own == "optimum" || own == "start" && !folder.wrote(&format!("{stem}optimum.vtu"));
-    let reported = state.record.filter(|_| is_reported).and_then(|record| record.contributions.get(chamber));
+    let reported = match (row, state.record.and_then(|record| record.ramp.as_ref())) {
+        (Some(row), Some(ramp)) => ramp.points.get(row).map(|point| &point.state),
+        _ => state.record.filter(|_| is_reported),
+    };
     reported
-        .and_then(|values| number_of(values, PRESSURE))
+        .and_then(|record| number_of(record.contributions.get(chamber)?, PRESSURE))
         .ok_or_else(|| ReportError::NoPressure { chamber: chamber.to_owned(), state: state.name.clone() })
 }

@@ -1,6 +1,6 @@
 //! [`CaseDescription`]: a case as it was understood.
 
-use crate::record::{Absent, ByName, ContactRecord, Nullable, Number};
+use crate::record::{Absent, BlockRecords, ByName, ContactRecord, Nullable, Number};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +17,9 @@ records! {
         actuation: Option<Vec<LawRecord>>,
         /// The contacts.
         contact: Option<Vec<ContactRecord>>,
-        /// The springs.
-        springs: Option<Vec<SpringRecord>>,
+        /// The blocks that add a contribution each.
+        #[serde(flatten)]
+        blocks: BlockRecords,
         /// Displacement components that supports hold.
         held_components: Option<usize>,
         /// Memory that a solve takes.
@@ -146,22 +147,6 @@ records! {
         q: Number,
         /// r.
         r: Number,
-    }
-
-    /// A spring.
-    SpringRecord {
-        /// Its name.
-        name: String,
-        /// One end.
-        from: Nullable<BodyPointRecord>,
-        /// The other.
-        to: Nullable<BodyPointRecord>,
-        /// Its stiffness.
-        stiffness: Number,
-        /// Its length without a force.
-        rest_length: Nullable<f64>,
-        /// Its force where the body is at rest.
-        force_at_rest: Nullable<f64>,
     }
 
     /// Memory that a solve takes, predicted.

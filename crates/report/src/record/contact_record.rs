@@ -1,7 +1,7 @@
 //! [`ContactRecord`]: a contact as it was understood; [`ExactContactRecord`]: an equilibrium without contact layers;
 //! [`HalfThicknessRecord`]: a state whose layers are half as thick.
 
-use crate::record::{ByName, Nullable, Number, Numbers};
+use crate::record::{ByName, ContributionRecord, Nullable, Number, Numbers};
 
 records! {
     /// A contact as `check` describes it.
@@ -39,7 +39,8 @@ records! {
         /// Largest change of a displacement.
         largest_change: Number,
         /// By name what each contact carries, as under `contributions`.
-        contacts: Option<ByName<Numbers>>,
+        #[schemars(with = "Option<ByName<Numbers>>")]
+        contacts: Option<ByName<ContributionRecord>>,
     }
 
     /// The state of `solve --half-thickness`, of a motion its end.
@@ -51,6 +52,7 @@ records! {
         /// Largest displacement.
         largest_displacement: Number,
         /// By name what each contact carries, as under `contributions`.
-        contacts: Option<ByName<Numbers>>,
+        #[schemars(with = "Option<ByName<Numbers>>")]
+        contacts: Option<ByName<ContributionRecord>>,
     }
 }

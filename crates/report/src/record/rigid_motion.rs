@@ -1,7 +1,7 @@
 //! [`RigidMotion`]: how a rigid body moved.
 
 use crate::number::short;
-use crate::record::{Numbers, number_of};
+use crate::record::{ContributionKind, ContributionRecord, number_of};
 
 /// Radians that count as zero, and the share of a vector below which a component does.
 const ROUNDING: f64 = 1e-9;
@@ -16,13 +16,13 @@ pub struct RigidMotion {
 }
 
 impl RigidMotion {
-    /// Of the numbers of a contribution; `None` where it is no rigid body.
+    /// Of a contribution; `None` where it is no rigid body.
     #[must_use]
-    pub fn of(numbers: &Numbers) -> Option<Self> {
-        let of = |what: &str, axis: &str| number_of(numbers, &format!("{what}_{axis}"));
-        let vector = |what: &str| [of(what, "x"), of(what, "y"), of(what, "z")].map(Option::unwrap_or_default);
-        of("translation", "x").zip(of("rotation", "z"))?;
-        Some(Self { translation: vector("translation"), rotation: vector("rotation") })
+    pub fn of(record: &ContributionRecord) -> Option<Self> {
+        let of = |what: &str, axis: &str| number_of(record, &format!("{what}_{axis}")).unwrap_or_default();
+        let vector = |what: &str| ["x", "y", "z"].map(|axis| of(what, axis));
+        let motion = || Self { translation: vector("translation"), rotation: vector("rotation") };
+        (record.kind == ContributionKind::RigidBody).then(motion)
     }
 
     /// The length of a vector.

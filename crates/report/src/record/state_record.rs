@@ -1,8 +1,8 @@
 //! [`StateRecord`]: what a result says of a state, or of several together.
 
 use crate::record::{
-    ByName, EquilibriaRecord, ExactContactRecord, FreeMotionRecord, HalfThicknessRecord, MemberRecord, ModesRecord,
-    Nullable, Number, Numbers, SeriesRecord, TimeRecord,
+    ByName, ContributionRecord, EquilibriaRecord, ExactContactRecord, FreeMotionRecord, HalfThicknessRecord,
+    MemberRecord, ModesRecord, Nullable, Number, Numbers, SeriesRecord, TimeRecord,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,8 @@ records! {
         /// By name, or by load case and name.
         probes: Option<ByName<ProbesRecord>>,
         /// By contribution what it reports: `pressure` and `volume` of a chamber (the part that is modelled), `tension` and `length` of a tendon, what a contact carries.
-        contributions: ByName<Numbers>,
+        #[schemars(with = "ByName<Numbers>")]
+        contributions: ByName<ContributionRecord>,
         /// By support, those that move too, the force (x, y, z) that it exerts on the body; at the end of a motion, every instant's are in `motion.csv`.
         reactions: Option<ByName<Vec<Number>>>,
         /// Negative pivots of the tangent: 0 is a stable equilibrium, null where they were not counted.

@@ -1,19 +1,20 @@
 //! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
 
+use crate::result::summary;
 use nastic_case::inspect::{compression, touches};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{
     BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
 };
 use nastic_control::EnsemblePoint;
-use nastic_fem::{FreeMotion, Instant, PointPeak, SolveOptions, State, StateError};
+use nastic_fem::{FreeMotion, PointPeak, SolveOptions, State, StateError};
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::Actuation;
 use nastic_mesh::Mesh;
 use nastic_mesh::spatial::{SelfIntersection, Shape};
 use nastic_numeric::vector::{norm, sub};
-use nastic_report::record::{IntersectionRecord, UncountedRecord};
+use nastic_report::record::{ContributionRecord, IntersectionRecord, UncountedRecord};
 use rayon::prelude::*;
 
 /// Below this scaled Jacobian a cell is badly shaped.
@@ -211,16 +212,16 @@ fn far(member: CaseMember<'_>, state: &State) -> Option<String> {
 
 /// Chambers of many times their volume.
 fn ballooned(member: CaseMember<'_>, state: &State) -> Vec<String> {
-    let Ok(all) = member.solid().model().quantities(&Instant::of(state)) else { return Vec::new() };
+    let Ok(all) = summary::contributions(member, state) else { return Vec::new() };
     let case = member.case();
     let is_driven = |slot: &str| {
         let fixed = |own: &Actuation| own.fixed.iter().any(|(key, _)| format!("{}.{key}", own.name) == *slot);
         case.controls.iter().any(|control| control.of == slot) || case.actuation.iter().any(fixed)
     };
-    let of = |(name, what, volume): &(String, &str, f64)| {
-        let rest = all.iter().find(|(own, other, _)| own == name && *other == "reference_volume")?.2;
+    let of = |(name, chamber): (&String, &ContributionRecord)| {
+        let [volume, rest] = chamber.volumes()?;
         let times = volume / rest;
-        (*what == "volume" && rest > 0.0 && times > BALLOONED).then(|| {
+        (rest > 0.0 && times > BALLOONED).then(|| {
             let slot = format!("{name}.volume");
             let ramp = format!(". A ramp of its volume (\"{slot}\") shows where that is");
             format!(

@@ -7,7 +7,7 @@ use nastic_control::{ControlBlock, Space};
 use nastic_io::WriteError;
 use nastic_mesh::{NamedArray, Snapshot};
 use nastic_picture::{Appearance, Body, Colour, Face, Field, Picture, Sheet};
-use nastic_report::record::{StateRecord, number_of};
+use nastic_report::record::{PLAIN_LINES, StateRecord, TENSED_LINES, number_of};
 use nastic_report::{FIELD, obstacles_label, tension, uniform_field, with_marks};
 use std::mem::take;
 
@@ -170,17 +170,17 @@ fn controlled(block: &ControlBlock, field: &ControlField, body: &Snapshot) -> Op
 /// What the arrows and lines of a picture are, for its subtitle; empty without any.
 pub(crate) fn legend(body: &Snapshot) -> String {
     let tensions: Vec<f64> = body.lines.iter().filter_map(tension).collect();
-    let tendons = match (tensions.is_empty(), tensions.iter().all(|tension| *tension > 0.0)) {
-        (true, _) => "",
-        (false, true) => "; lines: tendons",
-        (false, false) => "; lines: tendons, grey where slack",
+    let tensed = match (tensions.is_empty(), tensions.iter().all(|tension| *tension > 0.0)) {
+        (true, _) => String::new(),
+        (false, true) => format!("; lines: {TENSED_LINES}"),
+        (false, false) => format!("; lines: {TENSED_LINES}, grey where slack"),
     };
-    let springs = match (tensions.len() < body.lines.len(), tensions.is_empty()) {
-        (false, _) => "",
-        (true, true) => "; lines: springs",
-        (true, false) => "; springs green",
+    let others = match (tensions.len() < body.lines.len(), tensions.is_empty()) {
+        (false, _) => String::new(),
+        (true, true) => format!("; lines: {PLAIN_LINES}"),
+        (true, false) => format!("; {PLAIN_LINES} green"),
     };
-    arrows(body).to_owned() + tendons + springs
+    arrows(body).to_owned() + &tensed + &others
 }
 
 fn arrows(body: &Snapshot) -> &'static str {

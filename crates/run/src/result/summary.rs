@@ -5,8 +5,8 @@ use nastic_case::lower::{CaseMember, LocatedProbe};
 use nastic_control::{ControlError, CostPoint, DistanceInTime, FigureKind};
 use nastic_fem::{Demand, Inadmissible, Instant, SolveReport, State, StoredEnergy};
 use nastic_report::record::{
-    ByName, CostRecord, HausdorffRecord, Number, Numbers, ProbeRecord, ProbesRecord, StateRecord, StoredEnergyRecord,
-    numbers,
+    ByName, ContributionRecord, CostRecord, HausdorffRecord, Number, Numbers, ProbeRecord, ProbesRecord, StateRecord,
+    StoredEnergyRecord, numbers,
 };
 use std::sync::Arc;
 
@@ -130,13 +130,12 @@ pub(crate) fn energy(stored: StoredEnergy) -> StoredEnergyRecord {
 }
 
 /// By contribution what it reports.
-fn contributions(member: CaseMember<'_>, state: &State) -> Result<ByName<Numbers>, Inadmissible> {
-    let at = Instant::of(state);
+pub(crate) fn contributions(member: CaseMember<'_>, state: &State) -> Result<ByName<ContributionRecord>, Inadmissible> {
     let mut out = ByName::<Numbers>::default();
-    for (name, quantity, value) in member.solid().model().quantities(&at)? {
+    for (name, quantity, value) in member.solid().model().quantities(&Instant::of(state))? {
         out.entry(name).or_default().insert(quantity.to_owned(), value.into());
     }
-    Ok(out)
+    Ok(out.into_iter().map(|(name, numbers)| (name, numbers.into())).collect())
 }
 
 /// The potential of passive laws, actuations and loads at a state of a motion, with relaxed viscous laws.

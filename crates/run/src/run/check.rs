@@ -18,7 +18,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::actuation(problem),
         words::controls(problem),
         words::supports(problem),
-        describe::springs(problem),
+        words::blocks(problem),
         words::contacts(problem),
         words::rigid_bodies(problem),
         words::time(problem),

@@ -9,7 +9,7 @@ use nastic_control::EnsemblePoint;
 use nastic_fem::{Sliding, Touch, TouchParameters};
 use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;
-use nastic_report::record::Numbers;
+use nastic_report::record::{ContributionRecord, number_of};
 
 /// A touch of fewer steps has no sharp end: how fast the body parts again is a number of the step.
 const FEW_STEPS: usize = 5;
@@ -41,7 +41,7 @@ impl Session<'_> {
         let (mut found, dim) = (Vec::new(), self.problem.mesh().dim());
         for record in records {
             for (name, touch) in &record.touches {
-                self.entries_of(record.member).contributions.insert(name.clone(), quantities(touch, dim));
+                self.entries_of(record.member).contributions.insert(name.clone(), touch.quantities(dim).into());
                 let (member, Some(table)) = (self.problem.member(record.member), &record.table) else { continue };
                 self.console.say(line(name, touch, member));
                 let Some(parameters) = touches::parameters(member, name) else { continue };
@@ -52,11 +52,6 @@ impl Session<'_> {
         }
         found.into_iter().for_each(|warning| self.warn(warning));
     }
-}
-
-/// What a contact carries, as results have it.
-pub(super) fn quantities(touch: &Touch, dim: usize) -> Numbers {
-    touch.quantities(dim).into_iter().map(|(key, value)| (key.to_owned(), value.into())).collect()
 }
 
 /// One line for the terminal.
@@ -99,42 +94,37 @@ struct History {
 
 impl History {
     fn of(table: &Table, name: &str, sliding: Option<Sliding>) -> Self {
-        let column = |what: &str| table.column(&format!("{name}.{what}"));
-        let none = (f64::INFINITY, 0.0);
-        let mut history = History { gap: none, between: none, ..Self::default() };
-        let (Some(area), Some(gap)) = (column("area"), column("smallest_gap")) else { return history };
-        let (between, pressure) = (column("gap_between"), column("largest_pressure"));
-        let slides = sliding.and_then(|_| Some((column("sticking")?, column("sliding_speed")?)));
+        let steps: Vec<(f64, ContributionRecord)> = table.contribution(name).collect();
+        let smallest = |what: &str| {
+            let all = steps.iter().filter_map(|(t, own)| Some((number_of(own, what)?, *t)));
+            all.fold((f64::INFINITY, 0.0), |least, one| if one.0 < least.0 { one } else { least })
+        };
+        let mut history =
+            History { gap: smallest("smallest_gap"), between: smallest("gap_between"), ..Self::default() };
         let (mut begun, mut before) = (None, None::<f64>);
-        for (n, row) in table.rows.iter().enumerate() {
-            let (t, touches) = (row[0], row[area] > 0.0);
+        for (n, (t, contact)) in steps.iter().enumerate() {
+            let of = |what: &str| number_of(contact, what).unwrap_or(0.0);
+            let (area, pressure) = (of("area"), of("largest_pressure"));
+            let touches = area > 0.0;
             history.acted |= touches;
-            if row[gap] < history.gap.0 {
-                history.gap = (row[gap], t);
-            }
-            if let Some(pressure) = pressure.filter(|&pressure| row[pressure] > history.pressed[0]) {
-                history.pressed = [row[pressure], row[area], t];
-            }
-            if let Some(between) = between.filter(|&between| row[between] < history.between.0) {
-                history.between = (row[between], t);
+            if pressure > history.pressed[0] {
+                history.pressed = [pressure, area, *t];
             }
             match (touches, begun) {
                 (true, None) if n > 0 => begun = Some(n),
                 (false, Some(first)) => {
                     let steps = n - first;
                     if history.shortest.is_none_or(|(least, _)| steps < least) {
-                        history.shortest = Some((steps, t));
+                        history.shortest = Some((steps, *t));
                     }
                     begun = None;
                 }
                 _ => {}
             }
-            if let (Some((sticking, speed)), Some(before)) = (slides, before)
-                && row[sticking] == 1.0
-            {
-                history.creep += row[speed] * (t - before);
+            if sliding.is_some() && of("sticking") == 1.0 {
+                history.creep += before.map_or(0.0, |before| of("sliding_speed") * (t - before));
             }
-            before = Some(t);
+            before = Some(*t);
         }
         history
     }

@@ -1,13 +1,13 @@
 //! A problem as results of `nastic check` have it, and in words where these share what they need with the records.
 
 mod actuation;
+mod blocks;
 mod contact;
 mod duration;
 mod existence;
 mod members;
 mod memory;
 mod parameters;
-mod spring;
 
 pub(super) use crate::run::describe::actuation::actuation;
 pub(super) use crate::run::describe::duration::duration;
@@ -15,7 +15,6 @@ pub(super) use crate::run::describe::existence::{conditions, existence};
 pub(super) use crate::run::describe::members::{load_cases, scenarios};
 pub(super) use crate::run::describe::memory::memory;
 use crate::run::describe::parameters::law;
-pub(super) use crate::run::describe::spring::springs;
 use nastic_case::lower::CaseProblem;
 use nastic_fem::Formulation;
 use nastic_mesh::CellKind;
@@ -38,7 +37,7 @@ pub(super) fn describe(problem: &CaseProblem, record: &mut RunRecord) {
         existence: Some(existence::records(problem)),
         actuation: Some(actuation::records(problem)),
         contact: (!case.contact.is_empty()).then(|| contact::records(problem)),
-        springs: (!case.springs.is_empty()).then(|| spring::records(problem)),
+        blocks: blocks::records(problem),
         held_components: Some(held),
         memory: Some(memory::record(problem)),
         valid: Some(true),

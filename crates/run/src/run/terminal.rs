@@ -118,14 +118,14 @@ pub(crate) fn say_probes(session: &Session<'_>, result: &StateRecord) {
     let units = session.problem.units();
     let unit = units.length().symbol;
     for (member, state) in with_plain(result) {
-        for (name, cavity) in &state.contributions {
-            if let Some(motion) = RigidMotion::of(cavity) {
+        for (name, own) in &state.contributions {
+            if let Some(motion) = RigidMotion::of(own) {
                 session.console.say(format!("rigid body  {name} {}{}", motion.words(unit), inside(&member)));
             }
-            if let (Some(volume), Some(rest)) = (number_of(cavity, "volume"), number_of(cavity, "reference_volume")) {
+            if let Some([volume, rest]) = own.volumes() {
                 let size = format!("{} {unit}^{}", short(volume), session.problem.mesh().dim());
                 let times = short(volume / rest);
-                let pressure = quantity(known(number_of(cavity, "pressure")), Dimension::PRESSURE, units);
+                let pressure = quantity(known(number_of(own, "pressure")), Dimension::PRESSURE, units);
                 session.console.say(format!(
                     "volume      {name} {size}, {times} times that at rest, at {pressure}{}",
                     inside(&member)

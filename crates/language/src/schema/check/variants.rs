@@ -13,7 +13,7 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
         match base.with(&settings) {
             Err(problems) => reader.problems.extend(problems.list().iter().cloned()),
             Ok(variant) => {
-                let mut own = Reader::new(&variant, reader.units);
+                let mut own = Case::reader(&variant, reader.units);
                 Case::read_document(&mut own);
                 reader.problems.extend(own.problems);
             }

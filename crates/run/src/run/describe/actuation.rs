@@ -8,7 +8,7 @@ use nastic_fem::{BodyEnergy, BodyPoint};
 use nastic_language::expression::dimension_of;
 use nastic_language::number::quantity;
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::{Actuation, Fixed, Means};
+use nastic_language::schema::{Actuation, Fixed, Means, at_rest, point_in_words as point};
 use nastic_report::record::{BodyPointRecord, ByName, ConstantRecord, LawRecord, Number};
 
 pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
@@ -38,11 +38,11 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
         };
         out.push(line("actuation", format!("{}: {} on {place}", actuation.name, actuation.kind())));
         out.push(line("actuation", format!("  {}", actuation.about())));
-        if let Some(volume) = at_rest(problem, &actuation.name, "volume") {
+        if let Some(volume) = at_rest(problem.solid(), &actuation.name, "volume") {
             let dimension = if problem.mesh().dim() == 2 { AREA } else { VOLUME };
             out.push(line("actuation", format!("  volume at rest {}", quantity(volume, dimension, units))));
         }
-        if let Some(length) = at_rest(problem, &actuation.name, "length") {
+        if let Some(length) = at_rest(problem.solid(), &actuation.name, "length") {
             out.push(line("actuation", format!("  length at rest {}", quantity(length, Dimension::LENGTH, units))));
         }
         if let Some(limit) = limit(problem, &actuation.name, BodyEnergy::fiber_limit) {
@@ -74,8 +74,8 @@ pub(super) fn records(problem: &CaseProblem) -> Vec<LawRecord> {
             Means::Contribution { kind, values, .. } => LawRecord {
                 kind: Some((*kind).to_owned()),
                 keys: keys(values),
-                reference_volume: at_rest(problem, &a.name, "volume").map(Number::from).unwrap_or_default(),
-                reference_length: at_rest(problem, &a.name, "length").map(Number::from).unwrap_or_default(),
+                reference_volume: at_rest(problem.solid(), &a.name, "volume").map(Number::from).unwrap_or_default(),
+                reference_length: at_rest(problem.solid(), &a.name, "length").map(Number::from).unwrap_or_default(),
                 ..LawRecord::default()
             },
         };
@@ -134,22 +134,6 @@ fn number(body: &BodyEnergy, actuation: &str) -> Option<usize> {
 const VOLUME: Dimension = Dimension::of(3, 0, 0, 0);
 /// In plane strain.
 const AREA: Dimension = Dimension::of(2, 0, 0, 0);
-
-/// A number that a contribution of that name reports of itself at rest.
-pub(super) fn at_rest(problem: &CaseProblem, name: &str, quantity: &str) -> Option<f64> {
-    let solid = problem.solid();
-    let rest = solid.rest();
-    let at = nastic_fem::Instant::new(&rest.u, &rest.controls, 0.0);
-    let all = solid.model().quantities(&at).unwrap_or_default();
-    all.into_iter().find(|(of, what, _)| of == name && *what == quantity).map(|(.., value)| value)
-}
-
-pub(super) fn point(point: &BodyPoint) -> String {
-    match point {
-        BodyPoint::At([x, y, z]) => format!("({x}, {y}, {z})"),
-        BodyPoint::Nodes(name) => format!("\"{name}\""),
-    }
-}
 
 fn dimension(key: &Key) -> Dimension {
     match key.kind {

@@ -9,6 +9,7 @@ use nastic_case::lower::CaseMember;
 use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{EnergyBalance, Instant, State, TimeStep, Touch};
 use nastic_picture::{Chart, Curve};
+use nastic_report::record::ContributionRecord;
 
 /// Curves of a chart: colours that it has.
 const CURVES: usize = 12;
@@ -24,6 +25,8 @@ const STACKED: usize = 5;
 /// Columns of a table of a motion, one row for every step.
 pub(crate) struct Table {
     columns: Vec<Column>,
+    /// What contributions report, from this column on: names, and what their numbers are.
+    reported: (usize, Vec<(String, &'static str)>),
     pub rows: Vec<Vec<f64>>,
 }
 
@@ -33,10 +36,14 @@ impl Table {
         self.columns.len()
     }
 
-    /// The number of the column of a name, of what contributions report.
-    pub fn column(&self, name: &str) -> Option<usize> {
-        let contribution = format!("contributions.{name}");
-        self.columns.iter().position(|known| known.name == contribution || known.name == name)
+    /// What a contribution reports of every state, with its instant.
+    pub fn contribution(&self, name: &str) -> impl Iterator<Item = (f64, ContributionRecord)> {
+        let (first, reported) = &self.reported;
+        let own = reported.iter().enumerate().filter(move |(_, (of, _))| of == name);
+        let own: Vec<_> = own.map(|(k, (_, what))| (*what, first + k)).collect();
+        self.rows
+            .iter()
+            .map(move |row| (row[0], own.iter().map(|(what, column)| (*what, row[*column])).collect::<Vec<_>>().into()))
     }
 
     /// Without rows.
@@ -58,7 +65,10 @@ impl Table {
             };
             columns.extend((0..block.components).map(|c| Column::new(name(c), &field.unit)));
         }
-        columns.extend(Column::of_quantities(&quantities(member, None, state), &columns));
+        let quantities = quantities(member, None, state);
+        let first = columns.len();
+        columns.extend(Column::of_quantities(&quantities, &columns));
+        let reported = (first, quantities.into_iter().map(|(name, what, _)| (name, what)).collect());
         columns.extend(Column::of_reactions(member, &summary::forces(member, None, state)));
         for (name, wanted) in aimed(member) {
             let unit = units.length().symbol;
@@ -69,7 +79,7 @@ impl Table {
         // behind all others, and none is there twice: the kinetic energy stands at the front
         let balance = EnergyBalance::NAMES.iter().skip(1);
         columns.extend(balance.map(|name| Column::new(format!("{BALANCE}{name}"), &energy)));
-        Self { columns, rows: vec![] }
+        Self { columns, reported, rows: vec![] }
     }
 
     /// The row of a state, under the control vector m of the motion, and from where the step led there.
@@ -208,7 +218,7 @@ fn quantities(member: CaseMember<'_>, before: Option<&State>, state: &State) -> 
 }
 
 /// What every contact carries in a state, and in the step that led there.
-pub(super) fn touches(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, Touch)> {
+pub(crate) fn touches(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, Touch)> {
     let (step, at) = (before.map(|before| TimeStep::between(before, state)), Instant::of(state));
     member.solid().model().contacts().touches(&step.as_ref().map_or(at, |step| at.in_step(step)))
 }

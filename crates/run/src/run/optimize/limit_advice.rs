@@ -1,16 +1,14 @@
 //! What to try after trials that met a limit point: another control there, or bounds before it.
 
+use crate::result::summary;
 use crate::run::optimize::advice::{Advice, optimize};
 use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseProblem, ControlField};
 use nastic_control::EnsemblePoint;
-use nastic_fem::Instant;
 use nastic_language::number::short;
 use nastic_language::schema::Control;
 
-/// The kind of actuation whose pressure has limit points that its volume passes.
-const CAVITY: &str = "cavity";
 /// Upper bound of an added volume that takes the place of a pressure, in volumes added so far.
 const FARTHER: f64 = 10.0;
 /// Share of the value at a limit point that a bound leaves.
@@ -49,10 +47,7 @@ struct Volumes {
 fn volumes(problem: &CaseProblem, ended: &FinishedRun) -> Volumes {
     let mut out = Volumes { names: vec![], set: vec![] };
     for (field, control) in met(problem, ended) {
-        let mut actuations = problem.case.actuation.iter();
-        if actuations.any(|of| of.kind() == CAVITY && of.name == control.of)
-            && let Some(added) = added_volume(problem, &ended.limits.member, &ended.best.point, &control.of)
-        {
+        if let Some(added) = added_volume(problem, &ended.limits.member, &ended.best.point, &control.of) {
             let (at, upper) = (&field.at, FARTHER * added);
             out.names.push(field.name.clone());
             out.set.push(format!("{at}/of={}.volume", control.of));
@@ -86,12 +81,10 @@ fn met<'s>(problem: &'s CaseProblem, ended: &'s FinishedRun) -> impl Iterator<It
     problem.controls.iter().filter_map(of)
 }
 
-/// The volume added to a cavity so far, in the member that met the limit point last.
-fn added_volume(problem: &CaseProblem, met: &str, best: &EnsemblePoint, cavity: &str) -> Option<f64> {
+/// The volume added so far to the cavity of that name, whose pressure has limit points that its volume passes; in the member that met one last.
+fn added_volume(problem: &CaseProblem, met: &str, best: &EnsemblePoint, name: &str) -> Option<f64> {
     let mut members = problem.members().zip(&best.members);
     let (member, at) = members.find(|(member, _)| member.name() == met)?;
-    let all = member.solid().model().quantities(&Instant::of(at.state())).ok()?;
-    let of =
-        |quantity: &str| all.iter().find(|(name, what, _)| name == cavity && *what == quantity).map(|found| found.2);
-    Some(of("volume")? - of("reference_volume")?)
+    let [volume, rest] = summary::contributions(member, at.state()).ok()?.get(name)?.volumes()?;
+    Some(volume - rest)
 }

@@ -6,10 +6,11 @@ use crate::run::error::RunError;
 use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::inspect::determination;
-use nastic_case::lower::{CONTRACTION, CaseProblem, ControlField};
+use nastic_case::lower::{CaseProblem, ControlField};
 use nastic_case::warning::{ALL_ON_BOUNDS, IDLE, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
 use nastic_control::{EnsembleBlock, EnsembleWorkspace, Evaluated};
 use nastic_language::number::{count, short};
+use nastic_language::schema::pulling;
 use nastic_numeric::format::scientific;
 use nastic_numeric::vector::{norm, sub};
 use nastic_opt::{Bounds, DEFAULT_ACCURACY};
@@ -116,11 +117,11 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, proble
             let owner = problem.member(block.owner);
             let block = &owner.layout().blocks()[block.field];
             if controls::only_pulls(owner, block) {
-                let is_muscle = controls::slot(owner, block) == Some(CONTRACTION);
-                if !is_muscle && run.best.m.iter().any(|value| *value != 0.0) {
+                let noun = pulling(controls::slot(owner, block).unwrap_or_default()).noun;
+                if noun != "muscle" && run.best.m.iter().any(|value| *value != 0.0) {
                     return None; // the antagonist of one that pulls
                 }
-                message += &format!(": this {} would have to push", if is_muscle { "muscle" } else { "tendon" });
+                message += &format!(": this {noun} would have to push");
             }
             return Some(Warning::new(&OTHER_SIGN, message));
         }

@@ -1,7 +1,6 @@
 //! `nastic solve --exact-contact`: the equilibrium whose contacts have no layer, beside the one that has.
 
 use crate::result::snapshot;
-use crate::run::contacts::quantities;
 use crate::run::error::{Exit, RunError};
 use crate::run::report::say_files;
 use crate::run::session::Session;
@@ -84,7 +83,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
 
 /// What is put into the result, in the units of the case.
 fn entry(found: &ExactEquilibrium, moved: f64, touches: &[(String, Touch)], dim: usize) -> ExactContactRecord {
-    let contacts = touches.iter().map(|(name, touch)| (name.clone(), quantities(touch, dim))).collect();
+    let contacts = touches.iter().map(|(name, touch)| (name.clone(), touch.quantities(dim).into())).collect();
     ExactContactRecord {
         rounds: found.rounds,
         newton_iterations: found.state.report.newton,

@@ -1,11 +1,11 @@
 //! `nastic solve --half-thickness`: the state whose contacts have layers half as thick, beside the one that was asked for.
 
-use crate::run::contacts::quantities;
 use crate::run::error::{Exit, RunError};
+use crate::run::motion;
 use crate::run::session::{START_ACCURACY, Session};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{EnsemblePoint, EnsembleWorkspace, Evaluated};
-use nastic_fem::{Instant, TimeStep, Touch};
+use nastic_fem::Touch;
 use nastic_language::number::{quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_opt::{Objective, Request};
@@ -44,12 +44,11 @@ pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Ex
 
 /// What contacts carry in a state, of a motion at the end of its last step.
 fn touches(member: CaseMember<'_>, at: &Evaluated) -> Vec<(String, Touch)> {
-    let step = match at.states() {
-        [.., before, end] => Some(TimeStep::between(before, end)),
+    let before = match at.states() {
+        [.., before, _] => Some(before),
         _ => None,
     };
-    let instant = Instant::of(at.state());
-    member.solid().model().contacts().touches(&step.as_ref().map_or(instant, |step| instant.in_step(step)))
+    motion::touches(member, before, at.state())
 }
 
 /// Says what halving the layers changes in a member.
@@ -87,7 +86,7 @@ fn say(
         newton_iterations: half.1.work.newton,
         largest_change: change.into(),
         largest_displacement: displacement.into(),
-        contacts: Some(after.iter().map(|(name, touch)| (name.clone(), quantities(touch, dim))).collect()),
+        contacts: Some(after.iter().map(|(name, touch)| (name.clone(), touch.quantities(dim).into())).collect()),
     }
 }
 
