@@ -348,6 +348,11 @@ impl Supports {
         &self.fixed
     }
 
+    /// Whether an unknown is neither held nor that of a node that follows others.
+    pub fn is_free(&self, dof: usize) -> bool {
+        !self.fixed[dof] && self.ties.masters((dof / self.block) as u32).is_empty()
+    }
+
     /// Whether an unknown is held, and by no control.
     pub fn holds_still(&self, dof: usize) -> bool {
         self.fixed[dof] && !self.driven.contains_key(&(dof as u32))

@@ -9,7 +9,7 @@ use nastic_body::discretization::Discretization;
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::instant::Instant;
-use nastic_linear::{Field, On, Role, Solver, SolverFactory, Space, SparseMatrix, Structure, Symmetry};
+use nastic_linear::{Field, On, Solver, SolverFactory, Space, SparseMatrix, Structure, Symmetry};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -112,6 +112,16 @@ impl Model {
         Ok(space)
     }
 
+    /// By unknown on nodes, whether the potential has a maximum by it and it is free: neither held nor led by others. Empty where it has one by none.
+    pub(crate) fn maxima(&self) -> Vec<bool> {
+        if !self.space.has_saddle_field() {
+            return Vec::new();
+        }
+        let (components, nodes) = (self.space.maxima(), self.space.nodes());
+        let all = (0..nodes).flat_map(|_| &components).enumerate();
+        all.map(|(dof, is)| *is && self.supports.is_free(dof)).collect()
+    }
+
     fn check_field(&self, contribution: &dyn Contribution, field: &Field) -> Result<(), FemError> {
         let what = format!("field \"{}\"", field.name);
         if field.on != On::Nodes || field.components == 0 {
@@ -121,13 +131,10 @@ impl Model {
                 "fields of contributions are on nodes, with a component or more",
             ));
         }
-        if field.role != Role::Primary {
-            let why = "Newton's method expects no negative eigenvalues of fields on nodes: make it a primary field";
-            return Err(refused(&what, contribution.name(), why));
-        }
         match self.space.nodal_field(&field.name) {
             Some((_, known)) if !known.agrees(field) => {
-                let why = format!("another contribution has it with {} components", known.components);
+                let why =
+                    format!("another contribution has it with {} components as {:?}", known.components, known.role);
                 Err(refused(&what, contribution.name(), &why))
             }
             _ => Ok(()),
@@ -227,6 +234,12 @@ impl Model {
             None if wanted.name() == Solver::MULTIGRID.name() && !self.supports.ties().is_empty() => {
                 let why = format!("its levels would couple all cells around a rigid body: take {instead}");
                 Err(refused("multigrid", "rigid bodies", &why))
+            }
+            Some((field, owner)) if wanted.name() == Solver::GENERAL.name() && self.space.has_saddle_field() => {
+                let why = format!(
+                    "a factor of its symmetric part is to be positive definite, which field \"{field}\" is not: take {instead}"
+                );
+                Err(refused("general", owner, &why))
             }
             Some((field, owner)) if wanted.name() == Solver::MULTIGRID.name() => {
                 let why = format!("it has no modes for its field \"{field}\": take {instead}");
