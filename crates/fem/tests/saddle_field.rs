@@ -5,7 +5,8 @@ use crate::common;
 use common::Outcome;
 use common::block::STRICT;
 use common::dielectric::{Dielectric, block, on_rollers, stretches};
-use nastic_fem::{Solid, check_contribution};
+use nastic_energy::{NeoHooke, Slot};
+use nastic_fem::{Field, NodalValue, RigidBody, Solid, State, check_contribution};
 use nastic_mesh::CellKind;
 
 const PERMITTIVITY: f64 = 0.7;
@@ -51,5 +52,85 @@ fn what_buckles_is_counted_beside_the_field() -> Outcome {
             assert_eq!(solid.model().stability().negative_pivots(&state)?, expected, "{shortened}");
         }
     }
+    Ok(())
+}
+
+const VOLTAGE: Slot = Slot::scalar("voltage", "V");
+
+fn phi() -> Field {
+    Field::saddle("phi", 1)
+}
+
+fn solve(solid: &Solid, voltages: &[(&str, f64)]) -> Outcome<State> {
+    let mut controls = solid.controls();
+    for (name, voltage) in voltages {
+        let block = solid.model().controllable().iter().position(|c| c.name == *name).ok_or("no such control")?;
+        controls.values_mut(block)[0] = *voltage;
+    }
+    Ok(solid.solve(&controls, &STRICT)?)
+}
+
+/// An electrode that floats has the value at which no charge is on it: the body is as with that value given.
+#[test]
+fn an_electrode_floats_where_it_has_no_charge() -> Outcome {
+    let body = block(CellKind::Hex8, [1.0, 0.6, 0.3], [4, 2, 2])?.clamp("z-")?;
+    let (mesh, dielectric) = (body.mesh().clone(), dielectric(body)?.hold("phi", 0, "z-", 0.0)?);
+    let on_top = |which: &dyn Fn(f64) -> bool| -> Vec<u32> {
+        let at = |x: &[f64; 3]| x[2] > 0.29 && which(x[0]);
+        (0..mesh.points().len() as u32).filter(|node| at(&mesh.points()[*node as usize])).collect()
+    };
+    let (left, right) = (on_top(&|x| x < 0.3), on_top(&|x| x > 0.7));
+    let driven = NodalValue::driven("drive", phi(), "z+", VOLTAGE).on(&mesh, left.clone())?;
+    let driven = dielectric.contribution(driven)?;
+    let floating = NodalValue::floating("plate", phi(), "z+").on(&mesh, right.clone())?;
+    let floating = driven.clone().contribution(floating)?;
+    for name in ["drive", "plate", "dielectric"] {
+        check_contribution(floating.model(), name, 5)?;
+    }
+    let state = solve(&floating, &[("drive", 0.15)])?;
+    let field = floating.model().field("phi", &state.u)?;
+    let value = field[right[0] as usize];
+    assert!(value > 1e-3 && value < 0.1 && right.iter().all(|&node| field[node as usize] == value), "{value}");
+    let held = driven.contribution(NodalValue::driven("plate", phi(), "z+", VOLTAGE).on(&mesh, right.clone())?)?;
+    let given = solve(&held, &[("drive", 0.15), ("plate", value)])?;
+    let apart = common::distance(&given.u, &state.u);
+    assert!(apart < 1e-12, "{apart:e}");
+    assert_eq!(floating.model().stability().negative_pivots(&state)?, 0);
+    assert_eq!(held.model().stability().negative_pivots(&given)?, 0);
+    let both = floating.clone().hold("phi", 0, "z+", 0.0).err().ok_or("it holds")?.to_string();
+    assert!(both.contains("\"plate\"") && both.contains("\"z+\""), "{both}");
+    let twice = NodalValue::floating("other", phi(), "z+").on(&mesh, right)?;
+    let twice = floating.contribution(twice).err().ok_or("it floats twice")?.to_string();
+    assert!(twice.contains("\"plate\"") && twice.contains("\"other\""), "{twice}");
+    Ok(())
+}
+
+/// A rigid part, whose displacement follows that of four nodes, has a potential of its own at every node: that of a part which is very stiff.
+#[test]
+fn a_rigid_part_has_a_potential() -> Outcome {
+    let size = [1.0, 0.4, 0.4];
+    let mesh = common::regular(CellKind::Hex8, size, [5, 2, 2])?;
+    let of = |part: std::ops::Range<f64>| -> Vec<u32> {
+        (0..mesh.cells() as u32).filter(|cell| part.contains(&mesh.cell_centre(*cell as usize)[0])).collect()
+    };
+    let mesh = mesh.clone().with_region("soft", of(0.0..0.55)).with_region("hard", of(0.55..1.0));
+    let law = |scale: f64| NeoHooke::new(scale, 4.0 * scale);
+    let body = |stiff: f64| -> Outcome<Solid> {
+        let body = Solid::new(mesh.clone())?.material("soft", law(1.0)?)?.material("hard", law(stiff)?)?.clamp("x-")?;
+        Ok(body)
+    };
+    let charged = |body: Solid| -> Outcome<Solid> {
+        let charged = dielectric(body)?.hold("phi", 0, "x-", 0.0)?;
+        Ok(charged.nodal_value(NodalValue::driven("drive", phi(), "x+", VOLTAGE))?)
+    };
+    let rigid = body(1.0)?.rigid(&RigidBody::new("plug", "hard"))?;
+    let (rigid, stiff) = (charged(rigid)?, charged(body(1e6)?)?);
+    let states = [solve(&rigid, &[("drive", 0.3)])?, solve(&stiff, &[("drive", 0.3)])?];
+    let nodal = stiff.model().unknowns().nodal();
+    let apart = common::distance(&states[0].u[..nodal], &states[1].u);
+    let moved = common::largest(&rigid.model().displacement(&states[0].u));
+    println!("{apart:.2e} of {moved:.2e}");
+    assert!(moved > 1e-3 && apart < 1e-5 * moved, "{apart:e}");
+    assert_eq!(rigid.model().stability().negative_pivots(&states[0])?, 0);
     Ok(())
 }

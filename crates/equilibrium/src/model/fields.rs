@@ -5,12 +5,14 @@ use super::restricted::{RestrictedPoint, Selection};
 use crate::model::views::Properties;
 use nastic_body::contribution::Contribution;
 use nastic_body::contribution::point::{ContributionPoint, Need};
+use nastic_body::contribution::tied::Tied;
 use nastic_body::discretization::Discretization;
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::instant::Instant;
 use nastic_linear::{Field, On, Solver, SolverFactory, Space, SparseMatrix, Structure, Symmetry};
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The name of the first field, which every model has.
@@ -42,16 +44,8 @@ impl Model {
     /// # Errors
     /// [`FemError::Meaningless`]: no such field.
     pub fn field(&self, name: &str, u: &[f64]) -> Result<Vec<f64>, FemError> {
-        let (first, field) = self.nodal_field(name)?;
+        let (first, field) = nodal_field(&self.space, name)?;
         Ok(self.space.components(u, first, field.components))
-    }
-
-    pub(crate) fn nodal_field(&self, name: &str) -> Result<(usize, &Field), FemError> {
-        self.space.nodal_field(name).ok_or_else(|| {
-            let known: Vec<&str> = self.space.nodal_fields().map(|(_, field)| field.name.as_str()).collect();
-            let what = format!("there is no field \"{name}\" on the nodes; there are {}", known.join(", "));
-            FemError::Meaningless { what }
-        })
     }
 
     /// Holds a component of a nodal field at a value on nodes.
@@ -66,7 +60,7 @@ impl Model {
         nodes: &[u32],
         value: f64,
     ) -> Result<(), FemError> {
-        let (first, known) = self.nodal_field(field)?;
+        let (first, known) = nodal_field(&self.space, field)?;
         if component >= known.components {
             let what = format!("field \"{field}\" has no component {component}; it has {}", known.components);
             return Err(FemError::Meaningless { what });
@@ -91,23 +85,6 @@ impl Model {
         }
         if let Some(constraints) = contribution.constrains() {
             space = space.with(Field::multipliers(contribution.name(), constraints.count()));
-        }
-        let moving = std::iter::once(contribution).chain(self.others.iter().map(Arc::as_ref));
-        if let Some(field) = further(&space)
-            && let Some(moving) = moving.into_iter().find(|c| c.prescribes().is_some())
-        {
-            return Err(refused(
-                &format!("field \"{}\"", field.name),
-                moving.name(),
-                "it moves unknowns of the body alone",
-            ));
-        }
-        let all = std::iter::once(contribution).chain(self.others.iter().map(Arc::as_ref));
-        if let Some(field) = further(&space)
-            && let Some(rigid) = all.into_iter().find(|c| c.tied().is_some())
-        {
-            let why = "nodes follow others with the displacement alone";
-            return Err(refused(&format!("field \"{}\"", field.name), rigid.name(), why));
         }
         Ok(space)
     }
@@ -148,7 +125,7 @@ impl Model {
         Some((&field.name, owner.map_or("", |owner| owner.name())))
     }
 
-    fn selection(&self, contribution: &dyn Contribution) -> Option<Selection> {
+    pub(super) fn selection(&self, contribution: &dyn Contribution) -> Option<Selection> {
         Selection::of(&self.space, contribution.fields())
     }
 
@@ -174,12 +151,7 @@ impl Model {
     ) -> Result<Box<dyn ContributionPoint + 'm>, Inadmissible> {
         let Some(selection) = self.selection(contribution) else { return contribution.at(at, need) };
         let point = selection.at(at, |at| contribution.at(at, need))?;
-        Ok(Box::new(RestrictedPoint {
-            point,
-            symmetry: contribution.symmetry(),
-            selection,
-            structure: self.tangent_structure(),
-        }))
+        Ok(Box::new(RestrictedPoint { point, selection }))
     }
 
     /// Calls with a contribution's point, made for its own fields, as it stands among the unknowns of the model.
@@ -190,8 +162,7 @@ impl Model {
         call: impl FnOnce(&dyn ContributionPoint) -> T,
     ) -> T {
         let Some(selection) = self.selection(contribution) else { return call(point) };
-        let (symmetry, structure) = (contribution.symmetry(), self.tangent_structure().as_ref());
-        call(&RestrictedPoint { point, symmetry, selection, structure })
+        call(&RestrictedPoint { point, selection })
     }
 
     /// What a contribution adds to a symmetric matrix, added to one of the model.
@@ -203,7 +174,7 @@ impl Model {
     ) -> Result<(), E> {
         match self.selection(contribution) {
             None => add(into),
-            Some(selection) => selection.add_matrix(self.tangent_structure(), into, Symmetry::Symmetric, add),
+            Some(selection) => selection.among(into, add),
         }
     }
 
@@ -268,6 +239,26 @@ impl Model {
             (Symmetry::General, false) => Solver::LU,
         }
     }
+}
+
+/// The components in a node's block of the field that is tied.
+pub(super) fn tied_components(space: &Space, by: &dyn Contribution, tied: &Tied) -> Result<Range<usize>, FemError> {
+    let name = tied.field.as_deref().unwrap_or(DISPLACEMENT);
+    let (first, field) = nodal_field(space, name)?;
+    let own = tied.field.is_none() || by.fields().iter().any(|own| own.name == *name);
+    if !own {
+        let why = "it ties a field that is not one of its own: name it in `Contribution::fields`";
+        return Err(refused(&format!("field \"{name}\""), by.name(), why));
+    }
+    Ok(first..first + field.components)
+}
+
+fn nodal_field<'s>(space: &'s Space, name: &str) -> Result<(usize, &'s Field), FemError> {
+    space.nodal_field(name).ok_or_else(|| {
+        let known: Vec<&str> = space.nodal_fields().map(|(_, field)| field.name.as_str()).collect();
+        let what = format!("there is no field \"{name}\" on the nodes; there are {}", known.join(", "));
+        FemError::Meaningless { what }
+    })
 }
 
 fn further(space: &Space) -> Option<&Field> {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::element_block::ElementBlock;
-use super::entries::Pattern;
+use super::entries::{Pattern, scatter_among};
 use super::skew;
 use crate::error::{FactorError, NotCoupled};
 
@@ -37,18 +37,20 @@ pub struct SparseMatrix {
     beyond: Vec<ElementBlock>,
     /// What makes a preconditioner of the symmetric part.
     aside: Vec<ElementBlock>,
+    /// Places in a node's block of the components that what is added has; all of them where there are none.
+    components: Option<Vec<usize>>,
 }
 
 impl SparseMatrix {
     /// The zero matrix.
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
         let values = vec![0.0; pattern.values()];
-        Self { pattern, values, skew: None, beyond: Vec::new(), aside: Vec::new() }
+        Self { values, ..Self::without_values(pattern) }
     }
 
     /// A matrix that stores nothing, where products stand for it.
     pub fn without_values(pattern: Arc<Pattern>) -> Self {
-        Self { pattern, values: Vec::new(), skew: None, beyond: Vec::new(), aside: Vec::new() }
+        Self { pattern, values: Vec::new(), skew: None, beyond: Vec::new(), aside: Vec::new(), components: None }
     }
 
     /// The zero matrix of a symmetry: a general one has room for a skew part.
@@ -66,20 +68,14 @@ impl SparseMatrix {
     #[must_use]
     pub fn symmetric_part(&self) -> SparseMatrix {
         let beyond = self.beyond.iter().map(ElementBlock::symmetric_part).collect();
-        SparseMatrix {
-            pattern: self.pattern.clone(),
-            values: self.values.clone(),
-            skew: None,
-            beyond,
-            aside: Vec::new(),
-        }
+        SparseMatrix { beyond, values: self.values.clone(), ..Self::without_values(self.pattern.clone()) }
     }
 
     /// Sets an element matrix aside that belongs to no product, but to the [stand-in](Self::stand_in): its symmetric part, at pairs of nodes that the
     /// pattern has.
     pub fn add_aside(&mut self, nodes: &[u32], element: Vec<f64>) {
-        debug_assert_eq!(element.len(), (self.pattern.dim() * nodes.len()).pow(2));
-        self.aside.push(ElementBlock::merged(nodes, element).symmetric_part());
+        let block = self.block_of(nodes, element).symmetric_part();
+        self.aside.push(block);
     }
 
     /// What stands in for the matrix as a preconditioner: its symmetric part with the element matrices that were [set aside](Self::add_aside).
@@ -120,8 +116,29 @@ impl SparseMatrix {
     /// own, which products have in them and a factor only of a matrix that it was [joined](crate::JoinedStructure) to. Pairs that the pattern
     /// has, of nodes that share a cell or are the same, may be among them, and a node may be named more than once: the entries add up.
     pub fn add_beyond(&mut self, nodes: &[u32], element: Vec<f64>) {
-        debug_assert_eq!(element.len(), (self.pattern.dim() * nodes.len()).pow(2));
-        self.beyond.push(ElementBlock::merged(nodes, element));
+        let block = self.block_of(nodes, element);
+        self.beyond.push(block);
+    }
+
+    /// Places in a node's block of the components that what is added has.
+    fn seen(&self) -> Vec<usize> {
+        self.components.clone().unwrap_or_else(|| (0..self.pattern.dim()).collect())
+    }
+
+    fn block_of(&self, nodes: &[u32], element: Vec<f64>) -> ElementBlock {
+        let dim = self.pattern.dim();
+        debug_assert_eq!(element.len(), (self.components.as_ref().map_or(dim, Vec::len) * nodes.len()).pow(2));
+        let block = ElementBlock::merged(nodes, element);
+        self.components.as_ref().map_or_else(|| block.clone(), |own| block.widened(dim, own))
+    }
+
+    /// Calls with the matrix as it is seen by some of the components of every node, whose places in a node's block are given: what is added meanwhile, element matrices
+    /// and blocks, has these alone.
+    pub fn among<T>(&mut self, components: &[usize], call: impl FnOnce(&mut Self) -> T) -> T {
+        let before = self.components.replace(components.to_vec());
+        let answer = call(self);
+        self.components = before;
+        answer
     }
 
     /// The blocks beyond the pattern.
@@ -165,10 +182,21 @@ impl SparseMatrix {
     /// Adds an element matrix: see [`Pattern::scatter`] for the arguments. All of it is read where the matrix is general;
     /// of a symmetric one it must be symmetric.
     pub fn add_element(&mut self, map: &[u32], element: &[f64]) {
-        let Some(skew) = &mut self.skew else { return self.pattern.scatter(map, element, &mut self.values) };
+        if self.skew.is_none() {
+            return self.add_symmetric_element(map, element);
+        }
         let (symmetric, antisymmetric) = skew::split(element);
-        self.pattern.scatter(map, &symmetric, &mut self.values);
-        skew::scatter(self.pattern.dim(), map, &antisymmetric, skew);
+        self.add_symmetric_element(map, &symmetric);
+        let (dim, components) = (self.pattern.dim(), self.seen());
+        self.skew.iter_mut().for_each(|skew| scatter_among(dim, &components, map, &antisymmetric, skew, -1.0));
+    }
+
+    /// The same of a symmetric element matrix, whatever the symmetry of this one.
+    pub fn add_symmetric_element(&mut self, map: &[u32], element: &[f64]) {
+        match &self.components {
+            None => self.pattern.scatter(map, element, &mut self.values),
+            Some(own) => scatter_among(self.pattern.dim(), own, map, element, &mut self.values, 1.0),
+        }
     }
 
     /// The matrix of the absolute values of the symmetric part, `|S|_ij = |S_ij|`; blocks beyond the pattern each by itself, which
@@ -177,7 +205,7 @@ impl SparseMatrix {
     pub fn magnitudes(&self) -> SparseMatrix {
         let values = self.values.iter().map(|value| value.abs()).collect();
         let beyond = self.beyond.iter().map(|block| block.symmetric_part().map(f64::abs)).collect();
-        SparseMatrix { pattern: self.pattern.clone(), values, skew: None, beyond, aside: Vec::new() }
+        SparseMatrix { beyond, values, ..Self::without_values(self.pattern.clone()) }
     }
 
     /// Its pattern.
@@ -399,37 +427,22 @@ impl SparseMatrix {
     /// # Errors
     /// [`NotCoupled`] where this pattern lacks a coupling at which B is not zero; A is then of no use.
     pub fn add_scaled(&mut self, factor: f64, other: &SparseMatrix) -> Result<(), NotCoupled> {
-        self.beyond.extend(other.beyond.iter().map(|block| block.map(|entry| factor * entry)));
+        let (dim, own) = (self.pattern.dim(), self.seen());
+        self.beyond.extend(other.beyond.iter().map(|block| block.map(|entry| factor * entry).widened(dim, &own)));
         if Arc::ptr_eq(&self.pattern, &other.pattern) {
             self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
             return Ok(());
         }
-        let (dim, mut lacking) = (self.pattern.dim(), None);
-        other.for_each_entry(|row, column, value| match self.pattern.value_index(row, column) {
+        let mut lacking = None;
+        let place = |dof: usize| dim * (dof / own.len()) + own[dof % own.len()];
+        other.for_each_entry(|row, column, value| match self.pattern.value_index(place(row), place(column)) {
             Some(at) => self.values[at] += factor * value,
             None if value == 0.0 => {}
-            None => lacking = lacking.or(Some(NotCoupled { a: (row / dim) as u32, b: (column / dim) as u32 })),
+            None => {
+                lacking = lacking.or(Some(NotCoupled { a: (row / own.len()) as u32, b: (column / own.len()) as u32 }))
+            }
         });
         lacking.map_or(Ok(()), Err)
-    }
-
-    /// `A_(i c_k)(j c_l) += B_(i k)(j l)`: a matrix over some of the components of every node, c their places in a node's block here. Its
-    /// pattern is that of this matrix [with as many dofs](Pattern::with_dim); of a symmetric A it must be symmetric.
-    pub fn add_components(&mut self, other: &SparseMatrix, components: &[usize]) {
-        let (dim, own) = (self.pattern.dim(), components.len());
-        let add = |into: &mut [f64], from: &[f64]| {
-            for (into, from) in into.chunks_exact_mut(dim * dim).zip(from.chunks_exact(own * own)) {
-                for (at, value) in from.iter().enumerate() {
-                    into[dim * components[at / own] + components[at % own]] += value;
-                }
-            }
-        };
-        add(&mut self.values, &other.values);
-        if let (Some(into), Some(from)) = (&mut self.skew, &other.skew) {
-            add(into, from);
-        }
-        self.beyond.extend(other.beyond.iter().map(|block| block.widened(dim, components)));
-        self.aside.extend(other.aside.iter().map(|block| block.widened(dim, components)));
     }
 
     /// Adds `shift` times the identity.
@@ -443,11 +456,11 @@ impl SparseMatrix {
 
     /// Adds a diagonal matrix, entries by dof.
     pub fn add_diagonal(&mut self, entries: &[f64]) {
-        let dim = self.pattern.dim();
+        let (dim, own) = (self.pattern.dim(), self.seen());
         for (j, &node) in self.pattern.ordering().new_to_old().iter().enumerate() {
             let (first, _) = self.pattern.column(j);
-            for c in 0..dim {
-                self.values[dim * dim * first + (dim + 1) * c] += entries[dim * node as usize + c];
+            for (k, c) in own.iter().enumerate() {
+                self.values[dim * dim * first + (dim + 1) * c] += entries[own.len() * node as usize + k];
             }
         }
     }
