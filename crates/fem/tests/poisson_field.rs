@@ -153,7 +153,7 @@ fn a_surface_moves_beside_the_field() -> Outcome {
 #[test]
 fn what_knows_of_the_displacement_alone_is_refused() -> Outcome {
     let solid = with_field(bar()?)?;
-    let equilibria = [Feature::Modes, Feature::Path, Feature::Ramp, Feature::Deflation, Feature::Descent];
+    let equilibria = [Feature::Modes, Feature::Deflation, Feature::Descent, Feature::ExactContact];
     let refused = equilibria.map(|feature| solid.model().properties().supports(feature));
     for answer in refused.into_iter().chain([solid.model().supports_motion(&Scheme::bdf2())]) {
         let message = answer.err().ok_or("it goes")?.to_string();

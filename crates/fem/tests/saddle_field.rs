@@ -4,9 +4,9 @@ use crate::common;
 
 use common::Outcome;
 use common::block::STRICT;
-use common::dielectric::{Dielectric, block, on_rollers, stretches};
+use common::dielectric::{Dielectric, between_plates, block, on_rollers};
 use nastic_energy::{NeoHooke, Slot};
-use nastic_fem::{Field, NodalValue, RigidBody, Solid, State, check_contribution};
+use nastic_fem::{EventKind, Field, NodalValue, PathOptions, RigidBody, Solid, State, Workspace, check_contribution};
 use nastic_mesh::CellKind;
 
 const PERMITTIVITY: f64 = 0.7;
@@ -25,9 +25,11 @@ fn a_capacitor_is_squeezed_as_its_closed_form_says() -> Outcome {
     let solid = solid.hold("phi", 0, "z-", 0.0)?.hold("phi", 0, "z+", voltage)?;
     let state = solid.solve(&solid.controls(), &STRICT)?;
     assert_eq!((state.report.shifted, state.report.solver), (0, "direct"));
-    let [across, along] = stretches(PERMITTIVITY, voltage, thickness);
-    assert!(across > 1.01 && along < 0.98, "{across} {along}");
     let u = solid.model().displacement(&state.u);
+    let top = common::node_at(solid.mesh(), [0.0, 0.0, thickness]).ok_or("no node")?;
+    let along = 1.0 + u[3 * top + 2] / thickness;
+    let [across, expected] = between_plates(PERMITTIVITY, along, thickness);
+    assert!(across > 1.01 && along < 0.98 && (expected - voltage).abs() < 1e-10, "{across} {along} {expected}");
     for (x, u) in solid.mesh().points().iter().zip(u.chunks_exact(3)) {
         let expected = [(across - 1.0) * x[0], (across - 1.0) * x[1], (along - 1.0) * x[2]];
         assert!((0..3).all(|i| (u[i] - expected[i]).abs() < 1e-10), "{u:?} {expected:?}");
@@ -132,5 +134,51 @@ fn a_rigid_part_has_a_potential() -> Outcome {
     println!("{apart:.2e} of {moved:.2e}");
     assert!(moved > 1e-3 && apart < 1e-5 * moved, "{apart:e}");
     assert_eq!(rigid.model().stability().negative_pivots(&states[0])?, 0);
+    Ok(())
+}
+
+/// A voltage is ramped up to where plates pull each other through the body, and followed beyond.
+#[test]
+fn plates_pull_in_at_a_limit_point() -> Outcome {
+    // in one cell the plates give every value of the potential
+    (1..3).try_for_each(pull_in)
+}
+
+fn pull_in(cells: usize) -> Outcome {
+    let thickness = 0.25;
+    let solid = dielectric(on_rollers(block(CellKind::Hex8, [1.0, 0.8, thickness], [1, 1, cells])?)?)?;
+    let solid = solid.hold("phi", 0, "z-", 0.0)?.nodal_value(NodalValue::driven("drive", phi(), "z+", VOLTAGE))?;
+    let stability = solid.model().stability();
+    let at = |voltage: f64| {
+        let mut controls = solid.controls();
+        controls.values_mut(0)[0] = voltage;
+        controls
+    };
+    let mut workspace = Workspace::default();
+    let ramp = stability.ramp(&at(0.0), &at(0.14), 5, &STRICT, &mut workspace, &mut |_| ())?;
+    assert!(ramp.failure.is_none() && ramp.critical.is_empty());
+    let top = common::node_at(solid.mesh(), [0.0, 0.0, thickness]).ok_or("no node")?;
+    let voltage = |along: f64| between_plates(PERMITTIVITY, along, thickness)[1];
+    let along = |state: &State| 1.0 + state.u[4 * top + 2] / thickness;
+    for (k, point) in ramp.points.iter().enumerate() {
+        let expected = voltage(along(&point.state));
+        assert!((0.035 * k as f64 - expected).abs() < 1e-7 && point.negative == Some(0), "{k}: {expected}");
+    }
+    let beyond = stability.ramp(&at(0.0), &at(0.4), 5, &STRICT, &mut workspace, &mut |_| ())?;
+    assert!(beyond.failure.is_some(), "there is no equilibrium");
+    let options = PathOptions { points: 40, range: [-0.1, 1.0], ..PathOptions::default() };
+    let start = solid.solve(&at(0.05), &STRICT)?;
+    let path = stability.path(&start, (&at(0.4), 1.0), &options, &STRICT, &mut workspace, &mut |_| ())?;
+    let limit = path.events.iter().find(|event| event.kind == EventKind::LimitPoint).ok_or("no limit point")?;
+    let most = (3000..10000).map(|k| voltage(1e-4 * f64::from(k))).fold(0.0, f64::max);
+    let found = 0.05 + 0.35 * limit.s;
+    println!("limit at {found:.8} V, {most:.8} V in closed form, {} points", path.points.len());
+    assert!((found - most).abs() < 1e-6 * most, "{found} {most}");
+    for point in &path.points {
+        let expected = voltage(along(&point.state));
+        assert!((0.05 + 0.35 * point.s - expected).abs() < 1e-8, "{} {expected}", point.s);
+        assert_eq!(point.negative, Some(usize::from(point.slope < 0.0)), "{} {}", point.s, point.slope);
+    }
+    assert!(path.points.iter().filter(|point| point.slope < 0.0).count() > 2);
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! The cost terms of a [`Reduced`] problem: their names, values and figures.
 
 use super::Reduced;
+use crate::cost::of_displacement::{beside_fields, displacement, wrapped};
 use crate::cost::{Cost, CostContext, CostPoint, Figure};
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
@@ -29,12 +30,15 @@ impl Reduced {
     /// A cost that is not defined there.
     pub fn costs_at(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<Arc<dyn CostPoint>>, ControlError> {
         let own = self.at_instant(m, state.time)?;
-        let context = self.context(state, &own, stage);
+        let u = displacement(&self.solid, state);
+        let context = beside_fields(self.context(state, &own, stage), &u);
         let at = |cost: &dyn Cost| {
             let instants = self.timeline().map_or(&[][..], Timeline::instants);
             let n = nearest(instants, state.time);
             let step = self.step_begin(cost.needs_step(), n, m)?;
-            self.solid.model().ranks().all_accept(cost.at(&CostContext { step: step.as_ref(), ..context }))
+            let point = cost.at(&CostContext { step: step.as_ref(), ..context });
+            let point = point.map(|point| wrapped(&self.solid, point, |point| Arc::new(point)));
+            self.solid.model().ranks().all_accept(point)
         };
         self.costs.iter().map(|cost| at(cost.as_ref())).collect()
     }

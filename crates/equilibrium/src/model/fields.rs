@@ -2,7 +2,6 @@
 
 use super::Model;
 use super::restricted::{RestrictedPoint, Selection};
-use crate::model::views::Properties;
 use nastic_body::contribution::Contribution;
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::contribution::tied::Tied;
@@ -89,6 +88,13 @@ impl Model {
         Ok(space)
     }
 
+    /// The volumes of nodes by unknown of the displacement, zero of further fields.
+    pub(crate) fn volumes_by_unknown(&self) -> Vec<f64> {
+        let (dim, block) = (self.discretization().dim(), self.space.block());
+        let of_node = |volume: f64| (0..block).map(move |i| if i < dim { volume } else { 0.0 });
+        self.discretization().nodal_volumes().into_iter().flat_map(of_node).collect()
+    }
+
     /// By unknown on nodes, whether the potential has a maximum by it and it is free: neither held nor led by others. Empty where it has one by none.
     pub(crate) fn maxima(&self) -> Vec<bool> {
         if !self.space.has_saddle_field() {
@@ -119,7 +125,7 @@ impl Model {
     }
 
     /// The first field beyond the displacement and a contribution that has it, where there is one.
-    fn further(&self) -> Option<(&str, &str)> {
+    pub(super) fn further(&self) -> Option<(&str, &str)> {
         let field = further(&self.space)?;
         let owner = self.others.iter().find(|c| c.fields().iter().any(|own| own.name == field.name));
         Some((&field.name, owner.map_or("", |owner| owner.name())))
@@ -267,20 +273,4 @@ fn further(space: &Space) -> Option<&Field> {
 
 fn refused(what: &str, with: &str, why: &str) -> FemError {
     FemError::Unsupported { what: what.to_owned(), with: with.to_owned(), why: why.to_owned() }
-}
-
-impl Properties<'_> {
-    /// Refuses what knows of the displacement alone.
-    ///
-    /// # Errors
-    /// [`FemError::Unsupported`]: what, with which contribution and field.
-    pub fn refuse_further_fields(&self, what: &str) -> Result<(), FemError> {
-        match self.model.further() {
-            None => Ok(()),
-            Some((field, owner)) => {
-                let why = format!("its field \"{field}\" is solved for in statics alone, by solve and adjoint");
-                Err(refused(what, owner, &why))
-            }
-        }
-    }
 }

@@ -1,8 +1,8 @@
 //! [`Connection`]: whether two equilibria lie on one branch.
 
 use crate::linear_systems::workspace::Workspace;
-use crate::model::Model;
 use crate::model::views::Stability;
+use crate::model::{Feature, Model};
 use crate::search::ahead::Ahead;
 use crate::search::gradient_fit::GradientFit;
 use crate::search::options::SolveOptions;
@@ -136,7 +136,7 @@ impl Stability<'_> {
     /// # Errors
     /// As [`path`](Self::path); a cancelled solve, a lack of memory.
     pub fn connection(&self, from: &State, to: &State, how: &SolveOptions) -> Result<Connection, StateError> {
-        self.model.properties().refuse_further_fields("a connection between equilibria")?;
+        self.model.properties().refuse_further_fields(Feature::Connection, "a connection between equilibria")?;
         self.model.checks().check_state(from)?;
         self.model.checks().check_state(to)?;
         let change = self.model.unknowns().norm(&sub(self.model.nodal(&to.u), self.model.nodal(&from.u)));

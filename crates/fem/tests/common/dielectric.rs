@@ -84,22 +84,20 @@ pub fn on_rollers(solid: Solid) -> Outcome<Solid> {
     Ok(solid.displace("x-", hold(0))?.displace("y-", hold(1))?.displace("z-", hold(2))?)
 }
 
-/// The stretches across and along the field of a block between two plates of voltage V at a distance h: the elastic stress against the pair
+/// The stretch a across the field and the voltage V of a block between two plates at a distance h that has the stretch c along the field: the elastic stress against the pair
 /// `eps E^2 / 2`, a pull across and a push along it, with `E = V / (c h)`.
-pub fn stretches(permittivity: f64, voltage: f64, thickness: f64) -> [f64; 2] {
-    let residual = |[a, c]: [f64; 2]| {
-        let (j, pair) = (a * a * c, 0.5 * permittivity * (voltage / (c * thickness)).powi(2));
+pub fn between_plates(permittivity: f64, along: f64, thickness: f64) -> [f64; 2] {
+    let stresses = |across: f64| {
+        let j = across * across * along;
         let pressure = LAMBDA * (j - 1.0) - MU / j;
-        [MU * a * a / j + pressure - pair, MU * c * c / j + pressure + pair]
+        [across, along].map(|stretch| MU * stretch * stretch / j + pressure)
     };
-    let (mut x, d) = ([1.0, 1.0], 1e-7);
-    for _ in 0..30 {
-        let r = residual(x);
-        let [by_a, by_c] = [residual([x[0] + d, x[1]]), residual([x[0], x[1] + d])]
-            .map(|moved| [(moved[0] - r[0]) / d, (moved[1] - r[1]) / d]);
-        let det = by_a[0] * by_c[1] - by_c[0] * by_a[1];
-        x[0] -= (r[0] * by_c[1] - r[1] * by_c[0]) / det;
-        x[1] -= (by_a[0] * r[1] - by_a[1] * r[0]) / det;
+    // their sum is zero, and rises with the stretch
+    let (mut low, mut high) = (0.5, 10.0);
+    for _ in 0..100 {
+        let middle = 0.5 * (low + high);
+        if stresses(middle).iter().sum::<f64>() < 0.0 { low = middle } else { high = middle }
     }
-    x
+    let pair = stresses(low)[0].max(0.0);
+    [low, along * thickness * (2.0 * pair / permittivity).sqrt()]
 }
