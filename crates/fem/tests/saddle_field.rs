@@ -172,7 +172,6 @@ fn pull_in(cells: usize) -> Outcome {
     let limit = path.events.iter().find(|event| event.kind == EventKind::LimitPoint).ok_or("no limit point")?;
     let most = (3000..10000).map(|k| voltage(1e-4 * f64::from(k))).fold(0.0, f64::max);
     let found = 0.05 + 0.35 * limit.s;
-    println!("limit at {found:.8} V, {most:.8} V in closed form, {} points", path.points.len());
     assert!((found - most).abs() < 1e-6 * most, "{found} {most}");
     for point in &path.points {
         let expected = voltage(along(&point.state));

@@ -18,7 +18,7 @@ pub(crate) struct OfDisplacement<P: ?Sized> {
 }
 
 /// The context of costs and constraints that are evaluated beside further fields: with the displacement alone, and without the state, whose tangent is that of more.
-pub(crate) fn beside_fields<'a>(context: CostContext<'a>, u: &'a Cow<'_, [f64]>) -> CostContext<'a> {
+pub(crate) fn beside_fields<'a>(context: CostContext<'a>, u: &'a [f64]) -> CostContext<'a> {
     let has_state = context.solid.model().unknowns().has_one_nodal_field();
     CostContext { u, state: context.state.filter(|_| has_state), ..context }
 }

@@ -138,7 +138,7 @@ impl<'a> LineSearch<'a> {
             return self.downhill(here, &step.dx, &merit);
         }
         if model.unknowns().has_saddle_field() {
-            return self.to_saddle(here, step, direction, report);
+            return self.search_saddle(here, step, direction, report);
         }
         let uphill = direction.pressures().is_some_and(|pressures| self.is_uphill(here, step, pressures));
         if step.curvature != Curvature::Negative && !uphill {
@@ -158,7 +158,7 @@ impl<'a> LineSearch<'a> {
 
     /// Towards an equilibrium in which the potential has a maximum by a field: it rises there, and the residual alone shows what is nearer. Where the tangent has more
     /// negative eigenvalues than that has unknowns, as far as the residual falls along Newton's step, or else along one with a shifted tangent.
-    fn to_saddle(
+    fn search_saddle(
         &mut self,
         here: &Iterate,
         step: &Step,
