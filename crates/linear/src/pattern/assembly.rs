@@ -55,7 +55,7 @@ impl SparseMatrix {
         answer
     }
 
-    /// Adds an element matrix: see [`Pattern::scatter`] for the arguments. All of it is read where the matrix is general;
+    /// Adds an element matrix: see [`Pattern::scatter`](crate::Pattern::scatter) for the arguments. All of it is read where the matrix is general;
     /// of a symmetric one it must be symmetric.
     pub fn add_element(&mut self, map: &[u32], element: &[f64]) {
         if self.skew.is_none() {
