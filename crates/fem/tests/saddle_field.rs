@@ -6,7 +6,10 @@ use common::Outcome;
 use common::block::STRICT;
 use common::dielectric::{Dielectric, between_plates, block, on_rollers};
 use nastic_energy::{NeoHooke, Slot};
-use nastic_fem::{EventKind, Field, NodalValue, PathOptions, RigidBody, Solid, State, Workspace, check_contribution};
+use nastic_fem::{
+    Cause, Connection, EventKind, Field, NodalValue, PathOptions, RigidBody, Solid, State, StateError, Workspace,
+    check_contribution,
+};
 use nastic_mesh::CellKind;
 
 const PERMITTIVITY: f64 = 0.7;
@@ -165,9 +168,14 @@ fn pull_in(cells: usize) -> Outcome {
         assert!((0.035 * k as f64 - expected).abs() < 1e-7 && point.negative == Some(0), "{k}: {expected}");
     }
     let beyond = stability.ramp(&at(0.0), &at(0.4), 5, &STRICT, &mut workspace, &mut |_| ())?;
-    assert!(beyond.failure.is_some(), "there is no equilibrium");
+    let Some((_, StateError::NoConvergence { cause, .. })) = beyond.failure else {
+        return Err("there is no equilibrium".into());
+    };
+    assert!(matches!(cause, Cause::LimitPoint { .. }), "{cause:?}");
     let options = PathOptions { points: 40, range: [-0.1, 1.0], ..PathOptions::default() };
     let start = solid.solve(&at(0.05), &STRICT)?;
+    let connected = stability.connection(&start, &ramp.points[4].state, &STRICT)?;
+    assert_eq!(connected, Connection::Connected);
     let path = stability.path(&start, (&at(0.4), 1.0), &options, &STRICT, &mut workspace, &mut |_| ())?;
     let limit = path.events.iter().find(|event| event.kind == EventKind::LimitPoint).ok_or("no limit point")?;
     let most = (3000..10000).map(|k| voltage(1e-4 * f64::from(k))).fold(0.0, f64::max);

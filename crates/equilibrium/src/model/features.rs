@@ -23,8 +23,6 @@ pub enum Feature {
     ExactContact,
     /// From a saddle to a minimum of the potential: [`Stability::descend`](crate::model::views::Stability::descend).
     Descent,
-    /// Whether two equilibria are on one branch: [`Stability::connection`](crate::model::views::Stability::connection).
-    Connection,
     /// Steps in time, modes of vibration and their adjoint.
     Motion,
     /// [`Energies::rayleigh_damping`](crate::model::views::Energies::rayleigh_damping).
@@ -39,7 +37,6 @@ fn beside_fields(feature: Feature) -> Option<&'static str> {
             Some("modes are those of the displacement alone: ramps and paths count where equilibria change")
         }
         Feature::ExactContact => Some("its steps are those of the displacement alone: take a contact with a layer"),
-        Feature::Connection => Some("states between two equilibria are made of displacements alone: take a path"),
         Feature::Motion => Some("it is solved for in statics alone, by solve, adjoint, ramp and path"),
         Feature::RayleighDamping => Some("the damping is one of displacements alone"),
     }
@@ -92,7 +89,6 @@ impl Properties<'_> {
             Feature::Deflation => "other equilibria by deflation",
             Feature::Descent => "a descent from a saddle",
             Feature::ExactContact => "exact contact",
-            Feature::Connection => "a connection between equilibria",
             Feature::Motion => "a motion",
             Feature::RayleighDamping => "Rayleigh damping",
         };
@@ -110,12 +106,7 @@ impl Properties<'_> {
             )?;
         }
         match feature {
-            Feature::Equilibrium
-            | Feature::Ramp
-            | Feature::Path
-            | Feature::Connection
-            | Feature::Motion
-            | Feature::RayleighDamping => Ok(()),
+            Feature::Equilibrium | Feature::Ramp | Feature::Path | Feature::Motion | Feature::RayleighDamping => Ok(()),
             Feature::Modes => self.model.refuse_unsymmetric(
                 "modes",
                 "the number of Newton iterations and ramps still tell where states change",
