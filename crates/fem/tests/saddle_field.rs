@@ -7,8 +7,8 @@ use common::block::STRICT;
 use common::dielectric::{Dielectric, between_plates, block, on_rollers};
 use nastic_energy::{NeoHooke, Slot};
 use nastic_fem::{
-    Cause, Connection, EventKind, Field, NodalValue, PathOptions, RigidBody, Solid, State, StateError, Workspace,
-    check_contribution,
+    Cause, Connection, EventKind, Field, NodalValue, PathOptions, RigidBody, Solid, State, StateError, Tendon,
+    Workspace, check_contribution,
 };
 use nastic_mesh::CellKind;
 
@@ -187,5 +187,22 @@ fn pull_in(cells: usize) -> Outcome {
         assert_eq!(point.negative, Some(usize::from(point.slope < 0.0)), "{} {}", point.s, point.slope);
     }
     assert!(path.points.iter().filter(|point| point.slope < 0.0).count() > 2);
+    Ok(())
+}
+
+/// A cable that cannot stretch keeps the body from growing across the field: its multiplier counts beside the potential.
+#[test]
+fn a_constraint_stands_beside_the_field() -> Outcome {
+    let body = block(CellKind::Hex8, [1.0, 0.3, 0.2], [4, 2, 2])?.clamp("x-")?;
+    let body = dielectric(body)?.hold("phi", 0, "z-", 0.0)?;
+    let body = body.nodal_value(NodalValue::driven("drive", phi(), "z+", VOLTAGE))?;
+    let cable = Tendon::through("cable", [[0.1, 0.15, 0.1], [0.9, 0.15, 0.1]]).inextensible();
+    let (free, tied) = (body.clone(), body.tendon(cable)?);
+    let [free_state, state] = [&free, &tied].map(|solid| solve(solid, &[("drive", 0.1)]));
+    let (free_state, state) = (free_state?, state?);
+    let end = common::node_at(free.mesh(), [1.0, 0.15, 0.1]).ok_or("no node")?;
+    let (grown, kept) = (free_state.u[4 * end], state.u[4 * end]);
+    assert!(grown > 0.02 && kept < 0.5 * grown && state.u[tied.model().unknowns().nodal()] > 0.0, "{grown} {kept}");
+    assert_eq!(tied.model().stability().negative_pivots(&state)?, 0);
     Ok(())
 }
