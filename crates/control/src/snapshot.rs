@@ -149,7 +149,7 @@ impl Reduced {
     /// Displacements as triples, without what stands behind them.
     fn vectors(&self, u: &[f64]) -> Vec<f64> {
         let triple = |u: &[f64]| -> [f64; 3] { std::array::from_fn(|k| u.get(k).copied().unwrap_or(0.0)) };
-        self.solid().model().nodal(u).chunks_exact(self.solid().mesh().dim()).flat_map(triple).collect()
+        self.solid().model().displacement(u).chunks_exact(self.solid().mesh().dim()).flat_map(triple).collect()
     }
 
     /// A field of the control space, by node or by cell; that of a contribution is none of the body. Of a control the values, of anything else, a
@@ -240,8 +240,9 @@ impl Reduced {
             .with_cells("cauchy_stress", 9, fields.cauchy)?
             .with_cells("mises", 1, mises)?
             .with_cells("energy", 1, fields.energy)?;
+        let displacement = self.solid().model().displacement(&of.state.u);
         for (k, attached) in self.solid().body().actuations().iter().enumerate() {
-            let values = self.solid().body().point_values(k, &of.state.u, &of.state.controls);
+            let values = self.solid().body().point_values(k, &displacement, &of.state.controls);
             if let (Some(quantity), Ok(Some(values))) = (attached.law.point_quantity(), values) {
                 let means = self.solid().discretization().cell_average(&values, 1);
                 shot = shot.with_cells(&format!("{}_{}", quantity.name, attached.name), 1, means)?;

@@ -116,17 +116,21 @@ impl Model {
         }
         let space = self.space_with(contribution.as_ref())?;
         let mut supports = self.supports.clone();
+        if supports.block != space.block() {
+            Arc::make_mut(&mut supports).widen(space.block());
+        }
         if let Some(tied) = contribution.tied() {
-            Arc::make_mut(&mut supports).tie(name, tied)?;
+            let components = fields::tied_components(&space, contribution.as_ref(), tied)?;
+            Arc::make_mut(&mut supports).tie(name, components, tied)?;
         }
         let structure = self.tangent_structure().with_couplings(&contribution.couplings())?;
-        let structure = structure.with_ties(supports.ties())?;
-        self.supports = supports;
+        let structure = structure.with_ties(supports.ties(), space.block())?;
         if let Some(moved) = contribution.prescribes() {
-            Arc::make_mut(&mut self.supports).drive(name, &moved.unknowns())?;
+            let unknowns = prescribed::unknowns_among(&space, contribution.as_ref(), moved);
+            Arc::make_mut(&mut supports).drive(name, &unknowns)?;
         }
+        self.supports = supports;
         self.body.set_structure(structure)?;
-        Arc::make_mut(&mut self.supports).widen(space.block());
         self.space = Arc::new(space);
         self.others.push(contribution);
         Ok(())

@@ -16,6 +16,7 @@ use nastic_forces::foundation::Foundation;
 use nastic_forces::inertia::BodyInertia;
 use nastic_forces::inertia::Inertia;
 use nastic_forces::moving_support::MovingSupport;
+use nastic_forces::nodal_value::NodalValue;
 use nastic_forces::rayleigh_damping::RayleighDamping;
 use nastic_forces::rigid_body::RigidBody;
 use nastic_forces::spring::Spring;
@@ -355,6 +356,15 @@ impl Solid {
         let nodes = self.nodes_of(motion.surface())?;
         let contribution = motion.on(self.discretization(), nodes)?;
         self.contribution_of_all(contribution)
+    }
+
+    /// Gives a field beside the displacement one value on a surface or node set: that of a control, or one that is found.
+    ///
+    /// # Errors
+    /// An unknown surface, nodes whose value something else holds; a name that is taken.
+    pub fn nodal_value(self, value: NodalValue) -> Result<Self, FemError> {
+        let contribution = value.on(self.mesh(), self.nodes_of(value.surface())?)?;
+        self.contribution(contribution)
     }
 
     /// Makes a region a rigid body.

@@ -74,6 +74,7 @@ mod regions;
 mod rigid_body;
 mod rigid_equilibria;
 mod rigid_supports;
+mod saddle_field;
 mod second_order;
 mod siere;
 mod slender;

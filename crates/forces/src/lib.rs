@@ -8,6 +8,8 @@ pub mod foundation;
 mod guides;
 pub mod inertia;
 pub mod moving_support;
+mod no_force;
+pub mod nodal_value;
 pub mod rayleigh_damping;
 pub mod rigid_body;
 pub mod rigid_motion;

@@ -1,18 +1,18 @@
 //! [`MovingSupport`]: a surface held rigid that moves and turns.
 
+use crate::no_force::NoForce;
 use crate::rigid_motion;
 use crate::rigid_motion::{SLOTS, each_slot, vectors};
+use nastic_body::contribution::Contribution;
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::contribution::prescribes::Prescribes;
-use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
-use nastic_body::contribution::{Contribution, Demand, Sums};
+use nastic_body::contribution::sensitivities::Sensitivities;
 use nastic_body::controls::Controls;
 use nastic_body::discretization::Discretization;
-use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
+use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::instant::Instant;
 use nastic_body::rotation::{rotation, spin};
 use nastic_energy::Slot;
-use nastic_linear::SparseMatrix;
 use nastic_mesh::GroupNames;
 use nastic_tensor::Vec3;
 
@@ -199,34 +199,6 @@ impl Contribution for RigidSurface {
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
-        Ok(Box::new(self))
-    }
-}
-
-impl ContributionPoint for RigidSurface {
-    fn add_residual(&self, _: &Instant, _: Demand, _: &mut Sums) -> Result<(), Inadmissible> {
-        Ok(())
-    }
-
-    fn add_tangent(&self, _: &Instant, _: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        Ok(())
-    }
-
-    fn add_tangent_product(&self, _: &Instant, _: &[f64], _: &mut [f64]) -> Result<bool, Inadmissible> {
-        Ok(true)
-    }
-
-    fn add_control_product(&self, _: &Instant, _: &Controls, _: &mut [f64]) -> Result<(), SecondDerivativeError> {
-        Ok(())
-    }
-
-    fn second_vjp(
-        &self,
-        _: &Instant,
-        _: &[f64],
-        _: &Increment,
-        _: &mut SecondSensitivities,
-    ) -> Result<(), SecondDerivativeError> {
-        Ok(())
+        Ok(Box::new(NoForce))
     }
 }

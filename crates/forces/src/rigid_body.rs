@@ -92,7 +92,7 @@ impl RigidBody {
             centre: shapes.at(&centre),
             gradients: shapes.gradients,
             corners,
-            tied: Tied { masters: masters.clone(), implied, follows },
+            tied: Tied { field: None, masters: masters.clone(), implied, follows },
             masters,
             volume,
         };

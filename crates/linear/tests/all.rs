@@ -4,6 +4,7 @@ mod beyond;
 mod direct;
 mod eigenpairs;
 mod iterative;
+mod maxima;
 mod single;
 mod solvers;
 mod structure;

@@ -138,13 +138,22 @@ fn blocks_beyond_the_pattern_belong_to_the_matrix() {
         let mut sum = matrix.symmetric_part();
         sum.add_scaled(-0.5, &matrix.symmetric_part()).unwrap();
         assert!(apart(&dense_of(&sum), &(0.5 * &symmetric)) < 1e-13);
-        // among four components per node
-        let wide = Arc::new(case.pattern.with_dim(4));
+        // the same added among four components per node
         let symmetry = if matrix.is_symmetric() { Symmetry::Symmetric } else { Symmetry::General };
-        let mut wider = SparseMatrix::with_symmetry(wide, symmetry);
-        wider.add_components(&matrix, &[0, 1, 3]);
+        let [mut narrow, mut wide] =
+            [3, 4].map(|dim| SparseMatrix::with_symmetry(Arc::new(case.pattern.with_dim(dim)), symmetry));
+        let pair: Vec<f64> = (0..36).map(|at| element[(at / 6, at % 6)]).collect();
+        let add = |into: &mut SparseMatrix| {
+            into.add_pairs(&[0, 1], &pair).unwrap();
+            into.add_beyond(&nodes, element.as_slice().to_vec());
+            into.add_diagonal(&x.as_slice()[..n]);
+            into.add_scaled(0.3, &case.grid.laplacian(&case.pattern, 0.3)).unwrap();
+        };
+        add(&mut narrow);
+        wide.among(&[0, 1, 3], add);
         let place = |i: usize| 4 * (i / 3) + [0, 1, 3][i % 3];
-        assert!((0..n * n).all(|at| wider.get(place(at / n), place(at % n)) == matrix.get(at / n, at % n)));
+        assert!((0..n * n).all(|at| wide.get(place(at / n), place(at % n)) == narrow.get(at / n, at % n)));
+        assert!((0..wide.pattern().dofs()).all(|i| wide.get(i, 2) == 0.0 && wide.get(2, i) == 0.0));
         let fixed: Vec<bool> = (0..n).map(|dof| dof % 5 == 0).collect();
         matrix.eliminate(&fixed, 3.0);
         for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).filter(|(i, j)| fixed[*i] || fixed[*j]) {

@@ -2,8 +2,8 @@
 
 use crate::scheme::Scheme;
 use nastic_body::error::FemError;
-use nastic_equilibrium::model::Model;
 use nastic_equilibrium::model::features::refuse;
+use nastic_equilibrium::model::{Feature, Model};
 
 /// `h w` of a mode that no step resolves.
 const UNRESOLVED_FREQUENCY: f64 = 1e6;
@@ -13,7 +13,7 @@ const MAX_AMPLIFICATION: f64 = 1.0 - 1e-3;
 /// [`TimeStepping::supports_motion`](crate::TimeStepping::supports_motion).
 pub(crate) fn supports_motion(model: &Model, scheme: &Scheme) -> Result<(), FemError> {
     model.ranks().refuse_ranks(scheme.name())?;
-    model.properties().refuse_further_fields(scheme.name())?;
+    model.properties().refuse_further_fields(Feature::Motion, scheme.name())?;
     if scheme.exact_modes() > 0 {
         model.properties().refuse_rigid_bodies(
             scheme.name(),

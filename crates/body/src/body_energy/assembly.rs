@@ -153,7 +153,7 @@ impl Job<'_> {
             cells.scatter(patch, &result.scale, &mut total.force_scale);
         }
         if let Some(tangent) = tangent {
-            cells.scatter_matrix(patch, &result.matrix, self.body.structure(), &mut tangent.values);
+            cells.scatter_matrix(patch, &result.matrix, self.body.structure(), tangent);
         }
     }
 }

@@ -126,7 +126,7 @@ impl BodyEnergy {
             |cells, patch, scratch, answer: &mut RowsAndMatrix| work.compute(cells, patch, scratch, answer),
             |cells, patch, (rows, matrix)| {
                 cells.scatter(patch, rows, &mut total.force);
-                cells.scatter_matrix(patch, matrix, self.structure(), &mut tangent.values);
+                cells.scatter_matrix(patch, matrix, self.structure(), tangent);
             },
         )
     }

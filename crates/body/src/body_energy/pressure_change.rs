@@ -31,7 +31,7 @@ impl BodyEnergy {
             |cells, patch, (rows, matrix)| {
                 if !rows.is_empty() {
                     cells.scatter(patch, rows, force);
-                    cells.scatter_matrix(patch, matrix, self.structure(), &mut tangent.values);
+                    cells.scatter_matrix(patch, matrix, self.structure(), tangent);
                 }
             },
         )

@@ -57,7 +57,8 @@ pub trait Contribution: Debug + Send + Sync {
         self.symmetry() == Symmetry::Symmetric
     }
 
-    /// Nodal fields that it has a part in beyond the displacement. Its vectors have `dim` components of the displacement per node, then those
+    /// Nodal fields that it has a part in beyond the displacement, by which its potential has a minimum or a [maximum](Field::saddle); beside the latter Newton's method searches
+    /// for a smaller residual. Its vectors have `dim` components of the displacement per node, then those
     /// of these fields, in this order, whatever other fields a model has; so do the rows of its matrices.
     fn fields(&self) -> &[Field] {
         &[]

@@ -1,10 +1,11 @@
-//! [`Prescribes`]: unknowns of the body that a contribution moves by its controls.
+//! [`Prescribes`]: unknowns on nodes that a contribution moves by its controls.
 
 use crate::contribution::sensitivities::Sensitivities;
 use crate::controls::Controls;
 use crate::instant::Instant;
 
-/// Unknowns D that a contribution prescribes, `u_D = u_D(m)` with its controls m; they are held as by supports.
+/// Unknowns D that a contribution prescribes, `u_D = u_D(m)` with its controls m, of the displacement or of its [fields](super::Contribution::fields), in vectors of these; they
+/// are held as by supports.
 pub trait Prescribes {
     /// D
     fn unknowns(&self) -> Vec<u32>;

@@ -5,6 +5,7 @@ use crate::error::FemError;
 use nastic_linear::Ties;
 use nastic_mesh::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// How far nodes that follow others may be off, as a share of the largest entry: rounding.
 const ON_TIES: f64 = 1e-9;
@@ -28,8 +29,8 @@ pub struct Supports {
     groups: Vec<(String, Vec<u32>)>,
     /// Nodes that follow others.
     ties: Ties,
-    /// All nodes of what is tied, by its name: nothing else may hold them.
-    tied: BTreeMap<u32, String>,
+    /// All nodes of what is tied, with the components, by its name: nothing else may hold them.
+    tied: BTreeMap<(u32, usize), String>,
 }
 
 impl Supports {
@@ -83,8 +84,8 @@ impl Supports {
         let mut new = Vec::new();
         for &node in nodes {
             let dof = node as usize * self.block + place;
-            if let Some(body) = self.tied.get(&node).filter(|_| place < self.dim) {
-                return Err(held_and_tied(name, body, node));
+            if let Some(other) = self.tied.get(&(node, place)) {
+                return Err(self.held_and_tied(name, other, node, place));
             }
             if let Some(driver) = self.driven.get(&(dof as u32)) {
                 // the motion leads what both hold
@@ -181,9 +182,9 @@ impl Supports {
             return Err(FemError::Meaningless { what });
         }
         for &dof in dofs {
-            let node = dof as usize / self.block;
-            if let Some(body) = self.tied.get(&(node as u32)) {
-                return Err(held_and_tied(name, body, node as u32));
+            let (node, c) = (dof as usize / self.block, dof as usize % self.block);
+            if let Some(other) = self.tied.get(&(node as u32, c)) {
+                return Err(self.held_and_tied(name, other, node as u32, c));
             }
             if let Some(other) = self.driven.get(&dof) {
                 let what =
@@ -208,38 +209,43 @@ impl Supports {
         Ok(())
     }
 
-    /// Lets nodes follow others.
-    pub fn tie(&mut self, name: &str, tied: &Tied) -> Result<(), FemError> {
-        let Tied { masters, implied, follows } = tied;
+    /// Lets nodes follow others in some components.
+    pub fn tie(&mut self, name: &str, components: Range<usize>, tied: &Tied) -> Result<(), FemError> {
+        let Tied { masters, implied, follows, .. } = tied;
+        let of_displacement = components.end <= self.dim;
         let nodes: Vec<u32> = masters.iter().copied().chain(follows.iter().map(|(node, _)| *node)).collect();
         for &node in &nodes {
-            if let Some(other) = self.tied.get(&node) {
+            if let Some(other) = components.clone().find_map(|c| self.tied.get(&(node, c))) {
                 let what = format!(
                     "node {node} belongs to \"{name}\" and to \"{other}\": let them share no node, or make one of both"
                 );
                 return Err(FemError::Meaningless { what });
             }
-            if let Some(c) = (0..self.dim).find(|&c| self.holds(node, c) && !self.holds_at_rest(self.dof(node, c))) {
-                return Err(held_and_tied(self.holder(node, c), name, node));
+            // supports of a rigid body go to those that its nodes follow
+            let handed = |c: usize| of_displacement && self.holds_at_rest(self.dof(node, c));
+            if let Some(c) = components.clone().find(|&c| self.holds(node, c) && !handed(c)) {
+                return Err(self.held_and_tied(self.holder(node, c), name, node, c));
             }
         }
         for (node, c) in implied {
             self.hold_implied(masters, *node, *c);
         }
         for (node, weights) in follows {
-            for c in 0..self.dim {
+            for c in components.clone() {
                 if self.holds(*node, c) {
                     self.hand_over(name, *node, c, weights)?;
                 }
             }
         }
         let count = self.fixed.len() / self.block;
-        let ties = self.ties.clone().mixing(masters.clone());
-        self.ties = ties.with(count, follows.clone()).ok_or_else(|| {
+        let ties = self.ties.clone();
+        let ties = if of_displacement { ties.mixing(masters.clone()) } else { ties };
+        self.ties = ties.with(count, components.clone(), follows.clone()).ok_or_else(|| {
             let what = format!("\"{name}\" lets a node follow one that follows another, or that does not exist");
             FemError::Meaningless { what }
         })?;
-        self.tied.extend(nodes.iter().map(|&node| (node, name.to_owned())));
+        let all = nodes.iter().flat_map(|&node| components.clone().map(move |c| (node, c)));
+        self.tied.extend(all.map(|at| (at, name.to_owned())));
         Ok(())
     }
 
@@ -276,6 +282,16 @@ impl Supports {
         Ok(())
     }
 
+    fn held_and_tied(&self, support: &str, other: &str, node: u32, c: usize) -> FemError {
+        if c < self.dim {
+            return held_and_rigid(support, other, node);
+        }
+        let what = format!(
+            "\"{support}\" holds node {node}, whose value \"{other}\" makes one with that of others: let one of them go"
+        );
+        FemError::Meaningless { what }
+    }
+
     fn dof(&self, node: u32, c: usize) -> usize {
         node as usize * self.block + c
     }
@@ -292,9 +308,9 @@ impl Supports {
         self.groups.iter().find(holds).map_or("", |(support, _)| support)
     }
 
-    /// What a node is tied to others by, if it is.
+    /// What ties the displacement of a node to that of others, if it is tied.
     pub fn body_of(&self, node: u32) -> Option<&str> {
-        self.tied.get(&node).map(String::as_str)
+        self.tied.get(&(node, 0)).map(String::as_str)
     }
 
     /// Whether something with these slopes by unknowns of the displacement can change: not where supports hold them all, nor in one rigid body.
@@ -320,7 +336,7 @@ impl Supports {
                 let what = format!(
                     "{what} of node {node} is {:.3e} off what \"{}\" leads it to: begin at rest, or with a state of this body",
                     (led[dof] - u[dof]).abs(),
-                    self.body_of(node).unwrap_or_default()
+                    self.tied.get(&(node, dof % self.block)).map_or("", String::as_str)
                 );
                 Err(FemError::Meaningless { what })
             }
@@ -346,6 +362,11 @@ impl Supports {
     /// Whether each unknown is prescribed.
     pub fn fixed(&self) -> &[bool] {
         &self.fixed
+    }
+
+    /// Whether an unknown is neither held nor that of a node that follows others.
+    pub fn is_free(&self, dof: usize) -> bool {
+        !self.fixed[dof] && self.ties.masters((dof / self.block) as u32, dof % self.block).is_empty()
     }
 
     /// Whether an unknown is held, and by no control.
@@ -396,7 +417,7 @@ fn led_wholly(motion: &str, other: &str, node: usize) -> FemError {
     FemError::Meaningless { what }
 }
 
-fn held_and_tied(support: &str, body: &str, node: u32) -> FemError {
+fn held_and_rigid(support: &str, body: &str, node: u32) -> FemError {
     let what = format!(
         "\"{support}\" moves node {node} of the rigid body \"{body}\", or came behind it: supports that hold components at zero, added before it, may have nodes of rigid bodies; \
          else let one of them go: hold its surface with a law in the place of \"rigid\", or by a foundation or springs"

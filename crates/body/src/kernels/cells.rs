@@ -7,6 +7,7 @@ use crate::kernels::patch::Patch;
 use crate::kernels::{CellKernel, kernel};
 use crate::structure::TangentStructure;
 use nastic_energy::PointBatch;
+use nastic_linear::SparseMatrix;
 use nastic_tensor::{Kinematics, Mat3, Tangent};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -217,15 +218,22 @@ impl<'a> Cells<'a> {
         patch.cells.iter().flat_map(of_cell).copied().collect()
     }
 
-    /// Adds the matrix of a patch to the values of a tangent of a structure.
-    pub fn scatter_matrix(&self, patch: Patch, matrix: &PatchMatrix, of: &TangentStructure, values: &mut [f64]) {
+    /// Adds the matrix of a patch to a tangent of a structure, in whose blocks of nodes the displacement comes first.
+    pub fn scatter_matrix(
+        &self,
+        patch: Patch,
+        matrix: &PatchMatrix,
+        of: &TangentStructure,
+        tangent: &mut SparseMatrix,
+    ) {
         let maps = of.scatter(self.group);
         let pairs = maps.len() / self.part.cells.len();
         for (matrix, &c) in matrix.cells.chunks_exact(self.matrix_length()).zip(patch.cells) {
-            self.kernel.scatter(&maps[c as usize * pairs..][..pairs], matrix, values);
+            let block = tangent.pattern().dim();
+            self.kernel.scatter(&maps[c as usize * pairs..][..pairs], matrix, block, &mut tangent.values);
         }
         if patch.cells.len() > 1 {
-            of.pattern().scatter(patch.map(of.pattern()), &matrix.across, values);
+            tangent.add_symmetric_element(patch.map(of.pattern()), &matrix.across);
         }
     }
 }

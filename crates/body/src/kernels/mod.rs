@@ -20,7 +20,7 @@ use matrix::Matrix;
 use nastic_mesh::CellKind;
 use nastic_tensor::{Mat3, Tangent};
 use pulp::{Arch, Simd, WithSimd};
-use scatter::scatter;
+use scatter::{scatter, scatter_among};
 use std::array::from_fn;
 
 /// The sizes of one cell kind and its arithmetic. `D` components, `N` nodes, rows padded to `width()`.
@@ -42,9 +42,9 @@ pub trait CellKernel: Send + Sync {
     fn tangent(&self, g: &[f64], weighted: &[Tangent], matrix: &mut [f64], scratch: &mut Vec<f64>);
     /// Adds `a b^T + b a^T` to the element matrix, for rows a and b.
     fn add_symmetric_product(&self, a: &[f64], b: &[f64], matrix: &mut [f64]);
-    /// Adds an element matrix to the node blocks of the global one, see
+    /// Adds an element matrix to the first unknowns of the node blocks, of so many unknowns, of the global one, see
     /// [`Pattern::scatter_map`](nastic_linear::Pattern::scatter_map) for the codes.
-    fn scatter(&self, map: &[u32], matrix: &[f64], values: &mut [f64]);
+    fn scatter(&self, map: &[u32], matrix: &[f64], block: usize, values: &mut [f64]);
 }
 
 /// The kernel of a cell kind; `None` for lines, which are no bodies.
@@ -101,8 +101,11 @@ impl<const N: usize, const NP: usize, const D: usize> CellKernel for Sized<N, NP
         matrix::add_symmetric_product::<N, NP, D>(a, b, matrix);
     }
 
-    fn scatter(&self, map: &[u32], matrix: &[f64], values: &mut [f64]) {
-        scatter::<N, NP, D>(map, matrix, values);
+    fn scatter(&self, map: &[u32], matrix: &[f64], block: usize, values: &mut [f64]) {
+        match block == D {
+            true => scatter::<N, NP, D>(map, matrix, values),
+            false => scatter_among::<N, NP, D>(map, matrix, block, values),
+        }
     }
 }
 

@@ -32,3 +32,30 @@ pub(super) fn scatter<const N: usize, const NP: usize, const D: usize>(
         }
     }
 }
+
+/// The same where the displacement is the first part of a node's block of so many unknowns.
+pub(super) fn scatter_among<const N: usize, const NP: usize, const D: usize>(
+    map: &[u32],
+    matrix: &[f64],
+    block: usize,
+    values: &mut [f64],
+) {
+    let (rows, _) = matrix.as_chunks::<NP>();
+    let (blocks, _) = rows.as_chunks::<N>();
+    let mut codes = map.iter();
+    for a in 0..N {
+        for (b, &code) in (0..=a).zip(&mut codes) {
+            let target = &mut values[block * block * (code >> 1) as usize..][..block * block];
+            let (first, second) = if code & 1 == 1 { (b, a) } else { (a, b) };
+            for i in 0..D {
+                // of blocks of one component the lower triangle alone is there
+                target[(block + 1) * i] += blocks[block_index(i, i, D)][a][b];
+                for k in i + 1..D {
+                    let own = &blocks[block_index(i, k, D)];
+                    target[block * k + i] += own[first][second];
+                    target[block * i + k] += own[second][first];
+                }
+            }
+        }
+    }
+}

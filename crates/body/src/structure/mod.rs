@@ -71,9 +71,9 @@ impl TangentStructure {
         self.kept.find_or_add(|known| known.couplings == couplings, make)
     }
 
-    /// That in which the nodes are coupled too that are so where some follow others.
-    pub fn with_ties(self: &Arc<Self>, ties: &Ties) -> Result<Arc<Self>, FemError> {
-        self.with_couplings(&ties.couplings(&self.graph))
+    /// That in which the nodes, of so many components, are coupled too that are so where some follow others.
+    pub fn with_ties(self: &Arc<Self>, ties: &Ties, components: usize) -> Result<Arc<Self>, FemError> {
+        self.with_couplings(&ties.couplings(&self.graph, components))
     }
 
     fn laid_out(&self) -> &LaidOut {

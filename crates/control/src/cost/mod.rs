@@ -17,6 +17,7 @@ mod facet_tangents;
 mod figure;
 mod mean_radius;
 pub(crate) mod obstacle;
+pub(crate) mod of_displacement;
 mod orientation;
 mod position;
 mod pump_work;

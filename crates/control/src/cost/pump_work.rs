@@ -105,8 +105,7 @@ impl CostPoint for EvaluatedCost {
     fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
         let body = self.solid.body();
         let mut change = vec![0.0; self.u.len()];
-        let along = self.solid.model().nodal(&along.u);
-        body.tangent_product(&self.u, &body.controls(), along, &mut change, false)?;
+        body.tangent_product(&self.u, &body.controls(), &along.u[..self.u.len()], &mut change, false)?;
         axpy(self.weight, &change, &mut out.u);
         Ok(())
     }

@@ -29,14 +29,14 @@ impl Ensemble {
             }
         }
         let p = |member: &Member| self.probabilities[member.scenario];
-        let mut mean = first.problem.solid().model().nodal(&at.state().u).to_vec();
-        mean.fill(0.0);
+        let moved = |at: &Evaluated| first.problem.solid().model().displacement(&at.state().u).into_owned();
+        let mut mean = vec![0.0; moved(at).len()];
         for (member, at) in &members {
-            mean.iter_mut().zip(at.state().u.iter()).for_each(|(mean, u)| *mean += p(member) * u);
+            mean.iter_mut().zip(moved(at)).for_each(|(mean, u)| *mean += p(member) * u);
         }
         let mut variance = vec![0.0; mean.len()];
         for (member, at) in &members {
-            for ((variance, u), mean) in variance.iter_mut().zip(at.state().u.iter()).zip(&mean) {
+            for ((variance, u), mean) in variance.iter_mut().zip(moved(at)).zip(&mean) {
                 *variance += p(member) * (u - mean).powi(2);
             }
         }

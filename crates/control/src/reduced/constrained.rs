@@ -4,6 +4,7 @@ use super::Reduced;
 use super::motion_derivative::Functional;
 use crate::constraint::{BetweenNodes, Constraint, ConstraintPoint, IntoConstraint};
 use crate::cost::Partials;
+use crate::cost::of_displacement::{beside_fields, displacement, wrapped};
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
 use crate::time::Instants;
@@ -62,7 +63,8 @@ impl Reduced {
     /// Controls of the wrong length.
     pub fn between_nodes(&self, m: &[f64], n: usize, state: &State) -> Result<Vec<Option<BetweenNodes>>, ControlError> {
         let m = self.at_instant(m, state.time)?;
-        let context = self.context(state, &m, 0);
+        let u = displacement(&self.solid, state);
+        let context = beside_fields(self.context(state, &m, 0), &u);
         let between = |(k, constraint): (usize, &dyn Constraint)| {
             self.constraint_states(k).binary_search(&n).ok().and_then(|_| constraint.between_nodes(&context))
         };
@@ -76,8 +78,10 @@ impl Reduced {
         m: &[f64],
     ) -> Result<Vec<Arc<dyn ConstraintPoint>>, ControlError> {
         let m = self.at_instant(m, state.time)?;
-        let context = self.context(state, &m, 0);
-        self.constraints.iter().map(|constraint| constraint.at(&context)).collect()
+        let u = displacement(&self.solid, state);
+        let context = beside_fields(self.context(state, &m, 0), &u);
+        let beside = |point: Arc<dyn ConstraintPoint>| wrapped(&self.solid, point, |point| Arc::new(point));
+        self.constraints.iter().map(|constraint| constraint.at(&context).map(beside)).collect()
     }
 
     /// The evaluated constraints of a point: those it keeps, or evaluated again.

@@ -12,8 +12,6 @@ impl Reduced {
     /// # Errors
     /// Unknown names, a field given twice, a space that does not fit.
     pub fn control(mut self, of: &str, space: Space) -> Result<Self, ControlError> {
-        // costs read displacements, and give derivatives by them
-        self.solid.model().properties().refuse_further_fields("optimal control")?;
         self.layout.control(&self.solid, of, space)?;
         self.update_layout();
         Ok(self)
@@ -65,7 +63,6 @@ impl Reduced {
     /// # Errors
     /// As [`control`](Self::control); a slot that is no vector, a direction without a length.
     pub fn control_along(mut self, of: &str, space: Space, direction: [f64; 3]) -> Result<Self, ControlError> {
-        self.solid.model().properties().refuse_further_fields("optimal control")?;
         self.layout.control_along(&self.solid, of, space, direction)?;
         self.update_layout();
         Ok(self)

@@ -2,6 +2,7 @@
 
 use super::Reduced;
 use crate::constraint::ConstraintPoint;
+use crate::cost::of_displacement::{beside_fields, displacement, wrapped};
 use crate::cost::{Cost, CostContext, CostPoint, StepBegin};
 use crate::error::ControlError;
 use nastic_fem::State;
@@ -15,6 +16,8 @@ pub(super) struct AtInstant<'a> {
     /// The number of the instant.
     pub n: usize,
     pub state: &'a State,
+    /// Its displacement.
+    u: Cow<'a, [f64]>,
     /// The control vector of the problem, and the stage.
     at: (&'a [f64], usize),
     /// The control vector of the instant.
@@ -34,12 +37,14 @@ impl AtInstant<'_> {
 
     fn context(&self, needs_step: bool, stage: usize) -> Result<CostContext<'_>, ControlError> {
         let step = if needs_step { self.begin()? } else { None };
-        Ok(CostContext { step, ..self.problem.context(self.state, &self.m, stage) })
+        let context = self.problem.context(self.state, &self.m, stage);
+        Ok(CostContext { step, ..beside_fields(context, &self.u) })
     }
 
     /// A cost there.
     pub fn cost(&self, cost: &dyn Cost) -> Result<Arc<dyn CostPoint>, ControlError> {
-        cost.at(&self.context(cost.needs_step(), self.at.1)?)
+        let point = cost.at(&self.context(cost.needs_step(), self.at.1)?)?;
+        Ok(wrapped(&self.problem.solid, point, |point| Arc::new(point)))
     }
 
     /// The k-th constraint there.
@@ -58,7 +63,8 @@ impl Reduced {
         at: (&'a [f64], usize),
     ) -> Result<AtInstant<'a>, ControlError> {
         let t = self.motion.as_ref().map_or(state.time, |motion| motion.timeline.instants()[n]);
-        Ok(AtInstant { problem: self, n, state, at, m: self.at_instant(at.0, t)?, begin: OnceCell::new() })
+        let (m, u) = (self.at_instant(at.0, t)?, displacement(&self.solid, state));
+        Ok(AtInstant { problem: self, n, state, u, at, m, begin: OnceCell::new() })
     }
 
     /// With what the step to the n-th instant of a motion begins; `None` where the motion does, and of a static problem.

@@ -287,6 +287,8 @@ impl Stability<'_> {
     /// multipliers (pressures, tensions) as given loads. Inequalities that do not act (slack tendons) are left out; those at their onset count as
     /// acting.
     ///
+    /// Of a [field by which the potential has a maximum](nastic_linear::Field::saddle) less one for each of its free unknowns, too: 0 means stable once that field is in balance.
+    ///
     /// What contact alone holds and nothing resists to ([`neutral_motion`](Self::neutral_motion)) has eigenvalues that are zero: they do not count.
     ///
     /// On a body that is solved by multigrid, 0 means that conjugate gradients with a right-hand side of fixed random

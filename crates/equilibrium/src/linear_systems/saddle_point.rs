@@ -121,6 +121,8 @@ pub(crate) struct SaddlePoint {
     columns: Vec<Vec<f64>>,
     /// The same by the mixed unknowns.
     mixed: Vec<Vec<f64>>,
+    /// By unknown, whether the potential has a maximum by it: no spring and no shift there.
+    maxima: Vec<bool>,
     /// Of every spring the component j and the stiffness k.
     springs: Vec<(usize, f64)>,
     /// Whether they are there.
@@ -192,9 +194,10 @@ impl SaddlePoint {
         let mut mixed = columns.clone();
         mixed.iter_mut().for_each(|column| local.iter().for_each(|own| own.mix(column)));
         let known: BTreeSet<usize> = local.iter().flat_map(Elimination::known).copied().collect();
-        let mut springs = Vec::new();
+        let (mut springs, maxima) = (Vec::new(), model.maxima());
+        let is_maximum = |j: usize| maxima.get(j).is_some_and(|is| *is);
         for column in (0..columns.len()).filter(|&k| !is_local(k)).map(|k| &mixed[k]) {
-            let free = (0..column.len()).filter(|j| !known.contains(j));
+            let free = (0..column.len()).filter(|&j| !known.contains(&j) && !is_maximum(j));
             let larger = |at: usize, j: usize| if column[j].abs() > column[at].abs() { j } else { at };
             let at = free.reduce(larger).unwrap_or(0);
             springs.push((at, diagonal[at].abs()));
@@ -209,6 +212,7 @@ impl SaddlePoint {
             local,
             columns,
             mixed,
+            maxima,
             springs,
             held: false,
             scales,
@@ -293,7 +297,8 @@ impl SaddlePoint {
     pub fn shift(&mut self, shift: f64) {
         let diagonal = self.matrix.diagonal();
         let mean = diagonal.iter().map(|d| d.abs()).sum::<f64>() / diagonal.len().max(1) as f64;
-        self.matrix.add_to_diagonal(shift * mean);
+        let of = |dof: usize| if self.maxima.get(dof).is_some_and(|is| *is) { 0.0 } else { shift * mean };
+        self.matrix.add_diagonal(&(0..diagonal.len()).map(of).collect::<Vec<f64>>());
     }
 
     /// Factorises K for solutions with several sets of acting constraints.

@@ -437,14 +437,23 @@ pub(crate) struct Deformed<'a> {
     rotations: OnceLock<Arc<Rotations>>,
     positions: OnceLock<Vec<[f64; 3]>>,
     volume_modes: OnceLock<Option<VolumeModes>>,
+    maxima: OnceLock<Vec<bool>>,
     /// Changes of volume that a solution is expected to have, by quadrature point.
     expected: Option<&'a [f64]>,
 }
 
 impl<'a> Deformed<'a> {
     pub fn new(model: &'a Model, u: &'a [f64], parallel: bool) -> Self {
-        let (rotations, positions, volume_modes) = (OnceLock::new(), OnceLock::new(), OnceLock::new());
-        Deformed { model, u: model.displacement(u), parallel, rotations, positions, volume_modes, expected: None }
+        Deformed {
+            model,
+            u: model.displacement(u),
+            parallel,
+            rotations: OnceLock::new(),
+            positions: OnceLock::new(),
+            volume_modes: OnceLock::new(),
+            maxima: OnceLock::new(),
+            expected: None,
+        }
     }
 
     pub fn system<'s>(&'s self, tangent: TangentRef<'s>) -> System<'s> {
@@ -476,6 +485,10 @@ impl Configuration for Deformed<'_> {
 
     fn space(&self) -> &Space {
         self.model.unknowns()
+    }
+
+    fn maxima(&self) -> &[bool] {
+        self.maxima.get_or_init(|| self.model.maxima())
     }
 
     fn volume_modes(&self) -> Option<&VolumeModes> {

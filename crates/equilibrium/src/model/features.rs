@@ -23,6 +23,23 @@ pub enum Feature {
     ExactContact,
     /// From a saddle to a minimum of the potential: [`Stability::descend`](crate::model::views::Stability::descend).
     Descent,
+    /// Steps in time, modes of vibration and their adjoint.
+    Motion,
+    /// [`Energies::rayleigh_damping`](crate::model::views::Energies::rayleigh_damping).
+    RayleighDamping,
+}
+
+/// Why something does not go with nodal fields beside the displacement; of what goes with them nothing. Optimal control of equilibria is one of their adjoint.
+fn beside_fields(feature: Feature) -> Option<&'static str> {
+    match feature {
+        Feature::Equilibrium | Feature::Ramp | Feature::Path => None,
+        Feature::Modes | Feature::Deflation | Feature::Descent => {
+            Some("modes are those of the displacement alone: ramps and paths count where equilibria change")
+        }
+        Feature::ExactContact => Some("its steps are those of the displacement alone: take a contact with a layer"),
+        Feature::Motion => Some("it is solved for in statics alone, by solve, adjoint, ramp and path"),
+        Feature::RayleighDamping => Some("the damping is one of displacements alone"),
+    }
 }
 
 impl Model {
@@ -72,10 +89,12 @@ impl Properties<'_> {
             Feature::Deflation => "other equilibria by deflation",
             Feature::Descent => "a descent from a saddle",
             Feature::ExactContact => "exact contact",
+            Feature::Motion => "a motion",
+            Feature::RayleighDamping => "Rayleigh damping",
         };
         if feature != Feature::Equilibrium {
             self.model.ranks().refuse_ranks(what)?;
-            self.refuse_further_fields(what)?;
+            self.refuse_further_fields(feature, what)?;
         }
         if let Some((other, why)) = self.model.others.iter().find_map(|c| Some((c, c.path_dependence()?))) {
             return refuse(what, other.name(), why);
@@ -87,7 +106,7 @@ impl Properties<'_> {
             )?;
         }
         match feature {
-            Feature::Equilibrium | Feature::Ramp | Feature::Path => Ok(()),
+            Feature::Equilibrium | Feature::Ramp | Feature::Path | Feature::Motion | Feature::RayleighDamping => Ok(()),
             Feature::Modes => self.model.refuse_unsymmetric(
                 "modes",
                 "the number of Newton iterations and ramps still tell where states change",
@@ -101,6 +120,17 @@ impl Properties<'_> {
                 None => Ok(()),
                 Some(other) => refuse("a descent from a saddle", other.name(), "it has no potential to descend in"),
             },
+        }
+    }
+
+    /// Refuses what does not go with fields beside the displacement; `what` it is called.
+    ///
+    /// # Errors
+    /// [`FemError::Unsupported`]: what, with which contribution and field, and why.
+    pub fn refuse_further_fields(&self, feature: Feature, what: &str) -> Result<(), FemError> {
+        match self.model.further().zip(beside_fields(feature)) {
+            None => Ok(()),
+            Some(((field, owner), why)) => refuse(what, owner, &format!("beside its field \"{field}\": {why}")),
         }
     }
 

@@ -2,15 +2,16 @@
 
 use super::Model;
 use super::restricted::{RestrictedPoint, Selection};
-use crate::model::views::Properties;
 use nastic_body::contribution::Contribution;
 use nastic_body::contribution::point::{ContributionPoint, Need};
+use nastic_body::contribution::tied::Tied;
 use nastic_body::discretization::Discretization;
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::instant::Instant;
-use nastic_linear::{Field, On, Role, Solver, SolverFactory, Space, SparseMatrix, Structure, Symmetry};
+use nastic_linear::{Field, On, Solver, SolverFactory, Space, SparseMatrix, Structure, Symmetry};
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The name of the first field, which every model has.
@@ -42,16 +43,8 @@ impl Model {
     /// # Errors
     /// [`FemError::Meaningless`]: no such field.
     pub fn field(&self, name: &str, u: &[f64]) -> Result<Vec<f64>, FemError> {
-        let (first, field) = self.nodal_field(name)?;
+        let (first, field) = nodal_field(&self.space, name)?;
         Ok(self.space.components(u, first, field.components))
-    }
-
-    pub(crate) fn nodal_field(&self, name: &str) -> Result<(usize, &Field), FemError> {
-        self.space.nodal_field(name).ok_or_else(|| {
-            let known: Vec<&str> = self.space.nodal_fields().map(|(_, field)| field.name.as_str()).collect();
-            let what = format!("there is no field \"{name}\" on the nodes; there are {}", known.join(", "));
-            FemError::Meaningless { what }
-        })
     }
 
     /// Holds a component of a nodal field at a value on nodes.
@@ -66,7 +59,7 @@ impl Model {
         nodes: &[u32],
         value: f64,
     ) -> Result<(), FemError> {
-        let (first, known) = self.nodal_field(field)?;
+        let (first, known) = nodal_field(&self.space, field)?;
         if component >= known.components {
             let what = format!("field \"{field}\" has no component {component}; it has {}", known.components);
             return Err(FemError::Meaningless { what });
@@ -92,24 +85,24 @@ impl Model {
         if let Some(constraints) = contribution.constrains() {
             space = space.with(Field::multipliers(contribution.name(), constraints.count()));
         }
-        let moving = std::iter::once(contribution).chain(self.others.iter().map(Arc::as_ref));
-        if let Some(field) = further(&space)
-            && let Some(moving) = moving.into_iter().find(|c| c.prescribes().is_some())
-        {
-            return Err(refused(
-                &format!("field \"{}\"", field.name),
-                moving.name(),
-                "it moves unknowns of the body alone",
-            ));
-        }
-        let all = std::iter::once(contribution).chain(self.others.iter().map(Arc::as_ref));
-        if let Some(field) = further(&space)
-            && let Some(rigid) = all.into_iter().find(|c| c.tied().is_some())
-        {
-            let why = "nodes follow others with the displacement alone";
-            return Err(refused(&format!("field \"{}\"", field.name), rigid.name(), why));
-        }
         Ok(space)
+    }
+
+    /// The volumes of nodes by unknown of the displacement, zero of further fields.
+    pub(crate) fn volumes_by_unknown(&self) -> Vec<f64> {
+        let (dim, block) = (self.discretization().dim(), self.space.block());
+        let of_node = |volume: f64| (0..block).map(move |i| if i < dim { volume } else { 0.0 });
+        self.discretization().nodal_volumes().into_iter().flat_map(of_node).collect()
+    }
+
+    /// By unknown on nodes, whether the potential has a maximum by it and it is free: neither held nor led by others. Empty where it has one by none.
+    pub(crate) fn maxima(&self) -> Vec<bool> {
+        if !self.space.has_saddle_field() {
+            return Vec::new();
+        }
+        let (components, nodes) = (self.space.maxima(), self.space.nodes());
+        let all = (0..nodes).flat_map(|_| &components).enumerate();
+        all.map(|(dof, is)| *is && self.supports.is_free(dof)).collect()
     }
 
     fn check_field(&self, contribution: &dyn Contribution, field: &Field) -> Result<(), FemError> {
@@ -121,13 +114,10 @@ impl Model {
                 "fields of contributions are on nodes, with a component or more",
             ));
         }
-        if field.role != Role::Primary {
-            let why = "Newton's method expects no negative eigenvalues of fields on nodes: make it a primary field";
-            return Err(refused(&what, contribution.name(), why));
-        }
         match self.space.nodal_field(&field.name) {
             Some((_, known)) if !known.agrees(field) => {
-                let why = format!("another contribution has it with {} components", known.components);
+                let why =
+                    format!("another contribution has it with {} components as {:?}", known.components, known.role);
                 Err(refused(&what, contribution.name(), &why))
             }
             _ => Ok(()),
@@ -135,13 +125,13 @@ impl Model {
     }
 
     /// The first field beyond the displacement and a contribution that has it, where there is one.
-    fn further(&self) -> Option<(&str, &str)> {
+    pub(super) fn further(&self) -> Option<(&str, &str)> {
         let field = further(&self.space)?;
         let owner = self.others.iter().find(|c| c.fields().iter().any(|own| own.name == field.name));
         Some((&field.name, owner.map_or("", |owner| owner.name())))
     }
 
-    fn selection(&self, contribution: &dyn Contribution) -> Option<Selection> {
+    pub(super) fn selection(&self, contribution: &dyn Contribution) -> Option<Selection> {
         Selection::of(&self.space, contribution.fields())
     }
 
@@ -167,12 +157,7 @@ impl Model {
     ) -> Result<Box<dyn ContributionPoint + 'm>, Inadmissible> {
         let Some(selection) = self.selection(contribution) else { return contribution.at(at, need) };
         let point = selection.at(at, |at| contribution.at(at, need))?;
-        Ok(Box::new(RestrictedPoint {
-            point,
-            symmetry: contribution.symmetry(),
-            selection,
-            structure: self.tangent_structure(),
-        }))
+        Ok(Box::new(RestrictedPoint { point, selection }))
     }
 
     /// Calls a function with a contribution's point, restricted to its own fields, with their positions among the unknowns of the model.
@@ -183,8 +168,7 @@ impl Model {
         call: impl FnOnce(&dyn ContributionPoint) -> T,
     ) -> T {
         let Some(selection) = self.selection(contribution) else { return call(point) };
-        let (symmetry, structure) = (contribution.symmetry(), self.tangent_structure().as_ref());
-        call(&RestrictedPoint { point, symmetry, selection, structure })
+        call(&RestrictedPoint { point, selection })
     }
 
     /// What a contribution adds to a symmetric matrix, added to one of the model.
@@ -196,7 +180,7 @@ impl Model {
     ) -> Result<(), E> {
         match self.selection(contribution) {
             None => add(into),
-            Some(selection) => selection.add_matrix(self.tangent_structure(), into, Symmetry::Symmetric, add),
+            Some(selection) => selection.among(into, add),
         }
     }
 
@@ -228,6 +212,12 @@ impl Model {
                 let why = format!("its levels would couple all cells around a rigid body: take {instead}");
                 Err(refused("multigrid", "rigid bodies", &why))
             }
+            Some((field, owner)) if wanted.name() == Solver::GENERAL.name() && self.space.has_saddle_field() => {
+                let why = format!(
+                    "a factor of its symmetric part is to be positive definite, which field \"{field}\" is not: take {instead}"
+                );
+                Err(refused("general", owner, &why))
+            }
             Some((field, owner)) if wanted.name() == Solver::MULTIGRID.name() => {
                 let why = format!("it has no modes for its field \"{field}\": take {instead}");
                 Err(refused("multigrid", owner, &why))
@@ -257,26 +247,30 @@ impl Model {
     }
 }
 
+/// The components in a node's block of the field that is tied.
+pub(super) fn tied_components(space: &Space, by: &dyn Contribution, tied: &Tied) -> Result<Range<usize>, FemError> {
+    let name = tied.field.as_deref().unwrap_or(DISPLACEMENT);
+    let (first, field) = nodal_field(space, name)?;
+    let own = tied.field.is_none() || by.fields().iter().any(|own| own.name == *name);
+    if !own {
+        let why = "it ties a field that is not one of its own: name it in `Contribution::fields`";
+        return Err(refused(&format!("field \"{name}\""), by.name(), why));
+    }
+    Ok(first..first + field.components)
+}
+
+fn nodal_field<'s>(space: &'s Space, name: &str) -> Result<(usize, &'s Field), FemError> {
+    space.nodal_field(name).ok_or_else(|| {
+        let known: Vec<&str> = space.nodal_fields().map(|(_, field)| field.name.as_str()).collect();
+        let what = format!("there is no field \"{name}\" on the nodes; there are {}", known.join(", "));
+        FemError::Meaningless { what }
+    })
+}
+
 fn further(space: &Space) -> Option<&Field> {
     space.nodal_fields().nth(1).map(|(_, field)| field)
 }
 
 fn refused(what: &str, with: &str, why: &str) -> FemError {
     FemError::Unsupported { what: what.to_owned(), with: with.to_owned(), why: why.to_owned() }
-}
-
-impl Properties<'_> {
-    /// Refuses what knows of the displacement alone.
-    ///
-    /// # Errors
-    /// [`FemError::Unsupported`]: what, with which contribution and field.
-    pub fn refuse_further_fields(&self, what: &str) -> Result<(), FemError> {
-        match self.model.further() {
-            None => Ok(()),
-            Some((field, owner)) => {
-                let why = format!("its field \"{field}\" is solved for in statics alone, by solve and adjoint");
-                Err(refused(what, owner, &why))
-            }
-        }
-    }
 }

@@ -1,22 +1,52 @@
 //! Unknowns that contributions hold at values of their controls: surfaces that move.
 
 use super::Model;
+use super::restricted::Selection;
 use crate::model::views::PrescribedUnknowns;
+use nastic_body::contribution::Contribution;
 use nastic_body::contribution::prescribes::Prescribes;
 use nastic_body::contribution::sensitivities::Sensitivities;
 use nastic_body::controls::Controls;
 use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::instant::Instant;
 use nastic_body::state::State;
+use nastic_linear::Space;
 
 /// Largest distance of a held surface from its prescribed position when a motion is resumed, as a share of the size of the body: rounding.
 const POSITION_TOLERANCE: f64 = 1e-10;
 
+/// The unknowns that a contribution moves among those of a space.
+pub(super) fn unknowns_among(space: &Space, by: &dyn Contribution, moved: &dyn Prescribes) -> Vec<u32> {
+    match Selection::of(space, by.fields()) {
+        None => moved.unknowns(),
+        Some(selection) => selection.places(moved.unknowns()),
+    }
+}
+
+/// What a contribution moves, where its own fields are some of those of a model.
+struct Moved<'a> {
+    by: &'a dyn Contribution,
+    moved: &'a dyn Prescribes,
+    selection: Option<Selection>,
+}
+
+impl Moved<'_> {
+    /// Adds to a vector of the model what is put into one of its own fields, which is zero.
+    fn add(&self, into: &mut [f64], put: impl FnOnce(&mut [f64])) {
+        let Some(selection) = &self.selection else { return put(into) };
+        let mut own = selection.zero(into);
+        put(&mut own);
+        selection.scatter(&own, into);
+    }
+}
+
 impl Model {
-    /// The displacement of all held unknowns under these controls and a multiple of the prescribed displacements; 0 elsewhere.
+    /// The values of all held unknowns under these controls and a multiple of the prescribed ones; 0 elsewhere.
     pub(crate) fn prescribed(&self, controls: &Controls, load: f64) -> Vec<f64> {
         let mut u: Vec<f64> = self.supports.values().iter().map(|value| load * value).collect();
-        self.each_prescribing(&Instant::new(&[], controls, load), |_, moved, at| moved.prescribe(at, &mut u));
+        self.each_prescribing(&Instant::new(&[], controls, load), |own, at| {
+            own.add(&mut u, |u| own.moved.prescribe(at, u));
+        });
         u
     }
 
@@ -24,9 +54,9 @@ impl Model {
     pub(crate) fn prescribed_change(&self, controls: &Controls, v: &Controls) -> Option<Vec<f64>> {
         let mut du = vec![0.0; self.unknowns().len()];
         let mut any = false;
-        self.each_prescribing(&Instant::new(&[], controls, 1.0), |_, moved, at| {
+        self.each_prescribing(&Instant::new(&[], controls, 1.0), |own, at| {
             any = true;
-            moved.add_change(at, v, &mut du);
+            own.add(&mut du, |du| own.moved.add_change(at, v, du));
         });
         any.then_some(du)
     }
@@ -34,19 +64,20 @@ impl Model {
     /// The name of a contribution whose held unknowns have a second derivative along a change of the controls.
     pub(crate) fn turning(&self, at: &Instant, v: &Controls) -> Option<String> {
         let mut found = None;
-        self.each_prescribing(at, |name, moved, at| {
-            if !moved.is_straight_along(at, v) {
-                found = Some(name.to_owned());
+        self.each_prescribing(at, |own, at| {
+            if !own.moved.is_straight_along(at, v) {
+                found = Some(own.by.name().to_owned());
             }
         });
         found
     }
 
-    fn each_prescribing(&self, at: &Instant, mut call: impl FnMut(&str, &dyn Prescribes, &Instant)) {
+    fn each_prescribing(&self, at: &Instant, mut call: impl FnMut(&Moved, &Instant)) {
         let mut block = self.body.actuations().len();
         for contribution in &self.others {
             if let Some(moved) = contribution.prescribes() {
-                call(contribution.name(), moved, &Instant { block, ..*at });
+                let (by, selection) = (contribution.as_ref(), self.selection(contribution.as_ref()));
+                call(&Moved { by, moved, selection }, &Instant { block, ..*at });
             }
             block += usize::from(!contribution.slots().is_empty());
         }
@@ -72,15 +103,17 @@ impl PrescribedUnknowns<'_> {
         let size = self.model.discretization().mesh().diagonal();
         let mut found = Ok(());
         let mut prescribed = vec![0.0; self.model.unknowns().len()];
-        self.model.each_prescribing(&Instant::new(&[], &state.controls, 1.0), |name, moved, at| {
-            moved.prescribe(at, &mut prescribed);
+        self.model.each_prescribing(&Instant::new(&[], &state.controls, 1.0), |own, at| {
+            own.add(&mut prescribed, |u| own.moved.prescribe(at, u));
             let gap = |dof: &u32| (prescribed[*dof as usize] - state.u[*dof as usize]).abs();
-            let largest = moved.unknowns().iter().map(gap).fold(0.0, f64::max);
+            let largest =
+                unknowns_among(self.model.unknowns(), own.by, own.moved).iter().map(gap).fold(0.0, f64::max);
             if found.is_ok() && largest > POSITION_TOLERANCE * size {
                 let what = format!(
-                    "at t = {} a node of the motion \"{name}\" is {largest:.3e} away from where its controls hold it: begin at the equilibrium \
+                    "at t = {} a node of the motion \"{}\" is {largest:.3e} away from where its controls hold it: begin at the equilibrium \
                      under the first controls, or with controls that hold it where the body is",
-                    state.time
+                    state.time,
+                    own.by.name()
                 );
                 found = Err(FemError::Meaningless { what });
             }
@@ -111,7 +144,10 @@ impl PrescribedUnknowns<'_> {
 
     /// Adds their derivative by the controls of an instant, `force . du_D/dm`.
     pub fn add_prescribed_vjp(&self, at: &Instant, force: &[f64], into: &mut Sensitivities) {
-        self.model.each_prescribing(at, |_, moved, at| moved.vjp(at, force, into));
+        self.model.each_prescribing(at, |own, at| match &own.selection {
+            None => own.moved.vjp(at, force, into),
+            Some(selection) => own.moved.vjp(at, &selection.gather(force), into),
+        });
     }
 
     /// The name of a contribution that holds unknowns at values of its controls, if there is one.

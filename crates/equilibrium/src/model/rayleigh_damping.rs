@@ -1,5 +1,6 @@
 //! The Rayleigh damping of a [`Model`].
 
+use crate::model::Feature;
 use crate::model::views::Energies;
 use nastic_body::error::{FemError, Inadmissible};
 use nastic_forces::rayleigh_damping::RayleighDamping;
@@ -15,7 +16,7 @@ impl Energies<'_> {
             let what = format!("Rayleigh damping with a0 = {a0}, a1 = {a1}; both must be finite and at least zero");
             return Err(FemError::Meaningless { what });
         }
-        self.model.properties().refuse_further_fields(RayleighDamping::NAME)?;
+        self.model.properties().refuse_further_fields(Feature::RayleighDamping, RayleighDamping::NAME)?;
         self.model.body.check_complete()?;
         let mass = self.mass()?;
         if a0 > 0.0 && mass.values.iter().all(|&m| m == 0.0) {

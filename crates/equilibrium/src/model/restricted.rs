@@ -7,8 +7,7 @@ use nastic_body::controls::Controls;
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::{Inadmissible, SecondDerivativeError};
 use nastic_body::instant::Instant;
-use nastic_body::structure::TangentStructure;
-use nastic_linear::{Field, Space, SparseMatrix, Symmetry};
+use nastic_linear::{Field, Space, SparseMatrix};
 use std::ops::Deref;
 
 /// Which components of every node's block belong to some fields. What stands behind the nodal unknowns belongs to all.
@@ -40,15 +39,22 @@ impl Selection {
         self.nodal / self.block * self.components.len()
     }
 
+    /// Its unknowns on nodes among those of the model.
+    pub fn places(&self, own: Vec<u32>) -> Vec<u32> {
+        let n = self.components.len();
+        let place = |dof: usize| (self.block * (dof / n) + self.components[dof % n]) as u32;
+        own.into_iter().map(|dof| place(dof as usize)).collect()
+    }
+
     /// Its entries of a vector of the model.
-    fn gather(&self, v: &[f64]) -> Vec<f64> {
+    pub fn gather(&self, v: &[f64]) -> Vec<f64> {
         let (nodal, rest) = v.split_at(v.len().min(self.nodal));
         let own = nodal.chunks_exact(self.block).flat_map(|node| self.components.iter().map(|&c| node[c]));
         own.chain(rest.iter().copied()).collect()
     }
 
     /// Adds its entries to a vector of the model.
-    fn scatter(&self, own: &[f64], into: &mut [f64]) {
+    pub fn scatter(&self, own: &[f64], into: &mut [f64]) {
         if own.is_empty() {
             return;
         }
@@ -67,27 +73,13 @@ impl Selection {
     }
 
     /// A vector of its fields, zero, beside one of the model.
-    fn zero(&self, of: &[f64]) -> Vec<f64> {
+    pub fn zero(&self, of: &[f64]) -> Vec<f64> {
         vec![0.0; if of.is_empty() { 0 } else { of.len() - self.nodal + self.own() }]
     }
 
-    /// What is added to a matrix of its fields.
-    pub fn add_matrix<E>(
-        &self,
-        structure: &TangentStructure,
-        into: &mut SparseMatrix,
-        symmetry: Symmetry,
-        add: impl FnOnce(&mut SparseMatrix) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let (components, of_all) = (&self.components, structure.pattern());
-        let pattern = match components.len() == of_all.dim() {
-            true => of_all.clone(),
-            false => structure.with_components(components.len()).pattern().clone(),
-        };
-        let mut own = SparseMatrix::with_symmetry(pattern, symmetry);
-        add(&mut own)?;
-        into.add_components(&own, components);
-        Ok(())
+    /// Calls with a matrix as its fields see it.
+    pub fn among<T>(&self, into: &mut SparseMatrix, call: impl FnOnce(&mut SparseMatrix) -> T) -> T {
+        into.among(&self.components, call)
     }
 
     /// The supports of its components.
@@ -98,14 +90,12 @@ impl Selection {
 
 /// A contribution to the displacement and its own fields at one displacement, in a model of more: it sees vectors of its fields, and what it
 /// adds is added to theirs. Static problems alone: in motion a model with further fields is refused.
-pub(crate) struct RestrictedPoint<'a, P> {
+pub(crate) struct RestrictedPoint<P> {
     pub point: P,
-    pub symmetry: Symmetry,
     pub selection: Selection,
-    pub structure: &'a TangentStructure,
 }
 
-impl<P: Deref> RestrictedPoint<'_, P>
+impl<P: Deref> RestrictedPoint<P>
 where
     P::Target: ContributionPoint,
 {
@@ -118,7 +108,7 @@ where
     }
 }
 
-impl<P: Deref> ContributionPoint for RestrictedPoint<'_, P>
+impl<P: Deref> ContributionPoint for RestrictedPoint<P>
 where
     P::Target: ContributionPoint,
 {
@@ -134,8 +124,7 @@ where
     }
 
     fn add_tangent(&self, at: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        let add = |own: &mut SparseMatrix| self.selection.at(at, |at| self.point.add_tangent(at, own));
-        self.selection.add_matrix(self.structure, tangent, self.symmetry, add)
+        self.selection.among(tangent, |tangent| self.selection.at(at, |at| self.point.add_tangent(at, tangent)))
     }
 
     fn add_border(&self, at: &Instant, columns: &mut [Vec<f64>]) -> Result<(), Inadmissible> {

@@ -31,7 +31,8 @@ impl Energies<'_> {
     pub fn stored_energy(&self, state: &State) -> Result<StoredEnergy, Inadmissible> {
         let passive = self.model.unactuated(&state.controls);
         let at = Instant { parallel: true, ..Instant::of(state) };
-        let of_body = Instant { u: self.model.nodal(at.u), space: self.model.unknowns(), ..at }.under(&passive);
+        let u = self.model.displacement(at.u);
+        let of_body = Instant { u: &u, space: self.model.unknowns(), ..at }.under(&passive);
         let mut stored = StoredEnergy { elastic: energy(&self.model.body, &of_body)?, contact: 0.0 };
         self.model.each_other(&at, |contribution, at| {
             if contribution.touches().is_some() {

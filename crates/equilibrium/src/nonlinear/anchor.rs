@@ -19,9 +19,7 @@ pub(crate) struct Anchor {
 impl Anchor {
     /// At unknowns of a model.
     pub fn new(model: &Model, at: &[f64], stiffness: f64) -> Self {
-        let (disc, block) = (model.discretization(), model.unknowns().block());
-        let of_node = |volume: f64| (0..block).map(move |i| if i < disc.dim() { stiffness * volume } else { 0.0 });
-        let stiffness = disc.nodal_volumes().into_iter().flat_map(of_node).collect();
+        let stiffness = model.volumes_by_unknown().into_iter().map(|volume| stiffness * volume).collect();
         Anchor { at: at.to_vec(), stiffness }
     }
 

@@ -137,6 +137,9 @@ impl<'a> LineSearch<'a> {
             let merit = Energy::lagged(self.equations, here, step)?;
             return self.downhill(here, &step.dx, &merit);
         }
+        if model.unknowns().has_saddle_field() {
+            return self.search_saddle(here, step, direction, report);
+        }
         let uphill = direction.pressures().is_some_and(|pressures| self.is_uphill(here, step, pressures));
         if step.curvature != Curvature::Negative && !uphill {
             return self.descend(here, step, &step.dx, direction.pressures());
@@ -151,6 +154,24 @@ impl<'a> LineSearch<'a> {
         }
         let dx = direction.downhill(here, report)?;
         self.descend(here, step, &dx, direction.pressures())
+    }
+
+    /// Towards an equilibrium in which the potential has a maximum by a field: it rises there, and the residual alone shows what is nearer. Where the tangent has more
+    /// negative eigenvalues than that has unknowns, as far as the residual falls along Newton's step, or else along one with a shifted tangent.
+    fn search_saddle(
+        &mut self,
+        here: &Iterate,
+        step: &Step,
+        direction: &mut dyn Direction,
+        report: &mut SolveReport,
+    ) -> Result<Taken<'a>, Stop> {
+        let negative = step.curvature == Curvature::Negative;
+        let slow = || Stop::Slow { residual: here.relative };
+        if let Some(taken) = self.residual_falls(here, &step.dx, if negative { SADDLE_RULE } else { DESCENT_RULE })? {
+            return Ok(taken);
+        }
+        let dx = if negative { direction.downhill(here, report)? } else { return Err(slow()) };
+        self.residual_falls(here, &dx, DESCENT_RULE)?.ok_or_else(slow)
     }
 
     /// Whether a step whose pressures are not those of its changes of volume leads uphill.

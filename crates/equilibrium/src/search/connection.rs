@@ -58,7 +58,9 @@ impl Model {
         if report.newton < MIN_ITERATIONS_OF_JUMP {
             return Ok(false);
         }
-        let fit = fit.get_or_init(|| GradientFit::new(self, how.parallel));
+        // what turns with the body is the displacement
+        let turns = self.unknowns().has_one_nodal_field();
+        let fit = fit.get_or_init(|| turns.then(|| GradientFit::new(self, how.parallel)).flatten());
         for share in TANGENT_SHARES {
             let between = self.between(from, to, share, fit.as_ref(), how.parallel);
             let at = self.instant(from, None, how.parallel);
@@ -101,11 +103,15 @@ impl Model {
                 Ok(_) | Err(_) => (part, refused) = (0.5 * (next - share), refused + 1),
             }
             if share == 1.0 {
-                let apart = |a: &State, b: &State| self.unknowns().norm(&sub(self.nodal(&a.u), self.nodal(&b.u)));
-                return Ok(apart(&here, to) <= SAME_STATE_TOLERANCE * apart(to, from));
+                return Ok(self.apart(&here, to) <= SAME_STATE_TOLERANCE * self.apart(to, from));
             }
         }
         Ok(false)
+    }
+
+    /// How far the displacements of two states are apart.
+    fn apart(&self, a: &State, b: &State) -> f64 {
+        self.unknowns().norm(&sub(&self.displacement(&a.u), &self.displacement(&b.u)))
     }
 
     /// A state on the way between two, which is no equilibrium: every part of the body turns and stretches evenly, since a
@@ -137,12 +143,11 @@ impl Stability<'_> {
     /// # Errors
     /// As [`path`](Self::path); a cancelled solve, a lack of memory.
     pub fn connection(&self, from: &State, to: &State, how: &SolveOptions) -> Result<Connection, StateError> {
-        self.model.properties().refuse_further_fields("a connection between equilibria")?;
         self.model.checks().check_state(from)?;
         self.model.checks().check_state(to)?;
-        let change = self.model.unknowns().norm(&sub(self.model.nodal(&to.u), self.model.nodal(&from.u)));
+        let change = self.model.apart(to, from);
         let (mut workspace, fit) = (Workspace::default(), OnceCell::new());
-        if change <= MAX_CHANGE_WITHOUT_JUMP * self.model.unknowns().norm(self.model.nodal(&to.u))
+        if change <= MAX_CHANGE_WITHOUT_JUMP * self.model.unknowns().norm(&self.model.displacement(&to.u))
             || !self.model.may_have_jumped(from, to, how, &mut workspace, &fit)?
             || self.model.is_reached_in_parts(from, to, how, &mut workspace, &fit)?
         {
@@ -154,7 +159,11 @@ impl Stability<'_> {
         Ok(match ahead {
             Ahead::LimitPoint(limit) => Connection::LimitPoint(limit.share),
             Ahead::Clear(state) => {
-                let apart = self.model.unknowns().norm(&sub(&state.u, &to.u)) / change;
+                let unknowns = self.model.unknowns();
+                let apart = match unknowns.has_one_nodal_field() {
+                    true => unknowns.norm(&sub(&state.u, &to.u)),
+                    false => self.model.apart(&state, to),
+                } / change;
                 if apart <= SAME_STATE_TOLERANCE { Connection::Connected } else { Connection::Elsewhere(apart) }
             }
             Ahead::Unknown(share) => Connection::Unknown(share),

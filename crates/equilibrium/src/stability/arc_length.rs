@@ -48,7 +48,7 @@ impl PathIterate {
 pub(crate) struct PathEquations<'a> {
     equations: Equations<'a>,
     workspace: &'a mut Workspace,
-    /// `V_a / V` by unknown, times `1 / U^2`: what brings the displacement's change to the size of that of s.
+    /// `V_a / V` by unknown of the displacement, zero of further fields, times `1 / U^2`: what brings the displacement's change to the size of that of s.
     metric: PathMetric,
 }
 
@@ -60,7 +60,7 @@ impl<'a> PathEquations<'a> {
         options: &'a SolveOptions<'a>,
         workspace: &'a mut Workspace,
     ) -> Self {
-        let mut weights = model.discretization().volumes_by_unknown();
+        let mut weights = model.volumes_by_unknown();
         let volume: f64 = weights.iter().sum::<f64>() / model.discretization().dim() as f64;
         weights.iter_mut().for_each(|w| *w /= volume);
         model.supports.clear(&mut weights);

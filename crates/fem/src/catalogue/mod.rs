@@ -9,17 +9,19 @@ mod tendon;
 use crate::solid::Solid;
 use nastic_body::discretization::quadrature_points::QuadraturePoints;
 use nastic_body::error::FemError;
-use nastic_energy::{FiberTension, NeoHooke};
+use nastic_energy::{FiberTension, NeoHooke, Slot};
 use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::{Contact, ContactLaw};
 use nastic_forces::foundation::Foundation;
 use nastic_forces::inertia::{BodyInertia, Inertia};
 use nastic_forces::moving_support::MovingSupport;
+use nastic_forces::nodal_value::NodalValue;
 use nastic_forces::rayleigh_damping::RayleighDamping;
 use nastic_forces::rigid_body::RigidBody;
 use nastic_forces::spring::Spring;
 use nastic_forces::tendon::Tendon;
 use nastic_forces::varying_load::VaryingLoad;
+use nastic_linear::Field;
 use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_tensor::Vec3;
@@ -120,6 +122,18 @@ pub const CATALOGUE: &[Entry] = &[
         name: "motion of one component",
         form: None,
         example: || block()?.motion(MovingSupport::of("motion of one component", "x+").components(&[0])),
+    },
+    Entry {
+        name: "voltage",
+        form: None,
+        example: || {
+            block()?.nodal_value(NodalValue::driven("voltage", potential(), "x+", Slot::scalar("voltage", "V")))
+        },
+    },
+    Entry {
+        name: "floating electrode",
+        form: None,
+        example: || block()?.nodal_value(NodalValue::floating("floating electrode", potential(), "inside")),
     },
     Entry {
         name: "cavity of a volume",
@@ -267,6 +281,11 @@ fn bodies() -> Result<Solid, FemError> {
         }
     }
     Solid::new(Mesh::build(raw)?)?.material("body", NeoHooke::new(1e5, 2e5)?)?.clamp("z-")
+}
+
+/// An electric potential.
+fn potential() -> Field {
+    Field::saddle("phi", 1)
 }
 
 /// A way through the cup of the examples, between its nodes.

@@ -58,7 +58,7 @@ impl Solid {
     /// [`Inadmissible`] where u is.
     pub fn cell_strains(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
         let disc = self.discretization();
-        let kinematics = disc.points().kinematics(&state.u)?;
+        let kinematics = disc.points().kinematics(&self.model().displacement(&state.u))?;
         let strains = kinematics.iter().map(|k| 0.5 * (k.f().transpose() * k.f() - Mat3::identity()));
         Ok(disc.cell_average(&by_row(strains), 9))
     }
@@ -76,7 +76,7 @@ impl Solid {
     /// What the laws answer at the quadrature points, where all are within the domains of their laws.
     fn point_stresses(&self, state: &State) -> Result<PointStresses, Inadmissible> {
         let disc = self.discretization();
-        let kinematics = self.body().kinematics_of_laws(&state.u)?;
+        let kinematics = self.body().kinematics_of_laws(&self.model().displacement(&state.u))?;
         let n = kinematics.len();
         let (mut piola, mut energy) = (vec![Mat3::zeros(); n], vec![0.0; n]);
         let driving = Driving { controls: &state.controls, history: &state.history };
@@ -100,7 +100,7 @@ impl Solid {
     /// [`Inadmissible`] where u is.
     pub fn min_j_of_cells(&self, state: &State) -> Result<Vec<f64>, Inadmissible> {
         let disc = self.discretization();
-        let kinematics = disc.points().kinematics(&state.u)?;
+        let kinematics = disc.points().kinematics(&self.model().displacement(&state.u))?;
         let lowest = |(first, count): (usize, usize)| {
             kinematics[first..first + count].iter().map(|k| k.j()).fold(f64::INFINITY, f64::min)
         };

@@ -61,7 +61,7 @@ impl Solid {
         supports.ties().restrict(supports.block, &mut force);
         let (dim, fixed) = (self.mesh().dim(), self.supports().fixed());
         let held = |dof: usize| if fixed[dof] { force[dof] } else { 0.0 };
-        let node = |a: usize| (0..3).map(move |c| if c < dim { held(a * dim + c) } else { 0.0 });
+        let node = |a: usize| (0..3).map(move |c| if c < dim { held(a * supports.block + c) } else { 0.0 });
         Ok((0..self.mesh().points().len()).flat_map(node).collect())
     }
 }

@@ -4,6 +4,7 @@
 
 pub mod beam;
 pub mod block;
+pub mod dielectric;
 pub mod driven_motion;
 pub mod half_space;
 pub mod homogeneous;

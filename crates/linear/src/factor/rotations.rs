@@ -35,11 +35,13 @@ impl<'a> CorotatedPreconditioner<'a> {
 
     fn turn(&self, vector: &mut [f64], entry: impl Fn(&[f64; 9], usize, usize) -> f64) {
         let dim = self.factor.symbolic().pattern().dim();
+        // of what a node has the displacement comes first
+        let turned = dim.min(3);
         for (block, values) in self.blocks.iter().zip(vector.chunks_exact_mut(dim)) {
             let mut before = [0.0; 3];
-            before[..dim].copy_from_slice(values);
-            for (i, value) in values.iter_mut().enumerate() {
-                *value = (0..dim).map(|k| entry(block, i, k) * before[k]).sum();
+            before[..turned].copy_from_slice(&values[..turned]);
+            for (i, value) in values[..turned].iter_mut().enumerate() {
+                *value = (0..turned).map(|k| entry(block, i, k) * before[k]).sum();
             }
         }
     }

@@ -165,7 +165,7 @@ impl Pattern {
             3 => scatter_blocks::<3>(map, element, values),
             2 => scatter_blocks::<2>(map, element, values),
             1 => scatter_blocks::<1>(map, element, values),
-            dim => scatter_any(dim, map, element, values),
+            dim => scatter_among(dim, &(0..dim).collect::<Vec<_>>(), map, element, values, 1.0),
         }
     }
 
@@ -199,15 +199,27 @@ fn scatter_blocks<const D: usize>(map: &[u32], element: &[f64], values: &mut [f6
     }
 }
 
-fn scatter_any(dim: usize, map: &[u32], element: &[f64], values: &mut [f64]) {
+/// Of an element matrix over some components of every node, whose places in a node's block of `dim` are given; blocks of the other triangle come with a sign.
+pub(super) fn scatter_among(
+    dim: usize,
+    components: &[usize],
+    map: &[u32],
+    element: &[f64],
+    values: &mut [f64],
+    mirrored: f64,
+) {
     let (mut a, mut b) = (0, 0);
-    let n = dim * element_nodes(map);
+    let own = components.len();
+    let n = own * element_nodes(map);
     for &code in map {
         let block = &mut values[dim * dim * (code >> 1) as usize..][..dim * dim];
-        for r in 0..dim {
-            for c in 0..dim {
-                let at = if code & 1 == 0 { dim * c + r } else { dim * r + c };
-                block[at] += element[n * (dim * a + r) + dim * b + c];
+        for (r, row) in components.iter().enumerate() {
+            for (c, column) in components.iter().enumerate() {
+                let value = element[n * (own * a + r) + own * b + c];
+                match code & 1 {
+                    0 => block[dim * column + row] += value,
+                    _ => block[dim * row + column] += mirrored * value,
+                }
             }
         }
         (a, b) = if a == b { (a + 1, 0) } else { (a, b + 1) };

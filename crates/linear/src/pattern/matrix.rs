@@ -30,26 +30,28 @@ pub enum Symmetry {
 /// blocks [beyond the pattern](Self::add_beyond); most matrices have none.
 #[derive(Clone, Debug)]
 pub struct SparseMatrix {
-    pattern: Arc<Pattern>,
+    pub(super) pattern: Arc<Pattern>,
     /// The stored blocks of the symmetric part.
     pub values: Vec<f64>,
     /// Those of the skew part, where there is one: block `(i, j)`, `i >= j`; `W_ji = -W_ij^T`.
-    skew: Option<Vec<f64>>,
-    beyond: Vec<ElementBlock>,
+    pub(super) skew: Option<Vec<f64>>,
+    pub(super) beyond: Vec<ElementBlock>,
     /// What makes a preconditioner of the symmetric part.
-    aside: Vec<ElementBlock>,
+    pub(super) aside: Vec<ElementBlock>,
+    /// Places in a node's block of the components that what is added has; all of them where there are none.
+    pub(super) components: Option<Vec<usize>>,
 }
 
 impl SparseMatrix {
     /// The zero matrix.
     pub fn zeros(pattern: Arc<Pattern>) -> Self {
         let values = vec![0.0; pattern.values()];
-        Self { pattern, values, skew: None, beyond: Vec::new(), aside: Vec::new() }
+        Self { values, ..Self::without_values(pattern) }
     }
 
     /// A matrix without entries, which products replace.
     pub fn without_values(pattern: Arc<Pattern>) -> Self {
-        Self { pattern, values: Vec::new(), skew: None, beyond: Vec::new(), aside: Vec::new() }
+        Self { pattern, values: Vec::new(), skew: None, beyond: Vec::new(), aside: Vec::new(), components: None }
     }
 
     /// The zero matrix of a symmetry: a general one has room for a skew part.
@@ -67,20 +69,7 @@ impl SparseMatrix {
     #[must_use]
     pub fn symmetric_part(&self) -> SparseMatrix {
         let beyond = self.beyond.iter().map(ElementBlock::symmetric_part).collect();
-        SparseMatrix {
-            pattern: self.pattern.clone(),
-            values: self.values.clone(),
-            skew: None,
-            beyond,
-            aside: Vec::new(),
-        }
-    }
-
-    /// Sets an element matrix aside that belongs to no product, but to the [stand-in](Self::stand_in): its symmetric part, at pairs of nodes that the
-    /// pattern has.
-    pub fn add_aside(&mut self, nodes: &[u32], element: Vec<f64>) {
-        debug_assert_eq!(element.len(), (self.pattern.dim() * nodes.len()).pow(2));
-        self.aside.push(ElementBlock::merged(nodes, element).symmetric_part());
+        SparseMatrix { beyond, values: self.values.clone(), ..Self::without_values(self.pattern.clone()) }
     }
 
     /// What stands in for the matrix as a preconditioner: its symmetric part with the element matrices that were [set aside](Self::add_aside).
@@ -103,26 +92,6 @@ impl SparseMatrix {
     /// The same, to be changed as the matrix is.
     pub(crate) fn aside_mut(&mut self) -> &mut Vec<ElementBlock> {
         &mut self.aside
-    }
-
-    /// `A_ab += E_ab` for every pair of some nodes: `element` has the `n = dim * nodes` rows of a dense matrix one after the
-    /// other, unknown `dim * local node + component`. All of it is read where the matrix is general; of a symmetric one it must
-    /// be symmetric. For repeated nodes [`add_element`](Self::add_element) with a stored map is faster.
-    ///
-    /// # Errors
-    /// [`NotCoupled`] where the pattern lacks a pair; nothing is added then.
-    pub fn add_pairs(&mut self, nodes: &[u32], element: &[f64]) -> Result<(), NotCoupled> {
-        let map = self.pattern.scatter_map(nodes)?;
-        self.add_element(&map, element);
-        Ok(())
-    }
-
-    /// The same, with the same layout of rows, for nodes whose pairs the pattern may lack, because they change with the state: a block of its
-    /// own, which products have in them and a factor only of a matrix that it was [joined](crate::JoinedStructure) to. Pairs that the pattern
-    /// has, of nodes that share a cell or are the same, may be among them, and a node may be named more than once: the entries add up.
-    pub fn add_beyond(&mut self, nodes: &[u32], element: Vec<f64>) {
-        debug_assert_eq!(element.len(), (self.pattern.dim() * nodes.len()).pow(2));
-        self.beyond.push(ElementBlock::merged(nodes, element));
     }
 
     /// The blocks beyond the pattern.
@@ -163,22 +132,13 @@ impl SparseMatrix {
         }
     }
 
-    /// Adds an element matrix: see [`Pattern::scatter`] for the arguments. All of it is read where the matrix is general;
-    /// of a symmetric one it must be symmetric.
-    pub fn add_element(&mut self, map: &[u32], element: &[f64]) {
-        let Some(skew) = &mut self.skew else { return self.pattern.scatter(map, element, &mut self.values) };
-        let (symmetric, antisymmetric) = skew::split(element);
-        self.pattern.scatter(map, &symmetric, &mut self.values);
-        skew::scatter(self.pattern.dim(), map, &antisymmetric, skew);
-    }
-
     /// The matrix of the absolute values of the symmetric part, `|S|_ij = |S_ij|`; blocks beyond the pattern each by itself, which
     /// bounds it.
     #[must_use]
     pub fn magnitudes(&self) -> SparseMatrix {
         let values = self.values.iter().map(|value| value.abs()).collect();
         let beyond = self.beyond.iter().map(|block| block.symmetric_part().map(f64::abs)).collect();
-        SparseMatrix { pattern: self.pattern.clone(), values, skew: None, beyond, aside: Vec::new() }
+        SparseMatrix { beyond, values, ..Self::without_values(self.pattern.clone()) }
     }
 
     /// Its pattern.
@@ -400,55 +360,40 @@ impl SparseMatrix {
     /// # Errors
     /// [`NotCoupled`] where this pattern lacks a coupling at which B is not zero; A is then of no use.
     pub fn add_scaled(&mut self, factor: f64, other: &SparseMatrix) -> Result<(), NotCoupled> {
-        self.beyond.extend(other.beyond.iter().map(|block| block.map(|entry| factor * entry)));
+        let (dim, own) = (self.pattern.dim(), self.seen());
+        self.beyond.extend(other.beyond.iter().map(|block| block.map(|entry| factor * entry).widened(dim, &own)));
         if Arc::ptr_eq(&self.pattern, &other.pattern) {
             self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
             return Ok(());
         }
-        let (dim, mut lacking) = (self.pattern.dim(), None);
-        other.for_each_entry(|row, column, value| match self.pattern.value_index(row, column) {
+        let mut lacking = None;
+        let place = |dof: usize| dim * (dof / own.len()) + own[dof % own.len()];
+        other.for_each_entry(|row, column, value| match self.pattern.value_index(place(row), place(column)) {
             Some(at) => self.values[at] += factor * value,
             None if value == 0.0 => {}
-            None => lacking = lacking.or(Some(NotCoupled { a: (row / dim) as u32, b: (column / dim) as u32 })),
+            None => {
+                lacking = lacking.or(Some(NotCoupled { a: (row / own.len()) as u32, b: (column / own.len()) as u32 }))
+            }
         });
         lacking.map_or(Ok(()), Err)
     }
 
-    /// `A_(i c_k)(j c_l) += B_(i k)(j l)`: a matrix over some of the components of every node, c their places in a node's block here. Its
-    /// pattern is that of this matrix [with as many dofs](Pattern::with_dim); of a symmetric A it must be symmetric.
-    pub fn add_components(&mut self, other: &SparseMatrix, components: &[usize]) {
-        let (dim, own) = (self.pattern.dim(), components.len());
-        let add = |into: &mut [f64], from: &[f64]| {
-            for (into, from) in into.chunks_exact_mut(dim * dim).zip(from.chunks_exact(own * own)) {
-                for (at, value) in from.iter().enumerate() {
-                    into[dim * components[at / own] + components[at % own]] += value;
-                }
-            }
-        };
-        add(&mut self.values, &other.values);
-        if let (Some(into), Some(from)) = (&mut self.skew, &other.skew) {
-            add(into, from);
-        }
-        self.beyond.extend(other.beyond.iter().map(|block| block.widened(dim, components)));
-        self.aside.extend(other.aside.iter().map(|block| block.widened(dim, components)));
-    }
-
     /// Adds `shift` times the identity.
     pub fn add_to_diagonal(&mut self, shift: f64) {
-        let dim = self.pattern.dim();
+        let (dim, own) = (self.pattern.dim(), self.seen());
         for j in 0..self.pattern.nodes() {
             let (first, _) = self.pattern.column(j);
-            (0..dim).for_each(|c| self.values[dim * dim * first + (dim + 1) * c] += shift);
+            own.iter().for_each(|c| self.values[dim * dim * first + (dim + 1) * c] += shift);
         }
     }
 
     /// Adds a diagonal matrix, entries by dof.
     pub fn add_diagonal(&mut self, entries: &[f64]) {
-        let dim = self.pattern.dim();
+        let (dim, own) = (self.pattern.dim(), self.seen());
         for (j, &node) in self.pattern.ordering().new_to_old().iter().enumerate() {
             let (first, _) = self.pattern.column(j);
-            for c in 0..dim {
-                self.values[dim * dim * first + (dim + 1) * c] += entries[dim * node as usize + c];
+            for (k, c) in own.iter().enumerate() {
+                self.values[dim * dim * first + (dim + 1) * c] += entries[own.len() * node as usize + k];
             }
         }
     }

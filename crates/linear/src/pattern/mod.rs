@@ -1,5 +1,6 @@
 //! What is coupled with what, where its entries are stored, and matrices of such patterns.
 
+mod assembly;
 mod dissection;
 pub(crate) mod element_block;
 pub(crate) mod elimination;

@@ -11,26 +11,6 @@ pub(super) fn split(element: &[f64]) -> (Vec<f64>, Vec<f64>) {
     (part(1.0), part(-1.0))
 }
 
-/// Adds a skew element matrix to the blocks; `map` is that of [`Pattern::scatter_map`].
-pub(super) fn scatter(dim: usize, map: &[u32], element: &[f64], values: &mut [f64]) {
-    let n = element.len().isqrt();
-    let (mut a, mut b) = (0, 0);
-    for &code in map {
-        let block = &mut values[dim * dim * (code >> 1) as usize..][..dim * dim];
-        for r in 0..dim {
-            for c in 0..dim {
-                let value = element[n * (dim * a + r) + dim * b + c];
-                if code & 1 == 0 {
-                    block[dim * c + r] += value;
-                } else {
-                    block[dim * r + c] -= value;
-                }
-            }
-        }
-        (a, b) = if a == b { (a + 1, 0) } else { (a, b + 1) };
-    }
-}
-
 /// Entry `(row, column)`, dofs by mesh node.
 pub(super) fn entry(pattern: &Pattern, values: &[f64], row: usize, column: usize) -> f64 {
     let Some(at) = pattern.value_index(row, column) else { return 0.0 };

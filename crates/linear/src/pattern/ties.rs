@@ -4,16 +4,24 @@ use super::element_block::ElementBlock;
 use super::graph::Graph;
 use super::matrix::SparseMatrix;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
-/// Linear constraints `u_s = sum_m w_sm u_m`, component by component: nodes s that follow nodes m (their masters), which follow none. With `u = C v`,
-/// v the unknowns of the nodes that follow none, a system `K u = f` becomes `C^T K C v = C^T f`.
+/// Linear constraints `u_s = sum_m w_sm u_m`, component by component: nodes s that follow nodes m (their masters), which follow none, in all components of a node's block or in some.
+/// With `u = C v`, v the unknowns that follow none, a system `K u = f` becomes `C^T K C v = C^T f`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Ties {
-    /// By node what it follows; nothing of one that is free. Empty without ties.
-    follows: Vec<Vec<(u32, f64)>>,
+    /// By node what components of it follow; nothing of one that is free. Empty without ties.
+    follows: Vec<Vec<Tie>>,
     nodes: Vec<u32>,
     /// Nodes whose unknowns are mixed.
     mixed: Vec<Vec<u32>>,
+}
+
+/// Components of a node, and those of which nodes they follow, with weights.
+#[derive(Debug, Clone, PartialEq)]
+struct Tie {
+    components: Range<usize>,
+    masters: Vec<(u32, f64)>,
 }
 
 impl Ties {
@@ -24,22 +32,27 @@ impl Ties {
         self
     }
 
-    /// Lets nodes of a mesh of so many follow others, each with its masters and their weights. `None` where a node follows itself, one that is tied,
-    /// or is tied twice, and where there is no such node.
+    /// Lets these components of nodes of a mesh of so many follow those of others, each node with its masters and their weights. `None` where a node follows itself, one that is
+    /// tied, or is tied twice, and where there is no such node.
     #[must_use]
-    pub fn with(mut self, count: usize, tied: Vec<(u32, Vec<(u32, f64)>)>) -> Option<Self> {
+    pub fn with(mut self, count: usize, components: Range<usize>, tied: Vec<(u32, Vec<(u32, f64)>)>) -> Option<Self> {
+        let meets = |tie: &Tie| tie.components.start < components.end && components.start < tie.components.end;
         self.follows.resize(count.max(self.follows.len()), Vec::new());
         for (node, masters) in tied {
             let own = self.follows.get_mut(node as usize)?;
-            if masters.is_empty() || !own.is_empty() {
+            if masters.is_empty() || own.iter().any(meets) {
                 return None;
             }
-            *own = masters;
+            own.push(Tie { components: components.clone(), masters });
+            own.sort_unstable_by_key(|tie| tie.components.start);
             self.nodes.push(node);
         }
         self.nodes.sort_unstable();
-        let is_free = |(master, _): &(u32, f64)| self.follows.get(*master as usize).is_some_and(Vec::is_empty);
-        let sound = self.nodes.iter().all(|&node| self.follows[node as usize].iter().all(is_free));
+        self.nodes.dedup();
+        let is_free =
+            |(master, _): &(u32, f64)| self.follows.get(*master as usize).is_some_and(|own| !own.iter().any(meets));
+        let mut ties = self.nodes.iter().flat_map(|&node| &self.follows[node as usize]);
+        let sound = ties.all(|tie| !meets(tie) || tie.masters.iter().all(is_free));
         sound.then_some(self)
     }
 
@@ -55,10 +68,26 @@ impl Ties {
         &self.nodes
     }
 
-    /// What a node follows, with weights; nothing of one that is free.
+    /// What a component of a node follows, with weights; nothing of one that is free.
     #[must_use]
-    pub fn masters(&self, node: u32) -> &[(u32, f64)] {
+    pub fn masters(&self, node: u32, component: usize) -> &[(u32, f64)] {
+        let own = self.of(node).iter().find(|tie| tie.components.contains(&component));
+        own.map_or(&[], |tie| &tie.masters)
+    }
+
+    fn of(&self, node: u32) -> &[Tie] {
         self.follows.get(node as usize).map_or(&[], Vec::as_slice)
+    }
+
+    /// Calls with the unknowns of nodes of so many components that follow, and those that they follow, with weights.
+    fn each(&self, dim: usize, mut call: impl FnMut(usize, &mut dyn Iterator<Item = (usize, f64)>)) {
+        for &node in &self.nodes {
+            for tie in self.of(node) {
+                for c in tie.components.clone() {
+                    call(dim * node as usize + c, &mut tie.masters.iter().map(|(m, w)| (dim * *m as usize + c, *w)));
+                }
+            }
+        }
     }
 
     /// `C^T f`, forces at nodes: those on nodes that follow act on their masters, and become zero. Nothing of an empty vector.
@@ -66,12 +95,10 @@ impl Ties {
         if forces.is_empty() {
             return;
         }
-        for &node in &self.nodes {
-            for c in 0..dim {
-                let force = std::mem::take(&mut forces[dim * node as usize + c]);
-                self.masters(node).iter().for_each(|(m, w)| forces[dim * *m as usize + c] += w * force);
-            }
-        }
+        self.each(dim, |dof, masters| {
+            let force = std::mem::take(&mut forces[dof]);
+            masters.for_each(|(m, w)| forces[m] += w * force);
+        });
     }
 
     /// `C v`: nodes that follow are where their masters lead them. Nothing of an empty vector.
@@ -79,21 +106,16 @@ impl Ties {
         if u.is_empty() {
             return;
         }
-        for &node in &self.nodes {
-            for c in 0..dim {
-                u[dim * node as usize + c] = self.masters(node).iter().map(|(m, w)| w * u[dim * *m as usize + c]).sum();
-            }
-        }
+        self.each(dim, |dof, masters| u[dof] = masters.map(|(m, w)| w * u[m]).sum());
     }
 
-    /// Sets of nodes that `C^T K C`, mixed, couples beyond a graph, that of K.
+    /// Sets of nodes that `C^T K C`, mixed, couples beyond a graph, that of K, which has so many components per node.
     #[must_use]
-    pub fn couplings(&self, graph: &Graph) -> Vec<Vec<u32>> {
+    pub fn couplings(&self, graph: &Graph, dim: usize) -> Vec<Vec<u32>> {
         let mut sets = BTreeSet::new();
         let led = |node: u32| {
-            let masters = self.masters(node);
-            let own = masters.is_empty().then_some(node);
-            own.into_iter().chain(masters.iter().map(|(m, _)| *m))
+            let own = (0..dim).any(|c| self.masters(node, c).is_empty()).then_some(node);
+            own.into_iter().chain(self.of(node).iter().flat_map(|tie| &tie.masters).map(|(m, _)| *m))
         };
         for &node in &self.nodes {
             for &other in graph.neighbours(node as usize) {
@@ -110,16 +132,25 @@ impl Ties {
         sets.into_iter().filter(|set| graph.check_coupled(set).is_err()).collect()
     }
 
-    /// A node by itself and its weight 1, or what it follows.
-    fn expansion(&self, node: u32) -> Vec<(u32, f64)> {
-        match self.masters(node) {
-            [] => vec![(node, 1.0)],
-            masters => masters.to_vec(),
+    /// The components of a node in groups, each with the node by itself and its weight 1, or with what it follows.
+    fn expansions(&self, node: u32, dim: usize) -> Vec<Tie> {
+        let mut all = Vec::new();
+        let mut next = 0;
+        let end = Tie { components: dim..dim, masters: Vec::new() };
+        for tie in self.of(node).iter().chain([&end]) {
+            if next < tie.components.start {
+                all.push(Tie { components: next..tie.components.start, masters: vec![(node, 1.0)] });
+            }
+            next = tie.components.end;
+            if !tie.masters.is_empty() {
+                all.push(tie.clone());
+            }
         }
+        all
     }
 
     fn is_tied(&self, node: u32) -> bool {
-        !self.masters(node).is_empty()
+        !self.of(node).is_empty()
     }
 }
 
@@ -144,21 +175,31 @@ impl SparseMatrix {
         self.set_beyond(beyond);
         self.aside_mut().iter_mut().for_each(|block| *block = tied(block, ties, dim));
         for Moved { row, column, parts } in moved {
+            let (rows, columns) = (ties.expansions(row, dim), ties.expansions(column, dim));
             for (k, part) in parts.into_iter().enumerate() {
-                let sign = [1.0, -1.0][k];
-                for &(a, weight) in &ties.expansion(row) {
-                    for &(b, other) in &ties.expansion(column) {
-                        let factor = weight * other;
-                        let block: Vec<f64> = part.iter().map(|entry| factor * entry).collect();
-                        // of a pair that meets in one node its mirror image too
-                        let both = row != column && a == b;
-                        let twice = |at: usize| block[at] + sign * block[dim * (at % dim) + at / dim];
-                        let block = if both { (0..dim * dim).map(twice).collect() } else { block };
-                        // of a diagonal block (a, b) and (b, a) come each by itself, and one of both is stored
-                        if row != column || a >= b {
-                            self.add_part(a, b, k, &block);
-                        }
-                    }
+                for (r, c) in rows.iter().flat_map(|r| columns.iter().map(move |c| (r, c))) {
+                    let is_there = |at: usize| r.components.contains(&(at / dim)) && c.components.contains(&(at % dim));
+                    let own: Vec<f64> = (0..dim * dim).map(|at| if is_there(at) { part[at] } else { 0.0 }).collect();
+                    self.add_moved((row, column), [&r.masters, &c.masters], k, &own);
+                }
+            }
+        }
+    }
+
+    /// Adds a block of two nodes, or of the diagonal, to those that they follow.
+    fn add_moved(&mut self, (row, column): (u32, u32), [rows, columns]: [&[(u32, f64)]; 2], k: usize, part: &[f64]) {
+        let (dim, sign) = (self.pattern().dim(), [1.0, -1.0][k]);
+        for &(a, weight) in rows {
+            for &(b, other) in columns {
+                let factor = weight * other;
+                let block: Vec<f64> = part.iter().map(|entry| factor * entry).collect();
+                // of a pair that meets in one node its mirror image too
+                let both = row != column && a == b;
+                let twice = |at: usize| block[at] + sign * block[dim * (at % dim) + at / dim];
+                let block = if both { (0..dim * dim).map(twice).collect() } else { block };
+                // of a diagonal block (a, b) and (b, a) come each by itself, and one of both is stored
+                if row != column || a >= b {
+                    self.add_part(a, b, k, &block);
                 }
             }
         }
@@ -179,7 +220,8 @@ impl SparseMatrix {
                 let parts = (0..if self.is_symmetric() { 1 } else { 2 }).map(|part| self.take_block(first + k, part));
                 let parts = parts.collect();
                 if row == column {
-                    (0..dim).for_each(|c| self.values[dim * dim * (first + k) + (dim + 1) * c] = diagonal);
+                    let led = (0..dim).filter(|c| !ties.masters(row, *c).is_empty());
+                    led.for_each(|c| self.values[dim * dim * (first + k) + (dim + 1) * c] = diagonal);
                 }
                 moved.push(Moved { row, column, parts });
             }
@@ -240,16 +282,21 @@ fn tied(block: &ElementBlock, ties: &Ties, dim: usize) -> ElementBlock {
     if !block.nodes.iter().any(|&node| ties.is_tied(node)) {
         return block.clone();
     }
-    let expansions: Vec<Vec<(u32, f64)>> = block.nodes.iter().map(|&node| ties.expansion(node)).collect();
-    let nodes: BTreeSet<u32> = expansions.iter().flatten().map(|(node, _)| *node).collect();
+    let itself: Vec<[(u32, f64); 1]> = block.nodes.iter().map(|&node| [(node, 1.0)]).collect();
+    // by unknown of the block
+    let expansion = |at: usize| match ties.masters(block.nodes[at / dim], at % dim) {
+        [] => &itself[at / dim],
+        masters => masters,
+    };
+    let nodes: BTreeSet<u32> = (0..dim * block.nodes.len()).flat_map(expansion).map(|(node, _)| *node).collect();
     let nodes: Vec<u32> = nodes.into_iter().collect();
     let (own, n) = (dim * block.nodes.len(), dim * nodes.len());
     let place = |node: u32| dim * nodes.binary_search(&node).unwrap_or_default();
     let mut entries = vec![0.0; n * n];
     for (at, entry) in block.entries.iter().enumerate().filter(|(_, entry)| **entry != 0.0) {
         let (row, column) = (at / own, at % own);
-        for (a, weight) in &expansions[row / dim] {
-            for (b, other) in &expansions[column / dim] {
+        for (a, weight) in expansion(row) {
+            for (b, other) in expansion(column) {
                 entries[n * (place(*a) + row % dim) + place(*b) + column % dim] += weight * other * entry;
             }
         }
@@ -275,7 +322,7 @@ mod tests {
     fn graphs(ties: &Ties) -> (Graph, Graph) {
         let cells = || CELLS.iter().map(|cell| &cell[..]);
         let graph = Graph::from_cliques(5, cells()).unwrap();
-        let more = ties.couplings(&graph);
+        let more = ties.couplings(&graph, 2);
         let full = Graph::from_cliques(5, cells().chain(more.iter().map(Vec::as_slice))).unwrap();
         (graph, full)
     }
@@ -303,21 +350,31 @@ mod tests {
     /// `C^T A C` of a chain of five nodes, of which the third follows the first and the fifth, the fourth the fifth alone, by dense products.
     #[test]
     fn tied_matrices_are_the_products() {
-        let ties = Ties::default().with(5, vec![(2, vec![(0, 0.25), (4, 0.75)]), (3, vec![(4, -1.5)])]).unwrap();
-        let (graph, full) = graphs(&ties);
-        for (graph, symmetry) in [(&full, Symmetry::General), (&full, Symmetry::Symmetric), (&graph, Symmetry::General)]
+        let dim = 2;
+        let wholly =
+            Ties::default().with(5, 0..dim, vec![(2, vec![(0, 0.25), (4, 0.75)]), (3, vec![(4, -1.5)])]).unwrap();
+        // a node whose components follow others each, one that follows and leads
+        let partly = Ties::default().with(5, 1..2, vec![(2, vec![(0, 0.25), (3, 0.75)]), (1, vec![(0, 1.0)])]).unwrap();
+        let partly = partly.with(5, 0..1, vec![(2, vec![(4, 0.5)]), (3, vec![(4, 1.0)])]).unwrap();
+        let cases = [(false, Symmetry::General), (false, Symmetry::Symmetric), (true, Symmetry::General)];
+        for (ties, (lacks, symmetry)) in [&wholly, &partly].into_iter().flat_map(|ties| cases.map(|case| (ties, case)))
         {
-            let dim = 2;
-            let mut matrix = chain(graph, symmetry);
+            let (graph, full) = graphs(ties);
+            let mut matrix = chain(if lacks { &graph } else { &full }, symmetry);
             let before = dense(&matrix);
             let c = DMatrix::from_fn(10, 10, |i, j| {
                 let (node, other) = ((i / dim) as u32, (j / dim) as u32);
-                let weight = ties.expansion(node).iter().find(|(m, _)| *m == other).map_or(0.0, |(_, w)| *w);
+                let itself = if node == other { 1.0 } else { 0.0 };
+                let weight = match ties.masters(node, i % dim) {
+                    [] => itself,
+                    masters => masters.iter().find(|(m, _)| *m == other).map_or(0.0, |(_, w)| *w),
+                };
                 if i % dim == j % dim { weight } else { 0.0 }
             });
-            matrix.tie(&ties, 3.0);
+            matrix.tie(ties, 3.0);
             let mut expected = c.transpose() * before * &c;
-            (4..8).for_each(|i| expected[(i, i)] += 3.0);
+            let led = (0..10).filter(|i| !ties.masters((i / dim) as u32, i % dim).is_empty());
+            led.for_each(|i| expected[(i, i)] += 3.0);
             assert!((dense(&matrix) - expected).abs().max() < 1e-12);
         }
     }
@@ -349,10 +406,12 @@ mod tests {
 
     #[test]
     fn chains_of_ties_are_refused() {
-        assert!(Ties::default().with(3, vec![(0, vec![(1, 1.0)]), (1, vec![(2, 1.0)])]).is_none());
-        assert!(Ties::default().with(3, vec![(0, vec![(0, 1.0)])]).is_none());
-        assert!(Ties::default().with(3, vec![(0, vec![(7, 1.0)])]).is_none());
-        let tied = Ties::default().with(3, vec![(0, vec![(1, 1.0)])]).unwrap();
-        assert!(tied.with(3, vec![(0, vec![(2, 1.0)])]).is_none());
+        let with = |tied| Ties::default().with(3, 0..2, tied);
+        assert!(with(vec![(0, vec![(1, 1.0)]), (1, vec![(2, 1.0)])]).is_none());
+        assert!(with(vec![(0, vec![(0, 1.0)])]).is_none());
+        assert!(with(vec![(0, vec![(7, 1.0)])]).is_none());
+        let tied = with(vec![(0, vec![(1, 1.0)])]).unwrap();
+        assert!(tied.clone().with(3, 1..3, vec![(0, vec![(2, 1.0)])]).is_none());
+        assert!(tied.with(3, 2..3, vec![(1, vec![(2, 1.0)])]).is_some());
     }
 }

@@ -62,6 +62,11 @@ impl Direct {
         self.structure.symbolic()
     }
 
+    /// In which the next factor of a system is made.
+    fn precision_of(&self, system: &System) -> Precision {
+        if system.maxima() > 0 { Precision::Double } else { self.precision }
+    }
+
     /// The factor held in the workspace, if it serves as a preconditioner.
     fn kept(&self) -> Option<&Factor> {
         self.factor.as_ref().filter(|f| f.pivots() == Pivots::Positive)
@@ -118,6 +123,9 @@ impl Direct {
 
     /// The same of a matrix that may be indefinite.
     fn refactorize_any(&mut self, system: &System, work: &mut LinearWork) -> Result<(), FactorError> {
+        if system.maxima() > 0 {
+            return self.refactorize(system, Pivots::AnySign, work);
+        }
         match self.refactorize(system, Pivots::Positive, work) {
             Err(FactorError::NotPositive { .. }) => self.refactorize(system, Pivots::AnySign, work),
             done => done,
@@ -179,7 +187,7 @@ impl Direct {
         tolerance: f64,
         work: &mut LinearWork,
     ) -> Result<Kept, LinearError> {
-        if self.precision != Precision::Single {
+        if self.precision_of(system) != Precision::Single {
             return Ok(Kept::Nothing { indefinite: false });
         }
         let indefinite = match self.approximate(system, b, tolerance.into(), work) {
@@ -219,7 +227,7 @@ impl Direct {
                 return Ok(x);
             }
         }
-        if self.precision == Precision::Single && !own {
+        if self.precision_of(system) == Precision::Single && !own {
             match self.approximate(system, b, test, work) {
                 Ok((x, cg)) if exact(&cg, accuracy.residual) => return Ok(x),
                 // Else memory that is free again by now would decide between the factors.
@@ -247,9 +255,10 @@ impl Direct {
         Err(LinearError::Singular { residual: refined.residual, wanted: accuracy.residual })
     }
 
-    /// Negative eigenvalues of the matrix that the factor held was made of.
-    fn negative(&self) -> Option<usize> {
-        self.factor.as_ref().filter(|factor| factor.is_usable()).map(Factor::negative_pivots)
+    /// Negative eigenvalues of the matrix that the factor held was made of, beyond those of the maxima of a system.
+    fn negative(&self, system: &System) -> Result<Option<usize>, LinearError> {
+        let usable = self.factor.as_ref().filter(|factor| factor.is_usable());
+        usable.map(|factor| system.beyond_maxima(factor.negative_pivots())).transpose()
     }
 }
 
@@ -275,12 +284,12 @@ impl LinearSolver for Direct {
 
     fn prepare(&mut self, system: &System, work: &mut LinearWork) -> Result<(), LinearError> {
         symmetric(system)?;
-        if self.precision == Precision::Single {
+        if self.precision_of(system) == Precision::Single {
             match self.refactorize_single(system, work) {
                 Ok(_) => return Ok(()),
                 Err(FactorError::NotPositive { .. }) => {
                     self.refactorize(system, Pivots::AnySign, work)?;
-                    if self.negative() == Some(0) {
+                    if self.negative(system)? == Some(0) {
                         // single precision is too coarse to show that it is positive definite
                         self.precision = Precision::Double;
                     }
@@ -305,7 +314,7 @@ impl LinearSolver for Direct {
                 Kept::Nothing { indefinite } => indefinite,
             };
         }
-        if !indefinite {
+        if !indefinite && system.maxima() == 0 {
             match self.refactorize(system, Pivots::Positive, work) {
                 Ok(()) => return Ok(Step::new(self.back_substitute(b, work), Curvature::Positive)),
                 Err(FactorError::NotPositive { .. }) => (),
@@ -314,8 +323,9 @@ impl LinearSolver for Direct {
         }
         self.refactorize(system, Pivots::AnySign, work)?;
         let x = self.back_substitute(b, work);
+        let definite = self.negative(system)? == Some(0);
         // Of no use as a preconditioner.
-        let definite = self.factor.take().is_some_and(|f| f.negative_pivots() == 0);
+        self.factor = None;
         if definite {
             self.precision = Precision::Double;
         }
@@ -329,7 +339,7 @@ impl LinearSolver for Direct {
         accuracy: Accuracy,
         work: &mut LinearWork,
     ) -> Result<Solution, LinearError> {
-        Ok(Solution { x: self.solution(system, b, accuracy, work)?, negative: self.negative() })
+        Ok(Solution { x: self.solution(system, b, accuracy, work)?, negative: self.negative(system)? })
     }
 
     fn solve_by_products(
@@ -354,11 +364,12 @@ impl LinearSolver for Direct {
         _: Definite,
         work: &mut LinearWork,
     ) -> Result<Vec<f64>, LinearError> {
-        match self.refactorize(system, Pivots::Positive, work) {
+        let pivots = if system.maxima() > 0 { Pivots::AnySign } else { Pivots::Positive };
+        match self.refactorize(system, pivots, work) {
             Ok(()) => {
-                let x = self.back_substitute(b, work);
+                let (x, definite) = (self.back_substitute(b, work), self.negative(system)? == Some(0));
                 self.factor = None;
-                Ok(x)
+                if definite { Ok(x) } else { Err(LinearError::Indefinite { quotient: None }) }
             }
             Err(FactorError::NotPositive { .. }) => Err(LinearError::Indefinite { quotient: None }),
             Err(other) => Err(other.into()),
@@ -372,7 +383,8 @@ impl LinearSolver for Direct {
         let symbolic = self.symbolic();
         let rounding = |x: &[f64]| QUOTIENT_ROUNDING * f64::EPSILON * mean_diagonal(system, x);
         let single = || symbolic.approximate(system.matrix, system.parallel).ok();
-        let evidence = (self.precision == Precision::Single).then(single).flatten().and_then(|f| definite(&f, system));
+        let evidence =
+            (self.precision_of(system) == Precision::Single).then(single).flatten().and_then(|f| definite(&f, system));
         if evidence.is_some_and(|(smallest, x)| smallest > MIN_ROUNDING_RATIO * rounding(&x)) {
             return Ok(Some(Inertia { negative: 0, by_factor: true }));
         }
@@ -383,13 +395,18 @@ impl LinearSolver for Direct {
             done => done?,
         };
         let negative = if factor.pivots() == Pivots::Positive { 0 } else { factor.negative_pivots() };
+        let negative = system.beyond_maxima(negative)?;
+        // fields of other units than the displacement: eigenvalues relative to the diagonal
+        let scales: Option<Vec<f64>> =
+            (system.maxima() > 0).then(|| system.matrix.diagonal().iter().map(|d| d.abs()).collect());
         let solve = |x: &mut Vec<f64>| {
+            scales.iter().for_each(|scales| x.iter_mut().zip(scales).for_each(|(x, scale)| *x *= scale));
             factor.solve(x, 1);
             true
         };
         let counted = Ok(Some(Inertia { negative, by_factor: true }));
         let Some((smallest, x)) = smallest_eigenvalue(solve, system) else { return counted };
-        let rounding = rounding(&x);
+        let rounding = if scales.is_some() { QUOTIENT_ROUNDING * f64::EPSILON } else { rounding(&x) };
         if smallest < rounding {
             return Err(LinearError::NearlySingular { smallest, rounding });
         }

@@ -77,6 +77,17 @@ pub enum LinearError {
         /// Its name.
         solver: &'static str,
     },
+    /// A field by which the potential is said to have a maximum does not give that.
+    #[error(
+        "the tangent has {negative} negative eigenvalues where the potential has a maximum by {maxima} unknowns: it has none by a field of the role \
+         \"saddle\"; make that a primary one, or change the sign of its energy"
+    )]
+    NoMaximum {
+        /// Negative eigenvalues.
+        negative: usize,
+        /// Free unknowns by which there should be a maximum.
+        maxima: usize,
+    },
     /// The solver takes symmetric matrices alone.
     #[error("the matrix is not symmetric; use the general solver")]
     NotSymmetric,

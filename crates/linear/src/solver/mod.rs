@@ -77,7 +77,8 @@ impl Step {
 pub struct Solution {
     /// The unknowns.
     pub x: Vec<f64>,
-    /// Negative eigenvalues of the matrix, where what solved it shows them.
+    /// Negative eigenvalues of the matrix beyond one for each unknown by which the potential has a [maximum](Configuration::maxima), where what solved it
+    /// shows them.
     pub negative: Option<usize>,
 }
 
@@ -105,7 +106,7 @@ pub struct SolverState {
 /// Number of eigenvalues of either sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Inertia {
-    /// Negative eigenvalues: 0 of a positive definite matrix.
+    /// Negative eigenvalues beyond one for each unknown by which the potential has a [maximum](Configuration::maxima): 0 of a positive definite matrix.
     pub negative: usize,
     /// Whether a factor proves it, by its pivots or as preconditioner of conjugate gradients; otherwise conjugate gradients from a random vector met no negative curvature.
     pub by_factor: bool,
@@ -183,7 +184,8 @@ pub trait LinearSolver: CloneSolver + Debug + Send + Sync {
         None
     }
 
-    /// `A x = b` if A is positive definite.
+    /// `A x = b` if A is positive definite, by the unknowns that are left once those by which the potential has a [maximum](Configuration::maxima) are
+    /// eliminated.
     ///
     /// # Errors
     /// [`LinearError::Indefinite`] where it is not; as [`solve`](Self::solve).

@@ -53,13 +53,16 @@ impl Shift {
         let space = system.space();
         let mut diagonal = matrix.diagonal();
         space.add_up(&mut diagonal);
-        let own = space.own(&diagonal);
-        let scale = space.total(own.iter().map(|d| d.abs()).sum()) / space.total(own.len() as f64);
-        let (own, mut entries) = (own.len(), vec![0.0; diagonal.len()]);
+        // unknowns by which the potential has a maximum stay as they are
+        let maxima = system.configuration.maxima();
+        let is_shifted = |dof: usize| !maxima.get(dof).is_some_and(|is| *is);
+        let own: Vec<usize> = (0..space.own(&diagonal).len()).filter(|dof| is_shifted(*dof)).collect();
+        let scale = space.total(own.iter().map(|dof| diagonal[*dof].abs()).sum()) / space.total(own.len() as f64);
+        let mut entries = vec![0.0; diagonal.len()];
         let (mut shift, mut added) = (self.first(scale), 0.0);
         while shift <= MAX_SHIFT {
             // matrices of ranks add up: each unknown is shifted by its owner alone
-            entries[..own].fill((shift - added) * scale);
+            own.iter().for_each(|dof| entries[*dof] = (shift - added) * scale);
             matrix.add_diagonal(&entries);
             added = shift;
             if let Some(step) = self.attempt(shift, solver, &System { matrix: &matrix, ..*system }, b, work)? {

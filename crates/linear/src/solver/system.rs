@@ -1,5 +1,6 @@
 //! [`System`]: the matrix of a linear system, and where it was taken.
 
+use super::LinearError;
 use crate::factor::rotations::Rotations;
 use crate::krylov::conjugate_gradients::CgReport;
 use crate::krylov::volume_modes::VolumeModes;
@@ -30,6 +31,11 @@ pub trait Configuration: Sync {
         None
     }
 
+    /// By unknown, whether the potential has a maximum by it, and it is neither eliminated nor follows others; empty where there is none.
+    fn maxima(&self) -> &[bool] {
+        &[]
+    }
+
     /// The space of the unknowns: what sums over them.
     fn space(&self) -> &Space {
         Space::LOCAL
@@ -57,6 +63,17 @@ impl System<'_> {
     /// What sums over its unknowns.
     pub fn space(&self) -> &Space {
         self.configuration.space()
+    }
+
+    /// Number of free unknowns by which the potential has a [maximum](Configuration::maxima).
+    pub fn maxima(&self) -> usize {
+        self.configuration.maxima().iter().filter(|is| **is).count()
+    }
+
+    /// So many negative eigenvalues of the matrix, less one for each unknown by which the potential has a maximum.
+    pub(super) fn beyond_maxima(&self, negative: usize) -> Result<usize, LinearError> {
+        let maxima = self.maxima();
+        negative.checked_sub(maxima).ok_or(LinearError::NoMaximum { negative, maxima })
     }
 
     /// The system of the transpose.

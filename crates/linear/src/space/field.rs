@@ -16,8 +16,9 @@ pub enum On {
 pub enum Role {
     /// The potential, where there is one, has a minimum by it.
     Primary,
-    /// The potential has a maximum by it: each of its unknowns gives the tangent one negative eigenvalue.
-    Multiplier,
+    /// The potential has a maximum by it, as by multipliers of constraints or an electric potential: each of its unknowns gives the tangent one
+    /// negative eigenvalue.
+    Saddle,
 }
 
 /// Unknowns of one kind: `components` on every place.
@@ -41,9 +42,17 @@ impl Field {
         Field { name: name.to_owned(), components, on: On::Nodes, role: Role::Primary, places: 0 }
     }
 
+    /// A field on nodes by which the potential has a maximum: an electric potential phi, with the density `-eps/2 J |F^-T grad phi|^2`.
+    ///
+    /// Of the tangent `[A B; B^T -C]`, C by this field, `n_-([A B; B^T -C]) = n_-(A + B C^-1 B^T) + dim C` where C is positive definite (Haynsworth).
+    /// Equilibria are stable where the first term, by the unknowns that are left once the field is eliminated, is 0.
+    pub fn saddle(name: &str, components: usize) -> Self {
+        Field { role: Role::Saddle, ..Field::nodal(name, components) }
+    }
+
     /// So many multipliers of the whole.
     pub fn multipliers(name: &str, count: usize) -> Self {
-        Field { name: name.to_owned(), components: count, on: On::Whole, role: Role::Multiplier, places: 0 }
+        Field { name: name.to_owned(), components: count, on: On::Whole, role: Role::Saddle, places: 0 }
     }
 
     /// Number of its unknowns.

@@ -112,6 +112,17 @@ impl Space {
         self.nodal_fields().nth(1).is_none()
     }
 
+    /// Whether the potential has a maximum by a nodal field.
+    pub fn has_saddle_field(&self) -> bool {
+        self.nodal_fields().any(|(_, field)| field.role == Role::Saddle)
+    }
+
+    /// By component of a node's block, whether the potential has a maximum by it.
+    pub fn maxima(&self) -> Vec<bool> {
+        let of_field = |(_, field): (usize, &Field)| std::iter::repeat_n(field.role == Role::Saddle, field.components);
+        self.nodal_fields().flat_map(of_field).collect()
+    }
+
     /// The values of `count` components from the first one on at every node, shape `[nodes][count]`.
     pub fn components(&self, v: &[f64], first: usize, count: usize) -> Vec<f64> {
         let nodal = &v[..self.nodal()];

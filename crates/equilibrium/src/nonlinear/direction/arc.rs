@@ -15,9 +15,9 @@ use std::sync::Arc;
 /// Difference of s for the derivative of the residual.
 const DIFFERENCE_STEP: f64 = 1e-2;
 
-/// The inner product of a path, `<(u, s), (v, t)> = sum_a w_a u_a . v_a + s t`; multipliers have no part in it.
+/// The inner product of a path, `<(u, s), (v, t)> = sum_a w_a u_a . v_a + s t`; further fields and multipliers have no part in it.
 pub(crate) struct PathMetric {
-    /// w by unknown, zero on supports, which s determines.
+    /// w by unknown, zero on supports, which s determines, and of further fields.
     pub weights: Vec<f64>,
     /// A factor of all of them.
     pub scale: f64,
