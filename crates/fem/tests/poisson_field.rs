@@ -136,15 +136,26 @@ fn the_adjoint_goes_through_the_field() -> Outcome {
 fn a_surface_moves_beside_the_field() -> Outcome {
     let alone = bar()?.motion(MovingSupport::of("grip", "x+"))?;
     let beside = with_field(alone.clone())?;
-    let pulled = |solid: &Solid| -> Outcome<State> {
+    let pulled = |solid: &Solid, more: f64| -> Outcome<State> {
         let mut controls = solid.controls();
         let block = solid.model().controllable().iter().position(|c| c.name == "grip").ok_or("no grip")?;
-        controls.values_mut(block).copy_from_slice(&[0.05, 0.01, -0.02, 0.1, 0.0, 0.0]);
+        controls.values_mut(block).copy_from_slice(&[0.05 + more, 0.01, -0.02, 0.1 + more, 0.0, 0.0]);
         Ok(solid.solve(&controls, &STRICT)?)
     };
-    let (expected, state) = (pulled(&alone)?, pulled(&beside)?);
+    let (expected, state) = (pulled(&alone, 0.0)?, pulled(&beside, 0.0)?);
     let u = beside.model().displacement(&state.u);
     assert!(largest(&expected.u) > 0.04 && distance(&u, &expected.u) < 1e-12, "{:e}", distance(&u, &expected.u));
+    // the derivative of j = c . (u, phi) by the grip against a difference
+    let cost: Vec<f64> = (0..state.u.len()).map(|i| (1.7 * i as f64).sin()).collect();
+    let minus: Vec<f64> = cost.iter().map(|c| -c).collect();
+    let lambda = beside.adjoint(&state, &[&minus], &STRICT)?.lambda.remove(0);
+    let at = Instant::new(&state.u, &state.controls, 1.0);
+    let found = beside.model().prescribed_unknowns().sensitivities(&at, &cost, &lambda)?.controls;
+    let slope = found.values(0)[0] + found.values(0)[3];
+    let value =
+        |more: f64| -> Outcome<f64> { Ok(pulled(&beside, more)?.u.iter().zip(&cost).map(|(u, c)| u * c).sum()) };
+    let difference = (value(1e-4)? - value(-1e-4)?) / 2e-4;
+    assert!((slope - difference).abs() < 1e-6 * difference.abs(), "{slope} {difference}");
     check_contribution(beside.model(), "grip", 3)?;
     Ok(())
 }
