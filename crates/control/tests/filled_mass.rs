@@ -91,5 +91,28 @@ fn a_mass_does_not_change_in_time() -> Outcome {
     assert!(refused.contains("does not change in time"), "{refused}");
     let damped = arm(CellKind::Hex8, filled())?.rayleigh_damping(0.5, 0.0).map(drop).unwrap_err().to_string();
     assert!(damped.contains("follows a design"), "{damped}");
+    let problem = || -> Outcome<Reduced> {
+        let timeline = Timeline::uniform(Scheme::trapezoidal(), END, 8)?.from_rest();
+        Ok(Reduced::new(arm(CellKind::Hex8, filled())?).in_time(timeline)?)
+    };
+    let place = problem()?.solid().model().controllable().iter().position(|own| own.name == "inertia by fill");
+    let place = place.ok_or("no fill")?;
+    let refused = problem()?.fix_in_time(place, 0, |t| Ok(vec![1.0 - t; 32])).map(drop).unwrap_err().to_string();
+    assert!(refused.contains("does not change in time"), "{refused}");
+    Ok(())
+}
+
+#[test]
+fn masses_that_are_none_are_named() -> Outcome {
+    let problem = Reduced::new(arm(CellKind::Hex8, filled())?)
+        .in_time(Timeline::uniform(Scheme::trapezoidal(), END, 8)?.from_rest())?
+        .control("inertia by fill", Space::Uniform)?;
+    let refused = problem.check_own_controls(&[-2.0]).unwrap_err().to_string();
+    assert!(refused.contains("a fill of -2"), "{refused}");
+    problem.check_own_controls(&[0.0])?;
+    let both = arm(CellKind::Hex8, filled().lumped()).map(drop).unwrap_err().to_string();
+    assert!(both.contains("lumped"), "{both}");
+    let twice = arm(CellKind::Hex8, filled())?.inertia(Inertia::new("body", 1.0)).map(drop).unwrap_err().to_string();
+    assert!(twice.contains("an inertia already"), "{twice}");
     Ok(())
 }

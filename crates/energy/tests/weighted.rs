@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
 use nastic_energy::{
-    EnergyTerm, FiberTension, Gent, KinematicGrowth, LinearInModuli, Magnet, MaterialPoint, MaxwellBranch,
+    Dielectric, EnergyTerm, FiberTension, Gent, KinematicGrowth, LinearInModuli, Magnet, MaterialPoint, MaxwellBranch,
     MooneyRivlin, NeoHooke, Parametrised, PointBatch, Scale, Slots, Weighted, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
@@ -99,6 +99,22 @@ fn weighted_laws_are_sums() {
     assert!(mixed.existence(HERE).unwrap().polyconvex);
 }
 
+/// The breakdown of a film is judged behind a density too.
+#[test]
+fn a_film_is_judged_behind_a_density() {
+    let film = || Arc::new(Dielectric::new(2.5e-11, Vec3::z()).unwrap());
+    let scaled = Weighted::scaled(film(), RAMP).unwrap();
+    assert_eq!(scaled.point_quantity().map(|own| own.name), film().point_quantity().map(|own| own.name));
+    let k = [Kinematics::new(Mat3::from_diagonal(&Vec3::new(1.1, 1.1, 0.8))).unwrap()];
+    let at = PointBatch { kinematics: &k, cell: 0, first: 0 };
+    let (mut own, mut behind) = ([0.0], [0.0]);
+    film().point_values(&at, Slots::by_point(&[3e7], 1), &mut own);
+    scaled.point_values(&at, Slots::by_point(&[0.4, 3e7], 2), &mut behind);
+    assert!(own[0] > 1e7 && own == behind, "{own:?} {behind:?}");
+    let passive = Arc::new(rubber());
+    assert!(Weighted::mixture(passive, film()).unwrap().point_quantity().is_some());
+}
+
 #[test]
 fn numbers_out_of_range_are_outside_and_mistakes_are_named() {
     let gent = Arc::new(Gent::new(1e5, 0.5, 1e6).unwrap());
@@ -110,9 +126,16 @@ fn numbers_out_of_range_are_outside_and_mistakes_are_named() {
     };
     assert_eq!([outside(1.0, 0.1), outside(1.0, 0.5), outside(1.0, -0.1)], [None, Some("hill"), Some("hill")]);
     assert_eq!(outside(2.0, 0.1), Some("gent"));
+    // where chi is infinite
+    assert_eq!(outside(1.0, 0.4), Some("hill"));
+    let k = [Kinematics::rest()];
+    let at = PointBatch { kinematics: &k, cell: 0, first: 0 };
+    let dense = Weighted::scaled(Arc::new(rubber()), Scale::Mooney).unwrap();
+    assert!(dense.check_domain(&at, Slots::by_point(&[0.74], 1)).is_err());
+    assert!(dense.check_domain(&at, Slots::by_point(&[0.3], 1)).is_ok());
     let refused = |scale| Weighted::scaled(Arc::new(rubber()), scale).unwrap_err().to_string();
     assert!(refused(Scale::Simp { floor: 0.0, exponent: 3.0 }).contains("floor"));
-    assert!(refused(Scale::Simp { floor: 0.1, exponent: 0.5 }).contains("exponent"));
+    assert!(refused(Scale::Simp { floor: 0.1, exponent: 1.5 }).contains("exponent"));
     assert!(refused(Scale::Ramp { floor: 0.1, penalty: -1.0 }).contains("penalty"));
     let wrapped = |law: Arc<dyn EnergyTerm>| Weighted::scaled(law, SIMP).unwrap_err().to_string();
     assert!(wrapped(Arc::new(KinematicGrowth::isotropic())).contains("no energy of its own"));

@@ -394,6 +394,9 @@ impl Solid {
     /// A region's name is unknown, a density is not positive, cells without density, a body that has an inertia already.
     pub fn inertia(mut self, inertia: Inertia) -> Result<Self, FemError> {
         self.whole_mesh("inertia").and_then(|_| self.before_damping("mass"))?;
+        if [BodyInertia::NAME, BodyInertia::FILLED].iter().any(|name| self.model.contribution(name).is_some()) {
+            return Err(FemError::Meaningless { what: "the body has an inertia already: give one".to_owned() });
+        }
         let contribution: BodyInertia = inertia.on(self.discretization(), self.model.tangent_structure())?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)

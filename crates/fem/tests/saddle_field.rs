@@ -103,7 +103,7 @@ fn an_electrode_floats_where_it_has_no_charge() -> Outcome {
     assert_eq!(floating.model().stability().negative_pivots(&state)?, 0);
     assert_eq!(held.model().stability().negative_pivots(&given)?, 0);
     let both = floating.clone().hold("phi", 0, "z+", 0.0).err().ok_or("it holds")?.to_string();
-    assert!(both.contains("\"plate\"") && both.contains("\"z+\""), "{both}");
+    assert!(both.contains("\"drive\"") && both.contains("\"z+\""), "{both}");
     let twice = NodalValue::floating("other", phi(), "z+").on(&mesh, right)?;
     let twice = floating.contribution(twice).err().ok_or("it floats twice")?.to_string();
     assert!(twice.contains("\"plate\"") && twice.contains("\"other\""), "{twice}");
@@ -204,5 +204,17 @@ fn a_constraint_stands_beside_the_field() -> Outcome {
     let (grown, kept) = (free_state.u[4 * end], state.u[4 * end]);
     assert!(grown > 0.02 && kept < 0.5 * grown && state.u[tied.model().unknowns().nodal()] > 0.0, "{grown} {kept}");
     assert_eq!(tied.model().stability().negative_pivots(&state)?, 0);
+    Ok(())
+}
+
+/// Nodes whose value something else gives are refused, whichever comes first.
+#[test]
+fn a_value_is_given_once() -> Outcome {
+    let solid = || dielectric(on_rollers(block(CellKind::Hex8, [1.0, 1.0, 1.0], [1, 1, 1])?)?);
+    let voltage = || NodalValue::driven("electrode", phi(), "z+", VOLTAGE);
+    let behind = solid()?.hold("phi", 0, "x-", 0.25)?.nodal_value(voltage()).map(drop).unwrap_err().to_string();
+    assert!(behind.contains("electrode") && behind.contains("holds already"), "{behind}");
+    let before = solid()?.nodal_value(voltage())?.hold("phi", 0, "x-", 0.25).map(drop).unwrap_err().to_string();
+    assert!(before.contains("electrode") && before.contains("already"), "{before}");
     Ok(())
 }

@@ -40,20 +40,14 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Inertia {
     densities: Vec<(GroupNames, f64)>,
-    kind: Kind,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Kind {
-    Consistent,
-    Lumped,
-    Filled,
+    lumped: bool,
+    filled: bool,
 }
 
 impl Inertia {
     /// A density on a region, or on the union of several.
     pub fn new(region: impl Into<GroupNames>, density: f64) -> Self {
-        Inertia { densities: vec![(region.into(), density)], kind: Kind::Consistent }
+        Inertia { densities: vec![(region.into(), density)], lumped: false, filled: false }
     }
 
     /// A density on further cells; several on one cell add up.
@@ -66,20 +60,20 @@ impl Inertia {
     /// With the diagonal mass.
     #[must_use]
     pub fn lumped(self) -> Self {
-        Inertia { kind: Kind::Lumped, ..self }
+        Inertia { lumped: true, ..self }
     }
 
     /// With the consistent mass of the densities times a fill at every quadrature point of the body, the control `fill`, 1 at rest: a mass that follows a
     /// design. In a cell the mean over its points counts.
     #[must_use]
     pub fn filled(self) -> Self {
-        Inertia { kind: Kind::Filled, ..self }
+        Inertia { filled: true, ..self }
     }
 
     /// The contribution on a body.
     ///
     /// # Errors
-    /// A region that is unknown, a density that is not positive, cells without density.
+    /// A region that is unknown, a density that is not positive, cells without density; a mass both lumped and filled.
     pub fn on(&self, disc: &Discretization, structure: &Arc<TangentStructure>) -> Result<BodyInertia, FemError> {
         let mesh = disc.mesh();
         let mut density = vec![0.0; mesh.cells()];
@@ -98,10 +92,14 @@ impl Inertia {
             );
             return Err(FemError::Meaningless { what });
         }
-        let mass = match self.kind {
-            Kind::Lumped => Mass::Lumped(disc.lumped_mass(&density)),
-            Kind::Consistent => Mass::Consistent(structure.consistent_mass(&density)?),
-            Kind::Filled => {
+        let mass = match (self.lumped, self.filled) {
+            (true, true) => {
+                let what = "a mass that follows a design is consistent: leave out \"lumped\"".to_owned();
+                return Err(FemError::Meaningless { what });
+            }
+            (true, false) => Mass::Lumped(disc.lumped_mass(&density)),
+            (false, false) => Mass::Consistent(structure.consistent_mass(&density)?),
+            (false, true) => {
                 let names = self.densities.iter().flat_map(|(names, _)| names.iter());
                 let regions: Vec<String> = names.map(str::to_owned).collect();
                 Mass::Filled(FilledMass::new(disc, structure, GroupNames::from(regions), density)?)
@@ -192,6 +190,20 @@ impl Contribution for BodyInertia {
             }
             _ => None,
         }
+    }
+
+    fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
+        match values.iter().find(|fill| !(fill.is_finite() && **fill >= 0.0)) {
+            None => Ok(()),
+            Some(fill) => {
+                let what = format!("\"{}\" with a fill of {fill}: it must be finite and at least zero", self.name());
+                Err(FemError::Meaningless { what })
+            }
+        }
+    }
+
+    fn mass_follows_controls(&self) -> bool {
+        matches!(self.mass, Mass::Filled(_))
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {

@@ -221,6 +221,11 @@ pub trait Contribution: Debug + Send + Sync {
     fn add_mass(&self, _at: &Instant, _mass: &mut SparseMatrix) -> Result<(), NotCoupled> {
         Ok(())
     }
+
+    /// Whether that depends on its controls, which are constant in time then.
+    fn mass_follows_controls(&self) -> bool {
+        false
+    }
 }
 
 /// Where controls of a contribution are fields over the body.

@@ -88,6 +88,12 @@ impl Supports {
                 return Err(self.held_and_tied(name, other, node, place));
             }
             if let Some(driver) = self.driven.get(&(dof as u32)) {
+                if place >= self.dim {
+                    let what = format!(
+                        "\"{name}\" holds node {node}, to which \"{driver}\" gives a value already: let one of them go"
+                    );
+                    return Err(FemError::Meaningless { what });
+                }
                 // the motion leads what both hold
                 let driver = driver.clone();
                 self.led(driver, name, node);
@@ -189,6 +195,13 @@ impl Supports {
             if let Some(other) = self.driven.get(&dof) {
                 let what =
                     format!("motion \"{name}\" moves node {node}, which \"{other}\" moves too; let one of them go");
+                return Err(FemError::Meaningless { what });
+            }
+            if c >= self.dim && self.fixed[dof as usize] {
+                let what = format!(
+                    "\"{name}\" gives a value to node {node}, which \"{}\" holds already: let one of them go",
+                    self.holder(node as u32, c)
+                );
                 return Err(FemError::Meaningless { what });
             }
         }

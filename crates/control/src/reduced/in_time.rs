@@ -2,7 +2,6 @@
 
 use super::Reduced;
 use crate::constraint::IntoConstraint;
-use crate::control_block::ControlTarget;
 use crate::cost::{Aim, IntoCost};
 use crate::error::ControlError;
 use crate::layout::Layout;
@@ -10,7 +9,7 @@ use crate::map::Space;
 use crate::time::{
     FixedInTime, Instants, Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When,
 };
-use nastic_fem::{BodyInertia, Checkpoints};
+use nastic_fem::Checkpoints;
 use nastic_opt::ConstraintGroup;
 
 /// What a problem in time has beside a static one.
@@ -101,15 +100,24 @@ impl Reduced {
 
     /// Gives those to the field that was added last.
     fn with_knots(mut self, knots: Knots) -> Result<Self, ControlError> {
-        let controllable = self.solid.model().controllable();
-        let drives_mass = |target: &ControlTarget| controllable[target.actuation].name == BodyInertia::FILLED;
-        if let Some(block) = self.layout.blocks().last().filter(|block| block.targets.iter().any(drives_mass)) {
-            let what = format!("\"{}\" drives a mass, which does not change in time: give it no knots", block.name);
-            return Err(ControlError::Cost { what });
-        }
+        let targets = self.layout.blocks().last().map_or(&[][..], |block| &block.targets);
+        targets.iter().try_for_each(|target| self.refuse_mass_in_time(target.actuation))?;
         self.layout.in_time(knots);
         self.update_layout();
         Ok(self)
+    }
+
+    /// Refuses controls in time of what drives a mass.
+    fn refuse_mass_in_time(&self, actuation: usize) -> Result<(), ControlError> {
+        let model = self.solid.model();
+        let Some(name) = model.controllable().get(actuation).map(|driven| driven.name) else { return Ok(()) };
+        match model.contribution(name).is_some_and(|driven| driven.0.mass_follows_controls()) {
+            true => {
+                let what = format!("\"{name}\" is a mass, which does not change in time: let its fill be constant");
+                Err(ControlError::Cost { what })
+            }
+            false => Ok(()),
+        }
     }
 
     /// Adds a cost of states that counts at some part of the motion.
@@ -206,6 +214,7 @@ impl Reduced {
         slot: usize,
         values: impl Fn(f64) -> Result<Vec<f64>, ControlError> + Send + Sync + 'static,
     ) -> Result<Self, ControlError> {
+        self.refuse_mass_in_time(actuation)?;
         let instants = self.needs_time("values in time")?.timeline.instants();
         let fixed = FixedInTime::new(actuation, slot, values, instants)?;
         let mut controls = self.solid.controls();

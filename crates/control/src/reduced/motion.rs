@@ -41,8 +41,9 @@ impl Reduced {
     /// The first that may not; controls of the wrong length.
     pub fn check_own_controls(&self, m: &[f64]) -> Result<(), ControlError> {
         self.layout.check(m)?;
-        // those of contributions that check theirs are no fields over cells
-        if self.solid.model().controllable().iter().all(|own| own.cells.is_some()) {
+        // those of contributions that check theirs are no fields over cells, but for a mass
+        let model = self.solid.model();
+        if !model.energies().follows_design() && model.controllable().iter().all(|own| own.cells.is_some()) {
             return Ok(());
         }
         let check = |controls: Controls| {

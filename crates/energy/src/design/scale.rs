@@ -10,10 +10,10 @@ pub enum Scale {
     Simp {
         /// e, the share of the stiffness that a void keeps, > 0.
         floor: f64,
-        /// p >= 1.
+        /// p, 1 or at least 2.
         exponent: f64,
     },
-    /// `chi(s) = e + (1 - e) s/(1 + p (1 - s))`, whose slope at 0 is finite. Source: M. Stolpe & K. Svanberg, Struct. Multidiscip. Optim. 22 (2001) 116-124, doi
+    /// `chi(s) = e + (1 - e) s/(1 + p (1 - s))`, whose slope at 0 is not zero. Source: M. Stolpe & K. Svanberg, Struct. Multidiscip. Optim. 22 (2001) 116-124, doi
     /// 10.1007/s001580100129.
     Ramp {
         /// e, the share of the stiffness that a void keeps, > 0.
@@ -30,7 +30,7 @@ pub enum Scale {
     Hill,
 }
 
-/// Largest share of a filler: beyond it chi is not finite.
+/// Shares of a filler below which chi is finite.
 const MAX_MOONEY: f64 = 1.0 / 1.35;
 const MAX_HILL: f64 = 0.4;
 
@@ -66,7 +66,7 @@ impl Scale {
         [value, first, second]
     }
 
-    /// The values of s at which chi is defined and positive.
+    /// The closed range of s; a filler's ends where chi is infinite, which [`is_defined`](Self::is_defined) tells.
     pub(super) fn range(&self) -> [f64; 2] {
         match self {
             Scale::Simp { .. } | Scale::Ramp { .. } => [0.0, 1.0],
@@ -74,6 +74,12 @@ impl Scale {
             Scale::Mooney => [0.0, MAX_MOONEY],
             Scale::Hill => [0.0, MAX_HILL],
         }
+    }
+
+    /// Whether chi and its derivatives are defined at s, and chi is positive.
+    pub(super) fn is_defined(&self, s: f64) -> bool {
+        let [least, most] = self.range();
+        (least..=most).contains(&s) && self.derivatives(s).iter().all(|chi| chi.is_finite())
     }
 
     pub(super) fn check(&self) -> Result<(), EnergyError> {
@@ -86,8 +92,8 @@ impl Scale {
             Scale::Simp { floor, .. } | Scale::Ramp { floor, .. } if !positive(floor) => {
                 refuse("floor", floor, "it must lie between 0 and 1: a void of no stiffness has no equilibrium")
             }
-            Scale::Simp { exponent, .. } if !(exponent.is_finite() && exponent >= 1.0) => {
-                refuse("exponent", exponent, "it must be at least 1")
+            Scale::Simp { exponent, .. } if !(exponent.is_finite() && (exponent == 1.0 || exponent >= 2.0)) => {
+                refuse("exponent", exponent, "it must be 1 or at least 2: others have no second derivative at 0")
             }
             Scale::Ramp { penalty, .. } if !(penalty.is_finite() && penalty >= 0.0) => {
                 refuse("penalty", penalty, "it must be at least 0")

@@ -2,7 +2,8 @@
 
 use super::scale::Scale;
 use crate::{
-    EnergyError, EnergyTerm, Existence, MaterialPoint, Moduli, Outside, PointBatch, Response, Slot, Slots, Want,
+    EnergyError, EnergyTerm, Existence, MaterialPoint, Moduli, Outside, PointBatch, PointQuantity, Response, Slot,
+    Slots, Want,
 };
 use nastic_tensor::{Mat3, Tangent, Vec3};
 use std::sync::Arc;
@@ -33,6 +34,12 @@ struct Term {
     first: usize,
 }
 
+impl Term {
+    fn is_judged(&self) -> bool {
+        self.law.point_quantity().is_some()
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Weight {
     Scale(Scale),
@@ -51,9 +58,18 @@ impl Weight {
             Weight::Share => [s, 1.0, 0.0],
         }
     }
+
+    fn is_defined(self, s: f64) -> bool {
+        if let Weight::Scale(scale) = self { scale.is_defined(s) } else { true }
+    }
 }
 
 impl Weighted {
+    /// The term whose point quantity the law has to be judged by.
+    fn judged(&self) -> Option<&Term> {
+        self.terms.iter().find(|term| term.is_judged())
+    }
+
     /// A law scaled.
     ///
     /// # Errors
@@ -87,6 +103,9 @@ impl Weighted {
                 own if own.iter().any(|slot| slot.is_global()) => Some("its slots have one value for all points"),
                 own if own.iter().any(|slot| slots.iter().any(|known| known.group == slot.group)) => {
                     Some("another slot of the same name stands beside its own")
+                }
+                _ if law.point_quantity().is_some() && terms.iter().any(Term::is_judged) => {
+                    Some("both laws have a number to be judged by at the points")
                 }
                 _ => None,
             };
@@ -205,7 +224,8 @@ impl EnergyTerm for Weighted {
         let [least, most] = self.range;
         for q in 0..at.len() {
             let s = self.number(m, q);
-            if !(least..=most).contains(&s) {
+            let defined = self.terms.iter().all(|term| term.weight.is_defined(s));
+            if !((least..=most).contains(&s) && defined) {
                 let (limit, meaning) = if s < least { (least, "its least value") } else { (most, "its largest value") };
                 return Err(Outside {
                     law: self.name,
@@ -294,6 +314,20 @@ impl EnergyTerm for Weighted {
     /// At rest the first law has the weight 1, others 0.
     fn moduli(&self, at: MaterialPoint) -> Option<Moduli> {
         self.terms.first().and_then(|term| term.law.moduli(at))
+    }
+
+    fn point_quantity(&self) -> Option<PointQuantity> {
+        self.judged().and_then(|term| term.law.point_quantity())
+    }
+
+    fn point_values(&self, at: &PointBatch, m: Slots, out: &mut [f64]) {
+        for own in self.each(at, m).filter(|own| own.term.is_judged()) {
+            own.law().point_values(at, own.slots(), out);
+        }
+    }
+
+    fn point_limit(&self, at: MaterialPoint) -> Option<f64> {
+        self.judged().and_then(|term| term.law.point_limit(at))
     }
 
     fn turn(&self, q: &Mat3, m: &mut [f64]) {

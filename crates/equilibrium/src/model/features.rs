@@ -29,7 +29,7 @@ pub enum Feature {
     RayleighDamping,
 }
 
-/// Why something does not go with nodal fields beside the displacement; of what goes with them nothing. Optimal control of equilibria is one of their adjoint.
+/// Why something does not go with nodal fields beside the displacement; `None` where it does. Optimal control of equilibria needs their adjoint alone.
 fn beside_fields(feature: Feature) -> Option<&'static str> {
     match feature {
         Feature::Equilibrium | Feature::Ramp | Feature::Path => None,
@@ -96,7 +96,10 @@ impl Properties<'_> {
             self.model.ranks().refuse_ranks(what)?;
             self.refuse_further_fields(feature, what)?;
         }
-        if let Some((other, why)) = self.model.others.iter().find_map(|c| Some((c, c.path_dependence()?))) {
+        let in_time = matches!(feature, Feature::Motion | Feature::RayleighDamping);
+        if let Some((other, why)) = self.model.others.iter().find_map(|c| Some((c, c.path_dependence()?)))
+            && !in_time
+        {
             return refuse(what, other.name(), why);
         }
         if matches!(feature, Feature::Modes | Feature::Deflation | Feature::Descent) {

@@ -223,7 +223,9 @@ impl Model {
                 Err(refused("multigrid", owner, &why))
             }
             _ if self.properties().symmetry() == Symmetry::General && wanted.takes() == Symmetry::Symmetric => {
-                let why = format!("friction and some follower loads make it so: take {instead}");
+                let why = format!(
+                    "friction, follower loads and contributions of a general symmetry make it so: take {instead}"
+                );
                 Err(refused(wanted.name(), "a tangent that is not symmetric", &why))
             }
             _ => Ok(()),

@@ -7,7 +7,6 @@ use nastic_body::controls::Controls;
 use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::instant::{Instant, TimeStep};
 use nastic_body::state::State;
-use nastic_forces::inertia::BodyInertia;
 use nastic_linear::SparseMatrix;
 
 impl Energies<'_> {
@@ -48,8 +47,8 @@ impl Energies<'_> {
     }
 
     /// Whether the mass follows a design.
-    pub(crate) fn follows_design(&self) -> bool {
-        self.model.others.iter().any(|contribution| contribution.name() == BodyInertia::FILLED)
+    pub fn follows_design(&self) -> bool {
+        self.model.others.iter().any(|contribution| contribution.mass_follows_controls())
     }
 
     /// `d/dm (v . M(m) v / 2)` of a state in motion at fixed v, of a mass that follows a design; `None` of others.
@@ -64,7 +63,7 @@ impl Energies<'_> {
         let half: Vec<f64> = velocity.iter().map(|v| 0.5 * v).collect();
         let mut found = Sensitivities::zero(self.model.controls(), &at);
         for (contribution, at) in self.model.others.iter().zip(self.model.instants(&at)) {
-            if contribution.name() == BodyInertia::FILLED {
+            if contribution.mass_follows_controls() {
                 contribution.at(&at, Need::Residual)?.vjp(&at, &half, &mut found)?;
             }
         }

@@ -64,7 +64,7 @@ pub(crate) struct KindRow {
     pub head: &'static str,
     /// What several are called in the heading of the tables; empty of what has no place there.
     pub several: &'static str,
-    /// A number that no kind behind this one reports.
+    /// A number that no kind before this one reports.
     mark: &'static str,
     /// The other columns.
     columns: &'static [Column],
