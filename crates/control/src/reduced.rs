@@ -30,7 +30,9 @@ use crate::inner_product::{Metric, inner_product};
 use crate::layout::Layout;
 use crate::time::{MotionObserver, StepUnderWay, Timeline, When};
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{Begin, Body, FemError, Progress, Solid, SolveOptions, SolveReport, State};
+use nastic_fem::{
+    Begin, Body, Controls, FemError, Progress, Solid, SolveOptions, SolveReport, State, StateError, Workspace,
+};
 use nastic_opt::{InnerProduct, Request};
 use std::borrow::Cow;
 use std::fmt;
@@ -161,6 +163,28 @@ impl Reduced {
         match self.motion {
             Some(_) => Err(not_projected("a problem in time", body.name())),
             None => Ok(Reduced { projected: Some(body), ..self }),
+        }
+    }
+
+    /// The state that the body finds; one of a projection is held to what a state is.
+    pub(crate) fn solved(
+        &self,
+        controls: &Controls,
+        how: &SolveOptions<'_>,
+        workspace: &mut Workspace,
+    ) -> Result<State, StateError> {
+        let state = self.body().solve(controls, how, workspace)?;
+        let Some(body) = &self.projected else { return Ok(state) };
+        let is_state = state.u.len() == self.solid.model().unknowns().len() && state.u.iter().all(|u| u.is_finite());
+        match is_state && *state.controls == *controls {
+            true => Ok(state),
+            false => {
+                let what = format!(
+                    "\"{}\" found no state of the body under the controls asked for: one finite number for each of its unknowns",
+                    body.name()
+                );
+                Err(FemError::Meaningless { what }.into())
+            }
         }
     }
 

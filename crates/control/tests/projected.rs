@@ -187,6 +187,41 @@ fn more_modes_lead_nearer_to_the_body_and_all_to_it() -> Outcome {
     Ok(())
 }
 
+/// What a body answers is looked at.
+#[test]
+fn answers_that_are_no_states_are_refused() -> Outcome {
+    #[derive(Debug)]
+    struct Short(Projection);
+    impl Body for Short {
+        fn name(&self) -> &str {
+            "short"
+        }
+
+        fn solve(&self, controls: &Controls, how: &SolveOptions, with: &mut Workspace) -> Result<State, StateError> {
+            let state = self.0.solve(controls, how, with)?;
+            Ok(State { u: state.u[1..].to_vec().into(), ..state })
+        }
+
+        fn adjoint(
+            &self,
+            trajectory: &Trajectory,
+            partials: &[StatePartials],
+            how: &SolveOptions,
+            with: &mut Workspace,
+        ) -> Result<Swept, StateError> {
+            self.0.adjoint(trajectory, partials, how, with)
+        }
+
+        fn negative_pivots(&self, state: &State, how: &SolveOptions) -> Result<usize, StateError> {
+            self.0.negative_pivots(state, how)
+        }
+    }
+    let problem = problem()?.projected(Arc::new(Short(projection(Some(4))?)))?;
+    let refused = problem.at(&tensions(&problem)).map(drop).unwrap_err().to_string();
+    assert!(refused.contains("short") && refused.contains("found no state"), "{refused}");
+    Ok(())
+}
+
 #[test]
 fn what_is_the_models_alone_is_refused_by_name() -> Outcome {
     let projected = problem()?.projected(Arc::new(projection(Some(4))?))?;

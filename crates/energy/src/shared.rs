@@ -15,9 +15,9 @@ impl<L: EnergyTerm> Shared<L> {
     /// Of a law with slots.
     ///
     /// # Errors
-    /// [`EnergyError::NoParameters`] of a law whose slots are internal variables, which differ from point to point.
+    /// [`EnergyError::NoParameters`] of a law whose slots are internal variables, which differ from point to point, and of a growth.
     pub fn new(law: L) -> Result<Self, EnergyError> {
-        if law.slots().iter().any(Slot::is_internal) {
+        if law.strain_map().is_some() || law.slots().iter().any(Slot::is_internal) {
             return Err(EnergyError::NoParameters { owner: std::any::type_name::<L>() });
         }
         let slots = law.slots().iter().map(|slot| slot.global()).collect();

@@ -4,7 +4,7 @@
 
 use nastic_energy::{
     Dielectric, EnergyTerm, FiberTension, Gent, KinematicGrowth, LinearInModuli, Magnet, MaterialPoint, MaxwellBranch,
-    MooneyRivlin, NeoHooke, Parametrised, PointBatch, Scale, Slots, Weighted, check,
+    MooneyRivlin, NeoHooke, Parametrised, PointBatch, Scale, Shared, Slots, Weighted, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 use std::sync::Arc;
@@ -126,6 +126,16 @@ fn numbers_out_of_range_are_outside_and_mistakes_are_named() {
     };
     assert_eq!([outside(1.0, 0.1), outside(1.0, 0.5), outside(1.0, -0.1)], [None, Some("hill"), Some("hill")]);
     assert_eq!(outside(2.0, 0.1), Some("gent"));
+    // rounding of sums of shape functions
+    let void = Weighted::scaled(Arc::new(rubber()), Scale::Simp { floor: 1e-3, exponent: 2.5 }).unwrap();
+    for (s, chi) in [(1.0 + f64::EPSILON, 1.0), (-1e-15, 1e-3)] {
+        let k = [Kinematics::new(Mat3::from_diagonal(&Vec3::new(1.2, 1.0, 1.0))).unwrap()];
+        let at = PointBatch { kinematics: &k, cell: 0, first: 0 };
+        assert!(void.check_domain(&at, Slots::by_point(&[s], 1)).is_ok());
+        let energies = [check::evaluate(&void, HERE, &k[0], &[s]), check::evaluate(&rubber(), HERE, &k[0], &[])];
+        assert!((energies[0].energy / (chi * energies[1].energy) - 1.0).abs() < 1e-12);
+    }
+    assert!(Shared::new(KinematicGrowth::isotropic()).is_err());
     // where chi is infinite
     assert_eq!(outside(1.0, 0.4), Some("hill"));
     let k = [Kinematics::rest()];

@@ -50,6 +50,10 @@ impl NodalValue {
             let what = format!("\"{}\" has no nodes to give a value to", self.name);
             return Err(FemError::Meaningless { what });
         };
+        if let Some(beyond) = nodes.iter().find(|node| **node as usize >= mesh.points().len()) {
+            let what = format!("\"{}\" gives a value to node {beyond} of {} nodes", self.name, mesh.points().len());
+            return Err(FemError::Meaningless { what });
+        }
         if self.field.components != 1 {
             let what = format!(
                 "\"{}\" gives one value to the field \"{}\", which has {} components",

@@ -6,7 +6,7 @@ use crate::cost::Partials;
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
 use crate::workspace::ReducedWorkspace;
-use nastic_fem::{SolveOptions, StatePartials};
+use nastic_fem::{Controls, SolveOptions, StatePartials};
 
 impl Reduced {
     /// Partial derivatives of the cost of a static problem (all terms, or one of them); of a body over ranks the share of this one, which all ranks
@@ -121,6 +121,17 @@ impl Reduced {
         let swept = self.body().adjoint(trajectory, &[by_state], &how, &mut workspace.solve);
         self.forget(workspace);
         let mut swept = swept?;
+        if let Some(body) = &self.projected {
+            let is_adjoint = swept.lambda.first().is_some_and(|lambda| lambda.len() == point.state().u.len())
+                && swept
+                    .controls
+                    .first()
+                    .is_some_and(|by| by.clone().zeroed() == Controls::clone(&point.state().controls).zeroed());
+            if !is_adjoint {
+                let what = format!("\"{}\" found no adjoint and derivative of the lengths of the body", body.name());
+                return Err(ControlError::Cost { what });
+            }
+        }
         let through_state = self.layout.control_vjp(&point.m, &swept.controls[0]);
         let derivative = self.whole_derivative(partials.m, &through_state)?;
         let (lambda, work) = (swept.lambda.swap_remove(0), swept.report);

@@ -93,7 +93,7 @@ impl Reduced {
         let passed = near.and_then(|near| workspace.limits.before(&near.m, trial.m)).cloned();
         let start = passed.as_ref().or(trial.near.map(Evaluated::state));
         let options = SolveOptions { guess: guess.filter(|_| passed.is_none()), near: start, ..how.clone() };
-        match (self.body().solve(&trial.controls, &options, &mut workspace.solve), near) {
+        match (self.solved(&trial.controls, &options, &mut workspace.solve), near) {
             (Err(error), Some(near)) if !looked && may_be_limit(&error) => {
                 spent.newton += iterations(&error);
                 let found = self.along_path(near, trial, &how, &mut spent, workspace)?;
@@ -128,7 +128,7 @@ impl Reduced {
             Ok(Ahead::Clear(state)) => {
                 workspace.limits.leave(&near.m, trial.m);
                 let options = SolveOptions { near: Some(&state), ..how.clone() };
-                let solved = self.body().solve(&trial.controls, &options, &mut workspace.solve)?;
+                let solved = self.solved(&trial.controls, &options, &mut workspace.solve)?;
                 Ok(Some(after(solved, spent)))
             }
         }

@@ -26,6 +26,9 @@ pub struct Weighted {
     slots: Vec<Slot>,
 }
 
+/// How far s may leave its range: values at points are sums of those of nodes or grids, or filtered.
+const RANGE_TOLERANCE: f64 = 1e-9;
+
 #[derive(Clone, Debug)]
 struct Term {
     law: Arc<dyn EnergyTerm>,
@@ -119,9 +122,10 @@ impl Weighted {
         Ok(Weighted { name, terms, range, slots })
     }
 
-    /// s at a point: at rest where nothing gives a value.
+    /// s at a point: at rest where nothing gives a value, and within its range where rounding of a sum of shape functions leaves it.
     fn number(&self, m: Slots, q: usize) -> f64 {
-        if m.width == 0 { self.slots[0].rest() } else { m.get(q, 0) }
+        let ([least, most], s) = (self.range, if m.width == 0 { self.slots[0].rest() } else { m.get(q, 0) });
+        if (least - RANGE_TOLERANCE..=most + RANGE_TOLERANCE).contains(&s) { s.clamp(least, most) } else { s }
     }
 
     /// Every term with its weights f, f', f'' at the points and the values of its slots.
