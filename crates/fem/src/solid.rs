@@ -402,7 +402,8 @@ impl Solid {
         Ok(self)
     }
 
-    /// Rayleigh damping `(a0 M + a1 K(0)) v`, M the mass and K(0) the tangent at rest without controls; a0 in 1/s, a1 in s.
+    /// Rayleigh damping `(a0 M + a1 K(0)) v`, M the mass and K(0) the tangent at rest without controls, of laws with the numbers
+    /// that they are written with, whatever controls make of these; a0 in 1/s, a1 in s.
     ///
     /// It is not objective: K(0) v does not vanish for a finite rotation, and a0 damps every rigid motion. A mode of small
     /// vibrations with angular frequency w has the damping ratio `(a0/w + a1 w)/2`.

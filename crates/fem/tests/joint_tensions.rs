@@ -3,10 +3,11 @@
 use crate::common;
 
 use common::{Outcome, unit};
-use nastic_energy::{EnergyTerm, FiberTension, MooneyRivlin, NeoHooke, TransverseMooneyRivlin};
+use nastic_energy::{EnergyTerm, FiberTension, MooneyRivlin, NeoHooke, Scale, TransverseMooneyRivlin, Weighted};
 use nastic_fem::{Cause, ExcessTension, Solid, SolveOptions, StateError};
 use nastic_mesh::CellKind;
 use nastic_tensor::Vec3;
+use std::sync::Arc;
 
 const MU1: f64 = 1e5;
 /// 2 mu1.
@@ -106,5 +107,20 @@ fn a_failed_solve_names_both() -> Outcome {
     assert_eq!((excess.actuation.as_str(), excess.beside[0].0.as_str()), ("b", "a"));
     let text = error.to_string();
     assert!(text.contains("\"b\" reaches 9.5000e4, beyond 5.1351e4") && text.contains("\"a\", 9.0000e4"), "{text}");
+    Ok(())
+}
+
+/// No bound is stated of fibres whose tension a design scales, nor beside these.
+#[test]
+fn fibers_behind_a_number_have_no_bound() -> Outcome {
+    let filled = Weighted::scaled(Arc::new(FiberTension::along(Vec3::x())?), Scale::Guth)?;
+    let solid = Solid::new(unit(CellKind::Hex8, 2)?)?
+        .material("body", MooneyRivlin::new(MU1, 2e4, 5e5)?)?
+        .actuate("body", "plain", FiberTension::along(Vec3::y())?)?
+        .actuate("body", "filled", filled)?
+        .clamp("x-")?;
+    for k in 0..2 {
+        assert_eq!((solid.body().fiber_limit(k), solid.body().joint_fiber_limit(k)), (None, None));
+    }
     Ok(())
 }

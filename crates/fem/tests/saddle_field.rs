@@ -7,8 +7,8 @@ use common::block::STRICT;
 use common::dielectric::{Dielectric, between_plates, block, on_rollers};
 use nastic_energy::{NeoHooke, Slot};
 use nastic_fem::{
-    Cause, Connection, EventKind, Field, NodalValue, PathOptions, RigidBody, Solid, State, StateError, Tendon,
-    Workspace, check_contribution,
+    Cause, Connection, EventKind, Field, Inertia, NodalValue, PathOptions, RigidBody, Solid, State, StateError, Tendon,
+    TimeStepping, Workspace, check_contribution,
 };
 use nastic_mesh::CellKind;
 
@@ -216,5 +216,18 @@ fn a_value_is_given_once() -> Outcome {
     assert!(behind.contains("electrode") && behind.contains("holds already"), "{behind}");
     let before = solid()?.nodal_value(voltage())?.hold("phi", 0, "x-", 0.25).map(drop).unwrap_err().to_string();
     assert!(before.contains("electrode") && before.contains("already"), "{before}");
+    Ok(())
+}
+
+/// What is asked for beside a field and does not go with it is told, and what a potential without a ground lacks.
+#[test]
+fn modes_of_vibration_and_a_missing_ground_are_told() -> Outcome {
+    let body = || dielectric(on_rollers(block(CellKind::Hex8, [1.0, 1.0, 1.0], [1, 1, 1])?)?);
+    let heavy = body()?.hold("phi", 0, "z-", 0.0)?.inertia(Inertia::new("body", 1.0))?;
+    let modes = heavy.model().vibration_modes(&heavy.rest(), 1, &STRICT).map(drop).unwrap_err().to_string();
+    assert!(modes.contains("vibration modes") && modes.contains("phi"), "{modes}");
+    let free = body()?.traction("z+", [0.0, 0.0, 0.1].into())?;
+    let told = free.solve(&free.controls(), &STRICT).map(drop).unwrap_err().to_string();
+    assert!(told.contains("(a ground)"), "{told}");
     Ok(())
 }

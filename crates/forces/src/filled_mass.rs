@@ -11,7 +11,7 @@ use nastic_mesh::GroupNames;
 use std::sync::Arc;
 
 /// The control: the share of the full density at a quadrature point of the body.
-pub(crate) const FILL: [Slot; 1] = [Slot::design("fill", "1", 1.0)];
+pub(crate) const FILL: Slot = Slot::design("fill", "1", 1.0);
 
 /// `M_ab = sum_c rho_c f_c int_c N_a N_b dX`, `f_c = (1/V_c) sum_q w_q f(X_q)`: the mean fill of a cell over the quadrature points of the body, so that any rule
 /// of the body has a positive mass.

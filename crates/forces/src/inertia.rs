@@ -180,7 +180,7 @@ impl Contribution for BodyInertia {
     }
 
     fn slots(&self) -> &[Slot] {
-        if let Mass::Filled(_) = self.mass { &FILL } else { &[] }
+        if let Mass::Filled(_) = self.mass { std::slice::from_ref(&FILL) } else { &[] }
     }
 
     fn over_cells(&self) -> Option<OverCells<'_>> {

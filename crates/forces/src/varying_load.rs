@@ -1,5 +1,6 @@
 //! [`VaryingLoad`]: a dead load that changes in time, or with the design of a body.
 
+use crate::filled_mass::FILL;
 use nastic_body::contribution::energy_role::EnergyRole;
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
@@ -40,7 +41,6 @@ pub struct VaryingLoad {
 }
 
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-const FILL: Slot = Slot::design("fill", "1", 1.0);
 
 impl VaryingLoad {
     /// A load at the points of a rule on a surface or a region.

@@ -2,7 +2,7 @@
 
 use nastic_body::error::{FemError, StateError};
 use nastic_body::state::State;
-use nastic_equilibrium::model::Model;
+use nastic_equilibrium::model::{Feature, Model};
 use nastic_equilibrium::search::options::SolveOptions;
 use nastic_equilibrium::stability::modes::normalized;
 use nastic_linear::{MassMatrix, SparseMatrix};
@@ -66,6 +66,7 @@ pub(crate) fn vibration_modes(
     count: usize,
     how: &SolveOptions,
 ) -> Result<Vec<VibrationMode>, StateError> {
+    model.properties().refuse_further_fields(Feature::Motion, "vibration modes")?;
     let (dim, mut mass) = (model.discretization().dim(), model.energies().mass_under(&state.controls)?);
     mass.eliminate(model.supports.fixed(), 0.0);
     check_positive(model, &mass)?;

@@ -3,7 +3,7 @@
 use super::excess_tension::ExcessTension;
 use super::{BodyEnergy, Composition};
 use crate::controls::Controls;
-use nastic_energy::{EnergyTerm, MaterialPoint, Role, TensionBound};
+use nastic_energy::{EnergyTerm, MaterialPoint, Role, Slot, TensionBound};
 use nastic_tensor::{Mat3, Vec3};
 
 /// Tensions beyond the bound by rounding alone are within it.
@@ -15,7 +15,7 @@ impl BodyEnergy {
     ///
     /// Source: survey, Prop. 1.
     pub fn fiber_limit(&self, actuation: usize) -> Option<f64> {
-        self.least(actuation, |body, at| {
+        self.least_of_family(actuation, |body, at| {
             let a = body.actuations[actuation].law.direction(at)?;
             Some(body.tension_bound(at)?.along(&a))
         })
@@ -25,8 +25,7 @@ impl BodyEnergy {
     /// `1 / lambda_max(B^(-1/2) S B^(-1/2))` with `S = sum_k a_k (x) a_k`, of an isotropic law `limit / lambda_max(S)`. That of
     /// [`fiber_limit`](Self::fiber_limit) where it is alone, and where all are orthogonal; half of it beside a parallel one.
     pub fn joint_fiber_limit(&self, actuation: usize) -> Option<f64> {
-        self.least(actuation, |body, at| {
-            body.actuations[actuation].law.direction(at)?;
+        self.least_of_family(actuation, |body, at| {
             let families: Vec<_> = body.families(at).map(|(_, a)| (a, 1.0)).collect();
             Some(largest_multiple(&body.tension_bound(at)?, &families))
         })
@@ -66,9 +65,9 @@ impl BodyEnergy {
         Some(ExcessTension { actuation, tension, limit: multiple * tension, beside: tensions })
     }
 
-    /// The least value over the points of an actuation; `None` where one of them has none.
-    fn least(&self, actuation: usize, of: impl Fn(&Self, MaterialPoint) -> Option<f64>) -> Option<f64> {
-        self.actuations.get(actuation)?;
+    /// The least value over the points of a family; `None` where one of them has none, and of what is no family.
+    fn least_of_family(&self, actuation: usize, of: impl Fn(&Self, MaterialPoint) -> Option<f64>) -> Option<f64> {
+        self.actuations.get(actuation).filter(|_| self.is_family(actuation))?;
         let mut least: Option<f64> = None;
         for at in self.places(actuation) {
             let here = of(self, at)?;
@@ -78,9 +77,12 @@ impl BodyEnergy {
     }
 
     /// What the laws of a cell bear: each may carry its share, so their bounds add up. `None` if one of them states none, as one does whose
-    /// numbers are slots: it states a bound of the values that it is written with alone.
+    /// numbers are slots: it states a bound of the values that it is written with alone; and none beside fibres whose tension a design scales.
     fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
-        if self.materials_of(at.cell).any(|law| !law.slots().is_empty()) {
+        let here = &self.compositions[self.of_cell[at.cell] as usize].actuations;
+        let scaled = |law: &dyn EnergyTerm| law.direction(at).is_some() && law.slots().iter().any(Slot::is_design);
+        let is_scaled = here.iter().any(|&k| scaled(&self.actuations[k].law));
+        if is_scaled || self.materials_of(at.cell).any(|law| !law.slots().is_empty()) {
             return None;
         }
         let mut bounds = self.materials_of(at.cell).map(|law| law.fiber_bound(at));

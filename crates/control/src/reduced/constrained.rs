@@ -4,7 +4,7 @@ use super::Reduced;
 use super::motion_derivative::Functional;
 use crate::constraint::{BetweenNodes, Constraint, ConstraintPoint, IntoConstraint};
 use crate::cost::Partials;
-use crate::cost::of_displacement::{beside_fields, displacement, wrapped};
+use crate::cost::of_displacement::{beside_fields, displacement};
 use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
 use crate::time::Instants;
@@ -77,11 +77,8 @@ impl Reduced {
         state: &State,
         m: &[f64],
     ) -> Result<Vec<Arc<dyn ConstraintPoint>>, ControlError> {
-        let m = self.at_instant(m, state.time)?;
-        let u = displacement(&self.solid, state);
-        let context = beside_fields(self.context(state, &m, 0), &u);
-        let beside = |point: Arc<dyn ConstraintPoint>| wrapped(&self.solid, point, |point| Arc::new(point));
-        self.constraints.iter().map(|constraint| constraint.at(&context).map(beside)).collect()
+        let at = self.near_time(state, (m, 0))?;
+        (0..self.constraints.len()).map(|k| at.constraint(k)).collect()
     }
 
     /// The evaluated constraints of a point: those it keeps, or evaluated again.

@@ -9,7 +9,7 @@ use crate::map::Space;
 use crate::time::{
     FixedInTime, Instants, Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When,
 };
-use nastic_fem::Checkpoints;
+use nastic_fem::{Checkpoints, Feature};
 use nastic_opt::ConstraintGroup;
 
 /// What a problem in time has beside a static one.
@@ -43,6 +43,7 @@ impl Reduced {
     /// A problem that has controls or costs already; an initial velocity of the wrong length; too little memory for a motion.
     pub fn in_time(mut self, timeline: Timeline) -> Result<Self, ControlError> {
         self.solid.model().ranks().refuse_ranks("a problem in time")?;
+        self.solid.model().properties().refuse_further_fields(Feature::Motion, "a problem in time")?;
         self.refuse_projection("a problem in time")?;
         if !(self.layout.is_empty() && self.costs.is_empty() && self.constraints.is_empty()) {
             let what = "call in_time before controls, costs and constraints are added".to_owned();

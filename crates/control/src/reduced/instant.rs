@@ -5,6 +5,7 @@ use crate::constraint::ConstraintPoint;
 use crate::cost::of_displacement::{beside_fields, displacement, wrapped};
 use crate::cost::{Cost, CostContext, CostPoint, StepBegin};
 use crate::error::ControlError;
+use crate::time::Timeline;
 use nastic_fem::State;
 use std::borrow::Cow;
 use std::cell::OnceCell;
@@ -50,7 +51,8 @@ impl AtInstant<'_> {
     /// The k-th constraint there.
     pub fn constraint(&self, k: usize) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
         let constraint = &self.problem.constraints[k];
-        constraint.at(&self.context(constraint.needs_step(), 0)?)
+        let point = constraint.at(&self.context(constraint.needs_step(), 0)?)?;
+        Ok(wrapped(&self.problem.solid, point, |point| Arc::new(point)))
     }
 }
 
@@ -67,6 +69,15 @@ impl Reduced {
         Ok(AtInstant { problem: self, n, state, u, at, m, begin: OnceCell::new() })
     }
 
+    /// The instant that is nearest to the time of a state.
+    pub(super) fn near_time<'a>(
+        &'a self,
+        state: &'a State,
+        at: (&'a [f64], usize),
+    ) -> Result<AtInstant<'a>, ControlError> {
+        self.at_state(nearest(self.timeline().map_or(&[][..], Timeline::instants), state.time), state, at)
+    }
+
     /// With what the step to the n-th instant of a motion begins; `None` where the motion does, and of a static problem.
     fn step_begin(&self, n: usize, m: &[f64]) -> Result<Option<StepBegin>, ControlError> {
         let (Some(motion), Some(before)) = (&self.motion, n.checked_sub(1)) else { return Ok(None) };
@@ -75,4 +86,11 @@ impl Reduced {
         let controls = Arc::new(self.controls_at(motion, &of_instant, before)?);
         Ok(Some(StepBegin { time, controls, m: of_instant }))
     }
+}
+
+/// The number of the instant that is nearest to a time.
+fn nearest(instants: &[f64], time: f64) -> usize {
+    let after = instants.partition_point(|t| *t < time);
+    let distance = |n: usize| instants.get(n).map_or(f64::INFINITY, |t| (t - time).abs());
+    if after > 0 && distance(after - 1) < distance(after) { after - 1 } else { after }
 }

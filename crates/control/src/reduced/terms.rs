@@ -4,7 +4,6 @@ use super::Reduced;
 use crate::cost::{CostContext, CostPoint, Figure};
 use crate::error::ControlError;
 use crate::evaluated::Evaluated;
-use crate::time::Timeline;
 use nastic_fem::State;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -28,8 +27,7 @@ impl Reduced {
     /// # Errors
     /// A cost that is not defined there.
     pub fn costs_at(&self, state: &State, m: &[f64], stage: usize) -> Result<Vec<Arc<dyn CostPoint>>, ControlError> {
-        let n = nearest(self.timeline().map_or(&[][..], Timeline::instants), state.time);
-        let (at, ranks) = (self.at_state(n, state, (m, stage))?, self.solid.model().ranks());
+        let (at, ranks) = (self.near_time(state, (m, stage))?, self.solid.model().ranks());
         self.costs.iter().map(|cost| ranks.all_accept(at.cost(cost.as_ref()))).collect()
     }
 
@@ -84,11 +82,4 @@ impl Reduced {
         }
         self.costs_of(point)?.iter().map(|cost| cost.figures()).collect()
     }
-}
-
-/// The number of the instant that is nearest to a time.
-fn nearest(instants: &[f64], time: f64) -> usize {
-    let after = instants.partition_point(|t| *t < time);
-    let distance = |n: usize| instants.get(n).map_or(f64::INFINITY, |t| (t - time).abs());
-    if after > 0 && distance(after - 1) < distance(after) { after - 1 } else { after }
 }

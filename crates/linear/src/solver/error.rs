@@ -79,8 +79,8 @@ pub enum LinearError {
     },
     /// A field by which the potential is said to have a maximum does not give that.
     #[error(
-        "the tangent has {negative} negative eigenvalues where the potential has a maximum by {maxima} unknowns: it has none by a field of the role \
-         \"saddle\"; make that a primary one, or change the sign of its energy"
+        "the tangent has {negative} negative eigenvalues where the potential has a maximum by the {maxima} free unknowns of fields of the role \"saddle\": \
+         hold such a field somewhere (a ground); where it is held, make it a primary one, or change the sign of its energy"
     )]
     NoMaximum {
         /// Negative eigenvalues.
