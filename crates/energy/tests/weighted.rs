@@ -34,7 +34,14 @@ fn assert_contract(law: &Weighted, m: &[f64]) {
 #[test]
 fn laws_keep_their_contract_behind_every_scale() {
     for (law, own) in laws() {
-        for (scale, s) in [(SIMP, 0.6), (RAMP, 0.4), (Scale::Mooney, 0.2), (Scale::Guth, 0.15), (Scale::Hill, 0.1)] {
+        for (scale, s) in [
+            (SIMP, 0.6),
+            (RAMP, 0.4),
+            (Scale::Mooney, 0.2),
+            (Scale::Guth, 0.15),
+            (Scale::Hill, 0.1),
+            (Scale::Factor, 0.7),
+        ] {
             assert_contract(&Weighted::scaled(law.clone(), scale).unwrap(), &[&[s][..], &own].concat());
         }
     }
@@ -54,6 +61,19 @@ fn laws_keep_their_contract_in_mixtures() {
     assert_contract(&Weighted::scaled(mixed, SIMP).unwrap(), &[0.7, 0.4, 0.1, 1.2e5, 1.5e4, 8e5]);
 }
 
+/// A name of a design is that of its slot, and none twice.
+#[test]
+fn numbers_in_front_have_names() {
+    let named = |law: Arc<dyn EnergyTerm>, name| Weighted::scaled(law, Scale::Factor).unwrap().named(name);
+    let inner = named(Arc::new(FiberTension::along(Vec3::x()).unwrap()), "phi").unwrap();
+    assert_eq!(inner.slots().iter().map(|slot| slot.group).collect::<Vec<_>>(), ["phi", "tension"]);
+    let inner: Arc<dyn EnergyTerm> = Arc::new(inner);
+    let both = named(inner.clone(), "rho").unwrap();
+    assert_eq!(both.slots().iter().map(|slot| slot.group).collect::<Vec<_>>(), ["rho", "phi", "tension"]);
+    assert_contract(&both, &[0.7, 0.4, 4e4]);
+    assert!(named(inner, "phi").is_err());
+}
+
 /// The weights by their formulas, derivatives by differences.
 #[test]
 fn scales_are_their_formulas() {
@@ -64,6 +84,7 @@ fn scales_are_their_formulas() {
         (Scale::Mooney, (2.5 * s / (1.0 - 1.35 * s)).exp()),
         (Scale::Guth, 1.0 + 2.5 * s + 14.1 * s * s),
         (Scale::Hill, 1.0 / (1.0 - 2.5 * s)),
+        (Scale::Factor, s),
     ];
     for (scale, value) in expected {
         let [chi, first, second] = scale.derivatives(s);
@@ -71,7 +92,8 @@ fn scales_are_their_formulas() {
         let h = 1e-5;
         let [above, below] = [h, -h].map(|h| scale.derivatives(s + h));
         assert!(((above[0] - below[0]) / (2.0 * h) / first - 1.0).abs() < 1e-7, "{}", scale.name());
-        assert!(((above[1] - below[1]) / (2.0 * h) / second - 1.0).abs() < 1e-7, "{}", scale.name());
+        let bent = (above[1] - below[1]) / (2.0 * h);
+        assert!((bent - second).abs() < 1e-7 * (1.0 + second), "{}", scale.name());
     }
     assert_eq!(SIMP.derivatives(0.0), [1e-4, 0.0, 0.0]);
     assert_eq!(Scale::Simp { floor: 0.5, exponent: 1.0 }.derivatives(0.0), [0.5, 0.5, 0.0]);

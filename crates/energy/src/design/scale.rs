@@ -28,6 +28,8 @@ pub enum Scale {
     /// `1/(1 - 2.5 phi)`, phi < 0.4, of rigid spheres in what keeps its volume. Source: R. Hill, J. Mech. Phys. Solids 13 (1965) 213-222, doi
     /// 10.1016/0022-5096(65)90010-4.
     Hill,
+    /// `s`, 0 <= s <= 1: of an actuation, which acts where s is 1 alone. A law that holds the body has no stiffness at 0.
+    Factor,
 }
 
 /// Shares of a filler below which chi is finite.
@@ -43,6 +45,7 @@ impl Scale {
             Scale::Mooney => "mooney",
             Scale::Guth => "guth",
             Scale::Hill => "hill",
+            Scale::Factor => "factor",
         }
     }
 
@@ -57,6 +60,7 @@ impl Scale {
             Scale::Mooney => (s * number(2.5) / (one - s * number(1.35))).exp(),
             Scale::Guth => one + s * number(2.5) + s * s * number(14.1),
             Scale::Hill => one / (one - s * number(2.5)),
+            Scale::Factor => s,
         }
     }
 
@@ -66,11 +70,11 @@ impl Scale {
         [value, first, second]
     }
 
-    /// The closed range of s; a filler's ends where chi is infinite, which [`is_defined`](Self::is_defined) tells.
-    pub(super) fn range(&self) -> [f64; 2] {
+    /// The closed range of s; that of Mooney's and of Hill's filler ends where chi is infinite.
+    pub fn range(&self) -> [f64; 2] {
         match self {
             Scale::Simp { .. } | Scale::Ramp { .. } => [0.0, 1.0],
-            Scale::Guth => [0.0, 1.0],
+            Scale::Guth | Scale::Factor => [0.0, 1.0],
             Scale::Mooney => [0.0, MAX_MOONEY],
             Scale::Hill => [0.0, MAX_HILL],
         }
@@ -102,11 +106,12 @@ impl Scale {
         }
     }
 
-    /// The slot of s; a density is 1 at rest, a filler absent.
+    /// The slot of s; a density and a factor are 1 at rest, a filler absent.
     pub(super) fn slot(&self) -> Slot {
         match self {
             Scale::Simp { .. } | Scale::Ramp { .. } => Slot::design("density", "1", 1.0),
             Scale::Mooney | Scale::Guth | Scale::Hill => Slot::design("filler", "1", 0.0),
+            Scale::Factor => Slot::design("factor", "1", 1.0),
         }
     }
 }

@@ -1,6 +1,7 @@
 //! [`Weighted`]: laws times functions of a number of the body.
 
 use super::scale::Scale;
+use crate::slot::lasting;
 use crate::{
     EnergyError, EnergyTerm, Existence, MaterialPoint, Moduli, Outside, PointBatch, PointQuantity, Response, Slot,
     Slots, Want,
@@ -12,7 +13,7 @@ use std::sync::Arc;
 ///
 /// | | f | s at rest |
 /// |---|---|---|
-/// | [`scaled`](Self::scaled) | chi(s), a [`Scale`]: density, filler | 1 of a density, 0 of a filler: f = 1 |
+/// | [`scaled`](Self::scaled) | chi(s), a [`Scale`]: density, filler, factor | 1 of a density or factor, 0 of a filler: f = 1 |
 /// | [`mixture`](Self::mixture) | 1 - s and s of two laws | 0 |
 ///
 /// **Derivatives.** `P = sum f_i P_i`, `dP/ds = sum f_i' P_i`, `dP/dm_i = f_i dP_i/dm_i`, `d2P/ds2 = sum f_i'' P_i`.
@@ -25,6 +26,8 @@ pub struct Weighted {
     range: [f64; 2],
     slots: Vec<Slot>,
 }
+
+const TAKEN: &str = "another slot of the same name stands beside its own";
 
 /// How far s may leave its range: values at points are sums of those of nodes or grids, or filtered.
 const RANGE_TOLERANCE: f64 = 1e-9;
@@ -92,6 +95,18 @@ impl Weighted {
         Self::new("mixture", share, [0.0, 1.0], vec![(first, Weight::Left), (second, Weight::Share)])
     }
 
+    /// The same with another name of s.
+    ///
+    /// # Errors
+    /// [`EnergyError::Wrapped`] of a name that a slot of the laws has.
+    pub fn named(mut self, name: &str) -> Result<Self, EnergyError> {
+        if self.slots[1..].iter().any(|slot| slot.group == name) {
+            return Err(EnergyError::Wrapped { owner: self.name, why: TAKEN });
+        }
+        self.slots[0].group = lasting(name);
+        Ok(self)
+    }
+
     fn new(
         name: &'static str,
         slot: Slot,
@@ -104,9 +119,7 @@ impl Weighted {
                 _ if law.strain_map().is_some() => Some("it has no energy of its own"),
                 own if own.iter().any(|slot| slot.is_internal()) => Some("its slots are internal variables"),
                 own if own.iter().any(|slot| slot.is_global()) => Some("its slots have one value for all points"),
-                own if own.iter().any(|slot| slots.iter().any(|known| known.group == slot.group)) => {
-                    Some("another slot of the same name stands beside its own")
-                }
+                own if own.iter().any(|slot| slots.iter().any(|known| known.group == slot.group)) => Some(TAKEN),
                 _ if law.point_quantity().is_some() && terms.iter().any(Term::is_judged) => {
                     Some("both laws have a number to be judged by at the points")
                 }
