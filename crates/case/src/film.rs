@@ -17,7 +17,7 @@ const ALIKE: f64 = 1e-6;
 #[must_use]
 pub fn voltages(member: CaseMember<'_>, block: &ControlBlock, values: &[f64]) -> Option<[f64; 2]> {
     let actuation = member.case().actuation.iter().find(|actuation| actuation.name == block.name)?;
-    let Means::Law { row, region, parameters } = &actuation.means else { return None };
+    let Means::Law { row, region, parameters, .. } = &actuation.means else { return None };
     let Some(Input::Direction(direction)) = parameters.get("direction").filter(|_| row.name == Dielectric::NAME) else {
         return None;
     };

@@ -65,9 +65,13 @@ pub struct ControlTarget {
 }
 
 impl ControlTarget {
-    /// Whether it drives one of these slots.
-    pub(crate) fn overlaps(&self, actuation: usize, slots: &Range<usize>) -> bool {
-        self.actuation == actuation && self.slot < slots.end && slots.start < self.slot + self.slots
+    /// Whether it drives one of these slots at a point where a field of another basis does.
+    pub(crate) fn overlaps(&self, actuation: usize, slots: &Range<usize>, basis: &Basis) -> bool {
+        let points = self.basis.points().min(basis.points());
+        self.actuation == actuation
+            && self.slot < slots.end
+            && slots.start < self.slot + self.slots
+            && (points == 0 || (0..points).any(|q| self.basis.acts_at(q) && basis.acts_at(q)))
     }
 
     /// Writes values or changes by point into the slots (or adds them), where the field acts; other points keep theirs.
@@ -122,6 +126,11 @@ impl ControlBlock {
             true => unknowns.to_vec(),
             false => unknowns.chunks(self.size().max(1)).flat_map(|at_knot| self.field.values(at_knot)).collect(),
         })
+    }
+
+    /// What its bounds are of: its unknowns, or what they are the logarithms of, in front of its [`field`](Self::field).
+    pub fn free_values_of(&self, unknowns: &[f64]) -> Vec<f64> {
+        self.of_field(unknowns.to_vec())
     }
 
     /// Its values at the quadrature points of the body, of unknowns at one instant.

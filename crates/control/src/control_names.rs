@@ -29,7 +29,12 @@ pub(crate) fn groups(solid: &Solid) -> Vec<(String, usize, SlotGroup)> {
     let mut all = Vec::new();
     for (k, what) in solid.model().controllable().into_iter().enumerate() {
         let groups = SlotGroup::of(what.slots);
-        all.extend(groups.iter().map(|group| (name(&what, group, groups.len()), k, *group)));
+        // numbers of the body beside one load do not change its name
+        let is_load = |group: &&SlotGroup| !what.slots[group.first].is_design();
+        let mut loads = groups.iter().filter(is_load);
+        let lone = loads.next().filter(|_| loads.next().is_none()).copied();
+        let count = |group: &SlotGroup| if lone == Some(*group) { 1 } else { groups.len() };
+        all.extend(groups.iter().map(|group| (name(&what, group, count(group)), k, *group)));
     }
     all
 }

@@ -22,13 +22,25 @@ use std::sync::Arc;
 #[derive(Debug, Clone)]
 pub struct Consumer {
     pub(crate) of: String,
+    pub(crate) within: Option<GroupNames>,
     pub(crate) maps: Vec<Arc<dyn ControlMap>>,
 }
 
 impl Consumer {
     /// Of these slots: an actuation or contribution with one group of slots, or `NAME.SLOT`.
     pub fn of(name: &str) -> Self {
-        Consumer { of: name.to_owned(), maps: vec![] }
+        Consumer { of: name.to_owned(), within: None, maps: vec![] }
+    }
+
+    /// The actuation or contribution that its slots are of.
+    pub fn owner(&self) -> &str {
+        self.of.rsplit_once('.').map_or(&self.of, |(owner, _)| owner)
+    }
+
+    /// In these regions alone: at other points the slots keep their values, or follow another field. Of slots over the cells of the body.
+    #[must_use]
+    pub fn within(self, regions: impl Into<GroupNames>) -> Self {
+        Consumer { within: Some(regions.into()), ..self }
     }
 
     /// One more map, which takes each point by itself.
@@ -50,8 +62,15 @@ impl Consumer {
         fail: impl Fn(&'static str) -> ControlError,
     ) -> Result<ControlTarget, ControlError> {
         let of = &solid.model().controllable()[actuation];
-        let basis = match (of_body, of.regions) {
-            (Some(basis), Some(_)) => basis.clone(),
+        let basis = match (of_body, of.regions, &self.within) {
+            (Some(basis), Some(_), Some(regions)) => {
+                let own = basis.within(solid.discretization(), regions)?;
+                solid.discretization().share(Arc::new(own))
+            }
+            (Some(basis), Some(_), None) => basis.clone(),
+            (_, None, Some(_)) => {
+                return Err(fail("it is no field over the cells of the body, of which regions could be named"));
+            }
             _ if space != Space::Uniform && !alone => {
                 return Err(fail("points of its own have no field together with others: take the space \"uniform\""));
             }
@@ -89,7 +108,9 @@ impl Layout {
             resolved.extend(resolve(solid, &consumer.of)?.into_iter().map(|found| (consumer, found)));
         }
         let all = solid.model().controllable();
-        let regions = resolved.iter().filter_map(|(_, (actuation, _))| all[*actuation].regions);
+        let regions = resolved.iter().filter_map(|(consumer, (actuation, _))| {
+            all[*actuation].regions.map(|own| consumer.within.as_ref().unwrap_or(own))
+        });
         let mut names: Vec<String> = regions.flat_map(GroupNames::iter).map(str::to_owned).collect();
         names.sort_unstable();
         names.dedup();
@@ -103,17 +124,13 @@ impl Layout {
         for (consumer, found) in resolved {
             let fail = |why| ControlError::Consumer { name: name.to_owned(), of: consumer.of.clone(), why };
             let (actuation, first, end) = (found.0, found.1.first, found.1.first + found.1.len);
-            self.check_free(&consumer.of, actuation, first..end)?;
-            if targets.iter().any(|other| other.overlaps(actuation, &(first..end))) {
+            let alone = (of_body.as_ref(), space, consumers.len() == 1);
+            let target = consumer.target(solid, found.0, found.1, alone, fail)?;
+            self.check_free(&consumer.of, actuation, first..end, &target.basis)?;
+            if targets.iter().any(|other| other.overlaps(actuation, &(first..end), &target.basis)) {
                 return Err(fail("it is a consumer already"));
             }
-            targets.push(consumer.target(
-                solid,
-                found.0,
-                found.1,
-                (of_body.as_ref(), space, consumers.len() == 1),
-                fail,
-            )?);
+            targets.push(target);
         }
         let Some(first) = targets.first() else {
             return Err(ControlError::Consumer { name: name.to_owned(), of: String::new(), why: "there is none" });

@@ -4,7 +4,7 @@ use crate::control_block::{ControlBlock, ControlTarget, Shown};
 use crate::control_limit::{ControlAt, ControlLimit};
 use crate::control_names::{groups, resolve};
 use crate::error::ControlError;
-use crate::map::{Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Length, Space};
+use crate::map::{Basis, Chain, ControlMap, Direction, Expansion, Exponential, Length, Space};
 use crate::time::Knots;
 use nastic_energy::SlotGroup;
 use nastic_fem::{Controllable, Controls, Discretization, Solid};
@@ -82,7 +82,7 @@ impl Layout {
             map = map.then(Direction(direction));
         }
         let target = |(actuation, group): (usize, SlotGroup)| {
-            self.check_free(of, actuation, group.first..group.first + group.len)?;
+            self.check_free(of, actuation, group.first..group.first + group.len, &basis)?;
             let (basis, map) = (basis.clone(), map.clone());
             let adds = direction.is_some();
             Ok(ControlTarget { actuation, slot: group.first, slots: group.len, basis, map, adds })
@@ -113,9 +113,16 @@ impl Layout {
         &self.blocks[self.blocks.len() - 1]
     }
 
-    /// Refuses slots that another field drives.
-    pub(crate) fn check_free(&self, of: &str, actuation: usize, slots: Range<usize>) -> Result<(), ControlError> {
-        let overlaps = |block: &&ControlBlock| block.targets.iter().any(|target| target.overlaps(actuation, &slots));
+    /// Refuses slots that another field drives at the same points.
+    pub(crate) fn check_free(
+        &self,
+        of: &str,
+        actuation: usize,
+        slots: Range<usize>,
+        basis: &Basis,
+    ) -> Result<(), ControlError> {
+        let overlaps =
+            |block: &&ControlBlock| block.targets.iter().any(|target| target.overlaps(actuation, &slots, basis));
         match self.blocks.iter().find(overlaps) {
             Some(other) => Err(ControlError::ControlledTwice { name: of.to_owned(), other: other.name.clone() }),
             None => Ok(()),
@@ -186,16 +193,6 @@ impl Layout {
             block.field.push(map.clone());
         }
         Ok(())
-    }
-
-    /// Smooths a field over a length: the [`Filter`] of its space, put there as by [`through`](Self::through).
-    ///
-    /// # Errors
-    /// An unknown name, a length that is not positive, a field over points of a contribution.
-    pub fn filter(&mut self, solid: &Solid, of: &str, length: f64) -> Result<(), ControlError> {
-        let block = self.block(of)?;
-        let filter = Filter::new(solid.discretization(), &block.basis, block.components, length)?;
-        self.through(of, filter)
     }
 
     /// Multiplies a field's part of the inner product by a factor (1 unless set): `(a, b) = sum_k weight_k (a_k, b_k)`. Fields of
@@ -291,6 +288,10 @@ impl Layout {
     /// The control fields.
     pub fn blocks(&self) -> &[ControlBlock] {
         &self.blocks
+    }
+
+    pub(crate) fn blocks_mut(&mut self) -> &mut [ControlBlock] {
+        &mut self.blocks
     }
 
     /// The field of a name.

@@ -14,6 +14,7 @@ mod design;
 mod ensemble;
 mod error;
 mod evaluated;
+mod field_chain;
 mod field_operator;
 mod grid;
 mod inner_product;
@@ -35,9 +36,10 @@ pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     Aim, BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ContactLoad, ContactResultant, ContactSlip,
     ControlNorm, ControlSmoothness, Cost, CostContext, CostExample, CostForm, CostInputs, CostPoint, CostRow,
-    CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DistanceInTime, Figure, FigureKind, IntoCost, Key,
-    KeyKind, LargestStretch, LumenVolume, MakeCost, MeanPosition, MeanRadius, MotionPartials, Need,
-    ObstaclePenetration, Orientation, Partials, PumpWork, Reaction, SmoothedHausdorff, StepBegin, Target, Tracking,
+    CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DesignVolume, DistanceInTime, Figure, FigureKind,
+    Greyness, IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, MeanPosition, MeanRadius, MotionPartials,
+    Need, ObstaclePenetration, Orientation, Partials, PumpWork, Reaction, SmoothedHausdorff, StepBegin, Target,
+    Tracking,
 };
 pub use design::Consumer;
 pub use ensemble::{
@@ -50,8 +52,8 @@ pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::Layout;
 pub use map::{
-    Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Length, MAPS, MapRow, PowerLaw, Projection,
-    SPACES, Space, SpaceRow,
+    Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Held, Length, MAPS, MapRow, Mirror, Plane,
+    PowerLaw, Projection, SPACES, Space, SpaceRow, Staged,
 };
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use nastic_mesh::spatial::Obstacle;

@@ -87,6 +87,8 @@ use std::sync::atomic::AtomicBool;
 pub struct Reduced {
     solid: Solid,
     layout: Layout,
+    /// By stage, where the maps of fields change from stage to stage.
+    staged: Vec<Layout>,
     costs: Vec<Box<dyn Cost>>,
     constraints: Vec<Box<dyn Constraint>>,
     metric: Metric,
@@ -140,6 +142,7 @@ impl Reduced {
             solid,
             projected: None,
             layout,
+            staged: vec![],
             costs: vec![],
             constraints: vec![],
             metric: Metric::L2,
@@ -203,6 +206,7 @@ impl Reduced {
     pub fn share_equal_parts(mut self) -> Self {
         self.solid.share_equal_parts();
         self.layout.share_equal_parts(self.solid.discretization());
+        self.update_layout();
         self
     }
 
@@ -398,7 +402,7 @@ impl Reduced {
     ) -> Result<Evaluated, ControlError> {
         let state = solved.recording.part().end();
         let (terms, costs) = self.terms(state, m, stage)?;
-        let mut constraint_points = self.constraints_at(state, m)?;
+        let mut constraint_points = self.constraints_at(state, (m, stage))?;
         let constraints = constraint_points.iter().flat_map(|point| point.values().to_vec()).collect();
         if !self.keep_factors {
             constraint_points.clear();
@@ -431,6 +435,11 @@ impl Reduced {
         self.motion.as_ref().map_or(&self.layout, |motion| &motion.layout)
     }
 
+    /// The control fields with the maps of a stage; where these do not change from stage to stage, [`layout`](Self::layout).
+    pub fn layout_in_stage(&self, stage: usize) -> &Layout {
+        self.staged.get(stage).unwrap_or(&self.layout)
+    }
+
     /// Their vector at an instant.
     pub(crate) fn at_instant<'m>(&self, m: &'m [f64], t: f64) -> Result<Cow<'m, [f64]>, ControlError> {
         match self.motion {
@@ -442,8 +451,18 @@ impl Reduced {
     pub(crate) fn restage_typed(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
         match &self.motion {
             Some(motion) => self.restage_motion(motion, point, stage),
+            // other maps give other values, and another state
+            None if self.map_stage(stage) != self.map_stage(point.stage) => {
+                let how = Request { near: Some(point), accuracy: point.solved.accuracy, stage, ..Request::default() };
+                self.evaluate_typed(&point.m, &how, &mut ReducedWorkspace::default())
+            }
             None => self.valued(point.solved.clone(), &point.m, stage, SolveReport::default()),
         }
+    }
+
+    /// The stage of the maps of fields in a stage.
+    fn map_stage(&self, stage: usize) -> usize {
+        stage.min(self.layout.stages() - 1)
     }
 }
 

@@ -95,6 +95,8 @@ pub(crate) fn controls(result: &RunRecord) -> String {
             control.voltage.as_ref().map_or_else(|| "–".to_owned(), volts),
             format!("{}{share}", count(control.active)),
             crate::number::number(control.total_variation, ""),
+            crate::number::number(control.volume, ""),
+            crate::number::number(control.greyness, ""),
         ]
     };
     let rows: Vec<Vec<String>> = result.controls.iter().flatten().map(row).collect();
@@ -109,6 +111,8 @@ pub(crate) fn controls(result: &RunRecord) -> String {
         "voltage at rest",
         "on a bound",
         "total variation",
+        "mean",
+        "greyness",
     ];
     section("controls", "Controls and active bounds", &told_columns(&head, rows))
 }

@@ -89,6 +89,7 @@ pub fn materials(problem: &CaseProblem) -> Vec<Line> {
         let formulation = material.formulation.map(|chosen| format!("; formulation {chosen}")).unwrap_or_default();
         let formulation = formulation + &patches(problem, material);
         let formulation = formulation + if material.rigid { "; rigid" } else { "" };
+        let formulation = material.design.iter().fold(formulation, |text, own| format!("{text}; design {own}"));
         let (region, law) = (&material.region, material.law);
         let inertia = at_rest(problem, material) + &time::inertia(material, units);
         line("materials", format!("{region}: {} ({}); {values}{formulation}{inertia}", law.name, law.about))

@@ -32,15 +32,32 @@ pub fn controls(problem: &CaseProblem) -> Vec<Line> {
         line(
             "controls",
             format!(
-                "{}: by {}{}{knots}, {unknowns}{components}{}, start {start}{unit}{volts}, {admitted}{shared}",
+                "{}: by {}{}{knots}, {unknowns}{components}{}{}, start {start}{unit}{volts}, {admitted}{shared}",
                 field.name,
                 block.basis.space().name(),
                 grid.unwrap_or_default(),
-                if block.log { " by their logarithms" } else { "" }
+                if block.log { " by their logarithms" } else { "" },
+                field_chain(problem, field)
             ),
         )
     };
     fields.map(of).collect()
+}
+
+/// What stands in front of a field, in words.
+fn field_chain(problem: &CaseProblem, field: &ControlField) -> String {
+    let all = problem.leads().flat_map(|member| &member.case().controls);
+    let Some(control) = all.into_iter().find(|control| control.at == field.at) else { return String::new() };
+    let held = control.fixed.iter().map(|(region, value)| format!("{} in {region}", value.text()));
+    let mirrored =
+        (!control.symmetry.is_empty()).then(|| format!("symmetric about {}", count(control.symmetry.len(), "plane")));
+    let length = |length| format!("filtered over {}", quantity(length, Dimension::LENGTH, problem.units()));
+    let projected = control.projection.as_ref().map(|own| {
+        let sharpness: Vec<String> = own.sharpness.0.iter().map(|own| short(*own)).collect();
+        format!("projected about {} with sharpness {}", short(own.eta), sharpness.join(", then "))
+    });
+    let links = held.chain(mirrored).chain(control.filter.map(length)).chain(projected);
+    links.map(|link| format!(", {link}")).collect()
 }
 
 /// A unit behind a number; nothing of a pure number.

@@ -1,6 +1,7 @@
 //! Actuations, and the values of their slots that nobody controls.
 
 use super::context::Context;
+use super::design;
 use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, complain_of_law};
@@ -28,7 +29,9 @@ pub(super) const TOO_SMALL_GROWTH: &str = "growth must stay above -1, where noth
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for actuation in &case.actuation {
         match &actuation.means {
-            Means::Law { row, region, parameters } => add_law(case, actuation, row, region, parameters, solid, context),
+            Means::Law { row, region, parameters, .. } => {
+                add_law(case, actuation, (row, region, parameters), solid, context);
+            }
             Means::Contribution { form, values, .. } => {
                 let mut values = values.clone();
                 if form.one_of {
@@ -58,9 +61,7 @@ fn driver(case: &Case, actuation: &Actuation, context: &mut Context<'_>) -> Opti
 fn add_law(
     case: &Case,
     actuation: &Actuation,
-    row: &ActuationRow,
-    region: &GroupNames,
-    parameters: &BTreeMap<&'static str, Input>,
+    (row, region, parameters): (&ActuationRow, &GroupNames, &BTreeMap<&'static str, Input>),
     solid: &mut Solid,
     context: &mut Context<'_>,
 ) {
@@ -75,7 +76,10 @@ fn add_law(
         }
     }
     match row.build(&inputs) {
-        Ok(law) => attempt(solid, &actuation.at, context, |solid| solid.actuate(region, &actuation.name, law)),
+        Ok(law) => {
+            let Some(law) = design::in_front(case, law, actuation.design(), &points, context) else { return };
+            attempt(solid, &actuation.at, context, |solid| solid.actuate(region, &actuation.name, law));
+        }
         Err(error) => complain_of_law(&actuation.at, &error, context),
     }
     if row.name == Turgor::NAME && mesh.dim() == 3 {

@@ -5,18 +5,20 @@ use crate::lower::actuation::is_built;
 use crate::lower::context::Context;
 use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::control_grid::unresolved;
+use crate::lower::design;
+use crate::lower::field_chain;
 use crate::lower::material;
 use crate::lower::result_array::is_reserved;
 use crate::lower::tension::{beyond_limit, default_upper, limit};
 use crate::lower::time;
 use crate::lower::variant::Variant;
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
-use nastic_control::{ControlBlock, RateLimit, Reduced, Shown, Space};
+use nastic_control::{Consumer, ControlBlock, RateLimit, Reduced, Shown, Space};
 use nastic_energy::Slot;
 use nastic_language::expression::Formula;
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{
-    Beginning, Bound, Case, Cells, Contact, Control, Parameter, Space as SpaceBlock, Start, pulling,
+    Beginning, Bound, Case, Cells, Contact, Control, DesignKind, Parameter, Space as SpaceBlock, Start, pulling,
 };
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
 
@@ -45,6 +47,11 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
         if owners.any(|actuation| !is_built(&actuation.name, &reduced)) || case.contact.iter().any(is_missing) {
             continue;
         }
+        let unbuilt = |of: &Consumer| !is_built(of.owner(), &reduced);
+        let consumers = design::consumers(case, &control.of);
+        if consumers.iter().any(unbuilt) {
+            continue;
+        }
         let space = match control.space {
             SpaceBlock::Uniform => Space::Uniform,
             SpaceBlock::Region => Space::Region,
@@ -57,6 +64,7 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
             _ => None,
         };
         let added = match (&control.direction, knots) {
+            (None, None) if !consumers.is_empty() => reduced.design(&control.of, space, &consumers),
             (None, None) => reduced.control(&control.of, space),
             (Some(direction), None) => reduced.control_along(&control.of, space, direction.xyz()),
             (None, Some(knots)) => reduced.control_in_time(&control.of, space, knots),
@@ -66,8 +74,10 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
         if control.log {
             reduced = context.take(&control.at.key("log"), reduced.by_logarithm(&control.of))?;
         }
+        reduced = field_chain::add(case, control, reduced, context)?;
         // Between nodes the vectors must be as long as at them.
-        if let (true, Some(norm), None) = (space.interpolates(), control.length(), &control.direction) {
+        let apart = space.interpolates() || control.filter.is_some();
+        if let (true, Some(norm), None) = (apart, control.length(), &control.direction) {
             reduced = context.take(&control.at.key("norm"), reduced.of_length(&control.of, norm))?;
         }
         if let (Some(rate), true) = (control.rate.as_ref().and_then(Formula::constant), control.in_time.is_some()) {
@@ -302,7 +312,26 @@ impl Lowering<'_> {
             }
             lower = lower.or(Some(Limit::Uniform(0.0)));
         }
-        if self.block.targets.iter().any(|target| self.reduced.solid().body().grows_by(target.actuation)) {
+        if let Some([least_value, most]) = design::range(self.case, &self.control.of) {
+            let own = [lower.as_ref().map_or(least_value, least), upper.as_ref().map_or(most, greatest)];
+            for (key, value) in [("lower", own[0]), ("upper", own[1])] {
+                if !(least_value..=most).contains(&value) {
+                    let message = format!("{value} lies outside what this design may be, {least_value} to {most}");
+                    context.complain(&self.control.at.key(key), message);
+                    return None;
+                }
+            }
+            if upper.is_none()
+                && self.case.designs().any(|own| own.name == self.control.of && own.kind == DesignKind::Filler)
+            {
+                let message =
+                    format!("a filler needs an \"upper\" bound, below {most}: how dense its particles can lie");
+                context.complain(&self.control.at, message);
+                return None;
+            }
+            lower = lower.or(Some(Limit::Uniform(least_value)));
+            upper = upper.or(Some(Limit::Uniform(most)));
+        } else if self.block.targets.iter().any(|target| self.reduced.solid().body().grows_by(target.actuation)) {
             if lower.as_ref().is_some_and(|lower| least(lower) <= -1.0) {
                 context.complain(&self.control.at.key("lower"), TOO_SMALL_GROWTH);
                 return None;

@@ -2,6 +2,7 @@
 
 use super::actuation::{fix_in_time, uses_time, vector_at_time};
 use super::context::Context;
+use super::design;
 use super::load::{MORE_POINTS, NO_Z};
 use super::magnitude::check_gravity;
 use super::named::attempt;
@@ -22,14 +23,30 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             context.complain(&at, message);
         }
         if uses_time(value) {
-            dense(case).for_each(|(material, density)| add_varying(load, material, density, &at, solid, context));
+            for (material, density) in dense(case) {
+                if design::mass_map(case, material).is_some() {
+                    let message = format!(
+                        "a gravity that changes in time does not follow a design: say \"mass\": false of that of {}",
+                        material.at
+                    );
+                    context.complain(&at, message);
+                }
+                add_varying(load, material, density, &at, solid, context);
+            }
             continue;
         }
         let Some(gravity) = field.constant() else { continue };
         check_gravity(gravity, &at, context);
         for (material, density) in dense(case) {
             let force = Vec3::from(gravity) * density;
-            attempt(solid, &at, context, |solid| solid.body_force(&material.region, force));
+            attempt(solid, &at, context, |solid| match design::mass_map(case, material) {
+                None => solid.body_force(&material.region, force),
+                Some(_) => {
+                    let (name, disc) = (design::weight_name(load, material), solid.discretization().clone());
+                    let weight = VaryingLoad::filled(&name, &disc, &material.region, force)?;
+                    solid.contribution(weight)
+                }
+            });
         }
     }
 }

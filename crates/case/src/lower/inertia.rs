@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
-use super::{gravity, magnitude, named_groups};
+use super::{design, gravity, magnitude, named_groups};
 use nastic_energy::{EnergyError, Field, KelvinVoigt, MaxwellBranch, SpringMeasure};
 use nastic_fem::{Inertia, Solid};
 use nastic_language::schema::{Case, MassKind, Material, Parameter, SpringMeasure as MeasureBlock};
@@ -33,6 +33,8 @@ fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             magnitude::check_density(density, &material.at.key("density"), context);
         }
     }
+    design::check_masses(case, solid, context);
+    let follows = case.materials.iter().any(|material| design::mass_map(case, material).is_some());
     let dense = case.materials.iter().filter_map(|material| Some((material, material.density?)));
     let inertia = dense.fold(None, |inertia: Option<Inertia>, (material, density)| {
         Some(match inertia {
@@ -50,6 +52,7 @@ fn add_mass(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     };
     let lumped = case.time.as_ref().is_some_and(|time| time.mass == MassKind::Lumped);
     let inertia = if lumped { inertia.lumped() } else { inertia };
+    let inertia = if follows { inertia.filled() } else { inertia };
     attempt(solid, &At::root().key("materials"), context, |solid| solid.inertia(inertia));
 }
 

@@ -8,8 +8,8 @@ use crate::lower::scenario::Scenario;
 use crate::lower::target_shape::TargetShape;
 use crate::lower::variant::Variant;
 use crate::lower::{
-    body, constraint, control, cost, elements, magnitude, mesh, pressures, probe, scenario, sizes, slack, start,
-    survey, tension, time_table, variant, weight,
+    body, constraint, control, cost, design, elements, magnitude, mesh, pressures, probe, scenario, sizes, slack,
+    start, survey, tension, time_table, variant, weight,
 };
 use crate::warning::Warning;
 use nastic_control::{Ensemble, EnsembleError, LoadCase, Reduced};
@@ -212,6 +212,7 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
     let members = variants.iter().zip(bodies).zip(aims.into_iter().zip(limits)).zip(contexts);
     for (((variant, body), (aims, limits)), context) in members {
         let body = control::weigh(variant, case.controls.len(), body, fields, context)?;
+        design::check_volumes(&variant.case, fields, &body, context);
         let (body, shapes) = cost::add(&variant.case, aims, body, context)?;
         let body = constraint::add(&variant.case, limits, body, context)?;
         cost::warn(&variant.case, &body, context);

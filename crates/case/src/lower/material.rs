@@ -1,6 +1,7 @@
 //! Passive laws.
 
 use super::context::Context;
+use super::design;
 use super::field::SamplePoints;
 use super::named::{attempt, complain_of_law};
 use super::named_groups;
@@ -45,15 +46,19 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let points = SamplePoints::of_body(case, &disc, &cells);
         let Some(inputs) = inputs(&material.parameters, &material.at, &points, context) else { continue };
         let numbers: Vec<&str> = case.controls.iter().filter_map(|control| material.number_of(&control.of)).collect();
-        let (name, of) = (material.name.as_deref().unwrap_or_default(), &material.region);
-        let added = match numbers.is_empty() {
-            true => material.law.build(&inputs).map(|law| {
-                attempt(solid, &material.at, context, |solid| solid.material(of, law));
-            }),
-            false => material.law.parametrised(&inputs, &numbers).map(|law| {
-                attempt(solid, &material.at, context, |solid| solid.actuate(of, name, law));
-            }),
+        let (name, of) = (design::law_name(material), &material.region);
+        let law = match numbers.is_empty() {
+            true => material.law.build(&inputs),
+            false => material.law.parametrised(&inputs, &numbers),
         };
+        let added = law.map(|law| match (numbers.is_empty(), material.design.is_empty()) {
+            (true, true) => attempt(solid, &material.at, context, |solid| solid.material(of, law)),
+            _ => {
+                if let Some(law) = design::in_front(case, law, &material.design, &points, context) {
+                    attempt(solid, &material.at, context, |solid| solid.actuate(of, name, law));
+                }
+            }
+        });
         added.unwrap_or_else(|error| {
             let named = |control: &&Control| match &error {
                 EnergyError::NotLinear { name, .. } => material.number_of(&control.of) == Some(name),

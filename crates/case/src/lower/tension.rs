@@ -32,7 +32,10 @@ fn least<'b>(
 ) -> Option<f64> {
     let of = |body: &Reduced| {
         let block = &body.layout().blocks()[field];
-        (block.components == 1).then(|| of(body.solid().body(), block.targets[0].actuation)).flatten()
+        let target = &block.targets[0];
+        let all = body.solid().model().controllable();
+        let is_load = all.get(target.actuation).is_some_and(|own| !own.slots[target.slot].is_design());
+        (block.components == 1 && is_load).then(|| of(body.solid().body(), block.targets[0].actuation)).flatten()
     };
     bodies.filter_map(of).reduce(f64::min)
 }

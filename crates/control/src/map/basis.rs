@@ -198,6 +198,24 @@ impl Basis {
         Ok(basis)
     }
 
+    /// The same unknowns, at the points of the cells of regions alone.
+    ///
+    /// # Errors
+    /// An unknown name.
+    pub(crate) fn within(&self, disc: &Discretization, regions: &GroupNames) -> Result<Self, ControlError> {
+        let mut out = Basis { starts: vec![0], unknowns: vec![], shapes: vec![], ..self.clone() };
+        let cells = disc.mesh().cells_of(regions)?;
+        for (q, cell) in disc.points().cells().into_iter().enumerate() {
+            if cells.binary_search(&cell).is_ok() {
+                let own = self.starts[q] as usize..self.starts[q + 1] as usize;
+                out.unknowns.extend(&self.unknowns[own.clone()]);
+                out.shapes.extend(&self.shapes[own]);
+            }
+            out.starts.push(out.unknowns.len() as u32);
+        }
+        Ok(out)
+    }
+
     /// The space.
     pub fn space(&self) -> Space {
         self.space
@@ -326,7 +344,7 @@ impl Basis {
     }
 }
 
-fn entities(disc: &Discretization, cells: &[u32], space: Space, region_of: Option<&[u32]>) -> Vec<u32> {
+pub(super) fn entities(disc: &Discretization, cells: &[u32], space: Space, region_of: Option<&[u32]>) -> Vec<u32> {
     let mesh = disc.mesh();
     match (space, region_of) {
         (Space::Cell, _) => cells.to_vec(),

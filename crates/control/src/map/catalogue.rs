@@ -1,6 +1,9 @@
 //! Every kind of control map with an example, which the contract tests take.
 
-use super::{Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Length, PowerLaw, Projection, Space};
+use super::{
+    Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Held, Length, Mirror, Plane, PowerLaw,
+    Projection, Space, Staged,
+};
 use crate::error::ControlError;
 use nastic_fem::Discretization;
 use std::sync::Arc;
@@ -58,6 +61,31 @@ pub const MAPS: &[MapRow] = &[
         example: |_| {
             let x = sample(5).into_iter().map(|x| 0.3 + 0.2 * x).collect();
             Ok((Arc::new(Projection { threshold: 0.4, sharpness: 3.0 }), x))
+        },
+    },
+    MapRow {
+        name: "held",
+        about: "x, but c in regions",
+        example: |disc| {
+            let basis = expansion(disc, 1)?.basis;
+            Ok((Arc::new(Held::new(disc, &basis, 1, &"body".into(), 0.4)?), sample(basis.len())))
+        },
+    },
+    MapRow {
+        name: "mirror",
+        about: "the symmetric part about a plane",
+        example: |disc| {
+            let basis = expansion(disc, 1)?.basis;
+            let plane = Plane { point: None, normal: [1.0, 0.0, 0.0] };
+            Ok((Arc::new(Mirror::new(&basis, 1, plane)?), sample(basis.len())))
+        },
+    },
+    MapRow {
+        name: "staged",
+        about: "another map in each stage",
+        example: |_| {
+            let of = |sharpness| Projection { threshold: 0.5, sharpness };
+            Ok((Arc::new(Staged::new(vec![Arc::new(of(1.0))], of(2.0))), sample(5)))
         },
     },
     MapRow { name: "exponential", about: "exp x", example: |_| Ok((Arc::new(Exponential), sample(5))) },

@@ -34,6 +34,11 @@ impl Chain {
         self.0.push(link);
     }
 
+    /// The links as they are in a stage.
+    pub(crate) fn in_stage(&self, stage: usize) -> Chain {
+        Chain(self.0.iter().map(|link| link.at_stage(stage).unwrap_or_else(|| link.clone())).collect())
+    }
+
     /// The links with what each is evaluated at.
     fn at(&self, x: &[f64]) -> Vec<(&dyn ControlMap, Vec<f64>)> {
         let mut at = Vec::with_capacity(self.0.len());
@@ -88,6 +93,14 @@ impl ControlMap for Chain {
 
     fn is_affine(&self) -> bool {
         self.0.iter().all(|link| link.is_affine())
+    }
+
+    fn stages(&self) -> usize {
+        self.0.iter().map(|link| link.stages()).max().unwrap_or(1)
+    }
+
+    fn at_stage(&self, stage: usize) -> Option<Arc<dyn ControlMap>> {
+        (self.stages() > 1).then(|| Arc::new(self.in_stage(stage)) as Arc<dyn ControlMap>)
     }
 
     fn length(&self) -> Option<f64> {

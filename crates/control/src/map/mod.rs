@@ -7,12 +7,15 @@ mod direction;
 mod expansion;
 mod exponential;
 mod filter;
+mod held;
 mod interpolated;
 mod length;
+mod mirror;
 mod power_law;
 mod projection;
 mod region_of_cells;
 mod space;
+mod staged;
 mod whole_body;
 
 pub use basis::Basis;
@@ -22,14 +25,18 @@ pub use direction::Direction;
 pub use expansion::Expansion;
 pub use exponential::Exponential;
 pub use filter::Filter;
+pub use held::Held;
 pub use length::Length;
 pub(crate) use length::Scaling;
+pub use mirror::{Mirror, Plane};
 pub use power_law::PowerLaw;
 pub use projection::Projection;
 pub use space::{SPACES, Space, SpaceRow};
+pub use staged::Staged;
 pub(crate) use whole_body::WholeBody;
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 /// A differentiable map `y = f(x)` between values of a control field: a link of a [`Chain`].
 ///
@@ -56,6 +63,16 @@ pub trait ControlMap: Debug + Send + Sync {
     /// Whether `second_vjp` is `None`.
     fn is_affine(&self) -> bool {
         true
+    }
+
+    /// Number of stages of an optimisation in which it is another map.
+    fn stages(&self) -> usize {
+        1
+    }
+
+    /// The map that it is in a stage, the last one in later stages; `None` of one that stays as it is.
+    fn at_stage(&self, _stage: usize) -> Option<Arc<dyn ControlMap>> {
+        None
     }
 
     /// The length that it gives all vectors but zero, if it does.

@@ -71,13 +71,13 @@ impl Reduced {
         Ok(self.constraints.iter().map(Box::as_ref).enumerate().map(between).collect())
     }
 
-    /// Evaluates the constraints in a state.
+    /// Evaluates the constraints in a state, with the maps of a stage.
     pub(super) fn constraints_at(
         &self,
         state: &State,
-        m: &[f64],
+        (m, stage): (&[f64], usize),
     ) -> Result<Vec<Arc<dyn ConstraintPoint>>, ControlError> {
-        let at = self.near_time(state, (m, 0))?;
+        let at = self.near_time(state, (m, stage))?;
         (0..self.constraints.len()).map(|k| at.constraint(k)).collect()
     }
 
@@ -89,7 +89,7 @@ impl Reduced {
         if point.constraint_points.len() == self.constraints.len() {
             return Ok(Cow::Borrowed(&point.constraint_points));
         }
-        self.constraints_at(point.state(), &point.m).map(Cow::Owned)
+        self.constraints_at(point.state(), (&point.m, point.stage)).map(Cow::Owned)
     }
 
     /// Each evaluated constraint with its part of weights given for all values.

@@ -4,7 +4,8 @@ use super::Reduced;
 use crate::control_block::Shown;
 use crate::design::Consumer;
 use crate::error::ControlError;
-use crate::map::{ControlMap, Space};
+use crate::map::{ControlMap, Plane, Projection, Space};
+use nastic_mesh::GroupNames;
 
 impl Reduced {
     /// Adds a control field on an actuation (`NAME`, or `NAME.SLOT` where it has several).
@@ -58,6 +59,39 @@ impl Reduced {
         Ok(self)
     }
 
+    /// Gives a control field one value in regions: [`Layout::hold`](crate::Layout::hold).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn hold(mut self, control: &str, regions: impl Into<GroupNames>, value: f64) -> Result<Self, ControlError> {
+        self.layout.hold(&self.solid, control, &regions.into(), value)?;
+        self.update_layout();
+        Ok(self)
+    }
+
+    /// Takes the symmetric part of a control field: [`Layout::mirror`](crate::Layout::mirror).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn mirror(mut self, control: &str, plane: Plane) -> Result<Self, ControlError> {
+        self.layout.mirror(control, plane)?;
+        self.update_layout();
+        Ok(self)
+    }
+
+    /// Projects a control field, from stage to stage more sharply: [`Layout::project`](crate::Layout::project).
+    ///
+    /// # Errors
+    /// As there; several stages of a problem in time.
+    pub fn project(mut self, control: &str, stages: &[Projection], range: [f64; 2]) -> Result<Self, ControlError> {
+        if stages.len() > 1 {
+            self.refuse_motion("a projection by stages")?;
+        }
+        self.layout.project(control, stages, range)?;
+        self.update_layout();
+        Ok(self)
+    }
+
     /// Adds the amplitude of a vector along a fixed direction as a control field.
     ///
     /// # Errors
@@ -104,6 +138,7 @@ impl Reduced {
     /// Wrong length or values that are not finite.
     pub fn fix(mut self, actuation: usize, slot: usize, at_points: &[f64]) -> Result<Self, ControlError> {
         self.layout.fixed_mut().set(actuation, slot, at_points)?;
+        self.update_layout();
         Ok(self)
     }
 }

@@ -305,6 +305,8 @@ impl Reduced {
     }
 
     pub(super) fn update_layout(&mut self) {
+        let stages = Some(self.layout.stages()).filter(|stages| *stages > 1).unwrap_or(0);
+        self.staged = (0..stages).map(|stage| self.layout.in_stage(stage)).collect();
         if let Some(motion) = &mut self.motion {
             motion.layout = self.layout.of_instant();
         }

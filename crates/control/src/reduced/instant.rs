@@ -51,7 +51,7 @@ impl AtInstant<'_> {
     /// The k-th constraint there.
     pub fn constraint(&self, k: usize) -> Result<Arc<dyn ConstraintPoint>, ControlError> {
         let constraint = &self.problem.constraints[k];
-        let point = constraint.at(&self.context(constraint.needs_step(), 0)?)?;
+        let point = constraint.at(&self.context(constraint.needs_step(), self.at.1)?)?;
         Ok(wrapped(&self.problem.solid, point, |point| Arc::new(point)))
     }
 }

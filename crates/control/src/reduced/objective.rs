@@ -53,7 +53,7 @@ impl Objective for Reduced {
     }
 
     fn stages(&self) -> usize {
-        self.costs().iter().map(|cost| cost.stages()).max().unwrap_or(1)
+        self.costs().iter().map(|cost| cost.stages()).fold(self.layout.stages(), usize::max)
     }
 
     fn restage(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, Failed> {
@@ -113,7 +113,7 @@ impl Objective for Reduced {
 impl Reduced {
     /// The point that was written, as it is here.
     fn saved(&self, m: &[f64], bytes: &[u8], stage: usize) -> Result<Evaluated, Failed> {
-        let controls = self.layout().to_points(m)?;
+        let controls = self.layout_in_stage(stage).to_points(m)?;
         let (terms, dofs) = (self.term_names().len(), self.solid().model().unknowns().len());
         let constraints = Constrained::constraints(self).iter().map(|group| group.len).sum();
         let expected = Expected { stage, terms, constraints, dofs };

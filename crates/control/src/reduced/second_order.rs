@@ -156,7 +156,8 @@ impl Reduced {
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
         self.refuse_motion("second derivatives")?;
-        let at_points = self.layout.change(&point.m, v)?;
+        let layout = self.layout_in_stage(point.stage);
+        let at_points = layout.change(&point.m, v)?;
         let exact = which == Hessian::Exact;
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
         let mut second = SecondOrder::new(self.solid.model(), point.state(), &how, &mut workspace.solve)?;
@@ -175,17 +176,17 @@ impl Reduced {
         };
         self.forget(workspace);
         let mut product = change.m;
-        axpy(1.0, &self.layout.control_vjp(&point.m, &adjoint.controls), &mut product);
+        axpy(1.0, &layout.control_vjp(&point.m, &adjoint.controls), &mut product);
         let mut derivative = Vec::new();
-        let bends = exact && self.layout.blocks().iter().any(|block| !block.is_affine());
+        let bends = exact && layout.blocks().iter().any(|block| !block.is_affine());
         if let Some(lambda) = lambda.filter(|_| first.is_some() || bends) {
             let by_point = self.by_point(point, &by_u()?, lambda)?;
             if exact {
-                axpy(1.0, &self.layout.second_vjp(&point.m, v, &by_point), &mut product);
+                axpy(1.0, &layout.second_vjp(&point.m, v, &by_point), &mut product);
             }
             if let Some(by_m) = first {
                 derivative = by_m()?;
-                axpy(1.0, &self.layout.control_vjp(&point.m, &by_point), &mut derivative);
+                axpy(1.0, &layout.control_vjp(&point.m, &by_point), &mut derivative);
             }
         }
         Ok(SecondDerivative { product, derivative })

@@ -132,7 +132,7 @@ impl Reduced {
                 return Err(ControlError::Cost { what });
             }
         }
-        let through_state = self.layout.control_vjp(&point.m, &swept.controls[0]);
+        let through_state = self.layout_in_stage(point.stage).control_vjp(&point.m, &swept.controls[0]);
         let derivative = self.whole_derivative(partials.m, &through_state)?;
         let (lambda, work) = (swept.lambda.swap_remove(0), swept.report);
         Ok((derivative, Some(AdjointState { lambda, work, multipliers: vec![] })))

@@ -23,6 +23,7 @@ const ROUGH: f64 = 1e-7;
 /// What is known of a trial before its state is looked for.
 struct Trial<'a> {
     m: &'a [f64],
+    stage: usize,
     controls: Controls,
     /// The point that it starts near.
     near: Option<&'a Evaluated>,
@@ -57,7 +58,8 @@ impl Reduced {
         let budget = how.budget.work(workspace.predictor.usual_work(), LEAST[usize::from(!follows)]);
         let near = how.near.filter(|_| follows && budget.is_some());
         let followed = if let Budget::Of(most) = how.budget { most.min(FOLLOWED) } else { FOLLOWED };
-        let trial = Trial { m, controls: self.layout().to_points(m)?, near: how.near, follows: near, budget, followed };
+        let (stage, controls) = (how.stage, self.layout_in_stage(how.stage).to_points(m)?);
+        let trial = Trial { m, stage, controls, near: how.near, follows: near, budget, followed };
         let solved = self.state_of(&trial, guess.as_deref(), how.accuracy, workspace);
         self.forget(workspace);
         let state = solved?;
@@ -121,7 +123,7 @@ impl Reduced {
             Err(error) if error.is_lack_of_memory() || matches!(error, StateError::Cancelled) => Err(error.into()),
             Err(_) | Ok(Ahead::Unknown(_)) => Ok(None),
             Ok(Ahead::LimitPoint(at)) => {
-                let limit = self.layout().limit_point([&near.m, trial.m], at.share);
+                let limit = self.layout_in_stage(trial.stage).limit_point([&near.m, trial.m], at.share);
                 self.note(&at, near, trial, workspace);
                 Err(ControlError::LimitPoint { limit, newton: spent.newton })
             }
@@ -146,7 +148,7 @@ impl Reduced {
             Err(error) if error.is_lack_of_memory() || matches!(error, StateError::Cancelled) => Some(error.into()),
             Err(_) => None,
             Ok(Connection::LimitPoint(share)) => {
-                let limit = self.layout().limit_point([&from.m, &to.m], share);
+                let limit = self.layout_in_stage(to.stage).limit_point([&from.m, &to.m], share);
                 Some(ControlError::LimitPoint { limit, newton: to.work.newton })
             }
             Ok(Connection::Elsewhere(apart)) => Some(ControlError::OtherBranch { apart }),
@@ -163,7 +165,7 @@ impl Reduced {
         let step = sub(trial.m, &near.m);
         let mut m = near.m.clone();
         axpy(at.share, &step, &mut m);
-        let normal = self.layout().control_vjp(&m, &by.controls);
+        let normal = self.layout_in_stage(trial.stage).control_vjp(&m, &by.controls);
         workspace.limits.add(at, &near.m, step, normal);
     }
 }

@@ -51,7 +51,7 @@ impl Reduced {
         let u = self.solid.model().nodal(&state.u);
         CostContext {
             solid: &self.solid,
-            layout: self.layout_of_instant(),
+            layout: self.motion.as_ref().map_or(self.layout_in_stage(stage), |motion| &motion.layout),
             u,
             state: Some(state),
             m,

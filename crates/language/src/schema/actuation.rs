@@ -2,6 +2,7 @@
 
 use crate::quantity::Want;
 use crate::schema::catalogue::{Input, SlotName, form_schema, read_inputs, row_schema, slot_names, slot_schema, slots};
+use crate::schema::design::{self, Design};
 use crate::schema::field::{Parameter, VectorField};
 use crate::schema::fixed::Fixed;
 use crate::schema::json::Definitions;
@@ -39,6 +40,8 @@ pub enum Means {
         region: GroupNames,
         /// Exactly the parameters of one of the row's forms, in the case's units.
         parameters: BTreeMap<&'static str, Input>,
+        /// Numbers in front of the law.
+        design: Vec<Design>,
     },
     /// A contribution.
     Contribution {
@@ -54,9 +57,10 @@ pub enum Means {
 impl PartialEq for Actuation {
     fn eq(&self, other: &Self) -> bool {
         let same = match (&self.means, &other.means) {
-            (Means::Law { region, parameters, .. }, Means::Law { region: other_region, parameters: others, .. }) => {
-                region == other_region && parameters == others
-            }
+            (
+                Means::Law { region, parameters, design, .. },
+                Means::Law { region: other_region, parameters: others, design: other_design, .. },
+            ) => region == other_region && parameters == others && design == other_design,
             (Means::Contribution { values, .. }, Means::Contribution { values: others, .. }) => values == others,
             _ => false,
         };
@@ -84,6 +88,12 @@ impl Actuation {
             Means::Law { row, .. } => row.about,
             Means::Contribution { form, .. } => form.about,
         }
+    }
+
+    /// Numbers in front of its law.
+    #[must_use]
+    pub fn design(&self) -> &[Design] {
+        if let Means::Law { design, .. } = &self.means { design } else { &[] }
     }
 
     /// Whether it acts where nothing drives it.
@@ -161,6 +171,7 @@ impl Read for Actuation {
                 for form in kind.forms {
                     let mut keys = common_keys(kind.name, &slots(kind), definitions);
                     keys.push(Key::new::<GroupNames>("region", REGION, Want::ANY, None, definitions));
+                    keys.push(design::list_key(definitions));
                     options.push(form_schema(kind.about, keys, form, definitions));
                 }
             }
@@ -185,8 +196,10 @@ type ActuationKeys = (Option<Means>, Vec<SlotName>, Vec<&'static str>);
 fn read_law(row: &'static ActuationRow, node: &Node, at: &At, reader: &mut Reader<'_>) -> ActuationKeys {
     let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
     let parameters = read_inputs(row.name, row.forms, node, at, reader);
-    let means = region.zip(parameters).map(|(region, parameters)| Means::Law { row, region, parameters });
-    (means, slots(row), row.parameters().into_iter().map(|p| p.name).chain(["region"]).collect())
+    let design = design::read_list(node, at, true, reader);
+    let read = region.zip(parameters).zip(design);
+    let means = read.map(|((region, parameters), design)| Means::Law { row, region, parameters, design });
+    (means, slots(row), row.parameters().into_iter().map(|p| p.name).chain(["region", "design"]).collect())
 }
 
 /// A contribution, its slots, and its keys.

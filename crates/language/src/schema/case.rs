@@ -13,6 +13,7 @@ use crate::schema::constraint::Constraint;
 use crate::schema::contact::Contact;
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
+use crate::schema::design::Design;
 use crate::schema::expectation::Expectation;
 use crate::schema::hints::Hint;
 use crate::schema::load::Load;
@@ -167,6 +168,18 @@ impl Case {
         let case = Self::read_document(&mut reader);
         Diagnostics::new(reader.problems).into_result()?;
         case.ok_or_else(Diagnostics::default)
+    }
+
+    /// All numbers in front of laws, of materials and then of actuations.
+    pub fn designs(&self) -> impl Iterator<Item = &Design> {
+        let of_actuations = self.actuation.iter().flat_map(|actuation| actuation.design());
+        self.materials.iter().flat_map(|material| &material.design).chain(of_actuations)
+    }
+
+    /// Whether a number in front of a law has this name.
+    #[must_use]
+    pub fn has_design(&self, name: &str) -> bool {
+        self.designs().any(|design| design.name == name)
     }
 
     /// Entries that add a contribution each to the body, in the order of the case's keys.

@@ -2,6 +2,7 @@
 
 mod contact;
 mod controls;
+mod designs;
 mod motion;
 mod variants;
 
@@ -44,6 +45,7 @@ pub(crate) fn check(reader: &mut Reader<'_>) -> Option<Case> {
     check_names(&blocks, reader);
     contact::check(&blocks, reader);
     controls::check(&blocks, reader);
+    designs::check(&blocks, reader);
     check_risk(&blocks, reader);
     motion::check(&blocks, reader);
     variants::check(&blocks, reader);

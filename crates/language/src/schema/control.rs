@@ -4,6 +4,7 @@ use crate::expression::Formula;
 use crate::quantity::Want;
 use crate::schema::direction::Direction;
 use crate::schema::field::{ArrayFile, Parameter};
+use crate::schema::field_chain::{Projection, SymmetryPlane};
 use crate::schema::json::{Definitions, any_of, vector};
 use crate::schema::read::{Read, Reader};
 use crate::schema::time_table::TimeTable;
@@ -11,11 +12,12 @@ use crate::schema::timing::InTime;
 use crate::schema::value::entries;
 use crate::syntax::{At, Node, Property, Value, quoted};
 use serde_json::{Value as Json, json};
+use std::collections::BTreeMap;
 
 object! {
     /// A field the optimiser may change.
     pub struct Control checked by check {
-        /// What it sets: an actuation, "NAME", for a magnet "NAME.remanence" or "NAME.field"; or a number of a material, as "rubber.mu".
+        /// What it sets: an actuation, "NAME", for a magnet "NAME.remanence" or "NAME.field"; a number of a material, as "rubber.mu"; or a design, by its name.
         pub of: String,
         /// Its own name in results; that of `of` if left out.
         pub name: Option<String>,
@@ -23,11 +25,11 @@ object! {
         pub space: Space,
         /// Whether its logarithm is the unknown: of a positive number, whose steps are then shares of it.
         pub log: bool = false,
-        /// Value to start from; zero if left out, of a number of a material that of the material. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
+        /// Value to start from; zero if left out, of a number of a material that of the material, of a density and a factor 1. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
         pub start: Option<Start> as ANY_IN_TIME,
-        /// Least value, of a vector a list; unbounded if left out, of a muscle 0, of a growth -0.9. A tension contracts below zero.
+        /// Least value, of a vector a list; unbounded if left out, of a muscle and of a design 0, of a growth -0.9. A tension contracts below zero.
         pub lower: Option<Bound> as ANY_IN_TIME,
-        /// Largest value, of a vector a list; the law's convexity bound if left out. A tension lengthens above zero.
+        /// Largest value, of a vector a list; the law's convexity bound if left out, of a density, mixture or factor 1. A tension lengthens above zero.
         pub upper: Option<Bound> as ANY_IN_TIME,
         /// Length every vector must have.
         pub norm: Option<Formula> as ANY_POSITIVE,
@@ -35,6 +37,14 @@ object! {
         pub max_norm: Option<Formula> as ANY_POSITIVE,
         /// Fixed direction of a vector: the control is then its amplitude, a scalar.
         pub direction: Option<Direction> as NUMBER,
+        /// The length R over which its field is smoothed, by the equation s - R^2 laplace s = m; a cone of radius r is R = r / (2 sqrt 3).
+        pub filter: Option<f64> as POSITIVE_LENGTH,
+        /// Projection of its field, behind the filter: of a design between 0 and 1, else between its bounds.
+        pub projection: Option<Projection>,
+        /// Planes about which its field is symmetric: axes, for the planes across them in the middle, or planes by point and normal.
+        pub symmetry: Vec<SymmetryPlane> = Vec::new(),
+        /// Values that its field has in regions, whatever the control is there.
+        pub fixed: BTreeMap<String, Formula> as ANY = BTreeMap::new(),
         /// Of a control that changes in time: where its values lie. One that is left out stays as it is for the whole motion.
         pub in_time: Option<InTime>,
         /// Largest change per time, of a vector its length; of a control that changes in time.
@@ -258,6 +268,18 @@ fn check(control: &Control, reader: &mut Reader<'_>) {
             let message = format!("{} depends on X, Y or Z, but one number is wanted", quoted(text));
             reader.complain_at(&control.at.key(key), message);
         }
+    }
+    if control.log && control.projection.is_some() {
+        let message = "a projection takes the value, the unknown is its logarithm: leave one of them out";
+        reader.complain_at(&control.at.key("projection"), message);
+    }
+    if let Some(projection) = control.projection.as_ref().filter(|own| !(0.0..=1.0).contains(&own.eta)) {
+        let message = format!("the threshold {} is a share of the way between the ends: from 0 to 1", projection.eta);
+        reader.complain_at(&projection.at.key("eta"), message);
+    }
+    for (region, value) in control.fixed.iter().filter(|(_, value)| value.constant().is_none()) {
+        let message = format!("{} depends on X, Y or Z, but one number is wanted", quoted(value.text()));
+        reader.complain_at(&control.at.key("fixed").key(region), message);
     }
     if control.log && control.rate.is_some() {
         let message = "a rate is that of the value, the unknown is its logarithm: leave one of them out";

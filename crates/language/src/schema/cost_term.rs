@@ -92,6 +92,12 @@ impl CostTerm {
         matches!(self.form.make, MakeCost::OfMotion(_))
     }
 
+    /// The control it is of, where it is of one.
+    #[must_use]
+    pub fn control(&self) -> Option<&str> {
+        self.controls().map(|(name, _)| name).next()
+    }
+
     pub(crate) fn controls(&self) -> impl Iterator<Item = (&str, At)> {
         self.values.iter().filter_map(|(key, value)| match value {
             KeyValue::Control(name) => Some((name.as_str(), self.at.key(key))),

@@ -2,6 +2,7 @@
 
 use crate::quantity::Want;
 use crate::schema::catalogue::{Input, SlotName, form_schema, read_inputs, want};
+use crate::schema::design::{self, Design};
 use crate::schema::json::Definitions;
 use crate::schema::read::{Key, Read, Reader};
 use crate::schema::time::{KelvinVoigt, Maxwell};
@@ -33,6 +34,8 @@ pub struct Material {
     pub maxwell: Vec<Maxwell>,
     /// A dashpot beside the law, in motion.
     pub kelvin_voigt: Option<KelvinVoigt>,
+    /// Numbers in front of the law.
+    pub design: Vec<Design>,
     /// Exactly the parameters of one of the law's forms, in the case's units.
     pub parameters: BTreeMap<&'static str, Input>,
 }
@@ -49,7 +52,8 @@ impl PartialEq for Material {
                 other.rigid,
                 &other.parameters,
             )
-            && (self.density, &self.maxwell, &self.kelvin_voigt) == (other.density, &other.maxwell, &other.kelvin_voigt)
+            && (self.density, &self.maxwell, &self.kelvin_voigt, &self.design)
+                == (other.density, &other.maxwell, &other.kelvin_voigt, &other.design)
     }
 }
 
@@ -61,7 +65,8 @@ const DENSITY: &str = "Mass per reference volume, which motions and weight need.
 const MAXWELL: &str = "Maxwell branches beside the law, which relax in motion: a Prony series of the shear modulus.";
 const KELVIN_VOIGT: &str = "A dashpot beside the law, which damps motion.";
 /// The keys that every law has.
-const COMMON: [&str; 8] = ["name", "region", "law", "formulation", "rigid", "density", "maxwell", "kelvin_voigt"];
+const COMMON: [&str; 9] =
+    ["name", "region", "law", "formulation", "rigid", "density", "maxwell", "kelvin_voigt", "design"];
 
 impl Material {
     /// How a control names each number that the law is written with, and the number; none without a name.
@@ -112,6 +117,7 @@ impl Read for Material {
         let maxwell: Option<Vec<Maxwell>> = reader.key(node, at, "maxwell", MAXWELL, Want::ANY, Some(vec![]));
         let kelvin_voigt: Option<Option<KelvinVoigt>> =
             reader.key(node, at, "kelvin_voigt", KELVIN_VOIGT, Want::ANY, Some(None));
+        let design = design::read_list(node, at, false, reader);
         Some(Self {
             at: at.clone(),
             name: own_name?,
@@ -122,6 +128,7 @@ impl Read for Material {
             density: density?,
             maxwell: maxwell?,
             kelvin_voigt: kelvin_voigt?,
+            design: design?,
             parameters: parameters?,
         })
     }
@@ -147,6 +154,7 @@ impl Read for Material {
                             Some(None),
                             definitions,
                         ),
+                        design::list_key(definitions),
                     ];
                     options.push(form_schema(law.about, keys, form, definitions));
                 }

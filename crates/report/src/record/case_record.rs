@@ -99,6 +99,8 @@ records! {
         keys: ByName<ConstantRecord>,
         /// Formulation of a material.
         formulation: Option<String>,
+        /// Numbers in front of the law that follow designs, in words.
+        design: Option<Vec<String>>,
         /// Of a material: true where its region moves as a rigid body.
         rigid: Option<bool>,
         /// Of a chamber: its volume at rest.

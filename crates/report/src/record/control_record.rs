@@ -33,6 +33,10 @@ records! {
         voltage: Option<RangeRecord>,
         /// Total variation of a field over the body, int |grad m| dX with its jumps.
         total_variation: Number,
+        /// Of a design: its mean over its region, of a density the share that is filled.
+        volume: Number,
+        /// Of a design s: the mean of 4 s (1 - s), 0 where it is 0 or 1 everywhere.
+        greyness: Number,
         /// Cells of a grid along its axes.
         grid: Option<Vec<u32>>,
         /// Instants of a control in time.

@@ -2,7 +2,9 @@
 
 use nastic_case::film::voltages;
 use nastic_case::lower::{Admitted, CaseMember, CaseProblem, ControlField};
-use nastic_control::{Basis, ControlBlock, EnsembleBlock, Space};
+use nastic_control::{
+    Basis, ControlBlock, ControlError, Cost, CostContext, DesignVolume, EnsembleBlock, Greyness, Space,
+};
 use nastic_energy::SlotGroup;
 use nastic_numeric::vector::norm;
 use nastic_report::record::{ByName, ControlRecord, ControlValues, DerivativeNorm, Number, RangeRecord, numbers};
@@ -13,10 +15,10 @@ pub(crate) fn derivative_norm(problem: &CaseProblem, derivative: &[f64]) -> Deri
     DerivativeNorm { euclidean: norm(derivative).into(), metric: metric.into() }
 }
 
-/// The values of every control at a control vector.
+/// What every control may start from once more, at a control vector: its values, in front of filters and projections.
 pub(crate) fn control_values(problem: &CaseProblem, m: &[f64]) -> ByName<Vec<Number>> {
     let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
-    let values = |block: &EnsembleBlock| numbers(&problem.control_block(block).values_of(block.of(m)));
+    let values = |block: &EnsembleBlock| numbers(&problem.control_block(block).free_values_of(block.of(m)));
     blocks.map(|(block, field)| (field.name.clone(), values(block))).collect()
 }
 
@@ -74,6 +76,10 @@ fn control(problem: &CaseProblem, block: &EnsembleBlock, field: &ControlField, m
             (!all.is_empty()).then_some(ControlValues::List(all))
         }
     };
+    let is_design = problem.case.has_design(&own.name);
+    let of_design = |of: fn(CaseMember<'_>, &str, &[f64]) -> Number| {
+        if is_design { of(problem.member(block.owner), &own.name, m) } else { Number::default() }
+    };
     let volts = voltages(problem.member(block.owner), own, values_of);
     let volts = volts.map(|[low, high]| RangeRecord { min: low.into(), max: high.into(), unit: Some("V".to_owned()) });
     ControlRecord {
@@ -90,11 +96,21 @@ fn control(problem: &CaseProblem, block: &EnsembleBlock, field: &ControlField, m
         active: Some(active),
         active_share: (active as f64 / sizes.len().max(1) as f64).into(),
         total_variation: variation.map(Number::from).unwrap_or_default(),
+        volume: of_design(|member, of, m| measure(member, DesignVolume::of(of, 1.0), m)),
+        greyness: of_design(|member, of, m| measure(member, Greyness::of(of, 1.0), m)),
         grid: own.basis.grid().map(|grid| grid.cells().to_vec()),
         instants: own.knots.as_ref().map(|knots| numbers(&knots.instants())),
         values: few,
         fiber_limit: Default::default(),
     }
+}
+
+/// A cost of a control alone.
+fn measure<C: Cost>(member: CaseMember<'_>, cost: Result<C, ControlError>, m: &[f64]) -> Number {
+    let (solid, layout) = (member.solid(), member.reduced().layout_of_instant());
+    let (rest, m) = (solid.rest(), member.layout().at(&member.local(m), 0.0).unwrap_or_default());
+    let at = CostContext { solid, layout, u: &rest.u, state: None, m: &m, stage: 0, step: None };
+    cost.and_then(|cost| cost.at(&at)).map_or_else(|_| Number::default(), |point| point.value().into())
 }
 
 /// The name of the slots that a control drives; `None` for a contribution that is no field.

@@ -27,7 +27,8 @@ pub(super) fn describe(problem: &CaseProblem, record: &mut RunRecord) {
         let formulation =
             m.formulation.or((!m.law.reinforcing).then(Formulation::default)).map(|f| f.name().to_owned());
         let rigid = m.rigid.then_some(true);
-        LawRecord { formulation, rigid, ..law(problem, &m.region, m.law.name, &m.parameters, m.law.forms) }
+        let design = in_words(&m.design);
+        LawRecord { formulation, rigid, design, ..law(problem, &m.region, m.law.name, &m.parameters, m.law.forms) }
     };
     let held = problem.solid().supports().fixed().iter().filter(|fixed| **fixed).count();
     let case = &problem.case;
@@ -50,6 +51,11 @@ pub(super) fn describe(problem: &CaseProblem, record: &mut RunRecord) {
     }
     record.controls = Some(controls);
     members::describe(problem, &mut record.state);
+}
+
+/// Numbers in front of a law in words, where there are any.
+fn in_words(design: &[nastic_language::schema::Design]) -> Option<Vec<String>> {
+    (!design.is_empty()).then(|| design.iter().map(ToString::to_string).collect())
 }
 
 fn mesh_record(problem: &CaseProblem) -> MeshRecord {

@@ -1,7 +1,7 @@
 //! Controls against actuations, and costs against controls.
 
 use crate::expression::Formula;
-use crate::quantity::Dimension;
+use crate::quantity::{Dimension, Want};
 use crate::schema::actuation::{Actuation, Means};
 use crate::schema::catalogue::SlotName;
 use crate::schema::check::{Blocks, plain};
@@ -53,6 +53,9 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
         return;
     };
     check_number(control, blocks, reader);
+    if blocks.has_design(&control.of) {
+        check_design(control, reader);
+    }
     if slot.vector && control.log {
         let message = format!("\"{}\" is a vector: a logarithm is that of a positive number", control.of);
         reader.complain_at(&control.at.key("log"), message);
@@ -65,13 +68,34 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
     check_dimensions(control, slot, reader);
 }
 
-/// All that can be controlled, of actuations, contacts, obstacles that contacts touch, and named materials.
+/// A design is a scalar of the body itself, between bounds.
+fn check_design(control: &Control, reader: &mut Reader<'_>) {
+    let (of, at) = (&control.of, &control.at);
+    if control.in_time.is_some() {
+        let message = format!("\"{of}\" is a design, which does not change in time");
+        reader.complain_at(&at.key("in_time"), message);
+    }
+    if control.log {
+        let message = format!("\"{of}\" is a design, which may be 0: it has no logarithm");
+        reader.complain_at(&at.key("log"), message);
+    }
+}
+
+/// All that can be controlled, of actuations, contacts, obstacles that contacts touch, named materials, and designs.
 fn slots(blocks: &Blocks) -> Vec<(String, SlotName)> {
     let touched = blocks.obstacles.iter().filter(|own| blocks.contact.iter().any(|contact| contact.is_on(&own.name)));
     let poses = touched.flat_map(|obstacle| pose_slots(&obstacle.name));
     let contacts = blocks.contact.iter().flat_map(Contact::slots);
     let numbers = blocks.materials.iter().flat_map(Material::slots);
-    blocks.actuation.iter().flat_map(Actuation::slots).chain(poses).chain(contacts).chain(numbers).collect()
+    let slot = SlotName { key: "design", want: Want::NUMBER, vector: false, not_negative: false };
+    let mut designs: Vec<(String, SlotName)> = Vec::new();
+    for design in blocks.designs() {
+        if !designs.iter().any(|(name, _)| *name == design.name) {
+            designs.push((design.name.clone(), slot));
+        }
+    }
+    let actuations = blocks.actuation.iter().flat_map(Actuation::slots);
+    actuations.chain(poses).chain(contacts).chain(numbers).chain(designs).collect()
 }
 
 /// Whether a control is of the pose of an obstacle that no contact touches.
@@ -207,6 +231,7 @@ fn check_dimensions(control: &Control, slot: &SlotName, reader: &mut Reader<'_>)
             _ => {}
         }
     }
+    values.extend(control.fixed.iter().map(|(region, value)| (control.at.key("fixed").key(region), value)));
     let per_time = slot.want.dimension.and_then(|dimension| dimension.over(Dimension::TIME));
     // a scalar has no length: that is reported
     let of_vector = slot.want.dimension.filter(|_| slot.vector);
@@ -252,7 +277,9 @@ fn check_group(blocks: &Blocks, shared: &[Control], own: &[Control], costs: &[Co
             let message = "the square of a logarithm depends on the unit: take \"control_smoothness\", or the control without \"log\"";
             reader.complain_at(&cost.at().key("of"), message);
         }
-        let number = |control: &Control| blocks.materials.iter().any(|own| own.number_of(&control.of).is_some());
+        let number = |control: &Control| {
+            blocks.materials.iter().any(|own| own.number_of(&control.of).is_some()) || blocks.has_design(&control.of)
+        };
         if cost.kind() == "actuation_work" && all().any(number) {
             let message =
                 "work of actuations does not go with controls that are numbers of a material: leave one of them out";

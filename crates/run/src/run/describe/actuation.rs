@@ -16,9 +16,11 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
     for actuation in &problem.case.actuation {
         let units = problem.units();
         let place = match &actuation.means {
-            Means::Law { row, region, parameters: given } => {
+            Means::Law { row, region, parameters: given, design } => {
                 let values = parameters(given, &catalogue_of(row.forms), units);
-                if values.is_empty() { region.to_string() } else { format!("{region}; {values}") }
+                let values = Some(values).filter(|values| !values.is_empty());
+                let all = values.into_iter().chain(design.iter().map(|own| format!("design {own}")));
+                all.fold(region.to_string(), |all, one| format!("{all}; {one}"))
             }
             Means::Contribution { values, form, .. } => {
                 let shown = |(key, names): (&&str, &Vec<String>)| format!("{key} {}", names.join(", "));
@@ -70,7 +72,10 @@ pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
 pub(super) fn records(problem: &CaseProblem) -> Vec<LawRecord> {
     let of = |a: &Actuation| {
         let entry = match &a.means {
-            Means::Law { row, region, parameters } => law(problem, region, row.name, parameters, row.forms),
+            Means::Law { row, region, parameters, design } => {
+                let design = super::in_words(design);
+                LawRecord { design, ..law(problem, region, row.name, parameters, row.forms) }
+            }
             Means::Contribution { kind, values, .. } => LawRecord {
                 kind: Some((*kind).to_owned()),
                 keys: keys(values),

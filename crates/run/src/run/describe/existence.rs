@@ -11,6 +11,8 @@ struct Group {
     cells: usize,
     /// `None` where a law makes no statement.
     stated: Option<Existence>,
+    /// Whether designs stand in front of its laws.
+    designed: bool,
 }
 
 /// One line for each group of cells.
@@ -51,9 +53,11 @@ fn groups(problem: &CaseProblem) -> Vec<Group> {
                 continue;
             }
             seen.push(stated);
-            match out.iter_mut().find(|group| group.stated == stated) {
+            let mut slots = body.materials_of(cell).flat_map(|law| law.slots());
+            let designed = slots.any(|slot| problem.case.has_design(slot.group));
+            match out.iter_mut().find(|group| (group.stated, group.designed) == (stated, designed)) {
                 Some(group) => group.cells += 1,
-                None => out.push(Group { cells: 1, stated }),
+                None => out.push(Group { cells: 1, stated, designed }),
             }
         }
     }
@@ -68,6 +72,7 @@ fn text(group: &Group, in_space: bool) -> String {
     };
     let growth = stated.growth.implied();
     let polyconvex = if stated.polyconvex { "polyconvex" } else { "not known to be polyconvex" };
+    let at = if group.designed { " at every fixed design" } else { "" };
     let collapse = if stated.resists_collapse { "W -> inf as J -> 0" } else { "finite as J -> 0" };
     let exponents = format!("|F|^{}, |cof F|^{}, J^{}", short(growth.p), short(growth.q), short(growth.r));
     let coercive = if growth.is_coercive() { "coercive" } else { "not coercive" };
@@ -81,5 +86,5 @@ fn text(group: &Group, in_space: bool) -> String {
     } else {
         "; no turgor is balanced: its energy has no lower bound"
     };
-    format!("{cells}: {polyconvex}, {collapse}, {coercive} ({exponents}): {verdict}{pressure}")
+    format!("{cells}: {polyconvex}{at}, {collapse}, {coercive} ({exponents}): {verdict}{pressure}")
 }

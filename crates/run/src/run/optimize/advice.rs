@@ -217,7 +217,12 @@ fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> 
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     let set: Vec<String> = fields
         .filter_map(|(block, field)| {
-            let components = problem.control_block(block).components;
+            let own = problem.control_block(block);
+            // a design that is 0 or 1 is what is looked for
+            if problem.case.has_design(&own.name) {
+                return None;
+            }
+            let components = own.components;
             let m = block.of(&best.m);
             let on_bounds = controls::active(m, components, field) * components;
             let Admitted::Between { lower, upper } = field.admitted else { return None };

@@ -206,8 +206,11 @@ fn say(
             variation.map(|v| format!(", total variation {}{unit} {}", short(v), area.trim_end_matches("^1")));
         let volts = control.voltage.as_ref().map(|range| kilovolts([range.min, range.max].map(|u| known_number(*u))));
         let volts = volts.map_or_else(String::new, |volts| format!(" ({volts} over the film at rest)"));
+        let design = (*control.volume).zip(*control.greyness).map_or_else(String::new, |(volume, greyness)| {
+            format!(", mean {}, greyness {}", short(volume), short(greyness))
+        });
         console.say(format!(
-            "control     {name} from {} to {}{unit}{volts}, {} of {} on their bounds{}",
+            "control     {name} from {} to {}{unit}{volts}, {} of {} on their bounds{}{design}",
             short(known_number(*control.min)),
             short(known_number(*control.max)),
             control.active.unwrap_or_default(),

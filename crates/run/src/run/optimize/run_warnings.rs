@@ -100,7 +100,9 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, proble
     let m = block.of(&run.best.m);
     let components = problem.control_block(block).components;
     let on_bounds = controls::active(m, components, field);
-    if m.is_empty() || on_bounds * components < m.len() {
+    // a design that is 0 or 1 everywhere is what is looked for
+    let is_design = problem.case.has_design(&problem.control_block(block).name);
+    if is_design || m.is_empty() || on_bounds * components < m.len() {
         return None;
     }
     if let Some(limits) = &field.bounds {

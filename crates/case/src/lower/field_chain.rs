@@ -1,0 +1,96 @@
+//! What stands between the unknowns of a control and its field: values that are held, symmetry, filter, projection.
+
+use super::context::Context;
+use super::design;
+use crate::warning::GRID_RESOLUTION;
+use nastic_control::{ControlBlock, Plane, Projection, Reduced, Space};
+use nastic_language::number::short;
+use nastic_language::schema::{Bound, Case, Control, DesignKind, Parameter, SymmetryPlane};
+use nastic_language::syntax::quoted;
+use nastic_mesh::GroupNames;
+
+/// Puts the links of a control in front of its field, in the order of the file's keys: what is held (once more behind all), symmetry, filter, projection.
+pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
+    reduced = hold(case, control, reduced, context)?;
+    for (k, plane) in control.symmetry.iter().enumerate() {
+        let plane = match plane {
+            SymmetryPlane::Middle(axis) => {
+                let mut normal = [0.0; 3];
+                normal[*axis] = 1.0;
+                Plane { point: None, normal }
+            }
+            SymmetryPlane::Given(plane) => Plane { point: Some(plane.point.xyz()), normal: plane.normal.xyz() },
+        };
+        reduced = context.take(&control.at.key("symmetry").index(k), reduced.mirror(&control.of, plane))?;
+    }
+    if let Some(length) = control.filter {
+        let at = control.at.key("filter");
+        reduced = context.take(&at, reduced.filter(&control.of, length))?;
+        let spacing = reduced.layout().block(&control.of).ok().and_then(|block| spacing(block, &reduced));
+        if let Some(spacing) = spacing.filter(|spacing| length < *spacing) {
+            let unit = context.units.length().symbol;
+            let message = format!(
+                "a length of {} {unit} smooths nothing: the unknowns lie {} {unit} apart",
+                short(length),
+                short(spacing)
+            );
+            context.warn(&GRID_RESOLUTION, &at, message);
+        }
+    }
+    if let Some(projection) = &control.projection {
+        let at = control.at.key("projection");
+        let Some(range) = range(case, control) else {
+            let message = "a projection goes from the lower end of a control to the upper one: give \"lower\" and \"upper\", each one number";
+            context.complain(&at, message);
+            return None;
+        };
+        let of = |sharpness: &f64| Projection { threshold: projection.eta, sharpness: *sharpness };
+        let stages: Vec<Projection> = projection.sharpness.0.iter().map(of).collect();
+        reduced = context.take(&at, reduced.project(&control.of, &stages, range))?;
+    }
+    if control.symmetry.is_empty() && control.filter.is_none() && control.projection.is_none() {
+        return Some(reduced);
+    }
+    hold(case, control, reduced, context)
+}
+
+fn hold(case: &Case, control: &Control, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
+    for (region, value) in &control.fixed {
+        let at = control.at.key("fixed").key(region);
+        let value = value.constant()?;
+        if let Some([low, high]) = design::range(case, &control.of).filter(|[low, high]| value < *low || value > *high)
+        {
+            let message = format!("{} lies outside what {} may be, {low} to {high}", short(value), quoted(&control.of));
+            context.complain(&at, message);
+            return None;
+        }
+        if control.log && value <= 0.0 {
+            context.complain(&at, format!("{value} has no logarithm: with \"log\" all values are positive"));
+            return None;
+        }
+        let value = if control.log { value.ln() } else { value };
+        reduced = context.take(&at, reduced.hold(&control.of, GroupNames::from(region.as_str()), value))?;
+    }
+    Some(reduced)
+}
+
+/// The ends between which a control is projected: of a design between 0 and 1 these, else its bounds.
+fn range(case: &Case, control: &Control) -> Option<[f64; 2]> {
+    let mut own = case.designs().filter(|own| own.name == control.of).peekable();
+    if own.peek().is_some() && own.all(|own| own.kind != DesignKind::Filler) {
+        return Some([0.0, 1.0]);
+    }
+    let end = |bound: &Option<Bound>| bound.as_ref().and_then(|bound| bound.scalar()).and_then(Parameter::constant);
+    Some([end(&control.lower)?, end(&control.upper)?])
+}
+
+/// The mean distance of neighbouring unknowns: the side of a cube of the volume that each has; `None` of fields without neighbours.
+fn spacing(block: &ControlBlock, reduced: &Reduced) -> Option<f64> {
+    if !matches!(block.basis.space(), Space::Cell | Space::Node | Space::Grid(_)) || block.basis.is_empty() {
+        return None;
+    }
+    let disc = reduced.solid().discretization();
+    let acting = disc.points().weights().iter().enumerate().filter(|(q, _)| block.basis.acts_at(*q));
+    let volume: f64 = acting.map(|(_, weight)| weight).sum();
+    Some((volume / block.basis.len() as f64).powf(1.0 / disc.dim() as f64))
+}

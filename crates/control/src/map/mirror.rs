@@ -1,0 +1,114 @@
+//! [`Mirror`]: a field that is its own mirror image.
+
+use super::{Basis, ControlMap};
+use crate::error::ControlError;
+use nastic_numeric::vector::{dot, norm, sub};
+use std::collections::BTreeMap;
+
+/// How far a mirror image may lie from an unknown, as a share of the diagonal of the box around all of them.
+const IMAGE_TOLERANCE: f64 = 1e-6;
+
+/// A plane of symmetry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Plane {
+    /// A point of it; `None`: the middle of the box around the places of the unknowns.
+    pub point: Option<[f64; 3]>,
+    /// Its normal, of any length but zero.
+    pub normal: [f64; 3],
+}
+
+/// `y_i = (x_i + x_i') / 2` with the unknown i' at the mirror image of the place of i: fields that are symmetric about a plane stay as they are, of others the symmetric part is left. Linear and symmetric.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mirror {
+    images: Vec<u32>,
+    plane: Plane,
+}
+
+impl Mirror {
+    /// About a plane.
+    ///
+    /// # Errors
+    /// A normal without length; a field of vectors, or over points of a contribution; a place whose mirror image has no unknown.
+    pub fn new(basis: &Basis, components: usize, plane: Plane) -> Result<Self, ControlError> {
+        let fail = |what: String| Err(ControlError::Cost { what });
+        let length = norm(&plane.normal);
+        if !(length.is_finite() && length > 0.0) {
+            return fail(format!("the normal {:?} of a plane of symmetry has no finite length but zero", plane.normal));
+        }
+        if components > 1 || basis.is_of_contribution() {
+            return fail("symmetric are scalar fields over the body".to_owned());
+        }
+        let normal = plane.normal.map(|n| n / length);
+        let places = basis.positions();
+        let (low, high) = places.iter().fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), x| {
+            ([0, 1, 2].map(|k| low[k].min(x[k])), [0, 1, 2].map(|k| high[k].max(x[k])))
+        });
+        let point = plane.point.unwrap_or([0, 1, 2].map(|k| 0.5 * (low[k] + high[k])));
+        let near = Near::new(places, (IMAGE_TOLERANCE * norm(&sub(&high, &low))).max(f64::MIN_POSITIVE));
+        let mut images = Vec::with_capacity(places.len());
+        for (i, x) in places.iter().enumerate() {
+            let depth = dot(&sub(x, &point), &normal);
+            let image = [0, 1, 2].map(|k| x[k] - 2.0 * depth * normal[k]);
+            let Some(found) = near.at(&image) else {
+                return fail(format!(
+                    "the mesh is not symmetric about the plane through {point:?} with the normal {normal:?}: {} at {x:?} has no mirror image at {image:?}",
+                    basis.describe(i)
+                ));
+            };
+            images.push(found);
+        }
+        Ok(Mirror { images, plane: Plane { point: Some(point), normal } })
+    }
+}
+
+impl ControlMap for Mirror {
+    fn describe(&self) -> String {
+        format!("symmetric about {:?} with normal {:?}", self.plane.point.unwrap_or_default(), self.plane.normal)
+    }
+
+    fn values(&self, x: &[f64]) -> Vec<f64> {
+        self.images.iter().zip(x).map(|(image, x_i)| 0.5 * (x_i + x[*image as usize])).collect()
+    }
+
+    fn change(&self, _: &[f64], v: &[f64]) -> Vec<f64> {
+        self.values(v)
+    }
+
+    fn vjp(&self, _: &[f64], g: &[f64]) -> Vec<f64> {
+        let mut out: Vec<f64> = g.iter().map(|g| 0.5 * g).collect();
+        self.images.iter().zip(g).for_each(|(image, g)| out[*image as usize] += 0.5 * g);
+        out
+    }
+}
+
+/// Places in boxes of twice the tolerance.
+struct Near<'a> {
+    places: &'a [[f64; 3]],
+    tolerance: f64,
+    boxes: BTreeMap<[i64; 3], Vec<u32>>,
+}
+
+impl<'a> Near<'a> {
+    fn new(places: &'a [[f64; 3]], tolerance: f64) -> Self {
+        let mut near = Near { places, tolerance, boxes: BTreeMap::new() };
+        for (i, x) in places.iter().enumerate() {
+            near.boxes.entry(near.box_of(x)).or_default().push(i as u32);
+        }
+        near
+    }
+
+    fn box_of(&self, x: &[f64; 3]) -> [i64; 3] {
+        x.map(|x| (x / (2.0 * self.tolerance)).floor() as i64)
+    }
+
+    /// The place within the tolerance of x.
+    fn at(&self, x: &[f64; 3]) -> Option<u32> {
+        let middle = self.box_of(x);
+        let shift = |k: usize| [0, 1, 2].map(|axis| (k / 3usize.pow(axis as u32) % 3) as i64 - 1);
+        let around = (0..27).map(shift).filter_map(|by| {
+            let own = [0, 1, 2].map(|axis| middle[axis].saturating_add(by[axis]));
+            self.boxes.get(&own)
+        });
+        around.flatten().copied().find(|i| norm(&sub(&self.places[*i as usize], x)) <= self.tolerance)
+    }
+}
