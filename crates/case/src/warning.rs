@@ -242,8 +242,8 @@ pub const UNMATCHED_INTERFACE: WarningKind = WarningKind {
 /// A control grid finer than the mesh.
 pub const GRID_RESOLUTION: WarningKind = WarningKind {
     code: "grid_resolution",
-    about: "the grid of a control is finer than the mesh: its total variation and regularisation come out too small",
-    advice: "take no more cells than that, or refine the mesh",
+    about: "the grid of a control is finer than the mesh: its total variation and regularisation come out too small; or its filter smooths nothing",
+    advice: "take no more cells than that, a longer filter, or refine the mesh",
 };
 
 /// A Hausdorff length below the spacing of points.

@@ -37,9 +37,9 @@ pub use cost::{
     Aim, BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ContactLoad, ContactResultant, ContactSlip,
     ControlNorm, ControlSmoothness, Cost, CostContext, CostExample, CostForm, CostInputs, CostPoint, CostRow,
     CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DesignVolume, DistanceInTime, Figure, FigureKind,
-    Greyness, IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, MeanPosition, MeanRadius, MotionPartials,
-    Need, ObstaclePenetration, Orientation, Partials, PumpWork, Reaction, SmoothedHausdorff, StepBegin, Target,
-    Tracking,
+    Greyness, IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, MeanDisplacement, MeanPosition,
+    MeanRadius, MotionPartials, Need, ObstaclePenetration, Orientation, Partials, PumpWork, Reaction,
+    SmoothedHausdorff, StepBegin, Target, Tracking,
 };
 pub use design::Consumer;
 pub use ensemble::{

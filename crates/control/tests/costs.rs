@@ -93,7 +93,8 @@ fn values_and_partials_are_deterministic() -> Outcome {
         let (u, m) = point(body);
         for stage in 0..cost.stages() {
             let (value, partials) = value_and_partials(body, cost, &u, &m, stage)?;
-            assert!(value.is_finite() && value > 0.0, "{what}: {value}");
+            // means of a field may be negative
+            assert!(value.is_finite() && value != 0.0, "{what}: {value}");
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
             let alone = pool.install(|| value_and_partials(body, cost, &u, &m, stage).map_err(|e| e.to_string()))?;
             assert_eq!(alone.0.to_bits(), value.to_bits(), "{what}");
@@ -125,7 +126,7 @@ fn partials_are_differences_of_values() -> Outcome {
                 };
                 let central = |t: f64| -> Outcome<f64> { Ok((moved(t)? - moved(-t)?) / (2.0 * t * (by_u + by_m))) };
                 let difference = (4.0 * central(0.5)? - central(1.0)?) / 3.0;
-                let rounding = 1e-14 * at / (by_u + by_m);
+                let rounding = 1e-14 * at.abs() / (by_u + by_m);
                 assert!(
                     (slope - difference).abs() < 1e-7 * slope.abs() + 8.0 * rounding,
                     "{what}, stage {stage}, d{name}: {slope:e} where differences say {difference:e}"
@@ -283,7 +284,7 @@ fn taylor_orders_through_a_solve() -> Outcome {
                 for stage in 0..problem.stages() {
                     let test = Taylor { stage, order: 1.95, ..Taylor::default() };
                     let report = test.test(&problem, &Bounds::new(-4e5, 1.9e5)?, &m)?;
-                    let right = report.directions.iter().all(|d| matches!(d.verdict, Verdict::Right));
+                    let right = report.directions.iter().all(|d| matches!(d.verdict, Verdict::Right | Verdict::Linear));
                     assert!(right, "{} {example}, body {k}, stage {stage}: {report}", row.name);
                 }
             }

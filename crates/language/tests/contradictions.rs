@@ -138,7 +138,7 @@ fn contradictions_between_blocks_are_found() {
         COMPLETE,
         "materials/0/mu1\": \"90 kPa\"",
         "materials/0/mu\": \"90 kPa\"",
-        ": materials/0/mu: unknown key \"mu\": did you mean \"mu1\"? (one of: name, region, law, formulation, rigid, density, maxwell, kelvin_voigt, mu1, mu2, mu3, mu4, fiber)",
+        ": materials/0/mu: unknown key \"mu\": did you mean \"mu1\"? (one of: name, region, law, formulation, rigid, density, maxwell, kelvin_voigt, design, mu1, mu2, mu3, mu4, fiber)",
     );
     one(
         COMPLETE,
@@ -267,7 +267,10 @@ fn a_mistake_in_an_actuation_is_told_once() {
     let region = "\"region\": \"tip\", \"direction\"";
     for (given, wanted) in [
         ("\"tension\": \"1 mm\"", "a pressure is wanted (Pa, kPa, MPa, GPa, bar, mbar)"),
-        ("\"tensoin\": \"1 kPa\"", "did you mean \"tension\"? (one of: name, kind, direction, region, tension)"),
+        (
+            "\"tensoin\": \"1 kPa\"",
+            "did you mean \"tension\"? (one of: name, kind, direction, region, design, tension)",
+        ),
     ] {
         one(&idle, region, &format!("{given}, {region}"), wanted);
     }

@@ -14,7 +14,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         COMPLETE,
         "\"mu3\"",
         "\"mu9\": 1, \"mu3\"",
-        "materials/0/mu9: unknown key \"mu9\": did you mean \"mu1\"? (one of: name, region, law, formulation, rigid, density, maxwell, kelvin_voigt, mu1, mu2, mu3, mu4, fiber)",
+        "materials/0/mu9: unknown key \"mu9\": did you mean \"mu1\"? (one of: name, region, law, formulation, rigid, density, maxwell, kelvin_voigt, design, mu1, mu2, mu3, mu4, fiber)",
     );
     one(
         COMPLETE,
@@ -198,10 +198,10 @@ fn wrong_types_and_missing_keys_are_clear() {
         COMPLETE,
         "\"kind\": \"smoothed_hausdorff\", ",
         "",
-        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, orientation, curvature, \
+        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, displacement, orientation, curvature, \
          mean_radius, volume, largest_stretch, compliance, reaction, contact_force, contact_pressure, contact_slip, obstacle, control_norm, control_smoothness, \
          control_rate, \
-         kinetic_energy, actuation_work, pump_work)",
+         kinetic_energy, actuation_work, design_volume, greyness, pump_work)",
     );
     one(
         COMPLETE,

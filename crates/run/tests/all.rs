@@ -14,6 +14,7 @@ mod contact_costs;
 mod contact_doubts;
 mod contact_told;
 mod damaged_checkpoints;
+mod designs;
 mod determination;
 mod documents;
 mod doubtful;

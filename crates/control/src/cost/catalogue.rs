@@ -2,9 +2,10 @@
 
 use super::{
     ContactLoad, ContactResultant, ContactSlip, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue,
-    Curvature, DesignVolume, Greyness, IntoCost, LargestStretch, MakeCost, MeanPosition, ObstaclePenetration, PumpWork,
-    Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load, contact_slip, curvature, design,
-    mean_radius, obstacle, orientation, position, pump_work, reaction, regularization, stretch, tracking, volume,
+    Curvature, DesignVolume, Greyness, IntoCost, LargestStretch, MakeCost, MeanDisplacement, MeanPosition,
+    ObstaclePenetration, PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load,
+    contact_slip, curvature, design, mean_displacement, mean_radius, obstacle, orientation, position, pump_work,
+    reaction, regularization, stretch, tracking, volume,
 };
 use crate::error::ControlError;
 use crate::time::When;
@@ -81,6 +82,7 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow { name: "smoothed_hausdorff", form: None, second: true, examples: smoothed_hausdorff },
     CostRow::of(&tracking::FORM, tracking),
     CostRow::of(&position::FORM, position),
+    CostRow::of(&mean_displacement::FORM, displacement),
     CostRow::of(&orientation::FORM, orientation),
     CostRow::of(&curvature::FORM, curvature),
     CostRow::of(&mean_radius::FORM, mean_radius),
@@ -150,6 +152,17 @@ fn position(on: &CostExample) -> ExampleCosts {
     .into_iter()
     .map(|cost| cost.weight(on.weight).bind(on.solid))
     .collect()
+}
+
+/// Upwards, where the examples' bodies bend to.
+fn displacement(on: &CostExample) -> ExampleCosts {
+    let mesh = on.solid.mesh();
+    let along = [0.1, 0.9, 0.0];
+    let all = [
+        MeanDisplacement::surface(on.surface(), along),
+        MeanDisplacement::point(mesh.cell_centre(mesh.cells() - 1), along),
+    ];
+    all.into_iter().map(|cost| cost.weight(on.weight).bind(on.solid)).collect()
 }
 
 fn orientation(on: &CostExample) -> ExampleCosts {

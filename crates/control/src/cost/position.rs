@@ -23,9 +23,16 @@ pub struct MeanPosition {
 
 /// Whose position.
 #[derive(Clone, Debug)]
-enum Of {
+pub(super) enum Of {
     Part(BodyPart),
     Point([f64; 3]),
+}
+
+impl Of {
+    /// That of a surface.
+    pub fn surface(names: GroupNames) -> Self {
+        Of::Part(BodyPart::Surface(names))
+    }
 }
 
 impl MeanPosition {
@@ -118,10 +125,10 @@ impl MeanPosition {
 }
 
 /// Nodes with their shares of a mean.
-type Shares = Vec<(u32, f64)>;
+pub(super) type Shares = Vec<(u32, f64)>;
 
 /// Shares `c_a` of the nodes, `x = sum_a c_a x_a`, and the mean at rest.
-fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
+pub(super) fn shares(of: &Of, solid: &Solid) -> Result<(Shares, [f64; 3]), ControlError> {
     let mesh = solid.mesh();
     let mut by_node = vec![0.0; mesh.points().len()];
     match of {
@@ -157,7 +164,7 @@ fn counts(solid: &Solid, found: bool) -> bool {
 }
 
 /// The sums of the shares of a mean that the ranks have.
-fn over_ranks(solid: &Solid, mean: &mut [f64; 3]) {
+pub(super) fn over_ranks(solid: &Solid, mean: &mut [f64; 3]) {
     if let Some(share) = solid.model().unknowns().share() {
         share.sum(mean);
     }
@@ -208,7 +215,7 @@ impl Cost for OnBody {
 }
 
 /// `sum_a c_a v_a` of a nodal vector.
-fn mean(shares: &[(u32, f64)], nodal: &[f64], dim: usize) -> [f64; 3] {
+pub(super) fn mean(shares: &[(u32, f64)], nodal: &[f64], dim: usize) -> [f64; 3] {
     let component = |i: usize| shares.iter().map(|&(node, share)| share * nodal[node as usize * dim + i]).sum();
     std::array::from_fn(|i| if i < dim { component(i) } else { 0.0 })
 }
