@@ -255,7 +255,7 @@ fn contradictions_between_blocks_are_found() {
         MAGNETS,
         "\"pressure\": \"10 kPa * (X < 5 mm)\"",
         "\"pressure\": 0, \"mu0\": 1",
-        "unknown key \"mu0\" (one of: name, kind, region, pressure)",
+        "unknown key \"mu0\" (one of: name, kind, region, design, pressure)",
     );
 }
 

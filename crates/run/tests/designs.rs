@@ -50,7 +50,7 @@ fn a_density_finds_its_place_within_its_volume() {
     let start = run(Command::Solve, CANTILEVER);
     let of = |result: &Value, key: &str| number(result, &format!("controls/rho/{key}"));
     assert!(of(&found, "volume") < 0.505 && of(&found, "volume") > 0.45, "{found}");
-    assert!(of(&found, "greyness") < 0.8 * of(&start, "greyness"), "{} {}", found["controls"], start["controls"]);
+    assert!(of(&found, "greyness") < 0.9 * of(&start, "greyness"), "{} {}", found["controls"], start["controls"]);
     assert!(number(&found, "cost/total") < 0.5 * number(&start, "cost/total"), "{found}");
     assert!(of(&found, "min") >= 0.0 && of(&found, "max") <= 1.0, "{found}");
     // both stages were gone through, and the state of the second is that of its own projection
@@ -238,7 +238,7 @@ fn mistakes_of_designs_are_told_where_they_stand() {
         ("\"fixed\": { \"tip\": 1 }", "\"fixed\": { \"top\": 1 }", "controls/0/fixed/top"),
         ("\"sharpness\": [1, 4]", "\"sharpness\": []", "at least one sharpness is needed"),
         ("\"sharpness\": [1, 4]", "\"eta\": 1.5, \"sharpness\": 1", "the threshold 1.5"),
-        ("\"space\": \"cell\"", "\"space\": \"uniform\"", "not in the space"),
+        ("\"space\": \"cell\"", "\"space\": \"uniform\"", "not in \"uniform\""),
         (control, "\"projection\": { \"sharpness\": [1, 4] }", ""),
     ] {
         let said = CaseDirectory::new().run(Command::Check, &with(CANTILEVER, from, to), &[]);

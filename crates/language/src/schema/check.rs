@@ -45,7 +45,7 @@ pub(crate) fn check(reader: &mut Reader<'_>) -> Option<Case> {
     check_names(&blocks, reader);
     contact::check(&blocks, reader);
     controls::check(&blocks, reader);
-    designs::check(&blocks, reader);
+    check_designs(&blocks, reader);
     check_risk(&blocks, reader);
     motion::check(&blocks, reader);
     variants::check(&blocks, reader);
@@ -121,6 +121,25 @@ fn check_names(blocks: &Blocks, reader: &mut Reader<'_>) {
     for case in &blocks.load_cases {
         plain(&case.name, &case.at.key("name"), &['/', '\\'], reader);
     }
+}
+
+fn check_designs(blocks: &Blocks, reader: &mut Reader<'_>) {
+    let mut names: Vec<&str> = Vec::new();
+    for design in blocks.designs() {
+        if !names.contains(&design.name.as_str()) {
+            plain(&design.name, &design.at.key("name"), &['.', '/'], reader);
+            names.push(&design.name);
+        }
+    }
+    let controls = blocks.controls.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.controls));
+    let read = ["controls", "load_cases"].iter().all(|block| blocks.complete(block));
+    let beside = designs::Beside {
+        materials: &blocks.materials,
+        are_all: blocks.complete("materials"),
+        actuation: &blocks.actuation,
+        controlled: read.then(|| controls.map(|control| control.of.as_str()).collect()),
+    };
+    designs::check(blocks.designs(), &beside, reader);
 }
 
 /// Complains about every name that stood before.

@@ -1,27 +1,34 @@
 //! Numbers in front of laws against all that has a name, and against controls.
 
-use crate::schema::check::{Blocks, plain};
+use crate::schema::actuation::Actuation;
 use crate::schema::design::{Design, MixedLaw};
 use crate::schema::material::Material;
 use crate::schema::read::Reader;
 use crate::syntax::{At, nearest, quoted};
 
-pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
+/// What the designs of a case are held against.
+pub(super) struct Beside<'b> {
+    pub materials: &'b [Material],
+    /// Whether all of these could be read.
+    pub are_all: bool,
+    pub actuation: &'b [Actuation],
+    /// What controls are of; `None` where some could not be read.
+    pub controlled: Option<Vec<&'b str>>,
+}
+
+pub(super) fn check<'b>(designs: impl Iterator<Item = &'b Design>, beside: &Beside<'b>, reader: &mut Reader<'_>) {
     let mut seen: Vec<&str> = Vec::new();
-    for design in blocks.designs() {
-        check_other_law(design, blocks, reader);
+    for design in designs {
+        check_other_law(design, beside, reader);
         if seen.contains(&design.name.as_str()) {
             continue;
         }
         seen.push(&design.name);
-        plain(&design.name, &design.at.key("name"), &['.', '/'], reader);
-        if let Some(first) = named(&design.name, blocks) {
+        if let Some(first) = named(&design.name, beside) {
             let message = format!("{} is a name already, at {first}", quoted(&design.name));
             reader.complain_at(&design.at.key("name"), message);
         }
-        let all = blocks.controls.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.controls));
-        let read = ["controls", "load_cases"].iter().all(|block| blocks.complete(block));
-        if read && !all.clone().any(|control| control.of == design.name) {
+        if beside.controlled.as_ref().is_some_and(|all| !all.contains(&design.name.as_str())) {
             let message = format!(
                 "nothing says what {0} is: give a control {{ \"of\": {0}, \"space\": \"cell\", \"start\": .. }}",
                 quoted(&design.name)
@@ -29,20 +36,20 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
             reader.complain_at(&design.at, message);
         }
     }
-    blocks.materials.iter().for_each(|material| check_masses(material, reader));
+    beside.materials.iter().for_each(|material| check_masses(material, reader));
 }
 
 /// What else has the name.
-fn named<'b>(name: &str, blocks: &'b Blocks) -> Option<&'b At> {
-    let materials = blocks.materials.iter().filter(|own| own.name.as_deref() == Some(name)).map(|own| &own.at);
-    let actuations = blocks.actuation.iter().filter(|own| own.name == name).map(|own| &own.at);
+fn named<'b>(name: &str, beside: &Beside<'b>) -> Option<&'b At> {
+    let materials = beside.materials.iter().filter(|own| own.name.as_deref() == Some(name)).map(|own| &own.at);
+    let actuations = beside.actuation.iter().filter(|own| own.name == name).map(|own| &own.at);
     materials.chain(actuations).next()
 }
 
-fn check_other_law(design: &Design, blocks: &Blocks, reader: &mut Reader<'_>) {
+fn check_other_law(design: &Design, beside: &Beside<'_>, reader: &mut Reader<'_>) {
     let Some(MixedLaw::Name(name)) = &design.with else { return };
-    let known: Vec<&str> = blocks.materials.iter().filter_map(|material| material.name.as_deref()).collect();
-    if blocks.complete("materials") && !known.contains(&name.as_str()) {
+    let known: Vec<&str> = beside.materials.iter().filter_map(|material| material.name.as_deref()).collect();
+    if beside.are_all && !known.contains(&name.as_str()) {
         let clause = if known.is_empty() { ": no material has a name".into() } else { nearest::clause(name, &known) };
         reader.complain_at(&design.at.key("with"), format!("no material {}{clause}", quoted(name)));
     }
