@@ -440,6 +440,11 @@ impl Reduced {
         self.staged.get(stage).unwrap_or(&self.layout)
     }
 
+    /// The same at one instant.
+    pub fn layout_at(&self, stage: usize) -> &Layout {
+        self.motion.as_ref().map_or(self.layout_in_stage(stage), |motion| &motion.layout)
+    }
+
     /// Their vector at an instant.
     pub(crate) fn at_instant<'m>(&self, m: &'m [f64], t: f64) -> Result<Cow<'m, [f64]>, ControlError> {
         match self.motion {

@@ -26,12 +26,19 @@ pub struct StateFields<'a> {
     pub detailed: bool,
     /// Names of the arrays of the control fields, in their order; their own names where there are none.
     pub names: &'a [&'a str],
+    /// The stage of the maps of the control fields; those of the last one from the number of stages on.
+    pub stage: usize,
 }
 
 impl<'a> StateFields<'a> {
-    /// A state and its control vector.
+    /// A state and its control vector, with the maps of the last stage.
     pub fn new(state: &'a State, m: &'a [f64]) -> Self {
-        StateFields { state, m, adjoint: None, gradient: None, detailed: true, names: &[] }
+        StateFields { state, m, adjoint: None, gradient: None, detailed: true, names: &[], stage: usize::MAX }
+    }
+
+    /// Those of an evaluated control, with the maps of its stage.
+    pub fn of(point: &'a Evaluated) -> Self {
+        StateFields { stage: point.stage, ..StateFields::new(point.state(), &point.m) }
     }
 }
 
@@ -49,11 +56,7 @@ impl Reduced {
             }
             None => None,
         };
-        let fields = StateFields {
-            adjoint: point.adjoint(),
-            gradient: gradient.as_deref(),
-            ..StateFields::new(point.state(), &point.m)
-        };
+        let fields = StateFields { adjoint: point.adjoint(), gradient: gradient.as_deref(), ..StateFields::of(point) };
         self.snapshot_of(&fields)
     }
 
@@ -84,7 +87,7 @@ impl Reduced {
         if let Some(adjoint) = fields.adjoint {
             shot = shot.with_points("adjoint", 3, self.vectors(adjoint))?;
         }
-        for (k, block) in self.layout_of_instant().blocks().iter().enumerate() {
+        for (k, block) in self.layout_at(fields.stage).blocks().iter().enumerate() {
             let name = fields.names.get(k).copied().unwrap_or(&block.name);
             shot = self.with_field(shot, block, name, &m, true)?;
             if let Some(gradient) = &gradient {
@@ -108,7 +111,7 @@ impl Reduced {
     pub fn moved_controls(&self, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
         self.layout().check(fields.m)?;
         let m = self.at_instant(fields.m, fields.state.time)?;
-        self.with_fields(self.moved(fields.state)?, &m, fields.names, true)
+        self.with_fields(self.moved(fields.state)?, &m, fields.names, Some(fields.stage))
     }
 
     /// The displaced body alone.
@@ -128,20 +131,20 @@ impl Reduced {
     pub fn with_controls(&self, shot: Snapshot, m: &[f64], names: &[&str]) -> Result<Snapshot, ControlError> {
         self.layout().check(m)?;
         let end = self.timeline().map_or(0.0, Timeline::end);
-        self.with_fields(shot, &self.at_instant(m, end)?, names, false)
+        self.with_fields(shot, &self.at_instant(m, end)?, names, None)
     }
 
-    /// Of the fields at one instant, controls or another vector of their space.
+    /// Of the fields at one instant, controls with the maps of a stage, or another vector of their space.
     fn with_fields(
         &self,
         mut shot: Snapshot,
         m: &[f64],
         names: &[&str],
-        is_control: bool,
+        of_controls: Option<usize>,
     ) -> Result<Snapshot, ControlError> {
-        for (k, block) in self.layout_of_instant().blocks().iter().enumerate() {
+        for (k, block) in self.layout_at(of_controls.unwrap_or(usize::MAX)).blocks().iter().enumerate() {
             let name = names.get(k).copied().unwrap_or(&block.name);
-            shot = self.with_field(shot, block, name, m, is_control)?;
+            shot = self.with_field(shot, block, name, m, of_controls.is_some())?;
         }
         Ok(shot)
     }

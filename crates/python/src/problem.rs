@@ -100,7 +100,7 @@ impl History {
         let point = self.last.as_ref().ok_or_else(|| Failed::because("the control was not evaluated"))?;
         let shot = |member: CaseMember<'_>| {
             let at = &point.members[member.index()];
-            let fields = StateFields::new(at.state(), &at.m);
+            let fields = StateFields::of(at);
             let shot = member.reduced().snapshot_of(&fields).map_err(|error| Failed::because(error.to_string()))?;
             Ok((member.name(), shot))
         };

@@ -8,7 +8,7 @@ use common::{CaseDirectory, problems, with};
 use nastic_case::lower::CaseProblem;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
-use nastic_opt::{Taylor, Verdict};
+use nastic_opt::{Objective, Request, Taylor, Verdict};
 use serde_json::Value;
 use std::fmt::Write;
 use std::sync::Arc;
@@ -181,15 +181,18 @@ fn derivatives_through_filters_and_projections_have_their_orders() {
         let text = ALL.replace("SHARPNESS", sharpness);
         let name = place.path("case.json").display().to_string();
         let lowered = CaseProblem::lower(Document::parse(&name, &text).unwrap(), Arc::default()).unwrap();
-        let taylor = Taylor { directions: 2, second: true, ..Taylor::default() };
-        let report = taylor.test(&lowered.ensemble, &lowered.set, &lowered.start).unwrap();
-        assert!(report.passed(), "{report}");
-        for direction in &report.directions {
-            let second = direction.second.as_ref().unwrap();
-            let quadratic = second.verdict == Verdict::Quadratic;
-            assert!(direction.order1 > 1.95 && (quadratic || second.order > 2.95), "{direction:?}");
+        for stage in 0..lowered.ensemble.stages() {
+            let taylor = Taylor { directions: 2, second: true, stage, ..Taylor::default() };
+            let report = taylor.test(&lowered.ensemble, &lowered.set, &lowered.start).unwrap();
+            assert!(report.passed(), "{report}");
+            for direction in &report.directions {
+                let second = direction.second.as_ref().unwrap();
+                let quadratic = second.verdict == Verdict::Quadratic;
+                assert!(direction.order1 > 1.95 && (quadratic || second.order > 2.95), "{direction:?}");
+            }
         }
     }
+    a_new_stage_has_a_state_of_its_own(&place);
     let moving = with(
         &ALL.replace("SHARPNESS", "2"),
         "\"optimizer\": { \"method\": \"newton_cg\" }",
@@ -197,6 +200,20 @@ fn derivatives_through_filters_and_projections_have_their_orders() {
     );
     let checked = place.run(Command::Gradcheck, &moving, &[]).unwrap().result;
     assert_eq!(checked["gradcheck"]["passed"], true, "{checked}");
+}
+
+/// A design of two stages has in the second one the cost of a design of that sharpness alone.
+fn a_new_stage_has_a_state_of_its_own(place: &CaseDirectory) {
+    let costs = [("[1, 3]", 1), ("3", 0)].map(|(sharpness, stage)| {
+        let text = ALL.replace("SHARPNESS", sharpness);
+        let name = place.path("case.json").display().to_string();
+        let CaseProblem { ensemble, start, .. } =
+            CaseProblem::lower(Document::parse(&name, &text).unwrap(), Arc::default()).unwrap();
+        let point = ensemble.evaluate(&start, &Request::default(), &mut Default::default()).unwrap();
+        let first = ensemble.value(&point);
+        (first, ensemble.value(&ensemble.restage(stage, &point).unwrap()))
+    });
+    assert!((costs[0].1 / costs[1].1 - 1.0).abs() < 1e-7 && (costs[0].0 / costs[0].1 - 1.0).abs() > 1e-4, "{costs:?}");
 }
 
 #[test]
@@ -239,6 +256,7 @@ fn mistakes_of_designs_are_told_where_they_stand() {
         ("\"sharpness\": [1, 4]", "\"sharpness\": []", "at least one sharpness is needed"),
         ("\"sharpness\": [1, 4]", "\"eta\": 1.5, \"sharpness\": 1", "the threshold 1.5"),
         ("\"space\": \"cell\"", "\"space\": \"uniform\"", "not in \"uniform\""),
+        ("\"poisson\": 0.3,", "\"poisson\": 0.3, \"kelvin_voigt\": { \"shear\": 1 },", "does not follow its designs"),
         (control, "\"projection\": { \"sharpness\": [1, 4] }", ""),
     ] {
         let said = CaseDirectory::new().run(Command::Check, &with(CANTILEVER, from, to), &[]);

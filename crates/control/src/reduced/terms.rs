@@ -49,15 +49,7 @@ impl Reduced {
 
     pub(super) fn context<'a>(&'a self, state: &'a State, m: &'a [f64], stage: usize) -> CostContext<'a> {
         let u = self.solid.model().nodal(&state.u);
-        CostContext {
-            solid: &self.solid,
-            layout: self.motion.as_ref().map_or(self.layout_in_stage(stage), |motion| &motion.layout),
-            u,
-            state: Some(state),
-            m,
-            stage,
-            step: None,
-        }
+        CostContext { solid: &self.solid, layout: self.layout_at(stage), u, state: Some(state), m, stage, step: None }
     }
 
     /// Names of the terms; those that occur several times are numbered, `tracking_0`, `tracking_1`.

@@ -44,14 +44,19 @@ fn values(basis: &Basis, values: &[f64], components: usize) -> Option<ControlVal
     }
 }
 
-/// What became of every control.
-pub(crate) fn controls(problem: &CaseProblem, m: &[f64]) -> ByName<ControlRecord> {
+/// What became of every control, with the maps of a stage.
+pub(crate) fn controls(problem: &CaseProblem, m: &[f64], stage: usize) -> ByName<ControlRecord> {
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
-    fields.map(|(block, field)| (field.name.clone(), control(problem, block, field, m))).collect()
+    fields.map(|(block, field)| (field.name.clone(), control(problem, (block, field), m, stage))).collect()
 }
 
-fn control(problem: &CaseProblem, block: &EnsembleBlock, field: &ControlField, m: &[f64]) -> ControlRecord {
-    let own = problem.control_block(block);
+fn control(
+    problem: &CaseProblem,
+    (block, field): (&EnsembleBlock, &ControlField),
+    m: &[f64],
+    stage: usize,
+) -> ControlRecord {
+    let own = &problem.member(block.owner).reduced().layout_in_stage(stage).blocks()[block.field];
     let (n, unknowns) = (own.components, block.of(m));
     let values_of = &own.values_of(unknowns)[..];
     let size = |v: &[f64]| if n == 1 { v[0] } else { norm(v) };
@@ -77,8 +82,8 @@ fn control(problem: &CaseProblem, block: &EnsembleBlock, field: &ControlField, m
         }
     };
     let is_design = problem.case.has_design(&own.name);
-    let of_design = |of: fn(CaseMember<'_>, &str, &[f64]) -> Number| {
-        if is_design { of(problem.member(block.owner), &own.name, m) } else { Number::default() }
+    let of_design = |of: fn(CaseMember<'_>, &str, (&[f64], usize)) -> Number| {
+        if is_design { of(problem.member(block.owner), &own.name, (m, stage)) } else { Number::default() }
     };
     let volts = voltages(problem.member(block.owner), own, values_of);
     let volts = volts.map(|[low, high]| RangeRecord { min: low.into(), max: high.into(), unit: Some("V".to_owned()) });
@@ -96,8 +101,8 @@ fn control(problem: &CaseProblem, block: &EnsembleBlock, field: &ControlField, m
         active: Some(active),
         active_share: (active as f64 / sizes.len().max(1) as f64).into(),
         total_variation: variation.map(Number::from).unwrap_or_default(),
-        volume: of_design(|member, of, m| measure(member, DesignVolume::of(of, 1.0), m)),
-        greyness: of_design(|member, of, m| measure(member, Greyness::of(of, 1.0), m)),
+        volume: of_design(|member, of, at| measure(member, DesignVolume::of(of, 1.0), at)),
+        greyness: of_design(|member, of, at| measure(member, Greyness::of(of, 1.0), at)),
         grid: own.basis.grid().map(|grid| grid.cells().to_vec()),
         instants: own.knots.as_ref().map(|knots| numbers(&knots.instants())),
         values: few,
@@ -106,8 +111,8 @@ fn control(problem: &CaseProblem, block: &EnsembleBlock, field: &ControlField, m
 }
 
 /// A cost of a control alone.
-fn measure<C: Cost>(member: CaseMember<'_>, cost: Result<C, ControlError>, m: &[f64]) -> Number {
-    let (solid, layout) = (member.solid(), member.reduced().layout_of_instant());
+fn measure<C: Cost>(member: CaseMember<'_>, cost: Result<C, ControlError>, (m, stage): (&[f64], usize)) -> Number {
+    let (solid, layout) = (member.solid(), member.reduced().layout_at(stage));
     let (rest, m) = (solid.rest(), member.layout().at(&member.local(m), 0.0).unwrap_or_default());
     let at = CostContext { solid, layout, u: &rest.u, state: None, m: &m, stage: 0, step: None };
     cost.and_then(|cost| cost.at(&at)).map_or_else(|_| Number::default(), |point| point.value().into())

@@ -43,7 +43,7 @@ pub(super) fn describe(problem: &CaseProblem, record: &mut RunRecord) {
         memory: Some(memory::record(problem)),
         valid: Some(true),
     };
-    let mut controls = crate::result::controls::controls(problem, &problem.start);
+    let mut controls = crate::result::controls::controls(problem, &problem.start, 0);
     for field in &problem.controls {
         if let Some(entry) = controls.get_mut(&field.name) {
             entry.fiber_limit = field.limit.into();

@@ -44,7 +44,7 @@ fn report(
     let entries = session.entries(point, found)?;
     session.record.state = entries;
     session.record.derivative_norm = controls::derivative_norm(&session.problem, derivative);
-    session.record.controls = Some(controls::controls(&session.problem, &point.m));
+    session.record.controls = Some(controls::controls(&session.problem, &point.m, 0));
     let result = &session.record;
     say_cost(session, result);
     say_members(session, result);
@@ -98,8 +98,7 @@ pub(super) fn write_states(
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.members) {
         let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
-        let fields =
-            StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::new(at.state(), &at.m) };
+        let fields = StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::of(at) };
         let shot = snapshot::inspected(member, &fields, found.get(member.index()))?;
         files.extend(out.write_state(&member.file(what), &shot)?);
     }

@@ -75,8 +75,7 @@ impl States {
         let at = &point.members[member.index()];
         let gradient = derivative.as_ref().zip(self.problem.inner_product()).map(|(dual, product)| product.riesz(dual));
         let gradient = gradient.map(|gradient| member.local(&gradient));
-        let fields =
-            StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::new(at.state(), &at.m) };
+        let fields = StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::of(at) };
         snapshot::inspected(member, &fields, inspections.get(member.index()))
     }
 
@@ -87,7 +86,7 @@ impl States {
     pub fn picture(&self, member: CaseMember<'_>) -> Result<Vec<u8>, ShowError> {
         let shot = |point: &EnsemblePoint| {
             let at = &point.members[member.index()];
-            snapshot::plain(member, &StateFields::new(at.state(), &at.m))
+            snapshot::plain(member, &StateFields::of(at))
         };
         let body = shot(&self.shown.point)?;
         let start = self.shown.start.as_ref().map(shot).transpose()?;

@@ -36,7 +36,13 @@ pub(super) fn check<'b>(designs: impl Iterator<Item = &'b Design>, beside: &Besi
             reader.complain_at(&design.at, message);
         }
     }
-    beside.materials.iter().for_each(|material| check_masses(material, reader));
+    for material in beside.materials.iter().filter(|material| !material.design.is_empty()) {
+        check_masses(material, reader);
+        if !material.maxwell.is_empty() || material.kelvin_voigt.is_some() {
+            let message = "the viscosity of a material does not follow its designs: leave one of them out";
+            reader.complain_at(&material.at.key("design"), message);
+        }
+    }
 }
 
 /// What else has the name.

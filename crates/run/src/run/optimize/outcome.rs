@@ -67,7 +67,7 @@ pub(super) fn report(
         begin.map(|start| member_report::entries(problem, &member_report::of_point(problem, start)?, Detail::Costs));
     let begin = begin.transpose().map_err(|error| session.member_failed(error.0, error.1))?;
     let derivative_norm = controls::derivative_norm(problem, &best.derivative);
-    let controls = controls::controls(problem, &best.m);
+    let controls = controls::controls(problem, &best.m, usize::MAX);
     session.record.state = entries;
     session.record.start = begin.unwrap_or_default();
     session.record.controls = Some(controls);
@@ -270,7 +270,7 @@ fn write(
     for member in problem.leads() {
         let shot = |point: &EnsemblePoint, member: CaseMember<'_>| {
             let at = &point.members[member.index()];
-            snapshot::plain(member, &StateFields::new(at.state(), &at.m))
+            snapshot::plain(member, &StateFields::of(at))
         };
         let (begin, end) = (shot(start, member)?, shot(&best.point, member)?);
         let others = problem.members().filter(|other| other.load_case() == member.load_case()).skip(1);

@@ -243,7 +243,7 @@ impl<'s> Recorder<'s> {
     /// Keeps shape and controls of an accepted iteration, load case by load case.
     fn keep(&mut self, iteration: usize, leads: &[Evaluated]) {
         for ((member, at), kept) in self.problem.leads().zip(leads).zip(&mut self.trials.iterates) {
-            match snapshot::iterate(member, &StateFields::new(at.state(), &at.m)) {
+            match snapshot::iterate(member, &StateFields::of(at)) {
                 Ok(shot) => kept.add(iteration, &shot, &snapshot::material_vectors(member)),
                 Err(error) => self.journal.lock().note(error.into()),
             }
@@ -260,11 +260,7 @@ impl<'s> Recorder<'s> {
         self.trials.snapshots.push(iteration);
         for (member, at) in self.problem.leads().zip(leads) {
             let gradient = gradient.as_ref().map(|gradient| member.local(gradient));
-            let fields = StateFields {
-                adjoint: at.adjoint(),
-                gradient: gradient.as_deref(),
-                ..StateFields::new(at.state(), &at.m)
-            };
+            let fields = StateFields { adjoint: at.adjoint(), gradient: gradient.as_deref(), ..StateFields::of(at) };
             out.write_vtu(&member.case_file(&file(iteration)), &snapshot::plain(member, &fields)?)?;
             // and those of an earlier program that had gone further
             let later = (1..).map(|k| iteration + k * self.problem.case.output.every);

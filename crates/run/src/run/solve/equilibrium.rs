@@ -78,7 +78,7 @@ fn subtitle(session: &Session<'_>, min_j: f64) -> String {
 pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
     let entries = session.entries(point, found)?;
     session.record.state = entries;
-    session.record.controls = Some(controls::controls(&session.problem, &point.m));
+    session.record.controls = Some(controls::controls(&session.problem, &point.m, 0));
     session.record.load_steps = point.members.iter().map(|at| at.state().report.load_steps).max();
     say(session, point);
     session.report_contacts(point);
@@ -150,7 +150,7 @@ pub(crate) fn write(
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.members) {
         let found = found.get(member.index());
-        let mut shot = snapshot::inspected(member, &StateFields::new(at.state(), &at.m), found)?;
+        let mut shot = snapshot::inspected(member, &StateFields::of(at), found)?;
         if let Some(modes) = modes.get(member.index()) {
             shot = modes::with_fields(shot, modes.shapes.iter().map(Vec::as_slice))?;
         }
