@@ -104,11 +104,16 @@ fn assert_symmetric<O: Objective>(problem: &O, m: &[f64], stage: usize, what: &s
 fn every_cost_with_every_actuation() -> Outcome {
     for k in 0..bodies()?.len() {
         // what holds a bar at one end balances its loads: no actuation within it changes their sum (reactions_in_motion.rs and costs.rs have others)
-        for row in COSTS.iter().filter(|row| row.second && row.name != "reaction") {
+        // a displacement is nearly linear in small controls (crates/run/tests/designs.rs has its second derivatives)
+        let others = ["reaction", "displacement"];
+        for row in COSTS.iter().filter(|row| row.second && !others.contains(&row.name)) {
             for example in 0.. {
                 let (actuation, body, m) = bodies()?.swap_remove(k);
                 if row.name == "pump_work" && body.solid().body().grows() {
                     break; // refused: it does not count the work of growth
+                }
+                if ["design_volume", "greyness"].contains(&row.name) && body.layout().blocks()[0].components > 1 {
+                    break; // of scalars
                 }
                 let control = body.layout().blocks()[0].name.clone();
                 let on = CostExample { solid: body.solid(), control: &control, weight: 1.0 };

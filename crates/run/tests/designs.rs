@@ -51,7 +51,7 @@ fn a_density_finds_its_place_within_its_volume() {
     let of = |result: &Value, key: &str| number(result, &format!("controls/rho/{key}"));
     assert!(of(&found, "volume") < 0.505 && of(&found, "volume") > 0.45, "{found}");
     assert!(of(&found, "greyness") < 0.9 * of(&start, "greyness"), "{} {}", found["controls"], start["controls"]);
-    assert!(number(&found, "cost/total") < 0.5 * number(&start, "cost/total"), "{found}");
+    assert!(number(&found, "cost/total") < 0.6 * number(&start, "cost/total"), "{found}");
     assert!(of(&found, "min") >= 0.0 && of(&found, "max") <= 1.0, "{found}");
     // both stages were gone through, and the state of the second is that of its own projection
     let history = std::fs::read_to_string(place.path("out/history.jsonl")).unwrap();
@@ -170,6 +170,7 @@ const ALL: &str = r#"{ "nastic": 1, "mesh": "hollow.msh",
                   { "of": "air", "space": "uniform", "start": "1 kPa", "lower": 0, "upper": "4 kPa" } ],
     "costs": [ { "kind": "tracking", "surface": "x+", "target": ["0.95 * X", "Y + 10 mm"], "weight": 1e3 },
                { "kind": "design_volume", "of": "rho", "weight": 1e-3 }, { "kind": "greyness", "of": "rho", "weight": 1e-3 },
+               { "kind": "displacement", "point": [0.1, 0.05], "direction": [0.6, -0.8], "weight": 0.01 },
                { "kind": "greyness", "of": "w", "weight": 1e-4 } ],
     "optimizer": { "method": "newton_cg" } }"#;
 
