@@ -71,7 +71,7 @@ fn a_density_finds_its_place_within_its_volume() {
         "\"start\": 0.5",
         &format!("\"start\": {{ \"file\": {:?} }}", place.path("out/controls.json")),
     );
-    let solved = run(Command::Solve, &again);
+    let solved = run(Command::Solve, &with(&again, "[1, 4]", "4"));
     assert!((of(&solved, "volume") - of(&found, "volume")).abs() < 1e-12, "{solved}");
     let said = CaseDirectory::new().text(Command::Check, CANTILEVER, &[]);
     for words in [
