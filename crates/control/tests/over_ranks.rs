@@ -2,10 +2,11 @@
 
 use crate::ranks::{Outcome, apart, bar, on, part, valued};
 use nastic_control::{
-    Compliance, Consumer, ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, LumenVolume,
-    MeanPosition, Metric, PowerLaw, Reaction, Reduced, ReducedWorkspace, Space, Target, Timeline, Tracking,
+    Compliance, Consumer, ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, DesignVolume,
+    Greyness, LumenVolume, MeanDisplacement, MeanPosition, Metric, Plane, PowerLaw, Projection, Reaction, Reduced,
+    ReducedWorkspace, Space, Target, Timeline, Tracking,
 };
-use nastic_energy::{FiberTension, Magnet, MooneyRivlin, NeoHooke, Turgor};
+use nastic_energy::{EnergyTerm, FiberTension, Magnet, MooneyRivlin, NeoHooke, Scale, Turgor, Weighted};
 use nastic_fem::{FemError, MovingSupport, Scheme, Solid, Spring};
 use nastic_mesh::{CellKind, Snapshot, box_mesh};
 use nastic_opt::{InnerProduct, Problem, Request};
@@ -132,6 +133,53 @@ fn designs_and_amplitudes_along_directions_are_those_of_one_process() -> Outcome
     for of_rank in on(3, |rank| valued(&designed(part(&mesh, &rank, false)?)?, &m)) {
         let (own, own_derivative) = of_rank?;
         assert!((own - cost).abs() < 1e-9 * cost.abs() && apart(&own_derivative, &derivative) < 1e-8);
+    }
+    Ok(())
+}
+
+/// A density that is held, mirrored, filtered and projected, a factor of fibres in a part of the body, costs of it.
+#[test]
+fn chains_of_designs_and_their_costs_are_those_of_one_process() -> Outcome {
+    let mesh = bar(CellKind::Hex8, 2)?;
+    for space in [Space::Cell, Space::Node] {
+        let designed = |solid: Solid| -> Outcome<Reduced> {
+            let dense = |law: Arc<dyn EnergyTerm>| {
+                Weighted::scaled(law, Scale::Simp { floor: 1e-2, exponent: 3.0 })?.named("rho")
+            };
+            let fibers = Weighted::scaled(Arc::new(FiberTension::along(Vec3::x())?), Scale::Factor)?.named("phi")?;
+            let solid = solid
+                .actuate("near", "soft", dense(Arc::new(MooneyRivlin::new(1e5, 2e4, 1e6)?))?)?
+                .actuate("far", "stiff", dense(Arc::new(NeoHooke::new(1e5, 1e6)?))?)?
+                .actuate("body", "tension", fibers)?
+                .clamp("x-")?;
+            let stages = [1.0, 3.0].map(|sharpness| Projection { threshold: 0.4, sharpness });
+            let across = Plane { point: None, normal: [0.0, 1.0, 0.0] };
+            let lifted = Target::position(|x| [x[0], x[1], x[2] + 0.1 * x[0]]);
+            Ok(Reduced::new(solid)
+                .design("rho", space, &[Consumer::of("soft.rho"), Consumer::of("stiff.rho")])?
+                .hold("rho", "near", 0.9)?
+                .mirror("rho", across)?
+                .filter("rho", 0.2)?
+                .project("rho", &stages, [0.0, 1.0])?
+                .hold("rho", "near", 0.9)?
+                .design("phi", space, &[Consumer::of("tension.phi").within("far")])?
+                .control("tension", Space::Uniform)?
+                .cost(Tracking::surface("x+", lifted))?
+                .cost(MeanDisplacement::surface("x+", [0.3, 0.0, 0.8]).weight(0.1))?
+                .cost(DesignVolume::of("rho", 0.01)?)?
+                .cost(Greyness::of("phi", 0.02)?)?)
+        };
+        let serial = designed(Solid::new(mesh.clone())?)?;
+        let count = serial.layout().len() - 1;
+        let m: Vec<f64> = (0..count).map(|k| 0.5 + 0.3 * (k as f64).sin()).chain([-2e4]).collect();
+        let (cost, derivative) = valued(&serial, &m)?;
+        for (ranks, scattered) in [(2, false), (3, true)] {
+            let found = on(ranks, |rank| valued(&designed(part(&mesh, &rank, scattered)?)?, &m));
+            let (own, own_derivative) = found[0].clone()?;
+            assert!(found.iter().all(|other| *other == found[0]), "{space:?} on {ranks}: not the same bits");
+            let off = apart(&own_derivative, &derivative);
+            assert!((own - cost).abs() < 1e-9 * cost.abs() && off < 1e-8, "{space:?}: {own:e} {cost:e} {off:e}");
+        }
     }
     Ok(())
 }
