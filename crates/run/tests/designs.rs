@@ -257,6 +257,11 @@ fn mistakes_of_designs_are_told_where_they_stand() {
         ("\"sharpness\": [1, 4]", "\"sharpness\": []", "at least one sharpness is needed"),
         ("\"sharpness\": [1, 4]", "\"eta\": 1.5, \"sharpness\": 1", "the threshold 1.5"),
         ("\"space\": \"cell\"", "\"space\": \"uniform\"", "not in \"uniform\""),
+        (
+            "{ \"cost\": { \"kind\": \"design_volume\", \"of\": \"rho\" }",
+            "{ \"kind\": \"design_volume\", \"of\": \"rho\"",
+            "stands under \"cost\"",
+        ),
         ("\"poisson\": 0.3,", "\"poisson\": 0.3, \"kelvin_voigt\": { \"shear\": 1 },", "does not follow its designs"),
         (control, "\"projection\": { \"sharpness\": [1, 4] }", ""),
     ] {

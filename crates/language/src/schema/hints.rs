@@ -34,6 +34,7 @@ const POISSON: &str = "write \"poisson\": 0.45, with \"young\" (the law \"transv
     \"mu1\" to \"mu4\" alone)";
 const RUBBER: &str = "\"neo_hooke\" and \"neo_hooke_isochoric\" take \"c10\" and \"d1\", \"mooney_rivlin\" \
     takes \"c10\", \"c01\" and \"d1\"";
+const BOUND: &str = "a bounded functional stands under \"cost\": { \"cost\": { \"kind\": \"design_volume\", \"of\": \"NAME\" }, \"at_most\": 0.4 }";
 const KIND: &str = "what it is stands under \"kind\"";
 const TIME: &str = "a motion stands in \"time\": { \"end\": \"1 s\", \"step\": \"10 ms\" }, with the \"density\" of each material; damping is \
     \"maxwell\" or \"kelvin_voigt\" of a material, or \"rayleigh\" in \"time\"";
@@ -55,6 +56,7 @@ pub(super) const HINTS: &[Hint] = &[
         &["bc", "bcs", "boundary", "boundary_conditions", "fixed", "fix", "clamp", "dirichlet", "constraints"],
         SUPPORT,
     ),
+    hint("constraints", &["kind", "of"], BOUND),
     hint("", &["force", "forces", "load", "traction", "neumann"], FORCE),
     hint("", &["friction", "floor", "ground", "obstacle", "contacts", "collision", "collisions", "touches"], CONTACT),
     hint("", &["self_contact", "self_collision", "bodies"], BETWEEN),
