@@ -402,7 +402,7 @@ impl Reduced {
     ) -> Result<Evaluated, ControlError> {
         let state = solved.recording.part().end();
         let (terms, costs) = self.terms(state, m, stage)?;
-        let mut constraint_points = self.constraints_at(state, (m, stage))?;
+        let mut constraint_points = self.constraints_at(state, m, stage)?;
         let constraints = constraint_points.iter().flat_map(|point| point.values().to_vec()).collect();
         if !self.keep_factors {
             constraint_points.clear();

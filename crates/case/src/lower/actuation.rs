@@ -1,7 +1,7 @@
 //! Actuations, and the values of their slots that nobody controls.
 
 use super::context::Context;
-use super::design;
+use super::design as designs;
 use super::field::SamplePoints;
 use super::material::inputs;
 use super::named::{attempt, complain_of_law};
@@ -19,7 +19,6 @@ use nastic_language::schema::{
     Actuation, Beginning, Case, Fixed, Input, Means, Parameter as Number, Time, VectorField, pulling, vector_at,
 };
 use nastic_language::syntax::At;
-use nastic_mesh::GroupNames;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -29,9 +28,7 @@ pub(super) const TOO_SMALL_GROWTH: &str = "growth must stay above -1, where noth
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for actuation in &case.actuation {
         match &actuation.means {
-            Means::Law { row, region, parameters, .. } => {
-                add_law(case, actuation, (row, region, parameters), solid, context);
-            }
+            Means::Law { .. } => add_law(case, actuation, solid, context),
             Means::Contribution { form, values, .. } => {
                 let mut values = values.clone();
                 if form.one_of {
@@ -58,13 +55,8 @@ fn driver(case: &Case, actuation: &Actuation, context: &mut Context<'_>) -> Opti
     Some(keys.first().copied())
 }
 
-fn add_law(
-    case: &Case,
-    actuation: &Actuation,
-    (row, region, parameters): (&ActuationRow, &GroupNames, &BTreeMap<&'static str, Input>),
-    solid: &mut Solid,
-    context: &mut Context<'_>,
-) {
+fn add_law(case: &Case, actuation: &Actuation, solid: &mut Solid, context: &mut Context<'_>) {
+    let Means::Law { row, region, parameters, design } = &actuation.means else { return };
     let mesh = solid.mesh().clone();
     let Some(cells) = named_groups::cells(&mesh, region, &actuation.at.key("region"), context) else { return };
     let disc = solid.discretization().clone();
@@ -77,7 +69,7 @@ fn add_law(
     }
     match row.build(&inputs) {
         Ok(law) => {
-            let Some(law) = design::in_front(case, law, actuation.design(), &points, context) else { return };
+            let Some(law) = designs::in_front(case, law, design, &points, context) else { return };
             attempt(solid, &actuation.at, context, |solid| solid.actuate(region, &actuation.name, law));
         }
         Err(error) => complain_of_law(&actuation.at, &error, context),

@@ -18,7 +18,7 @@ use nastic_energy::Slot;
 use nastic_language::expression::Formula;
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{
-    Beginning, Bound, Case, Cells, Contact, Control, DesignKind, Parameter, Space as SpaceBlock, Start, pulling,
+    Beginning, Bound, Case, Cells, Contact, Control, Parameter, Space as SpaceBlock, Start, pulling,
 };
 use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
 
@@ -312,25 +312,11 @@ impl Lowering<'_> {
             }
             lower = lower.or(Some(Limit::Uniform(0.0)));
         }
-        if let Some([least_value, most]) = design::range(self.case, &self.control.of) {
-            let own = [lower.as_ref().map_or(least_value, least), upper.as_ref().map_or(most, greatest)];
-            for (key, value) in [("lower", own[0]), ("upper", own[1])] {
-                if !(least_value..=most).contains(&value) {
-                    let message = format!("{value} lies outside what this design may be, {least_value} to {most}");
-                    context.complain(&self.control.at.key(key), message);
-                    return None;
-                }
-            }
-            if upper.is_none()
-                && self.case.designs().any(|own| own.name == self.control.of && own.kind == DesignKind::Filler)
-            {
-                let message =
-                    format!("a filler needs an \"upper\" bound, below {most}: how dense its particles can lie");
-                context.complain(&self.control.at, message);
-                return None;
-            }
-            lower = lower.or(Some(Limit::Uniform(least_value)));
-            upper = upper.or(Some(Limit::Uniform(most)));
+        if let Some(range) = design::range(self.case, &self.control.of) {
+            let own = [lower.as_ref().map(least), upper.as_ref().map(greatest)];
+            design::check_bounds(self.case, self.control, own, range, context)?;
+            lower = lower.or(Some(Limit::Uniform(range[0])));
+            upper = upper.or(Some(Limit::Uniform(range[1])));
         } else if self.block.targets.iter().any(|target| self.reduced.solid().body().grows_by(target.actuation)) {
             if lower.as_ref().is_some_and(|lower| least(lower) <= -1.0) {
                 context.complain(&self.control.at.key("lower"), TOO_SMALL_GROWTH);

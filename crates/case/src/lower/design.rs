@@ -8,7 +8,7 @@ use nastic_control::{Consumer, Cost, CostContext, DesignVolume, PowerLaw, Reduce
 use nastic_energy::{EnergyError, EnergyTerm, Weighted};
 use nastic_fem::{BodyInertia, Solid};
 use nastic_language::number::short;
-use nastic_language::schema::{Case, Constraint, Design, Load, Material, MixedLaw};
+use nastic_language::schema::{Case, Constraint, Control, Design, DesignKind, Load, Material, MixedLaw};
 use nastic_language::syntax::{At, quoted};
 use std::sync::Arc;
 
@@ -134,6 +134,30 @@ pub(super) fn consumers(case: &Case, name: &str) -> Vec<Consumer> {
 pub(super) fn range(case: &Case, of: &str) -> Option<[f64; 2]> {
     let ranges = case.designs().filter(|design| design.name == of).map(Design::range);
     ranges.reduce(|[low, high], own| [low.max(own[0]), high.min(own[1])])
+}
+
+/// Complains of bounds of a design beyond its range, and of a filler without an upper one.
+pub(super) fn check_bounds(
+    case: &Case,
+    control: &Control,
+    given: [Option<f64>; 2],
+    [low, high]: [f64; 2],
+    context: &mut Context<'_>,
+) -> Option<()> {
+    for (key, value) in ["lower", "upper"].into_iter().zip(given) {
+        if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
+            let message = format!("{value} lies outside what this design may be, {low} to {high}");
+            context.complain(&control.at.key(key), message);
+            return None;
+        }
+    }
+    let is_filler = |own: &Design| own.name == control.of && own.kind == DesignKind::Filler;
+    if given[1].is_none() && case.designs().any(is_filler) {
+        let message = format!("a filler needs an \"upper\" bound, below {high}: how dense its particles can lie");
+        context.complain(&control.at, message);
+        return None;
+    }
+    Some(())
 }
 
 /// Volumes below this share of a bound are rounding.

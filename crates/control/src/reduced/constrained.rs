@@ -75,7 +75,8 @@ impl Reduced {
     pub(super) fn constraints_at(
         &self,
         state: &State,
-        (m, stage): (&[f64], usize),
+        m: &[f64],
+        stage: usize,
     ) -> Result<Vec<Arc<dyn ConstraintPoint>>, ControlError> {
         let at = self.near_time(state, (m, stage))?;
         (0..self.constraints.len()).map(|k| at.constraint(k)).collect()
@@ -89,7 +90,7 @@ impl Reduced {
         if point.constraint_points.len() == self.constraints.len() {
             return Ok(Cow::Borrowed(&point.constraint_points));
         }
-        self.constraints_at(point.state(), (&point.m, point.stage)).map(Cow::Owned)
+        self.constraints_at(point.state(), &point.m, point.stage).map(Cow::Owned)
     }
 
     /// Each evaluated constraint with its part of weights given for all values.

@@ -47,12 +47,13 @@ fn values(basis: &Basis, values: &[f64], components: usize) -> Option<ControlVal
 /// What became of every control, with the maps of a stage.
 pub(crate) fn controls(problem: &CaseProblem, m: &[f64], stage: usize) -> ByName<ControlRecord> {
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
-    fields.map(|(block, field)| (field.name.clone(), control(problem, (block, field), m, stage))).collect()
+    fields.map(|(block, field)| (field.name.clone(), control(problem, block, field, m, stage))).collect()
 }
 
 fn control(
     problem: &CaseProblem,
-    (block, field): (&EnsembleBlock, &ControlField),
+    block: &EnsembleBlock,
+    field: &ControlField,
     m: &[f64],
     stage: usize,
 ) -> ControlRecord {
@@ -82,8 +83,8 @@ fn control(
         }
     };
     let is_design = problem.case.has_design(&own.name);
-    let of_design = |of: fn(CaseMember<'_>, &str, (&[f64], usize)) -> Number| {
-        if is_design { of(problem.member(block.owner), &own.name, (m, stage)) } else { Number::default() }
+    let of_design = |of: fn(CaseMember<'_>, &str, &[f64], usize) -> Number| {
+        if is_design { of(problem.member(block.owner), &own.name, m, stage) } else { Number::default() }
     };
     let volts = voltages(problem.member(block.owner), own, values_of);
     let volts = volts.map(|[low, high]| RangeRecord { min: low.into(), max: high.into(), unit: Some("V".to_owned()) });
@@ -101,8 +102,8 @@ fn control(
         active: Some(active),
         active_share: (active as f64 / sizes.len().max(1) as f64).into(),
         total_variation: variation.map(Number::from).unwrap_or_default(),
-        volume: of_design(|member, of, at| measure(member, DesignVolume::of(of, 1.0), at)),
-        greyness: of_design(|member, of, at| measure(member, Greyness::of(of, 1.0), at)),
+        volume: of_design(|member, of, m, stage| measure(member, DesignVolume::of(of, 1.0), m, stage)),
+        greyness: of_design(|member, of, m, stage| measure(member, Greyness::of(of, 1.0), m, stage)),
         grid: own.basis.grid().map(|grid| grid.cells().to_vec()),
         instants: own.knots.as_ref().map(|knots| numbers(&knots.instants())),
         values: few,
@@ -111,7 +112,7 @@ fn control(
 }
 
 /// A cost of a control alone.
-fn measure<C: Cost>(member: CaseMember<'_>, cost: Result<C, ControlError>, (m, stage): (&[f64], usize)) -> Number {
+fn measure<C: Cost>(member: CaseMember<'_>, cost: Result<C, ControlError>, m: &[f64], stage: usize) -> Number {
     let (solid, layout) = (member.solid(), member.reduced().layout_at(stage));
     let (rest, m) = (solid.rest(), member.layout().at(&member.local(m), 0.0).unwrap_or_default());
     let at = CostContext { solid, layout, u: &rest.u, state: None, m: &m, stage: 0, step: None };
