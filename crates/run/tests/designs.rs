@@ -277,6 +277,13 @@ fn mistakes_of_designs_are_told_where_they_stand() {
     let filled = with(CANTILEVER, "\"kind\": \"density\", \"least\": 1e-3", "\"kind\": \"filler\"");
     let told = problems(&with(&filled, control, "\"name\": \"phi\""));
     assert!(told.contains("controls/0: a filler needs an \"upper\" bound, below 0.74"), "{told}");
+    let moving = "{ \"time\": { \"end\": \"20 ms\", \"step\": \"10 ms\", \"start\": \"rest\" }, ";
+    let heavy = with(CANTILEVER, "\"poisson\": 0.3,", "\"poisson\": 0.3, \"density\": \"1000 kg/m^3\",")
+        .replacen('{', moving, 1);
+    let told = problems(&heavy);
+    assert!(told.contains("is projected in 2 stages, which a motion has not: give one sharpness"), "{told}");
+    let lumped = with(&heavy, "\"start\": \"rest\"", "\"start\": \"rest\", \"mass\": \"lumped\"");
+    assert!(problems(&lumped).contains("a mass that follows a design is consistent"), "{}", problems(&lumped));
     let told = problems(&without(CANTILEVER, &["controls", "constraints"]));
     assert!(told.contains("nothing says what \"rho\" is: give a control"), "{told}");
     let fine = CaseDirectory::new().text(

@@ -84,8 +84,12 @@ impl Reduced {
     /// # Errors
     /// As there; several stages of a problem in time.
     pub fn project(mut self, control: &str, stages: &[Projection], range: [f64; 2]) -> Result<Self, ControlError> {
-        if stages.len() > 1 {
-            self.refuse_motion("a projection by stages")?;
+        if stages.len() > 1 && self.motion.is_some() {
+            let what = format!(
+                "\"{control}\" is projected in {} stages, which a motion has not: give one sharpness",
+                stages.len()
+            );
+            return Err(ControlError::Cost { what });
         }
         self.layout.project(control, stages, range)?;
         self.update_layout();
