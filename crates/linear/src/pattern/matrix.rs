@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::element_block::ElementBlock;
 use super::entries::Pattern;
-use super::skew;
+use super::skew::{self, SkewBlocks};
 use crate::error::{FactorError, NotCoupled};
 
 /// Parts of a product.
@@ -40,6 +40,25 @@ pub struct SparseMatrix {
     pub(super) aside: Vec<ElementBlock>,
     /// Places in a node's block of the components that what is added has; all of them where there are none.
     pub(super) components: Option<Vec<usize>>,
+}
+
+/// Products of a matrix with vectors, see [`SparseMatrix::products`].
+pub struct Products<'a> {
+    matrix: &'a SparseMatrix,
+    skew: Option<(SkewBlocks, &'a [f64])>,
+    transposed: bool,
+}
+
+impl Products<'_> {
+    /// `y = A x` or `A^T x`, always summed in the same order; `parallel` uses all threads of the current rayon pool.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64], parallel: bool) {
+        let (matrix, dim) = (self.matrix, self.matrix.pattern.dim());
+        matrix.multiply_symmetric(x, y, parallel);
+        if let Some((blocks, values)) = &self.skew {
+            blocks.add_product(dim, values, if self.transposed { -1.0 } else { 1.0 }, x, y);
+        }
+        matrix.beyond.iter().for_each(|block| block.add_product(dim, x, y, self.transposed));
+    }
 }
 
 impl SparseMatrix {
@@ -178,20 +197,18 @@ impl SparseMatrix {
 
     /// `y = A x`, always summed in the same order; `parallel` uses all threads of the current rayon pool.
     pub fn multiply_on(&self, x: &[f64], y: &mut [f64], parallel: bool) {
-        self.multiply_symmetric(x, y, parallel);
-        if let Some(skew) = &self.skew {
-            skew::add_product(&self.pattern, skew, 1.0, x, y);
-        }
-        self.beyond.iter().for_each(|block| block.add_product(self.pattern.dim(), x, y, false));
+        self.products(false).multiply(x, y, parallel);
     }
 
     /// `y = A^T x`.
     pub fn multiply_transposed(&self, x: &[f64], y: &mut [f64], parallel: bool) {
-        self.multiply_symmetric(x, y, parallel);
-        if let Some(skew) = &self.skew {
-            skew::add_product(&self.pattern, skew, -1.0, x, y);
-        }
-        self.beyond.iter().for_each(|block| block.add_product(self.pattern.dim(), x, y, true));
+        self.products(true).multiply(x, y, parallel);
+    }
+
+    /// Products of A or `A^T` with several vectors: what is zero in the skew part is found once.
+    pub fn products(&self, transposed: bool) -> Products<'_> {
+        let skew = self.skew.as_ref().map(|skew| (SkewBlocks::of(&self.pattern, skew), &skew[..]));
+        Products { matrix: self, skew, transposed }
     }
 
     fn multiply_symmetric(&self, x: &[f64], y: &mut [f64], parallel: bool) {

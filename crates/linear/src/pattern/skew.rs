@@ -20,46 +20,39 @@ pub(super) fn entry(pattern: &Pattern, values: &[f64], row: usize, column: usize
     if above { -values[at] } else { values[at] }
 }
 
-/// `y += sign W x`. Most of W is zero: what is not symmetric acts at few nodes.
-pub(super) fn add_product(pattern: &Pattern, values: &[f64], sign: f64, x: &[f64], y: &mut [f64]) {
-    match pattern.dim() {
-        3 => add_product_of::<3, 9>(pattern, values, sign, x, y),
-        2 => add_product_of::<2, 4>(pattern, values, sign, x, y),
-        _ => {
-            let dim = pattern.dim();
-            let blocks = values.chunks_exact(dim * dim);
-            each_block(
-                pattern,
-                blocks,
-                |block| block.iter().all(|value| *value == 0.0),
-                |block, row, column| {
-                    for (at, value) in block.iter().enumerate() {
-                        let (r, c) = (dim * row + at % dim, dim * column + at / dim);
-                        y[r] += sign * value * x[c];
-                        if row != column {
-                            y[c] -= sign * value * x[r];
-                        }
-                    }
-                },
-            );
-        }
-    }
+/// The blocks of W that are not zero: few, since what is not symmetric acts at few nodes.
+pub(super) struct SkewBlocks {
+    /// Number of the block, with its row and column, nodes of the mesh.
+    blocks: Vec<[u32; 3]>,
 }
 
-/// The same of D unknowns per node, `S = D^2`.
-fn add_product_of<const D: usize, const S: usize>(
-    pattern: &Pattern,
-    values: &[f64],
-    sign: f64,
-    x: &[f64],
-    y: &mut [f64],
-) {
-    let ((blocks, _), (x, _), (y, _)) = (values.as_chunks::<S>(), x.as_chunks::<D>(), y.as_chunks_mut::<D>());
-    each_block(
-        pattern,
-        blocks.iter(),
-        |block| *block == &[0.0; S],
-        |block, row, column| {
+impl SkewBlocks {
+    pub fn of(pattern: &Pattern, values: &[f64]) -> Self {
+        let (old, size) = (pattern.ordering().new_to_old(), pattern.dim() * pattern.dim());
+        let columns = old
+            .iter()
+            .enumerate()
+            .flat_map(|(j, &column)| pattern.column(j).1.iter().map(move |&i| [old[i as usize], column]));
+        let stored = values.chunks_exact(size).zip(columns).zip(0..);
+        let is_zero = |block: &[f64]| block.iter().all(|value| *value == 0.0);
+        let blocks = stored.filter(|((block, _), _)| !is_zero(block)).map(|((_, [i, j]), at)| [at, i, j]).collect();
+        SkewBlocks { blocks }
+    }
+
+    /// `y += sign W x`
+    pub fn add_product(&self, dim: usize, values: &[f64], sign: f64, x: &[f64], y: &mut [f64]) {
+        match dim {
+            3 => self.add_product_of::<3, 9>(values, sign, x, y),
+            2 => self.add_product_of::<2, 4>(values, sign, x, y),
+            _ => self.add_product_of_any(dim, values, sign, x, y),
+        }
+    }
+
+    /// The same of D unknowns per node, `S = D^2`.
+    fn add_product_of<const D: usize, const S: usize>(&self, values: &[f64], sign: f64, x: &[f64], y: &mut [f64]) {
+        let ((values, _), (x, _), (y, _)) = (values.as_chunks::<S>(), x.as_chunks::<D>(), y.as_chunks_mut::<D>());
+        for [at, row, column] in self.blocks.iter().map(|block| block.map(|number| number as usize)) {
+            let block = &values[at];
             for c in 0..D {
                 for r in 0..D {
                     let value = sign * block[D * c + r];
@@ -69,22 +62,17 @@ fn add_product_of<const D: usize, const S: usize>(
                     }
                 }
             }
-        },
-    );
-}
+        }
+    }
 
-/// Calls with every block that is not zero and its row and column, nodes of the mesh.
-fn each_block<B>(
-    pattern: &Pattern,
-    mut blocks: impl Iterator<Item = B>,
-    is_zero: impl Fn(&B) -> bool,
-    mut call: impl FnMut(B, usize, usize),
-) {
-    let old = pattern.ordering().new_to_old();
-    for (j, &column) in old.iter().enumerate() {
-        for (&i, block) in pattern.column(j).1.iter().zip(blocks.by_ref()) {
-            if !is_zero(&block) {
-                call(block, old[i as usize] as usize, column as usize);
+    fn add_product_of_any(&self, dim: usize, values: &[f64], sign: f64, x: &[f64], y: &mut [f64]) {
+        for [at, row, column] in self.blocks.iter().map(|block| block.map(|number| number as usize)) {
+            for (at, value) in values[dim * dim * at..][..dim * dim].iter().enumerate() {
+                let (r, c) = (dim * row + at % dim, dim * column + at / dim);
+                y[r] += sign * value * x[c];
+                if row != column {
+                    y[c] -= sign * value * x[r];
+                }
             }
         }
     }

@@ -184,5 +184,5 @@ impl LinearSolver for General {
 
 fn iterate(system: &System, factor: &Factor, b: &[f64], tolerance: f64, most: usize) -> (Vec<f64>, CgReport) {
     let preconditioner = CorotatedPreconditioner::new(factor, system.configuration.rotations(), system.fixed);
-    gmres(&|v, out| system.multiply(v, out), &preconditioner, b, tolerance, most)
+    gmres(&system.product(), &preconditioner, b, tolerance, most)
 }

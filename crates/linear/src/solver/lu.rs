@@ -123,7 +123,7 @@ impl LinearSolver for Lu {
 }
 
 fn iterate(system: &System, factor: &LuFactor, b: &[f64], tolerance: f64, most: usize) -> (Vec<f64>, CgReport) {
-    let apply = |v: &[f64], out: &mut [f64]| system.multiply(v, out);
+    let apply = system.product();
     match system.transposed {
         false => gmres(&apply, factor, b, tolerance, most),
         true => gmres(&apply, &factor.transposed(), b, tolerance, most),

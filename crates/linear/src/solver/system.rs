@@ -84,14 +84,22 @@ impl System<'_> {
 
     /// `out = A v`, or `A^T v` of a transposed system; of several ranks with the sum of their matrices.
     pub fn multiply(&self, v: &[f64], out: &mut [f64]) {
-        match self.products {
-            Some(products) => products.multiply(v, out, self.parallel),
-            None if self.transposed && !self.matrix.is_symmetric() => {
-                self.matrix.multiply_transposed(v, out, self.parallel);
+        self.product()(v, out);
+    }
+
+    /// The same for several vectors.
+    pub fn product(&self) -> impl Fn(&[f64], &mut [f64]) + '_ {
+        let of_entries = || self.matrix.products(self.transposed && !self.matrix.is_symmetric());
+        let entries = self.products.is_none().then(of_entries);
+        move |v, out| {
+            if let Some(products) = self.products {
+                products.multiply(v, out, self.parallel);
             }
-            None => self.matrix.multiply_on(v, out, self.parallel),
+            if let Some(products) = &entries {
+                products.multiply(v, out, self.parallel);
+            }
+            self.space().add_up(out);
         }
-        self.space().add_up(out);
     }
 
     /// Whether the solution of an iteration is as good as wanted, or as double precision has one where that is not far from it:
