@@ -63,6 +63,11 @@ impl ModelPoint<'_> {
         self.sums_of(at, Demand { energy: true, force: true }, |contribution| !contribution.has_potential())
     }
 
+    /// Energies of the contributions with friction alone.
+    pub(crate) fn evaluate_friction(&self, at: &Instant) -> Result<Sums, Inadmissible> {
+        self.sums_of(at, Demand { energy: true, force: false }, |contribution| contribution.path_dependence().is_some())
+    }
+
     /// Residuals of the contributions with inequalities alone.
     pub(crate) fn inequality_residuals(&self, at: &Instant) -> Result<Sums, Inadmissible> {
         self.sums_of(at, Demand { energy: false, force: true }, has_inequalities)

@@ -142,6 +142,14 @@ impl<'a> Equations<'a> {
         self.with(x, |at| point.evaluate_without_potential(at))
     }
 
+    /// What friction with lagged normal forces adds to the potential in a step, `D(u)`.
+    pub fn dissipation(&self, lagged: &TimeStep, point: &ModelPoint, x: &[f64]) -> Result<f64, Inadmissible> {
+        self.with(x, |at| {
+            let energy = |at: &Instant| point.evaluate_friction(at).map(|sums| sums.energy);
+            Ok(energy(&Instant { step: Some(lagged), ..*at })? - energy(at)?)
+        })
+    }
+
     /// The tangent by the displacement, in the memory of the previous one.
     pub fn tangent<'m>(
         &self,

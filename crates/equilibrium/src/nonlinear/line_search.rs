@@ -7,6 +7,7 @@ use crate::nonlinear::merit::Merit;
 use crate::nonlinear::merit::augmented::Augmented;
 use crate::nonlinear::merit::energy::Energy;
 use crate::nonlinear::merit::residual::Residual;
+use crate::nonlinear::merit::sliding::Sliding;
 use crate::nonlinear::merit::volume_errors::WithoutVolumeErrors;
 use crate::nonlinear::predicted_pressures::PredictedPressures;
 use crate::search::gradient_fit::GradientFit;
@@ -128,6 +129,9 @@ impl<'a> LineSearch<'a> {
             return Ok(taken);
         }
         if !self.equations.has_potential() {
+            if !constrained && let Some(taken) = self.slides(here, step, direction, report)? {
+                return Ok(taken);
+            }
             if let Some(taken) = self.residual_falls(here, &step.dx, DESCENT_RULE)? {
                 return Ok(taken);
             }
@@ -154,6 +158,35 @@ impl<'a> LineSearch<'a> {
         }
         let dx = direction.downhill(here, report)?;
         self.descend(here, step, &dx, direction.pressures())
+    }
+
+    /// With friction a whole step that halves the residual, else one that decreases the potential with lagged friction; where Newton's step leads uphill, one with a
+    /// shifted tangent.
+    fn slides(
+        &mut self,
+        here: &Iterate,
+        step: &Step,
+        direction: &mut dyn Direction,
+        report: &mut SolveReport,
+    ) -> Result<Option<Taken<'a>>, Stop> {
+        let Some(merit) = Sliding::new(self.equations, here, Energy::new(self.equations, here, &step.dx, step.scale))?
+        else {
+            return Ok(None);
+        };
+        if let Some(taken) = self.residual_falls(here, &step.dx, CONSTRAINED_RULE)? {
+            return Ok(Some(taken));
+        }
+        let taken = if merit.line().slope < 0.0 {
+            self.downhill(here, &step.dx, &merit)
+        } else {
+            let Ok(dx) = direction.downhill(here, report) else { return Ok(None) };
+            self.downhill(here, &dx, &merit.along(Energy::new(self.equations, here, &dx, step.scale)))
+        };
+        match taken {
+            Ok(taken) => Ok(Some(taken)),
+            Err(Stop::Slow { .. }) => Ok(None),
+            Err(other) => Err(other),
+        }
     }
 
     /// Towards an equilibrium in which the potential has a maximum by a field: it rises there, and the residual alone shows what is nearer. Where the tangent has more

@@ -3,6 +3,7 @@
 pub(super) mod augmented;
 pub(super) mod energy;
 pub(super) mod residual;
+pub(super) mod sliding;
 pub(super) mod volume_errors;
 
 use crate::nonlinear::equations::{Equations, Evaluated};

@@ -84,7 +84,8 @@ impl Model {
         let at_once = self.equations(controls, 1.0, Some(step), 1.0, how);
         if how.guess.is_none() {
             let mut u = start.clone();
-            match at_once.solve(&mut u, self.linear_solver(how, workspace), report) {
+            let within = Limits { short_steps: LONG_STEPS_ONLY.at_once, ..Limits::new(how.max_newton, how.accuracy) };
+            match at_once.solve_within(within, &mut u, self.linear_solver(how, workspace), report) {
                 Ok(_) => return found(u, 0, report),
                 Err(stop) => go_on(stop)?,
             }
@@ -119,8 +120,12 @@ impl Model {
             let lagged = TimeStep { lag: Some(lag.clone()), ..step.clone() };
             let equations = self.equations(controls, 1.0, Some(&lagged), 1.0, &each);
             let mut end = u.clone();
-            if let Err(stop) = equations.solve_within(each_within, &mut end, self.linear_solver(how, workspace), report)
-            {
+            let solver = self.linear_solver(how, workspace);
+            let found = match equations.solve_with_pressures(&mut end, &mut *solver, report) {
+                Ok(None) => equations.solve_within(each_within, &mut end, solver, report).map(|_| ()),
+                found => found.map(|_| ()),
+            };
+            if let Err(stop) = found {
                 go_on(stop)?;
                 workspace.forget();
                 lag.smoothing *= limits.smoothing_growth;

@@ -1,0 +1,59 @@
+//! [`Sliding`]: the potential with friction whose normal forces are those where a step begins.
+
+use super::energy::Energy;
+use super::{Line, Merit};
+use crate::nonlinear::equations::{Drive, Equations, Evaluated};
+use crate::nonlinear::iterate::Iterate;
+use nastic_body::controls::Controls;
+use nastic_body::error::Inadmissible;
+use nastic_body::instant::{FrictionLag, TimeStep};
+use std::sync::Arc;
+
+/// `P(u) + D(u; u_0)`: the potential without friction and the dissipation potential of friction with the normal forces and tangent planes of the
+/// displacement u_0 where the step of Newton's method begins. Its derivative at u_0 is the residual. Source: Li et al., Incremental Potential Contact, ACM Trans.
+/// Graph. 39 (2020), section 5.4, where u_0 is that of the round before.
+pub(crate) struct Sliding {
+    energy: Energy,
+    /// The time step with u_0.
+    lagged: TimeStep,
+    /// `D(u_0; u_0)`
+    start: f64,
+}
+
+impl Sliding {
+    /// Along a step in time; `None` of equations without friction, or with contributions that have no potential for another reason.
+    pub fn new(equations: &Equations, here: &Iterate, energy: Energy) -> Result<Option<Self>, Inadmissible> {
+        let Drive::Held { controls, time_step: Some(step), .. } = equations.drive else { return Ok(None) };
+        if !equations.model.has_potential_without_friction() {
+            return Ok(None);
+        }
+        let (u, controls): (_, Arc<Controls>) = (equations.model.nodal(here.x).to_vec(), Arc::new(controls.clone()));
+        let lagged = TimeStep { lag: Some(FrictionLag { u: Arc::new(u), controls, smoothing: 1.0 }), ..step.clone() };
+        let start = equations.dissipation(&lagged, here.point, here.x)?;
+        Ok(Some(Sliding { energy, lagged, start }))
+    }
+}
+
+impl Sliding {
+    /// The same along another step from there.
+    pub fn along(self, energy: Energy) -> Self {
+        Sliding { energy, ..self }
+    }
+}
+
+impl Merit for Sliding {
+    fn line(&self) -> Line {
+        let line = self.energy.line();
+        Line { start: line.start + self.start, ..line }
+    }
+
+    fn value<'e>(
+        &self,
+        equations: &Equations<'e>,
+        trial: &[f64],
+        length: f64,
+    ) -> Result<(f64, Evaluated<'e>), Inadmissible> {
+        let (energy, now) = self.energy.value(equations, trial, length)?;
+        Ok((energy + equations.dissipation(&self.lagged, &now.point, trial)?, now))
+    }
+}
