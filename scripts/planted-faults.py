@@ -35,7 +35,7 @@ FAULTS = [
     ("forces", "contact/law.rs", "slope: -2.0 / delta * t,", "slope: -1.0 / delta * t,", "fem"),
     ("control", "cost/tracking.rs", "let value = 0.5 * self.weight * squares;", "let value = self.weight * squares;"),
     ("control", "cost/regularization.rs", "let own = 0.5 * m.iter()", "let own = 0.6 * m.iter()"),
-    ("control", "reduced/instant.rs", "(&self.motion, n.checked_sub(1))", "(&self.motion, n.checked_sub(0))"),
+    ("control", "reduced/instant.rs", "(&self.motion, n.checked_sub(1))", "(&self.motion, n.checked_sub(0))", "run"),
     ("hausdorff", "smoothing.rs", "self.phi.length() / self.alpha", "self.phi.length() / self.beta"),
     ("uncertainty", "risk/cvar.rs", "(t + width * excess / self.tail())", "(t + width * excess * self.tail())"),
     ("opt", "saved.rs", "Ok(value) if at == bytes.len() => Ok(value),", "Ok(value) if at <= bytes.len() => Ok(value),"),

@@ -96,6 +96,7 @@ mod swing;
 mod tendon;
 mod thick_shells;
 mod time;
+mod two_potentials;
 mod unassembled;
 mod vibration_modes;
 mod viscosity;

@@ -25,7 +25,7 @@ impl Dielectric {
 }
 
 /// `F^-1` and J of `F = 1 + grad u`.
-fn inverse(gradients: &[[HyperDual; 3]]) -> ([[HyperDual; 3]; 3], HyperDual) {
+pub fn inverse(gradients: &[[HyperDual; 3]]) -> ([[HyperDual; 3]; 3], HyperDual) {
     let unit = |i: usize, j: usize| HyperDual::constant(f64::from(u8::from(i == j)));
     let f: [[HyperDual; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| gradients[i][j] + unit(i, j)));
     let minor = |i: usize, j: usize| {
