@@ -43,7 +43,7 @@ pub struct ConstraintGroup {
 /// [`Admissible`](crate::Admissible) set can hold, since trials violate them. [`AugmentedLagrangian`](crate::AugmentedLagrangian)
 /// minimises it.
 ///
-/// The values belong to the point, whatever its continuation stage.
+/// The values belong to the point: of one state the same in all continuation stages, others where [`restage`](Objective::restage) leads to another state.
 pub trait Constrained: Objective {
     /// All groups; the values of a point stand in their order. The same for every point; empty without constraints.
     fn constraints(&self) -> Vec<ConstraintGroup>;

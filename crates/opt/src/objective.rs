@@ -129,15 +129,15 @@ pub trait Objective: Sync {
         None
     }
 
-    /// Number of continuation stages (alpha, beta, gamma of a smoothed distance), which share the states and differ in the value.
+    /// Number of continuation stages, which differ in the value (alpha, beta, gamma of a smoothed distance), or in the state too (the sharpness of a projection of controls).
     fn stages(&self) -> usize {
         1
     }
 
-    /// The same control and state with the value of another stage.
+    /// The same control with the value of another stage, and the state of that stage where controls have stages.
     ///
     /// # Errors
-    /// [`Failed`] when that stage has no value there.
+    /// [`Failed`] when that stage has no value there, or no state.
     fn restage(&self, stage: usize, point: &Self::Point) -> Result<Self::Point, Failed>;
 
     /// Numbers of this point for a line of the history.

@@ -9,7 +9,7 @@ use std::fmt;
 pub enum Reason {
     /// The start of the run.
     Start,
-    /// The accepted control, valued by the next stage.
+    /// The accepted control, valued by the next stage, with its state where controls have stages.
     Stage,
     /// The accepted control, valued with new multipliers and a new penalty of the constraints.
     Multipliers,
@@ -29,7 +29,7 @@ pub enum Reason {
 }
 
 impl Reason {
-    /// Whether it is the state of the previous trial with the value of another stage.
+    /// Whether it is the control of the previous trial with the value of another stage or other multipliers.
     pub fn is_revaluation(&self) -> bool {
         matches!(self, Self::Stage | Self::Multipliers)
     }
