@@ -87,9 +87,6 @@ impl<'a> Memo<'a> {
         let all = self.values_of(&self.base[0]).terms;
         let names: Vec<&String> = all.iter().map(|(name, _)| name).collect();
         let stages = self.ensemble.stages();
-        let label = |name: &str, stage: usize, of: usize| {
-            if of > 1 { format!("{name}, stage {}", stage + 1) } else { name.to_owned() }
-        };
         // With one state, one term is the total.
         let single = names.len() == 1 && self.ensemble.members().len() == 1;
         let whole = if single { names[0].as_str() } else { "total" };
@@ -104,18 +101,22 @@ impl<'a> Memo<'a> {
         out
     }
 
-    /// Every constraint.
+    /// Every constraint, in every stage that the maps of controls have.
     fn constraints(&self) -> Vec<Term> {
         let groups = self.ensemble.constraints();
         let all: usize = groups.iter().map(|group| group.len).sum();
         let (mut random, mut first) = (Random::new(SEED), 0);
+        let stages = self.ensemble.members().iter().map(|part| part.problem().layout().stages()).max().unwrap_or(1);
         let mut of = |group: ConstraintGroup| {
             let mut y = vec![0.0; all];
             y[first..first + group.len].iter_mut().for_each(|y| *y = 0.5 + random.unit());
             first += group.len;
-            Term { label: format!("constraint {}", group.name), stage: 0, of: Functional::Constraint(y) }
+            let name = format!("constraint {}", group.name);
+            let term =
+                move |stage| Term { label: label(&name, stage, stages), stage, of: Functional::Constraint(y.clone()) };
+            (0..stages).map(term)
         };
-        groups.into_iter().map(&mut of).collect()
+        groups.into_iter().flat_map(&mut of).collect()
     }
 
     /// The most stages that a term of this name has.
@@ -124,7 +125,8 @@ impl<'a> Memo<'a> {
             let problem = part.problem();
             let own = problem.term_names().iter().position(|term| term == name)?;
             // costs of a motion stand behind those of states, and have one stage
-            Some(problem.costs().get(own).map_or(1, |cost| cost.stages()))
+            let of_cost = problem.costs().get(own).map_or(1, |cost| cost.stages());
+            Some(of_cost.max(problem.layout().stages()))
         };
         self.ensemble.members().iter().filter_map(of).max().unwrap_or(1)
     }
@@ -156,6 +158,10 @@ impl<'a> Memo<'a> {
         }
         Some((out, onsets(self.ensemble, &first)))
     }
+}
+
+fn label(name: &str, stage: usize, of: usize) -> String {
+    if of > 1 { format!("{name}, stage {}", stage + 1) } else { name.to_owned() }
 }
 
 /// What samples of contacts do, over all members and instants.
