@@ -1,7 +1,10 @@
 //! [`PumpWork`]: the work it takes to bring a body from rest to its state.
 
 use super::{Cost, CostContext, CostForm, CostPoint, Partials, check_weight};
+use crate::control_block::ControlTarget;
 use crate::error::ControlError;
+use crate::layout::Layout;
+use nastic_energy::Slot;
 use nastic_fem::Solid;
 use nastic_numeric::vector::{axpy, dot};
 use std::sync::Arc;
@@ -16,7 +19,7 @@ use std::sync::Arc;
 /// `dW = sum_k p_k dV_k` (the potential is stationary under the volumes as constraints), so W is the work `sum_k int p_k dV_k` of the
 /// pumps, on every such way; `p (V - V_0)` is not: of a linear body it is twice the work. Other actuations and moved supports add
 /// theirs. Work of backflow is counted as regained. Beside springs, foundations and elastic tendons, whose energy it does not
-/// know, it is refused. Units: N m (N in plane strain: per thickness).
+/// know, and of controls that change the body itself, it is refused. Units: N m (N in plane strain: per thickness).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PumpWork {
     weight: f64,
@@ -42,6 +45,7 @@ impl Cost for PumpWork {
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         check_stored(at.solid)?;
+        check_layout(at.solid, at.layout)?;
         let body = at.solid.body();
         // Without their controls actuations store nothing.
         let mut sums = body.evaluate(at.u, &body.controls(), true, false)?;
@@ -67,6 +71,21 @@ fn check_stored(solid: &Solid) -> Result<(), ControlError> {
     let Some(name) = solid.model().properties().storing() else { return Ok(()) };
     let what = format!(
         "the work of pumps is that of the body alone: what \"{name}\" stores is not counted; leave one of them out"
+    );
+    Err(ControlError::Cost { what })
+}
+
+/// Refuses controls that are numbers of the body or its fill: the work is that of the body at rest values of these.
+fn check_layout(solid: &Solid, layout: &Layout) -> Result<(), ControlError> {
+    let all = solid.model().controllable();
+    let of_body = |target: &ControlTarget| {
+        let own = &all[target.actuation];
+        own.regions.is_some() && own.slots.get(target.slot).is_some_and(Slot::is_design)
+    };
+    let Some(block) = layout.blocks().iter().find(|block| block.targets.iter().any(of_body)) else { return Ok(()) };
+    let what = format!(
+        "the work of pumps takes the body as it is at rest, and \"{}\" changes it: leave one of them out",
+        block.shown.name
     );
     Err(ControlError::Cost { what })
 }

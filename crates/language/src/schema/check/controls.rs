@@ -285,6 +285,14 @@ fn check_group(blocks: &Blocks, shared: &[Control], own: &[Control], costs: &[Co
                 "work of actuations does not go with controls that are numbers of a material: leave one of them out";
             reader.complain_at(cost.at(), message);
         }
+        let own = all().find(|control| number(control)).filter(|_| cost.kind() == "pump_work");
+        if let Some(own) = own {
+            let name = quoted(own.name());
+            let message = format!(
+                "the work of pumps takes the body as it is at rest, and {name} changes it: leave one of them out"
+            );
+            reader.complain_at(cost.at(), message);
+        }
         for (of, at) in cost.controls().filter(|(of, _)| !names.contains(of)) {
             let clause =
                 if names.is_empty() { ": the case has no controls".into() } else { nearest::clause(of, &names) };
