@@ -122,12 +122,15 @@ fn weight_follows_the_density_that_stiffness_follows() -> Outcome {
 fn densities_and_fillers_are_unknowns_beside_a_tension_and_a_chamber() -> Outcome {
     let rubber = Arc::new(MooneyRivlin::new(5e4, 2e4, 3e5)?);
     let simp = Scale::Simp { floor: 1e-3, exponent: 3.0 };
-    let mixed = Weighted::mixture(rubber.clone(), Arc::new(NeoHooke::new(4e5, 1e6)?))?;
-    let fibers =
-        Weighted::scaled(Arc::new(FiberTension::along(Vec3::x())?), Scale::Ramp { floor: 1e-3, penalty: 2.0 })?;
+    let mixed = Weighted::mixture("share", rubber.clone(), Arc::new(NeoHooke::new(4e5, 1e6)?))?;
+    let fibers = Weighted::scaled(
+        "density",
+        Arc::new(FiberTension::along(Vec3::x())?),
+        Scale::Ramp { floor: 1e-3, penalty: 2.0 },
+    )?;
     let body = Solid::new(hollow()?)?
-        .actuate("arm", "stiff", Weighted::scaled(rubber, simp)?)?
-        .actuate("root", "mixed", Weighted::scaled(Arc::new(mixed), Scale::Guth)?)?
+        .actuate("arm", "stiff", Weighted::scaled("density", rubber, simp)?)?
+        .actuate("root", "mixed", Weighted::scaled("filler", Arc::new(mixed), Scale::Guth)?)?
         .actuate("arm", "fiber", fibers)?
         .cavity(Cavity::new("air", "inner"))?;
     let consumers = ["stiff.density", "fiber.density"].map(|of| Consumer::of(of).through(PowerLaw::multiple_of(1.0)));

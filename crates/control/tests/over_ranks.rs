@@ -143,10 +143,9 @@ fn chains_of_designs_and_their_costs_are_those_of_one_process() -> Outcome {
     let mesh = bar(CellKind::Hex8, 2)?;
     for space in [Space::Cell, Space::Node] {
         let designed = |solid: Solid| -> Outcome<Reduced> {
-            let dense = |law: Arc<dyn EnergyTerm>| {
-                Weighted::scaled(law, Scale::Simp { floor: 1e-2, exponent: 3.0 })?.named("rho")
-            };
-            let fibers = Weighted::scaled(Arc::new(FiberTension::along(Vec3::x())?), Scale::Factor)?.named("phi")?;
+            let dense =
+                |law: Arc<dyn EnergyTerm>| Weighted::scaled("rho", law, Scale::Simp { floor: 1e-2, exponent: 3.0 });
+            let fibers = Weighted::scaled("phi", Arc::new(FiberTension::along(Vec3::x())?), Scale::Factor)?;
             let solid = solid
                 .actuate("near", "soft", dense(Arc::new(MooneyRivlin::new(1e5, 2e4, 1e6)?))?)?
                 .actuate("far", "stiff", dense(Arc::new(NeoHooke::new(1e5, 1e6)?))?)?
@@ -326,7 +325,7 @@ fn arrays_for_files_have_the_controls_of_the_part() -> Outcome {
     for space in [Space::Node, Space::Cell, Space::Grid([4, 2, 1])] {
         let shot = |problem: &Reduced| -> Outcome<_> {
             let point = problem.at(&control(problem))?;
-            Ok(problem.moved_controls(&nastic_control::StateFields::new(point.state(), &point.m))?)
+            Ok(problem.moved_controls(&nastic_control::StateFields::of(&point))?)
         };
         let serial = shot(&tracked(Solid::new(mesh.clone())?, space)?)?;
         let owners = mesh.bisected(3)?;

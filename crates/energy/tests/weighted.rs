@@ -42,7 +42,7 @@ fn laws_keep_their_contract_behind_every_scale() {
             (Scale::Hill, 0.1),
             (Scale::Factor, 0.7),
         ] {
-            assert_contract(&Weighted::scaled(law.clone(), scale).unwrap(), &[&[s][..], &own].concat());
+            assert_contract(&Weighted::scaled("s", law.clone(), scale).unwrap(), &[&[s][..], &own].concat());
         }
     }
 }
@@ -52,19 +52,19 @@ fn laws_keep_their_contract_in_mixtures() {
     let soft: Arc<dyn EnergyTerm> = Arc::new(NeoHooke::new(2e4, 8e4).unwrap());
     for (law, own) in laws() {
         let m = [&[0.3][..], &own].concat();
-        assert_contract(&Weighted::mixture(soft.clone(), law.clone()).unwrap(), &m);
-        assert_contract(&Weighted::mixture(law, soft.clone()).unwrap(), &m);
+        assert_contract(&Weighted::mixture("share", soft.clone(), law.clone()).unwrap(), &m);
+        assert_contract(&Weighted::mixture("share", law, soft.clone()).unwrap(), &m);
     }
     // a mixture of what is scaled, and scaled once more
-    let filled = Arc::new(Weighted::scaled(soft, Scale::Guth).unwrap());
-    let mixed = Arc::new(Weighted::mixture(filled, Arc::new(Parametrised::new(rubber()))).unwrap());
-    assert_contract(&Weighted::scaled(mixed, SIMP).unwrap(), &[0.7, 0.4, 0.1, 1.2e5, 1.5e4, 8e5]);
+    let filled = Arc::new(Weighted::scaled("s", soft, Scale::Guth).unwrap());
+    let mixed = Arc::new(Weighted::mixture("share", filled, Arc::new(Parametrised::new(rubber()))).unwrap());
+    assert_contract(&Weighted::scaled("s", mixed, SIMP).unwrap(), &[0.7, 0.4, 0.1, 1.2e5, 1.5e4, 8e5]);
 }
 
 /// A name of a design is that of its slot, and none twice.
 #[test]
 fn numbers_in_front_have_names() {
-    let named = |law: Arc<dyn EnergyTerm>, name| Weighted::scaled(law, Scale::Factor).unwrap().named(name);
+    let named = |law: Arc<dyn EnergyTerm>, name| Weighted::scaled(name, law, Scale::Factor);
     let inner = named(Arc::new(FiberTension::along(Vec3::x()).unwrap()), "phi").unwrap();
     assert_eq!(inner.slots().iter().map(|slot| slot.group).collect::<Vec<_>>(), ["phi", "tension"]);
     let inner: Arc<dyn EnergyTerm> = Arc::new(inner);
@@ -107,12 +107,12 @@ fn weighted_laws_are_sums() {
     let k = Kinematics::new(Mat3::new(1.2, 0.3, 0.0, -0.1, 0.9, 0.2, 0.1, 0.0, 1.05)).unwrap();
     let at = |law: &dyn EnergyTerm, m: &[f64]| check::evaluate(law, HERE, &k, m);
     let [soft, stiff] = [2e4, 9e4].map(|mu| NeoHooke::new(mu, 4.0 * mu).unwrap());
-    let mixed = Weighted::mixture(Arc::new(soft.clone()), Arc::new(stiff.clone())).unwrap();
+    let mixed = Weighted::mixture("share", Arc::new(soft.clone()), Arc::new(stiff.clone())).unwrap();
     let (a, b, both) = (at(&soft, &[]), at(&stiff, &[]), at(&mixed, &[0.25]));
     assert!((both.energy - (0.75 * a.energy + 0.25 * b.energy)).abs() < 1e-12 * b.energy);
     assert!((both.stress - (a.stress * 0.75 + b.stress * 0.25)).norm() < 1e-12 * b.stress.norm());
     // scaling neo-Hooke's moduli is scaling the law
-    let scaled = Weighted::scaled(Arc::new(soft.clone()), Scale::Guth).unwrap();
+    let scaled = Weighted::scaled("s", Arc::new(soft.clone()), Scale::Guth).unwrap();
     let stiffer = soft.with_moduli(&soft.own().iter().map(|(_, field)| 1.641 * field.at(HERE)).collect::<Vec<_>>());
     assert!((at(&scaled, &[0.14256]).stress.norm() / at(&stiffer, &[]).stress.norm() - 1.0).abs() < 0.01);
     // nothing given: at rest
@@ -125,7 +125,7 @@ fn weighted_laws_are_sums() {
 #[test]
 fn a_film_is_judged_behind_a_density() {
     let film = || Arc::new(Dielectric::new(2.5e-11, Vec3::z()).unwrap());
-    let scaled = Weighted::scaled(film(), RAMP).unwrap();
+    let scaled = Weighted::scaled("s", film(), RAMP).unwrap();
     assert_eq!(scaled.point_quantity().map(|own| own.name), film().point_quantity().map(|own| own.name));
     let k = [Kinematics::new(Mat3::from_diagonal(&Vec3::new(1.1, 1.1, 0.8))).unwrap()];
     let at = PointBatch { kinematics: &k, cell: 0, first: 0 };
@@ -134,13 +134,13 @@ fn a_film_is_judged_behind_a_density() {
     scaled.point_values(&at, Slots::by_point(&[0.4, 3e7], 2), &mut behind);
     assert!(own[0] > 1e7 && own == behind, "{own:?} {behind:?}");
     let passive = Arc::new(rubber());
-    assert!(Weighted::mixture(passive, film()).unwrap().point_quantity().is_some());
+    assert!(Weighted::mixture("share", passive, film()).unwrap().point_quantity().is_some());
 }
 
 #[test]
 fn numbers_out_of_range_are_outside_and_mistakes_are_named() {
     let gent = Arc::new(Gent::new(1e5, 0.5, 1e6).unwrap());
-    let filled = Weighted::scaled(gent, Scale::Hill).unwrap();
+    let filled = Weighted::scaled("s", gent, Scale::Hill).unwrap();
     let outside = |f: f64, s: f64| {
         let k = [Kinematics::new(Mat3::from_diagonal(&Vec3::new(f, 1.0 / f, 1.0))).unwrap()];
         let at = PointBatch { kinematics: &k, cell: 0, first: 0 };
@@ -149,7 +149,7 @@ fn numbers_out_of_range_are_outside_and_mistakes_are_named() {
     assert_eq!([outside(1.0, 0.1), outside(1.0, 0.5), outside(1.0, -0.1)], [None, Some("hill"), Some("hill")]);
     assert_eq!(outside(2.0, 0.1), Some("gent"));
     // rounding of sums of shape functions
-    let void = Weighted::scaled(Arc::new(rubber()), Scale::Simp { floor: 1e-3, exponent: 2.5 }).unwrap();
+    let void = Weighted::scaled("s", Arc::new(rubber()), Scale::Simp { floor: 1e-3, exponent: 2.5 }).unwrap();
     for (s, chi) in [(1.0 + f64::EPSILON, 1.0), (-1e-15, 1e-3)] {
         let k = [Kinematics::new(Mat3::from_diagonal(&Vec3::new(1.2, 1.0, 1.0))).unwrap()];
         let at = PointBatch { kinematics: &k, cell: 0, first: 0 };
@@ -162,17 +162,17 @@ fn numbers_out_of_range_are_outside_and_mistakes_are_named() {
     assert_eq!(outside(1.0, 0.4), Some("hill"));
     let k = [Kinematics::rest()];
     let at = PointBatch { kinematics: &k, cell: 0, first: 0 };
-    let dense = Weighted::scaled(Arc::new(rubber()), Scale::Mooney).unwrap();
+    let dense = Weighted::scaled("s", Arc::new(rubber()), Scale::Mooney).unwrap();
     assert!(dense.check_domain(&at, Slots::by_point(&[0.74], 1)).is_err());
     assert!(dense.check_domain(&at, Slots::by_point(&[0.3], 1)).is_ok());
-    let refused = |scale| Weighted::scaled(Arc::new(rubber()), scale).unwrap_err().to_string();
+    let refused = |scale| Weighted::scaled("s", Arc::new(rubber()), scale).unwrap_err().to_string();
     assert!(refused(Scale::Simp { floor: 0.0, exponent: 3.0 }).contains("floor"));
     assert!(refused(Scale::Simp { floor: 0.1, exponent: 1.5 }).contains("exponent"));
     assert!(refused(Scale::Ramp { floor: 0.1, penalty: -1.0 }).contains("penalty"));
-    let wrapped = |law: Arc<dyn EnergyTerm>| Weighted::scaled(law, SIMP).unwrap_err().to_string();
+    let wrapped = |law: Arc<dyn EnergyTerm>| Weighted::scaled("s", law, SIMP).unwrap_err().to_string();
     assert!(wrapped(Arc::new(KinematicGrowth::isotropic())).contains("no energy of its own"));
     assert!(wrapped(Arc::new(MaxwellBranch::new(3e4, 0.2).unwrap())).contains("internal variables"));
     let by_mu = || Arc::new(Parametrised::new(NeoHooke::new(1e5, 4e5).unwrap()));
-    let twice = Weighted::mixture(by_mu(), by_mu()).unwrap_err().to_string();
+    let twice = Weighted::mixture("share", by_mu(), by_mu()).unwrap_err().to_string();
     assert!(twice.contains("of the same name"), "{twice}");
 }

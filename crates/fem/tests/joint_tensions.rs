@@ -113,7 +113,7 @@ fn a_failed_solve_names_both() -> Outcome {
 /// No bound is stated of fibres whose tension a design scales, nor beside these.
 #[test]
 fn fibers_behind_a_number_have_no_bound() -> Outcome {
-    let filled = Weighted::scaled(Arc::new(FiberTension::along(Vec3::x())?), Scale::Guth)?;
+    let filled = Weighted::scaled("filler", Arc::new(FiberTension::along(Vec3::x())?), Scale::Guth)?;
     let solid = Solid::new(unit(CellKind::Hex8, 2)?)?
         .material("body", MooneyRivlin::new(MU1, 2e4, 5e5)?)?
         .actuate("body", "plain", FiberTension::along(Vec3::y())?)?

@@ -32,14 +32,13 @@ pub(super) fn in_front(
 ) -> Option<Arc<dyn EnergyTerm>> {
     designs.iter().try_fold(law, |law, design| {
         let made = match (design.scale(), &design.with) {
-            (Some(scale), _) => Weighted::scaled(law, scale),
-            (None, Some(with)) => Weighted::mixture(law, other_law(case, with, design, points, context)?),
+            (Some(scale), _) => Weighted::scaled(&design.name, law, scale),
+            (None, Some(with)) => Weighted::mixture(&design.name, law, other_law(case, with, design, points, context)?),
             // complained about when the block was read
             (None, None) => return None,
         };
-        let named = made.and_then(|own| own.named(&design.name));
-        let at = named.as_ref().err().map_or_else(|| design.at.clone(), |error| key_of(&design.at, error));
-        context.take(&at, named).map(|own| Arc::new(own) as Arc<dyn EnergyTerm>)
+        let at = made.as_ref().err().map_or_else(|| design.at.clone(), |error| key_of(&design.at, error));
+        context.take(&at, made).map(|own| Arc::new(own) as Arc<dyn EnergyTerm>)
     })
 }
 
@@ -78,16 +77,10 @@ fn named_material<'c>(case: &'c Case, with: &MixedLaw) -> Option<&'c Material> {
 /// How the mass of a material follows a design; `None` where it does not.
 pub(super) fn mass_map(case: &Case, material: &Material) -> Option<(String, PowerLaw)> {
     let own = material.density?;
-    let design = material.design.iter().find(|design| design.has_mass())?;
+    let design = material.design.iter().find(|design| design.has_mass(&case.materials))?;
     let map = match &design.with {
         None => PowerLaw::multiple_of(1.0),
-        Some(with) => {
-            let other = match with {
-                MixedLaw::Name(_) => named_material(case, with)?.density,
-                MixedLaw::Law(law) => law.density,
-            };
-            PowerLaw { low: 1.0, high: other? / own, exponent: 1.0 }
-        }
+        Some(_) => PowerLaw { low: 1.0, high: design.other_density(&case.materials)? / own, exponent: 1.0 },
     };
     Some((design.name.clone(), map))
 }
@@ -136,6 +129,15 @@ pub(super) fn range(case: &Case, of: &str) -> Option<[f64; 2]> {
     ranges.reduce(|[low, high], own| [low.max(own[0]), high.min(own[1])])
 }
 
+/// Whether a value is one at which all laws behind a design are defined: at the end of a filler's range the body would be rigid.
+pub(super) fn admits(case: &Case, of: &str, value: f64) -> bool {
+    let mut own = case.designs().filter(|design| design.name == of);
+    own.all(|design| {
+        let [low, high] = design.range();
+        (low..=high).contains(&value) && design.scale().is_none_or(|scale| scale.is_defined(value))
+    })
+}
+
 /// Complains of bounds of a design beyond its range, and of a filler without an upper one.
 pub(super) fn check_bounds(
     case: &Case,
@@ -144,14 +146,15 @@ pub(super) fn check_bounds(
     [low, high]: [f64; 2],
     context: &mut Context<'_>,
 ) -> Option<()> {
+    let is_filler = |own: &Design| own.name == control.of && own.kind == DesignKind::Filler;
+    let below = if case.designs().any(is_filler) { ", below which a filler stays" } else { "" };
     for (key, value) in ["lower", "upper"].into_iter().zip(given) {
-        if let Some(value) = value.filter(|value| !(low..=high).contains(value)) {
-            let message = format!("{value} lies outside what this design may be, {low} to {high}");
+        if let Some(value) = value.filter(|value| !admits(case, &control.of, *value)) {
+            let message = format!("{value} lies outside what this design may be, {low} to {high}{below}");
             context.complain(&control.at.key(key), message);
             return None;
         }
     }
-    let is_filler = |own: &Design| own.name == control.of && own.kind == DesignKind::Filler;
     if given[1].is_none() && case.designs().any(is_filler) {
         let message = format!("a filler needs an \"upper\" bound, below {high}: how dense its particles can lie");
         context.complain(&control.at, message);
@@ -195,8 +198,9 @@ fn of_block(case: &Case, field: &ControlField, of: &str) -> bool {
 }
 
 fn complain_of_volume(block: &Constraint, [least, most]: [Option<f64>; 2], context: &mut Context<'_>) {
-    let above = |bound: f64| least.filter(|least| bound < least * (1.0 - ROUNDING)).map(|least| ("at least", least));
-    let below = |bound: f64| most.filter(|most| bound > most * (1.0 + ROUNDING)).map(|most| ("at most", most));
+    let above =
+        |bound: f64| least.filter(|least| bound < least - ROUNDING * least.abs()).map(|least| ("at least", least));
+    let below = |bound: f64| most.filter(|most| bound > most + ROUNDING * most.abs()).map(|most| ("at most", most));
     let (key, bound, beyond) = match (block.at_most, block.at_least, block.equal) {
         (Some(bound), ..) => ("at_most", bound, above(bound)),
         (_, Some(bound), _) => ("at_least", bound, below(bound)),

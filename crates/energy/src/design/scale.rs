@@ -81,7 +81,7 @@ impl Scale {
     }
 
     /// Whether chi and its derivatives are defined at s, and chi is positive.
-    pub(super) fn is_defined(&self, s: f64) -> bool {
+    pub fn is_defined(&self, s: f64) -> bool {
         let [least, most] = self.range();
         (least..=most).contains(&s) && self.derivatives(s).iter().all(|chi| chi.is_finite())
     }

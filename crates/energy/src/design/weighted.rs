@@ -76,35 +76,24 @@ impl Weighted {
         self.terms.iter().find(|term| term.is_judged())
     }
 
-    /// A law scaled.
+    /// A law scaled by a number of a name.
     ///
     /// # Errors
-    /// [`EnergyError::Parameter`] of a scale with other numbers than it takes; [`EnergyError::Wrapped`] of a law without an energy of its own, or whose
-    /// slots are internal variables or of global scope.
-    pub fn scaled(law: Arc<dyn EnergyTerm>, scale: Scale) -> Result<Self, EnergyError> {
+    /// [`EnergyError::Parameter`] of a scale with other numbers than it takes; [`EnergyError::Wrapped`] of a law without an energy of its own, whose
+    /// slots are internal variables or of global scope, or have that name.
+    pub fn scaled(name: &str, law: Arc<dyn EnergyTerm>, scale: Scale) -> Result<Self, EnergyError> {
         scale.check()?;
-        Self::new(scale.name(), scale.slot(), scale.range(), vec![(law, Weight::Scale(scale))])
+        let slot = Slot { group: lasting(name), ..scale.slot() };
+        Self::new(scale.name(), slot, scale.range(), vec![(law, Weight::Scale(scale))])
     }
 
-    /// Two laws, of the second the share s, 0 <= s <= 1.
+    /// Two laws, of the second the share s of a name, 0 <= s <= 1.
     ///
     /// # Errors
     /// [`EnergyError::Wrapped`] as of [`scaled`](Self::scaled), and of two laws with a slot of one name.
-    pub fn mixture(first: Arc<dyn EnergyTerm>, second: Arc<dyn EnergyTerm>) -> Result<Self, EnergyError> {
-        let share = Slot::design("share", "1", 0.0);
+    pub fn mixture(name: &str, first: Arc<dyn EnergyTerm>, second: Arc<dyn EnergyTerm>) -> Result<Self, EnergyError> {
+        let share = Slot::design(lasting(name), "1", 0.0);
         Self::new("mixture", share, [0.0, 1.0], vec![(first, Weight::Left), (second, Weight::Share)])
-    }
-
-    /// The same with another name of s.
-    ///
-    /// # Errors
-    /// [`EnergyError::Wrapped`] of a name that a slot of the laws has.
-    pub fn named(mut self, name: &str) -> Result<Self, EnergyError> {
-        if self.slots[1..].iter().any(|slot| slot.group == name) {
-            return Err(EnergyError::Wrapped { owner: self.name, why: TAKEN });
-        }
-        self.slots[0].group = lasting(name);
-        Ok(self)
     }
 
     fn new(

@@ -4,6 +4,7 @@ use crate::number::short;
 use crate::quantity::Want;
 use crate::schema::catalogue::{Input, form_schema, read_inputs};
 use crate::schema::json::{Definitions, any_of};
+use crate::schema::material::Material;
 use crate::schema::read::{Key, Read, Reader};
 use crate::syntax::{At, Node, Value, quoted};
 use nastic_energy::Scale;
@@ -89,15 +90,24 @@ impl Design {
         self.scale().map_or([0.0, 1.0], |scale| scale.range())
     }
 
-    /// Whether mass and weight follow it, where the material has a mass.
+    /// Whether mass and weight follow it, where the material has a mass: of a mixture where the other one, of its own or one of these, has one too.
     #[must_use]
-    pub fn has_mass(&self) -> bool {
-        let of_kind = match (&self.kind, &self.with) {
-            (DesignKind::Density, _) => true,
-            (DesignKind::Mixture, with) => !matches!(with, Some(MixedLaw::Law(law)) if law.density.is_none()),
+    pub fn has_mass(&self, materials: &[Material]) -> bool {
+        let of_kind = match &self.kind {
+            DesignKind::Density => true,
+            DesignKind::Mixture => self.other_density(materials).is_some(),
             _ => false,
         };
         of_kind && self.mass.unwrap_or(true)
+    }
+
+    /// The density of the other material of a mixture.
+    #[must_use]
+    pub fn other_density(&self, materials: &[Material]) -> Option<f64> {
+        match self.with.as_ref()? {
+            MixedLaw::Law(law) => law.density,
+            MixedLaw::Name(name) => materials.iter().find(|own| own.name.as_ref() == Some(name))?.density,
+        }
     }
 }
 

@@ -37,7 +37,7 @@ pub(super) fn check<'b>(designs: impl Iterator<Item = &'b Design>, beside: &Besi
         }
     }
     for material in beside.materials.iter().filter(|material| !material.design.is_empty()) {
-        check_masses(material, reader);
+        check_masses(material, beside, reader);
         if !material.maxwell.is_empty() || material.kelvin_voigt.is_some() {
             let message = "the viscosity of a material does not follow its designs: leave one of them out";
             reader.complain_at(&material.at.key("design"), message);
@@ -54,6 +54,24 @@ fn named<'b>(name: &str, beside: &Beside<'b>) -> Option<&'b At> {
 
 fn check_other_law(design: &Design, beside: &Beside<'_>, reader: &mut Reader<'_>) {
     let Some(MixedLaw::Name(name)) = &design.with else { return };
+    let other = beside.materials.iter().find(|material| material.name.as_ref() == Some(name));
+    if other.is_some_and(|material| !material.design.is_empty()) {
+        let message = format!(
+            "{} follows designs of its own, which a mixture does not take: give {{ \"law\": .. }}",
+            quoted(name)
+        );
+        reader.complain_at(&design.at.key("with"), message);
+    }
+    let mut controlled = beside.controlled.iter().flatten();
+    let number = other.and_then(|material| controlled.find(|of| material.number_of(of).is_some()));
+    if let Some(of) = number {
+        let message = format!(
+            "the control {} changes {}, and a mixture takes the numbers as they are written: give {{ \"law\": .. }}",
+            quoted(of),
+            quoted(name)
+        );
+        reader.complain_at(&design.at.key("with"), message);
+    }
     let known: Vec<&str> = beside.materials.iter().filter_map(|material| material.name.as_deref()).collect();
     if beside.are_all && !known.contains(&name.as_str()) {
         let clause = if known.is_empty() { ": no material has a name".into() } else { nearest::clause(name, &known) };
@@ -62,11 +80,21 @@ fn check_other_law(design: &Design, beside: &Beside<'_>, reader: &mut Reader<'_>
 }
 
 /// The mass of a material follows one field.
-fn check_masses(material: &Material, reader: &mut Reader<'_>) {
+fn check_masses(material: &Material, beside: &Beside<'_>, reader: &mut Reader<'_>) {
+    for design in material.design.iter().filter(|design| design.mass == Some(true)) {
+        let message = if material.density.is_none() {
+            format!("no mass follows: {} has no \"density\"", material.at)
+        } else if !design.has_mass(beside.materials) && beside.are_all {
+            "no mass follows: the other law has no \"density\"".to_owned()
+        } else {
+            continue;
+        };
+        reader.complain_at(&design.at.key("mass"), message);
+    }
     if material.density.is_none() {
         return;
     }
-    let mut follow = material.design.iter().filter(|design| design.has_mass());
+    let mut follow = material.design.iter().filter(|design| design.has_mass(beside.materials));
     if let (Some(first), Some(second)) = (follow.next(), follow.next()) {
         let message = format!(
             "mass and weight follow one design, and {} gives them already: say \"mass\": false of one of them",
