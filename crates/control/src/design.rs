@@ -61,6 +61,9 @@ impl Consumer {
         (of_body, space, alone): (Option<&Arc<Basis>>, Space, bool),
         fail: impl Fn(&'static str) -> ControlError,
     ) -> Result<ControlTarget, ControlError> {
+        if self.maps.iter().any(|map| map.stages() > 1) {
+            return Err(fail("a map of it changes from stage to stage: put that in front of the whole field"));
+        }
         let of = &solid.model().controllable()[actuation];
         let basis = match (of_body, of.regions, &self.within) {
             (Some(basis), Some(_), Some(regions)) => {

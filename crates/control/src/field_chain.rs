@@ -18,12 +18,18 @@ impl Layout {
         self.through(of, filter)
     }
 
-    /// Gives a field one value in regions, whatever its unknowns are there: [`Held`], put there as by [`through`](Self::through).
+    /// Gives a field one value in regions, whatever its unknowns are there: [`Held`], put there as by [`through`](Self::through); of a field
+    /// [by its logarithm](Self::by_logarithm) the value too, not the logarithm.
     ///
     /// # Errors
-    /// As of both.
+    /// As of both; a value without a logarithm of a field by it.
     pub fn hold(&mut self, solid: &Solid, of: &str, regions: &GroupNames, value: f64) -> Result<(), ControlError> {
         let block = self.block(of)?;
+        if block.log && value <= 0.0 {
+            let what = format!("\"{of}\" cannot be {value} in a region: it is positive, by its logarithm");
+            return Err(ControlError::Cost { what });
+        }
+        let value = if block.log { value.ln() } else { value };
         let held = Held::new(solid.discretization(), &block.basis, block.components, regions, value)?;
         self.through(of, held)
     }

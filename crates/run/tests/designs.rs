@@ -281,7 +281,7 @@ fn mistakes_of_designs_are_told_where_they_stand() {
     let heavy = with(CANTILEVER, "\"poisson\": 0.3,", "\"poisson\": 0.3, \"density\": \"1000 kg/m^3\",")
         .replacen('{', moving, 1);
     let told = problems(&heavy);
-    assert!(told.contains("is projected in 2 stages, which a motion has not: give one sharpness"), "{told}");
+    assert!(told.contains("has 2 stages, which a motion has not: give one, of a projection one sharpness"), "{told}");
     let lumped = with(&heavy, "\"start\": \"rest\"", "\"start\": \"rest\", \"mass\": \"lumped\"");
     assert!(problems(&lumped).contains("a mass that follows a design is consistent"), "{}", problems(&lumped));
     let told = problems(&without(CANTILEVER, &["controls", "constraints"]));

@@ -188,6 +188,9 @@ impl Lowering<'_> {
         let limit = self.limit;
         let allowed = self.allowed(context);
         let start = self.start(context);
+        if let Some(allowed) = &allowed {
+            field_chain::check_fixed(self.case, self.control, allowed.admitted, self.reduced.solid(), context)?;
+        }
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
         let start = self.settle(start, set.as_ref(), context)?;
         let start = self.unknowns(start, context)?;

@@ -1,9 +1,11 @@
 //! What stands between the unknowns of a control and its field: values that are held, symmetry, filter, projection.
 
 use super::context::Context;
-use super::design;
+use super::control_field::Admitted;
+use super::{design, material};
 use crate::warning::GRID_RESOLUTION;
 use nastic_control::{ControlBlock, Plane, Projection, Reduced, Space};
+use nastic_fem::Solid;
 use nastic_language::number::short;
 use nastic_language::schema::{Bound, Case, Control, DesignKind, Parameter, SymmetryPlane};
 use nastic_language::syntax::quoted;
@@ -11,6 +13,7 @@ use nastic_mesh::GroupNames;
 
 /// Puts the links of a control in front of its field, in the order of the file's keys: what is held (once more behind all), symmetry, filter, projection.
 pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
+    check_overlaps(control, &reduced, context)?;
     reduced = hold(case, control, reduced, context)?;
     for (k, plane) in control.symmetry.iter().enumerate() {
         let plane = match plane {
@@ -54,11 +57,30 @@ pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context:
     hold(case, control, reduced, context)
 }
 
+/// Complains of cells in two regions in which the control has different values.
+fn check_overlaps(control: &Control, reduced: &Reduced, context: &mut Context<'_>) -> Option<()> {
+    let mesh = reduced.solid().mesh();
+    let cells = |region: &str| mesh.cells_of(&GroupNames::from(region)).unwrap_or_default();
+    let fixed: Vec<_> = control.fixed.iter().map(|(region, value)| (region, value.constant(), cells(region))).collect();
+    for (k, (region, value, own)) in fixed.iter().enumerate() {
+        let shares = |cells: &[u32]| cells.iter().any(|cell| own.binary_search(cell).is_ok());
+        let other = fixed[..k].iter().find(|(_, other, cells)| other != value && shares(cells));
+        if let Some((other, ..)) = other {
+            let message =
+                format!("has another value in {}, and cells are in both regions: let one be enough", quoted(other));
+            context.complain(&control.at.key("fixed").key(region), message);
+            return None;
+        }
+    }
+    Some(())
+}
+
 fn hold(case: &Case, control: &Control, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
     for (region, value) in &control.fixed {
         let at = control.at.key("fixed").key(region);
         let value = value.constant()?;
-        if let Some([low, high]) = design::range(case, &control.of).filter(|[low, high]| value < *low || value > *high)
+        if let Some([low, high]) =
+            design::range(case, &control.of).filter(|_| !design::admits(case, &control.of, value))
         {
             let message = format!("{} lies outside what {} may be, {low} to {high}", short(value), quoted(&control.of));
             context.complain(&at, message);
@@ -68,10 +90,33 @@ fn hold(case: &Case, control: &Control, mut reduced: Reduced, context: &mut Cont
             context.complain(&at, format!("{value} has no logarithm: with \"log\" all values are positive"));
             return None;
         }
-        let value = if control.log { value.ln() } else { value };
         reduced = context.take(&at, reduced.hold(&control.of, GroupNames::from(region.as_str()), value))?;
     }
     Some(reduced)
+}
+
+/// Refuses values in regions beyond the bounds, or that the law of a number refuses; those of designs are held against their laws.
+pub(super) fn check_fixed(
+    case: &Case,
+    control: &Control,
+    admitted: Admitted,
+    solid: &Solid,
+    context: &mut Context<'_>,
+) -> Option<()> {
+    let Admitted::Between { lower, upper } = admitted else { return Some(()) };
+    for (region, value) in control.fixed.iter().filter(|_| !case.has_design(&control.of)) {
+        let value = value.constant()?;
+        let message = match material::refused(case, &control.of, [value; 2], solid, context) {
+            Some(refused) => format!("{} is not what its law admits: {refused}", short(value)),
+            None if value < lower || value > upper => {
+                format!("{} lies outside the bounds, {} to {}", short(value), short(lower), short(upper))
+            }
+            None => continue,
+        };
+        context.complain(&control.at.key("fixed").key(region), message);
+        return None;
+    }
+    Some(())
 }
 
 /// The ends between which a control is projected: of a design between 0 and 1 these, else its bounds.

@@ -45,6 +45,7 @@ impl Reduced {
     /// As there.
     pub fn through(mut self, control: &str, map: impl ControlMap + 'static) -> Result<Self, ControlError> {
         self.layout.through(control, map)?;
+        self.check_stages(control)?;
         self.update_layout();
         Ok(self)
     }
@@ -84,16 +85,22 @@ impl Reduced {
     /// # Errors
     /// As there; several stages of a problem in time.
     pub fn project(mut self, control: &str, stages: &[Projection], range: [f64; 2]) -> Result<Self, ControlError> {
-        if stages.len() > 1 && self.motion.is_some() {
-            let what = format!(
-                "\"{control}\" is projected in {} stages, which a motion has not: give one sharpness",
-                stages.len()
-            );
-            return Err(ControlError::Cost { what });
-        }
         self.layout.project(control, stages, range)?;
+        self.check_stages(control)?;
         self.update_layout();
         Ok(self)
+    }
+
+    /// Refuses maps that change from stage to stage in a problem in time.
+    fn check_stages(&self, control: &str) -> Result<(), ControlError> {
+        let stages = self.layout.stages();
+        if stages == 1 || self.motion.is_none() {
+            return Ok(());
+        }
+        let what = format!(
+            "a map of \"{control}\" has {stages} stages, which a motion has not: give one, of a projection one sharpness"
+        );
+        Err(ControlError::Cost { what })
     }
 
     /// Adds the amplitude of a vector along a fixed direction as a control field.
