@@ -31,14 +31,14 @@ pub struct StateFields<'a> {
 }
 
 impl<'a> StateFields<'a> {
-    /// A state and its control vector, with the maps of the last stage.
-    pub fn new(state: &'a State, m: &'a [f64]) -> Self {
-        StateFields { state, m, adjoint: None, gradient: None, detailed: true, names: &[], stage: usize::MAX }
+    /// A state and its control vector, with the maps of the stage that the state is of: 0 of what no optimisation found.
+    pub fn new(state: &'a State, m: &'a [f64], stage: usize) -> Self {
+        StateFields { state, m, adjoint: None, gradient: None, detailed: true, names: &[], stage }
     }
 
     /// Those of an evaluated control, with the maps of its stage.
     pub fn of(point: &'a Evaluated) -> Self {
-        StateFields { stage: point.stage, ..StateFields::new(point.state(), &point.m) }
+        StateFields::new(point.state(), &point.m, point.stage)
     }
 }
 

@@ -281,7 +281,7 @@ fn write(
     let problem = &session.problem;
     let mut files = Vec::new();
     for (member, own) in problem.members().zip(found) {
-        let fields = StateFields::new(&own.state, &own.m);
+        let fields = StateFields::new(&own.state, &own.m, 0);
         let shot = snapshot::inspected(member, &fields, inspections.get(member.index()))?;
         let shot = with_fields(shot, own.modes.iter().map(|mode| mode.shape.as_slice()))?;
         files.extend(out.write_state(&member.file("start"), &shot)?);
@@ -321,12 +321,13 @@ fn moved(shot: &Snapshot, number: usize) -> Result<Snapshot, ControlError> {
 fn at_rest(member: CaseMember<'_>, start: &[f64]) -> (State, Vec<f64>) {
     let (solid, mut m) = (member.solid(), member.local(start));
     let controllable = solid.model().controllable();
-    for block in member.layout().blocks() {
+    let layout = member.reduced().layout_in_stage(0);
+    for block in layout.blocks() {
         let target = &block.targets[0];
         if !controllable[target.actuation].slots.get(target.slot).is_some_and(|slot| slot.is_design()) {
             m[block.first..block.first + block.len()].fill(0.0);
         }
     }
     let under = |controls: Controls| solid.model().rest_under(&controls);
-    (member.layout().to_points(&m).map_or_else(|_| solid.rest(), under), m)
+    (layout.to_points(&m).map_or_else(|_| solid.rest(), under), m)
 }

@@ -223,7 +223,7 @@ pub(super) fn write(problem: &CaseProblem, records: &[Record], out: &Directory) 
         let mut shots = Vec::new();
         for (k, state) in record.shown.iter().enumerate() {
             let name = format!("{stem}{k:04}");
-            let shot = snapshot::snapshot(member, &StateFields::new(state, &record.m))?;
+            let shot = snapshot::snapshot(member, &StateFields::new(state, &record.m, 0))?;
             let own = out.write_state(&name, &shot)?;
             shots.extend(own.into_iter().map(|file| (state.time, file)));
         }
@@ -246,7 +246,7 @@ pub(super) fn ghosts(
     let (unit, last) = (member.problem().units().time().symbol, record.shown.len() - 1);
     let of = |k: usize| {
         let state = &record.shown[k * last / GHOSTS];
-        let shot = snapshot::plain(member, &StateFields::new(state, &at.m))?;
+        let shot = snapshot::plain(member, &StateFields::new(state, &at.m, at.stage))?;
         Ok((format!("t = {} {unit}", short(state.time)), shot))
     };
     (0..GHOSTS.min(last)).map(of).collect()

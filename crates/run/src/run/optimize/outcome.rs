@@ -67,7 +67,7 @@ pub(super) fn report(
         begin.map(|start| member_report::entries(problem, &member_report::of_point(problem, start)?, Detail::Costs));
     let begin = begin.transpose().map_err(|error| session.member_failed(error.0, error.1))?;
     let derivative_norm = controls::derivative_norm(problem, &best.derivative);
-    let controls = controls::controls(problem, &best.m, usize::MAX);
+    let controls = controls::controls(problem, &best.m, best.stage);
     session.record.state = entries;
     session.record.start = begin.unwrap_or_default();
     session.record.controls = Some(controls);

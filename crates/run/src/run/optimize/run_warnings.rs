@@ -107,7 +107,8 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, proble
     }
     if let Some(limits) = &field.bounds {
         let derivative = block.of(&run.best.derivative);
-        let values = problem.control_block(block).values_of(m);
+        let own = problem.member(block.owner).reduced().layout_in_stage(run.best.stage);
+        let values = own.blocks()[block.field].values_of(m);
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         let (falls_below, falls_above) = (derivative.iter().all(|d| *d > 0.0), derivative.iter().all(|d| *d < 0.0));
         let at_zero =

@@ -72,7 +72,7 @@ impl Session<'_> {
         error: &StateError,
     ) -> Result<Option<PathBuf>, RunError> {
         let (Some(out), Some(last)) = (&self.own_out, failure::last_state(error)) else { return Ok(None) };
-        out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m), error)?)?;
+        out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m, 0), error)?)?;
         Ok(Some(out.file(name)))
     }
 }

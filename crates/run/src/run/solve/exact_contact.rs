@@ -72,7 +72,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
     let name = format!("{}.vtu", member.file("exact_contact"));
     let mut files = Vec::new();
     if let Some(out) = &session.out {
-        let shot = snapshot::iterate(member, &StateFields::new(&found.state, &at.m))?;
+        let shot = snapshot::iterate(member, &StateFields::new(&found.state, &at.m, at.stage))?;
         let pressures = found.model.contacts().nodal_pressures(&Instant::of(&found.state)).unwrap_or_default();
         out.write_vtu(&name, &shot.with_points("contact_pressure", 1, pressures).map_err(ControlError::from)?)?;
         files.push(name);

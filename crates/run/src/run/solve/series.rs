@@ -97,7 +97,7 @@ impl<'p> Series<'p> {
     /// A row as it is written, with the cells marked where the body intersects itself.
     pub fn snapshot(&self, index: usize) -> Result<Snapshot, ControlError> {
         let row = &self.rows[index];
-        snapshot::inspected(self.member, &StateFields::new(&row.state, &row.m), self.found.get(index))
+        snapshot::inspected(self.member, &StateFields::new(&row.state, &row.m, 0), self.found.get(index))
     }
 
     /// What every equilibrium has: components of probes, then what contributions report.
