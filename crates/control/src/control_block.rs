@@ -95,6 +95,17 @@ impl ControlTarget {
 }
 
 impl ControlBlock {
+    /// Whether its values go straight where its unknowns do, but for a logarithm of the field itself: nothing between them but affine maps.
+    pub fn goes_straight(&self) -> bool {
+        self.field.is_empty() || (!self.log && self.field.is_affine())
+    }
+
+    /// Whether a share of its unknowns gives that share of its values.
+    pub fn is_proportional(&self) -> bool {
+        let at_zero = || self.field.values(&vec![0.0; self.size()]).iter().all(|value| *value == 0.0);
+        self.field.is_empty() || (self.goes_straight() && at_zero())
+    }
+
     /// Number of entries at one instant.
     pub fn size(&self) -> usize {
         self.basis.len() * self.components

@@ -7,7 +7,7 @@ use crate::run::session::Session;
 use crate::run::solve::series::{Row, Series};
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::Warning;
-use nastic_control::{ControlAt, ControlError, ControlTarget};
+use nastic_control::{ControlAt, ControlBlock, ControlError, ControlTarget};
 use nastic_fem::{
     EquilibriumPath, EventKind, PathEnd, PathEvent, PathOptions, PathPoint, Progress, SolveOptions, Workspace,
 };
@@ -20,6 +20,19 @@ const NAMED: usize = 3;
 
 /// `to_limit`: to the first limit point, if there is one.
 pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, RunError> {
+    let unscaled = session.problem.members().find_map(|member| {
+        member
+            .fields()
+            .find(|(block, _)| is_load(member, block) && !block.is_proportional())
+            .map(|(_, field)| &field.name)
+    });
+    if let Some(name) = unscaled {
+        let message = format!(
+            "--path: the values of \"{name}\" are no shares of themselves on the way from rest, with what is fixed or projected: give each state a start of its own, nastic sweep CASE --set controls/K/start=A,B"
+        );
+        let error = session.problem.complain("controls", message).into();
+        return Err(session.refuse(error));
+    }
     let mut files = Vec::new();
     let mut exit = Exit::Done;
     for index in 0..session.problem.members().count() {
@@ -56,7 +69,7 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Path
     let member = session.problem.member(index);
     let start = member.local(&session.problem.start);
     let failed = |error: ControlError| session.member_failed(index, error);
-    let controls = member.layout().to_points(&start).map_err(failed)?;
+    let controls = member.reduced().layout_in_stage(0).to_points(&start).map_err(failed)?;
 
     let mut series = Series::new(member, "path", ("s".to_owned(), String::new()));
     let inside = member.inside();
@@ -77,7 +90,8 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Path
     let (rest, options) = (model.rest_under(&controls), PathOptions { to_limit, ..PathOptions::default() });
     let path = model.stability().path(&rest, (&controls, 1.0), &options, &how, &mut Workspace::default(), &mut found);
     let path = path.map_err(|error| failed(error.into()))?;
-    let shown = |event: &PathEvent| member.layout().described(&controls_at(member, &start, event.s)).map_err(failed);
+    let layout = member.reduced().layout_in_stage(0);
+    let shown = |event: &PathEvent| layout.described(&controls_at(member, &start, event.s)).map_err(failed);
     let controls: Vec<Vec<ControlAt>> = path.events.iter().map(shown).collect::<Result<_, _>>()?;
     let events = path.events.iter().zip(&controls);
     events.clone().for_each(|(event, controls)| session.console.say(line(event, controls)));
@@ -99,18 +113,22 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Path
 
 /// The controls at s on the way from rest: loads have this share of their values, designs of the body theirs.
 fn controls_at(member: CaseMember<'_>, start: &[f64], s: f64) -> Vec<f64> {
-    let all = member.solid().model().controllable();
     let mut m = start.to_vec();
     for block in member.layout().blocks() {
-        let is_load =
-            |target: &ControlTarget| all[target.actuation].slots.get(target.slot).is_none_or(|slot| !slot.is_design());
-        if block.targets.iter().all(is_load) {
+        if is_load(member, block) {
             m[block.first..block.first + block.len()]
                 .iter_mut()
                 .for_each(|m| if block.log { *m += s.ln() } else { *m *= s });
         }
     }
     m
+}
+
+/// Whether a control is no number of the body.
+fn is_load(member: CaseMember<'_>, block: &ControlBlock) -> bool {
+    let all = member.solid().model().controllable();
+    let of = |target: &ControlTarget| all[target.actuation].slots.get(target.slot).is_none_or(|slot| !slot.is_design());
+    block.targets.iter().all(of)
 }
 
 fn name(kind: EventKind) -> &'static str {

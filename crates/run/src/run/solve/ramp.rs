@@ -18,6 +18,9 @@ use nastic_report::record::{PointRecord, SeriesRecord};
 /// Most equilibria of one ramp.
 const MOST: usize = 10_000;
 
+/// What goes without a ramp.
+const ONE_BY_ONE: &str = "give it value by value, nastic sweep CASE --set controls/K/start=A,B";
+
 /// What is asked for.
 struct Asked {
     control: String,
@@ -102,8 +105,12 @@ impl Asked {
         }
         if is_number(member, block) {
             let name = &self.control;
+            return Err(format!("\"{name}\" is a number of the body, which loads do not change: {ONE_BY_ONE}"));
+        }
+        if !block.goes_straight() {
+            let name = &self.control;
             return Err(format!(
-                "\"{name}\" is a number of the body, which loads do not change: give it value by value, nastic sweep CASE --set controls/K/start=A,B"
+                "what stands between the unknowns of \"{name}\" and its values does not go straight with them, as a projection: {ONE_BY_ONE}"
             ));
         }
         let dimension = dimension_of(block.unit).unwrap_or(Dimension::NONE);
@@ -140,7 +147,7 @@ impl Asked {
             m[block.first..block.first + block.len()].fill(if block.log { value.ln() } else { value });
             m
         };
-        let points = |value: f64| member.layout().to_points(&at(value));
+        let points = |value: f64| member.reduced().layout_in_stage(0).to_points(&at(value));
         let failed = |error: ControlError| session.member_failed(index, error);
         let (first, last) = (points(from).map_err(failed)?, points(to).map_err(failed)?);
 
