@@ -1,7 +1,8 @@
 //! Numbers of the body as unknowns: parameters of laws, design fields with several consumers, controls over points of a contribution.
 
 use nastic_control::{
-    Consumer, ControlError, ControlMap, Direction, PowerLaw, Reduced, ReducedWorkspace, Space, Target, Tracking,
+    Consumer, ControlError, ControlMap, Direction, Greyness, PowerLaw, PumpWork, Reduced, ReducedWorkspace, Space,
+    Staged, Target, Tracking,
 };
 use nastic_energy::catalogue::{Inputs, material};
 use nastic_energy::formula::{Expression, Invariant, Step};
@@ -157,6 +158,29 @@ fn numbers_that_a_law_is_written_with_are_unknowns_beside_a_tension_and_a_chambe
     assert_eq!(problem.layout().block("rubber.young")?.values_of(&m[..1]), vec![young[young.len() - 1]]);
     let refused = Reduced::new(problem.solid().clone()).control("rubber.young", Space::Region)?.by_logarithm("rubber");
     assert!(matches!(refused, Err(ControlError::UnknownControl { .. })));
+    Ok(())
+}
+
+/// What is held of a logarithm is the value; costs and maps that do not fit a number of the body are refused.
+#[test]
+fn a_modulus_by_its_logarithm_is_held_at_a_modulus() -> Outcome {
+    let solid =
+        Solid::new(mesh()?)?.actuate("body", "law", Parametrised::new(NeoHooke::new(1e5, 4e5)?))?.clamp("x-")?;
+    let plain = || Reduced::new(solid.clone()).control("law.mu", Space::Cell);
+    let held = plain()?.by_logarithm("law.mu")?.hold("law.mu", "arm", 2e5)?;
+    let values = held.layout().block("law.mu")?.values_of(&[3e5_f64.ln(); 4]);
+    let expected = [3e5, 3e5, 2e5, 2e5];
+    assert!(values.iter().zip(expected).all(|(value, expected)| (value / expected - 1.0).abs() < 1e-12), "{values:?}");
+    let refused = plain()?.by_logarithm("law.mu")?.hold("law.mu", "arm", 0.0).unwrap_err().to_string();
+    assert!(refused.contains("it is positive"), "{refused}");
+    let grey = plain()?.cost(Greyness::of("law.mu", 1.0)?)?.at(&[1e5; 4]).err().ok_or("Pa are grey")?.to_string();
+    assert!(grey.contains("its unit is \"Pa\""), "{grey}");
+    let work = plain()?.cost(PumpWork::new(1.0)?)?.at(&[1e5; 4]).err().ok_or("work of another body")?.to_string();
+    assert!(work.contains("\"law.mu\" changes it"), "{work}");
+    let softer = PowerLaw { low: 1e4, high: 1e5, exponent: 1.0 };
+    let staged = Consumer::of("law.mu").through(Staged::new(vec![Arc::new(softer)], softer));
+    let refused = Reduced::new(solid.clone()).design("rho", Space::Cell, &[staged]).unwrap_err().to_string();
+    assert!(refused.contains("changes from stage to stage"), "{refused}");
     Ok(())
 }
 
