@@ -1,8 +1,8 @@
 //! Numbers of the body as unknowns: parameters of laws, design fields with several consumers, controls over points of a contribution.
 
 use nastic_control::{
-    Consumer, ControlError, ControlMap, Direction, Greyness, PowerLaw, PumpWork, Reduced, ReducedWorkspace, Space,
-    Staged, Target, Tracking,
+    Consumer, ControlError, ControlMap, Direction, PowerLaw, PumpWork, Reduced, ReducedWorkspace, Space, Staged,
+    Target, Tracking,
 };
 use nastic_energy::catalogue::{Inputs, material};
 use nastic_energy::formula::{Expression, Invariant, Step};
@@ -173,8 +173,6 @@ fn a_modulus_by_its_logarithm_is_held_at_a_modulus() -> Outcome {
     assert!(values.iter().zip(expected).all(|(value, expected)| (value / expected - 1.0).abs() < 1e-12), "{values:?}");
     let refused = plain()?.by_logarithm("law.mu")?.hold("law.mu", "arm", 0.0).unwrap_err().to_string();
     assert!(refused.contains("it is positive"), "{refused}");
-    let grey = plain()?.cost(Greyness::of("law.mu", 1.0)?)?.at(&[1e5; 4]).err().ok_or("Pa are grey")?.to_string();
-    assert!(grey.contains("its unit is \"Pa\""), "{grey}");
     let work = plain()?.cost(PumpWork::new(1.0)?)?.at(&[1e5; 4]).err().ok_or("work of another body")?.to_string();
     assert!(work.contains("\"law.mu\" changes it"), "{work}");
     let softer = PowerLaw { low: 1e4, high: 1e5, exponent: 1.0 };

@@ -115,9 +115,6 @@ fn every_cost_with_every_actuation() -> Outcome {
                 if ["design_volume", "greyness"].contains(&row.name) && body.layout().blocks()[0].components > 1 {
                     break; // of scalars
                 }
-                if row.name == "greyness" && body.layout().blocks()[0].unit != "1" {
-                    break; // of numbers between 0 and 1
-                }
                 let control = body.layout().blocks()[0].name.clone();
                 let on = CostExample { solid: body.solid(), control: &control, weight: 1.0 };
                 let Some(cost) = (row.examples)(&on)?.into_iter().nth(example) else { break };

@@ -142,8 +142,21 @@ impl Lowering<'_> {
         if let Block::SmoothedHausdorff(block) = self.block {
             return self.hausdorff(block, self.target?, context);
         }
+        self.check_unit(context)?;
         let term = self.block.term()?;
         if let MakeCost::OfStates(make) = term.form.make { self.make(term, make, context) } else { None }
+    }
+
+    /// Refuses the greyness of what is no number between 0 and 1.
+    fn check_unit(&self, context: &mut Context<'_>) -> Option<()> {
+        let term = self.block.term().filter(|_| self.block.kind() == "greyness");
+        let name = term.and_then(|term| term.control());
+        let control = self.case.controls.iter().find(|control| Some(control.name()) == name);
+        let block = control.and_then(|control| self.reduced.layout().block(&control.of).ok());
+        let Some(block) = block.filter(|block| block.unit != "1") else { return Some(()) };
+        let message = format!("no greyness: that is of a number between 0 and 1, and this one is in {}", block.unit);
+        context.complain(&self.block.at().key("of"), message);
+        None
     }
 
     /// A term of a motion.

@@ -92,13 +92,6 @@ impl Cost for Greyness {
     }
 
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
-        let block = at.layout.block(&self.0.of)?;
-        if block.unit != "1" {
-            let (of, unit) = (&self.0.of, block.unit);
-            let what =
-                format!("\"{of}\" has no greyness: that is of a number between 0 and 1, and its unit is \"{unit}\"");
-            return Err(ControlError::Cost { what });
-        }
         Ok(Arc::new(self.0.at(at)?))
     }
 }
