@@ -15,6 +15,7 @@ mod contact_doubts;
 mod contact_told;
 mod damaged_checkpoints;
 mod designs;
+mod designs_refused;
 mod determination;
 mod documents;
 mod doubtful;
