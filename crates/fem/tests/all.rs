@@ -39,6 +39,7 @@ mod giving_up;
 mod growth;
 mod hertz;
 mod history;
+mod idle_friction;
 mod inertia;
 mod inextensible_tendon;
 mod inf_sup;

@@ -73,7 +73,8 @@ fn two_potentials_squeeze_a_block_together() -> Outcome {
     let (voltage, ratio, thickness) = (0.1, -0.8, 0.25);
     let solid = on_rollers(block(CellKind::Hex8, [1.0, 0.8, thickness], [2, 2, 3])?)?;
     let law = Magnetoelectric { fields: [Field::saddle("phi", 1), Field::saddle("psi", 1)] };
-    let solid = solid.contribution(CellSum::new(law, solid.discretization()))?;
+    let law = CellSum::new(law, solid.discretization());
+    let solid = solid.contribution(law)?;
     check_contribution(solid.model(), "magnetoelectric", 3)?;
     let solid = solid.hold("phi", 0, "z-", 0.0)?.hold("phi", 0, "z+", voltage)?;
     let solid = solid.hold("psi", 0, "z-", 0.0)?.hold("psi", 0, "z+", ratio * voltage)?;

@@ -9,7 +9,7 @@ use std::sync::Arc;
 /// The Helmholtz filter `s - R^2 laplace s = x` with a natural boundary, `s = (M + R^2 S)^-1 M x` component by component: M the lumped mass of the basis functions,
 /// S their stiffness (of fields by cell over faces, as the [H1 product](crate::Metric::H1)).
 ///
-/// It keeps constants and `int x dX`; values may leave those of x a little where cells are far from right-angled (S has positive entries beside its diagonal there); a step becomes `exp(-|X|/R)/2`. A cone of radius r is `R = r / (2 sqrt 3)`.
+/// It keeps constants and `int x dX`; of fields by cell it keeps their bounds too, while values of fields by node or on a grid may leave those of x by some percent where cells are longer than sqrt 2 times their width (S has positive entries beside its diagonal there); a step becomes `exp(-|X|/R)/2`. A cone of radius r is `R = r / (2 sqrt 3)`.
 ///
 /// **Source.** B. S. Lazarov & O. Sigmund, Int. J. Numer. Meth. Eng. 86 (2011) 765-781, doi 10.1002/nme.3072.
 #[derive(Debug, Clone)]

@@ -142,7 +142,7 @@ impl<'a> Equations<'a> {
         self.with(x, |at| point.evaluate_without_potential(at))
     }
 
-    /// What friction with lagged normal forces adds to the potential in a step, `D(u)`.
+    /// What friction with lagged normal forces adds to the potential in a step, `D(u)`; motions have neither ranks nor further fields.
     pub fn dissipation(&self, lagged: &TimeStep, point: &ModelPoint, x: &[f64]) -> Result<f64, Inadmissible> {
         self.with(x, |at| {
             let energy = |at: &Instant| point.evaluate_friction(at).map(|sums| sums.energy);

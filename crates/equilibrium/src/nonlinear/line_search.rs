@@ -23,8 +23,8 @@ const MIN_J_RATIO: f64 = 0.09;
 const DESCENT_RULE: Rule = Rule { decrease: 1e-4, tries: 30 };
 /// The same where the tangent is not positive definite and an equilibrium nearby may be a saddle.
 const SADDLE_RULE: Rule = Rule { decrease: 0.1, tries: 4 };
-/// Under constraints a whole step that reduces the residual by this share is taken whatever the potential.
-const CONSTRAINED_RULE: Rule = Rule { decrease: 0.5, tries: 1 };
+/// Under constraints and with friction a whole step that reduces the residual by this share is taken whatever the potential.
+const HALVING_RULE: Rule = Rule { decrease: 0.5, tries: 1 };
 
 /// Smallest ratio of a length to the one before.
 const MIN_LENGTH_RATIO: f64 = 0.1;
@@ -111,7 +111,8 @@ impl<'a> LineSearch<'a> {
 
     /// Descent in the potential, or in the augmented Lagrangian. Where the tangent has negative eigenvalues an equilibrium nearby may be a
     /// saddle, which is followed as long as the residual decreases; the state's inertia shows which. Without a potential the residual
-    /// decreases, or the potential of the contributions that have one with the work of the constant forces of the others.
+    /// decreases, or the potential of the contributions that have one with the work of the constant forces of the others; with friction the potential with
+    /// lagged friction comes first.
     fn search(
         &mut self,
         here: &Iterate,
@@ -124,7 +125,7 @@ impl<'a> LineSearch<'a> {
         // a proximal step is a descent step
         if constrained
             && self.equations.anchor.is_none()
-            && let Some(taken) = self.residual_falls(here, &step.dx, CONSTRAINED_RULE)?
+            && let Some(taken) = self.residual_falls(here, &step.dx, HALVING_RULE)?
         {
             return Ok(taken);
         }
@@ -160,8 +161,8 @@ impl<'a> LineSearch<'a> {
         self.descend(here, step, &dx, direction.pressures())
     }
 
-    /// With friction a whole step that halves the residual, else one that decreases the potential with lagged friction; where Newton's step leads uphill, one with a
-    /// shifted tangent.
+    /// With friction: a whole step that halves the residual, else one that decreases the potential with [lagged friction](Sliding); where Newton's step leads uphill,
+    /// one with a shifted tangent. `None` where neither is found.
     fn slides(
         &mut self,
         here: &Iterate,
@@ -169,24 +170,31 @@ impl<'a> LineSearch<'a> {
         direction: &mut dyn Direction,
         report: &mut SolveReport,
     ) -> Result<Option<Taken<'a>>, Stop> {
-        let Some(merit) = Sliding::new(self.equations, here, Energy::new(self.equations, here, &step.dx, step.scale))?
-        else {
+        if !Sliding::suits(self.equations) {
             return Ok(None);
-        };
-        if let Some(taken) = self.residual_falls(here, &step.dx, CONSTRAINED_RULE)? {
+        }
+        if let Some(taken) = self.residual_falls(here, &step.dx, HALVING_RULE)? {
             return Ok(Some(taken));
         }
-        let taken = if merit.line().slope < 0.0 {
-            self.downhill(here, &step.dx, &merit)
+        let energy = Energy::new(self.equations, here, &step.dx, step.scale);
+        let taken = if energy.line().slope < 0.0 {
+            self.slides_along(here, &step.dx, energy)
         } else {
-            let Ok(dx) = direction.downhill(here, report) else { return Ok(None) };
-            self.downhill(here, &dx, &merit.along(Energy::new(self.equations, here, &dx, step.scale)))
+            direction.downhill(here, report).and_then(|dx| {
+                let energy = Energy::new(self.equations, here, &dx, step.scale);
+                self.slides_along(here, &dx, energy)
+            })
         };
         match taken {
             Ok(taken) => Ok(Some(taken)),
-            Err(Stop::Slow { .. }) => Ok(None),
-            Err(other) => Err(other),
+            Err(stop) if stop.is_final() => Err(stop),
+            Err(_) => Ok(None),
         }
+    }
+
+    fn slides_along(&mut self, here: &Iterate, dx: &[f64], energy: Energy) -> Result<Taken<'a>, Stop> {
+        let merit = Sliding::new(self.equations, here, energy)?.ok_or(Stop::Slow { residual: here.relative })?;
+        self.downhill(here, dx, &merit)
     }
 
     /// Towards an equilibrium in which the potential has a maximum by a field: it rises there, and the residual alone shows what is nearer. Where the tangent has more

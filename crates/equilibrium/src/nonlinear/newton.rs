@@ -41,10 +41,21 @@ impl Equations<'_> {
         solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
     ) -> Result<Curvature, Stop> {
+        self.solve_either_way(Limits::new(self.options.max_newton, self.options.accuracy), x, solver, report)
+    }
+
+    /// The same within limits where predicted pressures are not used or do not converge.
+    pub fn solve_either_way(
+        &self,
+        limits: Limits,
+        x: &mut Vec<f64>,
+        solver: &mut dyn LinearSolver,
+        report: &mut SolveReport,
+    ) -> Result<Curvature, Stop> {
         if let Some(last) = self.solve_with_pressures(x, &mut *solver, report)? {
             return Ok(last);
         }
-        self.solve_by_displacement(x, solver, report)
+        self.solve_within(limits, x, solver, report)
     }
 
     /// The same by the tangents of the displacement alone.

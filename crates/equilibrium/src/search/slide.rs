@@ -84,8 +84,9 @@ impl Model {
         let at_once = self.equations(controls, 1.0, Some(step), 1.0, how);
         if how.guess.is_none() {
             let mut u = start.clone();
-            let within = Limits { short_steps: LONG_STEPS_ONLY.at_once, ..Limits::new(how.max_newton, how.accuracy) };
-            match at_once.solve_within(within, &mut u, self.linear_solver(how, workspace), report) {
+            let short_steps = if at_once.has_potential() { ShortSteps::ALLOWED } else { LONG_STEPS_ONLY.at_once };
+            let within = Limits { short_steps, ..Limits::new(how.max_newton, how.accuracy) };
+            match at_once.solve_either_way(within, &mut u, self.linear_solver(how, workspace), report) {
                 Ok(_) => return found(u, 0, report),
                 Err(stop) => go_on(stop)?,
             }
@@ -121,11 +122,7 @@ impl Model {
             let equations = self.equations(controls, 1.0, Some(&lagged), 1.0, &each);
             let mut end = u.clone();
             let solver = self.linear_solver(how, workspace);
-            let found = match equations.solve_with_pressures(&mut end, &mut *solver, report) {
-                Ok(None) => equations.solve_within(each_within, &mut end, solver, report).map(|_| ()),
-                found => found.map(|_| ()),
-            };
-            if let Err(stop) = found {
+            if let Err(stop) = equations.solve_either_way(each_within, &mut end, solver, report) {
                 go_on(stop)?;
                 workspace.forget();
                 lag.smoothing *= limits.smoothing_growth;

@@ -43,13 +43,13 @@ pub struct SparseMatrix {
 }
 
 /// Products of a matrix with vectors, see [`SparseMatrix::products`].
-pub struct Products<'a> {
+pub(crate) struct EntryProducts<'a> {
     matrix: &'a SparseMatrix,
     skew: Option<(SkewBlocks, &'a [f64])>,
     transposed: bool,
 }
 
-impl Products<'_> {
+impl EntryProducts<'_> {
     /// `y = A x` or `A^T x`, always summed in the same order; `parallel` uses all threads of the current rayon pool.
     pub fn multiply(&self, x: &[f64], y: &mut [f64], parallel: bool) {
         let (matrix, dim) = (self.matrix, self.matrix.pattern.dim());
@@ -206,9 +206,9 @@ impl SparseMatrix {
     }
 
     /// Products of A or `A^T` with several vectors: what is zero in the skew part is found once.
-    pub fn products(&self, transposed: bool) -> Products<'_> {
+    pub(crate) fn products(&self, transposed: bool) -> EntryProducts<'_> {
         let skew = self.skew.as_ref().map(|skew| (SkewBlocks::of(&self.pattern, skew), &skew[..]));
-        Products { matrix: self, skew, transposed }
+        EntryProducts { matrix: self, skew, transposed }
     }
 
     fn multiply_symmetric(&self, x: &[f64], y: &mut [f64], parallel: bool) {

@@ -92,11 +92,10 @@ impl System<'_> {
         let of_entries = || self.matrix.products(self.transposed && !self.matrix.is_symmetric());
         let entries = self.products.is_none().then(of_entries);
         move |v, out| {
-            if let Some(products) = self.products {
-                products.multiply(v, out, self.parallel);
-            }
-            if let Some(products) = &entries {
-                products.multiply(v, out, self.parallel);
+            match (self.products, &entries) {
+                (Some(of_cells), _) => of_cells.multiply(v, out, self.parallel),
+                (None, Some(of_entries)) => of_entries.multiply(v, out, self.parallel),
+                (None, None) => out.fill(0.0),
             }
             self.space().add_up(out);
         }

@@ -10,8 +10,8 @@ use nastic_body::instant::{FrictionLag, TimeStep};
 use std::sync::Arc;
 
 /// `P(u) + D(u; u_0)`: the potential without friction and the dissipation potential of friction with the normal forces and tangent planes of the
-/// displacement u_0 where the step of Newton's method begins. Its derivative at u_0 is the residual. Source: Li et al., Incremental Potential Contact, ACM Trans.
-/// Graph. 39 (2020), section 5.4, where u_0 is that of the round before.
+/// displacement u_0 where the step of Newton's method begins. Its derivative at u_0 is the residual. It is another function in every iteration: what falls in each need
+/// not fall over all of them. Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020), section 5.4, where u_0 is that of the round before.
 pub(crate) struct Sliding {
     energy: Energy,
     /// The time step with u_0.
@@ -21,23 +21,19 @@ pub(crate) struct Sliding {
 }
 
 impl Sliding {
-    /// Along a step in time; `None` of equations without friction, or with contributions that have no potential for another reason.
+    /// Whether what keeps equations from having a potential is friction alone, in a step in time.
+    pub fn suits(equations: &Equations) -> bool {
+        matches!(equations.drive, Drive::Held { time_step: Some(_), .. })
+            && equations.model.has_potential_without_friction()
+    }
+
+    /// From an iterate; `None` outside of steps in time.
     pub fn new(equations: &Equations, here: &Iterate, energy: Energy) -> Result<Option<Self>, Inadmissible> {
         let Drive::Held { controls, time_step: Some(step), .. } = equations.drive else { return Ok(None) };
-        if !equations.model.has_potential_without_friction() {
-            return Ok(None);
-        }
         let (u, controls): (_, Arc<Controls>) = (equations.model.nodal(here.x).to_vec(), Arc::new(controls.clone()));
         let lagged = TimeStep { lag: Some(FrictionLag { u: Arc::new(u), controls, smoothing: 1.0 }), ..step.clone() };
         let start = equations.dissipation(&lagged, here.point, here.x)?;
         Ok(Some(Sliding { energy, lagged, start }))
-    }
-}
-
-impl Sliding {
-    /// The same along another step from there.
-    pub fn along(self, energy: Energy) -> Self {
-        Sliding { energy, ..self }
     }
 }
 
