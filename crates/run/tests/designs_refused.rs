@@ -126,6 +126,18 @@ fn what_designs_and_fixed_values_cannot_be_is_told() {
     let tracking = "\"kind\": \"tracking\", \"surface\": \"x+\", \"target\": [\"X\", \"Y\"], \"weight\": 1e6";
     let grey = problems(&with(STRIP, tracking, "\"kind\": \"greyness\", \"of\": \"muscle\""));
     assert!(grey.contains("costs/0/of: no greyness"), "{grey}");
+    let bounded = |of: &str| {
+        let volume = format!(
+            "\"constraints\": [ {{ \"cost\": {{ \"kind\": \"design_volume\", \"of\": \"{of}\" }}, \"at_most\": 0.5 }} ], \"costs\""
+        );
+        with(STRIP, "\"costs\"", &volume)
+    };
+    assert!(
+        problems(&bounded("roh")).contains("constraints/0/cost/of: no control \"roh\""),
+        "{}",
+        problems(&bounded("roh"))
+    );
+    drop(CaseDirectory::new().run(Command::Check, &bounded("rho"), &[]).unwrap());
     // two densities in front of one law
     let two =
         with(STRIP, design, &format!("{{ \"name\": \"density\", \"kind\": \"density\", \"mass\": false }}, {design}"));
@@ -141,4 +153,19 @@ fn what_designs_and_fixed_values_cannot_be_is_told() {
         "\"start\": 0.1, \"upper\": 0.4",
     );
     assert!(problems(&filled).contains("0 to 0.4, below which a filler stays"), "{}", problems(&filled));
+}
+
+/// Damping by stiffness takes the laws as they are written, whatever a density makes of them.
+#[test]
+fn damping_by_stiffness_is_refused_beside_designs() {
+    let time = "\"time\": { \"end\": \"0.1 s\", \"step\": \"50 ms\", \"scheme\": \"backward_euler\", \"rayleigh\": { \"stiffness\": \"10 ms\" } }, \"costs\"";
+    let moving = with(STRIP, "\"costs\"", time);
+    let moving = with(&moving, ", \"projection\": { \"sharpness\": [1, 8] }", "");
+    assert!(
+        problems(&moving).contains("time/rayleigh/stiffness: its stiffness is that of the body"),
+        "{}",
+        problems(&moving)
+    );
+    let alone = with(&moving, ", \"rayleigh\": { \"stiffness\": \"10 ms\" }", "");
+    assert!(!problems(&alone).contains("rayleigh"), "{}", problems(&alone));
 }

@@ -22,7 +22,45 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
     for case in &blocks.load_cases {
         check_group(blocks, &blocks.controls, &case.controls, &case.costs, reader);
     }
+    check_constraints(blocks, reader);
+    check_damping(blocks, reader);
     check_purpose(blocks, reader);
+}
+
+/// Constraints on controls hold in every load case.
+fn check_constraints(blocks: &Blocks, reader: &mut Reader<'_>) {
+    if !["controls", "load_cases"].iter().all(|block| blocks.complete(block)) {
+        return;
+    }
+    let own: Vec<&[Control]> = blocks.load_cases.iter().map(|case| case.controls.as_slice()).collect();
+    for cost in blocks.constraints.iter().filter_map(|constraint| constraint.cost.as_ref()) {
+        for (of, at) in cost.controls() {
+            let among = |own: &[Control]| blocks.controls.iter().chain(own).any(|control| control.name() == of);
+            if if own.is_empty() { among(&[]) } else { own.iter().all(|own| among(own)) } {
+                continue;
+            }
+            let names: Vec<&str> = blocks.controls.iter().map(Control::name).collect();
+            let whose = if own.is_empty() { "" } else { " of every load case" };
+            reader.complain_at(&at, format!("no control {}{whose}{}", quoted(of), nearest::clause(of, &names)));
+        }
+    }
+}
+
+/// Damping by stiffness takes the laws as they are written.
+fn check_damping(blocks: &Blocks, reader: &mut Reader<'_>) {
+    let damping = blocks.time.as_ref().and_then(|time| time.rayleigh.as_ref());
+    let Some(damping) = damping.filter(|damping| damping.stiffness != 0.0) else { return };
+    let of_cases = blocks.load_cases.iter().flat_map(|case| &case.controls);
+    let changes = |control: &&Control| {
+        blocks.materials.iter().any(|own| own.number_of(&control.of).is_some()) || blocks.has_design(&control.of)
+    };
+    if let Some(control) = blocks.controls.iter().chain(of_cases).find(changes) {
+        let name = quoted(control.name());
+        let message = format!(
+            "its stiffness is that of the body as its laws are written, which {name} changes: leave it out, or take \"kelvin_voigt\" or a scheme that damps"
+        );
+        reader.complain_at(&damping.at.key("stiffness"), message);
+    }
 }
 
 fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
