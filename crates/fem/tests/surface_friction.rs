@@ -245,9 +245,9 @@ fn pads_carry_a_disc_or_drop_it() -> Outcome {
     assert!((touch.force[1] / weight - 1.0).abs() < 1e-3, "{} for {weight}", touch.force[1]);
     assert!(touch.force[0].abs() < 1e-6 * touch.pressing && touch.sliding.unwrap().sticking == 1.0, "{touch:?}");
     assert!(newton < 150 * 6, "{newton} Newton iterations");
-    // 16 to 17 a system, by how rounding falls: factors are kept for long
+    // 16 to 17 a system, by how rounding falls: factors are kept for long, until a step is given up
     assert!(
-        factorisations <= 20 && substitutions < 18 * newton,
+        factorisations <= 60 && substitutions < 18 * newton,
         "{newton} iterations, {factorisations} factors, {substitutions} substitutions"
     );
     let needed = weight / touch.pressing;
