@@ -56,7 +56,7 @@ fn laws_keep_their_contract_in_mixtures() {
         assert_contract(&Weighted::mixture("share", law, soft.clone()).unwrap(), &m);
     }
     // a mixture of what is scaled, and scaled once more
-    let filled = Arc::new(Weighted::scaled("s", soft, Scale::Guth).unwrap());
+    let filled = Arc::new(Weighted::scaled("phi", soft, Scale::Guth).unwrap());
     let mixed = Arc::new(Weighted::mixture("share", filled, Arc::new(Parametrised::new(rubber()))).unwrap());
     assert_contract(&Weighted::scaled("s", mixed, SIMP).unwrap(), &[0.7, 0.4, 0.1, 1.2e5, 1.5e4, 8e5]);
 }
