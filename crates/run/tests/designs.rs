@@ -156,7 +156,8 @@ const ALL: &str = r#"{ "nastic": 1, "mesh": "hollow.msh",
                      "design": [ { "name": "rho", "kind": "density", "interpolation": "ramp", "least": 1e-3 },
                                  { "name": "phi", "kind": "filler", "interpolation": "guth" } ] },
                    { "region": "root", "law": "neo_hooke", "young": "200 kPa", "poisson": 0.3, "density": "900 kg/m^3",
-                     "design": [ { "name": "w", "kind": "mixture", "with": "rubber" } ] } ],
+                     "design": [ { "name": "w", "kind": "mixture",
+                                   "with": { "law": "neo_hooke", "young": "300 kPa", "poisson": 0.3, "density": "1000 kg/m^3" } } ] } ],
     "supports": [ { "surface": "x-", "fix": "all" } ],
     "loads": [ { "gravity": [0, "-9.81 m/s^2"] } ],
     "actuation": [ { "name": "fibers", "kind": "fiber_tension", "region": "arm", "direction": [1, 0, 0],
@@ -275,7 +276,7 @@ fn mistakes_of_designs_are_told_where_they_stand() {
         }
     }
     let filled = with(CANTILEVER, "\"kind\": \"density\", \"least\": 1e-3", "\"kind\": \"filler\"");
-    let told = problems(&with(&filled, control, "\"name\": \"phi\""));
+    let told = problems(&with(&filled, control, "\"name\": \"rho\""));
     assert!(told.contains("controls/0: a filler needs an \"upper\" bound, below 0.74"), "{told}");
     let moving = "{ \"time\": { \"end\": \"20 ms\", \"step\": \"10 ms\", \"start\": \"rest\" }, ";
     let heavy = with(CANTILEVER, "\"poisson\": 0.3,", "\"poisson\": 0.3, \"density\": \"1000 kg/m^3\",")

@@ -98,7 +98,7 @@ fn what_designs_and_fixed_values_cannot_be_is_told() {
         ),
         (
             MUSCLE,
-            "\"start\": \"1 kPa\", \"fixed\": { \"tip\": \"-1 kPa\" }",
+            "\"start\": \"1 kPa\", \"lower\": 0, \"fixed\": { \"tip\": \"-1 kPa\" }",
             "controls/1/fixed/tip: -1000 lies outside the bounds",
         ),
         (MUSCLE, "\"start\": \"1 kPa\", \"fixed\": { \"tip\": \"30 kPa\" }", "30000 lies outside the bounds"),

@@ -89,7 +89,9 @@ fn weights_of_a_network_are_controls() {
     let (mut energy, mut parameters, mut controls) =
         ("k/2 * (J - 1)^2".to_owned(), r#""k": "1 MPa""#.to_owned(), vec![]);
     for (n, (a, b, c, w)) in units.iter().enumerate() {
-        energy += &format!(" + w{n} * log(1 + exp(a{n} * (I1 / J^(2/3) - 3) + b{n} * (I2 / J^(4/3) - 3) + c{n}))");
+        energy += &format!(
+            " + w{n} * log(1 + exp(a{n} * (I1 / J^(2/3) - 3) + b{n} * (I2 / J^(4/3) - 3) + c{n})) - w{n} * log(1 + exp(c{n}))"
+        );
         parameters += &format!(r#", "a{n}": {a}, "b{n}": {b}, "c{n}": {c}, "w{n}": "{w}""#);
         controls.extend(
             ["a", "b", "c", "w"].map(|weight| format!(r#"{{ "of": "rubber.{weight}{n}", "space": "uniform" }}"#)),
