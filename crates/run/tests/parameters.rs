@@ -85,16 +85,14 @@ fn derivatives_are_those_by_the_unknown() {
 /// A network of two layers as a formula, its weights one number each for the whole body: derivatives by all of them at once pass their check.
 #[test]
 fn weights_of_a_network_are_controls() {
-    let units = [("0.9", "0.3", "-0.2", "120 kPa"), ("0.4", "0.8", "0.5", "60 kPa"), ("1.5", "0.1", "-1", "40 kPa")];
     let (mut energy, mut parameters, mut controls) =
         ("k/2 * (J - 1)^2".to_owned(), r#""k": "1 MPa""#.to_owned(), vec![]);
-    for (n, (a, b, c, w)) in units.iter().enumerate() {
-        energy += &format!(
-            " + w{n} * log(1 + exp(a{n} * (I1 / J^(2/3) - 3) + b{n} * (I2 / J^(4/3) - 3) + c{n})) - w{n} * log(1 + exp(c{n}))"
-        );
-        parameters += &format!(r#", "a{n}": {a}, "b{n}": {b}, "c{n}": {c}, "w{n}": "{w}""#);
+    for (n, (a, b, w)) in [("0.9", "0.3", "120 kPa"), ("0.4", "0.8", "60 kPa")].iter().enumerate() {
+        energy += &format!(" + w{n} * (log(1 + exp(a{n} * (I1 / J^(2/3) - 3) + b{n} * (I2 / J^(4/3) - 3))) - log(2))");
+        parameters += &format!(r#", "a{n}": {a}, "b{n}": {b}, "w{n}": "{w}""#);
         controls.extend(
-            ["a", "b", "c", "w"].map(|weight| format!(r#"{{ "of": "rubber.{weight}{n}", "space": "uniform" }}"#)),
+            ["a", "b", "w"]
+                .map(|weight| format!(r#"{{ "of": "rubber.{weight}{n}", "space": "uniform", "log": true }}"#)),
         );
     }
     let network = format!(r#""law": "formula", "energy": "{energy}", "parameters": {{ {parameters} }}"#);
@@ -102,7 +100,6 @@ fn weights_of_a_network_are_controls() {
     let one = r#"{ "of": "rubber.young", "space": "uniform", "log": true, "start": "200 kPa", "lower": "50 kPa", "upper": "1 MPa" }"#;
     let checked = run(Command::Gradcheck, &with(&case, one, &controls.join(", ")));
     assert_eq!(checked["gradcheck"]["passed"], true, "{checked}");
-    assert_eq!(checked["controls"].as_object().unwrap().len(), 12);
 }
 
 /// Arrays have the values; gradients and records of iterations too, each what its name says.
