@@ -170,31 +170,25 @@ impl<'a> LineSearch<'a> {
         direction: &mut dyn Direction,
         report: &mut SolveReport,
     ) -> Result<Option<Taken<'a>>, Stop> {
-        if !Sliding::suits(self.equations) {
-            return Ok(None);
-        }
+        let equations = self.equations;
+        let Some(in_time) = Sliding::step(equations) else { return Ok(None) };
         if let Some(taken) = self.residual_falls(here, &step.dx, HALVING_RULE)? {
             return Ok(Some(taken));
         }
-        let energy = Energy::new(self.equations, here, &step.dx, step.scale);
-        let taken = if energy.line().slope < 0.0 {
-            self.slides_along(here, &step.dx, energy)
-        } else {
-            direction.downhill(here, report).and_then(|dx| {
-                let energy = Energy::new(self.equations, here, &dx, step.scale);
-                self.slides_along(here, &dx, energy)
-            })
+        let mut along =
+            |dx: &[f64], energy: Energy| self.downhill(here, dx, &Sliding::new(equations, in_time, here, energy)?);
+        let energy = |dx: &[f64]| Energy::new(equations, here, dx, step.scale);
+        let own = energy(&step.dx);
+        let taken = match own.line().slope < 0.0 {
+            true => along(&step.dx, own),
+            false => direction.downhill(here, report).and_then(|dx| along(&dx, energy(&dx))),
         };
         match taken {
             Ok(taken) => Ok(Some(taken)),
             Err(stop) if stop.is_final() => Err(stop),
+            // the residual may still fall
             Err(_) => Ok(None),
         }
-    }
-
-    fn slides_along(&mut self, here: &Iterate, dx: &[f64], energy: Energy) -> Result<Taken<'a>, Stop> {
-        let merit = Sliding::new(self.equations, here, energy)?.ok_or(Stop::Slow { residual: here.relative })?;
-        self.downhill(here, dx, &merit)
     }
 
     /// Towards an equilibrium in which the potential has a maximum by a field: it rises there, and the residual alone shows what is nearer. Where the tangent has more

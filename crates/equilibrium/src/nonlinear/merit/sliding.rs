@@ -4,7 +4,6 @@ use super::energy::Energy;
 use super::{Line, Merit};
 use crate::nonlinear::equations::{Drive, Equations, Evaluated};
 use crate::nonlinear::iterate::Iterate;
-use nastic_body::controls::Controls;
 use nastic_body::error::Inadmissible;
 use nastic_body::instant::{FrictionLag, TimeStep};
 use std::sync::Arc;
@@ -21,19 +20,21 @@ pub(crate) struct Sliding {
 }
 
 impl Sliding {
-    /// Whether what keeps equations from having a potential is friction alone, in a step in time.
-    pub fn suits(equations: &Equations) -> bool {
-        matches!(equations.drive, Drive::Held { time_step: Some(_), .. })
-            && equations.model.has_potential_without_friction()
+    /// The step in time of equations that friction alone keeps from having a potential.
+    pub fn step<'e>(equations: &Equations<'e>) -> Option<&'e TimeStep> {
+        match equations.drive {
+            Drive::Held { time_step, .. } => time_step.filter(|_| equations.model.has_potential_without_friction()),
+            Drive::Path { .. } => None,
+        }
     }
 
-    /// From an iterate; `None` outside of steps in time.
-    pub fn new(equations: &Equations, here: &Iterate, energy: Energy) -> Result<Option<Self>, Inadmissible> {
-        let Drive::Held { controls, time_step: Some(step), .. } = equations.drive else { return Ok(None) };
-        let (u, controls): (_, Arc<Controls>) = (equations.model.nodal(here.x).to_vec(), Arc::new(controls.clone()));
-        let lagged = TimeStep { lag: Some(FrictionLag { u: Arc::new(u), controls, smoothing: 1.0 }), ..step.clone() };
+    /// From an iterate of such a step.
+    pub fn new(equations: &Equations, step: &TimeStep, here: &Iterate, energy: Energy) -> Result<Self, Inadmissible> {
+        let (u, controls) = (equations.model.nodal(here.x).to_vec(), equations.prescribed_at(0.0).0);
+        let lag = FrictionLag { u: Arc::new(u), controls: Arc::new(controls), smoothing: 1.0 };
+        let lagged = TimeStep { lag: Some(lag), ..step.clone() };
         let start = equations.dissipation(&lagged, here.point, here.x)?;
-        Ok(Some(Sliding { energy, lagged, start }))
+        Ok(Sliding { energy, lagged, start })
     }
 }
 
