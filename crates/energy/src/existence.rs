@@ -67,6 +67,17 @@ impl Existence {
         }
     }
 
+    /// What is true of each of two laws.
+    pub fn or(self, other: Self) -> Self {
+        let Growth { p, q, r } = self.growth.implied();
+        let others = other.growth.implied();
+        Existence {
+            polyconvex: self.polyconvex && other.polyconvex,
+            resists_collapse: self.resists_collapse && other.resists_collapse,
+            growth: Growth { p: p.min(others.p), q: q.min(others.q), r: r.min(others.r) },
+        }
+    }
+
     /// Whether all conditions of the theorem hold.
     pub fn holds(self) -> bool {
         self.polyconvex && self.resists_collapse && self.growth.is_coercive()

@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
 use nastic_energy::{
-    Dielectric, EnergyTerm, FiberTension, Gent, KinematicGrowth, LinearInModuli, Magnet, MaterialPoint, MaxwellBranch,
-    MooneyRivlin, NeoHooke, Parametrised, PointBatch, Scale, Shared, Slots, Weighted, check,
+    Dielectric, EnergyTerm, FiberFamily, FiberTension, Gent, KinematicGrowth, LinearInModuli, Magnet, MaterialPoint,
+    MaxwellBranch, MooneyRivlin, NeoHooke, Parametrised, PointBatch, Scale, Shared, Slots, Weighted, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 use std::sync::Arc;
@@ -118,7 +118,11 @@ fn weighted_laws_are_sums() {
     // nothing given: at rest
     assert_eq!(at(&mixed, &[0.0]).stress, a.stress);
     assert_eq!(mixed.moduli(HERE), soft.moduli(HERE));
-    assert!(mixed.existence(HERE).unwrap().polyconvex);
+    assert_eq!(mixed.existence(HERE), soft.existence(HERE));
+    // at a share of 1 fibres alone are left, which do not resist collapse
+    let fibers: Arc<dyn EnergyTerm> = Arc::new(FiberFamily::new(5e4, 0.8, 0.1, Vec3::x()).unwrap());
+    let mixed = Weighted::mixture("share", Arc::new(soft.clone()), fibers).unwrap().existence(HERE).unwrap();
+    assert!(soft.existence(HERE).unwrap().resists_collapse && !mixed.resists_collapse && mixed.polyconvex);
 }
 
 /// The breakdown of a film is judged behind a density too.

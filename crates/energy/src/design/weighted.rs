@@ -3,8 +3,8 @@
 use super::scale::Scale;
 use crate::slot::lasting;
 use crate::{
-    EnergyError, EnergyTerm, Existence, MaterialPoint, Moduli, Outside, PointBatch, PointQuantity, Response, Slot,
-    Slots, Want,
+    EnergyError, EnergyTerm, Existence, Growth, MaterialPoint, Moduli, Outside, PointBatch, PointQuantity, Response,
+    Slot, Slots, Want,
 };
 use nastic_tensor::{Mat3, Tangent, Vec3};
 use std::sync::Arc;
@@ -18,7 +18,7 @@ use std::sync::Arc;
 ///
 /// **Derivatives.** `P = sum f_i P_i`, `dP/ds = sum f_i' P_i`, `dP/dm_i = f_i dP_i/dm_i`, `d2P/ds2 = sum f_i'' P_i`.
 ///
-/// **Convexity.** At every fixed s with positive f that of the sum of the laws. No statement is made of fibre tensions, whose bound falls with f.
+/// **Convexity and growth.** At every fixed s what is true of each of the laws. No statement is made of fibre tensions, whose bound falls with f.
 #[derive(Clone, Debug)]
 pub struct Weighted {
     name: &'static str,
@@ -305,8 +305,12 @@ impl EnergyTerm for Weighted {
         self.terms.iter().all(|term| term.law.is_material())
     }
 
+    /// Of what is true at every s: of a mixture of each of its laws, of a factor that may be zero no growth.
     fn existence(&self, at: MaterialPoint) -> Option<Existence> {
-        self.terms.iter().map(|term| term.law.existence(at)).reduce(|a, b| Some(a?.and(b?)))?
+        let stated = self.terms.iter().map(|term| term.law.existence(at)).reduce(|a, b| Some(a?.or(b?)))??;
+        let vanishes = matches!(self.terms[..], [Term { weight: Weight::Scale(Scale::Factor), .. }]);
+        let nothing = Existence { resists_collapse: false, growth: Growth::default(), ..stated };
+        Some(if vanishes { nothing } else { stated })
     }
 
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
