@@ -29,6 +29,7 @@ mod field;
 mod field_chain;
 mod gravity;
 mod inertia;
+mod law_inputs;
 mod load;
 mod lone_table;
 mod lowering;

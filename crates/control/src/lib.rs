@@ -36,10 +36,10 @@ pub use control_values::{ControlEntity, ControlValues, Pairs};
 pub use cost::{
     Aim, BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ContactLoad, ContactResultant, ContactSlip,
     ControlNorm, ControlSmoothness, Cost, CostContext, CostExample, CostForm, CostInputs, CostPoint, CostRow,
-    CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DesignVolume, DistanceInTime, Figure, FigureKind,
-    Greyness, IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, MeanDisplacement, MeanPosition,
-    MeanRadius, MotionPartials, Need, ObstaclePenetration, Orientation, Partials, PumpWork, Reaction,
-    SmoothedHausdorff, StepBegin, Target, Tracking,
+    CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DesignMean, DistanceInTime, Figure, FigureKind,
+    IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, MeanDisplacement, MeanPosition, MeanRadius,
+    MotionPartials, Need, ObstaclePenetration, Orientation, Partials, PumpWork, Reaction, SmoothedHausdorff, StepBegin,
+    Target, Tracking,
 };
 pub use design::Consumer;
 pub use ensemble::{

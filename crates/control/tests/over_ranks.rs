@@ -2,8 +2,8 @@
 
 use crate::ranks::{Outcome, apart, bar, on, part, valued};
 use nastic_control::{
-    Compliance, Consumer, ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, DesignVolume,
-    Greyness, LumenVolume, MeanDisplacement, MeanPosition, Metric, Plane, PowerLaw, Projection, Reaction, Reduced,
+    Compliance, Consumer, ControlError, ControlNorm, ControlSmoothness, Cost, CostContext, CostPoint, DesignMean,
+    LumenVolume, MeanDisplacement, MeanPosition, Metric, Plane, PowerLaw, Projection, Reaction, Reduced,
     ReducedWorkspace, Space, Target, Timeline, Tracking,
 };
 use nastic_energy::{EnergyTerm, FiberTension, Magnet, MooneyRivlin, NeoHooke, Scale, Turgor, Weighted};
@@ -165,8 +165,8 @@ fn chains_of_designs_and_their_costs_are_those_of_one_process() -> Outcome {
                 .control("tension", Space::Uniform)?
                 .cost(Tracking::surface("x+", lifted))?
                 .cost(MeanDisplacement::surface("x+", [0.3, 0.0, 0.8]).weight(0.1))?
-                .cost(DesignVolume::of("rho", 0.01)?)?
-                .cost(Greyness::of("phi", 0.02)?)?)
+                .cost(DesignMean::volume("rho", 0.01)?)?
+                .cost(DesignMean::greyness("phi", 0.02)?)?)
         };
         let serial = designed(Solid::new(mesh.clone())?)?;
         let count = serial.layout().len() - 1;

@@ -104,6 +104,22 @@ fn what_designs_and_fixed_values_cannot_be_is_told() {
         (MUSCLE, "\"start\": \"1 kPa\", \"fixed\": { \"tip\": \"30 kPa\" }", "30000 lies outside the bounds"),
         (MUSCLE, "\"start\": \"1 kPa\", \"fixed\": { \"tip\": 0, \"end\": \"1 kPa\" }", "has another value in \"end\""),
         (MUSCLE, "\"start\": \"1 kPa\", \"fixed\": { \"tip\": 0, \"end\": 0 }", ""),
+        (
+            MUSCLE,
+            "\"start\": \"1 kPa\", \"fixed\": { \"tip\": 0 }, \"symmetry\": [\"x\"]",
+            "controls/1/fixed: what is held is not symmetric",
+        ),
+        (MUSCLE, "\"start\": \"1 kPa\", \"fixed\": { \"tip\": 0 }, \"symmetry\": [\"y\"]", ""),
+        (
+            design,
+            "{ \"name\": \"rho\", \"kind\": \"mixture\", \"with\": { \"law\": \"fiber_family\", \"k1\": 5e4, \"k2\": 0.8, \"dispersion\": 0.1, \"fiber\": [1, 0] } }",
+            "only reinforces a body",
+        ),
+        (
+            "\"controls\": [ { \"of\": \"rho\", \"space\": \"cell\", \"start\": \"0.2 + 6 * X\", \"projection\": { \"sharpness\": [1, 8] } },",
+            "\"load_cases\": [ { \"name\": \"up\", \"controls\": [ { \"of\": \"rho\", \"space\": \"cell\" } ] }, { \"name\": \"down\" } ], \"controls\": [",
+            "nothing says what \"rho\" is in every load case",
+        ),
         ("\"least\": 1e-3", "\"least\": 1e-3, \"mass\": true", ""),
         (
             &format!("\"density\": \"1000 kg/m^3\",\n                     \"design\": [ {design}"),

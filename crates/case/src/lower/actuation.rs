@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::design as designs;
 use super::field::SamplePoints;
-use super::material::inputs;
+use super::law_inputs::inputs;
 use super::named::{attempt, complain_of_law};
 use super::strides::Course;
 use super::tension::beyond_limit;

@@ -3,8 +3,8 @@
 use super::context::Context;
 use super::control_field::ControlField;
 use super::field::SamplePoints;
-use super::material::inputs;
-use nastic_control::{Consumer, Cost, CostContext, DesignVolume, PowerLaw, Reduced};
+use super::law_inputs::inputs;
+use nastic_control::{Consumer, Cost, CostContext, DesignMean, PowerLaw, Reduced};
 use nastic_energy::{EnergyError, EnergyTerm, Weighted};
 use nastic_fem::{BodyInertia, Solid};
 use nastic_language::number::short;
@@ -77,10 +77,10 @@ fn named_material<'c>(case: &'c Case, with: &MixedLaw) -> Option<&'c Material> {
 /// How the mass of a material follows a design; `None` where it does not.
 pub(super) fn mass_map(case: &Case, material: &Material) -> Option<(String, PowerLaw)> {
     let own = material.density?;
-    let design = material.design.iter().find(|design| design.has_mass(&case.materials))?;
+    let design = material.design.iter().find(|design| Material::follows(design, &case.materials))?;
     let map = match &design.with {
         None => PowerLaw::multiple_of(1.0),
-        Some(_) => PowerLaw { low: 1.0, high: design.other_density(&case.materials)? / own, exponent: 1.0 },
+        Some(_) => PowerLaw { low: 1.0, high: Material::other_density(design, &case.materials)? / own, exponent: 1.0 },
     };
     Some((design.name.clone(), map))
 }
@@ -176,7 +176,7 @@ pub(super) fn check_volumes(case: &Case, fields: &[ControlField], reduced: &Redu
         Some((block, term.weight, control.of.as_str()))
     });
     for (block, weight, of) in volumes {
-        let (Ok(cost), Ok(own)) = (DesignVolume::of(of, weight), layout.block(of)) else { continue };
+        let (Ok(cost), Ok(own)) = (DesignMean::volume(of, weight), layout.block(of)) else { continue };
         let Some(bounds) = fields.iter().find_map(|field| field.bounds.as_ref().filter(|_| of_block(case, field, of)))
         else {
             continue;

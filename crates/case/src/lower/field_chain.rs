@@ -4,7 +4,7 @@ use super::context::Context;
 use super::control_field::Admitted;
 use super::{design, material};
 use crate::warning::GRID_RESOLUTION;
-use nastic_control::{ControlBlock, Plane, Projection, Reduced, Space};
+use nastic_control::{ControlBlock, ControlMap, Plane, Projection, Reduced, Space};
 use nastic_fem::Solid;
 use nastic_language::number::short;
 use nastic_language::schema::{Bound, Case, Control, DesignKind, Parameter, SymmetryPlane};
@@ -15,6 +15,7 @@ use nastic_mesh::GroupNames;
 pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
     check_overlaps(control, &reduced, context)?;
     reduced = hold(case, control, reduced, context)?;
+    let held = held_alone(control, &reduced);
     for (k, plane) in control.symmetry.iter().enumerate() {
         let plane = match plane {
             SymmetryPlane::Middle(axis) => {
@@ -25,6 +26,12 @@ pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context:
             SymmetryPlane::Given(plane) => Plane { point: Some(plane.point.xyz()), normal: plane.normal.xyz() },
         };
         reduced = context.take(&control.at.key("symmetry").index(k), reduced.mirror(&control.of, plane))?;
+    }
+    let mirrored = held_alone(control, &reduced);
+    if held.iter().zip(&mirrored).any(|(own, image)| own.is_finite() && own != image) {
+        let message = "what is held is not symmetric about the planes of \"symmetry\": hold its mirror image at the same value too";
+        context.complain(&control.at.key("fixed"), message);
+        return None;
     }
     if let Some(length) = control.filter {
         let at = control.at.key("filter");
@@ -55,6 +62,12 @@ pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context:
         return Some(reduced);
     }
     hold(case, control, reduced, context)
+}
+
+/// The values of a field that hang on no unknown; NaN where others do.
+fn held_alone(control: &Control, reduced: &Reduced) -> Vec<f64> {
+    let block = reduced.layout().block(&control.of).ok();
+    block.map(|block| block.field.values(&vec![f64::NAN; block.size()])).unwrap_or_default()
 }
 
 /// Complains of cells in two regions in which the control has different values.

@@ -3,6 +3,7 @@
 use super::context::Context;
 use super::design;
 use super::field::SamplePoints;
+use super::law_inputs::inputs;
 use super::named::{attempt, complain_of_law};
 use super::named_groups;
 use crate::lower::control_field::{Admitted, ControlField};
@@ -11,9 +12,8 @@ use nastic_energy::EnergyError;
 use nastic_energy::catalogue::Inputs;
 use nastic_fem::{Discretization, RigidBody, Solid};
 use nastic_language::number::short;
-use nastic_language::schema::{Case, Control, Input, Material};
-use nastic_language::syntax::At;
-use std::collections::{BTreeMap, BTreeSet};
+use nastic_language::schema::{Case, Control, Material};
+use std::collections::BTreeSet;
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     let mut covered: Vec<Option<usize>> = vec![None; solid.mesh().cells()];
@@ -156,38 +156,4 @@ pub(super) fn inadmissible(
     let points = SamplePoints::of_body(case, disc, &cells);
     let inputs = inputs(&material.parameters, &material.at, &points, context)?;
     material.law.build(&inputs).err()
-}
-
-/// The parameters of a law or actuation, sampled.
-pub(super) fn inputs(
-    parameters: &BTreeMap<&'static str, Input>,
-    at: &At,
-    points: &SamplePoints<'_>,
-    context: &mut Context<'_>,
-) -> Option<Inputs> {
-    let mut out = Some(Inputs::new());
-    for (name, input) in parameters {
-        let at = at.key(name);
-        // One that fails does not keep the others from being looked at.
-        let with = match input {
-            Input::Number(value) => {
-                points.number(value, &at, context).map(|field| out.clone().map(|i| i.number(name, field)))
-            }
-            Input::Direction(value) => {
-                points.direction(value, &at, context).map(|field| out.clone().map(|i| i.direction(name, field)))
-            }
-            Input::Word(word) => Some(out.clone().map(|i| i.choice(name, word))),
-            Input::Energy(formula) => Some(out.clone().map(|i| i.energy(name, formula.expression().clone()))),
-            Input::Numbers(values) => {
-                let fields: Vec<_> = values
-                    .iter()
-                    .map(|(key, value)| Some((key.clone(), points.number(value, &at.key(key), context)?)))
-                    .collect();
-                let fields: Option<BTreeMap<_, _>> = fields.into_iter().collect();
-                fields.map(|fields| out.clone().map(|i| i.numbers(name, fields)))
-            }
-        };
-        out = with.flatten();
-    }
-    out
 }

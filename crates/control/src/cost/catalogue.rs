@@ -2,10 +2,10 @@
 
 use super::{
     ContactLoad, ContactResultant, ContactSlip, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue,
-    Curvature, DesignVolume, Greyness, IntoCost, LargestStretch, MakeCost, MeanDisplacement, MeanPosition,
-    ObstaclePenetration, PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load,
-    contact_slip, curvature, design, mean_displacement, mean_radius, obstacle, orientation, position, pump_work,
-    reaction, regularization, stretch, tracking, volume,
+    Curvature, DesignMean, IntoCost, LargestStretch, MakeCost, MeanDisplacement, MeanPosition, ObstaclePenetration,
+    PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load, contact_slip, curvature, design,
+    mean_displacement, mean_radius, obstacle, orientation, position, pump_work, reaction, regularization, stretch,
+    tracking, volume,
 };
 use crate::error::ControlError;
 use crate::time::When;
@@ -100,8 +100,8 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow::of(&regularization::SMOOTHNESS, |on| {
         Ok(vec![Box::new(ControlSmoothness::of(on.control, 1e-10 * on.weight)?)])
     }),
-    CostRow::of(&design::VOLUME, |on| Ok(vec![Box::new(DesignVolume::of(on.control, 1e-6 * on.weight)?)])),
-    CostRow::of(&design::GREYNESS, |on| Ok(vec![Box::new(Greyness::of(on.control, 1e-10 * on.weight)?)])),
+    CostRow::of(&design::VOLUME, |on| Ok(vec![Box::new(DesignMean::volume(on.control, 1e-6 * on.weight)?)])),
+    CostRow::of(&design::GREYNESS, |on| Ok(vec![Box::new(DesignMean::greyness(on.control, 1e-10 * on.weight)?)])),
     // Energies of stiff bodies would drown squares of lengths.
     CostRow::of(&pump_work::FORM, |on| Ok(vec![Box::new(PumpWork::new(1e-4 * on.weight)?)])),
 ];

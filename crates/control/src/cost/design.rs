@@ -1,4 +1,4 @@
-//! Costs of a design field itself: [`DesignVolume`] and [`Greyness`].
+//! [`DesignMean`]: costs of a design field itself.
 
 use super::{Cost, CostContext, CostForm, CostPoint, Key, Partials, check_weight};
 use crate::error::ControlError;
@@ -7,46 +7,43 @@ use nastic_numeric::vector::axpy;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// `j = weight (1/V) int s dX`, the mean of a scalar control s over the region of the volume V that it is over: of a density the share of the region that is filled.
+/// `j = (weight/V) int f(s) dX`, the mean of a function of a scalar control s over the region of the volume V that it is over.
 ///
-/// s is the field behind its own chain of maps (filter, projection), at the points. Derivative: `dj/dm [dm] = (weight/V) int s'(m) dm dX`. Unit: that of s.
-#[derive(Debug, Clone)]
-pub struct DesignVolume(OfDesign);
-
-/// `j = weight (4/V) int s (1 - s) dX`: 0 of a field that is 0 or 1 everywhere, the weight of one that is 1/2; s and V as of [`DesignVolume`].
+/// | | name | f |
+/// |---|---|---|
+/// | [`volume`](Self::volume) | `design_volume` | s: of a density the share of the region that is filled |
+/// | [`greyness`](Self::greyness) | `greyness` | 4 s (1 - s): 0 of a field that is 0 or 1 everywhere, 1 of one that is 1/2 |
 ///
-/// Derivative: `dj/dm [dm] = (4 weight/V) int (1 - 2 s) s'(m) dm dX`. Source: O. Sigmund, Struct. Multidisc. Optim. 33 (2007) 401-424, doi 10.1007/s00158-006-0087-x.
+/// s is the field behind its own chain of maps (filter, projection), at the points. Derivative: `dj/dm [dm] = (weight/V) int f'(s) s'(m) dm dX`. Unit: that of f.
+/// Source of the greyness: O. Sigmund, Struct. Multidisc. Optim. 33 (2007) 401-424, doi 10.1007/s00158-006-0087-x.
 #[derive(Debug, Clone)]
-pub struct Greyness(OfDesign);
-
-#[derive(Debug, Clone)]
-struct OfDesign {
+pub struct DesignMean {
     of: String,
     weight: f64,
+    name: &'static str,
     /// `f, f', f''` at s.
     density: fn(f64) -> [f64; 3],
 }
 
-impl DesignVolume {
-    /// Of the named control.
+impl DesignMean {
+    /// That of the named control.
     ///
     /// # Errors
     /// A weight that is not positive.
-    pub fn of(control: &str, weight: f64) -> Result<Self, ControlError> {
-        let weight = check_weight("design_volume", weight)?;
-        Ok(DesignVolume(OfDesign { of: control.to_owned(), weight, density: |s| [s, 1.0, 0.0] }))
+    pub fn volume(control: &str, weight: f64) -> Result<Self, ControlError> {
+        Self::new(control, weight, "design_volume", |s| [s, 1.0, 0.0])
     }
-}
 
-impl Greyness {
-    /// Of the named control.
+    /// That of the named control.
     ///
     /// # Errors
     /// A weight that is not positive.
-    pub fn of(control: &str, weight: f64) -> Result<Self, ControlError> {
-        let weight = check_weight("greyness", weight)?;
-        let density = |s: f64| [4.0 * s * (1.0 - s), 4.0 - 8.0 * s, -8.0];
-        Ok(Greyness(OfDesign { of: control.to_owned(), weight, density }))
+    pub fn greyness(control: &str, weight: f64) -> Result<Self, ControlError> {
+        Self::new(control, weight, "greyness", |s| [4.0 * s * (1.0 - s), 4.0 - 8.0 * s, -8.0])
+    }
+
+    fn new(of: &str, weight: f64, name: &'static str, density: fn(f64) -> [f64; 3]) -> Result<Self, ControlError> {
+        Ok(DesignMean { of: of.to_owned(), weight: check_weight(name, weight)?, name, density })
     }
 }
 
@@ -55,7 +52,7 @@ pub(super) const VOLUME: CostForm = CostForm::new(
     "design_volume",
     "weight times the mean of a design field: of a density the share of its region that is filled.",
     &[Key::CONTROL],
-    |on| Ok(Box::new(DesignVolume::of(&on.get::<String>("of")?, on.weight)?)),
+    |on| Ok(Box::new(DesignMean::volume(&on.get::<String>("of")?, on.weight)?)),
 )
 .words(|words| format!("mean of {}", words.text("of")));
 
@@ -64,37 +61,9 @@ pub(super) const GREYNESS: CostForm = CostForm::new(
     "greyness",
     "weight times the mean of 4 s (1 - s) of a design field s: 0 where it is 0 or 1 everywhere.",
     &[Key::CONTROL],
-    |on| Ok(Box::new(Greyness::of(&on.get::<String>("of")?, on.weight)?)),
+    |on| Ok(Box::new(DesignMean::greyness(&on.get::<String>("of")?, on.weight)?)),
 )
 .words(|words| format!("mean of 4 {0} (1 - {0})", words.text("of")));
-
-impl Cost for DesignVolume {
-    fn name(&self) -> &str {
-        "design_volume"
-    }
-
-    fn spans_ranks(&self) -> bool {
-        true
-    }
-
-    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
-        Ok(Arc::new(self.0.at(at)?))
-    }
-}
-
-impl Cost for Greyness {
-    fn name(&self) -> &str {
-        "greyness"
-    }
-
-    fn spans_ranks(&self) -> bool {
-        true
-    }
-
-    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
-        Ok(Arc::new(self.0.at(at)?))
-    }
-}
 
 /// `weight/V sum_q w_q f(s_q)` evaluated.
 #[derive(Debug)]
@@ -109,8 +78,16 @@ struct AtPoints {
     by_point: [Vec<f64>; 2],
 }
 
-impl OfDesign {
-    fn at(&self, at: &CostContext) -> Result<AtPoints, ControlError> {
+impl Cost for DesignMean {
+    fn name(&self) -> &str {
+        self.name
+    }
+
+    fn spans_ranks(&self) -> bool {
+        true
+    }
+
+    fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let block = at.layout.block(&self.of)?;
         if block.components > 1 || block.log || block.basis.is_of_contribution() {
             let what = format!("\"{}\" has no volume: it is no scalar field over the body as it stands", self.of);
@@ -130,7 +107,8 @@ impl OfDesign {
             by_point[1][q] = factor * w * curvature;
         }
         let place = block.first..block.first + unknowns.len();
-        Ok(AtPoints { value: factor * model.unknowns().total(sum), map, unknowns, place, by_point })
+        let value = factor * model.unknowns().total(sum);
+        Ok(Arc::new(AtPoints { value, map, unknowns, place, by_point }))
     }
 }
 

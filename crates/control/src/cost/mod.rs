@@ -42,7 +42,7 @@ pub use contact_slip::ContactSlip;
 pub use cost_form::{CostForm, CostInputs, Counts, MakeCost};
 pub use cost_value::{CostTaken, CostValue, CostWords};
 pub use curvature::Curvature;
-pub use design::{DesignVolume, Greyness};
+pub use design::DesignMean;
 pub use figure::{DistanceInTime, Figure, FigureKind};
 pub use mean_displacement::MeanDisplacement;
 pub use mean_radius::MeanRadius;

@@ -2,10 +2,11 @@
 
 use super::{Basis, ControlMap};
 use crate::error::ControlError;
+use nastic_mesh::spatial::{Aabb, Tree};
 use nastic_numeric::vector::{dot, norm, sub};
-use std::collections::BTreeMap;
+use nastic_tensor::Vec3;
 
-/// How far a mirror image may lie from an unknown, as a share of the diagonal of the box around all of them.
+/// How far a mirror image may lie from an unknown along each axis, as a share of the diagonal of the box around all of them.
 const IMAGE_TOLERANCE: f64 = 1e-6;
 
 /// A plane of symmetry.
@@ -44,12 +45,19 @@ impl Mirror {
             ([0, 1, 2].map(|k| low[k].min(x[k])), [0, 1, 2].map(|k| high[k].max(x[k])))
         });
         let point = plane.point.unwrap_or([0, 1, 2].map(|k| 0.5 * (low[k] + high[k])));
-        let near = Near::new(places, (IMAGE_TOLERANCE * norm(&sub(&high, &low))).max(f64::MIN_POSITIVE));
+        let boxes: Vec<Aabb> = places.iter().map(|x| Aabb::around([&Vec3::from(*x)])).collect();
+        let (tree, tolerance) = (Tree::build(&boxes), IMAGE_TOLERANCE * norm(&sub(&high, &low)));
         let mut images = Vec::with_capacity(places.len());
         for (i, x) in places.iter().enumerate() {
             let depth = dot(&sub(x, &point), &normal);
             let image = [0, 1, 2].map(|k| x[k] - 2.0 * depth * normal[k]);
-            let Some(found) = near.at(&image) else {
+            let range = Aabb::around([&Vec3::from(image)]).grown(tolerance);
+            let mut found = None;
+            tree.overlapping(&range, |other| {
+                found = Some(other as u32);
+                true
+            });
+            let Some(found) = found else {
                 return fail(format!(
                     "the mesh is not symmetric about the plane through {point:?} with the normal {normal:?}: {} at {x:?} has no mirror image at {image:?}",
                     basis.describe(i)
@@ -78,37 +86,5 @@ impl ControlMap for Mirror {
         let mut out: Vec<f64> = g.iter().map(|g| 0.5 * g).collect();
         self.images.iter().zip(g).for_each(|(image, g)| out[*image as usize] += 0.5 * g);
         out
-    }
-}
-
-/// Places in boxes of twice the tolerance.
-struct Near<'a> {
-    places: &'a [[f64; 3]],
-    tolerance: f64,
-    boxes: BTreeMap<[i64; 3], Vec<u32>>,
-}
-
-impl<'a> Near<'a> {
-    fn new(places: &'a [[f64; 3]], tolerance: f64) -> Self {
-        let mut near = Near { places, tolerance, boxes: BTreeMap::new() };
-        for (i, x) in places.iter().enumerate() {
-            near.boxes.entry(near.box_of(x)).or_default().push(i as u32);
-        }
-        near
-    }
-
-    fn box_of(&self, x: &[f64; 3]) -> [i64; 3] {
-        x.map(|x| (x / (2.0 * self.tolerance)).floor() as i64)
-    }
-
-    /// The place within the tolerance of x.
-    fn at(&self, x: &[f64; 3]) -> Option<u32> {
-        let middle = self.box_of(x);
-        let shift = |k: usize| [0, 1, 2].map(|axis| (k / 3usize.pow(axis as u32) % 3) as i64 - 1);
-        let around = (0..27).map(shift).filter_map(|by| {
-            let own = [0, 1, 2].map(|axis| middle[axis].saturating_add(by[axis]));
-            self.boxes.get(&own)
-        });
-        around.flatten().copied().find(|i| norm(&sub(&self.places[*i as usize], x)) <= self.tolerance)
     }
 }

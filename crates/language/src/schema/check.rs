@@ -131,13 +131,18 @@ fn check_designs(blocks: &Blocks, reader: &mut Reader<'_>) {
             names.push(&design.name);
         }
     }
-    let controls = blocks.controls.iter().chain(blocks.load_cases.iter().flat_map(|case| &case.controls));
+    let shared = || blocks.controls.iter().map(|control| control.of.as_str());
+    let own = blocks.load_cases.iter().map(|case| case.controls.iter().map(|control| control.of.as_str()));
+    let mut controlled: Vec<Vec<&str>> = own.map(|own| shared().chain(own).collect()).collect();
+    if controlled.is_empty() {
+        controlled.push(shared().collect());
+    }
     let read = ["controls", "load_cases"].iter().all(|block| blocks.complete(block));
     let beside = designs::Beside {
         materials: &blocks.materials,
         are_all: blocks.complete("materials"),
         actuation: &blocks.actuation,
-        controlled: read.then(|| controls.map(|control| control.of.as_str()).collect()),
+        controlled: read.then_some(controlled),
     };
     designs::check(blocks.designs(), &beside, reader);
 }

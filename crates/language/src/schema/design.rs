@@ -4,7 +4,6 @@ use crate::number::short;
 use crate::quantity::Want;
 use crate::schema::catalogue::{Input, form_schema, read_inputs};
 use crate::schema::json::{Definitions, any_of};
-use crate::schema::material::Material;
 use crate::schema::read::{Key, Read, Reader};
 use crate::syntax::{At, Node, Value, quoted};
 use nastic_energy::Scale;
@@ -88,26 +87,6 @@ impl Design {
     #[must_use]
     pub fn range(&self) -> [f64; 2] {
         self.scale().map_or([0.0, 1.0], |scale| scale.range())
-    }
-
-    /// Whether mass and weight follow it, where the material has a mass: of a mixture where the other one, of its own or one of these, has one too.
-    #[must_use]
-    pub fn has_mass(&self, materials: &[Material]) -> bool {
-        let of_kind = match &self.kind {
-            DesignKind::Density => true,
-            DesignKind::Mixture => self.other_density(materials).is_some(),
-            _ => false,
-        };
-        of_kind && self.mass.unwrap_or(true)
-    }
-
-    /// The density of the other material of a mixture.
-    #[must_use]
-    pub fn other_density(&self, materials: &[Material]) -> Option<f64> {
-        match self.with.as_ref()? {
-            MixedLaw::Law(law) => law.density,
-            MixedLaw::Name(name) => materials.iter().find(|own| own.name.as_ref() == Some(name))?.density,
-        }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::quantity::Want;
 use crate::schema::catalogue::{Input, SlotName, form_schema, read_inputs, want};
-use crate::schema::design::{self, Design};
+use crate::schema::design::{self, Design, DesignKind, MixedLaw};
 use crate::schema::json::Definitions;
 use crate::schema::read::{Key, Read, Reader};
 use crate::schema::time::{KelvinVoigt, Maxwell};
@@ -88,6 +88,26 @@ impl Material {
             }
         }
         out
+    }
+
+    /// Whether mass and weight follow a design, where the material has a mass: a density, and a mixture if the other law, its own or that of one of these, has one too.
+    #[must_use]
+    pub fn follows(design: &Design, materials: &[Material]) -> bool {
+        let of_kind = match &design.kind {
+            DesignKind::Density => true,
+            DesignKind::Mixture => Self::other_density(design, materials).is_some(),
+            _ => false,
+        };
+        of_kind && design.mass.unwrap_or(true)
+    }
+
+    /// The density of the other law of a mixture.
+    #[must_use]
+    pub fn other_density(design: &Design, materials: &[Material]) -> Option<f64> {
+        match design.with.as_ref()? {
+            MixedLaw::Law(law) => law.density,
+            MixedLaw::Name(name) => materials.iter().find(|own| own.name.as_ref() == Some(name))?.density,
+        }
     }
 
     /// The number that a control of this name is of.

@@ -2,9 +2,7 @@
 
 use nastic_case::film::voltages;
 use nastic_case::lower::{Admitted, CaseMember, CaseProblem, ControlField};
-use nastic_control::{
-    Basis, ControlBlock, ControlError, Cost, CostContext, DesignVolume, EnsembleBlock, Greyness, Space,
-};
+use nastic_control::{Basis, ControlBlock, ControlError, Cost, CostContext, DesignMean, EnsembleBlock, Space};
 use nastic_energy::SlotGroup;
 use nastic_numeric::vector::norm;
 use nastic_report::record::{ByName, ControlRecord, ControlValues, DerivativeNorm, Number, RangeRecord, numbers};
@@ -102,8 +100,8 @@ fn control(
         active: Some(active),
         active_share: (active as f64 / sizes.len().max(1) as f64).into(),
         total_variation: variation.map(Number::from).unwrap_or_default(),
-        volume: of_design(|member, of, m, stage| measure(member, DesignVolume::of(of, 1.0), m, stage)),
-        greyness: of_design(|member, of, m, stage| measure(member, Greyness::of(of, 1.0), m, stage)),
+        volume: of_design(|member, of, m, stage| measure(member, DesignMean::volume(of, 1.0), m, stage)),
+        greyness: of_design(|member, of, m, stage| measure(member, DesignMean::greyness(of, 1.0), m, stage)),
         grid: own.basis.grid().map(|grid| grid.cells().to_vec()),
         instants: own.knots.as_ref().map(|knots| numbers(&knots.instants())),
         values: few,
@@ -112,7 +110,7 @@ fn control(
 }
 
 /// A cost of a control alone.
-fn measure<C: Cost>(member: CaseMember<'_>, cost: Result<C, ControlError>, m: &[f64], stage: usize) -> Number {
+fn measure(member: CaseMember<'_>, cost: Result<DesignMean, ControlError>, m: &[f64], stage: usize) -> Number {
     let (solid, layout) = (member.solid(), member.reduced().layout_at(stage));
     let (rest, m) = (solid.rest(), member.layout().at(&member.local(m), 0.0).unwrap_or_default());
     let at = CostContext { solid, layout, u: &rest.u, state: None, m: &m, stage: 0, step: None };

@@ -12,8 +12,8 @@ pub(super) struct Beside<'b> {
     /// Whether all of these could be read.
     pub are_all: bool,
     pub actuation: &'b [Actuation],
-    /// What controls are of; `None` where some could not be read.
-    pub controlled: Option<Vec<&'b str>>,
+    /// What the controls of every load case are of, of a case without them those that it has; `None` where some could not be read.
+    pub controlled: Option<Vec<Vec<&'b str>>>,
 }
 
 pub(super) fn check<'b>(designs: impl Iterator<Item = &'b Design>, beside: &Beside<'b>, reader: &mut Reader<'_>) {
@@ -28,9 +28,11 @@ pub(super) fn check<'b>(designs: impl Iterator<Item = &'b Design>, beside: &Besi
             let message = format!("{} is a name already, at {first}", quoted(&design.name));
             reader.complain_at(&design.at.key("name"), message);
         }
-        if beside.controlled.as_ref().is_some_and(|all| !all.contains(&design.name.as_str())) {
+        if beside.controlled.iter().flatten().any(|of| !of.contains(&design.name.as_str())) {
+            let several = beside.controlled.as_ref().is_some_and(|all| all.len() > 1);
+            let whose = if several { " in every load case" } else { "" };
             let message = format!(
-                "nothing says what {0} is: give a control {{ \"of\": {0}, \"space\": \"cell\", \"start\": .. }}",
+                "nothing says what {0} is{whose}: give a control {{ \"of\": {0}, \"space\": \"cell\", \"start\": .. }}",
                 quoted(&design.name)
             );
             reader.complain_at(&design.at, message);
@@ -38,6 +40,7 @@ pub(super) fn check<'b>(designs: impl Iterator<Item = &'b Design>, beside: &Besi
     }
     for material in beside.materials.iter().filter(|material| !material.design.is_empty()) {
         check_masses(material, beside, reader);
+        check_stiffness(material, beside, reader);
         if !material.maxwell.is_empty() || material.kelvin_voigt.is_some() {
             let message = "the viscosity of a material does not follow its designs: leave one of them out";
             reader.complain_at(&material.at.key("design"), message);
@@ -62,7 +65,7 @@ fn check_other_law(design: &Design, beside: &Beside<'_>, reader: &mut Reader<'_>
         );
         reader.complain_at(&design.at.key("with"), message);
     }
-    let mut controlled = beside.controlled.iter().flatten();
+    let mut controlled = beside.controlled.iter().flatten().flatten();
     let number = other.and_then(|material| controlled.find(|of| material.number_of(of).is_some()));
     if let Some(of) = number {
         let message = format!(
@@ -79,12 +82,32 @@ fn check_other_law(design: &Design, beside: &Beside<'_>, reader: &mut Reader<'_>
     }
 }
 
+/// A law that holds a body is mixed with another one that does.
+fn check_stiffness(material: &Material, beside: &Beside<'_>, reader: &mut Reader<'_>) {
+    for design in material.design.iter().filter(|_| !material.law.reinforcing) {
+        let other = match &design.with {
+            Some(MixedLaw::Law(law)) => Some(law.law),
+            Some(MixedLaw::Name(name)) => {
+                beside.materials.iter().find(|own| own.name.as_ref() == Some(name)).map(|own| own.law)
+            }
+            None => None,
+        };
+        if let Some(law) = other.filter(|law| law.reinforcing) {
+            let message = format!(
+                "{} only reinforces a body, which nothing else would hold where its share is 1: put it beside the law as a material of its own, with a design \"density\"",
+                quoted(law.name)
+            );
+            reader.complain_at(&design.at.key("with"), message);
+        }
+    }
+}
+
 /// The mass of a material follows one field.
 fn check_masses(material: &Material, beside: &Beside<'_>, reader: &mut Reader<'_>) {
     for design in material.design.iter().filter(|design| design.mass == Some(true)) {
         let message = if material.density.is_none() {
             format!("no mass follows: {} has no \"density\"", material.at)
-        } else if !design.has_mass(beside.materials) && beside.are_all {
+        } else if !Material::follows(design, beside.materials) && beside.are_all {
             "no mass follows: the other law has no \"density\"".to_owned()
         } else {
             continue;
@@ -94,7 +117,7 @@ fn check_masses(material: &Material, beside: &Beside<'_>, reader: &mut Reader<'_
     if material.density.is_none() {
         return;
     }
-    let mut follow = material.design.iter().filter(|design| design.has_mass(beside.materials));
+    let mut follow = material.design.iter().filter(|design| Material::follows(design, beside.materials));
     if let (Some(first), Some(second)) = (follow.next(), follow.next()) {
         let message = format!(
             "mass and weight follow one design, and {} gives them already: say \"mass\": false of one of them",

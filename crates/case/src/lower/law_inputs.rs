@@ -1,0 +1,42 @@
+//! Parameters of laws at points.
+
+use super::context::Context;
+use super::field::SamplePoints;
+use nastic_energy::catalogue::Inputs;
+use nastic_language::schema::Input;
+use nastic_language::syntax::At;
+use std::collections::BTreeMap;
+
+/// The parameters of a law or actuation, sampled.
+pub(super) fn inputs(
+    parameters: &BTreeMap<&'static str, Input>,
+    at: &At,
+    points: &SamplePoints<'_>,
+    context: &mut Context<'_>,
+) -> Option<Inputs> {
+    let mut out = Some(Inputs::new());
+    for (name, input) in parameters {
+        let at = at.key(name);
+        // One that fails does not keep the others from being looked at.
+        let with = match input {
+            Input::Number(value) => {
+                points.number(value, &at, context).map(|field| out.clone().map(|i| i.number(name, field)))
+            }
+            Input::Direction(value) => {
+                points.direction(value, &at, context).map(|field| out.clone().map(|i| i.direction(name, field)))
+            }
+            Input::Word(word) => Some(out.clone().map(|i| i.choice(name, word))),
+            Input::Energy(formula) => Some(out.clone().map(|i| i.energy(name, formula.expression().clone()))),
+            Input::Numbers(values) => {
+                let fields: Vec<_> = values
+                    .iter()
+                    .map(|(key, value)| Some((key.clone(), points.number(value, &at.key(key), context)?)))
+                    .collect();
+                let fields: Option<BTreeMap<_, _>> = fields.into_iter().collect();
+                fields.map(|fields| out.clone().map(|i| i.numbers(name, fields)))
+            }
+        };
+        out = with.flatten();
+    }
+    out
+}
