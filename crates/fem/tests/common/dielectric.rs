@@ -11,21 +11,28 @@ use std::sync::Arc;
 pub const MU: f64 = 1.0;
 pub const LAMBDA: f64 = 4.0;
 
-/// The density `-eps/2 J |e|^2`, `e = F^-T grad phi`.
+/// The density `-J/2 sum_ab c_ab e_a . e_b`, `e_a = F^-T grad phi_a`, of potentials phi_a.
 #[derive(Debug)]
 pub struct Dielectric {
-    permittivity: f64,
-    fields: [Field; 1],
+    fields: Vec<Field>,
+    /// `a, b, c_ab`
+    pairs: Vec<(usize, usize, f64)>,
 }
 
 impl Dielectric {
+    /// Of one potential.
     pub fn on(disc: &Arc<Discretization>, permittivity: f64) -> CellSum<Self> {
-        CellSum::new(Dielectric { permittivity, fields: [Field::saddle("phi", 1)] }, disc)
+        Self::of(disc, &["phi"], vec![(0, 0, permittivity)])
+    }
+
+    pub fn of(disc: &Arc<Discretization>, names: &[&'static str], pairs: Vec<(usize, usize, f64)>) -> CellSum<Self> {
+        let fields = names.iter().map(|name| Field::saddle(name, 1)).collect();
+        CellSum::new(Dielectric { fields, pairs }, disc)
     }
 }
 
 /// `F^-1` and J of `F = 1 + grad u`.
-pub fn inverse(gradients: &[[HyperDual; 3]]) -> ([[HyperDual; 3]; 3], HyperDual) {
+fn inverse(gradients: &[[HyperDual; 3]]) -> ([[HyperDual; 3]; 3], HyperDual) {
     let unit = |i: usize, j: usize| HyperDual::constant(f64::from(u8::from(i == j)));
     let f: [[HyperDual; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| gradients[i][j] + unit(i, j)));
     let minor = |i: usize, j: usize| {
@@ -55,20 +62,29 @@ impl WeakForm for Dielectric {
 
     fn density(&self, at: &FormPoint) -> f64 {
         let (inverse, j) = inverse(&at.gradients);
-        let e = |i: usize| (0..3).map(|k| inverse[k][i].real() * at.gradients[3][k].real()).sum::<f64>();
-        -0.5 * self.permittivity * j.real() * (0..3).map(|i| e(i).powi(2)).sum::<f64>()
+        let e = |a: usize, i: usize| (0..3).map(|k| inverse[k][i].real() * at.gradients[3 + a][k].real()).sum::<f64>();
+        let product = |a: usize, b: usize| (0..3).map(|i| e(a, i) * e(b, i)).sum::<f64>();
+        -0.5 * j.real() * self.pairs.iter().map(|(a, b, c)| c * product(*a, *b)).sum::<f64>()
     }
 
     fn dual(&self, at: &FormPoint, out: &mut FormDual) {
-        let ((inverse, j), slope) = (inverse(&at.gradients), at.gradients[3]);
+        let (inverse, j) = inverse(&at.gradients);
         let sum = |of: &dyn Fn(usize) -> HyperDual| of(0) + of(1) + of(2);
-        let e: [HyperDual; 3] = std::array::from_fn(|i| sum(&|k| inverse[k][i] * slope[k]));
-        let w: [HyperDual; 3] = std::array::from_fn(|k| sum(&|i| inverse[k][i] * e[i]));
-        let (factor, half) = (j * HyperDual::constant(-self.permittivity), HyperDual::constant(0.5));
-        let square = half * sum(&|i| e[i] * e[i]);
-        out.fluxes[3] = w.map(|w| factor * w);
-        for (i, k) in (0..3).flat_map(|i| (0..3).map(move |k| (i, k))) {
-            out.fluxes[i][k] = factor * (square * inverse[k][i] - e[i] * w[k]);
+        let e =
+            |slope: &[HyperDual; 3]| -> [HyperDual; 3] { std::array::from_fn(|i| sum(&|k| inverse[k][i] * slope[k])) };
+        let e: Vec<[HyperDual; 3]> = at.gradients[3..].iter().map(e).collect();
+        let w = |e: &[HyperDual; 3]| -> [HyperDual; 3] { std::array::from_fn(|k| sum(&|i| inverse[k][i] * e[i])) };
+        let w: Vec<[HyperDual; 3]> = e.iter().map(w).collect();
+        for &(a, b, c) in &self.pairs {
+            let factor = j * HyperDual::constant(-c);
+            let half = HyperDual::constant(0.5) * sum(&|i| e[a][i] * e[b][i]);
+            for k in 0..3 {
+                out.fluxes[3 + a][k] = out.fluxes[3 + a][k] + factor * w[b][k];
+                for i in 0..3 {
+                    let pull = factor * (half * inverse[k][i] - e[a][i] * w[b][k]);
+                    out.fluxes[i][k] = out.fluxes[i][k] + pull;
+                }
+            }
         }
     }
 }
