@@ -42,10 +42,9 @@
 //! | [`uncertainty`] | random parameters, rules over them, measures of risk |
 //! | [`team`] | ranks that share out members of an ensemble |
 //! | [`opt`] | admissible sets, optimisers, the Taylor test |
-//! | [`control`] | control fields, costs, reduced problems |
+//! | [`control`] | control fields, costs, reduced problems, ensembles |
 //! | [`case`] | case files and what the command line does with them |
 
-pub use nastic_control as control;
 pub use nastic_energy as energy;
 pub use nastic_fem as fem;
 pub use nastic_fit as fit;
@@ -60,6 +59,12 @@ pub use nastic_report as report;
 pub use nastic_team as team;
 pub use nastic_tensor as tensor;
 pub use nastic_uncertainty as uncertainty;
+
+/// Control fields, costs, reduced problems, ensembles of them.
+pub mod control {
+    pub use nastic_control::*;
+    pub use nastic_ensemble::*;
+}
 
 /// Case files and what the command line does with them.
 pub mod case {

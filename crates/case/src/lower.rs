@@ -1,7 +1,7 @@
 //! From a [`Case`](nastic_language::schema::Case) to a [`CaseProblem`]: meshes read, formulas evaluated where they are needed, names looked up.
 //!
 //! Every problem names its path and line; as many as possible are found before giving up. A case becomes an
-//! [`Ensemble`](nastic_control::Ensemble) of members, one for every load case of every scenario; a plain case is an ensemble of one.
+//! [`Ensemble`](nastic_ensemble::Ensemble) of members, one for every load case of every scenario; a plain case is an ensemble of one.
 
 mod actuation;
 mod adaptive_steps;

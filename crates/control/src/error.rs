@@ -213,18 +213,6 @@ pub struct RemoteFailure {
     pub lacks_second_derivatives: bool,
 }
 
-impl RemoteFailure {
-    pub(crate) fn new(rank: usize, error: &ControlError) -> Self {
-        Self {
-            rank,
-            message: error.to_string(),
-            newton: error.newton(),
-            lacks_memory: error.is_lack_of_memory(),
-            lacks_second_derivatives: error.lacks_second_derivatives(),
-        }
-    }
-}
-
 impl ControlError {
     /// The same of a cost or constraint whose name is known.
     pub(crate) fn of(self, name: &str) -> Self {

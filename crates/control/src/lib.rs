@@ -11,7 +11,6 @@ mod control_names;
 mod control_values;
 mod cost;
 mod design;
-mod ensemble;
 mod error;
 mod evaluated;
 mod field_chain;
@@ -42,10 +41,6 @@ pub use cost::{
     Target, Tracking,
 };
 pub use design::Consumer;
-pub use ensemble::{
-    Ensemble, EnsembleBlock, EnsembleBuilder, EnsembleError, EnsemblePoint, EnsembleWorkspace, Finished, LoadCase,
-    Measured, Member, MemberBlock, MemberValues, Parcel, SavedMembers, blocks_of_members,
-};
 pub use error::{ControlError, RemoteFailure};
 pub use evaluated::{AdjointState, Evaluated, SolvedStates, StepError};
 pub use grid::Grid;
@@ -57,7 +52,7 @@ pub use map::{
 };
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use nastic_mesh::spatial::Obstacle;
-pub use reduced::{AdaptiveSteps, Reduced};
+pub use reduced::{AdaptiveSteps, Lagrangian, Reduced, SecondDerivative, work_summary};
 pub use snapshot::StateFields;
 pub use time::{
     ActuationWork, COSTS as MOTION_COSTS, ControlRate, Instants, Interpolation, KineticEnergy, Knots, MotionFootprint,

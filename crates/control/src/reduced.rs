@@ -16,10 +16,10 @@ mod static_trial;
 mod terms;
 
 pub use adaptive_steps::AdaptiveSteps;
-pub(crate) use constrained::Lagrangian;
+pub use constrained::Lagrangian;
 pub(crate) use in_time::Motion;
-pub(crate) use objective::{failed, work_summary};
-pub(crate) use second_order::SecondDerivative;
+pub use objective::work_summary;
+pub use second_order::SecondDerivative;
 
 use crate::constraint::Constraint;
 use crate::control_values::ControlValues;
@@ -131,10 +131,11 @@ impl fmt::Debug for StepProgress {
 
 /// Relative residual asked of a state solve per relative accuracy of the state: slender bodies amplify residuals.
 const RESIDUAL_PER_ACCURACY: f64 = 1e-2;
-/// Relative accuracy of evaluations that nothing was said about: residuals of 1e-11.
-pub(crate) const AT_REST: f64 = 1e-9;
 
 impl Reduced {
+    /// Relative accuracy of the states of evaluations that nothing was said about ([`at`](Self::at)): residuals of 1e-11.
+    pub const AT_REST: f64 = 1e-9;
+
     /// The problem of a body, with no cost yet.
     pub fn new(solid: Solid) -> Self {
         let layout = Layout::new(solid.controls());
@@ -280,11 +281,13 @@ impl Reduced {
         Reduced { may_float, ..self }
     }
 
-    pub(crate) fn set_cancel(&mut self, flag: Arc<AtomicBool>) {
+    /// The same as [`cancelled_by`](Self::cancelled_by), of a problem that is in use.
+    pub fn set_cancel(&mut self, flag: Arc<AtomicBool>) {
         self.cancel = Some(flag);
     }
 
-    pub(crate) fn set_refuse_unstable(&mut self, refuse: bool) {
+    /// The same as [`refuse_unstable`](Self::refuse_unstable), of a problem that is in use.
+    pub fn set_refuse_unstable(&mut self, refuse: bool) {
         self.refuse_unstable = refuse;
     }
 
@@ -298,8 +301,11 @@ impl Reduced {
         self.build_inner_product().map(drop)
     }
 
-    /// A motion from a given state needs no support, nor does what is not solved.
-    pub(crate) fn check_body(&self) -> Result<(), ControlError> {
+    /// Whether the body is complete, whatever is controlled. A motion from a given state needs no support, nor does what is not solved.
+    ///
+    /// # Errors
+    /// What it lacks.
+    pub fn check_body(&self) -> Result<(), ControlError> {
         let from_given = |timeline: &Timeline| timeline.begin() == Begin::Given && !timeline.scheme().is_quasi_static();
         let moves = self.timeline().is_some_and(from_given);
         match self.solid.check() {
@@ -348,7 +354,11 @@ impl Reduced {
     /// # Errors
     /// No equilibrium, or a cost that is not defined there.
     pub fn at(&self, m: &[f64]) -> Result<Evaluated, ControlError> {
-        self.evaluate_typed(m, &Request { accuracy: AT_REST, ..Request::default() }, &mut ReducedWorkspace::default())
+        self.evaluate_typed(
+            m,
+            &Request { accuracy: Self::AT_REST, ..Request::default() },
+            &mut ReducedWorkspace::default(),
+        )
     }
 
     /// The same as [`evaluate`](nastic_opt::Objective::evaluate), with an observer of the motion while it runs; of a problem that is
@@ -369,7 +379,11 @@ impl Reduced {
         }
     }
 
-    pub(crate) fn evaluate_typed(
+    /// The same as [`evaluate`](nastic_opt::Objective::evaluate), with the type of its errors.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn evaluate_typed(
         &self,
         m: &[f64],
         how: &Request<'_, Evaluated>,
@@ -453,7 +467,11 @@ impl Reduced {
         }
     }
 
-    pub(crate) fn restage_typed(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
+    /// The same as [`restage`](nastic_opt::Objective::restage), with the type of its errors.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn restage_typed(&self, stage: usize, point: &Evaluated) -> Result<Evaluated, ControlError> {
         match &self.motion {
             Some(motion) => self.restage_motion(motion, point, stage),
             // other maps give other values, and another state

@@ -20,8 +20,8 @@ impl ReducedWorkspace {
         self.solve.factor_bytes()
     }
 
-    /// Drops what an evaluation left of which it is not known whether it ran.
-    pub(crate) fn after_failure(&mut self) {
+    /// Drops what an evaluation left of which it is not known whether it ran, as beside one that failed: the next does not depend on it.
+    pub fn after_failure(&mut self) {
         self.solve.clear();
         self.limits = KnownLimits::default();
     }

@@ -1,9 +1,10 @@
 //! Constraints of reduced problems: derivatives against differences, and an obstacle that is in the way.
 
 use nastic_control::{
-    ControlNorm, CostLimit, Ensemble, IntoConstraint, Obstacle, ObstacleDistance, Reduced, Space, Target, Tracking,
+    ControlNorm, CostLimit, IntoConstraint, Obstacle, ObstacleDistance, Reduced, Space, Target, Tracking,
 };
 use nastic_energy::{FiberTension, NeoHooke};
+use nastic_ensemble::Ensemble;
 use nastic_fem::Solid;
 use nastic_mesh::{CellKind, box_mesh, rectangle};
 use nastic_opt::{

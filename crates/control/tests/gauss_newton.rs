@@ -1,7 +1,8 @@
 //! Gauss-Newton's products, and the trust-region methods on bodies.
 
-use nastic_control::{ControlNorm, Ensemble, Reduced, ReducedWorkspace, Space, Target, Tracking};
+use nastic_control::{ControlNorm, Reduced, ReducedWorkspace, Space, Target, Tracking};
 use nastic_energy::{FiberTension, Magnet, MooneyRivlin};
+use nastic_ensemble::Ensemble;
 use nastic_fem::Solid;
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Admissible, Ball, Bounds, NewtonCg, Optimizer, Options, Product, Sphere};

@@ -1,10 +1,11 @@
 //! The reduced derivative against other codes and against Taylor's theorem.
 
 use nastic_control::{
-    ControlError, ControlNorm, ControlSmoothness, EnsembleError, Evaluated, Metric, Reduced, ReducedWorkspace,
-    SmoothedHausdorff, Space, Target, Tracking,
+    ControlError, ControlNorm, ControlSmoothness, Evaluated, Metric, Reduced, ReducedWorkspace, SmoothedHausdorff,
+    Space, Target, Tracking,
 };
 use nastic_energy::{FiberTension, MooneyRivlin, TransverseMooneyRivlin};
+use nastic_ensemble::EnsembleError;
 use nastic_fem::{Formulation, Solid, StateError};
 use nastic_linear::{FactorError, LinearError};
 use nastic_mesh::{CellKind, box_mesh};

@@ -1,11 +1,12 @@
 //! Products with the second derivative: Taylor remainders of third order and symmetry, for every cost and every actuation.
 
 use nastic_control::{
-    COSTS, ControlError, ControlNorm, Cost, CostContext, CostExample, CostPoint, Ensemble, EnsembleError, Evaluated,
-    LoadCase, Partials, Reduced, ReducedWorkspace, Space, Target, Tracking,
+    COSTS, ControlError, ControlNorm, Cost, CostContext, CostExample, CostPoint, Evaluated, Partials, Reduced,
+    ReducedWorkspace, Space, Target, Tracking,
 };
 use nastic_energy::catalogue::{actuations, materials};
 use nastic_energy::{FiberTension, MooneyRivlin, Turgor};
+use nastic_ensemble::{Ensemble, EnsembleError, LoadCase};
 use nastic_fem::Solid;
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Bounds, Hessian, Objective, Request, Taylor, Verdict};

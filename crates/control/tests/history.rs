@@ -1,10 +1,8 @@
 //! What the past of a run may change: nothing beyond the accuracy of states, and nothing at all where it is the same.
 
-use nastic_control::{
-    ControlNorm, Ensemble, EnsemblePoint, EnsembleWorkspace, Evaluated, Reduced, ReducedWorkspace, SmoothedHausdorff,
-    Space, Target, Tracking,
-};
+use nastic_control::{ControlNorm, Evaluated, Reduced, ReducedWorkspace, SmoothedHausdorff, Space, Target, Tracking};
 use nastic_energy::{FiberTension, MooneyRivlin};
+use nastic_ensemble::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{

@@ -1,7 +1,8 @@
 //! Hard magnets as a design and a control: derivatives along spheres, lengths kept, known answers found again.
 
-use nastic_control::{Ensemble, LoadCase, Metric, Reduced, Space, Target, Tracking};
+use nastic_control::{Metric, Reduced, Space, Target, Tracking};
 use nastic_energy::{EnergyTerm, Magnet, MagnetIsochoric, MagnetRotation, MooneyRivlin};
+use nastic_ensemble::{Ensemble, LoadCase};
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::{CellKind, Mesh, RawMesh, box_mesh};
 use nastic_opt::{

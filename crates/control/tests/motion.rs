@@ -1,7 +1,8 @@
 //! The motion of a rigid surface as a control: derivatives by translation and rotation.
 
-use nastic_control::{Compliance, Ensemble, Reduced, Space, Target, Tracking};
+use nastic_control::{Compliance, Reduced, Space, Target, Tracking};
 use nastic_energy::{FiberTension, NeoHooke};
+use nastic_ensemble::Ensemble;
 use nastic_fem::{MovingSupport, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Bounds, Lbfgs, Optimizer, Taylor, Verdict};

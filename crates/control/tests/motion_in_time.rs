@@ -1,10 +1,11 @@
 //! Problems in time: values against closed forms, derivatives against differences, histories to the bit.
 
 use nastic_control::{
-    ActuationWork, ControlNorm, ControlRate, Ensemble, Evaluated, Interpolation, KineticEnergy, Knots, MeanPosition,
-    Metric, MotionMemory, RateLimit, Reduced, Space, Target, Timeline, Tracking, When,
+    ActuationWork, ControlNorm, ControlRate, Evaluated, Interpolation, KineticEnergy, Knots, MeanPosition, Metric,
+    MotionMemory, RateLimit, Reduced, Space, Target, Timeline, Tracking, When,
 };
 use nastic_energy::{FiberTension, KinematicGrowth, Magnet, MaxwellBranch, NeoHooke, Turgor};
+use nastic_ensemble::Ensemble;
 use nastic_fem::{Inertia, Scheme, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{

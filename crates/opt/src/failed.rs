@@ -34,6 +34,12 @@ impl Failed {
         Self { work, ..self }
     }
 
+    /// The same failure, told by an error that has its cause: that of a member of an ensemble, with the member's name.
+    #[must_use]
+    pub fn told_by(self, source: impl Error + Send + Sync + 'static) -> Self {
+        Self { source: Arc::new(source), ..self }
+    }
+
     /// The same failure as one that says nothing about the control (too little memory, say): no trial is rejected for it, since
     /// results would depend on the machine. It ends the run.
     #[must_use]

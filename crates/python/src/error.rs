@@ -1,7 +1,8 @@
 //! Errors as the exceptions of `nastic.errors`.
 
 use nastic_case::lower::StepsError;
-use nastic_control::{ControlError, EnsembleError};
+use nastic_control::ControlError;
+use nastic_ensemble::EnsembleError;
 use nastic_language::syntax::Diagnostics;
 use nastic_opt::Failed;
 use nastic_run::run::{Exit, RunError};

@@ -6,7 +6,8 @@ use crate::mesh::{Mesh, arrays};
 use crate::run::document;
 use crate::states::fields;
 use nastic_case::lower::{Admitted, CaseMember, CaseProblem};
-use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
+use nastic_control::StateFields;
+use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_mesh::Snapshot;
 use nastic_opt::{Budget, Constrained, Failed, Hessian, Objective, Request, Sense};
 use nastic_run::run::thread_pool;
@@ -348,7 +349,7 @@ impl Problem {
 
     /// Lower and upper bounds of all entries, infinite where there are none.
     fn bounds<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>) {
-        let of = |(block, field): (&nastic_control::EnsembleBlock, &nastic_case::lower::ControlField)| {
+        let of = |(block, field): (&nastic_ensemble::EnsembleBlock, &nastic_case::lower::ControlField)| {
             let none = (f64::NEG_INFINITY, f64::INFINITY);
             let at = |k: usize| field.bounds.as_ref().map_or(none, |bounds| bounds.at(k));
             (0..block.len).map(at).collect::<Vec<_>>()

@@ -3,10 +3,9 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
 use nastic_case::lower::AssemblyError;
-use nastic_control::{
-    ControlError, Cost, CostContext, CostPoint, Ensemble, LoadCase, Metric, Partials, Reduced, Space, Target, Tracking,
-};
+use nastic_control::{ControlError, Cost, CostContext, CostPoint, Metric, Partials, Reduced, Space, Target, Tracking};
 use nastic_energy::{FiberTension, Magnet, NeoHooke};
+use nastic_ensemble::{Ensemble, LoadCase};
 use nastic_fem::Solid;
 use nastic_language::quantity::{Unit, Units};
 use nastic_language::schema::Command;

@@ -4,7 +4,7 @@ use super::line::{Line, line};
 use super::time;
 use crate::film::{kilovolts, voltages};
 use crate::lower::{Admitted, CaseProblem, ControlField, grid_cells};
-use nastic_control::EnsembleBlock;
+use nastic_ensemble::EnsembleBlock;
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::Metric;

@@ -2,7 +2,7 @@
 
 use crate::lower::{Admitted, CaseProblem, ControlField};
 use crate::warning::{UNDETERMINED, Warning};
-use nastic_control::EnsembleBlock;
+use nastic_ensemble::EnsembleBlock;
 use nastic_opt::Constrained;
 
 /// Warns of an optimum m of equilibria with more free control values than numbers that the cost looks at: a sum of squares of n deviations has a second derivative of rank n

@@ -12,7 +12,8 @@ use crate::lower::{
     start, survey, tension, time_table, variant, weight,
 };
 use crate::warning::Warning;
-use nastic_control::{Ensemble, EnsembleError, LoadCase, Reduced};
+use nastic_control::Reduced;
+use nastic_ensemble::{Ensemble, EnsembleError, LoadCase};
 use nastic_fem::Discretization;
 use nastic_language::schema::{Case, Reading};
 use nastic_language::syntax::{At, Diagnostic, Diagnostics, Document, quoted};

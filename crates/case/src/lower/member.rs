@@ -3,7 +3,8 @@
 use crate::lower::control_field::ControlField;
 use crate::lower::problem::CaseProblem;
 use crate::lower::target_shape::TargetShape;
-use nastic_control::{ControlBlock, Layout, Member, Reduced};
+use nastic_control::{ControlBlock, Layout, Reduced};
+use nastic_ensemble::Member;
 use nastic_fem::Solid;
 use nastic_language::schema::Case;
 use nastic_mesh::Mesh;

@@ -16,14 +16,16 @@ use std::sync::Arc;
 
 /// What a derivative is of: the sum of the costs (or nothing) and `sum_k y_k c_k`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Lagrangian<'a> {
+pub struct Lagrangian<'a> {
+    /// Whether the costs are in it.
     pub costs: bool,
+    /// y, one for each value of the constraints; empty without any.
     pub y: &'a [f64],
 }
 
 impl Lagrangian<'_> {
     /// The weights of the constraints; none where all are zero.
-    pub fn multipliers(&self) -> Vec<f64> {
+    pub(crate) fn multipliers(&self) -> Vec<f64> {
         if self.y.iter().any(|y| *y != 0.0) { self.y.to_vec() } else { vec![] }
     }
 }
@@ -106,8 +108,11 @@ impl Reduced {
         })
     }
 
-    /// `d/dm` of costs and constraints as `of` weighs them, by one adjoint, with the adjoint state.
-    pub(crate) fn lagrangian_sensitivity(
+    /// `d/dm` of costs and constraints as `of` weighs them, by one adjoint, with the adjoint state; none where nothing depends on the state.
+    ///
+    /// # Errors
+    /// A tangent that is singular, a cost or constraint that is not defined.
+    pub fn lagrangian_sensitivity(
         &self,
         point: &Evaluated,
         of: Lagrangian<'_>,

@@ -134,8 +134,8 @@ impl Problem for Reduced {
     }
 }
 
-/// Work by the names of history lines.
-pub(crate) fn work_summary(work: &SolveReport) -> [(String, f64); 3] {
+/// Work by the names of history lines: `newton`, `factorisations`, `back_substitutions`.
+pub fn work_summary(work: &SolveReport) -> [(String, f64); 3] {
     [
         ("newton".into(), work.newton as f64),
         ("factorisations".into(), work.factorisations as f64),
@@ -146,17 +146,13 @@ pub(crate) fn work_summary(work: &SolveReport) -> [(String, f64); 3] {
 /// A failed trial keeps the error with its type, the Newton iterations spent, and how far its step may go. A lack of memory is fatal, and a lost rank.
 impl From<ControlError> for Failed {
     fn from(error: ControlError) -> Self {
-        let known = error.clone();
-        failed(error, &known)
+        let newton = error.newton().map(|newton| ("newton".to_owned(), newton as f64));
+        let limit = error.limit().map(|limit| limit.share);
+        let is_fatal = error.is_lack_of_memory() || error.is_lost_rank();
+        let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
+        let failed = limit.map_or(failed.clone(), |share| failed.beyond(share));
+        if is_fatal { failed.fatal() } else { failed }
     }
-}
-
-/// The failure of an evaluation, with what an error of one state says of it.
-pub(crate) fn failed(error: impl std::error::Error + Send + Sync + 'static, of: &ControlError) -> Failed {
-    let newton = of.newton().map(|newton| ("newton".to_owned(), newton as f64));
-    let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
-    let failed = of.limit().map_or(failed.clone(), |limit| failed.beyond(limit.share));
-    if of.is_lack_of_memory() || of.is_lost_rank() { failed.fatal() } else { failed }
 }
 
 impl From<Evaluated> for Start<Evaluated> {

@@ -12,7 +12,7 @@ use std::borrow::Cow;
 
 /// The second derivative along a direction, and the first one where it was asked for.
 #[derive(Debug, Clone)]
-pub(crate) struct SecondDerivative {
+pub struct SecondDerivative {
     /// `d2jhat/dm2 v`.
     pub product: Vec<f64>,
     /// `djhat/dm`; empty unless asked for.
@@ -81,8 +81,12 @@ impl Reduced {
         Ok(self.second_derivative(point, Some(term), v, Hessian::Exact, false, workspace)?.product)
     }
 
-    /// Of all terms, or of one, along v; with the first derivative if asked.
-    pub(crate) fn second_derivative(
+    /// [Exact](Self::hessian_vector) or [linearised](Self::gauss_newton_vector), of all terms or of one, along v; with the `first` derivative if asked, which
+    /// takes no further solve.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn second_derivative(
         &self,
         point: &Evaluated,
         term: Option<usize>,
@@ -110,7 +114,10 @@ impl Reduced {
     }
 
     /// `(d2j + sum_k y_k d2c_k + sum_k w_k dc_k dc_k^T) v` of costs and constraints by the controls, as `of` weighs them.
-    pub(crate) fn lagrangian_second_derivative(
+    ///
+    /// # Errors
+    /// As [`hessian_vector`](Self::hessian_vector).
+    pub fn lagrangian_second_derivative(
         &self,
         point: &Evaluated,
         of: Lagrangian<'_>,

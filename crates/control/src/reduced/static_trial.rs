@@ -138,7 +138,7 @@ impl Reduced {
 
     /// Why the state of a trial lies on another branch than that of the point it started near, if it does: by the test of
     /// [`Stability::connection`](nastic_fem::views::Stability::connection), which follows the path where the solve met a tangent that is not positive definite.
-    pub(crate) fn other_branch(&self, from: &Evaluated, to: &Evaluated) -> Option<ControlError> {
+    pub fn other_branch(&self, from: &Evaluated, to: &Evaluated) -> Option<ControlError> {
         let model = self.solid().model();
         if self.timeline().is_some() || !self.follows_paths() {
             return None;

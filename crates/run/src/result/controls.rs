@@ -2,8 +2,9 @@
 
 use nastic_case::film::voltages;
 use nastic_case::lower::{Admitted, CaseMember, CaseProblem, ControlField};
-use nastic_control::{Basis, ControlBlock, ControlError, Cost, CostContext, DesignMean, EnsembleBlock, Space};
+use nastic_control::{Basis, ControlBlock, ControlError, Cost, CostContext, DesignMean, Space};
 use nastic_energy::SlotGroup;
+use nastic_ensemble::EnsembleBlock;
 use nastic_numeric::vector::norm;
 use nastic_report::record::{ByName, ControlRecord, ControlValues, DerivativeNorm, Number, RangeRecord, numbers};
 

@@ -6,7 +6,7 @@ use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{
     BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
 };
-use nastic_control::EnsemblePoint;
+use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{FreeMotion, PointPeak, SolveOptions, State, StateError};
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;

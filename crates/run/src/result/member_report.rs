@@ -3,7 +3,8 @@
 use crate::result::inspection::{Inspection, Uncounted};
 use crate::result::summary;
 use nastic_case::lower::{CaseMember, CaseProblem, LocatedProbe};
-use nastic_control::{ControlError, CostPoint, DistanceInTime, EnsemblePoint, Measured};
+use nastic_control::{ControlError, CostPoint, DistanceInTime};
+use nastic_ensemble::{EnsemblePoint, Measured};
 use nastic_fem::{SolveReport, State};
 use nastic_report::record::{
     ByName, CostRecord, MeasureRecord, ProbeRecord, ProbesRecord, RiskRecord, StateRecord, numbers,

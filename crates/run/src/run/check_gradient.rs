@@ -3,7 +3,7 @@
 use crate::console::Console;
 use crate::run::error::RunError;
 use crate::run::session::Session;
-use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{Base, Certificate, TaylorError, Verdict};
 use nastic_report::record::GradientCheckRecord;
 

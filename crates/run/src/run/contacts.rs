@@ -5,7 +5,7 @@ use crate::run::session::Session;
 use nastic_case::inspect::touches;
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::{CREEPS, NO_CONTACT, STEPS_PER_CONTACT, Warning};
-use nastic_control::EnsemblePoint;
+use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{Sliding, Touch, TouchParameters};
 use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;

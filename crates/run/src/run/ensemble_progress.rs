@@ -2,7 +2,7 @@
 
 use crate::console::Console;
 use nastic_case::lower::CaseProblem;
-use nastic_control::Finished;
+use nastic_ensemble::Finished;
 use nastic_numeric::format::scientific;
 use nastic_report::bar;
 use std::sync::{Arc, Mutex};

@@ -6,7 +6,7 @@ use crate::run::error::{Exit, RunError};
 use crate::run::gradcheck::memo::{Column, Memo, Term};
 use crate::run::session::Session;
 use nastic_case::lower::{Admitted, CaseProblem};
-use nastic_control::EnsembleError;
+use nastic_ensemble::EnsembleError;
 use nastic_language::number;
 use nastic_numeric::format::scientific;
 use nastic_opt::{Admissible, Failed, Objective, SecondOrder, Taylor, TaylorDirection, TaylorError, Verdict};

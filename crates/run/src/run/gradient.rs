@@ -12,7 +12,8 @@ use crate::run::session::Session;
 use crate::run::solve::equilibrium::show;
 use crate::run::terminal::{digits, say_cost, say_members, say_probes};
 use nastic_case::lower::CaseProblem;
-use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
+use nastic_control::StateFields;
+use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_language::number::short;
 use nastic_opt::{Objective, Verdict};
 

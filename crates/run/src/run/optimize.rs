@@ -26,7 +26,7 @@ use crate::run::session::Session;
 use crate::saved::checkpoint::{Place, Position, interrupted};
 use crate::saved::{checkpoint, motion_checkpoint};
 use nastic_case::warning::{INPUT, Warning};
-use nastic_control::EnsembleWorkspace;
+use nastic_ensemble::EnsembleWorkspace;
 use nastic_opt::{Objective, Optimizer, Verdict};
 use nastic_report::record::{GradientCheckRecord, ResumedRecord};
 use std::path::PathBuf;

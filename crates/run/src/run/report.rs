@@ -8,7 +8,7 @@ use crate::result::target_files::target_names;
 use crate::run::error::RunError;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseProblem, obstacle_shape};
-use nastic_control::EnsemblePoint;
+use nastic_ensemble::EnsemblePoint;
 use nastic_io::{WrittenFiles, write_atomically};
 use nastic_language::schema::Command;
 use nastic_report::FigureRequest;

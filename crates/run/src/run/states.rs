@@ -5,7 +5,8 @@ use crate::result::picture::Drawing;
 use crate::result::title::title;
 use crate::result::{picture, snapshot};
 use nastic_case::lower::{CaseMember, CaseProblem};
-use nastic_control::{ControlError, EnsemblePoint, StateFields};
+use nastic_control::{ControlError, StateFields};
+use nastic_ensemble::EnsemblePoint;
 use nastic_mesh::Snapshot;
 use nastic_picture::{PictureError, Sheet};
 

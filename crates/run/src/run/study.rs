@@ -12,7 +12,8 @@ use crate::console::Console;
 use crate::run::outcome::Outcome;
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::States;
-use nastic_control::{Ensemble, LoadCase, Reduced};
+use nastic_control::Reduced;
+use nastic_ensemble::{Ensemble, LoadCase};
 use nastic_language::quantity::Units;
 use nastic_report::OnTrial;
 use nastic_uncertainty::risk::Mean;
@@ -258,7 +259,7 @@ impl Study {
     }
 
     /// A flag that stops the optimisation, and the state solve at hand, once it is raised; what was found is kept. It comes in the place of
-    /// flags given to [`Reduced::cancelled_by`] or [`EnsembleBuilder::cancelled_by`](nastic_control::EnsembleBuilder::cancelled_by), which
+    /// flags given to [`Reduced::cancelled_by`] or [`EnsembleBuilder::cancelled_by`](nastic_ensemble::EnsembleBuilder::cancelled_by), which
     /// end state solves alone, and which a study without a flag leaves as they are.
     #[must_use]
     pub fn cancelled_by(mut self, flag: Arc<AtomicBool>) -> Self {

@@ -6,7 +6,8 @@ use crate::run::error::RunError;
 use crate::run::session::Session;
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::{VIOLATED, Warning};
-use nastic_control::{EnsemblePoint, Evaluated, FigureKind};
+use nastic_control::{Evaluated, FigureKind};
+use nastic_ensemble::EnsemblePoint;
 use nastic_language::number::short;
 use nastic_opt::{Constrained, ConstraintReport, ConstraintsReport};
 

@@ -7,7 +7,7 @@ use crate::result::files::Directory;
 use crate::run::error::RunError;
 use crate::saved;
 use crate::saved::CheckpointError;
-use nastic_control::{Ensemble, EnsembleError, MemberBlock, SavedMembers, blocks_of_members};
+use nastic_ensemble::{Ensemble, EnsembleError, MemberBlock, SavedMembers, blocks_of_members};
 use nastic_io::{Fingerprint, WriteError};
 use nastic_opt::Saved;
 use nastic_opt::saved::{pack, unpack};

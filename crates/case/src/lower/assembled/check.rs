@@ -3,7 +3,8 @@
 use super::{Admission, AssemblyError, ControlProblem};
 use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::start::{self, Unbounded};
-use nastic_control::{ControlBlock, Ensemble, Member};
+use nastic_control::ControlBlock;
+use nastic_ensemble::{Ensemble, Member};
 use nastic_language::schema::Case;
 
 /// All members have one mesh, all scenarios the same load cases.

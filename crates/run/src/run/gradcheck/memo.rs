@@ -1,6 +1,7 @@
 //! One state serves all terms: what was evaluated is kept by control vector.
 
-use nastic_control::{ControlError, Ensemble, EnsemblePoint, EnsembleWorkspace};
+use nastic_control::ControlError;
+use nastic_ensemble::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Instant, Onsets, State, TimeStep};
 use nastic_numeric::Random;
 use nastic_numeric::vector::dot;
@@ -121,7 +122,7 @@ impl<'a> Memo<'a> {
 
     /// The most stages that a term of this name has.
     fn stages_of(&self, name: &str) -> usize {
-        let of = |part: &nastic_control::Member| {
+        let of = |part: &nastic_ensemble::Member| {
             let problem = part.problem();
             let own = problem.term_names().iter().position(|term| term == name)?;
             // costs of a motion stand behind those of states, and have one stage

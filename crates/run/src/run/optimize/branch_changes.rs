@@ -2,7 +2,8 @@
 
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{BRANCH_CHANGE, BRANCH_UNKNOWN, Warning, WarningKind};
-use nastic_control::{EnsemblePoint, Evaluated};
+use nastic_control::Evaluated;
+use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{Connection, SolveOptions, State, StateError};
 use nastic_language::number::short;
 use serde::{Deserialize, Serialize};

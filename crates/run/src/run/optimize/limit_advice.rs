@@ -5,7 +5,7 @@ use crate::run::optimize::advice::{Advice, optimize};
 use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseProblem, ControlField};
-use nastic_control::EnsemblePoint;
+use nastic_ensemble::EnsemblePoint;
 use nastic_language::number::short;
 use nastic_language::schema::Control;
 

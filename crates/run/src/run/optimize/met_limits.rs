@@ -1,6 +1,7 @@
 //! [`MetLimits`]: trials of one start that led to a limit point.
 
-use nastic_control::{ControlAt, ControlError, ControlLimit, EnsembleError};
+use nastic_control::{ControlAt, ControlError, ControlLimit};
+use nastic_ensemble::EnsembleError;
 use nastic_language::number::count;
 use nastic_opt::{Reason, Trial};
 use nastic_report::record::{LastLimitRecord, LimitPointsRecord, RangeRecord};

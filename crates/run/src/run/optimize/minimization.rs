@@ -6,7 +6,7 @@ use crate::run::optimize::starts::start_run::Begun;
 use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::optimize::starts::start_run::RunTrials;
 use crate::run::session::Session;
-use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
+use nastic_ensemble::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{
     AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, DEFAULT_ACCURACY, Domain, EvaluatedStart, Failed,
     Optimizer, Outcome, Problem as _, Stop,

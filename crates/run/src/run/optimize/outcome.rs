@@ -25,7 +25,8 @@ use crate::run::terminal::{known as known_number, say_members, say_probes, say_s
 use crate::saved::checkpoint::Place;
 use nastic_case::film::kilovolts;
 use nastic_case::lower::{CaseMember, CaseProblem};
-use nastic_control::{EnsemblePoint, StateFields};
+use nastic_control::StateFields;
+use nastic_ensemble::EnsemblePoint;
 use nastic_fem::SolveReport;
 use nastic_language::number::{count, short};
 use nastic_mesh::Snapshot;

@@ -8,7 +8,8 @@ use crate::run::session::Session;
 use nastic_case::inspect::determination;
 use nastic_case::lower::{CaseProblem, ControlField};
 use nastic_case::warning::{ALL_ON_BOUNDS, IDLE, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
-use nastic_control::{EnsembleBlock, EnsembleWorkspace, Evaluated};
+use nastic_control::Evaluated;
+use nastic_ensemble::{EnsembleBlock, EnsembleWorkspace};
 use nastic_language::number::{count, short};
 use nastic_language::schema::pulling;
 use nastic_numeric::format::scientific;
@@ -146,7 +147,7 @@ fn bounds(run: &FinishedRun, block: &EnsembleBlock, field: &ControlField, proble
 /// Terms that are small at the start and at the end.
 fn terms(problem: &CaseProblem, run: &FinishedRun) -> Vec<Warning> {
     let ensemble = &problem.ensemble;
-    let of = |point: &nastic_control::EnsemblePoint| {
+    let of = |point: &nastic_ensemble::EnsemblePoint| {
         ensemble.expected_terms(point.members.iter().map(|at| at.terms.as_slice()))
     };
     let (start, end) = (of(&run.start), of(&run.best.point));

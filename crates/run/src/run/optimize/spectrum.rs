@@ -7,7 +7,7 @@ use crate::run::optimize::minimization::domain;
 use crate::run::session::Session;
 use crate::run::spectrum_request::{SpectrumRefusal, SpectrumRequest};
 use nastic_case::lower::CaseProblem;
-use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_language::number::{count, short};
 use nastic_numeric::vector::dot;
 use nastic_opt::{Best, Constrained, Hessian, Objective, Spectrum, SpectrumOptions};
@@ -110,7 +110,7 @@ impl Diagnosis {
         let product = problem.inner_product()?;
         let images: Vec<Vec<f64>> = self.spectrum.vectors.iter().map(|v| product.apply(v)).collect();
         let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
-        let of = |v: (&Vec<f64>, &Vec<f64>), block: &nastic_control::EnsembleBlock| dot(block.of(v.0), block.of(v.1));
+        let of = |v: (&Vec<f64>, &Vec<f64>), block: &nastic_ensemble::EnsembleBlock| dot(block.of(v.0), block.of(v.1));
         let own = |block| self.spectrum.vectors.iter().zip(&images).map(|v| of(v, block).into()).collect();
         Some(fields.map(|(block, field)| (field.name.clone(), own(block))).collect())
     }

@@ -4,7 +4,8 @@ use crate::run::error::{Exit, RunError};
 use crate::run::report::say_files;
 use crate::run::session::Session;
 use crate::run::solve::series::{Row, Series};
-use nastic_control::{ControlError, EnsemblePoint};
+use nastic_control::ControlError;
+use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{Equilibrium, Progress, SolveOptions, StateError, Workspace};
 use nastic_report::record::EquilibriaRecord;
 

@@ -16,7 +16,8 @@ use crate::run::terminal::{say_cost, say_members, say_probes, say_reactions, say
 use nastic_case::analysis::Analysis;
 use nastic_case::inspect::stillness;
 use nastic_case::warning::Warning;
-use nastic_control::{EnsemblePoint, EnsembleWorkspace, StateFields};
+use nastic_control::StateFields;
+use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Modes, SolveReport};
 use nastic_language::number::short;
 use nastic_numeric::format::scientific;

@@ -2,7 +2,8 @@
 
 use crate::run::error::RunError;
 use crate::run::session::Session;
-use nastic_control::{ControlError, EnsemblePoint, SolvedStates};
+use nastic_control::{ControlError, SolvedStates};
+use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{SolveOptions, Workspace};
 use nastic_language::number::short;
 use nastic_numeric::format::scientific;

@@ -3,7 +3,8 @@
 use crate::run::error::RunError;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseMember, CaseProblem};
-use nastic_control::{ControlError, EnsemblePoint};
+use nastic_control::ControlError;
+use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{Modes, SolveOptions};
 use nastic_language::quantity::Dimension;
 use nastic_mesh::Snapshot;

@@ -3,7 +3,7 @@
 use crate::run::error::RunError;
 use crate::saved::CheckpointError;
 use nastic_case::lower::AssemblyError;
-use nastic_control::EnsembleError;
+use nastic_ensemble::EnsembleError;
 use std::path::PathBuf;
 use thiserror::Error;
 

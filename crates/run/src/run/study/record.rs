@@ -2,7 +2,8 @@
 
 use crate::run::study::control_set::ControlSet;
 use nastic_case::lower::ControlProblem;
-use nastic_control::{Ensemble, EnsemblePoint, Member, Space};
+use nastic_control::Space;
+use nastic_ensemble::{Ensemble, EnsemblePoint, Member};
 use nastic_fem::{Demand, Instant, Solid};
 use nastic_io::Fingerprint;
 use nastic_language::schema::Case;

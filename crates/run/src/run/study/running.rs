@@ -14,7 +14,7 @@ use crate::run::{optimize, resumption};
 use crate::saved::CheckpointError;
 use crate::signals::cancelled_by_signals;
 use nastic_case::lower::{Assembled, CaseProblem, ControlProblem};
-use nastic_control::EnsembleBlock;
+use nastic_ensemble::EnsembleBlock;
 use nastic_language::schema::{Case, Command, Method};
 use nastic_language::syntax::Document;
 use nastic_opt::Optimizer;

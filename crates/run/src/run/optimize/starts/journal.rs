@@ -10,7 +10,7 @@ use crate::saved;
 use crate::saved::blocks;
 use crate::saved::case_record::CaseRecord;
 use crate::saved::checkpoint::{Checkpoint, Place, Position, record_end};
-use nastic_control::Ensemble;
+use nastic_ensemble::Ensemble;
 use nastic_io::write_atomically;
 use nastic_opt::Saved;
 use nastic_report::record::TrialRecord;

@@ -15,7 +15,7 @@ use crate::run::optimize::starts::start_run::{
 use crate::run::optimize::starts::table::{entry, failed_entry, seed};
 use crate::run::session::{Session, say_warning};
 use nastic_case::lower::CaseProblem;
-use nastic_control::{EnsemblePoint, EnsembleWorkspace};
+use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Solver, available_memory};
 use nastic_opt::early_stopping::Standing;
 use nastic_opt::{Failed, Objective, Optimizer, Request, Stop, TaylorError, Verdict};

@@ -7,7 +7,7 @@ use crate::run::optimize::met_limits::MetLimits;
 use crate::run::session::Session;
 use crate::saved::json;
 use nastic_case::warning::Warning;
-use nastic_control::{Ensemble, EnsemblePoint, EnsembleWorkspace};
+use nastic_ensemble::{Ensemble, EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::SolveReport;
 use nastic_opt::early_stopping::Standing;
 use nastic_opt::{AugmentedLagrangian, AugmentedState, Best, ConstraintsReport, Failed, Objective, Request};

@@ -1,11 +1,14 @@
 //! Derivatives of the displacement fields of all members by the control vector.
 
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member};
-use crate::workspace::ReducedWorkspace;
+use super::Ensemble;
+use crate::error::EnsembleError;
+use crate::member::Member;
+use crate::point::{EnsemblePoint, EnsembleWorkspace};
+use nastic_control::ReducedWorkspace;
 
 impl Ensemble {
     /// `sum_k (du_k/dm)^T w_k` over the members k with a vector w_k (none where it is empty), each as
-    /// [`Reduced::displacement_vjp`](crate::Reduced::displacement_vjp) has it: one linear solve for each of them.
+    /// [`Reduced::displacement_vjp`](nastic_control::Reduced::displacement_vjp) has it: one linear solve for each of them.
     ///
     /// # Errors
     /// Those of a member, with its name.

@@ -1,9 +1,11 @@
 //! Second derivatives of the risk over an ensemble.
 
-use super::blocks::gather;
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member};
-use crate::reduced::SecondDerivative;
-use crate::workspace::ReducedWorkspace;
+use super::Ensemble;
+use crate::blocks::gather;
+use crate::error::EnsembleError;
+use crate::member::Member;
+use crate::point::{EnsemblePoint, EnsembleWorkspace};
+use nastic_control::{ReducedWorkspace, SecondDerivative};
 use nastic_numeric::vector::{axpy, dot, scale};
 use nastic_opt::Hessian;
 
@@ -14,7 +16,7 @@ impl Ensemble {
     /// sum_s (dR/dj_s) d2j_s/dm2 v + sum_s (sum_t d2R/dj_s dj_t (dj_t/dm . v)) dj_s/dm
     /// ```
     ///
-    /// two linear solves for every member; see [`Reduced::hessian_vector`](crate::Reduced::hessian_vector).
+    /// two linear solves for every member; see [`Reduced::hessian_vector`](nastic_control::Reduced::hessian_vector).
     ///
     /// # Errors
     /// The first member, in order, without second derivatives; a measure of risk that has none there.
@@ -27,7 +29,7 @@ impl Ensemble {
         self.second_derivative(point, v, Hessian::Exact, workspace)
     }
 
-    /// The same with every member's state linearised; see [`Reduced::gauss_newton_vector`](crate::Reduced::gauss_newton_vector).
+    /// The same with every member's state linearised; see [`Reduced::gauss_newton_vector`](nastic_control::Reduced::gauss_newton_vector).
     ///
     /// # Errors
     /// As there; a measure of risk that has no second derivatives there.

@@ -1,13 +1,14 @@
 //! The inner product of an ensemble's controls: every block once, in the product of the member that owns it.
 
-use super::{EnsembleBlock, Member};
+use crate::blocks::EnsembleBlock;
+use crate::member::Member;
 use nastic_opt::InnerProduct;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// The products of the members that own blocks; none couples two blocks.
 #[derive(Debug)]
-pub(super) struct EnsembleProduct {
+pub(crate) struct EnsembleProduct {
     len: usize,
     owners: Vec<Owner>,
     lumped: Option<Vec<f64>>,

@@ -1,7 +1,9 @@
 //! What is reported of an ensemble: every risk, every scenario, the work of all.
 
-use super::{Ensemble, EnsemblePoint, MemberValues};
-use crate::reduced::work_summary;
+use super::Ensemble;
+use crate::parcel::MemberValues;
+use crate::point::EnsemblePoint;
+use nastic_control::work_summary;
 use nastic_fem::SolveReport;
 use nastic_opt::Summary;
 use nastic_uncertainty::risk::{CATALOGUE, Risk, deviation};

@@ -1,10 +1,10 @@
 //! Ensembles whose members are shared out over ranks: the bits of one rank, messages as the formulas say, and faults.
 
-use nastic_control::{
-    Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, LoadCase, Reduced, SavedMembers, Space, Target,
-    Timeline, Tracking, blocks_of_members,
-};
+use nastic_control::{Reduced, Space, Target, Timeline, Tracking};
 use nastic_energy::{MooneyRivlin, Turgor};
+use nastic_ensemble::{
+    Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, LoadCase, SavedMembers, blocks_of_members,
+};
 use nastic_fem::{Discretization, Inertia, Scheme, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Bounds, Hessian, Lbfgs, Objective, Optimizer, Request, Saved, Trial};

@@ -1,10 +1,8 @@
 //! One control for several bodies.
 
-use nastic_control::{
-    ControlNorm, Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, LoadCase, Metric, Reduced, Space, Target,
-    Tracking,
-};
+use nastic_control::{ControlNorm, Metric, Reduced, Space, Target, Tracking};
 use nastic_energy::{FiberTension, MooneyRivlin, Turgor};
+use nastic_ensemble::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, LoadCase};
 use nastic_fem::{Discretization, Solid};
 use nastic_mesh::{CellKind, box_mesh};
 use nastic_opt::{Bounds, Objective, Optimizer, Options, Problem, ProjectedGradient, Request, Taylor, Verdict};
@@ -342,7 +340,7 @@ fn the_mean_shape_and_its_scatter_are_those_of_the_states() -> Outcome {
 fn ensembles_that_make_no_sense_are_refused() -> Outcome {
     let disc = mesh()?;
     let one = || member(&disc, 1.0);
-    let refuse = |builder: nastic_control::EnsembleBuilder, what: &str| match builder.build() {
+    let refuse = |builder: nastic_ensemble::EnsembleBuilder, what: &str| match builder.build() {
         Err(error) => assert!(error.to_string().contains(what), "{error}"),
         Ok(_) => panic!("{what}"),
     };

@@ -1,9 +1,8 @@
 //! [`EnsembleBlock`]: the control fields of an ensemble, each once, in one vector.
 
-use super::error::EnsembleError;
-use super::member::Member;
-use crate::control_block::ControlBlock;
-use crate::map::ControlMap;
+use crate::error::EnsembleError;
+use crate::member::Member;
+use nastic_control::{ControlBlock, ControlMap};
 
 /// One control field of an ensemble, used by some of its members.
 #[derive(Clone, Debug)]
@@ -28,7 +27,7 @@ impl EnsembleBlock {
 }
 
 /// Enters the control fields of `member` (names as the ensemble has them) after those of the members before it.
-pub(super) fn enter(
+pub(crate) fn enter(
     blocks: &mut Vec<EnsembleBlock>,
     before: &[Member],
     member: &mut Member,
@@ -78,12 +77,12 @@ fn maps(block: &ControlBlock) -> Vec<String> {
 }
 
 /// The control vector of one member.
-pub(super) fn gather(blocks: &[EnsembleBlock], member: &Member, m: &[f64]) -> Vec<f64> {
+pub(crate) fn gather(blocks: &[EnsembleBlock], member: &Member, m: &[f64]) -> Vec<f64> {
     member.blocks.iter().flat_map(|&block| blocks[block].of(m)).copied().collect()
 }
 
 /// Adds `weight` times a member's dual vector to the ensemble's.
-pub(super) fn scatter(blocks: &[EnsembleBlock], member: &Member, weight: f64, from: &[f64], out: &mut [f64]) {
+pub(crate) fn scatter(blocks: &[EnsembleBlock], member: &Member, weight: f64, from: &[f64], out: &mut [f64]) {
     for (local, &block) in member.problem.layout().blocks().iter().zip(&member.blocks) {
         let block = &blocks[block];
         let place = &mut out[block.first..block.first + block.len];

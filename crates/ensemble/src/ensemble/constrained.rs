@@ -1,9 +1,12 @@
 //! Constraints of an ensemble: those of every member.
 
-use super::blocks::gather;
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member, MemberValues};
-use crate::reduced::Lagrangian;
-use crate::workspace::ReducedWorkspace;
+use super::Ensemble;
+use crate::blocks::gather;
+use crate::error::EnsembleError;
+use crate::member::Member;
+use crate::parcel::MemberValues;
+use crate::point::{EnsemblePoint, EnsembleWorkspace};
+use nastic_control::{Lagrangian, ReducedWorkspace};
 use nastic_numeric::vector::axpy;
 use nastic_opt::{Constrained, ConstraintGroup, Failed, Hessian};
 

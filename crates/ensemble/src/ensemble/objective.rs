@@ -1,10 +1,12 @@
 //! [`Ensemble`] as an optimiser sees it.
 
-use super::parcel::ReportedFailure;
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, Member, SavedMembers};
-use crate::error::ControlError;
-use crate::reduced::failed;
-use crate::workspace::ReducedWorkspace;
+use super::Ensemble;
+use crate::error::EnsembleError;
+use crate::member::Member;
+use crate::parcel::ReportedFailure;
+use crate::point::{EnsemblePoint, EnsembleWorkspace};
+use crate::saved::SavedMembers;
+use nastic_control::{ControlError, Layout, ReducedWorkspace};
 use nastic_opt::{Failed, Hessian, InnerProduct, Objective, Problem, Request, Saved, SavedError, Summary};
 use std::sync::Arc;
 
@@ -94,11 +96,11 @@ impl Objective for Ensemble {
     /// On a team every rank has its own members alone: [`SavedMembers`].
     fn save(&self, point: &EnsemblePoint) -> Vec<u8> {
         let mut saved = SavedMembers::none(self.members.len());
-        point.held().for_each(|(index, at)| saved.0[index] = at.to_bytes());
+        point.held().for_each(|(index, at)| saved.0[index] = self.members[index].problem.save(at));
         saved.to_bytes()
     }
 
-    /// Solves nothing; of a motion see [`Reduced`](crate::Reduced). On a team a rank is sent those of its own members that it lacks by one that has them.
+    /// Solves nothing; of a motion see [`Reduced`](nastic_control::Reduced). On a team a rank is sent those of its own members that it lacks by one that has them.
     fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, Failed> {
         self.check_len(m)?;
         let SavedMembers(saved) = SavedMembers::from_bytes(bytes).map_err(Failed::new)?;
@@ -113,8 +115,7 @@ impl Problem for Ensemble {
     /// Every block once, in the product of the first member that uses it.
     fn inner_product(&self) -> Result<Arc<dyn InnerProduct>, Failed> {
         if self.len == 0 {
-            let known =
-                self.members.first().map(|member| crate::layout::Layout::names(member.problem.solid()).join(", "));
+            let known = self.members.first().map(|member| Layout::names(member.problem.solid()).join(", "));
             return Err(ControlError::NoControls { known: known.unwrap_or_default() }.into());
         }
         Ok(self.product.clone())
@@ -126,8 +127,8 @@ impl From<EnsembleError> for Failed {
     fn from(error: EnsembleError) -> Self {
         match &error {
             EnsembleError::Member { source, .. } => {
-                let source = source.clone();
-                failed(error, &source)
+                let failed = Failed::from(ControlError::clone(source));
+                failed.told_by(error)
             }
             // nothing is said of the control
             EnsembleError::Team(_) => Failed::new(error).fatal(),

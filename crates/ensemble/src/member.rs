@@ -1,15 +1,15 @@
 //! [`LoadCase`] and [`Member`]: the problems an ensemble is made of.
 
-use crate::reduced::Reduced;
+use nastic_control::Reduced;
 use std::collections::BTreeSet;
 
 /// One load case of a scenario: a problem with its weight in the scenario's cost.
 #[derive(Debug)]
 pub struct LoadCase {
-    pub(super) name: String,
-    pub(super) weight: f64,
-    pub(super) problem: Reduced,
-    pub(super) own: BTreeSet<String>,
+    pub(crate) name: String,
+    pub(crate) weight: f64,
+    pub(crate) problem: Reduced,
+    pub(crate) own: BTreeSet<String>,
 }
 
 impl LoadCase {
@@ -29,13 +29,13 @@ impl LoadCase {
 /// A member as the ensemble keeps it: one load case of one scenario.
 #[derive(Debug)]
 pub struct Member {
-    pub(super) name: String,
-    pub(super) case: String,
-    pub(super) scenario: usize,
-    pub(super) weight: f64,
-    pub(super) problem: Reduced,
+    pub(crate) name: String,
+    pub(crate) case: String,
+    pub(crate) scenario: usize,
+    pub(crate) weight: f64,
+    pub(crate) problem: Reduced,
     /// For each control field of the problem, the block of the ensemble.
-    pub(super) blocks: Vec<usize>,
+    pub(crate) blocks: Vec<usize>,
 }
 
 impl Member {

@@ -1,8 +1,7 @@
 //! [`EnsemblePoint`] and [`EnsembleWorkspace`]: an evaluated control of an ensemble, and what it leaves for the next.
 
-use super::parcel::MemberValues;
-use crate::evaluated::{AdjointState, Evaluated};
-use crate::workspace::ReducedWorkspace;
+use crate::parcel::MemberValues;
+use nastic_control::{AdjointState, Evaluated, ReducedWorkspace};
 use nastic_fem::SolveReport;
 use nastic_opt::{EvaluatedStart, Start};
 
@@ -11,19 +10,19 @@ use nastic_opt::{EvaluatedStart, Start};
 pub struct EnsemblePoint {
     /// The control vector.
     pub m: Vec<f64>,
-    /// State and terms of every member that this rank has, in the order of [`Ensemble::members`](super::Ensemble::members): of all, unless the
+    /// State and terms of every member that this rank has, in the order of [`Ensemble::members`](crate::Ensemble::members): of all, unless the
     /// ensemble is on a team; [`held`](Self::held) has their numbers.
     pub members: Vec<Evaluated>,
     /// Cost `j_s` of every scenario.
     pub costs: Vec<f64>,
     /// R of these.
     pub risk: f64,
-    pub(super) held: Held,
+    pub(crate) held: Held,
 }
 
 /// Which members a point has.
 #[derive(Debug, Clone)]
-pub(super) enum Held {
+pub(crate) enum Held {
     All,
     /// Those of this rank, from a number on, and the reports of all.
     Own {
@@ -70,7 +69,7 @@ impl EnsemblePoint {
     }
 
     /// The work of the adjoint of a member, behind a derivative that gave it a new one or none.
-    pub(super) fn adjoint_work(&self, index: usize, new: &Sensitivity) -> Option<SolveReport> {
+    pub(crate) fn adjoint_work(&self, index: usize, new: &Sensitivity) -> Option<SolveReport> {
         let adjoint = match new {
             Some((_, adjoint)) => adjoint.as_ref(),
             None => self.member(index).and_then(|at| at.adjoint.as_ref()),
@@ -79,7 +78,7 @@ impl EnsemblePoint {
     }
 
     /// Takes over the adjoint states of the members from a number on, and their work of all.
-    pub(super) fn take_adjoints(&mut self, from: usize, found: Vec<Sensitivity>, work: Vec<Option<SolveReport>>) {
+    pub(crate) fn take_adjoints(&mut self, from: usize, found: Vec<Sensitivity>, work: Vec<Option<SolveReport>>) {
         let first = self.first();
         let own = self.members.iter_mut().skip(from - first);
         for (at, (_, adjoint)) in own.zip(found).filter_map(|(at, found)| Some((at, found?))) {
@@ -92,7 +91,7 @@ impl EnsemblePoint {
 }
 
 /// The derivative of a member and its adjoint state; none of a member that has no weight.
-pub(super) type Sensitivity = Option<(Vec<f64>, Option<AdjointState>)>;
+pub(crate) type Sensitivity = Option<(Vec<f64>, Option<AdjointState>)>;
 
 impl From<EnsemblePoint> for Start<EnsemblePoint> {
     fn from(point: EnsemblePoint) -> Self {
@@ -109,7 +108,7 @@ impl From<&EnsemblePoint> for Start<EnsemblePoint> {
 /// A workspace for every member of this rank.
 #[derive(Debug, Default)]
 pub struct EnsembleWorkspace {
-    pub(super) members: Vec<ReducedWorkspace>,
+    pub(crate) members: Vec<ReducedWorkspace>,
 }
 
 impl EnsembleWorkspace {
@@ -119,7 +118,7 @@ impl EnsembleWorkspace {
     }
 
     /// One for each member.
-    pub(super) fn of(&mut self, members: usize) -> &mut [ReducedWorkspace] {
+    pub(crate) fn of(&mut self, members: usize) -> &mut [ReducedWorkspace] {
         self.members.resize_with(members, ReducedWorkspace::default);
         &mut self.members
     }

@@ -1,11 +1,14 @@
 //! [`Ensemble`] on a team: members distributed over ranks, and gathered at the first rank.
 
-use super::blocks::gather;
-use super::point::Held;
-use super::ranks::Ranks;
-use super::{Ensemble, EnsembleError, EnsemblePoint, EnsembleWorkspace, MemberBlock, MemberValues, Parcel};
-use crate::error::ControlError;
-use crate::evaluated::Evaluated;
+use super::Ensemble;
+use crate::blocks::gather;
+use crate::error::EnsembleError;
+use crate::member::Member;
+use crate::parcel::{MemberValues, Parcel};
+use crate::point::{EnsemblePoint, EnsembleWorkspace, Held};
+use crate::ranks::Ranks;
+use crate::saved::{MemberBlock, blocks};
+use nastic_control::{ControlError, Evaluated, ReducedWorkspace};
 use nastic_opt::{Failed, Objective, Request};
 use nastic_team::{Team, TeamError};
 use rayon::prelude::*;
@@ -41,7 +44,7 @@ impl Ensemble {
         let own = self.ranks.own();
         let all = kept.iter().flat_map(|point| point.held());
         let stays = all.filter(|(index, _)| own.contains(index) && is_motion(*index));
-        let stays = stays.map(|(index, at)| (index, at.to_bytes(), at.clone())).collect();
+        let stays = stays.map(|(index, at)| (index, self.members[index].problem.save(at), at.clone())).collect();
         *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = stays;
         true
     }
@@ -110,7 +113,8 @@ impl Ensemble {
         if point.is_whole() || self.ranks.leader_owns(count) {
             return Ok(self.leads().then_some(own));
         }
-        let bytes = |index: usize| point.member(index).map(Evaluated::to_bytes).unwrap_or_default();
+        let save = |index: usize, at: &Evaluated| self.members[index].problem.save(at);
+        let bytes = |index: usize| point.member(index).map(|at| save(index, at)).unwrap_or_default();
         let Some(sent) = self.ranks.at_first(count, bytes)? else { return Ok(None) };
         let stage = own.first().map_or(0, |at| at.stage);
         let how = Request { stage, ..Request::default() };
@@ -137,13 +141,13 @@ impl Ensemble {
         !self.ranks.is_alone()
     }
 
-    /// The results of `of` for every member, [block by block](super::blocks_of_members): a whole block on the rank of its first member. `of`
+    /// The results of `of` for every member, [block by block](crate::blocks_of_members): a whole block on the rank of its first member. `of`
     /// is called for the members of this rank.
     ///
     /// # Errors
     /// [`EnsembleError::Team`].
     pub fn blocks_of(&self, of: impl Fn(usize) -> Vec<u8>) -> Result<Vec<MemberBlock>, EnsembleError> {
-        self.ranks.blocks(super::blocks_of_members(self.members.len()), of)
+        self.ranks.blocks(blocks(self.members.len()), of)
     }
 
     /// The point of saved members, of which each rank reads its own, and receives the missing ones.
@@ -155,7 +159,7 @@ impl Ensemble {
     ) -> Result<EnsemblePoint, EnsembleError> {
         self.ranks.complete(&mut saved)?;
         let how = Request { near: None, accuracy: how.accuracy, stage: how.stage, budget: how.budget };
-        let load = |index: usize, member: &super::Member, _: &mut crate::ReducedWorkspace| {
+        let load = |index: usize, member: &Member, _: &mut ReducedWorkspace| {
             if let Some(at) = self.kept(index, &saved[index]) {
                 return Ok(at);
             }

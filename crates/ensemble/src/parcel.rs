@@ -1,8 +1,6 @@
 //! [`Parcel`]: what ranks send each other of their members.
 
-use crate::control_limit::ControlLimit;
-use crate::error::{ControlError, RemoteFailure};
-use crate::evaluated::Evaluated;
+use nastic_control::{ControlError, ControlLimit, Evaluated, RemoteFailure};
 use nastic_fem::{SolveReport, StateError};
 use nastic_opt::saved::unpack;
 use nastic_team::TeamError;
@@ -15,7 +13,7 @@ pub trait Parcel: Serialize + DeserializeOwned {}
 impl<T: Serialize + DeserializeOwned> Parcel for T {}
 
 /// The whole message of a rank.
-pub(super) fn unpacked<T: DeserializeOwned>(rank: usize, bytes: &[u8]) -> Result<T, TeamError> {
+pub(crate) fn unpacked<T: DeserializeOwned>(rank: usize, bytes: &[u8]) -> Result<T, TeamError> {
     unpack(bytes).map_err(|_| TeamError::Unexpected { rank, what: "a report of another form" })
 }
 
@@ -35,7 +33,7 @@ pub struct MemberValues {
 }
 
 impl MemberValues {
-    pub(super) fn of(at: &Evaluated) -> Self {
+    pub(crate) fn of(at: &Evaluated) -> Self {
         Self {
             terms: at.terms.clone(),
             constraints: at.constraints.clone(),
@@ -61,7 +59,7 @@ impl MemberValues {
 /// A failure as other ranks hear of it. Limit points and cancelled solves stay what they are; of others what a run asks of them is kept, and how
 /// they read.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) enum ReportedFailure {
+pub(crate) enum ReportedFailure {
     LimitPoint { limit: ControlLimit, newton: usize },
     Cancelled,
     Other(RemoteFailure),
@@ -74,7 +72,13 @@ impl ReportedFailure {
             ControlError::LimitPoint { limit, newton } => Self::LimitPoint { limit: limit.clone(), newton: *newton },
             ControlError::State(StateError::Cancelled) => Self::Cancelled,
             ControlError::Remote(failure) => Self::Other(RemoteFailure::clone(failure)),
-            error => Self::Other(RemoteFailure::new(rank, error)),
+            error => Self::Other(RemoteFailure {
+                rank,
+                message: error.to_string(),
+                newton: error.newton(),
+                lacks_memory: error.is_lack_of_memory(),
+                lacks_second_derivatives: error.lacks_second_derivatives(),
+            }),
         }
     }
 }

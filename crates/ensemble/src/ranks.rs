@@ -1,9 +1,9 @@
 //! [`Ranks`]: which threads of this process, and which ranks of a team, evaluate which members.
 
-use super::error::EnsembleError;
-use super::parcel::{Parcel, ReportedFailure, unpacked};
-use super::saved::MemberBlock;
-use crate::error::ControlError;
+use crate::error::EnsembleError;
+use crate::parcel::{Parcel, ReportedFailure, unpacked};
+use crate::saved::MemberBlock;
+use nastic_control::ControlError;
 use nastic_opt::saved::pack;
 use nastic_team::{Alone, Shares, Team, TeamError};
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ const MAX_WAIT_FOR_ONE_RANK: Duration = Duration::from_secs(1 << 32);
 /// The ranks of a team, each with a range of the members. They exchange small reports, the first failure, requests to
 /// stop, and sums, so that all continue in the same way.
 #[derive(Debug)]
-pub(super) struct Ranks {
+pub(crate) struct Ranks {
     team: Arc<dyn Team>,
     /// Read for every message, written by [`share_anew`](Self::share_anew) between evaluations.
     shares: RwLock<Shares>,
@@ -237,7 +237,7 @@ impl Ranks {
 ///
 /// # Errors
 /// The first failure in this order, not in time, with its index. Calls behind it may or may not have been made.
-pub(super) fn side_by_side<W: Send, T: Send, E: Send>(
+pub(crate) fn side_by_side<W: Send, T: Send, E: Send>(
     workspaces: &mut [W],
     each: impl Fn(usize, &mut W) -> Result<T, E> + Sync,
 ) -> Result<Vec<T>, (usize, E)> {

@@ -1,8 +1,10 @@
 //! The mean shape of an ensemble, and how far single scenarios lie from it.
 
-use super::{Ensemble, EnsembleError, EnsemblePoint, Member};
-use crate::error::ControlError;
-use crate::evaluated::Evaluated;
+use super::Ensemble;
+use crate::error::EnsembleError;
+use crate::member::Member;
+use crate::point::EnsemblePoint;
+use nastic_control::{ControlError, Evaluated};
 use nastic_mesh::Snapshot;
 
 impl Ensemble {

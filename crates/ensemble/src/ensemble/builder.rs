@@ -1,13 +1,12 @@
 //! [`EnsembleBuilder`]: scenarios and load cases, one after the other.
 
-use super::blocks::enter;
-use super::error::EnsembleError;
-use super::member::{LoadCase, Member};
-use super::product::EnsembleProduct;
-use super::ranks::Ranks;
 use super::{Ensemble, Finished, Watch};
-use crate::error::ControlError;
-use crate::reduced::Reduced;
+use crate::blocks::enter;
+use crate::error::EnsembleError;
+use crate::member::{LoadCase, Member};
+use crate::product::EnsembleProduct;
+use crate::ranks::Ranks;
+use nastic_control::{ControlError, Reduced, inner_product};
 use nastic_uncertainty::risk::Risk;
 use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
@@ -105,7 +104,8 @@ impl EnsembleBuilder {
             let failed = |e| EnsembleError::member(&member.name, e);
             member.problem.check_body().map_err(failed)?;
             if blocks.iter().any(|block| block.owner == index) {
-                products.push((index, member.problem.build_inner_product().map_err(failed)?));
+                let (problem, of) = (&member.problem, member.problem.metric_kind());
+                products.push((index, inner_product(problem.solid(), problem.layout(), of).map_err(failed)?));
             }
         }
         let len = blocks.iter().map(|block| block.len).sum();

@@ -1,6 +1,6 @@
 //! Errors of ensembles.
 
-use crate::error::ControlError;
+use nastic_control::ControlError;
 use nastic_team::TeamError;
 use nastic_uncertainty::risk::RiskError;
 use thiserror::Error;
@@ -105,7 +105,7 @@ impl EnsembleError {
         }
     }
 
-    pub(super) fn member(who: &str, source: ControlError) -> Self {
+    pub(crate) fn member(who: &str, source: ControlError) -> Self {
         EnsembleError::Member { who: who.to_owned(), source: Box::new(source) }
     }
 }

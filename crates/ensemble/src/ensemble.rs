@@ -1,43 +1,28 @@
 //! [`Ensemble`]: one control for many bodies.
 
-mod blocks;
 mod builder;
 mod constrained;
 mod displacement;
-mod error;
-mod member;
 mod objective;
 mod on_team;
-mod parcel;
-mod point;
-mod product;
-mod ranks;
 mod report;
-mod saved;
 mod second_order;
 mod shape;
 
-pub use blocks::EnsembleBlock;
 pub use builder::EnsembleBuilder;
-pub use error::EnsembleError;
-pub use member::{LoadCase, Member};
-pub use parcel::{MemberValues, Parcel};
-pub use point::{EnsemblePoint, EnsembleWorkspace};
 pub use report::Measured;
-pub use saved::{MemberBlock, SavedMembers, blocks as blocks_of_members};
 
-use crate::error::ControlError;
-use crate::evaluated::Evaluated;
-use crate::reduced::AT_REST;
-use crate::time::{MotionObserver, StepUnderWay};
-use crate::workspace::ReducedWorkspace;
-use blocks::{gather, scatter};
+use crate::blocks::{EnsembleBlock, gather, scatter};
+use crate::error::EnsembleError;
+use crate::member::Member;
+use crate::parcel::{MemberValues, Parcel};
+use crate::point::{EnsemblePoint, EnsembleWorkspace, Held};
+use crate::product::EnsembleProduct;
+use crate::ranks::{self, Ranks};
+use nastic_control::{ControlError, Evaluated, Lagrangian, MotionObserver, Reduced, ReducedWorkspace, StepUnderWay};
 use nastic_fem::Progress;
 use nastic_opt::Request;
 use nastic_uncertainty::risk::Risk;
-use point::Held;
-use product::EnsembleProduct;
-use ranks::Ranks;
 use std::fmt;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex};
@@ -49,7 +34,7 @@ use std::time::Instant;
 /// `djhat/dm = sum_s (dR/dj_s) sum_l w_l dj_sl/dm`.
 ///
 /// Members share the controls that have the same names; a load case may have controls of its own
-/// ([`LoadCase::own`]). The vector holds every block once. Members are evaluated side by side, each on one thread and
+/// ([`LoadCase::own`](crate::LoadCase::own)). The vector holds every block once. Members are evaluated side by side, each on one thread and
 /// from its own last state; vectors are summed along the binary tree of the members' numbers, so the bits depend neither on the number of
 /// threads nor on that of ranks ([`Ensemble::share_out`]). Members built on one [`Discretization`](nastic_fem::Discretization) share mesh and symbolic analysis.
 /// A member without an equilibrium is a failed trial that names it.
@@ -60,9 +45,10 @@ use std::time::Instant;
 /// Source: docs/model/derivative.md; survey, section 4.2.3.
 ///
 /// ```
-/// use nastic_control::{Ensemble, Reduced, Space, Target, Tracking};
+/// use nastic_control::{Reduced, Space, Target, Tracking};
 /// use nastic_uncertainty::risk::MeanDeviation;
 /// use nastic_energy::{MooneyRivlin, Turgor};
+/// use nastic_ensemble::Ensemble;
 /// use nastic_fem::{Discretization, Solid};
 /// use nastic_mesh::{CellKind, box_mesh};
 /// use nastic_opt::{Bounds, Optimizer, ProjectedGradient};
@@ -141,7 +127,7 @@ impl Ensemble {
         self.members.iter_mut().for_each(|member| member.problem.set_cancel(flag.clone()));
     }
 
-    /// Whether unstable equilibria of members fail: see [`Reduced::refuse_unstable`](crate::Reduced::refuse_unstable).
+    /// Whether unstable equilibria of members fail: see [`Reduced::refuse_unstable`](nastic_control::Reduced::refuse_unstable).
     pub fn refuse_unstable(&mut self, refuse: bool) {
         self.members.iter_mut().for_each(|member| member.problem.set_refuse_unstable(refuse));
     }
@@ -221,7 +207,11 @@ impl Ensemble {
     /// # Errors
     /// The first member, in order, without an equilibrium or with a cost that is not finite.
     pub fn at(&self, m: &[f64]) -> Result<EnsemblePoint, EnsembleError> {
-        self.evaluate_typed(m, &Request { accuracy: AT_REST, ..Request::default() }, &mut EnsembleWorkspace::default())
+        self.evaluate_typed(
+            m,
+            &Request { accuracy: Reduced::AT_REST, ..Request::default() },
+            &mut EnsembleWorkspace::default(),
+        )
     }
 
     fn evaluate_typed(
@@ -233,7 +223,7 @@ impl Ensemble {
         self.observe(m, how, &[], workspace)
     }
 
-    /// The same as [`evaluate`](nastic_opt::Objective::evaluate), with an observer of the motion of each member: [`Reduced::observe`](crate::Reduced::observe).
+    /// The same as [`evaluate`](nastic_opt::Objective::evaluate), with an observer of the motion of each member: [`Reduced::observe`](nastic_control::Reduced::observe).
     ///
     /// # Errors
     /// As there, with their type.
@@ -409,12 +399,14 @@ impl Ensemble {
     ) -> Result<Vec<f64>, EnsembleError> {
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let weight = |member: &Member| by_cost[member.scenario] * member.weight;
-        let known = &*point;
+        let (known, costs) = (&*point, Lagrangian { costs: true, y: &[] });
         let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| match (
             weight(member),
             known.member(index),
         ) {
-            (weight, Some(at)) if weight != 0.0 => member.problem.sensitivity(at, None, workspace).map(Some),
+            (weight, Some(at)) if weight != 0.0 => {
+                member.problem.lagrangian_sensitivity(at, costs, workspace).map(Some)
+            }
             _ => Ok(None),
         };
         let (found, work) = self.side_by_side(workspace, of, |index, found| known.adjoint_work(index, found))?;

@@ -1,0 +1,4 @@
+//! All tests of `nastic-ensemble`, in one program: `cargo test -p nastic-ensemble --test all NAME` runs the files and tests whose path has NAME in it.
+
+mod ensemble;
+mod teams;
