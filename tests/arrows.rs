@@ -46,6 +46,23 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "result",
+        &[
+            "numeric",
+            "energy",
+            "mesh",
+            "io",
+            "picture",
+            "report",
+            "fem",
+            "uncertainty",
+            "control",
+            "ensemble",
+            "language",
+            "case",
+        ],
+    ),
+    (
         "run",
         &[
             "numeric",
@@ -64,6 +81,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "team",
             "language",
             "case",
+            "result",
         ],
     ),
     ("cli", &["language", "run", "team", "mesh", "io", "report"]),

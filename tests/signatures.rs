@@ -12,7 +12,7 @@ const METHODS_OF_MODEL: usize = 44;
 /// Files of `run` that are of starts or checkpoints, at most.
 const FILES_OF_STARTS: usize = 12;
 /// Crates of the front end.
-const FRONT_END: [&str; 4] = ["language", "case", "run", "report"];
+const FRONT_END: [&str; 5] = ["language", "case", "result", "run", "report"];
 /// Files of the front end that name springs, a block like any other, or a kind of actuation, at most.
 const FILES_OF_A_BLOCK: usize = 4;
 

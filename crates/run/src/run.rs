@@ -16,7 +16,6 @@ mod commands;
 mod conclusion;
 mod constraints;
 mod contacts;
-mod describe;
 mod ensemble_progress;
 pub(crate) mod error;
 mod fit;

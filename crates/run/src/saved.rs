@@ -8,18 +8,16 @@ pub(crate) mod case_record;
 pub(crate) mod checkpoint;
 pub(crate) mod motion_checkpoint;
 
-use crate::result::files::Directory;
 use nastic_io::{Fingerprint, WriteError, write_atomically};
 use nastic_opt::Saved;
-use std::fs::File;
-use std::io::Read;
+use nastic_result::checkpoint_mark::MAGIC;
+use nastic_result::files::Directory;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// The name of the file of an optimisation.
 pub(crate) const NAME: &str = "checkpoint.bin";
 
-const MAGIC: &[u8] = b"nastic-checkpoint";
 const VERSION: u64 = 2;
 const HEADER: usize = MAGIC.len() + 3 * 8;
 
@@ -123,13 +121,6 @@ pub(crate) fn write(directory: &Directory, name: &str, content: &[u8]) -> Result
     })
 }
 
-/// Whether a file begins as checkpoints do.
-pub(crate) fn is_checkpoint(file: &Path) -> bool {
-    let mut head = [0; MAGIC.len()];
-    let is_plain = file.symlink_metadata().is_ok_and(|found| found.is_file());
-    is_plain && File::open(file).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == *MAGIC
-}
-
 /// The value in a file of a directory.
 pub(crate) fn read_value<T: Saved>(directory: &Path, name: &str) -> Result<T, CheckpointError> {
     let unfit = |what: String| CheckpointError::Content { file: directory.join(name), what };
@@ -184,5 +175,25 @@ pub(crate) mod json {
 
     pub fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(input: D) -> Result<T, D::Error> {
         serde_json::from_str(&String::deserialize(input)?).map_err(D::Error::custom)
+    }
+}
+
+/// Warnings of a run, in a checkpoint.
+pub(crate) mod warnings {
+    use super::json;
+    use nastic_case::warning::Warning;
+    use nastic_report::record::WarningRecord;
+    use nastic_result::warning_record::{warning_of, warning_record};
+    use serde::de::{Deserializer, Error as _};
+    use serde::ser::Serializer;
+
+    pub fn serialize<S: Serializer>(warnings: &[Warning], out: S) -> Result<S::Ok, S::Error> {
+        json::serialize(&warnings.iter().map(warning_record).collect::<Vec<_>>(), out)
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(input: D) -> Result<Vec<Warning>, D::Error> {
+        let records: Vec<WarningRecord> = json::deserialize(input)?;
+        let known = records.into_iter().map(warning_of).collect::<Option<_>>();
+        known.ok_or_else(|| D::Error::custom("a warning of no known kind"))
     }
 }

@@ -1,10 +1,10 @@
 //! `nastic check`: what the case says, as it was understood. Nothing is solved.
 
-use crate::run::describe;
 use crate::run::error::{Exit, RunError};
 use crate::run::session::Session;
 use nastic_case::describe as words;
 use nastic_case::describe::Line;
+use nastic_result::describe;
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let problem = &session.problem;

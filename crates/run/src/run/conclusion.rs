@@ -1,6 +1,6 @@
 //! The end of a command: expectations judged, the result written.
 
-use crate::result::{Missed, failure};
+use crate::result::Missed;
 use crate::run::error::{Exit, RunError};
 use crate::run::outcome::Outcome;
 use crate::run::session::Session;
@@ -10,6 +10,7 @@ use nastic_case::expectation;
 use nastic_control::ControlError;
 use nastic_language::number;
 use nastic_report::record::{ExpectRecord, MissRecord, number_of};
+use nastic_result::failure;
 
 pub(crate) fn conclude(
     session: Session<'_>,

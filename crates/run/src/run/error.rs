@@ -1,11 +1,12 @@
 //! How commands end.
 
-use crate::result::files::DirectoryError;
 use crate::run::spectrum_request::SpectrumRefusal;
 use crate::saved::CheckpointError;
 use nastic_control::ControlError;
 use nastic_io::{LockError, WriteError};
 use nastic_language::syntax::Diagnostics;
+use nastic_result::ResultError;
+use nastic_result::files::DirectoryError;
 use nastic_team::TeamError;
 use std::path::PathBuf;
 use thiserror::Error;
@@ -318,6 +319,15 @@ impl From<DirectoryError> for RunError {
             DirectoryError::Lock(LockError::InUse { directory, process }) => Self::InUse { directory, process },
             DirectoryError::Input { file } => Self::ReplacesInput { file },
             DirectoryError::Others { files } => Self::ReplacesOthers { files },
+        }
+    }
+}
+
+impl From<ResultError> for RunError {
+    fn from(error: ResultError) -> Self {
+        match error {
+            ResultError::Write(error) => Self::Write(error),
+            ResultError::Snapshot(error) => Self::Snapshot(error),
         }
     }
 }

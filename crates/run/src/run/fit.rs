@@ -5,7 +5,6 @@ mod plot;
 mod print;
 
 use crate::console::Console;
-use crate::result::files::Directory;
 use crate::run::error::{Exit, RunError};
 use crate::run::fit::entry::Fitted;
 use crate::run::session::output_directory::directory_of;
@@ -15,6 +14,7 @@ use nastic_fit::{FitError, FitOptions, Law, fit as fit_law};
 use nastic_io::write_atomically;
 use nastic_language::schema::FitData;
 use nastic_report::record::{FailedLawRecord, FitRecord};
+use nastic_result::files::Directory;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -1,10 +1,5 @@
 //! `nastic gradient`: cost and derivative at the start controls, for optimisers of others.
 
-use crate::result::collections::write_collections;
-use crate::result::files::Directory;
-use crate::result::inspection::Inspection;
-use crate::result::target_files::write_targets;
-use crate::result::{controls, snapshot};
 use crate::run::check_gradient;
 use crate::run::error::{Exit, RunError};
 use crate::run::report::{remove_earlier, say_files};
@@ -16,6 +11,11 @@ use nastic_control::StateFields;
 use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_language::number::short;
 use nastic_opt::{Objective, Verdict};
+use nastic_result::collections::write_collections;
+use nastic_result::files::Directory;
+use nastic_result::inspection::Inspection;
+use nastic_result::target_files::write_targets;
+use nastic_result::{controls, snapshot};
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.require(true, true).map_err(|error| session.refuse(error))?;

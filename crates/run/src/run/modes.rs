@@ -1,10 +1,5 @@
 //! `nastic modes`: frequencies and shapes of small vibrations about an equilibrium or the undeformed body.
 
-use crate::result::collections::write_collections;
-use crate::result::inspection::Inspection;
-use crate::result::target_files::write_targets;
-use crate::result::title::title;
-use crate::result::{picture, snapshot};
 use crate::run::error::{Exit, RunError};
 use crate::run::modes_request::ModesRequest;
 use crate::run::report::{remove_earlier, say_files};
@@ -20,6 +15,11 @@ use nastic_language::quantity::{Dimension, Units};
 use nastic_language::schema::Beginning;
 use nastic_mesh::Snapshot;
 use nastic_report::record::{ModesRecord, ModesUnits, Number, VibrationInSteps, numbers};
+use nastic_result::collections::write_collections;
+use nastic_result::inspection::Inspection;
+use nastic_result::target_files::write_targets;
+use nastic_result::title::title;
+use nastic_result::{picture, snapshot};
 use std::f64::consts::TAU;
 
 /// Modes that are drawn.

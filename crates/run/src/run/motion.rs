@@ -8,9 +8,6 @@ mod table;
 
 pub(super) use crate::run::motion::solved::solve;
 
-use crate::result::files::Directory;
-use crate::result::inspection::Inspection;
-use crate::result::snapshot;
 use crate::run::error::RunError;
 pub(crate) use crate::run::motion::record::Record;
 use crate::run::motion::table::{KINETIC_ENERGY, MIN_J, POTENTIAL, energies};
@@ -30,6 +27,9 @@ use nastic_language::quantity::Dimension;
 use nastic_language::schema::{Command, Time};
 use nastic_mesh::Snapshot;
 use nastic_report::record::{EnergiesRecord, EnergyRecord, TimeRecord, VibrationInSteps};
+use nastic_result::files::Directory;
+use nastic_result::inspection::Inspection;
+use nastic_result::snapshot;
 use rayon::prelude::*;
 
 /// Instants drawn as glass behind the end of a motion.

@@ -1,10 +1,5 @@
 //! `result.json`, and the page that shows it with the other files of a run: `nastic report DIR`, and the end of every run.
 
-use crate::result::files::Directory;
-use crate::result::inspection::Inspection;
-use crate::result::listed::listed;
-use crate::result::member_report::{self, Detail};
-use crate::result::target_files::target_names;
 use crate::run::error::RunError;
 use crate::run::session::Session;
 use nastic_case::lower::{CaseProblem, obstacle_shape};
@@ -13,6 +8,11 @@ use nastic_io::{WrittenFiles, write_atomically};
 use nastic_language::schema::Command;
 use nastic_report::FigureRequest;
 use nastic_report::record::{MemberRecord, StateRecord};
+use nastic_result::files::Directory;
+use nastic_result::inspection::Inspection;
+use nastic_result::listed::listed;
+use nastic_result::member_report::{self, Detail};
+use nastic_result::target_files::target_names;
 use std::path::{Path, PathBuf};
 
 /// The result for print.

@@ -1,7 +1,6 @@
 //! `nastic resume`: an optimisation, or the motion of a `solve`, that was interrupted goes on from its last checkpoint.
 
 use crate::console::Console;
-use crate::result::files::Directory;
 use crate::run::error::RunError;
 use crate::run::options::Options;
 use crate::run::session::Session;
@@ -14,6 +13,7 @@ use crate::saved::motion_checkpoint::MotionCheckpoint;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
+use nastic_result::files::Directory;
 use nastic_team::{Shares, Team};
 use std::path::{Path, PathBuf};
 

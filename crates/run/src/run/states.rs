@@ -1,14 +1,14 @@
 //! [`States`]: what a command found, as values.
 
-use crate::result::inspection::Inspection;
-use crate::result::picture::Drawing;
-use crate::result::title::title;
-use crate::result::{picture, snapshot};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{ControlError, StateFields};
 use nastic_ensemble::EnsemblePoint;
 use nastic_mesh::Snapshot;
 use nastic_picture::{PictureError, Sheet};
+use nastic_result::inspection::Inspection;
+use nastic_result::picture::Drawing;
+use nastic_result::title::title;
+use nastic_result::{picture, snapshot};
 
 /// The states that a command found, with the problem they belong to.
 #[derive(Debug)]

@@ -5,7 +5,6 @@ mod table;
 mod told;
 
 use crate::console::Console;
-use crate::result::files::Directory;
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::session::output_directory::directory_of;
@@ -22,6 +21,7 @@ use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostic, Diagnostics, nearest};
 use nastic_report::record::RunRecord;
 use nastic_report::{SweepRow, SweepTable};
+use nastic_result::files::Directory;
 use nastic_team::{broadcast, exchange};
 use serde_json::Value;
 use std::path::{Path, PathBuf};

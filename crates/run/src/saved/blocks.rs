@@ -3,7 +3,6 @@
 //! Blocks are by the members' numbers: the owner of the first member of one writes its file, and any ranks read those that they need. There are two
 //! sets of files, that of the last checkpoint and that of the next one: `checkpoint.bin`, which is written last, says which one counts and what is in it.
 
-use crate::result::files::Directory;
 use crate::run::error::RunError;
 use crate::saved;
 use crate::saved::CheckpointError;
@@ -11,6 +10,7 @@ use nastic_ensemble::{Ensemble, EnsembleError, MemberBlock, SavedMembers, blocks
 use nastic_io::{Fingerprint, WriteError};
 use nastic_opt::Saved;
 use nastic_opt::saved::{pack, unpack};
+use nastic_result::files::Directory;
 use nastic_team::{Team, TeamError, exchange};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;

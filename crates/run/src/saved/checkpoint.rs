@@ -1,6 +1,5 @@
 //! [`Checkpoint`]: everything that an optimisation needs to go on to the bit.
 
-use crate::result::files::Directory;
 use crate::run::error::RunError;
 use crate::run::optimize::starts::start_run::{FinishedRun, PointBytes, StartRun};
 use crate::saved::blocks::Blocks;
@@ -8,6 +7,7 @@ use crate::saved::case_record::CaseRecord;
 use crate::saved::{CheckpointError, NAME, json, read_value, write};
 use nastic_opt::Saved;
 use nastic_report::record::GradientCheckRecord;
+use nastic_result::files::Directory;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::path::Path;

@@ -1,6 +1,5 @@
 //! [`MotionCheckpoint`]: everything that a `solve` of a motion needs to go on to the bit.
 
-use crate::result::files::Directory;
 use crate::run::error::RunError;
 use crate::saved::case_record::CaseRecord;
 use crate::saved::{CheckpointError, read_value, write};
@@ -8,6 +7,7 @@ use nastic_control::AdaptiveSteps;
 use nastic_fem::State;
 use nastic_io::WriteError;
 use nastic_opt::Saved;
+use nastic_result::files::Directory;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

@@ -1,6 +1,5 @@
 //! [`Fitted`]: one law, and its entry in `fit.json`.
 
-use crate::run::describe::conditions;
 use nastic_energy::{Existence, MaterialPoint};
 use nastic_fit::{
     Bulk, End, Entry, Errors, Estimate, Fibers, Fit, FitError, Mode, Range, Scenario, Test, bulk, scenarios,
@@ -10,6 +9,7 @@ use nastic_language::schema::FitData;
 use nastic_report::record::{
     BulkRecord, EstimateRecord, FitStartsRecord, FittedLawRecord, StableRangeRecord, TestRecord,
 };
+use nastic_result::describe::conditions;
 use serde_json::{Map, Value, json};
 
 /// Modes in which stability is examined.

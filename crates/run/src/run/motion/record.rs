@@ -1,12 +1,12 @@
 //! What is reported of the motion of one member.
 
-use crate::result::summary::reactions;
 use crate::run::motion::table;
 use crate::run::motion::table::Table;
 use nastic_case::lower::CaseMember;
 use nastic_control::ControlError;
 use nastic_fem::{EnergyBalance, EnergyLedger, State, Touch};
 use nastic_report::record::{ByName, Number};
+use nastic_result::summary::reactions;
 
 /// What is reported of the motion of one member: the table of all steps, and the states that are written.
 pub(crate) struct Record {

@@ -1,7 +1,6 @@
 //! [`Recorder`]: what is reported of the motions of a `solve` while they run, and the checkpoints they leave.
 
 use crate::console::Console;
-use crate::result::files::Directory;
 use crate::run::error::RunError;
 use crate::run::motion::record::Record;
 use crate::run::motion::table::Table;
@@ -11,6 +10,7 @@ use crate::saved::motion_checkpoint::{MotionCheckpoint, SavedMotion, unfit};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{AdaptiveSteps, ControlError, MotionObserver, Timeline};
 use nastic_fem::State;
+use nastic_result::files::Directory;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 

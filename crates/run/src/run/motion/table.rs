@@ -1,8 +1,5 @@
 //! [`Table`]: the numbers of every step of a motion, as CSV and as charts.
 
-use crate::result::files::Directory;
-use crate::result::summary;
-use crate::result::title::title;
 use crate::run::error::RunError;
 use crate::run::state_columns::{AXES, BALANCE, Column, ENERGY, csv, probe_values, reaction_values};
 use nastic_case::lower::CaseMember;
@@ -10,6 +7,9 @@ use nastic_control::{ControlBlock, ControlError};
 use nastic_fem::{EnergyBalance, Instant, State, TimeStep, Touch};
 use nastic_picture::{Chart, Curve};
 use nastic_report::record::ContributionRecord;
+use nastic_result::files::Directory;
+use nastic_result::summary;
+use nastic_result::title::title;
 
 /// Curves of a chart: colours that it has.
 const CURVES: usize = 12;

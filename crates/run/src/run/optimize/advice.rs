@@ -1,6 +1,5 @@
 //! What to try after an optimisation that stopped before it converged, or whose bounds decided: each with the command.
 
-use crate::result::controls;
 use crate::run::optimize::limit_advice;
 use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
@@ -9,6 +8,7 @@ use nastic_control::Smoothing;
 use nastic_ensemble::EnsemblePoint;
 use nastic_language::schema::Cost;
 use nastic_opt::{Best, Constrained, Stall, Stop};
+use nastic_result::controls;
 use serde_json::{Value, json};
 use std::path::{Component, Path, PathBuf};
 

@@ -1,6 +1,5 @@
 //! What to try after trials that met a limit point: another control there, or bounds before it.
 
-use crate::result::summary;
 use crate::run::optimize::advice::{Advice, optimize};
 use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::session::Session;
@@ -8,6 +7,7 @@ use nastic_case::lower::{CaseProblem, ControlField};
 use nastic_ensemble::EnsemblePoint;
 use nastic_language::number::short;
 use nastic_language::schema::Control;
+use nastic_result::summary;
 
 /// Upper bound of an added volume that takes the place of a pressure, in volumes added so far.
 const FARTHER: f64 = 10.0;

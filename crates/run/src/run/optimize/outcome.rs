@@ -1,13 +1,5 @@
 //! What an optimisation leaves behind, and what it says at the end.
 
-use crate::result::collections::write_collections;
-use crate::result::files::state_files;
-use crate::result::inspection::Inspection;
-use crate::result::member_report::Detail;
-use crate::result::picture::Drawing;
-use crate::result::target_files::write_targets;
-use crate::result::title::{title, title_of_scenarios};
-use crate::result::{controls, convergence, member_report, picture, snapshot, summary};
 use crate::run::constraints;
 use crate::run::constraints::Known;
 use crate::run::error::RunError;
@@ -34,6 +26,14 @@ use nastic_numeric::format::scientific;
 use nastic_opt::{Best, Objective, StageEnd, Stop};
 use nastic_picture::Picture;
 use nastic_report::record::{OptimumRecord, StageRecord, StartRecord, number_of};
+use nastic_result::collections::write_collections;
+use nastic_result::files::state_files;
+use nastic_result::inspection::Inspection;
+use nastic_result::member_report::Detail;
+use nastic_result::picture::Drawing;
+use nastic_result::target_files::write_targets;
+use nastic_result::title::{title, title_of_scenarios};
+use nastic_result::{controls, convergence, member_report, picture, snapshot, summary};
 
 /// Writes the states at the start and the targets.
 pub(super) fn write_start(
@@ -307,7 +307,7 @@ fn write(
     files.extend(write_collections(problem, "optimum", &out)?);
     files.extend(of_motion);
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::beside(member))));
-    files.extend(crate::result::target_files::target_files(problem));
+    files.extend(nastic_result::target_files::target_files(problem));
     let number = if several { format!("start_{best_start}_") } else { String::new() };
     files.extend(problem.leads().map(|lead| lead.case_file(&format!("{number}iterates.bin"))));
     if problem.case.output.every > 0 && starts == 1 {

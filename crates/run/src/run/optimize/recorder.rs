@@ -2,8 +2,6 @@
 
 use crate::history;
 use crate::history::json_line;
-use crate::result::files::Directory;
-use crate::result::snapshot;
 use crate::run::error::RunError;
 use crate::run::optimize::branch_changes::Before;
 use crate::run::optimize::ordered_output::StartOutput;
@@ -19,6 +17,8 @@ use nastic_opt::{AugmentedState, Constrained, Objective, Reason, Summary, Trial,
 use nastic_report::Iterates;
 use nastic_report::Pace;
 use nastic_report::record::{Nullable, Number, numbers};
+use nastic_result::files::Directory;
+use nastic_result::snapshot;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;

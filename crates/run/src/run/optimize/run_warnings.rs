@@ -1,6 +1,5 @@
 //! Warnings about an optimisation that ended: nothing moved, bounds decide, terms that do not count, branches left.
 
-use crate::result::controls;
 use crate::run::constraints::Known;
 use crate::run::error::RunError;
 use crate::run::optimize::starts::start_run::FinishedRun;
@@ -15,6 +14,7 @@ use nastic_language::schema::pulling;
 use nastic_numeric::format::scientific;
 use nastic_numeric::vector::{norm, sub};
 use nastic_opt::{Bounds, DEFAULT_ACCURACY};
+use nastic_result::controls;
 
 /// A change of the control, relative to its size, that counts as none.
 const STILL: f64 = 1e-12;

@@ -1,7 +1,5 @@
 //! The spectrum of the reduced Hessian at the optimum: asked for by `--spectrum`, in results, in files and in words.
 
-use crate::result::files::Directory;
-use crate::result::{controls, snapshot};
 use crate::run::error::RunError;
 use crate::run::optimize::minimization::domain;
 use crate::run::session::Session;
@@ -12,6 +10,8 @@ use nastic_language::number::{count, short};
 use nastic_numeric::vector::dot;
 use nastic_opt::{Best, Constrained, Hessian, Objective, Spectrum, SpectrumOptions};
 use nastic_report::record::{ByName, EigenvectorsRecord, Number, RangeRecord, SpectrumRecord, numbers};
+use nastic_result::files::Directory;
+use nastic_result::{controls, snapshot};
 
 /// Rise of the cost, as a share of it, where nothing else is asked for.
 const RISE: f64 = 0.01;

@@ -1,6 +1,5 @@
 //! The errors of evaluations that failed and of checkpoints that do not fit; the last good state is kept on disk.
 
-use crate::result::failure;
 use crate::run::error::RunError;
 use crate::run::session::Session;
 use crate::saved;
@@ -10,6 +9,7 @@ use nastic_control::{ControlError, StateFields};
 use nastic_ensemble::EnsembleError;
 use nastic_fem::StateError;
 use nastic_opt::Failed;
+use nastic_result::failure;
 use std::path::PathBuf;
 
 impl Session<'_> {

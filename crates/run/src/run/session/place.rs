@@ -1,13 +1,13 @@
 //! The directory of a session: what this rank writes, and what belongs to all.
 
-use crate::result::files::Directory;
-use crate::result::listed::listed;
-use crate::result::target_files::named_targets;
 use crate::run::error::RunError;
 use crate::run::session::Session;
 use crate::run::session::output_directory::usual_directory;
 use nastic_case::output_names::OutputNames;
 use nastic_language::syntax::Document;
+use nastic_result::files::Directory;
+use nastic_result::listed::listed;
+use nastic_result::target_files::named_targets;
 use std::path::{Path, PathBuf};
 
 impl Session<'_> {

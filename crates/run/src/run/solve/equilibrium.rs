@@ -1,11 +1,5 @@
 //! The equilibrium at the start controls, with its modes or others beside it.
 
-use crate::result::collections::write_collections;
-use crate::result::inspection::Inspection;
-use crate::result::picture::Drawing;
-use crate::result::target_files::write_targets;
-use crate::result::title::title;
-use crate::result::{controls, picture, snapshot};
 use crate::run::error::{Exit, RunError};
 use crate::run::motion;
 use crate::run::report::say_files;
@@ -21,6 +15,12 @@ use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Modes, SolveReport};
 use nastic_language::number::short;
 use nastic_numeric::format::scientific;
+use nastic_result::collections::write_collections;
+use nastic_result::inspection::Inspection;
+use nastic_result::picture::Drawing;
+use nastic_result::target_files::write_targets;
+use nastic_result::title::title;
+use nastic_result::{controls, picture, snapshot};
 
 /// The equilibrium at the start controls, with its modes or others beside it.
 pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {

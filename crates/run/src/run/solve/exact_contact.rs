@@ -1,6 +1,5 @@
 //! `nastic solve --exact-contact`: the equilibrium whose contacts have no layer, beside the one that has.
 
-use crate::result::snapshot;
 use crate::run::error::{Exit, RunError};
 use crate::run::report::say_files;
 use crate::run::session::Session;
@@ -11,6 +10,7 @@ use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_numeric::format::scientific;
 use nastic_report::record::ExactContactRecord;
+use nastic_result::snapshot;
 
 /// Refuses what does not go with it, before anything is solved.
 pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {

@@ -1,6 +1,5 @@
 //! `nastic solve --path`: the equilibrium path from rest to the start controls and full loads, through limit points.
 
-use crate::result::summary;
 use crate::run::error::{Exit, RunError};
 use crate::run::report::say_files;
 use crate::run::session::Session;
@@ -14,6 +13,7 @@ use nastic_fem::{
 use nastic_language::number::short;
 use nastic_picture::Chart;
 use nastic_report::record::{PointRecord, RangeRecord, SeriesRecord};
+use nastic_result::summary;
 
 /// Control fields that a line names.
 const NAMED: usize = 3;

@@ -1,11 +1,11 @@
 //! [`RampFailure`]: where a ramp stopped, in values of its control.
 
-use crate::result::failure;
 use nastic_case::lower::CaseMember;
 use nastic_fem::{Cause, StateError};
 use nastic_language::number::{count, short};
 use nastic_numeric::format::scientific;
 use nastic_report::record::{FailureRecord, Number};
+use nastic_result::failure;
 
 /// An equilibrium of a ramp that was not found.
 pub(super) struct RampFailure<'e> {

@@ -1,9 +1,5 @@
 //! [`Series`]: equilibria of one member along a parameter, as a table, CSV, a chart and snapshots.
 
-use crate::result::files::Directory;
-use crate::result::inspection::Inspection;
-use crate::result::title::title;
-use crate::result::{snapshot, summary};
 use crate::run::error::RunError;
 use crate::run::state_columns::{BALANCE, Column, csv, probe_values, reaction_values};
 use nastic_case::lower::CaseMember;
@@ -15,6 +11,10 @@ use nastic_language::number::short;
 use nastic_mesh::Snapshot;
 use nastic_picture::{Chart, Curve};
 use nastic_report::record::{PointRecord, StateRecord};
+use nastic_result::files::Directory;
+use nastic_result::inspection::Inspection;
+use nastic_result::title::title;
+use nastic_result::{snapshot, summary};
 use rayon::prelude::*;
 
 /// Equilibria one after the other.

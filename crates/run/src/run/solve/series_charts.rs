@@ -1,11 +1,11 @@
 //! Charts of what equilibria along a parameter carry: forces of supports, energies, volumes.
 
-use crate::result::files::Directory;
 use crate::run::error::RunError;
 use crate::run::solve::series::{Carried, MOVES, Row, Series};
 use crate::run::state_columns::{Column, ENERGY, reaction_values};
 use nastic_language::quantity::Dimension;
 use nastic_picture::{Chart, Curve};
+use nastic_result::files::Directory;
 
 /// Curves of a chart: colours that it has.
 const CURVES: usize = 12;

@@ -1,7 +1,6 @@
 //! [`OneRun`]: a run of a sweep: kept if it was made before, made or gone on with if not, and what it left.
 
 use crate::console::Console;
-use crate::result::files::Directory;
 use crate::run::commands::{resume, run_with};
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
@@ -12,6 +11,7 @@ use nastic_io::Fingerprint;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
 use nastic_report::record::{RunRecord, VersionsRecord};
+use nastic_result::files::Directory;
 use std::path::Path;
 
 const RESULT: &str = "result.json";

@@ -2,7 +2,6 @@
 
 use crate::console::Console;
 use crate::history::{History, json_line};
-use crate::result::files::Directory;
 use crate::run::error::RunError;
 use crate::run::optimize::starts::start_run::{FinishedRun, PointBytes, StartRun};
 use crate::run::session::Session;
@@ -14,6 +13,7 @@ use nastic_ensemble::Ensemble;
 use nastic_io::write_atomically;
 use nastic_opt::Saved;
 use nastic_report::record::TrialRecord;
+use nastic_result::files::Directory;
 use nastic_team::{Team, broadcast};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

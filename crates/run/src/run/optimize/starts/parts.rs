@@ -1,6 +1,5 @@
 //! Starts in processes of their own: each leaves a checkpoint in a directory of its own; of these the optimisation is joined.
 
-use crate::result::files::Directory;
 use crate::run::error::{Exit, RunError};
 use crate::run::optimize::starts::journal::{Journal, SharedJournal};
 use crate::run::optimize::starts::round::{RoundEnd, failed};
@@ -20,6 +19,7 @@ use nastic_language::number::count;
 use nastic_numeric::format::scientific;
 use nastic_opt::{Constrained as _, Optimizer, early_stopping};
 use nastic_report::record::{GradientCheckRecord, StartRecord};
+use nastic_result::files::Directory;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

@@ -1,6 +1,5 @@
 //! [`StartRun`]: one of several starts and what became of it; [`FinishedRun`]: a run from one start.
 
-use crate::result::warning_record;
 use crate::run::error::RunError;
 use crate::run::optimize::branch_changes::BranchChanges;
 use crate::run::optimize::met_limits::MetLimits;
@@ -49,7 +48,7 @@ pub(crate) struct UnderWay {
 #[derive(Clone, Serialize, Deserialize)]
 pub(crate) struct StartRecord {
     /// What deserves attention in its states; said already.
-    #[serde(with = "warning_record::saved")]
+    #[serde(with = "crate::saved::warnings")]
     pub warnings: Vec<Warning>,
     /// The control of the start.
     pub m: Vec<f64>,
@@ -70,7 +69,7 @@ pub(crate) struct Ended {
     pub m: Vec<f64>,
     /// Absent of one that failed.
     pub standing: Option<Standing>,
-    #[serde(with = "warning_record::saved")]
+    #[serde(with = "crate::saved::warnings")]
     pub warnings: Vec<Warning>,
     /// Its lines of `history.jsonl` since the round began.
     pub lines: Vec<u8>,

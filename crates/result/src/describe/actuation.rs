@@ -1,6 +1,6 @@
 //! The actuations in words and as JSON.
 
-use crate::run::describe::parameters::law;
+use crate::describe::parameters::law;
 use nastic_case::describe::{Line, catalogue_of, line, parameters, scalar, vector_field};
 use nastic_case::lower::CaseProblem;
 use nastic_fem::catalogue::{FormValues, Key, KeyKind};
@@ -11,7 +11,8 @@ use nastic_language::quantity::Dimension;
 use nastic_language::schema::{Actuation, Fixed, Means, at_rest, point_in_words as point};
 use nastic_report::record::{BodyPointRecord, ByName, ConstantRecord, LawRecord, Number};
 
-pub(in crate::run) fn actuation(problem: &CaseProblem) -> Vec<Line> {
+/// What drives the body, in words.
+pub fn actuation(problem: &CaseProblem) -> Vec<Line> {
     let mut out = Vec::new();
     for actuation in &problem.case.actuation {
         let units = problem.units();

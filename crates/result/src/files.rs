@@ -1,7 +1,7 @@
 //! The output directory.
 
-use crate::result::listed::listed;
-use crate::saved::is_checkpoint;
+use crate::checkpoint_mark::is_checkpoint;
+use crate::listed::listed;
 use nastic_case::output_names::OutputNames;
 use nastic_io::{DirectoryLock, LockError, WriteError, WrittenFiles, write_atomically};
 use nastic_mesh::Snapshot;
@@ -12,22 +12,30 @@ use thiserror::Error;
 
 /// Why a directory cannot be used.
 #[derive(Debug, Error)]
-pub(crate) enum DirectoryError {
+pub enum DirectoryError {
+    /// Another program is at work there, or it cannot be locked.
     #[error(transparent)]
     Lock(#[from] LockError),
+    /// Nothing can be written there.
     #[error(transparent)]
     Write(#[from] WriteError),
     /// A file that is read has the name of one that is to be written there.
     #[error("{} would be replaced", file.display())]
-    Input { file: PathBuf },
+    Input {
+        /// The file.
+        file: PathBuf,
+    },
     /// Files that nastic did not write have such names.
     #[error("{} would be replaced", files.first().map_or_else(String::new, |file| file.display().to_string()))]
-    Others { files: Vec<PathBuf> },
+    Others {
+        /// The files.
+        files: Vec<PathBuf>,
+    },
 }
 
 /// Where the files of a command go. While it or a clone of it exists, no other program writes there.
 #[derive(Clone, Debug)]
-pub(crate) struct Directory {
+pub struct Directory {
     path: PathBuf,
     _lock: Option<Arc<DirectoryLock>>,
     /// What may be written and removed there.
@@ -39,6 +47,9 @@ impl Directory {
     /// Makes the directory and locks it now, so that a place that cannot be written to, or that another program writes
     /// to, is reported before hours of work; and so is one where what the command writes would replace what
     /// it reads, or what nastic did not write.
+    ///
+    /// # Errors
+    /// Each of these.
     pub fn claim<'f>(
         path: PathBuf,
         names: OutputNames,
@@ -61,6 +72,9 @@ impl Directory {
     }
 
     /// Makes the directory and locks it, before it is known what is written there.
+    ///
+    /// # Errors
+    /// It cannot be made, locked or written to.
     pub fn lock(path: PathBuf) -> Result<Self, DirectoryError> {
         std::fs::create_dir_all(&path).map_err(|source| WriteError::System { file: path.clone(), source })?;
         let lock = DirectoryLock::acquire(&path)?;
@@ -74,6 +88,9 @@ impl Directory {
     }
 
     /// Says what is written there.
+    ///
+    /// # Errors
+    /// [`DirectoryError::Others`].
     pub fn take_names(&mut self, names: OutputNames) -> Result<(), DirectoryError> {
         refuse_others(&self.path, &names, &self.written)?;
         self.names = names;
@@ -85,6 +102,7 @@ impl Directory {
         Self { path: path.to_owned(), _lock: None, names, written: Arc::new(WrittenFiles::of_another(path)) }
     }
 
+    /// Where it is.
     pub fn path(&self) -> &Path {
         &self.path
     }
@@ -95,6 +113,9 @@ impl Directory {
     }
 
     /// A file in it that is to be written.
+    ///
+    /// # Errors
+    /// The list of what nastic wrote there cannot be written.
     pub fn own(&self, name: &str) -> Result<PathBuf, WriteError> {
         debug_assert!(self.has(name), "{name} is none of the names that were claimed");
         self.written.add(name)?;
@@ -137,6 +158,9 @@ impl Directory {
     }
 
     /// Removes a file, if it is there and of a name that is written there.
+    ///
+    /// # Errors
+    /// What the system answers.
     pub fn remove(&self, name: &str) -> Result<(), WriteError> {
         if !self.has(name) {
             return Ok(());
@@ -149,6 +173,10 @@ impl Directory {
         }
     }
 
+    /// A value as JSON.
+    ///
+    /// # Errors
+    /// What the system answers.
     pub fn write_json(&self, name: &str, value: &impl Serialize) -> Result<(), WriteError> {
         write_atomically(self.own(name)?, |out| {
             serde_json::to_writer_pretty(&mut *out, value)?;
@@ -156,11 +184,18 @@ impl Directory {
         })
     }
 
+    /// A snapshot.
+    ///
+    /// # Errors
+    /// What the system answers.
     pub fn write_vtu(&self, name: &str, snapshot: &Snapshot) -> Result<(), WriteError> {
         nastic_io::write_vtu(self.own(name)?, snapshot)
     }
 
     /// A state `NAME.vtu`, and what is beside it; the names of the files.
+    ///
+    /// # Errors
+    /// What the system answers.
     pub fn write_state(&self, name: &str, snapshot: &Snapshot) -> Result<Vec<String>, WriteError> {
         self.write_vtu(&format!("{name}.vtu"), snapshot)?;
         match snapshot.lines.is_empty() {
@@ -196,20 +231,22 @@ fn refuse_others(path: &Path, names: &OutputNames, written: &WrittenFiles) -> Re
 
 /// What a state has beside its body.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Beside {
+pub struct Beside {
+    /// Lines: cables, springs.
     pub lines: bool,
     /// Obstacles that move.
     pub obstacles: bool,
 }
 
 impl Beside {
+    /// What a snapshot has.
     pub fn of(snapshot: &Snapshot) -> Self {
         Self { lines: !snapshot.lines.is_empty(), obstacles: snapshot.obstacles.is_some() }
     }
 }
 
 /// The files of a state: `NAME.vtu`, `NAME_lines.vtu` where it has lines, `NAME_obstacles.vtu` where obstacles move.
-pub(crate) fn state_files(name: &str, beside: Beside) -> Vec<String> {
+pub fn state_files(name: &str, beside: Beside) -> Vec<String> {
     let others = [beside.lines.then(|| lines_of(name)), beside.obstacles.then(|| obstacles_of(name))];
     std::iter::once(format!("{name}.vtu")).chain(others.into_iter().flatten()).collect()
 }

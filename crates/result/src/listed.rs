@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::path::Path;
 
 /// The files that earlier runs in a directory list as their results, these lists included.
-pub(crate) fn listed(directory: &Path) -> Vec<String> {
+pub fn listed(directory: &Path) -> Vec<String> {
     let mut all = Vec::new();
     for list in ["result.json", "fit.json", "sweep.json"] {
         let text = std::fs::read_to_string(directory.join(list)).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! States of all members as results show them.
 
-use crate::result::inspection::{Inspection, Uncounted};
-use crate::result::summary;
+use crate::inspection::{Inspection, Uncounted};
+use crate::summary;
 use nastic_case::lower::{CaseMember, CaseProblem, LocatedProbe};
 use nastic_control::{ControlError, CostPoint, DistanceInTime};
 use nastic_ensemble::{EnsemblePoint, Measured};
@@ -15,8 +15,10 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 /// A state of one member, with the values of its costs.
-pub(crate) struct MemberReport<'a> {
+pub struct MemberReport<'a> {
+    /// The member.
     pub member: CaseMember<'a>,
+    /// Its state, of a motion at the end.
     pub state: &'a State,
     /// Values of its cost terms; empty without costs.
     pub terms: Vec<f64>,
@@ -24,7 +26,9 @@ pub(crate) struct MemberReport<'a> {
     pub costs: Cow<'a, [Arc<dyn CostPoint>]>,
     /// Of a motion by term the distances over its instants, of positions with a target.
     pub distances: Vec<Option<DistanceInTime>>,
+    /// The stage of the values.
     pub stage: usize,
+    /// Work of the state and of the adjoint.
     pub work: SolveReport,
     /// The smallest J, of a motion over all its states.
     pub min_j: f64,
@@ -34,7 +38,7 @@ pub(crate) struct MemberReport<'a> {
 
 /// How much is reported of a state.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Detail {
+pub enum Detail {
     /// The costs alone.
     Costs,
     /// All there is.
@@ -42,13 +46,13 @@ pub(crate) enum Detail {
 }
 
 /// What could not be reported of a member.
-pub(crate) type MemberError = (usize, ControlError);
+pub type MemberError = (usize, ControlError);
 
 /// The states of an evaluated control, with the work of its evaluation.
-pub(crate) fn of_point<'a>(
-    problem: &'a CaseProblem,
-    point: &'a EnsemblePoint,
-) -> Result<Vec<MemberReport<'a>>, MemberError> {
+///
+/// # Errors
+/// The number of a member and why it could not be reported.
+pub fn of_point<'a>(problem: &'a CaseProblem, point: &'a EnsemblePoint) -> Result<Vec<MemberReport<'a>>, MemberError> {
     let of = |(member, at): (CaseMember<'a>, &'a nastic_control::Evaluated)| {
         let failed = |error: ControlError| (member.index(), error);
         let costs = member.reduced().costs_of(at).map_err(failed)?;
@@ -62,7 +66,10 @@ pub(crate) fn of_point<'a>(
 }
 
 /// The same, with what was found in the states.
-pub(crate) fn of_inspected<'a>(
+///
+/// # Errors
+/// The number of a member and why it could not be reported.
+pub fn of_inspected<'a>(
     problem: &'a CaseProblem,
     point: &'a EnsemblePoint,
     inspections: &'a [Inspection],
@@ -74,7 +81,10 @@ pub(crate) fn of_inspected<'a>(
 
 /// All entries of a result: of a plain case those of its one state, else what holds for all members and, under
 /// `scenarios` and `load_cases`, those of each.
-pub(crate) fn entries(
+///
+/// # Errors
+/// The number of a member and why it could not be reported.
+pub fn entries(
     problem: &CaseProblem,
     reports: &[MemberReport<'_>],
     detail: Detail,
@@ -130,7 +140,7 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<StateRecord, MemberEr
             out.inertia = found.inertia.as_ref().ok().map(|(negative, _)| *negative).into();
             out.inertia_by_factor = found.inertia.as_ref().ok().and_then(|(_, by_factor)| *by_factor);
             out.inertia_missing = found.inertia.as_ref().err().map(Uncounted::record);
-            out.free_motion = found.free.as_ref().map(super::failure::free_motion);
+            out.free_motion = found.free.as_ref().map(crate::failure::free_motion);
             out.self_intersection = Some(found.intersection_record());
         }
         summary::add_work(&mut out, &one.work);

@@ -6,7 +6,7 @@ use nastic_language::schema::{Cost, Stages};
 use nastic_report::record::{ByName, SmoothingRecord};
 
 /// The stages of every such term, of a load case's own terms `CASE/TERM`; empty without one.
-pub(crate) fn record(problem: &CaseProblem) -> ByName<Vec<SmoothingRecord>> {
+pub fn record(problem: &CaseProblem) -> ByName<Vec<SmoothingRecord>> {
     let stage = |s: &nastic_control::Smoothing| SmoothingRecord {
         alpha: s.alpha().into(),
         beta: s.beta().into(),
@@ -24,7 +24,7 @@ pub(crate) fn record(problem: &CaseProblem) -> ByName<Vec<SmoothingRecord>> {
 }
 
 /// A line for every term whose stages are automatic.
-pub(crate) fn automatic(problem: &CaseProblem) -> Vec<String> {
+pub fn automatic(problem: &CaseProblem) -> Vec<String> {
     let unit = problem.units().length().symbol;
     let of = |member: CaseMember<'_>| -> Vec<String> {
         let blocks = member.case().costs.iter().filter(|block| block.weight() != 0.0);

@@ -1,7 +1,7 @@
 //! Pictures of start, target and result, for those who do not have ParaView open.
 
-use crate::result::files::Directory;
-use crate::result::snapshot;
+use crate::files::Directory;
+use crate::snapshot;
 use nastic_case::lower::{Admitted, CaseMember, ControlField, TargetShape, obstacle_shape};
 use nastic_control::{ControlBlock, Space};
 use nastic_io::WriteError;
@@ -12,8 +12,10 @@ use nastic_report::{FIELD, obstacles_label, tension, uniform_field, with_marks};
 use std::mem::take;
 
 /// What is drawn.
-pub(crate) struct Drawing<'a> {
+pub struct Drawing<'a> {
+    /// The title.
     pub title: String,
+    /// The line below it.
     pub subtitle: String,
     /// The state drawn solid, and its name in the legend.
     pub body: (&'a str, &'a Snapshot),
@@ -26,24 +28,30 @@ pub(crate) struct Drawing<'a> {
 }
 
 /// States with their names.
-pub(crate) fn named(shots: &[(String, Snapshot)]) -> Vec<(&str, &Snapshot)> {
+pub fn named(shots: &[(String, Snapshot)]) -> Vec<(&str, &Snapshot)> {
     shots.iter().map(|(name, shot)| (name.as_str(), shot)).collect()
 }
 
 /// Further scenarios that are drawn.
-pub(crate) const SCENARIOS: usize = 2;
+pub const SCENARIOS: usize = 2;
 /// Load cases that are drawn side by side.
-pub(crate) const LOAD_CASES: usize = 4;
+pub const LOAD_CASES: usize = 4;
 /// Controlled fields that are drawn.
 const FIELDS: usize = 6;
 
 /// Writes `picture.png` and `picture.svg`; their names begin with the member's load case.
-pub(crate) fn write(member: CaseMember<'_>, pictures: Vec<Picture>, to: &Directory) -> Result<(), WriteError> {
+///
+/// # Errors
+/// What the system answers.
+pub fn write(member: CaseMember<'_>, pictures: Vec<Picture>, to: &Directory) -> Result<(), WriteError> {
     write_sheet(pictures, |name| member.case_file(name), to)
 }
 
 /// The same of several members, under names without a beginning.
-pub(crate) fn write_together(pictures: Vec<Picture>, to: &Directory) -> Result<(), WriteError> {
+///
+/// # Errors
+/// What the system answers.
+pub fn write_together(pictures: Vec<Picture>, to: &Directory) -> Result<(), WriteError> {
     write_sheet(pictures, str::to_owned, to)
 }
 
@@ -55,7 +63,7 @@ fn write_sheet(pictures: Vec<Picture>, name: impl Fn(&str) -> String + Sync, to:
 }
 
 /// The pictures of a member: its state, once for every field that is controlled; further scenarios; their mean.
-pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Picture> {
+pub fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Picture> {
     let (label, body) = drawing.body;
     let mut pictures: Vec<Picture> = appearances(member, body)
         .into_iter()
@@ -82,7 +90,7 @@ pub(crate) fn compose(member: CaseMember<'_>, drawing: &Drawing<'_>) -> Vec<Pict
 }
 
 /// The pictures of modes: a state moved on along each, under its title, and the state itself as glass.
-pub(crate) fn of_modes(
+pub fn of_modes(
     member: CaseMember<'_>,
     title: &str,
     about: &str,
@@ -168,7 +176,7 @@ fn controlled(block: &ControlBlock, field: &ControlField, body: &Snapshot) -> Op
 }
 
 /// What the arrows and lines of a picture are, for its subtitle; empty without any.
-pub(crate) fn legend(body: &Snapshot) -> String {
+pub fn legend(body: &Snapshot) -> String {
     let tensions: Vec<f64> = body.lines.iter().filter_map(tension).collect();
     let tensed = match (tensions.is_empty(), tensions.iter().all(|tension| *tension > 0.0)) {
         (true, _) => String::new(),
@@ -194,7 +202,7 @@ fn arrows(body: &Snapshot) -> &'static str {
 }
 
 /// Root mean square and true distances in a result or the entry of a member, for subtitles; empty without any.
-pub(crate) fn distance(state: &StateRecord, unit: &str) -> String {
+pub fn distance(state: &StateRecord, unit: &str) -> String {
     let short = nastic_language::number::short;
     if let Some(distance) = state.hausdorff.as_ref().and_then(|distances| *distances.exact) {
         return format!("; true Hausdorff {} {unit}", short(distance));

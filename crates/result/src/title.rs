@@ -4,12 +4,12 @@ use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_report::case_name;
 
 /// The title of pictures of a member.
-pub(crate) fn title(member: CaseMember<'_>) -> String {
+pub fn title(member: CaseMember<'_>) -> String {
     titled(member.problem(), &member.name())
 }
 
 /// The title of pictures of all scenarios together.
-pub(crate) fn title_of_scenarios(lead: CaseMember<'_>) -> String {
+pub fn title_of_scenarios(lead: CaseMember<'_>) -> String {
     titled(lead.problem(), lead.load_case().unwrap_or(""))
 }
 

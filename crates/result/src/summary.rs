@@ -1,6 +1,6 @@
 //! What a state says of itself: costs, distances, deformation, forces, work.
 
-use crate::result::member_report::MemberReport;
+use crate::member_report::MemberReport;
 use nastic_case::lower::{CaseMember, LocatedProbe};
 use nastic_control::{ControlError, CostPoint, DistanceInTime, FigureKind};
 use nastic_fem::{Demand, Inadmissible, Instant, SolveReport, State, StoredEnergy};
@@ -99,7 +99,7 @@ const MOVED_UNKNOWN: [&str; 2] = ["tr_bdf2", "trapezoidal"];
 const ALL_UNKNOWN: &str = "implicit_midpoint";
 
 /// The force of every support in a state, and in the step that led there; not a number where the scheme does not know it.
-pub(crate) fn forces(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, [f64; 3])> {
+pub fn forces(member: CaseMember<'_>, before: Option<&State>, state: &State) -> Vec<(String, [f64; 3])> {
     let solid = member.solid();
     let unknown = || solid.supports().reactions(&vec![f64::NAN; state.u.len()]);
     let scheme = member.reduced().timeline().map_or("", |timeline| timeline.scheme().name());
@@ -115,22 +115,25 @@ pub(crate) fn forces(member: CaseMember<'_>, before: Option<&State>, state: &Sta
 }
 
 /// The same for results.
-pub(crate) fn reactions(member: CaseMember<'_>, before: Option<&State>, state: &State) -> ByName<Vec<Number>> {
+pub fn reactions(member: CaseMember<'_>, before: Option<&State>, state: &State) -> ByName<Vec<Number>> {
     named(&forces(member, before, state))
 }
 
 /// Forces by the names of supports.
-pub(crate) fn named(forces: &[(String, [f64; 3])]) -> ByName<Vec<Number>> {
+pub fn named(forces: &[(String, [f64; 3])]) -> ByName<Vec<Number>> {
     forces.iter().map(|(name, force)| (name.clone(), numbers(force))).collect()
 }
 
 /// Stored energies for results.
-pub(crate) fn energy(stored: StoredEnergy) -> StoredEnergyRecord {
+pub fn energy(stored: StoredEnergy) -> StoredEnergyRecord {
     StoredEnergyRecord { elastic: stored.elastic.into(), contact: stored.contact.into() }
 }
 
 /// By contribution what it reports.
-pub(crate) fn contributions(member: CaseMember<'_>, state: &State) -> Result<ByName<ContributionRecord>, Inadmissible> {
+///
+/// # Errors
+/// A state that a contribution does not admit.
+pub fn contributions(member: CaseMember<'_>, state: &State) -> Result<ByName<ContributionRecord>, Inadmissible> {
     let mut out = ByName::<Numbers>::default();
     for (name, quantity, value) in member.solid().model().quantities(&Instant::of(state))? {
         out.entry(name).or_default().insert(quantity.to_owned(), value.into());
@@ -139,14 +142,14 @@ pub(crate) fn contributions(member: CaseMember<'_>, state: &State) -> Result<ByN
 }
 
 /// The potential of passive laws, actuations and loads at a state of a motion, with relaxed viscous laws.
-pub(crate) fn potential(member: CaseMember<'_>, state: &State) -> f64 {
+pub fn potential(member: CaseMember<'_>, state: &State) -> f64 {
     let model = member.solid().model();
     let at = Instant::new(&state.u, &state.controls, 1.0);
     model.evaluate(&at, Demand { energy: true, force: false }).map_or(f64::NAN, |sums| sums.energy)
 }
 
 /// What a state says without another factor: smallest J, potential, probes, what contributions report.
-pub(crate) fn shape(member: CaseMember<'_>, state: &State) -> StateRecord {
+pub fn shape(member: CaseMember<'_>, state: &State) -> StateRecord {
     let potential = match member.reduced().timeline() {
         None => state.report.energy,
         Some(_) => potential(member, state),
@@ -170,7 +173,7 @@ pub(crate) fn state(member: CaseMember<'_>, state: &State) -> StateRecord {
 }
 
 /// Puts what it took into a state's entries.
-pub(crate) fn add_work(state: &mut StateRecord, work: &SolveReport) {
+pub fn add_work(state: &mut StateRecord, work: &SolveReport) {
     state.newton_iterations = Some(work.newton);
     state.factorisations = Some(work.factorisations);
     state.reused_factorisations = Some(work.reused);

@@ -1,6 +1,6 @@
 //! The trials of an optimisation as a table, `history.csv`, and as a chart, `convergence.svg`.
 
-use crate::result::files::Directory;
+use crate::files::Directory;
 use nastic_io::{WriteError, write_atomically};
 use nastic_picture::{Chart, Curve};
 use nastic_report::csv;
@@ -8,7 +8,10 @@ use nastic_report::record::{Number, TrialRecord};
 use serde_json::Value;
 
 /// Writes both from `history.jsonl`; the names of the files. `start` is the one that is drawn, where there are several.
-pub(crate) fn write(out: &Directory, title: &str, start: Option<usize>) -> Result<Vec<String>, WriteError> {
+///
+/// # Errors
+/// What the system answers.
+pub fn write(out: &Directory, title: &str, start: Option<usize>) -> Result<Vec<String>, WriteError> {
     let file = out.file("history.jsonl");
     let text = std::fs::read_to_string(&file).map_err(|source| WriteError::System { file, source })?;
     let trials: Vec<TrialRecord> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();

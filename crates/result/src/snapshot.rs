@@ -1,8 +1,8 @@
 //! States as snapshots, under the names the case gives its controls.
 
-use crate::result::controls;
-use crate::result::files::Beside;
-use crate::result::inspection::Inspection;
+use crate::controls;
+use crate::files::Beside;
+use crate::inspection::Inspection;
 use nastic_case::lower::obstacle_shape;
 use nastic_case::lower::result_array::TARGET_DISTANCE;
 use nastic_case::lower::{CaseMember, ControlField, TargetShape};
@@ -12,27 +12,36 @@ use nastic_mesh::{Shape, Snapshot};
 use rayon::prelude::*;
 
 /// The snapshot of a state: [`nastic_control::Reduced::snapshot_of`] with the case's names.
-pub(crate) fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+///
+/// # Errors
+/// An array that does not fit its mesh.
+pub fn snapshot(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
     let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
     let shot = member.reduced().snapshot_of(&StateFields { names: &names, ..*fields })?;
     Ok(Snapshot { obstacles: obstacle_shape::moved(member, fields.state), ..shot })
 }
 
 /// What its states have beside the body.
-pub(crate) fn beside(member: CaseMember<'_>) -> Beside {
+pub fn beside(member: CaseMember<'_>) -> Beside {
     let rest = member.solid().rest();
     let lines = member.solid().model().lines(&Instant::new(&rest.u, &rest.controls, 0.0));
     Beside { lines: lines.is_ok_and(|lines| !lines.is_empty()), obstacles: obstacle_shape::has_moved(member) }
 }
 
 /// Displacement and control fields alone, for the record of an optimisation's iterations.
-pub(crate) fn iterate(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+///
+/// # Errors
+/// An array that does not fit its mesh.
+pub fn iterate(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
     let names: Vec<&str> = member.fields().map(|(_, field)| field.array.as_str()).collect();
     member.reduced().moved_controls(&StateFields { names: &names, ..*fields })
 }
 
 /// The displaced body with vectors of the control space as arrays `CONTROL_NAME`.
-pub(crate) fn control_fields(
+///
+/// # Errors
+/// An array that does not fit its mesh.
+pub fn control_fields(
     member: CaseMember<'_>,
     state: &State,
     vectors: &[(&str, Vec<f64>)],
@@ -44,7 +53,7 @@ pub(crate) fn control_fields(
 }
 
 /// Names of the control fields that are vectors of the material, and turn with it.
-pub(crate) fn material_vectors(member: CaseMember<'_>) -> Vec<String> {
+pub fn material_vectors(member: CaseMember<'_>) -> Vec<String> {
     let of = |(block, field): (&ControlBlock, &ControlField)| {
         (controls::slot(member, block) == Some("remanence")).then(|| field.array.clone())
     };
@@ -52,7 +61,10 @@ pub(crate) fn material_vectors(member: CaseMember<'_>) -> Vec<String> {
 }
 
 /// The same as [`snapshot`], with the cells marked where the body intersects itself: cell data `intersecting`, left out where it does not.
-pub(crate) fn inspected(
+///
+/// # Errors
+/// An array that does not fit its mesh.
+pub fn inspected(
     member: CaseMember<'_>,
     fields: &StateFields<'_>,
     found: Option<&Inspection>,
@@ -65,7 +77,10 @@ pub(crate) fn inspected(
 }
 
 /// The snapshot of a state without the fields that look at it in another way: what iterations and pictures need.
-pub(crate) fn plain(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
+///
+/// # Errors
+/// An array that does not fit its mesh.
+pub fn plain(member: CaseMember<'_>, fields: &StateFields<'_>) -> Result<Snapshot, ControlError> {
     snapshot(member, &StateFields { detailed: false, ..*fields })
 }
 

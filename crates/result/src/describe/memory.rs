@@ -17,7 +17,8 @@ fn peak_by_multigrid(levels: usize, unknowns: usize) -> [usize; 2] {
     [least + levels, most + 2 * levels]
 }
 
-pub(in crate::run) fn memory(problem: &CaseProblem) -> Vec<Line> {
+/// The linear solver and the memory that it will take, in words.
+pub fn memory(problem: &CaseProblem) -> Vec<Line> {
     let model = problem.solid().model();
     let structure = model.tangent_structure();
     let mut out = vec![line("solver", format!("{}: {}", model.solver(), model.solver().about()))];

@@ -14,7 +14,7 @@ use nastic_report::record::{
 const NAMED: usize = 10;
 
 /// The last equilibrium on the way, where there is one.
-pub(crate) fn last_state(error: &StateError) -> Option<&State> {
+pub fn last_state(error: &StateError) -> Option<&State> {
     match of_solve(error) {
         StateError::Inadmissible { last, .. }
         | StateError::NoConvergence { last, .. }
@@ -32,7 +32,7 @@ fn of_solve(error: &StateError) -> &StateError {
 }
 
 /// What a failure reports: `kind`, and what that kind knows.
-pub(crate) fn record(member: CaseMember<'_>, error: &StateError) -> FailureRecord {
+pub fn record(member: CaseMember<'_>, error: &StateError) -> FailureRecord {
     let mut out = FailureRecord { kind: error.code().to_owned(), ..FailureRecord::default() };
     out.member = Some(member.name()).filter(|name| !name.is_empty());
     if let StateError::InStep { time, dt, .. } | StateError::EndOfStep { time, dt, .. } = error {
@@ -81,7 +81,7 @@ fn add_cause(out: &mut FailureRecord, cause: &Cause) {
 }
 
 /// As results have it.
-pub(super) fn free_motion(FreeMotion { count, what, example }: &FreeMotion) -> FreeMotionRecord {
+pub(crate) fn free_motion(FreeMotion { count, what, example }: &FreeMotion) -> FreeMotionRecord {
     FreeMotionRecord { count: *count, what: what.clone(), example: example.clone() }
 }
 
@@ -101,12 +101,15 @@ fn add_place(out: &mut FailureRecord, at: &Inadmissible) {
 
 /// The last good state: cell data `min_J` (smallest J of the cell) and `failure_rank` (1 for the cell with the lowest, 2 for
 /// the next ..); where a cell inverted, `failed` is 1 there.
-pub(crate) fn snapshot(
+///
+/// # Errors
+/// An array that does not fit its mesh.
+pub fn snapshot(
     member: CaseMember<'_>,
     fields: &StateFields<'_>,
     error: &StateError,
 ) -> Result<Snapshot, ControlError> {
-    let mut out = crate::result::snapshot::snapshot(member, fields)?;
+    let mut out = crate::snapshot::snapshot(member, fields)?;
     let cells = member.mesh().cells();
     if let Some(all) = ranked(member, fields.state) {
         let (mut lowest, mut rank) = (vec![0.0; cells], vec![0.0; cells]);

@@ -1,11 +1,14 @@
 //! Collections of the files of scenarios.
 
-use crate::result::files::Directory;
-pub(crate) use crate::run::error::RunError;
+use crate::files::Directory;
 use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_io::WriteError;
 
 /// `scenarios.pvd`: the scenarios' files one after the other, for every load case.
-pub(crate) fn write_collections(problem: &CaseProblem, what: &str, out: &Directory) -> Result<Vec<String>, RunError> {
+///
+/// # Errors
+/// What the system answers.
+pub fn write_collections(problem: &CaseProblem, what: &str, out: &Directory) -> Result<Vec<String>, WriteError> {
     let mut files = Vec::new();
     for lead in problem.leads().filter(|_| problem.has_scenarios()) {
         let own = problem.members().filter(|member| member.load_case() == lead.load_case());

@@ -9,7 +9,8 @@ use nastic_report::record::{RiskRecord, StateRecord};
 /// Scenarios listed one by one; the result has them all.
 const LISTED: usize = 12;
 
-pub(in crate::run) fn load_cases(problem: &CaseProblem) -> Vec<Line> {
+/// The load cases, in words.
+pub fn load_cases(problem: &CaseProblem) -> Vec<Line> {
     let mut out = Vec::new();
     for member in problem.leads() {
         let block = problem.case.load_cases.iter().find(|block| Some(block.name.as_str()) == member.load_case());
@@ -36,7 +37,8 @@ fn differs(block: &LoadCase) -> String {
     settings.chain(counts).map(|text| format!(", {text}")).collect()
 }
 
-pub(in crate::run) fn scenarios(problem: &CaseProblem) -> Vec<Line> {
+/// The scenarios, in words.
+pub fn scenarios(problem: &CaseProblem) -> Vec<Line> {
     if !problem.has_scenarios() {
         return vec![];
     }

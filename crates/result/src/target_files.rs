@@ -1,13 +1,16 @@
 //! Files with the shapes that costs aim at, and with obstacles.
 
-use crate::result::files::Directory;
-use crate::result::snapshot;
-pub(crate) use crate::run::error::RunError;
+use crate::error::ResultError;
+use crate::files::Directory;
+use crate::snapshot;
 use nastic_case::lower::{CaseMember, CaseProblem, TargetShape, file_name, obstacle_shape};
 
 /// `target.vtu` of the first target; further ones bear their cost's name, and those that members have alone begin as
 /// the members' files do. Obstacles besides.
-pub(crate) fn write_targets(problem: &CaseProblem, out: &Directory) -> Result<Vec<String>, RunError> {
+///
+/// # Errors
+/// A file that cannot be written, an array that does not fit its mesh.
+pub fn write_targets(problem: &CaseProblem, out: &Directory) -> Result<Vec<String>, ResultError> {
     let targets = named_targets(problem);
     for (name, shape) in &targets {
         out.write_vtu(name, &snapshot::target(shape)?)?;
@@ -19,18 +22,19 @@ pub(crate) fn write_targets(problem: &CaseProblem, out: &Directory) -> Result<Ve
 }
 
 /// The names of the files with targets and obstacles.
-pub(crate) fn target_files(problem: &CaseProblem) -> Vec<String> {
+pub fn target_files(problem: &CaseProblem) -> Vec<String> {
     let obstacles = obstacle_shape::files(problem).0.into_iter().map(|(name, _)| name);
     named_targets(problem).into_iter().map(|(name, _)| name).chain(obstacles).collect()
 }
 
 /// The names of every member's own targets.
-pub(crate) fn target_names(problem: &CaseProblem) -> Vec<Vec<String>> {
+pub fn target_names(problem: &CaseProblem) -> Vec<Vec<String>> {
     let named = named_targets_by_member(problem);
     named.into_iter().map(|own| own.into_iter().map(|(name, _)| name).collect()).collect()
 }
 
-pub(crate) fn named_targets(problem: &CaseProblem) -> Vec<(String, &TargetShape)> {
+/// The targets of all members, each once, with the names of their files.
+pub fn named_targets(problem: &CaseProblem) -> Vec<(String, &TargetShape)> {
     let mut out: Vec<(String, &TargetShape)> = Vec::new();
     for (name, shape) in named_targets_by_member(problem).into_iter().flatten() {
         if !out.iter().any(|(known, _)| *known == name) {

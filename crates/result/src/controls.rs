@@ -9,20 +9,20 @@ use nastic_numeric::vector::norm;
 use nastic_report::record::{ByName, ControlRecord, ControlValues, DerivativeNorm, Number, RangeRecord, numbers};
 
 /// Norms of a derivative.
-pub(crate) fn derivative_norm(problem: &CaseProblem, derivative: &[f64]) -> DerivativeNorm {
+pub fn derivative_norm(problem: &CaseProblem, derivative: &[f64]) -> DerivativeNorm {
     let metric = problem.inner_product().map(|product| product.dual_norm(derivative));
     DerivativeNorm { euclidean: norm(derivative).into(), metric: metric.into() }
 }
 
 /// What every control may start from once more, at a control vector: its values, in front of filters and projections.
-pub(crate) fn control_values(problem: &CaseProblem, m: &[f64]) -> ByName<Vec<Number>> {
+pub fn control_values(problem: &CaseProblem, m: &[f64]) -> ByName<Vec<Number>> {
     let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
     let values = |block: &EnsembleBlock| numbers(&problem.control_block(block).free_values_of(block.of(m)));
     blocks.map(|(block, field)| (field.name.clone(), values(block))).collect()
 }
 
 /// The part of every control in a derivative or a change of the unknowns.
-pub(crate) fn by_control(problem: &CaseProblem, v: &[f64]) -> ByName<Vec<Number>> {
+pub fn by_control(problem: &CaseProblem, v: &[f64]) -> ByName<Vec<Number>> {
     let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
     blocks.map(|(block, field)| (field.name.clone(), numbers(block.of(v)))).collect()
 }
@@ -44,7 +44,7 @@ fn values(basis: &Basis, values: &[f64], components: usize) -> Option<ControlVal
 }
 
 /// What became of every control, with the maps of a stage.
-pub(crate) fn controls(problem: &CaseProblem, m: &[f64], stage: usize) -> ByName<ControlRecord> {
+pub fn controls(problem: &CaseProblem, m: &[f64], stage: usize) -> ByName<ControlRecord> {
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     fields.map(|(block, field)| (field.name.clone(), control(problem, block, field, m, stage))).collect()
 }
@@ -119,7 +119,7 @@ fn measure(member: CaseMember<'_>, cost: Result<DesignMean, ControlError>, m: &[
 }
 
 /// The name of the slots that a control drives; `None` for a contribution that is no field.
-pub(crate) fn slot(member: CaseMember<'_>, block: &ControlBlock) -> Option<&'static str> {
+pub fn slot(member: CaseMember<'_>, block: &ControlBlock) -> Option<&'static str> {
     let controllable = member.solid().model().controllable();
     SlotGroup::of(controllable.get(block.targets[0].actuation)?.slots)
         .into_iter()
@@ -128,7 +128,7 @@ pub(crate) fn slot(member: CaseMember<'_>, block: &ControlBlock) -> Option<&'sta
 }
 
 /// Whether negative values of a control have no meaning: of muscles and tendons.
-pub(crate) fn only_pulls(member: CaseMember<'_>, block: &ControlBlock) -> bool {
+pub fn only_pulls(member: CaseMember<'_>, block: &ControlBlock) -> bool {
     let controllable = member.solid().model().controllable();
     controllable
         .get(block.targets[0].actuation)
@@ -137,7 +137,7 @@ pub(crate) fn only_pulls(member: CaseMember<'_>, block: &ControlBlock) -> bool {
 }
 
 /// How many values of a control field lie on a bound; vectors count once.
-pub(crate) fn active(values: &[f64], components: usize, field: &ControlField) -> usize {
+pub fn active(values: &[f64], components: usize, field: &ControlField) -> usize {
     if field.bounds.is_some() {
         let is_active =
             |(i, v): (usize, &[f64])| v.iter().enumerate().any(|(c, x)| is_active(components * i + c, *x, field));

@@ -16,7 +16,7 @@ struct Group {
 }
 
 /// One line for each group of cells.
-pub(in crate::run) fn existence(problem: &CaseProblem) -> Vec<Line> {
+pub fn existence(problem: &CaseProblem) -> Vec<Line> {
     let in_space = problem.solid().mesh().dim() == 3;
     groups(problem).iter().map(|group| line("existence", text(group, in_space))).collect()
 }
@@ -28,7 +28,7 @@ pub(super) fn records(problem: &CaseProblem) -> Vec<CellGroupRecord> {
 }
 
 /// What is stated, in results: with the growth that the stated one implies.
-pub(in crate::run) fn conditions(stated: Existence) -> ExistenceRecord {
+pub fn conditions(stated: Existence) -> ExistenceRecord {
     let growth = stated.growth.implied();
     ExistenceRecord {
         polyconvex: stated.polyconvex,

@@ -1,6 +1,6 @@
 //! [`Inspection`]: what is looked for in a computed state: instability, self-intersection, distorted cells.
 
-use crate::result::summary;
+use crate::summary;
 use nastic_case::inspect::{compression, touches};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{
@@ -28,7 +28,7 @@ const BALLOONED: f64 = 10.0;
 
 /// What was found in the state of one member.
 #[derive(Debug, Clone)]
-pub(crate) struct Inspection {
+pub struct Inspection {
     /// Negative pivots of the tangent and, where it is known, whether a factor shows them; or why they were not counted.
     pub inertia: Result<(usize, Option<bool>), Uncounted>,
     /// What may roll or slide on.
@@ -53,7 +53,7 @@ pub(crate) struct Inspection {
 
 /// Why negative pivots were not counted.
 #[derive(Debug, Clone)]
-pub(crate) struct Uncounted {
+pub struct Uncounted {
     /// Whether the tangent is singular; else nothing is known about it.
     singular: bool,
     /// Whether there is nothing to count: a state in motion is no equilibrium.

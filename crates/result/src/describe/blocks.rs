@@ -1,6 +1,6 @@
 //! Blocks that add a contribution each, as results have them.
 
-use crate::run::describe::actuation::body_point;
+use crate::describe::actuation::body_point;
 use nastic_case::lower::CaseProblem;
 use nastic_language::schema::{Block, Spring, SpringEnd, at_rest};
 use nastic_report::record::{BlockRecords, BodyPointRecord, SpringRecord};

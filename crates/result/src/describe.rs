@@ -9,12 +9,12 @@ mod members;
 mod memory;
 mod parameters;
 
-pub(super) use crate::run::describe::actuation::actuation;
-pub(super) use crate::run::describe::duration::duration;
-pub(super) use crate::run::describe::existence::{conditions, existence};
-pub(super) use crate::run::describe::members::{load_cases, scenarios};
-pub(super) use crate::run::describe::memory::memory;
-use crate::run::describe::parameters::law;
+pub use crate::describe::actuation::actuation;
+pub use crate::describe::duration::duration;
+pub use crate::describe::existence::{conditions, existence};
+pub use crate::describe::members::{load_cases, scenarios};
+pub use crate::describe::memory::memory;
+use crate::describe::parameters::law;
 use nastic_case::lower::CaseProblem;
 use nastic_fem::Formulation;
 use nastic_mesh::CellKind;
@@ -22,7 +22,7 @@ use nastic_report::record::{CaseDescription, LawRecord, MeshRecord, QualityRecor
 use std::collections::BTreeMap;
 
 /// What `nastic check` puts into a result.
-pub(super) fn describe(problem: &CaseProblem, record: &mut RunRecord) {
+pub fn describe(problem: &CaseProblem, record: &mut RunRecord) {
     let material = |m: &nastic_language::schema::Material| {
         let formulation =
             m.formulation.or((!m.law.reinforcing).then(Formulation::default)).map(|f| f.name().to_owned());
@@ -43,7 +43,7 @@ pub(super) fn describe(problem: &CaseProblem, record: &mut RunRecord) {
         memory: Some(memory::record(problem)),
         valid: Some(true),
     };
-    let mut controls = crate::result::controls::controls(problem, &problem.start, 0);
+    let mut controls = crate::controls::controls(problem, &problem.start, 0);
     for field in &problem.controls {
         if let Some(entry) = controls.get_mut(&field.name) {
             entry.fiber_limit = field.limit.into();

@@ -18,7 +18,8 @@ const ITERATIONS: f64 = 4.0;
 /// Counts of the shipped cases and of impacts in docs/contact.md.
 const CONTACT: &str = "not estimated with contact: a stage of a step takes 3 to 5 Newton iterations while bodies are held or slide, 50 and more where they land or let go, an equilibrium 20 and more; nastic solve tells what they take";
 
-pub(in crate::run) fn duration(problem: &CaseProblem) -> Vec<Line> {
+/// How long trials will take, in words. One Newton iteration is measured for it.
+pub fn duration(problem: &CaseProblem) -> Vec<Line> {
     let member = problem.member(0);
     let touches = !member.case().contact.is_empty();
     let (told, mut trial) = match newton(member) {
