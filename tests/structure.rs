@@ -1,9 +1,12 @@
-//! How the files of each crate depend on each other: circles of files are small.
+//! How large crates are, and how the files of each depend on each other: circles of files are small.
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
+
+/// Most lines of a crate.
+const LINES: usize = 15_000;
 
 /// Most files in one circle of a crate.
 const CIRCLE: usize = 9;
@@ -182,6 +185,27 @@ fn largest_circle(files: &Files) -> Vec<String> {
         mutual.map(|other| other.join("::")).collect()
     };
     reach.keys().map(|file| circle(file)).max_by_key(Vec::len).unwrap_or_default()
+}
+
+/// The lines of all Rust files below a folder.
+fn lines(folder: &Path) -> usize {
+    let of = |path: std::path::PathBuf| match path.is_dir() {
+        true => lines(&path),
+        false if path.extension().is_some_and(|e| e == "rs") => std::fs::read_to_string(&path).unwrap().lines().count(),
+        false => 0,
+    };
+    std::fs::read_dir(folder).unwrap().map(|entry| of(entry.unwrap().path())).sum()
+}
+
+#[test]
+fn crates_are_no_larger_than_a_reader_can_hold() {
+    let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates");
+    let sized = std::fs::read_dir(crates).unwrap().map(|entry| {
+        let path = entry.unwrap().path();
+        (lines(&path.join("src")), path)
+    });
+    let (most, largest) = sized.max().unwrap();
+    assert!((LINES / 2..=LINES).contains(&most), "{most} lines in {}: split it", largest.display());
 }
 
 #[test]
