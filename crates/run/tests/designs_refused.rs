@@ -110,6 +110,8 @@ fn what_designs_and_fixed_values_cannot_be_is_told() {
             "controls/1/fixed: what is held is not symmetric",
         ),
         (MUSCLE, "\"start\": \"1 kPa\", \"fixed\": { \"tip\": 0 }, \"symmetry\": [\"y\"]", ""),
+        (MUSCLE, "\"start\": \"1 kPa\", \"symmetry\": [\"z\"]", "the symmetry ties none of them"),
+        ("\"sharpness\": [1, 8]", "\"sharpness\": [8, 1]", "stages become sharper: 1 follows 8"),
         (
             design,
             "{ \"name\": \"rho\", \"kind\": \"mixture\", \"with\": { \"law\": \"fiber_family\", \"k1\": 5e4, \"k2\": 0.8, \"dispersion\": 0.1, \"fiber\": [1, 0] } }",

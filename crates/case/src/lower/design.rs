@@ -163,15 +163,41 @@ pub(super) fn check_bounds(
     Some(())
 }
 
+/// Complains of means of what is no scalar field of the body, and of the greyness of what does not go from 0 to 1.
+pub(super) fn check_means(case: &Case, reduced: &Reduced, context: &mut Context<'_>) {
+    let rest = reduced.solid().rest();
+    let costs = case.costs.iter().chain(case.constraints.iter().filter_map(|block| block.cost.as_ref()));
+    for term in costs.filter_map(|cost| cost.term()).filter(|term| [VOLUME, GREYNESS].contains(&term.form.name)) {
+        let control = case.controls.iter().find(|control| Some(control.name()) == term.control());
+        let Some(of) = control.map(|control| control.of.as_str()) else { continue };
+        let Ok(cost) = DesignMean::volume(of, 1.0) else { continue };
+        let zeros = vec![0.0; reduced.layout_of_instant().len()];
+        let is_filler = |own: &Design| own.kind == DesignKind::Filler;
+        if let Err(error) = cost.at(&of_controls(reduced, &rest.u, &zeros)) {
+            context.complain(&term.at.key("of"), error.to_string());
+        } else if term.form.name == GREYNESS && !case.designs().any(|own| own.name == of && !is_filler(own)) {
+            let message = format!("grey is what lies between 0 and 1, and {} does not go from 0 to 1", quoted(of));
+            context.complain(&term.at.key("of"), message);
+        }
+    }
+}
+
+const VOLUME: &str = "design_volume";
+const GREYNESS: &str = "greyness";
+
+/// Where costs of the controls alone are evaluated.
+fn of_controls<'a>(reduced: &'a Reduced, u: &'a [f64], m: &'a [f64]) -> CostContext<'a> {
+    CostContext { solid: reduced.solid(), layout: reduced.layout_of_instant(), u, state: None, m, stage: 0, step: None }
+}
+
 /// Volumes below this share of a bound are rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// Complains of bounds on the volume of a design that no values between its bounds meet.
 pub(super) fn check_volumes(case: &Case, fields: &[ControlField], reduced: &Reduced, context: &mut Context<'_>) {
-    let state = reduced.solid().rest();
-    let layout = reduced.layout_of_instant();
+    let (rest, layout) = (reduced.solid().rest(), reduced.layout_of_instant());
     let volumes = case.constraints.iter().filter_map(|block| {
-        let term = block.cost.as_ref().filter(|cost| cost.kind() == "design_volume")?.term()?;
+        let term = block.cost.as_ref().filter(|cost| cost.kind() == VOLUME)?.term()?;
         let control = case.controls.iter().find(|control| Some(control.name()) == term.control())?;
         Some((block, term.weight, control.of.as_str()))
     });
@@ -185,9 +211,7 @@ pub(super) fn check_volumes(case: &Case, fields: &[ControlField], reduced: &Redu
             let mut m = vec![0.0; layout.len()];
             let values = (0..own.size()).map(|i| if upper { bounds.at(i).1 } else { bounds.at(i).0 });
             m[own.first..own.first + own.size()].iter_mut().zip(values).for_each(|(m, value)| *m = value);
-            let at =
-                CostContext { solid: reduced.solid(), layout, u: &state.u, state: None, m: &m, stage: 0, step: None };
-            cost.at(&at).ok().map(|point| point.value()).filter(|value| value.is_finite())
+            cost.at(&of_controls(reduced, &rest.u, &m)).ok().map(|point| point.value()).filter(|value| value.is_finite())
         };
         complain_of_volume(block, [volume(false), volume(true)], context);
     }

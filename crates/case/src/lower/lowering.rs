@@ -213,6 +213,7 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
     let members = variants.iter().zip(bodies).zip(aims.into_iter().zip(limits)).zip(contexts);
     for (((variant, body), (aims, limits)), context) in members {
         let body = control::weigh(variant, case.controls.len(), body, fields, context)?;
+        design::check_means(&variant.case, &body, context);
         design::check_volumes(&variant.case, fields, &body, context);
         let (body, shapes) = cost::add(&variant.case, aims, body, context)?;
         let body = constraint::add(&variant.case, limits, body, context)?;

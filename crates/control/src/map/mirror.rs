@@ -29,7 +29,7 @@ impl Mirror {
     /// About a plane.
     ///
     /// # Errors
-    /// A normal without length; a field of vectors, or over points of a contribution; a place whose mirror image has no unknown.
+    /// A normal without length; a field of vectors, or over points of a contribution; a place whose mirror image has no unknown; a plane in which all places lie.
     pub fn new(basis: &Basis, components: usize, plane: Plane) -> Result<Self, ControlError> {
         let fail = |what: String| Err(ControlError::Cost { what });
         let length = norm(&plane.normal);
@@ -64,6 +64,11 @@ impl Mirror {
                 ));
             };
             images.push(found);
+        }
+        if images.iter().enumerate().all(|(i, image)| i == *image as usize) {
+            return fail(format!(
+                "all places lie in the plane through {point:?} with the normal {normal:?}: the symmetry ties none of them"
+            ));
         }
         Ok(Mirror { images, plane: Plane { point: Some(point), normal } })
     }

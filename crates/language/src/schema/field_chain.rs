@@ -1,5 +1,6 @@
 //! What stands between the unknowns of a control and its field: projection, planes of symmetry.
 
+use crate::number::short;
 use crate::quantity::Want;
 use crate::schema::direction::Direction;
 use crate::schema::json::{Definitions, any_of};
@@ -32,6 +33,11 @@ impl Read for Sharpness {
             return None;
         }
         let read = Vec::<f64>::read(node, at, Want::POSITIVE, reader)?;
+        if let Some(k) = (1..read.len()).find(|k| read[*k] <= read[*k - 1]) {
+            let message = format!("stages become sharper: {} follows {}", short(read[k]), short(read[k - 1]));
+            reader.complain(node, &at.index(k), message);
+            return None;
+        }
         (read.len() == entries.len()).then_some(Self(read))
     }
 
