@@ -6,8 +6,18 @@ use crate::common;
 
 use common::{BAR, CaseDirectory, code, text};
 
-const TEMPLATES: [&str; 8] =
-    ["finger", "chamber", "gripper", "grasp_3d", "tendon_finger", "fiber_reinforced", "magnet", "robust"];
+const TEMPLATES: [&str; 10] = [
+    "finger",
+    "chamber",
+    "gripper",
+    "grasp_3d",
+    "tendon_finger",
+    "fiber_reinforced",
+    "magnet",
+    "layout",
+    "growth",
+    "robust",
+];
 
 #[test]
 fn every_template_checks_without_a_warning() {
@@ -64,8 +74,9 @@ fn nothing_is_replaced() {
     let output = place.nastic(&["new", "other", "--template", "hand"]);
     assert_eq!(code(&output), 2);
     assert!(
-        text(&output.stderr)
-            .contains("finger, chamber, gripper, grasp_3d, tendon_finger, fiber_reinforced, magnet, robust"),
+        text(&output.stderr).contains(
+            "finger, chamber, gripper, grasp_3d, tendon_finger, fiber_reinforced, magnet, layout, growth, robust"
+        ),
         "{}",
         text(&output.stderr)
     );

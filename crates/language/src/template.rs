@@ -62,6 +62,18 @@ pub const TEMPLATES: &[Template] = &[
         files: &[],
     },
     Template {
+        name: "layout",
+        about: "a beam cast of two silicones: where the stiff one stands, so that its end sinks least",
+        case: include_str!("../templates/layout.json"),
+        files: &[],
+    },
+    Template {
+        name: "growth",
+        about: "a strip that grows into a wave: by which part in every place",
+        case: include_str!("../templates/growth.json"),
+        files: &[],
+    },
+    Template {
         name: "robust",
         about: "a finger of uncertain stiffness: one tension for all scenarios",
         case: include_str!("../templates/robust.json"),

@@ -211,7 +211,10 @@ pub(super) fn check_volumes(case: &Case, fields: &[ControlField], reduced: &Redu
             let mut m = vec![0.0; layout.len()];
             let values = (0..own.size()).map(|i| if upper { bounds.at(i).1 } else { bounds.at(i).0 });
             m[own.first..own.first + own.size()].iter_mut().zip(values).for_each(|(m, value)| *m = value);
-            cost.at(&of_controls(reduced, &rest.u, &m)).ok().map(|point| point.value()).filter(|value| value.is_finite())
+            cost.at(&of_controls(reduced, &rest.u, &m))
+                .ok()
+                .map(|point| point.value())
+                .filter(|value| value.is_finite())
         };
         complain_of_volume(block, [volume(false), volume(true)], context);
     }
