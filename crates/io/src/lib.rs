@@ -1,4 +1,4 @@
-//! Gmsh, VTK and Abaqus in; VTU and PVD out; point clouds both ways.
+//! Gmsh, VTK and Abaqus in; VTU, PVD and STL out; point clouds both ways.
 //!
 //! ```no_run
 //! let mesh = nastic_io::read_gmsh("meshes/cantilever.msh")?;
@@ -20,6 +20,7 @@ mod other_format;
 mod own_file;
 mod pvd;
 mod source;
+mod stl;
 mod vtk;
 mod vtu;
 mod written;
@@ -37,6 +38,7 @@ pub use gmsh::{parse_gmsh, read_gmsh, read_gmsh_scaled};
 pub use lock::{DirectoryLock, LockError};
 pub use own_file::append_to;
 pub use pvd::write_pvd;
+pub use stl::write_stl;
 pub use vtk::{parse_vtk, read_vtk};
 pub use vtu::{
     Entity, FileArray, base64, escape, parse_vtu, read_array, read_lines, read_snapshot, read_vtu, read_vtu_scaled,

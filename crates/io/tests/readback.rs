@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use nastic_io::{read_gmsh, read_mesh, read_snapshot, write_pvd, write_vtu};
-use nastic_mesh::{CellKind, Mesh, NamedArray, Snapshot, box_mesh, rectangle};
+use nastic_io::{read_gmsh, read_mesh, read_snapshot, write_pvd, write_stl, write_vtu};
+use nastic_mesh::{CellKind, LevelBody, Mesh, NamedArray, Snapshot, box_mesh, rectangle};
 
 #[test]
 fn vtk_and_meshio_read_every_kind_back() {
@@ -44,6 +44,29 @@ fn vtk_and_meshio_read_every_kind_back() {
     let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{text}");
     assert_eq!(text.matches("agrees").count(), 2 * (10 + 3) + 1, "{text}");
+}
+
+#[test]
+fn vtk_reads_closed_surfaces_of_their_volume() {
+    let Some(python) = python() else { return };
+    let directory = tempfile::tempdir().unwrap();
+    for kind in [CellKind::Hex8, CellKind::Tet4, CellKind::Quad4] {
+        let mesh = match kind.dim() {
+            3 => box_mesh([0.02, 0.01, 0.01], [10, 5, 5], kind).unwrap(),
+            _ => rectangle([0.02, 0.01], [10, 5], kind).unwrap(),
+        };
+        let cells: Vec<u32> = (0..mesh.cells() as u32).collect();
+        let wave = |cell: &u32| (0.7 * f64::from(*cell)).sin();
+        let body =
+            LevelBody::new(&mesh, &cells, &cells.iter().map(wave).collect::<Vec<_>>(), &vec![1.0; cells.len()], 0.002);
+        let surface = body.surface(mesh.points(), 0.05);
+        write_stl(directory.path().join(format!("{kind}.stl")), &surface, 1e3).unwrap();
+        std::fs::write(directory.path().join(format!("{kind}.txt")), format!("{:?}", 1e9 * surface.volume())).unwrap();
+    }
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/readback/stl.py");
+    let output = Command::new(python).arg(script).arg(directory.path()).output().unwrap();
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && text.matches("agrees").count() == 3, "{text}");
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod columns;
 mod distance_grid;
 mod elements;
 mod generate;
+mod level_body;
 mod locate;
 mod obstacle;
 mod parts;

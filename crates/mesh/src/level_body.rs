@@ -1,0 +1,157 @@
+//! [`LevelBody`]: the part of a body in which a field is above a level, as a closed surface.
+
+use crate::Mesh;
+use crate::level_piece::{Clipped, Clipper, Simplex};
+use std::collections::BTreeMap;
+
+/// How often the level of a volume is bisected: to 1e-6 of the range of the field.
+const VOLUME_BISECTIONS: usize = 20;
+
+/// A closed surface of triangles, each counter-clockwise seen from outside.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ClosedSurface {
+    /// Its points.
+    pub points: Vec<[f64; 3]>,
+    /// Three points each.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl ClosedSurface {
+    /// The volume within: `sum a . (b x c) / 6` over the triangles.
+    #[must_use]
+    pub fn volume(&self) -> f64 {
+        let spat = |[a, b, c]: [[f64; 3]; 3]| {
+            a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+        };
+        self.triangles.iter().map(|triangle| spat(triangle.map(|k| self.points[k as usize]))).sum::<f64>() / 6.0
+    }
+}
+
+/// A field s on some cells of a mesh, for the surface of what is above a level: `{ x : s(x) >= level }`.
+///
+/// s is linear on simplices: tetrahedra and triangles are these themselves, hexahedra fall into 24 around the centres of cell and faces, quadrilaterals into 4;
+/// the values at nodes are means of those of the cells around, at centres of the corners. Curved edges are straight here. A plane body is as thick as is said, from
+/// z = 0 on. The surface is closed at the skin of the cells and has no gaps: neighbours cut an edge at the same place.
+#[derive(Clone, Debug)]
+pub struct LevelBody {
+    /// `None` in space.
+    thickness: Option<f64>,
+    /// The corners of which a point of the subdivision is the mean; the points of the mesh come first, of themselves.
+    centres: Vec<Vec<u32>>,
+    nodes: usize,
+    simplices: Vec<Simplex>,
+    /// The field at all points of the subdivision.
+    values: Vec<f64>,
+}
+
+impl LevelBody {
+    /// Of a field by cell, with a weight (a volume) of each for the means at nodes. A plane body has a thickness.
+    #[must_use]
+    pub fn new(mesh: &Mesh, cells: &[u32], values: &[f64], weights: &[f64], thickness: f64) -> Self {
+        let nodes = mesh.points().len();
+        let (mut sums, mut shares) = (vec![0.0; nodes], vec![0.0; nodes]);
+        for ((cell, value), weight) in cells.iter().zip(values).zip(weights) {
+            let cell = mesh.cell(*cell as usize);
+            for node in &cell.nodes[..cell.kind.corners()] {
+                sums[*node as usize] += weight * value;
+                shares[*node as usize] += weight;
+            }
+        }
+        let thickness = (mesh.dim() == 2).then_some(thickness);
+        let values =
+            sums.iter().zip(&shares).map(|(sum, share)| if *share > 0.0 { sum / share } else { 0.0 }).collect();
+        let mut body = LevelBody { thickness, centres: Vec::new(), nodes, simplices: Vec::new(), values };
+        body.divide(mesh, cells);
+        body
+    }
+
+    /// Divides the cells; a facet that one of them alone has is skin.
+    fn divide(&mut self, mesh: &Mesh, cells: &[u32]) {
+        let mut sides: BTreeMap<Vec<u32>, (usize, Option<u32>)> = BTreeMap::new();
+        let facets = |cell: u32| {
+            let cell = mesh.cell(cell as usize);
+            let faces = cell.kind.faces().iter();
+            faces.map(move |(kind, local)| local[..kind.corners()].iter().map(|a| cell.nodes[*a]).collect::<Vec<u32>>())
+        };
+        let key = |corners: &[u32]| {
+            let mut key = corners.to_vec();
+            key.sort_unstable();
+            key
+        };
+        for corners in cells.iter().flat_map(|cell| facets(*cell)) {
+            sides.entry(key(&corners)).or_default().0 += 1;
+        }
+        for cell in cells {
+            let (cell, own) = (mesh.cell(*cell as usize), facets(*cell));
+            let corners = &cell.nodes[..cell.kind.corners()];
+            if corners.len() == mesh.dim() + 1 {
+                let own: Vec<_> =
+                    own.map(|facet| (sides.get(&key(&facet)).is_some_and(|side| side.0 == 1), facet)).collect();
+                self.simplices.extend(Simplex::of(corners, &own));
+                continue;
+            }
+            let centre = self.centre(corners);
+            for facet in own {
+                let Some(side) = sides.get_mut(&key(&facet)) else { continue };
+                let is_skin = side.0 == 1;
+                if facet.len() == 2 {
+                    self.simplices.push(Simplex::around(&[facet[0], facet[1]], centre, is_skin));
+                    continue;
+                }
+                let middle = *side.1.get_or_insert_with(|| self.centre(&facet));
+                for (k, a) in facet.iter().enumerate() {
+                    let triangle = [*a, facet[(k + 1) % facet.len()], middle];
+                    self.simplices.push(Simplex::around(&triangle, centre, is_skin));
+                }
+            }
+        }
+    }
+
+    /// One more point, the mean of these.
+    fn centre(&mut self, of: &[u32]) -> u32 {
+        let mean = of.iter().map(|node| self.values[*node as usize]).sum::<f64>() / of.len() as f64;
+        self.centres.push(of.to_vec());
+        self.values.push(mean);
+        (self.nodes + self.centres.len() - 1) as u32
+    }
+
+    /// The surface at a level, with the points of the mesh at these positions; empty where the field is below the level everywhere.
+    #[must_use]
+    pub fn surface(&self, positions: &[[f64; 3]], level: f64) -> ClosedSurface {
+        let mut places = positions.to_vec();
+        places.extend(self.centres.iter().map(|of| {
+            let sum = of.iter().fold([0.0; 3], |sum, node| {
+                let x = &positions[*node as usize];
+                [0, 1, 2].map(|k| sum[k] + x[k])
+            });
+            sum.map(|x| x / of.len() as f64)
+        }));
+        let mut clipper = Clipper::new(&places, &self.values, level, self.thickness);
+        for simplex in &self.simplices {
+            match simplex {
+                Simplex::Tetrahedron { corners, skin } => clipper.tetrahedron(corners, *skin),
+                Simplex::Triangle { corners, skin } => clipper.triangle(corners, *skin),
+            }
+        }
+        let Clipped { points, triangles } = clipper.clipped();
+        ClosedSurface { points, triangles }
+    }
+
+    /// The level at which the surface encloses a volume, the nearest one if none does; 1/2 of a field without values.
+    #[must_use]
+    pub fn level_of_volume(&self, positions: &[[f64; 3]], volume: f64) -> f64 {
+        let used = || self.simplices.iter().flat_map(Simplex::corners).map(|point| self.values[*point as usize]);
+        let (mut low, mut high) = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)));
+        if low > high {
+            return 0.5;
+        }
+        for _ in 0..VOLUME_BISECTIONS {
+            let middle = 0.5 * (low + high);
+            match self.surface(positions, middle).volume() > volume {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        0.5 * (low + high)
+    }
+}
