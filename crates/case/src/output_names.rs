@@ -66,6 +66,7 @@ const OPTIMIZE: &[&str] = &[
     "iteration_#.vtu",
     "iterations.pvd",
     "iterates.bin",
+    "design_*.stl",
 ];
 /// Of `fit`.
 pub const FIT: &[&str] = &["fit.json", "fit.html", "fit.svg", "fit_*.svg"];

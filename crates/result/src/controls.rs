@@ -103,6 +103,7 @@ fn control(
         total_variation: variation.map(Number::from).unwrap_or_default(),
         volume: of_design(|member, of, m, stage| measure(member, DesignMean::volume(of, 1.0), m, stage)),
         greyness: of_design(|member, of, m, stage| measure(member, DesignMean::greyness(of, 1.0), m, stage)),
+        level: Number::default(),
         grid: own.basis.grid().map(|grid| grid.cells().to_vec()),
         instants: own.knots.as_ref().map(|knots| numbers(&knots.instants())),
         values: few,

@@ -4,7 +4,7 @@ use crate::checkpoint_mark::is_checkpoint;
 use crate::listed::listed;
 use nastic_case::output_names::OutputNames;
 use nastic_io::{DirectoryLock, LockError, WriteError, WrittenFiles, write_atomically};
-use nastic_mesh::Snapshot;
+use nastic_mesh::{ClosedSurface, Snapshot};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -190,6 +190,14 @@ impl Directory {
     /// What the system answers.
     pub fn write_vtu(&self, name: &str, snapshot: &Snapshot) -> Result<(), WriteError> {
         nastic_io::write_vtu(self.own(name)?, snapshot)
+    }
+
+    /// A closed surface, its lengths multiplied by a factor.
+    ///
+    /// # Errors
+    /// What the system answers.
+    pub fn write_stl(&self, name: &str, surface: &ClosedSurface, scale: f64) -> Result<(), WriteError> {
+        nastic_io::write_stl(self.own(name)?, surface, scale)
     }
 
     /// A state `NAME.vtu`, and what is beside it; the names of the files.

@@ -7,6 +7,7 @@ pub mod checkpoint_mark;
 pub mod collections;
 pub mod controls;
 pub mod convergence;
+pub mod cut_design;
 pub mod describe;
 mod error;
 pub mod failure;

@@ -13,6 +13,7 @@ mod contact;
 mod contact_costs;
 mod contact_doubts;
 mod contact_told;
+mod cut_designs;
 mod damaged_checkpoints;
 mod designs;
 mod designs_refused;

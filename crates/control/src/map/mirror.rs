@@ -54,8 +54,9 @@ impl Mirror {
             let range = Aabb::around([&Vec3::from(image)]).grown(tolerance);
             let mut found = None;
             tree.overlapping(&range, |other| {
-                found = Some(other as u32);
-                true
+                let is_there = boxes[other].overlaps(&range);
+                found = is_there.then_some(other as u32);
+                is_there
             });
             let Some(found) = found else {
                 return fail(format!(

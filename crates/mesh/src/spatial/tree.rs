@@ -161,7 +161,7 @@ impl Tree {
         }
     }
 
-    /// Visits items whose boxes overlap `range`, until `visit` says stop by returning true.
+    /// Visits all items whose boxes overlap `range`, and others near them, until `visit` says stop by returning true.
     pub fn overlapping(&self, range: &Aabb, mut visit: impl FnMut(usize) -> bool) {
         let mut stack = [0u32; STACK];
         let mut top = usize::from(!self.nodes.is_empty());

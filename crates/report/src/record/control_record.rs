@@ -37,6 +37,8 @@ records! {
         volume: Number,
         /// Of a design s: the mean of 4 s (1 - s), 0 where it is 0 or 1 everywhere.
         greyness: Number,
+        /// Of a density or a mixture at the optimum: the level above which the body in `design_NAME.stl` lies, so that it has the volume of the field.
+        level: Number,
         /// Cells of a grid along its axes.
         grid: Option<Vec<u32>>,
         /// Instants of a control in time.

@@ -33,7 +33,7 @@ use nastic_result::member_report::Detail;
 use nastic_result::picture::Drawing;
 use nastic_result::target_files::write_targets;
 use nastic_result::title::{title, title_of_scenarios};
-use nastic_result::{controls, convergence, member_report, picture, snapshot, summary};
+use nastic_result::{controls, convergence, cut_design, member_report, picture, snapshot, summary};
 
 /// Writes the states at the start and the targets.
 pub(super) fn write_start(
@@ -68,7 +68,8 @@ pub(super) fn report(
         begin.map(|start| member_report::entries(problem, &member_report::of_point(problem, start)?, Detail::Costs));
     let begin = begin.transpose().map_err(|error| session.member_failed(error.0, error.1))?;
     let derivative_norm = controls::derivative_norm(problem, &best.derivative);
-    let controls = controls::controls(problem, &best.m, best.stage);
+    let mut controls = controls::controls(problem, &best.m, best.stage);
+    cut_design::add_levels(problem, &best.m, best.stage, &mut controls);
     session.record.state = entries;
     session.record.start = begin.unwrap_or_default();
     session.record.controls = Some(controls);
@@ -208,7 +209,8 @@ fn say(
         let volts = control.voltage.as_ref().map(|range| kilovolts([range.min, range.max].map(|u| known_number(*u))));
         let volts = volts.map_or_else(String::new, |volts| format!(" ({volts} over the film at rest)"));
         let design = (*control.volume).zip(*control.greyness).map_or_else(String::new, |(volume, greyness)| {
-            format!(", mean {}, greyness {}", short(volume), short(greyness))
+            let cut = control.level.map_or_else(String::new, |level| format!(", cut at {}", short(level)));
+            format!(", mean {}, greyness {}{cut}", short(volume), short(greyness))
         });
         console.say(format!(
             "control     {name} from {} to {}{unit}{volts}, {} of {} on their bounds{}{design}",
@@ -267,13 +269,14 @@ fn write(
         files.extend(diagnosis.write(problem, &out)?);
     }
     files.extend(write_states(problem, "optimum", &best.point, &best.derivative, found, &out)?);
-    let mut together: Vec<Picture> = Vec::new();
+    let (mut together, mut deformed): (Vec<Picture>, _) = (Vec::new(), Vec::new());
     for member in problem.leads() {
         let shot = |point: &EnsemblePoint, member: CaseMember<'_>| {
             let at = &point.members[member.index()];
             snapshot::plain(member, &StateFields::of(at))
         };
         let (begin, end) = (shot(start, member)?, shot(&best.point, member)?);
+        deformed.push((member, end.positions()));
         let others = problem.members().filter(|other| other.load_case() == member.load_case()).skip(1);
         let others = others.take(picture::SCENARIOS).map(|other| Ok((title(other), shot(&best.point, other)?)));
         let mean = problem.has_scenarios().then(|| mean(session, member.load_case().unwrap_or(""), &best.point));
@@ -304,6 +307,8 @@ fn write(
         picture::write_together(together, &out)?;
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
+    let controls = session.record.controls.clone().unwrap_or_default();
+    files.extend(cut_design::write(problem, (&best.m, best.stage), &controls, &deformed, &out)?);
     files.extend(write_collections(problem, "optimum", &out)?);
     files.extend(of_motion);
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::beside(member))));

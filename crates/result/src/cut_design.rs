@@ -1,0 +1,106 @@
+//! Designs cut into bodies, for STL files.
+
+use crate::files::Directory;
+use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_control::{ControlMap, Expansion};
+use nastic_io::WriteError;
+use nastic_language::schema::DesignKind;
+use nastic_mesh::LevelBody;
+use nastic_report::record::{ByName, ControlRecord};
+
+/// A plane body becomes a plate as thick as this share of its diagonal.
+const PLATE_THICKNESS: f64 = 0.1;
+/// Slicers take millimetres.
+const EXPONENT_OF_MILLIMETRE: i32 = -3;
+
+/// What a design is cut into.
+struct Cut {
+    /// The name of its control.
+    name: String,
+    /// Where the field is above the level: what a density fills, the second law of a mixture.
+    body: LevelBody,
+    /// Of a mixture the rest, the field with the other sign.
+    rest: Option<LevelBody>,
+    /// Of the whole field: the volume that it stands for.
+    volume: f64,
+}
+
+impl Cut {
+    /// Those of the designs between 0 and 1 that are fields over the body.
+    fn all(problem: &CaseProblem, m: &[f64], stage: usize) -> Vec<Self> {
+        let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
+        let of = |(block, field): (&nastic_ensemble::EnsembleBlock, &nastic_case::lower::ControlField)| {
+            let member = problem.member(block.owner);
+            let own = &member.reduced().layout_in_stage(stage).blocks()[block.field];
+            let has = |kind: DesignKind| {
+                problem.case.designs().any(|own_kind| own_kind.name == own.name && own_kind.kind == kind)
+            };
+            let is_mixture = has(DesignKind::Mixture);
+            let is_field = own.components == 1 && !own.log && own.knots.is_none() && !own.basis.is_of_contribution();
+            if !is_field || !(is_mixture || has(DesignKind::Density)) {
+                return None;
+            }
+            let map = own.field.clone().then(Expansion { basis: own.basis.clone(), components: 1 });
+            let (disc, mesh) = (member.solid().discretization(), member.mesh());
+            let acting: Vec<f64> =
+                (0..disc.points().len()).map(|q| f64::from(u8::from(own.basis.acts_at(q)))).collect();
+            let (values, acts) = (disc.cell_average(&map.values(block.of(m)), 1), disc.cell_average(&acting, 1));
+            let cells: Vec<u32> = (0..mesh.cells() as u32).filter(|cell| acts[*cell as usize] > 0.5).collect();
+            let volumes = mesh.volumes(mesh.points());
+            let of_cells = |all: &[f64]| cells.iter().map(|cell| all[*cell as usize]).collect::<Vec<_>>();
+            let (values, volumes) = (of_cells(&values), of_cells(&volumes));
+            let thickness = PLATE_THICKNESS * mesh.diagonal();
+            let across = if mesh.dim() == 2 { thickness } else { 1.0 };
+            let volume = across * values.iter().zip(&volumes).map(|(s, v)| s * v).sum::<f64>();
+            let body = |values: &[f64]| LevelBody::new(mesh, &cells, values, &volumes, thickness);
+            let negative: Vec<f64> = values.iter().map(|s| -s).collect();
+            let rest = is_mixture.then(|| body(&negative));
+            Some(Cut { name: field.name.clone(), body: body(&values), rest, volume })
+        };
+        blocks.filter_map(of).collect()
+    }
+}
+
+/// Tells of every design that is cut at which level its body has the volume that the field stands for.
+pub fn add_levels(problem: &CaseProblem, m: &[f64], stage: usize, controls: &mut ByName<ControlRecord>) {
+    for cut in Cut::all(problem, m, stage) {
+        let level = cut.body.level_of_volume(problem.mesh().points(), cut.volume);
+        if let Some(record) = controls.get_mut(&cut.name) {
+            record.level = level.into();
+        }
+    }
+}
+
+/// Writes the designs of a control vector, cut at the levels of their records: at rest, and deformed as the first members of all load cases; the names of the files.
+///
+/// # Errors
+/// What the system answers.
+pub fn write(
+    problem: &CaseProblem,
+    (m, stage): (&[f64], usize),
+    controls: &ByName<ControlRecord>,
+    deformed: &[(CaseMember<'_>, Vec<[f64; 3]>)],
+    out: &Directory,
+) -> Result<Vec<String>, WriteError> {
+    let scale = 10f64.powi(problem.units().length().exponent - EXPONENT_OF_MILLIMETRE);
+    let mut files = Vec::new();
+    for cut in Cut::all(problem, m, stage) {
+        let Some(level) = controls.get(&cut.name).and_then(|record| *record.level) else { continue };
+        let parts = [("", Some(&cut.body), level), ("_rest", cut.rest.as_ref(), -level)];
+        for (part, body, level) in parts.into_iter().filter_map(|(part, body, level)| Some((part, body?, level))) {
+            let mut put = |name: String, positions: &[[f64; 3]]| {
+                let surface = body.surface(positions, level);
+                if !surface.triangles.is_empty() {
+                    out.write_stl(&name, &surface, scale)?;
+                    files.push(name);
+                }
+                Ok(())
+            };
+            put(format!("design_{}{part}.stl", cut.name), problem.mesh().points())?;
+            for (member, positions) in deformed {
+                put(member.case_file(&format!("design_{}{part}_deformed.stl", cut.name)), positions)?;
+            }
+        }
+    }
+    Ok(files)
+}

@@ -1,0 +1,70 @@
+//! Designs as closed bodies in STL files.
+
+#![allow(clippy::unwrap_used)] // helpers of tests
+
+use crate::common;
+
+use common::{CaseDirectory, with};
+use nastic_language::schema::Command;
+
+/// A bar of two silicones, in millimetres.
+const BAR: &str = r#"{ "nastic": 1, "units": "mm",
+    "mesh": { "box": { "size": [20, 10, 10], "cells": [8, 4, 4], "element": "hex8" } },
+    "materials": [ { "region": "body", "law": "neo_hooke", "young": "100 kPa", "poisson": 0.3,
+                     "design": [ { "name": "stiff", "kind": "mixture", "with": { "law": "neo_hooke", "young": "1 MPa", "poisson": 0.3 } } ] } ],
+    "supports": [ { "surface": "x-", "fix": "all" } ],
+    "loads": [ { "surface": "x+", "traction": [0, 0, "-1 kPa"] } ],
+    "controls": [ { "of": "stiff", "space": "cell", "start": "0.2 + 0.03 * X", "filter": "2 mm" } ],
+    "costs": [ { "kind": "displacement", "surface": "x+", "direction": [0, 0, -1] } ],
+    "optimizer": { "method": "lbfgs", "max_iterations": 1, "tolerance": 1e-9 } }"#;
+
+/// The volume that an STL file encloses.
+fn volume(place: &CaseDirectory, file: &str) -> f64 {
+    let bytes = std::fs::read(place.path(file)).unwrap();
+    let number = |at: usize| f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()));
+    let count = u32::from_le_bytes(bytes[80..84].try_into().unwrap()) as usize;
+    assert_eq!(bytes.len(), 84 + 50 * count);
+    let spat = |k: usize| {
+        let [a, b, c] = [1, 2, 3].map(|corner| [0, 1, 2].map(|i| number(84 + 50 * k + 12 * corner + 4 * i)));
+        let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+        a.iter().zip(cross).map(|(a, x)| a * x).sum::<f64>() / 6.0
+    };
+    (0..count).map(spat).sum()
+}
+
+#[test]
+fn mixtures_are_cut_into_two_bodies_of_their_volumes() {
+    let place = CaseDirectory::new();
+    let found = place.run(Command::Optimize, BAR, &[]).unwrap().result;
+    let share = found["controls"]["stiff"]["volume"].as_f64().unwrap();
+    let [stiff, soft] = ["", "_rest"].map(|part| volume(&place, &format!("out/design_stiff{part}.stl")));
+    assert!((stiff - 2000.0 * share).abs() < 0.01 * 2000.0, "{stiff} {share}");
+    assert!((stiff + soft - 2000.0).abs() < 1.0, "{stiff} {soft}");
+    assert!(found["controls"]["stiff"]["level"].as_f64().is_some_and(|level| (0.2..0.9).contains(&level)), "{found}");
+    // bent bodies are nearly as large
+    let bent = volume(&place, "out/design_stiff_deformed.stl");
+    assert!((bent / stiff - 1.0).abs() < 0.05 && bent != stiff, "{bent} {stiff}");
+    for name in ["design_stiff.stl", "design_stiff_rest_deformed.stl"] {
+        assert!(place.path("out").join(name).exists(), "{name}");
+    }
+}
+
+#[test]
+fn densities_of_plane_bodies_are_plates() {
+    let place = CaseDirectory::new();
+    let plane = with(
+        BAR,
+        "\"size\": [20, 10, 10], \"cells\": [8, 4, 4], \"element\": \"hex8\"",
+        "\"size\": [20, 10], \"cells\": [8, 4], \"element\": \"tri6\"",
+    );
+    let plane = with(&plane, "[0, 0, \"-1 kPa\"]", "[0, \"-1 kPa\"]");
+    let plane = with(&plane, "\"direction\": [0, 0, -1]", "\"direction\": [0, -1]");
+    let density = "\"kind\": \"density\", \"least\": 0.01 } ] } ],";
+    let mixture =
+        "\"kind\": \"mixture\", \"with\": { \"law\": \"neo_hooke\", \"young\": \"1 MPa\", \"poisson\": 0.3 } } ] } ],";
+    let found = place.run(Command::Optimize, &with(&plane, mixture, density), &[]).unwrap().result;
+    let (share, plate) = (found["controls"]["stiff"]["volume"].as_f64().unwrap(), 0.1 * 500f64.sqrt());
+    let filled = volume(&place, "out/design_stiff.stl");
+    assert!((filled - 200.0 * plate * share).abs() < 0.01 * 200.0 * plate, "{filled} {share}");
+    assert!(!place.path("out/design_stiff_rest.stl").exists());
+}
