@@ -36,6 +36,7 @@ FAULTS = [
     ("control", "cost/tracking.rs", "let value = 0.5 * self.weight * squares;", "let value = self.weight * squares;"),
     ("control", "cost/regularization.rs", "let own = 0.5 * m.iter()", "let own = 0.6 * m.iter()"),
     ("control", "reduced/instant.rs", "(&self.motion, n.checked_sub(1))", "(&self.motion, n.checked_sub(0))", "run"),
+    ("ensemble", "blocks.rs", "*out += weight * d)", "*out += d)"),
     ("hausdorff", "smoothing.rs", "self.phi.length() / self.alpha", "self.phi.length() / self.beta"),
     ("uncertainty", "risk/cvar.rs", "(t + width * excess / self.tail())", "(t + width * excess * self.tail())"),
     ("opt", "saved.rs", "Ok(value) if at == bytes.len() => Ok(value),", "Ok(value) if at <= bytes.len() => Ok(value),"),
@@ -46,7 +47,7 @@ FAULTS = [
     ("language", "expression/parser.rs", "self.nested(Self::signed)?;", "self.nested(Self::operand)?;"),
     ("case", "lower/control_start.rs", "(sum / weights[k / n])", "(sum / weights[k])", "run"),
     ("run", "run/error.rs", "Self::NotConverged => 4,", "Self::NotConverged => 0,"),
-    ("run", "result/controls.rs", "value <= lower || value >= upper", "value < lower || value > upper"),
+    ("result", "controls.rs", "value <= lower || value >= upper", "value < lower || value > upper", "run"),
     ("report", "csv.rs", "text.replace('\"', \"\\\"\\\"\")", "text.replace('\"', \"\\\"\")"),
     ("picture", "colour.rs", "(s * 255.0).round() as u8", "(s * 250.0).round() as u8"),
 ]

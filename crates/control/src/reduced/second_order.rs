@@ -81,8 +81,7 @@ impl Reduced {
         Ok(self.second_derivative(point, Some(term), v, Hessian::Exact, false, workspace)?.product)
     }
 
-    /// [Exact](Self::hessian_vector) or [linearised](Self::gauss_newton_vector), of all terms or of one, along v; with the `first` derivative if asked, which
-    /// takes no further solve.
+    /// [Exact](Self::hessian_vector) or [linearised](Self::gauss_newton_vector), of all terms or of one, along v; with the `first` derivative if asked.
     ///
     /// # Errors
     /// As there.
