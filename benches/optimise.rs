@@ -29,8 +29,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let body = cantilever(arguments.element("element", CellKind::Hex8)?, across)?;
     let body = arguments.solver()?.into_iter().fold(body, Solid::solver);
     let problem = Reduced::new(body).control("tension", Space::Node)?.cost(Tracking::surface("x+", lifted))?;
-    let optimizer =
-        by_name(&method, options).ok_or("method is projected_gradient, spectral, lbfgs, gauss_newton or newton_cg")?;
+    let optimizer = by_name(&method, options)
+        .ok_or("method is projected_gradient, spectral, lbfgs, mma, gauss_newton or newton_cg")?;
 
     let set = Bounds::new(-3e5, 0.0)?;
     let began = Instant::now();

@@ -52,8 +52,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let problem = Reduced::new(body).control("tension", Space::Cell)?.cost(cost)?;
 
     let options = Options { tolerance: 1e-2, max_iterations: 300, ..Options::default() };
-    let optimizer =
-        by_name(&method, options).ok_or("METHOD is projected_gradient, spectral, lbfgs, gauss_newton or newton_cg")?;
+    let optimizer = by_name(&method, options)
+        .ok_or("METHOD is projected_gradient, spectral, lbfgs, mma, gauss_newton or newton_cg")?;
     let truth =
         |point: &Evaluated| distance.true_distance(problem.solid(), &point.state().u).map(|found| found.distance);
     let print = |trial: &Trial<'_, Evaluated>| {

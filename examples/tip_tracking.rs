@@ -27,8 +27,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{} unknowns, {} controls", problem.solid().discretization().dofs(), problem.layout().len());
 
     let options = Options { max_iterations: iterations, tolerance: 1e-6, ..Options::default() };
-    let optimizer =
-        by_name(&method, options).ok_or("METHOD is projected_gradient, spectral, lbfgs, gauss_newton or newton_cg")?;
+    let optimizer = by_name(&method, options)
+        .ok_or("METHOD is projected_gradient, spectral, lbfgs, mma, gauss_newton or newton_cg")?;
     let print = |trial: &Trial<'_, Evaluated>| {
         let work = |name| trial.summary.get(name).unwrap_or(0.0);
         let (newton, factorisations) = (work("newton"), work("factorisations"));

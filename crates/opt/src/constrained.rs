@@ -5,6 +5,7 @@ use crate::hessian::Hessian;
 use crate::objective::{NoSecondDerivatives, Objective};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
+use thiserror::Error;
 
 /// What a constraint asks of its values c.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,7 +42,7 @@ pub struct ConstraintGroup {
 
 /// An objective j(m) with constraints c_k(m) <= 0 or c_k(m) = 0 that a point knows the values of: conditions on the state, which no
 /// [`Admissible`](crate::Admissible) set can hold, since trials violate them. [`AugmentedLagrangian`](crate::AugmentedLagrangian)
-/// minimises it.
+/// minimises it, by multipliers around a method or by a method that [holds them itself](crate::Optimizer::holds_constraints).
 ///
 /// The values belong to the point: of one state the same in all continuation stages, others where [`restage`](Objective::restage) leads to another state.
 pub trait Constrained: Objective {
@@ -63,6 +64,18 @@ pub trait Constrained: Objective {
         workspace: &mut Self::Workspace,
     ) -> Result<Vec<f64>, Failed>;
 
+    /// The derivatives `dc_k/dm`, a dual vector for each value: an adjoint solve for each that depends on the state.
+    ///
+    /// # Errors
+    /// [`NoConstraintDerivatives`] of an objective that gives sums alone (the default); else as [`Objective::derivative`].
+    fn constraint_derivatives(
+        &self,
+        _point: &mut Self::Point,
+        _workspace: &mut Self::Workspace,
+    ) -> Result<Vec<Vec<f64>>, Failed> {
+        Err(Failed::new(NoConstraintDerivatives { objective: std::any::type_name::<Self>() }))
+    }
+
     /// `(d2j/dm2 + sum_k y_k d2c_k/dm2 + sum_k w_k dc_k/dm dc_k/dm^T) v`, a dual vector; with Gauss-Newton's second derivatives if so asked.
     ///
     /// # Errors
@@ -76,6 +89,17 @@ pub trait Constrained: Objective {
     ) -> Result<Vec<f64>, Failed> {
         Err(Failed::new(NoSecondDerivatives { objective: std::any::type_name::<Self>() }))
     }
+}
+
+/// An objective that gives derivatives of sums of constraints alone.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[error(
+    "the objective gives no derivative of every single constraint; take a method with multipliers around it (lbfgs); in the library: \
+     `Constrained::constraint_derivatives` of {objective}"
+)]
+pub struct NoConstraintDerivatives {
+    /// Type of the objective.
+    pub objective: &'static str,
 }
 
 /// Passes every method on to what `$pointer` points to.
@@ -97,6 +121,14 @@ macro_rules! forward {
                 workspace: &mut T::Workspace,
             ) -> Result<Vec<f64>, Failed> {
                 (**self).lagrangian_derivative(point, y, workspace)
+            }
+
+            fn constraint_derivatives(
+                &self,
+                point: &mut T::Point,
+                workspace: &mut T::Workspace,
+            ) -> Result<Vec<Vec<f64>>, Failed> {
+                (**self).constraint_derivatives(point, workspace)
             }
 
             fn lagrangian_hessian_vector(

@@ -53,16 +53,19 @@
 
 pub mod admissible;
 mod augmented;
+mod catalogue;
 mod certificate;
 mod conjugate_gradient;
 mod constrained;
 pub mod early_stopping;
 mod failed;
+mod held;
 mod hessian;
 mod inner_product;
 mod lbfgs;
 mod line_search;
 mod method;
+mod mma;
 mod model;
 mod newton_cg;
 mod objective;
@@ -84,23 +87,28 @@ mod trial_table;
 mod trust_region;
 mod within;
 
-pub use admissible::{Admissible, Ball, Bounds, Face, Limit, Optimality, Outside, Product, SetError, Sphere};
+pub use admissible::{
+    Admissible, Ball, Bounds, Face, Intervals, Limit, NotBounds, Optimality, Outside, Product, SetError, Sphere,
+};
 pub use augmented::{
     Augmented, AugmentedBest, AugmentedLagrangian, AugmentedRun, AugmentedState, ConstraintReport, ConstraintsReport,
     Domain,
 };
+pub use catalogue::{CATALOGUE, OptimizerRow, by_name};
 pub use certificate::{Base, Certificate};
-pub use constrained::{Constrained, ConstraintGroup, Sense};
+pub use constrained::{Constrained, ConstraintGroup, NoConstraintDerivatives, Sense};
 pub use failed::Failed;
+pub use held::Held;
 pub use hessian::Hessian;
 pub use inner_product::{Diagonal, Euclidean, INNER_PRODUCTS, InnerProduct, InnerProductError, InnerProductRow};
 pub use lbfgs::Lbfgs;
 pub use line_search::LineSearch;
-pub use method::{Current, HessianProducts, Memory, Method, Secant};
+pub use method::{Current, HessianProducts, Judgement, Memory, Method, Proposed, Secant, Tried};
+pub use mma::{Asymptotes, Mma};
 pub use newton_cg::NewtonCg;
 pub use objective::{Budget, DEFAULT_ACCURACY, NoSecondDerivatives, Objective, Problem, Request};
 pub use observer::{Observer, Reason, Trial};
-pub use optimizer::{CATALOGUE, Optimizer, OptimizerRow, Options, by_name};
+pub use optimizer::{Optimizer, Options, Unfit};
 pub use print::Print;
 pub use projected_gradient::ProjectedGradient;
 pub use run::{Best, Outcome, Run, RunError};

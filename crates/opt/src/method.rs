@@ -2,6 +2,7 @@
 
 use crate::admissible::Admissible;
 use crate::failed::Failed;
+use crate::held::Held;
 use crate::hessian::Hessian;
 use crate::inner_product::InnerProduct;
 use nastic_numeric::vector::dot;
@@ -19,8 +20,52 @@ pub struct Current<'a> {
     pub m: &'a [f64],
     /// The cost there.
     pub cost: f64,
-    /// Its derivative there (dual), tangential part.
+    /// Its derivative there (dual), tangential part; that of the Lagrangian where the method holds constraints itself.
     pub derivative: &'a [f64],
+    /// The constraints that the method holds itself; without values of all other methods.
+    pub held: &'a Held,
+}
+
+/// A trial that a method has proposed.
+#[derive(Clone, Copy, Debug)]
+pub struct Proposed<'a> {
+    /// The trial control.
+    pub m: &'a [f64],
+    /// Of which fraction of the step.
+    pub fraction: f64,
+    /// The change of cost that the derivative predicts.
+    pub linear: f64,
+}
+
+/// A proposed trial with what its evaluation found.
+#[derive(Clone, Copy, Debug)]
+pub struct Tried<'a> {
+    /// The trial.
+    pub of: Proposed<'a>,
+    /// Its cost, with the penalty of the constraints that the method holds.
+    pub cost: f64,
+    /// The values of these constraints, relative to their scales.
+    pub values: &'a [f64],
+    /// What rounding may add to the cost.
+    pub slack: f64,
+}
+
+/// What a method says of an evaluated trial.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Judgement {
+    /// Armijo's test decides.
+    Armijo,
+    /// It is taken.
+    Taken,
+    /// The model underestimates the cost, or a constraint that matters; [`Method::refused`] makes it more conservative.
+    Underestimated {
+        /// Which of the constraints; none of the cost.
+        constraint: Option<usize>,
+        /// What the model says.
+        model: f64,
+        /// What was found.
+        found: f64,
+    },
 }
 
 /// Products with the second derivative of the cost at an accepted control, through the curvature of the set too.
@@ -78,7 +123,10 @@ pub struct Memory {
 }
 
 /// The strategy of an optimiser, driven by [`Run`](crate::Run): `restart` once per stage, then for every iteration
-/// `prepare`, some calls of `trial` with falling fractions, and `accepted`.
+/// `prepare`, some calls of `trial` with fractions that do not grow, and `accepted`.
+///
+/// A method that [holds constraints itself](crate::Optimizer::holds_constraints) is given their values and derivatives in [`Current::held`], and says
+/// with `promise`, `judge`, `refused` and `multipliers` what it makes of them.
 pub trait Method: Debug + Send {
     /// Begins a stage: forget what belongs to another cost; `step` is a sensible length t of a first step -t gradient.
     fn restart(&mut self, step: f64, cost: f64);
@@ -94,6 +142,24 @@ pub trait Method: Debug + Send {
 
     /// The step length to report for a fraction.
     fn step(&self, fraction: f64) -> f64;
+
+    /// What the method's model says a trial changes the cost by: the derivative's prediction, where it has no model of its own.
+    fn promise(&self, _here: &Current<'_>, trial: &Proposed<'_>) -> f64 {
+        trial.linear
+    }
+
+    /// Whether an evaluated trial is taken.
+    fn judge(&self, _here: &Current<'_>, _trial: &Tried<'_>) -> Judgement {
+        Judgement::Armijo
+    }
+
+    /// Learns from a trial that it has judged underestimated: the next one is shorter at the same fraction.
+    fn refused(&mut self, _here: &Current<'_>, _trial: &Tried<'_>) {}
+
+    /// Multipliers of the constraints that the method holds itself, by its model at a control; none of a method that holds none.
+    fn multipliers(&self, _here: &Current<'_>) -> Vec<f64> {
+        Vec::new()
+    }
 
     /// The cost that a trial is compared with; more than the present one in a non-monotone method.
     fn reference(&self, cost: f64) -> f64 {

@@ -1,6 +1,7 @@
 //! What an optimiser asks of a problem.
 
 use crate::failed::Failed;
+use crate::held::Held;
 use crate::hessian::Hessian;
 use crate::inner_product::InnerProduct;
 use crate::summary::Summary;
@@ -140,6 +141,19 @@ pub trait Objective: Sync {
     /// [`Failed`] when that stage has no value there, or no state.
     fn restage(&self, stage: usize, point: &Self::Point) -> Result<Self::Point, Failed>;
 
+    /// The values of those constraints that the method is to hold itself, relative to their scales; none by default.
+    fn held_values(&self, _point: &Self::Point) -> Vec<f64> {
+        Vec::new()
+    }
+
+    /// The same with their derivatives and that of the cost, without multipliers; `None` by default: there are none.
+    ///
+    /// # Errors
+    /// As [`derivative`](Self::derivative).
+    fn held(&self, _point: &mut Self::Point, _workspace: &mut Self::Workspace) -> Result<Option<Held>, Failed> {
+        Ok(None)
+    }
+
     /// Numbers of this point for a line of the history.
     fn summary(&self, _point: &Self::Point) -> Summary {
         Summary::default()
@@ -239,6 +253,14 @@ macro_rules! forward {
 
             fn restage(&self, stage: usize, point: &T::Point) -> Result<T::Point, Failed> {
                 (**self).restage(stage, point)
+            }
+
+            fn held_values(&self, point: &T::Point) -> Vec<f64> {
+                (**self).held_values(point)
+            }
+
+            fn held(&self, point: &mut T::Point, workspace: &mut T::Workspace) -> Result<Option<Held>, Failed> {
+                (**self).held(point, workspace)
             }
 
             fn summary(&self, point: &T::Point) -> Summary {

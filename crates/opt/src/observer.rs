@@ -15,6 +15,17 @@ pub enum Reason {
     Multipliers,
     /// Accepted by Armijo's test.
     Armijo,
+    /// Accepted: the method's model underestimates neither the cost nor a constraint there.
+    Conservative,
+    /// The method's model underestimates the cost or a constraint.
+    Underestimated {
+        /// Which of the values of all constraints, from 0; none of the cost.
+        constraint: Option<usize>,
+        /// What the model says; of a constraint relative to its scale.
+        model: f64,
+        /// What was found.
+        found: f64,
+    },
     /// The cost did not fall enough.
     NoDecrease {
         /// The cost that had to be reached.
@@ -29,6 +40,11 @@ pub enum Reason {
 }
 
 impl Reason {
+    /// Whether the trial was accepted as the end of an iteration.
+    pub fn is_step(&self) -> bool {
+        matches!(self, Self::Armijo | Self::Conservative)
+    }
+
     /// Whether it is the control of the previous trial with the value of another stage or other multipliers.
     pub fn is_revaluation(&self) -> bool {
         matches!(self, Self::Stage | Self::Multipliers)
@@ -42,6 +58,16 @@ impl fmt::Display for Reason {
             Self::Stage => write!(f, "stage"),
             Self::Multipliers => write!(f, "multipliers"),
             Self::Armijo => write!(f, "armijo"),
+            Self::Conservative => write!(f, "conservative"),
+            Self::Underestimated { constraint: None, model, found } => {
+                write!(f, "the model underestimates the cost: {model:.6e} for {found:.6e}")
+            }
+            Self::Underestimated { constraint: Some(k), model, found } => {
+                write!(
+                    f,
+                    "the model underestimates value {k} of the constraints: {model:.3e} for {found:.3e} of its scale"
+                )
+            }
             Self::NoDecrease { wanted } => write!(f, "no decrease: wanted {wanted:.6e}"),
             Self::OtherBranch(why) => write!(f, "no decrease, on another branch: {why}"),
             Self::Failed(why) => write!(f, "failed: {why}"),

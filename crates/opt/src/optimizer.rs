@@ -1,15 +1,12 @@
-//! Optimisers by name and their common options.
+//! [`Optimizer`]: a method with its options, those that all share.
 
-use crate::admissible::Admissible;
-use crate::lbfgs::Lbfgs;
+use crate::admissible::{Admissible, NotBounds};
 use crate::line_search::LineSearch;
 use crate::method::Method;
-use crate::newton_cg::NewtonCg;
 use crate::objective::DEFAULT_ACCURACY;
-use crate::projected_gradient::ProjectedGradient;
-use crate::spectral::Spectral;
 use crate::within::Within;
 use std::fmt::Debug;
+use thiserror::Error;
 
 /// What all optimisers share. Every default is dimensionless: none depends on the unit system.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +71,44 @@ impl Options {
     }
 }
 
+/// A problem that a method is not made for.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Unfit {
+    /// A set that is more than bounds.
+    #[error("{set}; \"{method}\" takes bounds alone: keep these components fixed, or take \"lbfgs\"")]
+    Set {
+        /// The method.
+        method: &'static str,
+        /// What it met.
+        set: NotBounds,
+    },
+    /// A component without a range.
+    #[error(
+        "control component {index} lies between {lower:e} and {upper:e}; \"{method}\" moves a component by a share of its range: give it both bounds, \
+         or take \"lbfgs\""
+    )]
+    Range {
+        /// The method.
+        method: &'static str,
+        /// Which component.
+        index: usize,
+        /// Its lower bound.
+        lower: f64,
+        /// Its upper bound.
+        upper: f64,
+    },
+    /// A constraint c = 0.
+    #[error(
+        "the constraint \"{constraint}\" asks for c = 0; \"{method}\" holds c <= 0 alone: take \"lbfgs\", or a bound from one side"
+    )]
+    Equality {
+        /// The method.
+        method: &'static str,
+        /// The constraint's name.
+        constraint: String,
+    },
+}
+
 /// An optimiser: a method with its options. Several runs at once may share one.
 pub trait Optimizer: Debug + Sync {
     /// The name in case files.
@@ -84,6 +119,20 @@ pub trait Optimizer: Debug + Sync {
 
     /// The strategy, with an empty memory.
     fn method(&self) -> Box<dyn Method>;
+
+    /// Whether its method holds constraints itself: [`AugmentedLagrangian`](crate::AugmentedLagrangian) then gives it their values and derivatives
+    /// in place of multipliers around it.
+    fn holds_constraints(&self) -> bool {
+        false
+    }
+
+    /// Whether its method is made for controls of `len` components in this set.
+    ///
+    /// # Errors
+    /// [`Unfit`], what is in the way.
+    fn check_set(&self, _set: &dyn Admissible, _len: usize) -> Result<(), Unfit> {
+        Ok(())
+    }
 
     /// This optimiser within a set, to be given a problem and a start: see [`Within`].
     fn within(self, set: impl Admissible + 'static) -> Within<Self>
@@ -107,49 +156,12 @@ impl<T: Optimizer + ?Sized> Optimizer for Box<T> {
     fn method(&self) -> Box<dyn Method> {
         (**self).method()
     }
-}
 
-/// A row of the catalogue: a name of case files and how to build what it names.
-#[derive(Clone, Copy, Debug)]
-pub struct OptimizerRow {
-    /// The name in case files.
-    pub name: &'static str,
-    /// What it is, in a few words.
-    pub about: &'static str,
-    /// The optimiser with these options and defaults for the rest.
-    pub build: fn(Options) -> Box<dyn Optimizer>,
-}
+    fn holds_constraints(&self) -> bool {
+        (**self).holds_constraints()
+    }
 
-/// Every optimiser of this crate.
-pub const CATALOGUE: &[OptimizerRow] = &[
-    OptimizerRow {
-        name: "projected_gradient",
-        about: "Projected gradient with Armijo backtracking.",
-        build: |options| Box::new(ProjectedGradient { options }),
-    },
-    OptimizerRow {
-        name: "spectral",
-        about: "Projected gradient with Barzilai-Borwein steps, non-monotone.",
-        build: |options| Box::new(Spectral { options, ..Spectral::default() }),
-    },
-    OptimizerRow {
-        name: "lbfgs",
-        about: "Limited-memory quasi-Newton with bounds.",
-        build: |options| Box::new(Lbfgs { options, ..Lbfgs::default() }),
-    },
-    OptimizerRow {
-        name: "gauss_newton",
-        about: "Trust-region Newton with the state linearised: for tracking costs.",
-        build: |options| Box::new(NewtonCg { options, ..NewtonCg::gauss_newton() }),
-    },
-    OptimizerRow {
-        name: "newton_cg",
-        about: "Trust-region Newton with exact second derivatives.",
-        build: |options| Box::new(NewtonCg { options, ..NewtonCg::exact() }),
-    },
-];
-
-/// The optimiser of that name.
-pub fn by_name(name: &str, options: Options) -> Option<Box<dyn Optimizer>> {
-    CATALOGUE.iter().find(|entry| entry.name == name).map(|entry| (entry.build)(options))
+    fn check_set(&self, set: &dyn Admissible, len: usize) -> Result<(), Unfit> {
+        (**self).check_set(set, len)
+    }
 }

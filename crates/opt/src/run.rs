@@ -10,6 +10,7 @@ use crate::failed::Failed;
 use crate::method::Method;
 use crate::objective::Objective;
 use crate::observer::{Observer, Reason};
+use crate::optimizer::Unfit;
 use crate::search::{Iterate, Setting};
 use crate::state::{Counts, Progress, RunState, SavedPoint, StageEnd};
 use crate::stop::Stop;
@@ -77,6 +78,9 @@ pub enum RunError {
     /// The derivative at the start could not be checked.
     #[error("the derivative at the start could not be checked: {0}; gradient_check(false) runs without")]
     Check(#[source] TaylorError),
+    /// A method that is not made for the set or the constraints.
+    #[error(transparent)]
+    Unfit(#[from] Unfit),
     /// A saved run of another problem.
     #[error("the saved run does not fit: {0}")]
     Saved(#[source] Failed),
@@ -162,6 +166,7 @@ impl<O: Objective> Run<O> {
             derivative: at.whole_derivative.clone(),
             gradient_norm: at.gradient_norm,
             active: at.active,
+            held: at.held.clone(),
         };
         RunState {
             method: self.name.to_string(),

@@ -2,10 +2,11 @@
 
 use crate::admissible::Admissible;
 use crate::failed::Failed;
+use crate::held::Held;
 use crate::hessian::ProductsAt;
 use crate::inner_product::InnerProduct;
 use crate::line_search::LineSearch;
-use crate::method::{Current, Method};
+use crate::method::{Current, Judgement, Method, Proposed, Tried};
 use crate::objective::{Budget, Objective, Request};
 use crate::observer::{Observer, Reason, Trial};
 use crate::optimizer::Options;
@@ -24,6 +25,8 @@ pub(crate) struct Setting<O> {
     pub set: Arc<dyn Admissible>,
     pub metric: Arc<dyn InnerProduct>,
     pub options: Options,
+    /// Largest failing complementarity of constraints that the method holds itself at which a run may converge.
+    pub feasibility: f64,
     /// Continuation stages to run.
     pub stages: Range<usize>,
     pub cancel: Option<Arc<AtomicBool>>,
@@ -35,12 +38,13 @@ pub(crate) struct Iterate<P> {
     pub m: Vec<f64>,
     pub point: P,
     pub cost: f64,
-    /// Tangential part.
+    /// Tangential part; of the Lagrangian, where the method holds constraints.
     pub derivative: Vec<f64>,
     /// Across the set too.
     pub whole_derivative: Vec<f64>,
     pub gradient_norm: f64,
     pub active: usize,
+    pub held: Held,
 }
 
 /// An accepted trial and how it was found.
@@ -55,7 +59,7 @@ impl<O: Objective> Setting<O> {
     /// All stages of the objective, never cancelled.
     pub fn new(objective: O, set: Arc<dyn Admissible>, metric: Arc<dyn InnerProduct>, options: Options) -> Self {
         let stages = 0..objective.stages();
-        Self { objective, set, metric, options, stages, cancel: None }
+        Self { objective, set, metric, options, feasibility: 0.0, stages, cancel: None }
     }
 
     /// Ends the run where its flag is raised, or that of any who run together.
@@ -82,18 +86,36 @@ impl<O: Objective> Setting<O> {
         if cost.is_finite() { Ok(cost) } else { Err(Failed::because(format!("the cost is {cost}"))) }
     }
 
-    /// Takes the derivative at an evaluated trial, which makes it an iterate.
+    /// Takes the derivative at an evaluated trial, which makes it an iterate; with those of the constraints that the method holds, and its multipliers.
     pub fn differentiate(
         &self,
         m: Vec<f64>,
         mut point: O::Point,
         cost: f64,
+        method: &dyn Method,
         workspace: &mut O::Workspace,
     ) -> Result<Iterate<O::Point>, (O::Point, Failed)> {
-        match self.objective.derivative(&mut point, workspace) {
-            Ok(derivative) => self.iterate_of(m, point, cost, derivative),
-            Err(failed) => Err((point, failed)),
+        let held = match self.objective.held(&mut point, workspace) {
+            Ok(Some(held)) => held,
+            Ok(None) => {
+                return match self.objective.derivative(&mut point, workspace) {
+                    Ok(derivative) => self.iterate_of(m, point, cost, derivative),
+                    Err(failed) => Err((point, failed)),
+                };
+            }
+            Err(failed) => return Err((point, failed)),
+        };
+        let whole = [&held.cost_derivative].into_iter().chain(&held.rows);
+        if let Some(odd) = whole.into_iter().find(|row| row.len() != m.len() || row.iter().any(|d| !d.is_finite())) {
+            let why = format!("a derivative of {} components for {} controls, or no numbers", odd.len(), m.len());
+            return Err((point, Failed::because(why)));
         }
+        let (set, metric) = (self.set.as_ref(), self.metric.as_ref());
+        let here = Current { set, metric, m: &m, cost, derivative: &held.cost_derivative, held: &held };
+        let multipliers = method.multipliers(&here);
+        let held = Held { multipliers, ..held };
+        let iterate = self.iterate_of(m, point, cost, held.lagrangian())?;
+        Ok(Iterate { held, ..iterate })
     }
 
     /// An evaluated trial with its derivative.
@@ -116,12 +138,13 @@ impl<O: Objective> Setting<O> {
         self.set.tangent(&m, &mut derivative);
         let optimality = self.set.optimality(self.metric.as_ref(), &m, &derivative);
         let (gradient_norm, active) = (optimality.norm, optimality.active);
-        Ok(Iterate { m, point, cost, derivative, whole_derivative, gradient_norm, active })
+        let held = Held::default();
+        Ok(Iterate { m, point, cost, derivative, whole_derivative, gradient_norm, active, held })
     }
 
     pub fn here<'s>(&'s self, at: &'s Iterate<O::Point>) -> Current<'s> {
         let (set, metric) = (self.set.as_ref(), self.metric.as_ref());
-        Current { set, metric, m: &at.m, cost: at.cost, derivative: &at.derivative }
+        Current { set, metric, m: &at.m, cost: at.cost, derivative: &at.derivative, held: &at.held }
     }
 
     /// Finds the next point from `at`, reporting every trial to the observer.
@@ -160,7 +183,7 @@ impl<O: Objective> Setting<O> {
     /// Backtracks from a prepared direction. The inner error is the predicted change of the whole step.
     fn search_line(
         &self,
-        method: &dyn Method,
+        method: &mut dyn Method,
         at: &Iterate<O::Point>,
         progress: &mut Progress,
         workspace: &mut O::Workspace,
@@ -177,7 +200,8 @@ impl<O: Objective> Setting<O> {
         while line.trials < limit {
             self.check_cancelled()?;
             let m = method.trial(&here, line.fraction);
-            let predicted = dot(&at.derivative, &sub(&m, &at.m));
+            let linear = dot(&at.derivative, &sub(&m, &at.m));
+            let predicted = method.promise(&here, &Proposed { m: &m, fraction: line.fraction, linear });
             let whole = *promised.get_or_insert(predicted);
             let first_look = whole == predicted;
             if m == at.m || (!first_look && predicted.abs() <= invisible) || line.fraction < 1e-30 {
@@ -194,7 +218,7 @@ impl<O: Objective> Setting<O> {
             tried = Some(m.clone());
             line.shortest = line.shortest.min(length);
             progress.counts.trials += 1;
-            let trial = Step { m, step: method.step(line.fraction), length, predicted };
+            let trial = Step { m, step: method.step(line.fraction), length, predicted: linear };
             let evaluated = self.objective.evaluate(&trial.m, &how, workspace);
             let (point, cost) = match evaluated.and_then(|point| self.finite_cost(&point).map(|cost| (point, cost))) {
                 Ok(evaluated) => evaluated,
@@ -208,21 +232,29 @@ impl<O: Objective> Setting<O> {
                     continue;
                 }
             };
-            let reference = method.reference(at.cost);
+            let values = self.objective.held_values(&point);
+            let of = Proposed { m: &trial.m, fraction: line.fraction, linear };
             // Rounding is allowed for where the whole step predicts little more than that, not where backtracking led there.
             let slack = Some(method.slack(at.cost)).filter(|slack| whole.abs() <= 100.0 * slack).unwrap_or(0.0);
-            if !rules.accepts(reference, predicted, slack, cost) {
-                let wanted = reference + rules.armijo * predicted;
-                let jump = self.objective.jump(&at.point, &point, workspace);
-                let reason = line.come_back(rules, jump, [at.cost, predicted, cost], wanted)?;
-                observer.trial(&self.trial_line(progress, at, trial.parts(Some(&point), Some(cost), reason)));
-                continue;
-            }
+            let outcome = Tried { of, cost, values: &values, slack };
+            let reason = match self.verdict(&*method, &here, &outcome) {
+                Ok(reason) => reason,
+                Err(refused) => {
+                    let jump = self.objective.jump(&at.point, &point, workspace);
+                    if jump.is_none() {
+                        method.refused(&here, &outcome);
+                    }
+                    let reason = line.come_back(rules, jump, [at.cost, predicted, cost], refused)?;
+                    let parts = trial.parts(Some(&point), Some(cost), reason);
+                    observer.trial(&self.trial_line(progress, at, parts));
+                    continue;
+                }
+            };
             progress.counts.derivatives += 1;
-            match self.differentiate(trial.m.clone(), point, cost, workspace) {
+            match self.differentiate(trial.m.clone(), point, cost, &*method, workspace) {
                 Ok(next) => {
-                    let accepted = self.tell_accepted(progress, &next, Reason::Armijo, trial.step, length);
-                    observer.trial(&Trial { predicted: Some(predicted), ..accepted });
+                    let accepted = self.tell_accepted(progress, &next, reason, trial.step, length);
+                    observer.trial(&Trial { predicted: Some(linear), ..accepted });
                     return Ok(Ok(AcceptedTrial { next, fraction: line.fraction, trials: line.trials, predicted }));
                 }
                 Err((point, failed)) => {
@@ -235,6 +267,24 @@ impl<O: Objective> Setting<O> {
             }
         }
         Ok(Err(promised.unwrap_or(0.0)))
+    }
+
+    /// Whether a trial is accepted, by the method's own test or Armijo's.
+    fn verdict(&self, method: &dyn Method, here: &Current<'_>, tried: &Tried<'_>) -> Result<Reason, Reason> {
+        match method.judge(here, tried) {
+            Judgement::Armijo => {
+                let (rules, predicted, reference) =
+                    (&self.options.line_search, tried.of.linear, method.reference(here.cost));
+                match rules.accepts(reference, predicted, tried.slack, tried.cost) {
+                    true => Ok(Reason::Armijo),
+                    false => Err(Reason::NoDecrease { wanted: reference + rules.armijo * predicted }),
+                }
+            }
+            Judgement::Taken => Ok(Reason::Conservative),
+            Judgement::Underestimated { constraint, model, found } => {
+                Err(Reason::Underestimated { constraint, model, found })
+            }
+        }
     }
 
     /// What is asked of the objective in a line from `at`.
@@ -300,7 +350,7 @@ impl<O: Objective> Setting<O> {
         step: f64,
         length: f64,
     ) -> Trial<'t, O::Point> {
-        let iteration = progress.counts.iterations + usize::from(reason == Reason::Armijo);
+        let iteration = progress.counts.iterations + usize::from(reason.is_step());
         let parts = TrialParts {
             m: &next.m,
             point: Some(&next.point),
@@ -357,13 +407,17 @@ impl Line {
         rules: &LineSearch,
         jump: Option<Failed>,
         costs: [f64; 3],
-        wanted: f64,
+        refused: Reason,
     ) -> Result<Reason, Stop> {
         if let Some(fatal) = jump.as_ref().filter(|failed| failed.is_fatal()) {
             return Err(Stop::Aborted(fatal.clone()));
         }
-        let factor = rules.come_back(jump.as_ref(), costs);
-        let reason = jump.map_or(Reason::NoDecrease { wanted }, Reason::OtherBranch);
+        // A model that was made more conservative makes a shorter step of the same fraction.
+        let factor = match (&jump, &refused) {
+            (None, Reason::Underestimated { .. }) => 1.0,
+            _ => rules.come_back(jump.as_ref(), costs),
+        };
+        let reason = jump.map_or(refused, Reason::OtherBranch);
         self.reject(&reason, false, factor);
         Ok(reason)
     }

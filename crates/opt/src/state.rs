@@ -1,6 +1,7 @@
 //! A run as plain numbers: what a checkpoint holds.
 
 use crate::failed::Failed;
+use crate::held::Held;
 use crate::method::Memory;
 use crate::objective::{Objective, Request};
 use crate::run::Best;
@@ -84,6 +85,8 @@ pub struct SavedPoint {
     pub gradient_norm: f64,
     /// Active bounds.
     pub active: usize,
+    /// The constraints that the method holds itself.
+    pub held: Held,
 }
 
 /// Everything a run needs to continue with the same bits.
@@ -102,7 +105,7 @@ pub struct RunState {
 }
 
 impl Saved for RunState {
-    const KIND: &'static str = "nastic-run-3";
+    const KIND: &'static str = "nastic-run-4";
 }
 
 impl<P> Best<P> {

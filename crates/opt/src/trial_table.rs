@@ -121,11 +121,17 @@ impl TrialTable {
 /// What the columns do not say.
 fn remark(reason: &Reason) -> Option<String> {
     match reason {
-        Reason::Armijo => None,
+        Reason::Armijo | Reason::Conservative => None,
         Reason::Start => Some("start".to_owned()),
         Reason::Stage => Some("new stage".to_owned()),
         Reason::Multipliers => Some("new multipliers".to_owned()),
         Reason::NoDecrease { .. } => Some("rejected: not enough decrease".to_owned()),
+        Reason::Underestimated { constraint: None, .. } => {
+            Some("rejected: the model underestimates the cost".to_owned())
+        }
+        Reason::Underestimated { constraint: Some(k), .. } => {
+            Some(format!("rejected: the model underestimates value {k} of the constraints"))
+        }
         Reason::OtherBranch(why) => Some(format!("rejected, on another branch: {}", shortened(&why.to_string()))),
         Reason::Failed(why) | Reason::DerivativeFailed(why) => Some(format!("failed: {}", shortened(&why.to_string()))),
     }

@@ -10,6 +10,7 @@ mod ill_posed;
 mod inner_products;
 mod limits;
 mod manifold;
+mod mma;
 mod properties;
 mod published;
 mod saved;

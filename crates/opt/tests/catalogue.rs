@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{Cost, Tridiagonal, begin, chain, distance, quadratic, resume, rosenbrock};
+use common::{Cost, Tridiagonal, begin, chain, distance, quadratic, resume, rosenbrock, wide};
 use nastic_opt::{
     Admissible, Best, Bounds, CATALOGUE, Diagonal, Euclidean, Hessian, InnerProduct, NoSecondDerivatives, Objective,
     Optimizer, Options, Outcome, Reason, RunError, RunState, Saved, Stall, Stop, Trial, by_name,
@@ -11,7 +11,7 @@ use nastic_opt::{
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-const SLOW: &str = "projected_gradient";
+const SLOW: [&str; 2] = ["projected_gradient", "mma"];
 
 fn options(tolerance: f64, max_iterations: usize) -> Options {
     Options { tolerance, max_iterations, ..Options::default() }
@@ -34,7 +34,7 @@ fn run<O: Objective>(
 #[test]
 fn names_are_those_of_case_files() {
     let names: Vec<_> = CATALOGUE.iter().map(|entry| entry.name).collect();
-    assert_eq!(names, ["projected_gradient", "spectral", "lbfgs", "gauss_newton", "newton_cg"]);
+    assert_eq!(names, ["projected_gradient", "spectral", "lbfgs", "mma", "gauss_newton", "newton_cg"]);
     for name in names {
         assert_eq!(by_name(name, Options::default()).unwrap().name(), name);
     }
@@ -46,13 +46,14 @@ fn rosenbrock_is_minimised() {
     // Steepest descent creeps along the valley: it gets the iterations it takes, without the test for creeping.
     let patient = Options { stagnation: 0.0, ..options(1e-7, 100_000) };
     for entry in CATALOGUE {
-        let slow = entry.name == SLOW;
+        let slow = SLOW.contains(&entry.name);
         // a gradient of 1e-8 is within 1e-5 of the minimiser: the smallest curvature there is 0.4
         let o = (entry.build)(if slow { patient } else { options(1e-8, 400) });
         for n in if slow { &[2][..] } else { &[2, 20] } {
             let n = *n;
             let start = [-1.2, 1.0].repeat(n / 2);
-            let best = run(o.as_ref(), &rosenbrock(Bounds::none()), &Bounds::none(), &Euclidean::new(n), &start);
+            let set = wide(entry.name);
+            let best = run(o.as_ref(), &rosenbrock(set.clone()), &set, &Euclidean::new(n), &start);
             println!("{} {n}: {} {:?}", o.name(), best.stop, best.counts);
             assert!(best.stop.is_converged(), "{}: {}", o.name(), best.stop);
             // its gradient is as small, but the valley is flat
@@ -132,7 +133,7 @@ fn units_do_not_matter() {
         path
     };
     for o in every(options(1e-6, 60)) {
-        for bounded in [true, false] {
+        for bounded in [true, false].into_iter().filter(|bounded| *bounded || o.name() != "mma") {
             let plain = path(o.as_ref(), 1.0, 1.0, bounded, 1.0);
             // Powers of two scale without rounding: the same path to the bit.
             let scaled = path(o.as_ref(), 2f64.powi(17), 2f64.powi(-10), bounded, 2f64.powi(-20));
@@ -197,11 +198,11 @@ fn costs_fall_as_promised_and_trials_are_told_in_order() {
 
 #[test]
 fn interrupted_anywhere_it_gives_the_best_it_has_seen() {
-    let (n, set, metric) = (63, Bounds::none(), Euclidean::new(63));
+    let (n, metric) = (63, Euclidean::new(63));
     let mut risen = 0;
     for entry in CATALOGUE {
         for iterations in 1..60 {
-            let o = (entry.build)(options(1e-6, iterations));
+            let (o, set) = ((entry.build)(options(1e-6, iterations)), wide(entry.name));
             let cost = chain(set.clone(), n, |i| if i < 31 { 5.0 } else { -3.0 });
             let mut costs = Vec::new();
             let mut watch = |trial: &Trial<'_, Vec<f64>>| {
@@ -228,12 +229,11 @@ fn failed_evaluations_shorten_the_step() {
         let cost = rosenbrock(set.clone()).failing(|m| m[1] < m[0] * m[0] - 0.3 || m[1] > m[0] * m[0] + 0.5);
         let mut failed = 0;
         let mut watch = |t: &Trial<'_, Vec<f64>>| failed += usize::from(matches!(t.reason, Reason::Failed(_)));
-        let metric = Euclidean::new(2);
-        let run = begin(o.as_ref(), &cost, &set, &metric, &[-1.2, 1.44]).unwrap();
+        let run = begin(o.as_ref(), &cost, &set, &Euclidean::new(2), &[-1.2, 1.44]).unwrap();
         let best = run.minimize(&mut watch);
         println!("{}: {} {:?}", o.name(), best.stop, best.counts);
         assert!(failed > 0 && failed == best.counts.failed, "{}", o.name());
-        if o.name() != SLOW {
+        if !SLOW.contains(&o.name()) {
             assert!(distance(&best.m, &[1.0, 1.0]) < 1e-3, "{}: {:?} {}", o.name(), best.m, best.stop);
         }
     }
@@ -313,13 +313,12 @@ fn a_corner_is_tried_once() {
         );
         let mut seen: Vec<Vec<f64>> = Vec::new();
         let mut watch = |t: &Trial<'_, Vec<f64>>| seen.push(t.m.to_vec());
-        let metric = Euclidean::new(3);
-        let best = begin(o.as_ref(), &cost, &set, &metric, &[0.0; 3]).unwrap().minimize(&mut watch);
+        let best = begin(o.as_ref(), &cost, &set, &Euclidean::new(3), &[0.0; 3]).unwrap().minimize(&mut watch);
         println!("{}: {} {:?}", o.name(), best.stop, best.counts);
         assert!(best.stop.is_converged(), "{}", best.stop);
         let corner = seen.iter().filter(|m| **m == vec![1.0; 3]).count();
-        let newton = ["gauss_newton", "newton_cg"].contains(&o.name());
-        // Newton's step is the minimiser, however long the first one may be.
+        // Newton's step is the minimiser, however long the first one may be; that of moving asymptotes has a limit.
+        let newton = ["gauss_newton", "newton_cg", "mma"].contains(&o.name());
         assert!(corner == usize::from(!newton), "{}: {corner} trials at the corner of {}", o.name(), seen.len());
     }
 }
@@ -327,8 +326,9 @@ fn a_corner_is_tried_once() {
 #[test]
 fn a_wrong_derivative_stalls_and_says_so() {
     for o in every(Options::default()) {
-        let cost = Cost::new(Bounds::none(), |m| 1.0 + m[0] * m[0], |m| vec![-m[0]]);
-        let best = run(o.as_ref(), &cost, &Bounds::none(), &Euclidean::new(1), &[1.0]);
+        let set = wide(o.name());
+        let cost = Cost::new(set.clone(), |m| 1.0 + m[0] * m[0], |m| vec![-m[0]]);
+        let best = run(o.as_ref(), &cost, &set, &Euclidean::new(1), &[1.0]);
         assert!(matches!(best.stop, Stop::Stalled(Stall::LineSearch { .. })), "{}", best.stop);
         assert!(best.stop.to_string().contains("gradient check"));
         assert_eq!(best.m, [1.0]);
@@ -341,8 +341,9 @@ fn a_cost_at_its_rounding_ends() {
     for o in every(options(1e-14, 500)) {
         let n = 6;
         let c = (0..n).map(|i| 1.0 + i as f64).collect();
-        let cost = quadratic(Bounds::none(), c, vec![1.0; n], 1.0, 1.0, 1e3);
-        let best = run(o.as_ref(), &cost, &Bounds::none(), &Euclidean::new(n), &vec![0.0; n]);
+        let set = wide(o.name());
+        let cost = quadratic(set.clone(), c, vec![1.0; n], 1.0, 1.0, 1e3);
+        let best = run(o.as_ref(), &cost, &set, &Euclidean::new(n), &vec![0.0; n]);
         println!("{}: {} {:?}", o.name(), best.stop, best.counts);
         assert!(!matches!(best.stop, Stop::MaxIterations { .. }), "{}: {}", o.name(), best.stop);
         assert!(best.counts.trials < 150, "{}: {:?}", o.name(), best.counts);

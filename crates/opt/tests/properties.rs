@@ -129,7 +129,8 @@ fn for_all(mut test: impl FnMut(&dyn Optimizer, &SetRow, &mut dyn FnMut() -> Pro
     };
     for driver in CATALOGUE {
         let optimizer = (driver.build)(options);
-        for row in SETS {
+        // Moving asymptotes take bounds alone.
+        for row in SETS.iter().filter(|row| driver.name != "mma" || row.name == "bounds") {
             let set = (row.make)(POINTS).unwrap();
             let len = POINTS * row.components;
             // weights that differ over the components of some points too: shortening is not the projection there

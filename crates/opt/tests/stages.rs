@@ -3,7 +3,7 @@
 
 use crate::common;
 
-use common::{begin, resume};
+use common::{begin, resume, wide};
 use nastic_opt::{
     Bounds, CATALOGUE, Euclidean, Failed, Hessian, InnerProduct, Lbfgs, Objective, Options, Outcome, Reason, Request,
     RunState, Saved, Stall, Stop, Summary, Trial,
@@ -193,7 +193,7 @@ fn kinks_end_in_stagnation() {
     }
     let options = Options { max_iterations: 2000, ..Options::default() };
     for entry in CATALOGUE {
-        let (set, metric) = (Bounds::none(), Euclidean::new(8));
+        let (set, metric) = (wide(entry.name), Euclidean::new(8));
         let optimizer = (entry.build)(options);
         let best = begin(optimizer.as_ref(), &Kink, &set, &metric, &[0.0; 8]).unwrap().minimize(&mut ());
         println!("{}: {} cost {} {:?}", entry.name, best.stop, best.cost, best.counts);

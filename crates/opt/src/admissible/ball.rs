@@ -1,7 +1,7 @@
 //! The ball per point: |m_p| <= radius at every point p.
 
 use super::sphere::add_curvature;
-use super::{Admissible, Face, Outside, SetError, check_radius};
+use super::{Admissible, Face, Intervals, NotBounds, Outside, SetError, check_radius};
 use nastic_numeric::vector::{add, dot, norm};
 
 /// Vectors of `dim` components, one per point and stored point by point, each no longer than a given radius: an applied
@@ -137,6 +137,13 @@ impl Admissible for Ball {
             }
         }
         self.restrict(m, d);
+    }
+
+    fn intervals(&self, _len: usize) -> Result<Intervals, NotBounds> {
+        Err(NotBounds {
+            index: 0,
+            what: format!("vectors of {} components no longer than {:e}", self.dim, self.radius),
+        })
     }
 
     fn extent(&self, m: &[f64]) -> Vec<f64> {

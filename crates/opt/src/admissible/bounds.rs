@@ -1,6 +1,6 @@
 //! The box: lower <= m <= upper, component by component.
 
-use super::{Admissible, Face, Outside, SetError};
+use super::{Admissible, Face, Intervals, NotBounds, Outside, SetError};
 
 /// One number for all components, or one for each.
 #[derive(Clone, Debug, PartialEq)]
@@ -161,6 +161,11 @@ impl Admissible for Bounds {
                 *d = if above >= -below { d.abs().min(above) } else { -d.abs().min(-below) };
             }
         }
+    }
+
+    fn intervals(&self, len: usize) -> Result<Intervals, NotBounds> {
+        let (lower, upper) = (0..len).map(|i| self.at(i)).unzip();
+        Ok(Intervals { lower, upper })
     }
 
     fn extent(&self, m: &[f64]) -> Vec<f64> {

@@ -67,6 +67,25 @@ pub enum SetError {
     },
 }
 
+/// Bounds of every component of a control; infinite ones are no bounds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Intervals {
+    /// The lower ones.
+    pub lower: Vec<f64>,
+    /// The upper ones.
+    pub upper: Vec<f64>,
+}
+
+/// A set that is more than bounds of components.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("control component {index} is one of {what}, which bounds do not describe")]
+pub struct NotBounds {
+    /// The first component that is not alone.
+    pub index: usize,
+    /// What it is one of.
+    pub what: String,
+}
+
 /// The projected gradient's size and the constraints that act.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Optimality {
@@ -121,6 +140,14 @@ pub trait Admissible: Debug + Send + Sync {
 
     /// Makes d a direction along which m(t) is smooth up to t = 1: turned inward at bounds, tangential on a sphere.
     fn inward(&self, m: &[f64], d: &mut [f64]);
+
+    /// The set of controls of `len` components as bounds of each, where that is what it is.
+    ///
+    /// # Errors
+    /// [`NotBounds`] of a set that bends or couples components (the default).
+    fn intervals(&self, _len: usize) -> Result<Intervals, NotBounds> {
+        Err(NotBounds { index: 0, what: format!("{self:?}") })
+    }
 
     /// Natural size of a change of each component: the width of a box, a radius; zero where the set has none.
     fn extent(&self, m: &[f64]) -> Vec<f64>;

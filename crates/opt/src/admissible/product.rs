@@ -1,6 +1,6 @@
 //! Products of admissible sets: control blocks one after the other.
 
-use super::{Admissible, Face, Outside};
+use super::{Admissible, Face, Intervals, NotBounds, Outside};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -104,6 +104,17 @@ impl Admissible for Product {
 
     fn inward(&self, m: &[f64], d: &mut [f64]) {
         self.blocks().for_each(|(range, set)| set.inward(&m[range.clone()], &mut d[range]));
+    }
+
+    fn intervals(&self, _len: usize) -> Result<Intervals, NotBounds> {
+        let mut all = Intervals::default();
+        for (range, set) in self.blocks() {
+            let start = range.start;
+            let own = set.intervals(range.len()).map_err(|not| NotBounds { index: not.index + start, ..not })?;
+            all.lower.extend(own.lower);
+            all.upper.extend(own.upper);
+        }
+        Ok(all)
     }
 
     fn extent(&self, m: &[f64]) -> Vec<f64> {

@@ -1,6 +1,6 @@
 //! The sphere per point: |m_p| = radius at every point p.
 
-use super::{Admissible, Face, Outside, SetError, check_radius};
+use super::{Admissible, Face, Intervals, NotBounds, Outside, SetError, check_radius};
 use nastic_numeric::Random;
 use nastic_numeric::vector::{dot, norm};
 
@@ -132,6 +132,10 @@ impl Admissible for Sphere {
 
     fn inward(&self, m: &[f64], d: &mut [f64]) {
         self.tangent(m, d);
+    }
+
+    fn intervals(&self, _len: usize) -> Result<Intervals, NotBounds> {
+        Err(NotBounds { index: 0, what: format!("vectors of {} components and length {:e}", self.dim, self.radius) })
     }
 
     fn extent(&self, m: &[f64]) -> Vec<f64> {

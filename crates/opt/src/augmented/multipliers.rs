@@ -92,6 +92,28 @@ impl Multipliers {
         self.each(c).map(of).sum()
     }
 
+    /// `r sum_k max(0, d_k)`, of inequalities.
+    pub fn exact_penalty(&self, c: &[f64]) -> f64 {
+        let violation: f64 = self.each(c).map(|one| one.sense.violation(one.value)).sum();
+        if violation > 0.0 { self.penalty * violation } else { 0.0 }
+    }
+
+    /// d_k.
+    pub fn relative(&self, c: &[f64]) -> Vec<f64> {
+        self.each(c).map(|one| one.value).collect()
+    }
+
+    /// Derivatives of c_k become those of d_k.
+    pub fn scale(&self, rows: &mut [Vec<f64>]) {
+        let groups = self.groups.iter().flat_map(|group| std::iter::repeat_n(group, group.len));
+        rows.iter_mut().zip(groups).for_each(|(row, group)| row.iter_mut().for_each(|d| *d /= group.scale));
+    }
+
+    /// `l_k / s_k` of given l_k.
+    pub fn per_value(&self, l: &[f64]) -> Vec<f64> {
+        self.each(l).map(|one| one.value).collect()
+    }
+
     /// `y_k = dpsi/dc_k`.
     pub fn slopes(&self, c: &[f64]) -> Vec<f64> {
         self.each(c).map(|one| one.slope(self.penalty) / one.scale).collect()

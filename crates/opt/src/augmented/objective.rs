@@ -3,25 +3,30 @@
 use super::multipliers::Multipliers;
 use crate::constrained::Constrained;
 use crate::failed::Failed;
+use crate::held::Held;
 use crate::hessian::Hessian;
 use crate::objective::{Objective, Request};
 use crate::summary::Summary;
 
 /// The augmented Lagrangian `j(m) + psi(c(m))` of a constrained objective, for the present multipliers and penalty: what the
-/// driver of an [`AugmentedRun`](super::AugmentedRun) minimises. Its points are those of the objective.
+/// driver of an [`AugmentedRun`](super::AugmentedRun) minimises. Its points are those of the objective. Of a method that
+/// [holds constraints itself](crate::Optimizer::holds_constraints) it is the exact penalty `j(m) + r sum_k max(0, c_k(m)/s_k)`, whose `derivative` is that of j:
+/// the method is given the constraints by [`Objective::held`].
 #[derive(Debug)]
 pub struct Augmented<O> {
     pub(super) objective: O,
     pub(super) multipliers: Multipliers,
     /// States are never asked for more coarsely than this.
     accuracy: f64,
+    /// Whether the method holds the constraints itself.
+    pub(super) held: bool,
 }
 
 impl<O: Constrained> Augmented<O> {
     /// Without a penalty yet.
-    pub(super) fn new(objective: O, accuracy: f64) -> Self {
+    pub(super) fn new(objective: O, accuracy: f64, held: bool) -> Self {
         let multipliers = Multipliers::none(objective.constraints());
-        Self { objective, multipliers, accuracy }
+        Self { objective, multipliers, accuracy, held }
     }
 
     /// The objective without its constraints.
@@ -72,11 +77,12 @@ impl<O: Constrained> Objective for Augmented<O> {
         if !self.is_constrained() {
             return cost;
         }
-        cost + self.multipliers.value(&self.objective.constraint_values(point))
+        let c = self.objective.constraint_values(point);
+        cost + if self.held { self.multipliers.exact_penalty(&c) } else { self.multipliers.value(&c) }
     }
 
     fn derivative(&self, point: &mut O::Point, workspace: &mut O::Workspace) -> Result<Vec<f64>, Failed> {
-        if !self.is_constrained() {
+        if self.held || !self.is_constrained() {
             return self.objective.derivative(point, workspace);
         }
         let y = self.multipliers.slopes(&self.objective.constraint_values(point));
@@ -90,12 +96,35 @@ impl<O: Constrained> Objective for Augmented<O> {
         which: Hessian,
         workspace: &mut O::Workspace,
     ) -> Result<Vec<f64>, Failed> {
-        if !self.is_constrained() {
+        if self.held || !self.is_constrained() {
             return self.objective.hessian_vector(point, v, which, workspace);
         }
         let c = self.objective.constraint_values(point);
         let (y, w) = (self.multipliers.slopes(&c), self.multipliers.curvatures(&c));
         self.objective.lagrangian_hessian_vector(point, [&y, &w], (v, which), workspace)
+    }
+
+    fn held_values(&self, point: &O::Point) -> Vec<f64> {
+        match self.held {
+            true => self.multipliers.relative(&self.objective.constraint_values(point)),
+            false => Vec::new(),
+        }
+    }
+
+    /// None as long as there is no penalty.
+    fn held(&self, point: &mut O::Point, workspace: &mut O::Workspace) -> Result<Option<Held>, Failed> {
+        if !self.held || self.multipliers.penalty == 0.0 {
+            return Ok(None);
+        }
+        let mut rows = self.objective.constraint_derivatives(point, workspace)?;
+        let values = self.held_values(point);
+        if rows.len() != values.len() {
+            return Err(Failed::because(format!("{} derivatives of {} constraints", rows.len(), values.len())));
+        }
+        self.multipliers.scale(&mut rows);
+        let cost_derivative = self.objective.derivative(point, workspace)?;
+        let (multipliers, penalty) = (Vec::new(), self.multipliers.penalty);
+        Ok(Some(Held { values, rows, cost_derivative, multipliers, penalty }))
     }
 
     fn jump(&self, from: &O::Point, to: &O::Point, workspace: &mut O::Workspace) -> Option<Failed> {

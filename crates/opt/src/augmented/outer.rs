@@ -60,6 +60,14 @@ impl Outer {
         self.updates += 1;
         (values, multipliers.penalty * if self.grew { options.growth } else { 1.0 })
     }
+
+    /// The penalty after a run of a method that holds the constraints ended where they are violated: its multipliers are at their largest.
+    pub fn stiffen(&mut self, options: &AugmentedLagrangian, multipliers: &Multipliers, c: &[f64]) -> f64 {
+        self.grew = true;
+        self.violation = multipliers.violation(c);
+        self.updates += 1;
+        multipliers.penalty * options.growth
+    }
 }
 
 /// Everything a run under constraints needs to continue with the same bits.
@@ -79,5 +87,5 @@ pub(super) struct SavedOuter {
 }
 
 impl Saved for AugmentedState {
-    const KIND: &'static str = "nastic-augmented-run-2";
+    const KIND: &'static str = "nastic-augmented-run-3";
 }

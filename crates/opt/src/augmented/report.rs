@@ -36,13 +36,14 @@ pub struct ConstraintsReport {
     pub violation: f64,
     /// The last penalty, in the unit of the cost.
     pub penalty: f64,
-    /// Updates of the multipliers.
+    /// Updates of the multipliers, or of the penalty alone where the method holds the constraints.
     pub updates: usize,
 }
 
 impl ConstraintsReport {
-    pub(super) fn new(multipliers: &Multipliers, values: Vec<f64>, updates: usize) -> Self {
-        let (violation, slopes) = (multipliers.violation(&values), multipliers.slopes(&values));
+    /// Of values and multipliers y_k.
+    pub(super) fn new(multipliers: &Multipliers, values: Vec<f64>, slopes: Vec<f64>, updates: usize) -> Self {
+        let violation = multipliers.violation(&values);
         let mut groups = Vec::new();
         let mut first = 0;
         for group in multipliers.groups() {

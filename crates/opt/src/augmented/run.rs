@@ -5,10 +5,11 @@ use super::outer::{AugmentedState, Outer, SavedOuter};
 use super::report::ConstraintsReport;
 use super::{Augmented, AugmentedLagrangian, Domain};
 use crate::constrained::Constrained;
+use crate::constrained::Sense;
 use crate::failed::Failed;
 use crate::objective::Objective;
 use crate::observer::{Observer, Reason};
-use crate::optimizer::{Optimizer, Options};
+use crate::optimizer::{Optimizer, Options, Unfit};
 use crate::run::{Best, Outcome, Run, RunError};
 use crate::search::Setting;
 use crate::start::Start;
@@ -19,6 +20,10 @@ use std::fmt;
 
 /// Accuracy of states over the feasibility asked for.
 const STATE_ACCURACY_SHARE: f64 = 0.1;
+/// First penalty over the cost at the start.
+const PENALTY_RATIO: f64 = 10.0;
+/// The same of a method that holds the constraints: no multiplier is larger than the penalty there.
+const HELD_PENALTY_RATIO: f64 = 1000.0;
 /// Decrease of the cost by an inner run, as a share of the cost, up to which the run has converged.
 const MAX_STALLED_DECREASE: f64 = 1e-6;
 
@@ -60,7 +65,7 @@ impl<O: Constrained> AugmentedRun<O> {
         domain: Domain,
         start: Start<O::Point>,
     ) -> Result<Self, RunError> {
-        let (setting, own, constrained) = setting(&options, optimizer, objective, domain);
+        let (setting, own, constrained) = setting(&options, optimizer, objective, domain)?;
         let run = Run::begin(optimizer, setting, start)?;
         let mut out = Self { options, own, run, outer: None, ended: None };
         if constrained {
@@ -76,7 +81,7 @@ impl<O: Constrained> AugmentedRun<O> {
         domain: Domain,
         state: &AugmentedState,
     ) -> Result<Self, RunError> {
-        let (mut setting, own, constrained) = setting(&options, optimizer, objective, domain);
+        let (mut setting, own, constrained) = setting(&options, optimizer, objective, domain)?;
         let unfit = |why: &str| RunError::Saved(Failed::because(why));
         let outer = match (&state.outer, constrained) {
             (None, false) => None,
@@ -96,7 +101,10 @@ impl<O: Constrained> AugmentedRun<O> {
 
     /// Chooses the first penalty and values the start with it.
     fn begin_penalty(&mut self) -> Result<(), RunError> {
-        let penalty = self.options.penalty.unwrap_or(10.0 * self.run.cost().abs());
+        let penalty = self.options.penalty.unwrap_or_else(|| {
+            let ratio = if self.run.objective().held { HELD_PENALTY_RATIO } else { PENALTY_RATIO };
+            ratio * self.run.cost().abs()
+        });
         if !(penalty > 0.0 && penalty.is_finite()) {
             return Err(RunError::NoPenalty { cost: self.run.cost(), penalty });
         }
@@ -117,6 +125,9 @@ impl<O: Constrained> AugmentedRun<O> {
 
     /// Iterations at which the inner run that begins now is to end.
     fn limit(&self) -> usize {
+        if self.run.objective().held {
+            return self.own.max_iterations;
+        }
         let Progress { counts, stage, .. } = self.run.progress();
         let stages = self.run.objective().stages().saturating_sub(*stage).max(1);
         let most = counts.iterations.saturating_add(self.options.inner_iterations.saturating_mul(stages));
@@ -138,7 +149,8 @@ impl<O: Constrained> AugmentedRun<O> {
         let (limit, (absolute, _)) = (outer.limit, self.stationary(outer));
         let options = &mut self.run.setting.options;
         (options.max_iterations, options.absolute_tolerance) = (limit, absolute);
-        options.tolerance = self.options.inner_tolerance;
+        // A method that holds the constraints goes on to the end of the whole run.
+        options.tolerance = if self.run.setting.objective.held { 0.0 } else { self.options.inner_tolerance };
     }
 
     /// One iteration, the passage to the next stage, an update of the multipliers, or nothing when the run has ended.
@@ -177,7 +189,10 @@ impl<O: Constrained> AugmentedRun<O> {
         }
         self.run.progress.ends.pop();
         let multipliers = &self.run.objective().multipliers;
-        let (values, penalty) = outer.update(&self.options, multipliers, &c, settled);
+        let (values, penalty) = match self.run.objective().held {
+            true => (multipliers.values.clone(), outer.stiffen(&self.options, multipliers, &c)),
+            false => outer.update(&self.options, multipliers, &c, settled),
+        };
         let known = (multipliers.values.clone(), multipliers.penalty);
         let change = |o: &mut Augmented<O>| (o.multipliers.values, o.multipliers.penalty) = (values, penalty);
         outer.limit = self.limit();
@@ -210,8 +225,12 @@ impl<O: Constrained> AugmentedRun<O> {
         let first = outer.first_gradient;
         let (norm, tolerance) = self.stationary(outer);
         let gradient_norm = self.run.gradient_norm();
-        let feasible = self.run.objective().multipliers.measure(c) <= self.options.feasibility;
-        if feasible && gradient_norm <= norm {
+        let augmented = self.run.objective();
+        let measure =
+            if augmented.held { augmented.multipliers.violation(c) } else { augmented.multipliers.measure(c) };
+        let feasible = measure <= self.options.feasibility;
+        let complementary = self.run.current.held.unmet() <= self.options.feasibility;
+        if feasible && complementary && gradient_norm <= norm {
             return Some(Stop::Converged { gradient_norm, first, tolerance });
         }
         let iterations = self.run.progress().counts.iterations;
@@ -234,6 +253,7 @@ impl<O: Constrained> AugmentedRun<O> {
     /// its own first steps, and another one starts afresh.
     fn is_final(&self, stop: &Stop) -> bool {
         match stop {
+            Stop::Stalled(_) if self.run.objective().held => true,
             Stop::Stalled(Stall::Stagnation { total, .. }) => *total <= MAX_STALLED_DECREASE * self.run.cost().abs(),
             stop => matches!(stop, Stop::Stalled(_)),
         }
@@ -313,7 +333,11 @@ impl<O: Constrained> AugmentedRun<O> {
     pub fn constraints(&self) -> ConstraintsReport {
         let augmented = self.run.objective();
         let c = augmented.objective.constraint_values(self.run.point());
-        ConstraintsReport::new(&augmented.multipliers, c, self.outer.as_ref().map_or(0, |outer| outer.updates))
+        let slopes = match augmented.held {
+            true => augmented.multipliers.per_value(&self.run.current.held.multipliers),
+            false => augmented.multipliers.slopes(&c),
+        };
+        ConstraintsReport::new(&augmented.multipliers, c, slopes, self.outer.as_ref().map_or(0, |outer| outer.updates))
     }
 
     /// Where the run stands.
@@ -342,17 +366,22 @@ impl<O: Constrained> AugmentedRun<O> {
     }
 }
 
-/// What the inner run works on, the optimiser's own options, and whether there are constraints.
+/// What the run works on, the optimiser's own options, and whether there are constraints.
 fn setting<O: Constrained>(
     options: &AugmentedLagrangian,
     optimizer: &dyn Optimizer,
     objective: O,
     Domain { set, metric, cancel }: Domain,
-) -> (Setting<Augmented<O>>, Options, bool) {
-    let augmented = Augmented::new(objective, STATE_ACCURACY_SHARE * options.feasibility);
+) -> Result<(Setting<Augmented<O>>, Options, bool), Unfit> {
+    let held = optimizer.holds_constraints();
+    let augmented = Augmented::new(objective, STATE_ACCURACY_SHARE * options.feasibility, held);
+    if let Some(group) = augmented.multipliers.groups().iter().find(|group| held && group.sense == Sense::Equal) {
+        return Err(Unfit::Equality { method: optimizer.name(), constraint: group.name.clone() });
+    }
     let constrained = !augmented.multipliers.values.is_empty();
     let own = *optimizer.options();
     let mut setting = Setting::new(augmented, set, metric, own);
     setting.cancel = cancel;
-    (setting, own, constrained)
+    setting.feasibility = options.feasibility;
+    Ok((setting, own, constrained))
 }

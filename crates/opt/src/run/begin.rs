@@ -4,6 +4,7 @@ use super::{Run, RunError};
 use crate::admissible::Admissible;
 use crate::failed::Failed;
 use crate::inner_product::InnerProduct;
+use crate::method::Method;
 use crate::objective::{Objective, Request};
 use crate::optimizer::Optimizer;
 use crate::search::{Iterate, Setting};
@@ -38,9 +39,10 @@ impl<O: Objective> Run<O> {
             return Err(RunError::Stages { first: stage, end, stages });
         }
         let mut workspace = O::Workspace::default();
-        let (current, derivatives) = first_iterate(&setting, start, &mut workspace)?;
-        let progress = Progress { stage, counts: Counts { derivatives, ..Counts::default() }, ..Progress::default() };
+        optimizer.check_set(setting.set.as_ref(), setting.metric.len())?;
         let (name, method) = (optimizer.name(), optimizer.method());
+        let (current, derivatives) = first_iterate(&setting, start, method.as_ref(), &mut workspace)?;
+        let progress = Progress { stage, counts: Counts { derivatives, ..Counts::default() }, ..Progress::default() };
         let mut run = Self { setting, name, method, workspace, progress, current, best: None, ended: None };
         run.begin_stage(None)?;
         Ok(run)
@@ -67,6 +69,7 @@ impl<O: Objective> Run<O> {
             return Err(saved(format!("it is of \"{}\", not of \"{name}\"", state.method)));
         }
         let n = state.current.m.len();
+        optimizer.check_set(setting.set.as_ref(), n)?;
         if state.memory.vectors.iter().any(|v| name != "spectral" && v.len() != n) || !method.load(&state.memory) {
             return Err(saved(format!("its memory is not one of \"{name}\" with these options")));
         }
@@ -85,6 +88,7 @@ impl<O: Objective> Run<O> {
 fn first_iterate<O: Objective>(
     setting: &Setting<O>,
     start: Start<O::Point>,
+    method: &dyn Method,
     workspace: &mut O::Workspace,
 ) -> Result<(Iterate<O::Point>, usize), RunError> {
     let begun = match start {
@@ -114,7 +118,7 @@ fn first_iterate<O: Objective>(
             Ok((iterate?, 0))
         }
         None => {
-            let iterate = setting.differentiate(m, point, cost, workspace);
+            let iterate = setting.differentiate(m, point, cost, method, workspace);
             Ok((iterate.map_err(|(_, failed)| RunError::Start(failed))?, 1))
         }
     }
@@ -148,14 +152,20 @@ fn check<O: Objective>(setting: &Setting<O>, m: &[f64]) -> Result<(), RunError> 
 /// An accepted point from its saved numbers.
 fn revive<O: Objective>(setting: &Setting<O>, saved: &SavedPoint, stage: usize) -> Result<Iterate<O::Point>, RunError> {
     check(setting, &saved.m)?;
+    let rows = saved.held.rows.iter().chain(Some(&saved.held.cost_derivative).filter(|_| !saved.held.is_empty()));
+    let fits =
+        saved.held.rows.len() == saved.held.values.len() && saved.held.multipliers.len() == saved.held.values.len();
+    if !fits || rows.into_iter().any(|row| row.len() != saved.m.len()) {
+        return Err(RunError::Saved(Failed::because("its constraints are of another number or length")));
+    }
     if saved.derivative.len() != saved.m.len() {
         return Err(RunError::Saved(Failed::because("its derivative is of another length")));
     }
     let how = Request { near: None, accuracy: setting.options.accuracy, stage, ..Request::default() };
     let point = setting.objective.load(&saved.m, &saved.point, &how).map_err(RunError::Saved)?;
-    let SavedPoint { m, derivative: whole_derivative, .. } = saved.clone();
+    let SavedPoint { m, derivative: whole_derivative, held, .. } = saved.clone();
     let mut derivative = whole_derivative.clone();
     setting.set.tangent(&m, &mut derivative);
     let (cost, gradient_norm, active) = (saved.cost, saved.gradient_norm, saved.active);
-    Ok(Iterate { m, point, cost, derivative, whole_derivative, gradient_norm, active })
+    Ok(Iterate { m, point, cost, derivative, whole_derivative, gradient_norm, active, held })
 }

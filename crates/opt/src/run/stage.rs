@@ -25,10 +25,11 @@ impl<O: Objective> Run<O> {
         let Progress { counts, stage, stage_began, costs, gradients, flat, .. } = &self.progress;
         let tolerance = if self.is_last_stage() { tolerance } else { tolerance.max(stage_tolerance) };
         let (gradient_norm, first) = (self.current.gradient_norm, gradients[0]);
-        if gradient_norm <= tolerance * first {
+        let met = self.current.held.unmet() <= self.setting.feasibility;
+        if met && gradient_norm <= tolerance * first {
             return Some(Stop::Converged { gradient_norm, first, tolerance: Tolerance::Relative(tolerance) });
         }
-        if self.is_last_stage() && gradient_norm <= absolute_tolerance {
+        if met && self.is_last_stage() && gradient_norm <= absolute_tolerance {
             return Some(Stop::Converged { gradient_norm, first, tolerance: Tolerance::Absolute(absolute_tolerance) });
         }
         let relative_gradient = self.progress.relative(gradient_norm);
@@ -42,7 +43,11 @@ impl<O: Objective> Run<O> {
             return Some(Stop::MaxIterations { iterations: counts.iterations, relative_gradient });
         }
         if done > window {
-            let (decrease, total) = (costs[done - window] - costs[done], costs[0] - costs[done]);
+            let (decrease, mut total) = (costs[done - window] - costs[done], costs[0] - costs[done]);
+            if !self.current.held.is_empty() {
+                // What the penalty of a violation at the start fell by says nothing of the cost.
+                total = total.min(self.current.cost.abs());
+            }
             let least = |part: &[f64]| part.iter().fold(f64::INFINITY, |a, b| a.min(*b));
             let (old, new) = gradients.split_at(done + 1 - window);
             if window > 0 && decrease <= stagnation * total && least(new) >= least(old) {
@@ -121,7 +126,8 @@ impl<O: Objective> Run<O> {
     fn valued(&mut self, stage: usize) -> Result<Iterate<O::Point>, Failed> {
         let point = self.setting.objective.restage(stage, &self.current.point)?;
         let cost = self.setting.finite_cost(&point)?;
-        let next = self.setting.differentiate(self.current.m.clone(), point, cost, &mut self.workspace);
+        let next =
+            self.setting.differentiate(self.current.m.clone(), point, cost, self.method.as_ref(), &mut self.workspace);
         next.map_err(|(_, failed)| failed)
     }
 

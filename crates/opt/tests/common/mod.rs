@@ -2,8 +2,8 @@
 #![allow(dead_code, clippy::expect_used)]
 
 use nastic_opt::{
-    Admissible, Failed, Hessian, InnerProduct, NoSecondDerivatives, Objective, Optimizer, Request, Run, RunError,
-    RunState,
+    Admissible, Bounds, Failed, Hessian, InnerProduct, NoSecondDerivatives, Objective, Optimizer, Request, Run,
+    RunError, RunState,
 };
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
@@ -246,4 +246,9 @@ impl InnerProduct for Tridiagonal {
 /// Largest difference of two vectors.
 pub fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+/// No bounds, or wide ones of a method that needs them.
+pub fn wide(name: &str) -> Bounds {
+    if name == "mma" { Bounds::new(-10.0, 10.0).expect("they do not cross") } else { Bounds::none() }
 }
