@@ -77,6 +77,15 @@ impl EnsemblePoint {
         adjoint.map(|adjoint| adjoint.work)
     }
 
+    /// Counts further work of every member as that of its state.
+    pub(crate) fn add_work(&mut self, work: &[Option<SolveReport>]) {
+        let own: Vec<&mut SolveReport> = match &mut self.held {
+            Held::All => self.members.iter_mut().map(|at| &mut at.work).collect(),
+            Held::Own { reports, .. } => reports.iter_mut().map(|report| &mut report.work).collect(),
+        };
+        own.into_iter().zip(work).for_each(|(own, work)| work.iter().for_each(|work| own.add_work(work)));
+    }
+
     /// Takes over the adjoint states of the members from a number on, and their work of all.
     pub(crate) fn take_adjoints(&mut self, from: usize, found: Vec<Sensitivity>, work: Vec<Option<SolveReport>>) {
         let first = self.first();

@@ -42,10 +42,14 @@ impl Held {
         if violation > 0.0 { cost - self.penalty * violation } else { cost }
     }
 
-    /// The largest failing complementarity `|median(-l_k/r, d_k, 1 - l_k/r)|`: zero where d_k is at 0, below with l_k = 0, or above with
-    /// l_k = r. The last is a violation that the penalty does not outweigh; the driver of the run looks for it.
+    /// The largest violation of those whose multiplier is below r: at r the penalty does not outweigh it, which the driver of the run looks for.
     pub fn unmet(&self) -> f64 {
-        let of = |(d, l): (&f64, &f64)| d.max(-l / self.penalty).min(1.0 - l / self.penalty).abs();
+        let of = |(d, l): (&f64, &f64)| d.min(1.0 - l / self.penalty).max(0.0);
         self.values.iter().zip(&self.multipliers).map(of).fold(0.0, f64::max)
+    }
+
+    /// `sum_k l_k max(0, -d_k)`: what the slack of constraints with multipliers may yet win of the cost.
+    pub fn gap(&self) -> f64 {
+        self.values.iter().zip(&self.multipliers).map(|(d, l)| l * (-d).max(0.0)).sum()
     }
 }

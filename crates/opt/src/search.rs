@@ -25,8 +25,10 @@ pub(crate) struct Setting<O> {
     pub set: Arc<dyn Admissible>,
     pub metric: Arc<dyn InnerProduct>,
     pub options: Options,
-    /// Largest failing complementarity of constraints that the method holds itself at which a run may converge.
+    /// Largest violation of constraints that the method holds itself at which a run may converge.
     pub feasibility: f64,
+    /// The same of their gap, as a share of the cost.
+    pub gap: f64,
     /// Continuation stages to run.
     pub stages: Range<usize>,
     pub cancel: Option<Arc<AtomicBool>>,
@@ -59,7 +61,7 @@ impl<O: Objective> Setting<O> {
     /// All stages of the objective, never cancelled.
     pub fn new(objective: O, set: Arc<dyn Admissible>, metric: Arc<dyn InnerProduct>, options: Options) -> Self {
         let stages = 0..objective.stages();
-        Self { objective, set, metric, options, feasibility: 0.0, stages, cancel: None }
+        Self { objective, set, metric, options, feasibility: 0.0, gap: 0.0, stages, cancel: None }
     }
 
     /// Ends the run where its flag is raised, or that of any who run together.

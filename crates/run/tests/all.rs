@@ -1,6 +1,7 @@
 //! All tests of `nastic-run`, in one program: `cargo test -p nastic-run --test all NAME` runs the files and tests whose path has NAME in it.
 
 mod advice;
+mod asymptotes;
 mod automatic_stages;
 mod balloon;
 mod body_pressures;

@@ -79,6 +79,13 @@ fn scenarios_with_a_measure_of_risk_and_constraints() {
     );
 }
 
+/// A derivative for every scenario's constraint.
+#[test]
+fn moving_asymptotes() {
+    let set = ["optimizer/method=mma", "optimizer/max_iterations=5", "output/checkpoint=2"];
+    assert_same_on(&robust(), &set, &[1, 2, 3, 7]);
+}
+
 #[test]
 fn load_cases() {
     assert_same_on(MAGNET, &["output/every=3"], &[2, 3]);

@@ -8,6 +8,7 @@ use crate::lower::control_grid::unresolved;
 use crate::lower::design;
 use crate::lower::field_chain;
 use crate::lower::material;
+use crate::lower::optimizer;
 use crate::lower::result_array::is_reserved;
 use crate::lower::tension::{beyond_limit, default_upper, limit};
 use crate::lower::time;
@@ -195,6 +196,7 @@ impl Lowering<'_> {
         let start = self.settle(start, set.as_ref(), context)?;
         let start = self.unknowns(start, context)?;
         let (bounds, set) = self.of_unknowns(bounds, set);
+        optimizer::check_set(self.case, self.control, set.as_ref(), start.len(), context)?;
         self.check_at_rest(bounds.as_ref(), context)?;
         let unit = nastic_language::expression::dimension_of(self.block.unit).unwrap_or(Dimension::NONE);
         let unit = if self.slot().is_some_and(|slot| slot.group == "rotation") {

@@ -1,8 +1,9 @@
 //! The optimiser and the inner product of controls.
 
+use crate::lower::context::Context;
 use nastic_control::Metric;
-use nastic_language::schema::{Case, Metric as MetricBlock};
-use nastic_opt::{Optimizer, Options, by_name};
+use nastic_language::schema::{Case, Control, Metric as MetricBlock};
+use nastic_opt::{Admissible, Asymptotes, Mma, Optimizer, Options, Unfit, by_name};
 
 pub(super) fn metric(case: &Case) -> Metric {
     match case.optimizer.metric {
@@ -20,5 +21,40 @@ pub(super) fn build(case: &Case) -> Option<Box<dyn Optimizer>> {
         max_iterations: block.max_iterations,
         ..Options::default()
     };
-    by_name(block.method.name(), options)
+    let name = block.method.name();
+    if name != Mma::default().name() {
+        return by_name(name, options);
+    }
+    let usual = Asymptotes::default();
+    let asymptotes = Asymptotes {
+        move_limit: block.move_limit.unwrap_or(usual.move_limit),
+        initial_distance: block.asymptote_distance.unwrap_or(usual.initial_distance),
+        ..usual
+    };
+    Some(Box::new(Mma { options, asymptotes }))
+}
+
+/// Complains of a control in a set that the method is not made for.
+pub(super) fn check_set(
+    case: &Case,
+    control: &Control,
+    set: &dyn Admissible,
+    len: usize,
+    context: &mut Context<'_>,
+) -> Option<()> {
+    let Err(unfit) = build(case)?.check_set(set, len) else { return Some(()) };
+    let (at, message) = match unfit {
+        Unfit::Set { method, .. } => {
+            let key = if control.norm.is_some() { "norm" } else { "max_norm" };
+            let instead = "give \"lower\" and \"upper\" of every component in its place, or a value that is not controlled, or take \"lbfgs\"";
+            (control.at.key(key), format!("\"{method}\" takes controls between bounds alone: {instead}"))
+        }
+        Unfit::Range { method, .. } => {
+            let why = "changes a control by a share of the range between its bounds";
+            (control.at.clone(), format!("\"{method}\" {why}: give both \"lower\" and \"upper\", or take \"lbfgs\""))
+        }
+        other => (control.at.clone(), other.to_string()),
+    };
+    context.complain(&at, message);
+    None
 }

@@ -176,6 +176,24 @@ impl Constrained for Reduced {
         Ok(self.derivative_of_point(point, Lagrangian { costs: true, y }, workspace)?)
     }
 
+    /// The work of their adjoints counts as that of the point's state.
+    fn constraint_derivatives(
+        &self,
+        point: &mut Evaluated,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<Vec<Vec<f64>>, Failed> {
+        let (mut rows, mut y) = (Vec::new(), vec![0.0; point.constraints.len()]);
+        for k in 0..y.len() {
+            y[k] = 1.0;
+            let of = Lagrangian { costs: false, y: &y };
+            let (row, adjoint) = self.lagrangian_sensitivity(point, of, workspace)?;
+            adjoint.iter().for_each(|adjoint| point.work.add_work(&adjoint.work));
+            rows.push(row);
+            y[k] = 0.0;
+        }
+        Ok(rows)
+    }
+
     fn lagrangian_hessian_vector(
         &self,
         point: &Evaluated,

@@ -5,8 +5,8 @@ use crate::blocks::gather;
 use crate::error::EnsembleError;
 use crate::member::Member;
 use crate::parcel::MemberValues;
-use crate::point::{EnsemblePoint, EnsembleWorkspace};
-use nastic_control::{Lagrangian, ReducedWorkspace};
+use crate::point::{EnsemblePoint, EnsembleWorkspace, Sensitivity};
+use nastic_control::{ControlError, Evaluated, Lagrangian, ReducedWorkspace};
 use nastic_numeric::vector::axpy;
 use nastic_opt::{Constrained, ConstraintGroup, Failed, Hessian};
 
@@ -34,6 +34,18 @@ impl Constrained for Ensemble {
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, Failed> {
         Ok(self.lagrangian_derivative_typed(point, y, workspace)?)
+    }
+
+    /// The work of their adjoints counts as that of the members' states.
+    fn constraint_derivatives(
+        &self,
+        point: &mut EnsemblePoint,
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<Vec<f64>>, Failed> {
+        let count = self.constraint_values(point).len();
+        let unit = |k: usize| (0..count).map(|i| if i == k { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
+        let rows = (0..count).map(|k| self.constraint_row(point, &unit(k), workspace));
+        Ok(rows.collect::<Result<_, EnsembleError>>()?)
     }
 
     /// Costs and constraints of a member together, two linear solves; apart where the measure of risk is not linear.
@@ -67,6 +79,17 @@ impl Share {
     fn is_nothing(&self) -> bool {
         !self.costs && self.y.iter().chain(&self.w).all(|x| *x == 0.0)
     }
+}
+
+/// The derivative of a member's share with its adjoint state; none of a share of nothing.
+fn sensitivity(
+    share: Option<&Share>,
+    at: Option<&Evaluated>,
+    member: &Member,
+    workspace: &mut ReducedWorkspace,
+) -> Result<Sensitivity, ControlError> {
+    let (Some(share), Some(at)) = (share.filter(|share| !share.is_nothing()), at) else { return Ok(None) };
+    member.problem.lagrangian_sensitivity(at, Lagrangian { costs: share.costs, y: &share.y }, workspace).map(Some)
 }
 
 impl Ensemble {
@@ -117,17 +140,35 @@ impl Ensemble {
     ) -> Result<Vec<f64>, EnsembleError> {
         let (known, first) = (&*point, self.ranks.own().start);
         let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| {
-            let share = shares.get(index - first).filter(|share| !share.is_nothing());
-            let (Some(share), Some(at)) = (share, known.member(index)) else { return Ok(None) };
-            let of = Lagrangian { costs: share.costs, y: &share.y };
-            let (derivative, adjoint) = member.problem.lagrangian_sensitivity(at, of, workspace)?;
+            let found = sensitivity(shares.get(index - first), known.member(index), member, workspace)?;
             // Without its costs it is no adjoint that a point is said to have.
-            Ok(Some((derivative, adjoint.filter(|_| share.costs))))
+            let costs = shares.get(index - first).is_some_and(|share| share.costs);
+            Ok(found.map(|(derivative, adjoint)| (derivative, adjoint.filter(|_| costs))))
         };
         let (found, work) = self.side_by_side(workspace, of, |index, found| known.adjoint_work(index, found))?;
         let of = shares.iter().zip(&found);
         let out = self.sum(of.map(|(share, found)| Some((share.factor, found.as_ref()?.0.as_slice()))))?;
         point.take_adjoints(first, found, work);
+        Ok(out)
+    }
+
+    /// The derivative of `y . c`, whose adjoints are not kept.
+    fn constraint_row(
+        &self,
+        point: &mut EnsemblePoint,
+        y: &[f64],
+        workspace: &mut EnsembleWorkspace,
+    ) -> Result<Vec<f64>, EnsembleError> {
+        let shares = self.shares(point, [y, &[]], |_| 0.0);
+        let (known, first) = (&*point, self.ranks.own().start);
+        let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| {
+            sensitivity(shares.get(index - first), known.member(index), member, workspace)
+        };
+        let work_of = |_: usize, found: &Sensitivity| Some(found.as_ref()?.1.as_ref()?.work);
+        let (found, work) = self.side_by_side(workspace, of, work_of)?;
+        let of = shares.iter().zip(&found);
+        let out = self.sum(of.map(|(share, found)| Some((share.factor, found.as_ref()?.0.as_slice()))))?;
+        point.add_work(&work);
         Ok(out)
     }
 

@@ -229,7 +229,7 @@ impl<O: Constrained> AugmentedRun<O> {
         let measure =
             if augmented.held { augmented.multipliers.violation(c) } else { augmented.multipliers.measure(c) };
         let feasible = measure <= self.options.feasibility;
-        let complementary = self.run.current.held.unmet() <= self.options.feasibility;
+        let complementary = self.run.is_complementary();
         if feasible && complementary && gradient_norm <= norm {
             return Some(Stop::Converged { gradient_norm, first, tolerance });
         }
@@ -383,5 +383,6 @@ fn setting<O: Constrained>(
     let mut setting = Setting::new(augmented, set, metric, own);
     setting.cancel = cancel;
     setting.feasibility = options.feasibility;
+    setting.gap = own.tolerance.powi(2).max(options.feasibility);
     Ok((setting, own, constrained))
 }

@@ -25,7 +25,7 @@ impl<O: Objective> Run<O> {
         let Progress { counts, stage, stage_began, costs, gradients, flat, .. } = &self.progress;
         let tolerance = if self.is_last_stage() { tolerance } else { tolerance.max(stage_tolerance) };
         let (gradient_norm, first) = (self.current.gradient_norm, gradients[0]);
-        let met = self.current.held.unmet() <= self.setting.feasibility;
+        let met = self.is_complementary();
         if met && gradient_norm <= tolerance * first {
             return Some(Stop::Converged { gradient_norm, first, tolerance: Tolerance::Relative(tolerance) });
         }
@@ -55,6 +55,15 @@ impl<O: Objective> Run<O> {
             }
         }
         None
+    }
+
+    /// Whether constraints that the method holds are met, and used up where they have multipliers: the cost is of second order in the gradient, and so
+    /// is what their slack may win.
+    pub(crate) fn is_complementary(&self) -> bool {
+        let (held, setting) = (&self.current.held, &self.setting);
+        let of_stage = if self.is_last_stage() { 0.0 } else { setting.options.stage_tolerance.powi(2) };
+        let cost = held.without_penalty(self.current.cost, &held.values).abs();
+        held.unmet() <= setting.feasibility && held.gap() <= setting.gap.max(of_stage) * cost
     }
 
     /// A non-monotone run may meet the tolerance at a point that is clearly worse than one it has seen: then it goes on

@@ -4,12 +4,13 @@ use crate::expression::Formula;
 use crate::quantity::{Dimension, Want};
 use crate::schema::actuation::{Actuation, Means};
 use crate::schema::catalogue::SlotName;
-use crate::schema::check::{Blocks, plain};
+use crate::schema::check::{Blocks, block, plain};
 use crate::schema::contact::{Contact, pose_slots};
 use crate::schema::control::{Bound, Control, Start};
 use crate::schema::cost::Cost;
 use crate::schema::field::{Parameter, check_unit};
 use crate::schema::material::Material;
+use crate::schema::optimizer::{MMA, Optimizer};
 use crate::schema::read::Reader;
 use crate::syntax::{At, nearest, quoted};
 
@@ -23,6 +24,7 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
         check_group(blocks, &blocks.controls, &case.controls, &case.costs, reader);
     }
     check_constraints(blocks, reader);
+    check_method(blocks, reader);
     check_damping(blocks, reader);
     check_purpose(blocks, reader);
 }
@@ -43,6 +45,18 @@ fn check_constraints(blocks: &Blocks, reader: &mut Reader<'_>) {
             let whose = if own.is_empty() { "" } else { " of every load case" };
             reader.complain_at(&at, format!("no control {}{whose}{}", quoted(of), nearest::clause(of, &names)));
         }
+    }
+}
+
+/// Moving asymptotes hold bounds of functionals from one side.
+fn check_method(blocks: &Blocks, reader: &mut Reader<'_>) {
+    if block::<Optimizer>(reader, "optimizer").is_none_or(|optimizer| optimizer.method.name() != MMA) {
+        return;
+    }
+    for constraint in blocks.constraints.iter().filter(|constraint| constraint.equal.is_some()) {
+        let message =
+            format!("\"{MMA}\" holds bounds from one side: give \"at_most\" or \"at_least\", or take \"lbfgs\"");
+        reader.complain_at(&constraint.at.key("equal"), message);
     }
 }
 

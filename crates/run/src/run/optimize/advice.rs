@@ -15,7 +15,7 @@ use std::path::{Component, Path, PathBuf};
 /// The method to take instead of another.
 const QUASI_NEWTON: &str = "lbfgs";
 /// Methods that make nothing of the cost's curvature, or little.
-const FIRST_ORDER: [&str; 2] = ["projected_gradient", "spectral"];
+const FIRST_ORDER: [&str; 3] = ["projected_gradient", "spectral", "mma"];
 /// Starts to try where one ended too high.
 const STARTS: usize = 4;
 /// Many of a control's values on bounds: the bounds may decide. Of one that converged, all of them.
@@ -96,7 +96,9 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         }
         _ => {}
     }
-    let first_order = FIRST_ORDER.contains(&optimizer.method.name());
+    // One that holds constraints itself may need fewer iterations than multipliers around another.
+    let holds = optimizer.method.name() == "mma" && !session.problem.ensemble.constraints().is_empty();
+    let first_order = FIRST_ORDER.contains(&optimizer.method.name()) && !holds;
     if first_order && !best.stop.is_interrupted() && !best.stop.is_converged() {
         let set = with(format!("optimizer/method={QUASI_NEWTON}"));
         out.insert(0, again("take the quasi-Newton method, which needs fewer iterations".into(), set));

@@ -170,7 +170,11 @@ impl<'s> Recorder<'s> {
         }
         self.trials.limits.add(trial);
         if trial.reason == Reason::Stage {
-            self.output.console.say(format!("stage {} of {}", trial.stage + 1, self.problem.stages()));
+            let anew = match self.problem.case.optimizer.method.name() {
+                "mma" => ", asymptotes begin anew",
+                _ => "",
+            };
+            self.output.console.say(format!("stage {} of {}{anew}", trial.stage + 1, self.problem.stages()));
         }
         let table = self.table.unwrap_or_else(|| self.begin_table(&figures));
         self.output.console.say(table.row(trial, &figures, seconds));
