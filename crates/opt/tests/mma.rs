@@ -143,12 +143,18 @@ fn cantilever() -> Limited {
 #[test]
 fn the_cantilever_of_five_segments() -> Done {
     let problem = cantilever();
-    let mut close = None;
+    let (mut close, mut refused) = (None, 0);
     let mut watch = |trial: &Trial<'_, Point>| {
         let near = trial.summary.get("objective").is_some_and(|cost| (cost - 1.339_956).abs() < 1.339e-4);
         if trial.accepted && near && close.is_none() {
             close = Some((trial.iteration, trial.trial));
         }
+        // The start meets the limit; so does whatever is accepted, and what would not is said.
+        let violation = trial.summary.get("violation").unwrap_or(f64::NAN);
+        assert!(!trial.accepted || violation <= 1e-8, "{violation}");
+        refused += usize::from(
+            matches!(trial.reason, Reason::Underestimated { constraint: Some(0), model, found } if found > model),
+        );
     };
     let mut run = problem.begin(&mma(1e-6, 100), &[5.0; 5])?;
     let stop = run.run(&mut watch);
@@ -156,6 +162,7 @@ fn the_cantilever_of_five_segments() -> Done {
     println!("{} {:?} {close:?}", best.stop, best.counts);
     assert!(best.stop.is_converged(), "{}", best.stop);
     // Within 1e-4 of the optimum after six iterations, to 1e-6 of the first gradient after a few more.
+    assert!(refused > 0, "no trial was seen to violate it");
     assert!(close.is_some_and(|(iterations, trials)| iterations <= 6 && trials <= 10), "{close:?}");
     assert!(best.counts.iterations <= 20 && best.counts.trials <= 30, "{:?}", best.counts);
     assert!((best.cost - 1.339_956).abs() < 1e-5, "{}", best.cost);
@@ -169,6 +176,21 @@ fn the_cantilever_of_five_segments() -> Done {
     // Values for trials, derivatives of constraints at accepted controls alone.
     let [evaluations, rows] = [0, 1].map(|k| problem.counts[k].load(Ordering::Relaxed));
     assert_eq!((evaluations, rows), (best.counts.trials + 1, best.counts.iterations + 1));
+    Ok(())
+}
+
+/// Where the model reaches the constraint its multiplier makes the gradient of the Lagrangian small at once: the slack that is left keeps the run
+/// from having converged.
+#[test]
+fn slack_is_used_up() -> Done {
+    const LIMIT: &[(Value, Row)] = &[(|m, _| m[0] - 1.0, |_, _| vec![1.0])];
+    let problem = Limited::new((|m, _| 1.5 - m[0], |_, _| vec![-1.0]), LIMIT, &[0.0], &[10.0]);
+    let tolerance = 0.15;
+    let AugmentedBest { best, constraints } = problem.minimise(&mma(tolerance, 100), &[0.9])?;
+    let one = &constraints.groups[0];
+    let gap = one.multipliers[0] * -one.values[0];
+    assert!(best.stop.is_converged() && one.multipliers[0] > 0.5, "{} {one:?}", best.stop);
+    assert!(gap <= tolerance * tolerance * best.cost && best.m[0] > 0.98, "{gap:e} at {:?}", best.m);
     Ok(())
 }
 
