@@ -85,7 +85,8 @@ fn lengths_are_kept_at_every_trial() -> Outcome {
         let problem = lifting(Arc::new(Magnet::new()), space, metric)?;
         let vectors = problem.layout().blocks()[0].basis.len();
         let (set, start) = set_and_start(vectors, &[[0.0, 0.0, 0.9 * FIELD]], 11)?;
-        for entry in CATALOGUE {
+        // moving asymptotes take bounds alone
+        for entry in CATALOGUE.iter().filter(|entry| entry.name != "mma") {
             let optimizer = (entry.build)(Options { max_iterations: 8, ..Options::default() });
             let (mut trials, mut off, mut strongest) = (0, 0.0f64, 0.0f64);
             let mut watch = |trial: &Trial<'_, nastic_control::Evaluated>| {
