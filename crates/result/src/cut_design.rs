@@ -61,31 +61,27 @@ impl Cut {
     }
 }
 
-/// Tells of every design that is cut at which level its body has the volume that the field stands for.
-pub fn add_levels(problem: &CaseProblem, m: &[f64], stage: usize, controls: &mut ByName<ControlRecord>) {
-    for cut in Cut::all(problem, m, stage) {
-        let level = cut.body.level_of_volume(problem.mesh().points(), cut.volume);
-        if let Some(record) = controls.get_mut(&cut.name) {
-            record.level = level.into();
-        }
-    }
-}
-
-/// Writes the designs of a control vector, cut at the levels of their records: at rest, and deformed as the first members of all load cases; the names of the files.
+/// Cuts the designs of a control vector at the levels at which their bodies have the volume that the fields stand for, tells these levels, and writes the bodies:
+/// at rest, and deformed as the first member of every load case that has the design; the names of the files.
 ///
 /// # Errors
 /// What the system answers.
 pub fn write(
     problem: &CaseProblem,
     (m, stage): (&[f64], usize),
-    controls: &ByName<ControlRecord>,
+    controls: &mut ByName<ControlRecord>,
     deformed: &[(CaseMember<'_>, Vec<[f64; 3]>)],
     out: &Directory,
 ) -> Result<Vec<String>, WriteError> {
     let scale = 10f64.powi(problem.units().length().exponent - EXPONENT_OF_MILLIMETRE);
+    let rest = problem.mesh().points();
     let mut files = Vec::new();
     for cut in Cut::all(problem, m, stage) {
-        let Some(level) = controls.get(&cut.name).and_then(|record| *record.level) else { continue };
+        let level = cut.body.level_of_volume(rest, cut.volume);
+        if let Some(record) = controls.get_mut(&cut.name) {
+            record.level = level.into();
+        }
+        let has = |member: &CaseMember<'_>| member.fields().any(|(_, field)| field.name == cut.name);
         let parts = [("", Some(&cut.body), level), ("_rest", cut.rest.as_ref(), -level)];
         for (part, body, level) in parts.into_iter().filter_map(|(part, body, level)| Some((part, body?, level))) {
             let mut put = |name: String, positions: &[[f64; 3]]| {
@@ -96,8 +92,8 @@ pub fn write(
                 }
                 Ok(())
             };
-            put(format!("design_{}{part}.stl", cut.name), problem.mesh().points())?;
-            for (member, positions) in deformed {
+            put(format!("design_{}{part}.stl", cut.name), rest)?;
+            for (member, positions) in deformed.iter().filter(|(member, _)| has(member)) {
                 put(member.case_file(&format!("design_{}{part}_deformed.stl", cut.name)), positions)?;
             }
         }

@@ -127,7 +127,7 @@ impl Directory {
         self.names.has(name)
     }
 
-    /// Removes what an earlier run left that this one may not overwrite.
+    /// Removes what an earlier run left that this one may not overwrite: iterations, states of a failure, designs.
     pub fn remove_old_iterations(&self) {
         let Ok(entries) = std::fs::read_dir(&self.path) else { return };
         for entry in entries.flatten() {
@@ -137,7 +137,7 @@ impl Directory {
             let ours = number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
             let collection = name == "iterations.pvd" || name.ends_with("_iterations.pvd");
             let iterates = name == "iterates.bin" || name.ends_with("_iterates.bin");
-            if ours || collection || iterates || name == "failure.vtu" {
+            if ours || collection || iterates || name.ends_with(".stl") || name == "failure.vtu" {
                 let _ = self.remove(&name);
             }
         }

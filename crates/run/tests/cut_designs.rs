@@ -68,3 +68,22 @@ fn densities_of_plane_bodies_are_plates() {
     assert!((filled - 200.0 * plate * share).abs() < 0.01 * 200.0 * plate, "{filled} {share}");
     assert!(!place.path("out/design_stiff_rest.stl").exists());
 }
+
+#[test]
+fn designs_of_load_cases_are_deformed_as_these_and_earlier_ones_go() {
+    let place = CaseDirectory::new();
+    let out = |name: &str| place.path("out").join(name).exists();
+    place.run(Command::Optimize, BAR, &[]).unwrap();
+    assert!(out("design_stiff_rest.stl"));
+    let control = "\"controls\": [ { \"of\": \"stiff\", \"space\": \"cell\", \"start\": \"0.2 + 0.03 * X\", \"filter\": \"2 mm\" } ],";
+    let own = |name: &str| format!("{{ \"name\": \"{name}\", {} }}", control.trim_end_matches(','));
+    let cases = format!("\"load_cases\": [ {}, {} ],", own("left"), own("right"));
+    std::fs::remove_file(place.path("out/checkpoint.bin")).unwrap();
+    place.run(Command::Optimize, &with(BAR, control, &cases), &[]).unwrap();
+    for name in ["design_left.stiff.stl", "design_right.stiff.stl", "left_design_left.stiff_deformed.stl"] {
+        assert!(out(name), "{name}");
+    }
+    for name in ["left_design_right.stiff_deformed.stl", "design_stiff.stl", "design_stiff_rest_deformed.stl"] {
+        assert!(!out(name), "{name}");
+    }
+}

@@ -68,8 +68,7 @@ pub(super) fn report(
         begin.map(|start| member_report::entries(problem, &member_report::of_point(problem, start)?, Detail::Costs));
     let begin = begin.transpose().map_err(|error| session.member_failed(error.0, error.1))?;
     let derivative_norm = controls::derivative_norm(problem, &best.derivative);
-    let mut controls = controls::controls(problem, &best.m, best.stage);
-    cut_design::add_levels(problem, &best.m, best.stage, &mut controls);
+    let controls = controls::controls(problem, &best.m, best.stage);
     session.record.state = entries;
     session.record.start = begin.unwrap_or_default();
     session.record.controls = Some(controls);
@@ -209,8 +208,7 @@ fn say(
         let volts = control.voltage.as_ref().map(|range| kilovolts([range.min, range.max].map(|u| known_number(*u))));
         let volts = volts.map_or_else(String::new, |volts| format!(" ({volts} over the film at rest)"));
         let design = (*control.volume).zip(*control.greyness).map_or_else(String::new, |(volume, greyness)| {
-            let cut = control.level.map_or_else(String::new, |level| format!(", cut at {}", short(level)));
-            format!(", mean {}, greyness {}{cut}", short(volume), short(greyness))
+            format!(", mean {}, greyness {}", short(volume), short(greyness))
         });
         console.say(format!(
             "control     {name} from {} to {}{unit}{volts}, {} of {} on their bounds{}{design}",
@@ -307,8 +305,8 @@ fn write(
         picture::write_together(together, &out)?;
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
-    let controls = session.record.controls.clone().unwrap_or_default();
-    files.extend(cut_design::write(problem, (&best.m, best.stage), &controls, &deformed, &out)?);
+    let controls = session.record.controls.get_or_insert_default();
+    files.extend(cut_design::write(problem, (&best.m, best.stage), controls, &deformed, &out)?);
     files.extend(write_collections(problem, "optimum", &out)?);
     files.extend(of_motion);
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::beside(member))));
