@@ -316,7 +316,7 @@ impl Layout {
     }
 
     /// The fixed values of slots that are not controlled.
-    pub(crate) fn fixed(&self) -> &Controls {
+    pub fn fixed(&self) -> &Controls {
         &self.fixed
     }
 

@@ -1,7 +1,9 @@
 //! Every member of the catalogue, against the contract of an energy term.
 
 use nastic_energy::catalogue::{self, Inputs, Parameter, Takes};
-use nastic_energy::{EnergyError, EnergyTerm, Field, FormulaLaw, Grown, MaterialPoint, MooneyRivlin, NeoHooke, check};
+use nastic_energy::{
+    EnergyError, EnergyTerm, Field, FormulaLaw, Grown, MaterialPoint, MooneyRivlin, NeoHooke, StrainMap, check,
+};
 use nastic_tensor::Vec3;
 use std::sync::Arc;
 
@@ -41,18 +43,25 @@ fn every_actuation_keeps_its_contract_in_every_form() {
     for row in catalogue::actuations() {
         for inputs in row.examples() {
             let name = format!("{} {inputs:?}", row.name);
-            let term = row.build(&inputs).and_then(acting).unwrap_or_else(|e| panic!("{name}: {e}"));
-            let controls = row.example.controls;
-            check::actuation(&*term, HERE, controls).unwrap_or_else(|e| panic!("{name}: {e}"));
-            check::actuation(&*term, HERE, &vec![0.0; controls.len()]).unwrap_or_else(|e| panic!("{name}: {e}"));
-            assert!(
-                check::second_stress_change(&term, HERE, controls).unwrap().is_some(),
-                "{name}: no second derivatives"
-            );
-            let by_control = check::control_stress_change(&*term, HERE, controls).unwrap();
-            assert!(by_control.is_some(), "{name}: no second derivatives by the controls");
-            let work = check::drives(&*term, HERE, controls, &row.example.gradient()).unwrap();
-            assert!(work > 0.7, "{name}: a positive control works {work} on what it is said to drive");
+            let built = row.build(&inputs).unwrap_or_else(|e| panic!("{name}: {e}"));
+            // the direction of a growth among its slots, of any length
+            let turned = built.strain_map().and_then(StrainMap::with_direction_slots);
+            let turned = turned.map(|law| (law, [row.example.controls, &[0.9, 0.2, 0.8]].concat()));
+            for (term, controls) in std::iter::once((built, row.example.controls.to_vec())).chain(turned) {
+                let term = acting(term).unwrap_or_else(|e| panic!("{name}: {e}"));
+                let rest: Vec<f64> = (0..controls.len()).map(|slot| term.rest(HERE, slot)).collect();
+                for m in [&controls, &rest] {
+                    check::actuation(&*term, HERE, m).unwrap_or_else(|e| panic!("{name}, {m:?}: {e}"));
+                }
+                assert!(
+                    check::second_stress_change(&term, HERE, &controls).unwrap().is_some(),
+                    "{name}: no second derivatives"
+                );
+                let by_control = check::control_stress_change(&*term, HERE, &controls).unwrap();
+                assert!(by_control.is_some(), "{name}: no second derivatives by the controls");
+                let work = check::drives(&*term, HERE, &controls, &row.example.gradient()).unwrap();
+                assert!(work > 0.7, "{name}: a positive control works {work} on what it is said to drive");
+            }
         }
     }
 }

@@ -4,8 +4,9 @@
 
 use nastic_energy::catalogue::{self, Inputs};
 use nastic_energy::{
-    Dielectric, EnergyTerm, FiberTension, Gent, Grown, KinematicGrowth, Magnet, MaterialPoint, MaxwellBranch,
-    MooneyRivlin, PointBatch, Slots, StrainMap, Turgor, check,
+    Dielectric, EnergyTerm, FiberTension, Gent, Grown, GrowthTensor, KinematicGrowth, Magnet, MaterialPoint,
+    MaxwellBranch, MooneyRivlin, NeoHooke, PointBatch, Slots, SpontaneousStrain, StrainMap, ThermalExpansion, Turgor,
+    check,
 };
 use nastic_tensor::{HyperDual, Kinematics, Mat3, Vec3};
 use std::sync::Arc;
@@ -46,10 +47,26 @@ impl EnergyTerm for Sheared {
     }
 }
 
-fn maps() -> [Arc<dyn EnergyTerm>; 3] {
+const A: Vec3 = Vec3::new(0.6, 0.0, 0.8);
+
+/// Maps with values of their slots.
+fn maps() -> Vec<(Arc<dyn EnergyTerm>, Vec<f64>)> {
     let growth = KinematicGrowth::isotropic();
-    let a = Vec3::new(0.6, 0.0, 0.8);
-    [Arc::new(growth.clone()), Arc::new(KinematicGrowth::across(a).unwrap()), Arc::new(Sheared(growth))]
+    let turned = SpontaneousStrain::elastomer(A).unwrap().with_direction_slots().unwrap();
+    vec![
+        (Arc::new(growth.clone()), vec![0.15]),
+        (Arc::new(KinematicGrowth::across(A).unwrap()), vec![0.15]),
+        (Arc::new(Sheared(growth)), vec![-0.1, 0.3]),
+        (turned, vec![-0.2, 0.3, 0.7, -0.4]),
+        (Arc::new(GrowthTensor::new()), vec![0.2, -0.1, 0.05, 0.1, -0.15, 0.2]),
+    ]
+}
+
+/// G of a map, without derivatives.
+fn tensor(map: &dyn EnergyTerm, g: &[f64]) -> Mat3 {
+    let numbers: Vec<HyperDual> = g.iter().map(|x| HyperDual::constant(*x)).collect();
+    let g = map.strain_map().unwrap().tensor(HERE, &numbers);
+    Mat3::from_fn(|i, k| g[i][k].real())
 }
 
 #[test]
@@ -65,10 +82,9 @@ fn laws_with_slots_of_their_own_keep_their_contract_behind_every_map() {
         (Arc::new(film), &[3e7]),
         (by_young, &[1.2e5, 0.35]),
     ];
-    for ((law, own), map) in laws.iter().flat_map(|law| maps().map(|map| (law, map))) {
+    for ((law, own), (map, of_map)) in laws.iter().flat_map(|law| maps().into_iter().map(move |map| (law, map))) {
         let grown = Grown::new(law.clone(), map.clone()).unwrap();
-        let of_map: &[f64] = if map.slots().len() == 1 { &[0.15] } else { &[-0.1, 0.3] };
-        let m = [*own, of_map].concat();
+        let m = [*own, &of_map].concat();
         let report = check::actuation(&grown, HERE, &m).unwrap_or_else(|e| panic!("{law:?} behind {map:?}: {e}"));
         let names: Vec<_> = report.findings.iter().map(|finding| finding.check).collect();
         assert_eq!(names.len(), 9, "{law:?} behind {map:?}: {names:?}");
@@ -78,16 +94,78 @@ fn laws_with_slots_of_their_own_keep_their_contract_behind_every_map() {
 #[test]
 fn a_body_that_grows_freely_has_no_stress() {
     let law = Arc::new(MooneyRivlin::new(1e5, 2e4, 1e6).unwrap());
-    for map in maps() {
-        let m: &[f64] = if map.slots().len() == 1 { &[0.3] } else { &[0.2, -0.4] };
-        let numbers: Vec<HyperDual> = m.iter().map(|x| HyperDual::constant(*x)).collect();
-        let g = map.strain_map().unwrap().tensor(HERE, &numbers);
-        let g = Mat3::from_fn(|i, k| g[i][k].real());
+    for (map, m) in maps() {
+        let g = tensor(&*map, &m);
         let grown = Grown::new(law.clone(), map).unwrap();
-        let found = check::evaluate(&grown, HERE, &Kinematics::new(g).unwrap(), m);
+        let found = check::evaluate(&grown, HERE, &Kinematics::new(g).unwrap(), &m);
         assert!(found.stress.norm() < 1e-7 && found.energy.abs() < 1e-9, "{found:?}");
-        assert!(check::evaluate(&grown, HERE, &Kinematics::rest(), m).stress.norm() > 1e3);
+        assert!(check::evaluate(&grown, HERE, &Kinematics::rest(), &m).stress.norm() > 1e3);
     }
+}
+
+/// G of every kind by its formula, along A and across it.
+#[test]
+fn every_kind_has_the_tensor_of_its_formula() {
+    let (along, across) = (A * A.transpose(), Mat3::identity() - A * A.transpose());
+    let keeping = |l: f64| along * l + across / l.sqrt();
+    let of: [(Arc<dyn EnergyTerm>, &[f64], Mat3); 8] = [
+        (Arc::new(KinematicGrowth::along(A).unwrap()), &[0.2], along * 1.2 + across),
+        (Arc::new(KinematicGrowth::across(A).unwrap()), &[0.2], along + across * 1.2),
+        (Arc::new(ThermalExpansion::isotropic(2e-4).unwrap()), &[-50.0], Mat3::identity() * 0.99),
+        (Arc::new(ThermalExpansion::along(A, 3e-4, -1e-4).unwrap()), &[100.0], along * 1.03 + across * 0.99),
+        (Arc::new(SpontaneousStrain::elastomer(A).unwrap()), &[-0.36], keeping(0.64)),
+        (Arc::new(SpontaneousStrain::muscle(A).unwrap()), &[0.36], keeping(0.64)),
+        // the direction that is written gives way to that of the slots, of whatever length
+        (
+            SpontaneousStrain::muscle(Vec3::y()).unwrap().with_direction_slots().unwrap(),
+            &[0.36, 1.2, 0.0, 1.6],
+            keeping(0.64),
+        ),
+        (
+            Arc::new(GrowthTensor::new()),
+            &[0.1, 0.2, 0.3, 0.04, 0.05, 0.06],
+            Mat3::new(1.1, 0.06, 0.05, 0.06, 1.2, 0.04, 0.05, 0.04, 1.3),
+        ),
+    ];
+    for (map, g, expected) in of {
+        assert!((tensor(&*map, g) - expected).norm() < 1e-15, "{map:?}: {}", tensor(&*map, g));
+        assert_eq!(tensor(&*map, &vec![0.0; map.slots().len()][..1]), Mat3::identity(), "{map:?} at rest");
+    }
+    assert!((keeping(0.64).determinant() - 1.0).abs() < 1e-15);
+}
+
+/// Each says what it takes, and the shortening of a muscle is not negative.
+#[test]
+fn values_that_leave_nothing_are_outside_in_the_words_of_their_kind() {
+    let of: [(Arc<dyn EnergyTerm>, &[f64], &str); 6] = [
+        (Arc::new(KinematicGrowth::isotropic()), &[-1.0], "growth must stay above -1"),
+        (Arc::new(SpontaneousStrain::elastomer(A).unwrap()), &[-1.0], "strain must stay above -1"),
+        (Arc::new(SpontaneousStrain::muscle(A).unwrap()), &[1.0], "shortening must stay below 1"),
+        (
+            Arc::new(ThermalExpansion::isotropic(1e-2).unwrap()),
+            &[-100.0],
+            "1 + expansion * temperature must stay positive",
+        ),
+        (Arc::new(GrowthTensor::new()), &[0.0, 0.0, 0.0, 0.0, 0.0, 1.0], "must be positive definite"),
+        // turned over twice, with a positive determinant
+        (Arc::new(GrowthTensor::new()), &[-2.0, 0.0, -2.0, 0.0, 0.0, 0.0], "must be positive definite"),
+    ];
+    let k = [Kinematics::rest()];
+    let batch = PointBatch { kinematics: &k, cell: 0, first: 0 };
+    for (map, g, said) in of {
+        let grown = Grown::new(Arc::new(NeoHooke::new(1e5, 4e5).unwrap()), map.clone()).unwrap();
+        let inside: Vec<f64> = g.iter().map(|g| 0.99 * g).collect();
+        let is_turned = g[0] == -2.0;
+        assert_eq!(grown.check_domain(&batch, Slots::by_point(&inside, g.len())).is_ok(), !is_turned, "{map:?}");
+        assert_eq!(map.strain_map().unwrap().admits(HERE, &inside), !is_turned, "{map:?}");
+        let outside = grown.check_domain(&batch, Slots::by_point(g, g.len())).unwrap_err().to_string();
+        assert!(outside.contains(said), "{outside}");
+    }
+    let pulls = |map: &dyn EnergyTerm| map.slots()[0].not_negative;
+    assert!(pulls(&SpontaneousStrain::muscle(A).unwrap()) && !pulls(&SpontaneousStrain::elastomer(A).unwrap()));
+    let long = SpontaneousStrain::elastomer(Vec3::new(0.0, 2.0, 0.0)).unwrap_err().to_string();
+    assert!(long.contains("lce") && long.contains("direction"), "{long}");
+    assert!(ThermalExpansion::isotropic(f64::NAN).unwrap_err().to_string().contains("expansion"));
 }
 
 #[test]

@@ -6,7 +6,10 @@ use common::block::{Block, STRICT};
 use common::homogeneous::cases;
 use common::motion::steps;
 use common::{Outcome, kinds, largest, nodal, regular};
-use nastic_energy::{EnergyTerm, FiberTension, KelvinVoigt, KinematicGrowth, MaxwellBranch, NeoHooke, PointBatch};
+use nastic_energy::{
+    EnergyTerm, FiberTension, Field, GrowthTensor, KelvinVoigt, KinematicGrowth, MaxwellBranch, NeoHooke, PointBatch,
+    SpontaneousStrain, ThermalExpansion,
+};
 use nastic_fem::{
     EnergyBalance, EnergyLedger, FemError, Formulation, Scheme, Solid, SolveOptions, State, TimeStepping, Trajectory,
     Workspace,
@@ -24,19 +27,41 @@ fn assert_taken(solid: &Solid, state: &State, expected: &[f64], what: &str) -> O
     Ok(())
 }
 
+type Grows = fn(f64) -> Mat3;
+
+/// Every kind with its G.
+fn kinds_of_growth() -> Outcome<Vec<(Arc<dyn EnergyTerm>, Grows)>> {
+    Ok(vec![
+        (Arc::new(KinematicGrowth::isotropic()), |g| Mat3::identity() * (1.0 + g)),
+        (Arc::new(KinematicGrowth::along(Vec3::y())?), |g| Mat3::from_diagonal(&Vec3::new(1.0, 1.0 + g, 1.0))),
+        (Arc::new(KinematicGrowth::across(Vec3::y())?), |g| Mat3::from_diagonal(&Vec3::new(1.0 + g, 1.0, 1.0 + g))),
+        (Arc::new(ThermalExpansion::along(Vec3::y(), 2.0, -1.0)?), |t| {
+            Mat3::from_diagonal(&Vec3::new(1.0 - t, 1.0 + 2.0 * t, 1.0 - t))
+        }),
+        (Arc::new(SpontaneousStrain::elastomer(Vec3::y())?), |e| {
+            let across = 1.0 / (1.0 + e).sqrt();
+            Mat3::from_diagonal(&Vec3::new(across, 1.0 + e, across))
+        }),
+        (Arc::new(GrowthTensor::new()), |g| Mat3::identity() + Mat3::repeat(g)),
+    ])
+}
+
+/// The turn of G that supports allow: upper triangular, `F^T F = G^T G`.
+fn upright(g: &Mat3) -> Outcome<Mat3> {
+    Ok((g.transpose() * g).cholesky().ok_or("no stretch")?.l().transpose())
+}
+
 #[test]
 fn a_free_block_takes_its_growth_for_every_law_and_cell() -> Outcome {
     for kind in kinds().filter(|kind| kind.dim() == 3) {
         let block = Block::new(kind)?;
         for case in cases()? {
-            for (law, pattern) in [
-                (KinematicGrowth::isotropic(), Mat3::identity()),
-                (KinematicGrowth::along(Vec3::y())?, Mat3::from_diagonal(&Vec3::y())),
-                (KinematicGrowth::across(Vec3::y())?, Mat3::from_diagonal(&Vec3::new(1.0, 0.0, 1.0))),
-            ] {
-                for g in [0.3, -0.2] {
+            for (law, grown) in kinds_of_growth()? {
+                // far from rest there are turned equilibria too
+                for g in [0.3, if law.slots().len() == 6 { -0.1 } else { -0.2 }] {
                     let (solid, state) = block.driven(&case, law.clone(), g)?;
-                    let expected = nodal(solid.mesh(), |x| pattern * x * g);
+                    let more = upright(&grown(g))? - Mat3::identity();
+                    let expected = nodal(solid.mesh(), |x| more * x);
                     assert_taken(&solid, &state, &expected, &format!("{kind}, {}, {law:?}, {g}", case.name))?;
                 }
             }
@@ -92,6 +117,38 @@ fn two_layers_curve_as_a_bimetal() -> Outcome {
         // away from clamp and end, where the layers slide: by three deflections
         let found = -(middle(0.2)? - 2.0 * middle(0.5)? + middle(0.8)?) / 0.09;
         assert!((found / kappa - 1.0).abs() < 2e-3, "curvature {found}, expected {kappa}");
+    }
+    Ok(())
+}
+
+/// A ring that is cut and grows along its hoops by g everywhere stores nothing and spans the angle 2 pi (1 + g): it opens, or overlaps.
+#[test]
+fn a_cut_ring_takes_the_growth_of_its_hoops() -> Outcome {
+    let turn = 2.0 * std::f64::consts::PI;
+    let flat = rectangle([1.0, 0.2], [48, 1], CellKind::Quad9)?;
+    let around = |x: &[f64; 3]| [(1.0 + x[1]) * (turn * x[0]).cos(), -(1.0 + x[1]) * (turn * x[0]).sin(), 0.0];
+    let places = flat.points().to_vec();
+    let mesh = flat.with_points(places.iter().map(around).collect())?;
+    let bare = Solid::new(mesh.clone())?;
+    let hoop = |x: &[f64; 3]| Vec3::new(-x[1], x[0], 0.0).normalize();
+    let hoops: Vec<Vec3> = bare.discretization().points().positions(bare.mesh(), None).iter().map(hoop).collect();
+    let solid = bare
+        .material("body", NeoHooke::from_young_poisson(1.0, 0.3)?)?
+        .actuate("body", "growth", KinematicGrowth::along(Field::points(hoops))?)?
+        .clamp("x-")?;
+    for g in [-0.1, 0.15] {
+        let mut controls = solid.controls();
+        controls.values_mut(0).fill(g);
+        let state = solid.solve(&controls, &STRICT)?;
+        let energy = solid.body().evaluate(&state.u, &state.controls, false, false)?.energy;
+        // of one with the same strains that were not free
+        assert!(energy < 1e-5 * 0.5 * g * g * turn * 0.2, "{g}: {energy:e}");
+        for (node, x) in places.iter().enumerate() {
+            let (r, angle) = (1.0 + x[1], turn * (1.0 + g) * x[0]);
+            let place = [0, 1].map(|c| mesh.points()[node][c] + state.u[2 * node + c]);
+            let off = (place[0] - r * angle.cos()).hypot(place[1] + r * angle.sin());
+            assert!(off < 5e-4, "{g}: {off:e} at {x:?}");
+        }
     }
     Ok(())
 }

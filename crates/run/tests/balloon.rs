@@ -16,7 +16,7 @@ use std::fmt::Write;
 const CELLS: [usize; 2] = [1, 4];
 
 /// A quarter of a ring of radii 10 and 13, second order, as Gmsh writes it: "wall", its sides "inner", "x axis", "y axis".
-fn ring() -> String {
+pub fn ring() -> String {
     let [across, along] = CELLS;
     let node = |i: usize, j: usize| 1 + i + (2 * across + 1) * j;
     let mut nodes = String::new();

@@ -74,3 +74,205 @@ fn fixed_growth_is_drawn_where_it_acts() {
     assert_eq!(inside, [false, false, true, true], "{:?}", growth.values);
     assert!(growth.values[..2].iter().all(|value| *value == 0.0), "{:?}", growth.values);
 }
+
+/// A bar with this actuation, controls and cost.
+fn bar(actuation: &str, controls: &str, cost: &str) -> String {
+    let (from, to) = (BAR.find("\"actuation\"").unwrap(), BAR.find("\"optimizer\"").unwrap());
+    let blocks = format!(
+        r#""actuation": [ {{ "name": "swell", "region": "body", {actuation} }} ], "controls": [ {controls} ], "costs": [ {cost} ], "#
+    );
+    format!("{}{blocks}{}", &BAR[..from], &BAR[to..])
+}
+
+fn towards(x: f64) -> String {
+    format!(r#"{{ "kind": "position", "surface": "x+", "target": {{ "x": {x} }} }}"#)
+}
+
+/// Each kind reaches the length that its formula gives, and the volume that follows.
+#[test]
+fn a_free_bar_takes_what_each_kind_says() {
+    let heat = r#""kind": "heat", "expansion": "2e-3 / K""#;
+    let heated = |more: &str| bar(heat, &format!(r#"{{ "of": "swell", "space": "uniform"{more} }}"#), &towards(0.12));
+    let found = run(Command::Optimize, &heated(r#", "start": "10 K", "lower": "-100 K", "upper": "200 K""#));
+    assert!((number(&found, "controls/swell/max") - 100.0).abs() < 1e-2, "{found}");
+    assert!((number(&found, "min_J") - 1.2f64.powi(3)).abs() < 1e-4, "{found}");
+    assert_eq!(nastic_run::result::find(&found, "controls/swell/unit").unwrap(), "K");
+    // by a part that shrinks as the other grows
+    for (kind, part, volume) in [
+        (r#""kind": "heat", "expansion_along": "2e-3 / K", "expansion_across": 0, "direction": "x""#, 100.0, 1.2),
+        (r#""kind": "lce", "direction": "x""#, 0.2, 1.0),
+    ] {
+        let text = bar(kind, r#"{ "of": "swell", "space": "uniform", "lower": -0.3, "upper": 150 }"#, &towards(0.12));
+        let found = run(Command::Optimize, &text);
+        assert!((number(&found, "controls/swell/max") / part - 1.0).abs() < 1e-4, "{kind}: {found}");
+        assert!((number(&found, "min_J") - volume).abs() < 1e-4, "{kind}: {found}");
+    }
+    let muscle =
+        bar(r#""kind": "active_strain", "direction": "x""#, r#"{ "of": "swell", "space": "uniform" }"#, &towards(0.08));
+    let found = run(Command::Optimize, &muscle);
+    assert!((number(&found, "controls/swell/max") - 0.2).abs() < 1e-5, "{found}");
+    let bounds = ["lower", "upper"].map(|key| number(&found, &format!("controls/swell/{key}")));
+    assert_eq!(bounds, [0.0, 0.9]);
+    // one entry of a tensor is a control, another one is fixed, the others are zero
+    let tensor = bar(
+        r#""kind": "growth_tensor", "yy": 0.1"#,
+        r#"{ "of": "swell.xx", "space": "uniform", "upper": 1 }"#,
+        &towards(0.12),
+    );
+    let found = run(Command::Optimize, &tensor);
+    assert!((number(&found, "controls/swell.xx/max") - 0.2).abs() < 1e-4, "{found}");
+    assert!((number(&found, "min_J") - 1.2 * 1.1).abs() < 1e-4, "{found}");
+}
+
+/// Two layers with moduli of 1 : 10, of which one is heated: Timoshenko's curvature `0.995851 e / h` for m = 1, n = 10, in plane strain by `1 + nu` more.
+///
+/// Source: S. Timoshenko, "Analysis of bi-metal thermostats", J. Opt. Soc. Am. 11 (1925) 233-255.
+#[test]
+fn unlike_layers_curve_as_a_bimetal() {
+    let case = r#"{ "nastic": 1,
+        "mesh": { "box": { "size": [1, 0.025], "cells": [80, 2], "element": "quad9" } },
+        "regions": [ { "name": "hot", "inside": { "box": { "low": [0, 0.0125, -1], "high": [1, 0.025, 1] } } },
+                     { "name": "cold", "inside": { "box": { "low": [0, 0, -1], "high": [1, 0.0125, 1] } } } ],
+        "materials": [ { "region": "hot", "law": "neo_hooke", "young": "1 MPa", "poisson": 0.3 },
+                       { "region": "cold", "law": "neo_hooke", "young": "10 MPa", "poisson": 0.3 } ],
+        "supports": [ { "surface": "x-", "fix": "all" } ],
+        "actuation": [ { "name": "heat", "kind": "heat", "expansion": "1e-5 / K", "region": "hot", "temperature": "100 K" } ],
+        "probes": [ { "name": "a", "point": [0.2, 0.0125] }, { "name": "b", "point": [0.5, 0.0125] }, { "name": "c", "point": [0.8, 0.0125] } ] }"#;
+    let found = run(Command::Solve, case);
+    let [a, b, c] = ["a", "b", "c"]
+        .map(|p| nastic_run::result::find(&found, &format!("probes/{p}/displacement")).unwrap()[1].as_f64().unwrap());
+    let (e, nu, h) = (1e-3, 0.3, 0.025);
+    let kappa = 0.995851 * e * (1.0 + nu) / h;
+    let curvature = -(a - 2.0 * b + c) / 0.09;
+    assert!((curvature / kappa - 1.0).abs() < 0.01, "{curvature} for {kappa}");
+}
+
+/// What leaves nothing, what is no temperature, a direction that is none: each in one sentence, where it stands.
+#[test]
+fn mistakes_of_the_kinds_are_told_where_they_stand() {
+    let said = |actuation: &str, controls: &str, at: &str, why: &str| {
+        let found = problems(&bar(actuation, controls, &towards(0.12)));
+        assert!(found.contains(&format!("{at}: {why}")), "{at}: {why}\n{found}");
+    };
+    let heat = |more: &str| format!(r#""kind": "heat", "expansion": "2e-3 / K"{more}"#);
+    let control = |more: &str| format!(r#"{{ "of": "swell", "space": "uniform"{more} }}"#);
+    said(
+        &heat(""),
+        &control(r#", "lower": "-600 K", "upper": "10 K""#),
+        "controls/0/lower",
+        "1 + expansion * temperature",
+    );
+    said(&heat(r#", "temperature": "-600 K""#), "", "actuation/0/temperature", "1 + expansion * temperature");
+    said(&heat(r#", "temperature": "60 kPa""#), "", "actuation/0/temperature", "");
+    for wrong in ["60 kPa", "60 degC", "60 °C"] {
+        let found = problems(&bar(&heat(&format!(r#", "temperature": "{wrong}""#)), "", &towards(0.12)));
+        assert!(
+            found.contains("a temperature difference is wanted") || found.contains("the same number: \"60 K\""),
+            "{found}"
+        );
+    }
+    said(r#""kind": "heat", "expansion": "2e-3 K", "temperature": "60 K""#, "", "actuation/0/expansion", "");
+    said(r#""kind": "lce", "strain": -0.2"#, "", "actuation/0", "missing key \"direction\"");
+    said(r#""kind": "lce", "direction": "x", "strain": -1"#, "", "actuation/0/strain", "strain must stay above -1");
+    let muscle = r#""kind": "active_strain", "direction": "x""#;
+    said(&format!("{muscle}, \"shortening\": -0.1"), "", "actuation/0/shortening", "a muscle only shortens");
+    said(muscle, &control(r#", "upper": 1"#), "controls/0/upper", "shortening must stay below 1");
+    said(muscle, &control(r#", "lower": -0.1"#), "controls/0/lower", "a muscle only shortens");
+    said(
+        r#""kind": "growth_tensor", "xx": 0.2, "xy": 1.2"#,
+        "",
+        "actuation/0/xx",
+        "1 + growth must be positive definite",
+    );
+    said(r#""kind": "growth_tensor""#, "", "actuation/0", "\"swell\" has no effect: its xx is zero");
+    let lce = r#""kind": "lce", "direction": "x""#;
+    let direction = |more: &str| format!(r#"{{ "of": "swell.direction", "space": "cell"{more} }}"#);
+    said(
+        &format!("{lce}, \"strain\": -0.2"),
+        &direction(""),
+        "controls/0",
+        "\"swell.direction\" is a field of unit vectors: give \"norm\": 1",
+    );
+    said(lce, &direction(r#", "norm": 1"#), "actuation/0", "\"swell\" has no effect: its strain is zero");
+    said(
+        r#""kind": "growth", "growth": 0.2"#,
+        &direction(r#", "norm": 1"#),
+        "controls/0/of",
+        "no actuation \"swell.direction\"",
+    );
+    // grown apart over the time: what is said of instants
+    let timed = with(
+        &bar(lce, "", &towards(0.12)),
+        "\"direction\": \"x\"",
+        "\"direction\": \"x\", \"strain\": \"-2 * t / 1 s\"",
+    );
+    let timed = with(
+        &timed,
+        "\"optimizer\": { \"method\": \"lbfgs\" }",
+        "\"time\": { \"end\": \"1 s\", \"step\": \"0.1 s\", \"scheme\": \"quasi_static\" }",
+    );
+    let found = problems(&timed);
+    assert!(found.contains("actuation/0/strain: strain must stay above -1"), "{found}");
+}
+
+/// Beside a fibre tension and a chamber: derivatives by every kind, and by the direction of those that have one, are exact to the second order.
+#[test]
+fn derivatives_beside_a_tension_and_a_chamber_are_exact() {
+    let place = CaseDirectory::new();
+    place.write("ring.msh", &crate::balloon::ring());
+    let case = |growth: &str, controls: &str| {
+        format!(
+            r#"{{ "nastic": 1, "units": "mm", "mesh": "ring.msh",
+            "materials": [ {{ "region": "wall", "law": "neo_hooke", "young": "0.1 MPa", "poisson": 0.4 }} ],
+            "supports": [ {{ "surface": "x axis", "fix": ["y"] }}, {{ "surface": "y axis", "fix": ["x"] }} ],
+            "actuation": [ {{ "name": "air", "kind": "cavity", "surface": "inner", "symmetry": ["x axis", "y axis"] }},
+                           {{ "name": "fibre", "kind": "fiber_tension", "region": "wall", "direction": "x" }},
+                           {{ "name": "swell", "region": "wall", {growth} }} ],
+            "controls": [ {{ "of": "air", "space": "uniform", "start": "2 kPa", "lower": "0 kPa", "upper": "4 kPa" }},
+                          {{ "of": "fibre", "space": "uniform", "start": "-3 kPa", "lower": "-9 kPa", "upper": "0 kPa" }}, {controls} ],
+            "costs": [ {{ "kind": "tracking", "surface": "inner", "target": ["1.1 * X", "1.3 * Y"] }} ] }}"#
+        )
+    };
+    let bounded = |of: &str, start: f64, ends: f64| {
+        format!(r#"{{ "of": "{of}", "space": "cell", "start": {start}, "lower": -{ends}, "upper": {ends} }}"#)
+    };
+    let direction = r#"{ "of": "swell.direction", "space": { "grid": [2, 1] }, "norm": 1 }"#;
+    let stretched = format!("{}, {direction}", bounded("swell", -0.05, 0.3));
+    for (growth, controls) in [
+        (r#""kind": "heat", "expansion": "2e-3 / K""#, bounded("swell", 20.0, 100.0)),
+        (r#""kind": "lce", "direction": [0.6, 0.8, 0]"#, stretched.clone()),
+        (r#""kind": "stretch_along", "direction": [0.6, 0.8, 0]"#, stretched),
+        (
+            r#""kind": "growth_tensor", "yy": 0.05"#,
+            format!("{}, {}", bounded("swell.xx", 0.05, 0.3), bounded("swell.xy", 0.02, 0.2)),
+        ),
+    ] {
+        let found = place.run(Command::Gradcheck, &case(growth, &controls), &[]).unwrap().result;
+        assert!(number(&found, "gradcheck/lowest_order") > 1.95, "{growth}: {found}");
+        assert!(number(&found, "gradcheck/second/lowest_order") > 2.95, "{growth}: {found}");
+        assert_eq!(nastic_run::result::find(&found, "gradcheck/second/passed").unwrap(), true);
+    }
+}
+
+/// A strip that contracts along its directors lifts its end as they turn: from a uniform field, in vectors of length 1.
+#[test]
+fn directors_are_controls() {
+    let case = r#"{ "nastic": 1,
+        "mesh": { "box": { "size": [0.04, 0.004], "cells": [10, 2], "element": "quad9" } },
+        "materials": [ { "region": "body", "law": "neo_hooke", "young": "1 MPa", "poisson": 0.45 } ],
+        "supports": [ { "surface": "x-", "fix": "all" } ],
+        "actuation": [ { "name": "lce", "kind": "lce", "region": "body", "direction": [0.6, 0.8, 0], "strain": -0.1 } ],
+        "controls": [ { "of": "lce.direction", "space": { "grid": [1, 1] }, "norm": 1 } ],
+        "costs": [ { "kind": "position", "surface": "x+", "target": { "y": 0.01 } } ],
+        "optimizer": { "method": "gauss_newton", "max_iterations": 40 } }"#;
+    let place = CaseDirectory::new();
+    let found = place.run(Command::Optimize, case, &[]).unwrap().result;
+    assert!(number(&found, "cost/total") < 1e-3 * number(&found, "start/cost/total"), "{found}");
+    let shown = nastic_io::read_snapshot(place.path("out/optimum.vtu")).unwrap();
+    let field = shown.point_data.iter().chain(&shown.cell_data).find(|array| array.name == "lce.direction").unwrap();
+    // means over cells of vectors of length 1, no longer those of the start
+    let lengths = field.values.chunks(3).map(|d| d[0].hypot(d[1]));
+    assert!(lengths.clone().all(|length| length > 0.9 && length < 1.0 + 1e-9), "{:?}", field.values);
+    let turned = |d: &[f64]| (d[0] * 0.6 + d[1] * 0.8) < 0.999;
+    assert!(field.values.chunks(3).any(turned), "{:?}", field.values);
+}

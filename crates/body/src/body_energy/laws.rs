@@ -7,7 +7,7 @@ use crate::body_energy::formulation::Formulation;
 use crate::error::FemError;
 use crate::kernels::cells::Cells;
 use crate::kernels::patch::Patch;
-use nastic_energy::{EnergyError, EnergyTerm, PointBatch, Slot};
+use nastic_energy::{EnergyError, EnergyTerm, MaterialPoint, PointBatch, Slot};
 use nastic_mesh::GroupNames;
 use std::sync::Arc;
 
@@ -77,6 +77,19 @@ impl BodyEnergy {
     /// Whether some of its cells grow.
     pub fn grows(&self) -> bool {
         (0..self.actuations.len()).any(|k| self.is_growth(k))
+    }
+
+    /// Why the k-th law with slots, a growth, refuses values that they have at a point, given the slot and its value at rest; `None` where it does not, and
+    /// of another law.
+    pub fn refused_growth(&self, k: usize, value: impl Fn(MaterialPoint, usize, f64) -> f64) -> Option<&'static str> {
+        let law = &self.actuations.get(k)?.law;
+        let map = law.strain_map()?;
+        let slots = law.slots().len();
+        let refuses = |at: MaterialPoint| {
+            let values: Vec<f64> = (0..slots).map(|slot| value(at, slot, law.rest(at, slot))).collect();
+            !map.admits(at, &values)
+        };
+        self.places(k).any(refuses).then(|| map.limit())
     }
 
     pub(super) fn is_growth(&self, actuation: usize) -> bool {

@@ -11,7 +11,7 @@ use super::{coarse_steps, magnitude, named_groups, pressures};
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
-use nastic_energy::{Dielectric, MaterialPoint, Turgor};
+use nastic_energy::{Dielectric, EnergyTerm, MaterialPoint, StrainMap, Turgor};
 use nastic_fem::Solid;
 use nastic_language::expression::{EvaluationError, Formula, dimension_of};
 use nastic_language::quantity::Dimension;
@@ -21,9 +21,6 @@ use nastic_language::schema::{
 use nastic_language::syntax::At;
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-/// What is said of values of a growth that leave nothing.
-pub(super) const TOO_SMALL_GROWTH: &str = "growth must stay above -1, where nothing is left of a length";
 
 pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
     for actuation in &case.actuation {
@@ -69,6 +66,7 @@ fn add_law(case: &Case, actuation: &Actuation, solid: &mut Solid, context: &mut 
     }
     match row.build(&inputs) {
         Ok(law) => {
+            let law = with_direction(case, actuation, law);
             let Some(law) = designs::in_front(case, law, design, &points, context) else { return };
             attempt(solid, &actuation.at, context, |solid| solid.actuate(region, &actuation.name, law));
         }
@@ -82,6 +80,13 @@ fn add_law(case: &Case, actuation: &Actuation, solid: &mut Solid, context: &mut 
                        and an equilibrium is a local minimum at best, up to the field of pull-in";
         context.warn(&UNBOUNDED_ENERGY, &actuation.at, message.to_owned());
     }
+}
+
+/// The law, or, of a growth whose direction is a control, the one with that as slots.
+fn with_direction(case: &Case, actuation: &Actuation, law: Arc<dyn EnergyTerm>) -> Arc<dyn EnergyTerm> {
+    let is_control = |name: String| case.controls.iter().any(|control| control.of == name);
+    let turns = actuation.direction().is_some_and(is_control);
+    law.strain_map().filter(|_| turns).and_then(StrainMap::with_direction_slots).unwrap_or(law)
 }
 
 /// Warns of a turgor that outweighs the growth of the passive energy: `-m J` against exponents of `J` up to 1, where `J^(2/3)` is all that
@@ -131,8 +136,23 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
                 reduced = fix_slot(case, actuation, key, value, reduced, context)?;
             }
         }
+        check_growth(actuation, &reduced, context)?;
     }
     Some(reduced)
+}
+
+/// Refuses fixed values that together leave nothing of a body that grows by them.
+fn check_growth(actuation: &Actuation, reduced: &Reduced, context: &mut Context<'_>) -> Option<()> {
+    let body = reduced.solid().body();
+    let k = body.actuations().iter().position(|own| own.name == actuation.name && own.law.strain_map().is_some());
+    let refused = k.and_then(|k| {
+        let (values, width) = (reduced.layout().fixed().values(k), reduced.layout().fixed().slots(k));
+        body.refused_growth(k, |at, slot, _| values[at.point * width + slot])
+    });
+    let Some(why) = refused else { return Some(()) };
+    let at = actuation.fixed.keys().next().map_or(actuation.at.clone(), |key| actuation.at.key(key));
+    context.complain(&at, why);
+    None
 }
 
 /// Whether a control of this name sets the slot.
@@ -176,10 +196,6 @@ fn fix_slot(
         if most > limit {
             context.warn(&CONVEXITY, &at, beyond_limit(most, limit, context.units));
         }
-    }
-    if reduced.solid().body().grows_by(index) && first_values.iter().flatten().any(|value| *value <= -1.0) {
-        context.complain(&at, TOO_SMALL_GROWTH);
-        return None;
     }
     if only_pulls && first_values.iter().flatten().any(|value| *value < 0.0) {
         context.complain(&at, pulling(key).why);
@@ -272,6 +288,14 @@ pub(super) fn fix_in_time(
         // that at t = 0 was looked at already
         if let Some(limit) = limit.filter(|limit| all > *limit && most(&each[0]) <= *limit) {
             context.warn(&CONVEXITY, at, beyond_limit(all, limit, context.units));
+        }
+        let body = reduced.solid().body();
+        let of_growth = |at: &Vec<f64>| {
+            body.refused_growth(index, |place, slot, rest| if slot == first { at[place.point] } else { rest })
+        };
+        if let Some(why) = each.iter().find_map(of_growth) {
+            context.complain(at, why);
+            return None;
         }
         if let Some(key) = only_pulls
             && each.iter().flatten().any(|value| *value < 0.0)

@@ -1,6 +1,5 @@
 //! Control fields: starts, bounds, and the set they stay in.
 
-use crate::lower::actuation::TOO_SMALL_GROWTH;
 use crate::lower::actuation::is_built;
 use crate::lower::context::Context;
 use crate::lower::control_field::{Admitted, ControlField};
@@ -181,9 +180,6 @@ struct Allowed {
     set: Box<dyn Admissible>,
 }
 
-/// Lower bound of growth where none is given: a tenth of every length is left.
-const LEAST_GROWTH: f64 = -0.9;
-
 impl Lowering<'_> {
     fn lower(&self, context: &mut Context<'_>) -> Option<(ControlField, Vec<f64>, Box<dyn Admissible>)> {
         let limit = self.limit;
@@ -239,6 +235,20 @@ impl Lowering<'_> {
     /// The slot, where it only pulls.
     fn pulling(&self) -> Option<&'static str> {
         self.slot().filter(|slot| slot.not_negative).map(|slot| slot.group)
+    }
+
+    /// The default bounds of a growth, if it drives one.
+    fn bounds_of_growth(&self) -> Option<[f64; 2]> {
+        let target = &self.block.targets[0];
+        let attached = self.reduced.solid().body().actuations().get(target.actuation)?;
+        attached.law.strain_map().map(|map| map.default_bounds(target.slot))
+    }
+
+    /// Why the growth that it drives refuses a value, its other slots at rest.
+    fn refused_growth(&self, value: f64) -> Option<&'static str> {
+        let target = &self.block.targets[0];
+        let body = self.reduced.solid().body();
+        body.refused_growth(target.actuation, |_, slot, rest| if slot == target.slot { value } else { rest })
     }
 
     fn allowed(&self, context: &mut Context<'_>) -> Option<Allowed> {
@@ -322,12 +332,17 @@ impl Lowering<'_> {
             design::check_bounds(self.case, self.control, own, range, context)?;
             lower = lower.or(Some(Limit::Uniform(range[0])));
             upper = upper.or(Some(Limit::Uniform(range[1])));
-        } else if self.block.targets.iter().any(|target| self.reduced.solid().body().grows_by(target.actuation)) {
-            if lower.as_ref().is_some_and(|lower| least(lower) <= -1.0) {
-                context.complain(&self.control.at.key("lower"), TOO_SMALL_GROWTH);
-                return None;
+        } else if let Some(defaults) = self.bounds_of_growth() {
+            for (key, value) in [("lower", lower.as_ref().map(least)), ("upper", upper.as_ref().map(greatest))] {
+                if let Some(why) = value.filter(|value| value.is_finite()).and_then(|value| self.refused_growth(value))
+                {
+                    context.complain(&self.control.at.key(key), why);
+                    return None;
+                }
             }
-            lower = lower.or((!self.block.log).then_some(Limit::Uniform(LEAST_GROWTH)));
+            let [least, most] = defaults.map(|own| own.is_finite().then_some(Limit::Uniform(own)));
+            lower = lower.or(least.filter(|_| !self.block.log));
+            upper = upper.or(most);
         }
         if let (Some(most), Some(_)) = (self.control.longest(), &self.control.direction) {
             let beyond = lower.as_ref().is_some_and(|lower| least(lower) < -most)

@@ -53,10 +53,10 @@ impl Lowering<'_> {
             return vec![own; self.block.size()];
         }
         let controls = self.reduced.solid().model().controls();
-        let stride = controls.slots(target.actuation);
-        let values: Vec<f64> =
-            controls.values(target.actuation).iter().skip(target.slot).step_by(stride).copied().collect();
-        self.means(&values, 1)
+        let (stride, n) = (controls.slots(target.actuation), self.block.components);
+        let of_point = |slots: &[f64]| slots[target.slot..target.slot + n].to_vec();
+        let values: Vec<f64> = controls.values(target.actuation).chunks_exact(stride).flat_map(of_point).collect();
+        self.means(&values, n)
     }
 
     /// The values of a formula at all knots and unknowns.

@@ -3,7 +3,10 @@ use std::sync::Arc;
 use super::{ActuationRow, Example, Parameter};
 use crate::dielectric::VACUUM_PERMITTIVITY;
 use crate::magnet::VACUUM_PERMEABILITY;
-use crate::{Dielectric, FiberTension, KinematicGrowth, Magnet, MagnetIsochoric, MagnetRotation, Turgor};
+use crate::{
+    Dielectric, FiberTension, GrowthTensor, KinematicGrowth, Magnet, MagnetIsochoric, MagnetRotation,
+    SpontaneousStrain, ThermalExpansion, Turgor,
+};
 
 pub const ACTUATIONS: &[ActuationRow] = &[
     ActuationRow {
@@ -95,7 +98,56 @@ pub const ACTUATIONS: &[ActuationRow] = &[
         example: Example { controls: &[0.1], towards: [[0.64, 0.0, -0.48], [0.0, 1.0, 0.0], [-0.48, 0.0, 0.36]] },
         make: |given| Ok(Arc::new(KinematicGrowth::across(given.direction("normal")?)?)),
     },
+    ActuationRow {
+        name: ThermalExpansion::NAME,
+        about: "thermal expansion by a temperature, the difference to that without stress; positive heats",
+        forms: &[
+            &[Parameter::number("expansion", "1/K", 2e-4)],
+            &[
+                Parameter::number("expansion_along", "1/K", 5e-4),
+                Parameter::number("expansion_across", "1/K", 2e-4),
+                Parameter::direction("direction", [0.6, 0.0, 0.8]),
+            ],
+        ],
+        example: Example { controls: &[100.0], towards: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] },
+        make: |given| {
+            Ok(Arc::new(if given.form_has("expansion") {
+                ThermalExpansion::isotropic(given.number("expansion")?)?
+            } else {
+                let [along, across] = [given.number("expansion_along")?, given.number("expansion_across")?];
+                ThermalExpansion::along(given.direction("direction")?, along, across)?
+            }))
+        },
+    },
+    ActuationRow {
+        name: SpontaneousStrain::LCE,
+        about: "liquid crystal elastomer: a strain along the director `direction` that keeps the volume; a negative one contracts",
+        forms: &[&[Parameter::direction("direction", [0.6, 0.0, 0.8])]],
+        example: Example { controls: &[0.1], towards: LENGTHENS },
+        make: |given| Ok(Arc::new(SpontaneousStrain::elastomer(given.direction("direction")?)?)),
+    },
+    ActuationRow {
+        name: SpontaneousStrain::MUSCLE,
+        about: "muscle by active strain: fibres along `direction` are free of stress at a length shorter by the part `shortening`, at the same volume",
+        forms: &[&[Parameter::direction("direction", [0.6, 0.0, 0.8])]],
+        example: Example { controls: &[0.1], towards: SHORTENS },
+        make: |given| Ok(Arc::new(SpontaneousStrain::muscle(given.direction("direction")?)?)),
+    },
+    ActuationRow {
+        name: GrowthTensor::NAME,
+        about: "growth by a symmetric tensor with the entries `xx` to `xy`; positive ones on the diagonal lengthen, the others shear",
+        forms: &[&[]],
+        example: Example {
+            controls: &[0.1, -0.05, 0.08, 0.02, -0.03, 0.05],
+            towards: [[1.0, 0.5, -0.3], [0.5, -0.5, 0.2], [-0.3, 0.2, 0.8]],
+        },
+        make: |_| Ok(Arc::new(GrowthTensor::new())),
+    },
 ];
+
+/// Along the example direction, at the same volume.
+const LENGTHENS: [[f64; 3]; 3] = [[0.04, 0.0, 0.72], [0.0, -0.5, 0.0], [0.72, 0.0, 0.46]];
+const SHORTENS: [[f64; 3]; 3] = [[-0.04, 0.0, -0.72], [0.0, 0.5, 0.0], [-0.72, 0.0, -0.46]];
 
 const FILM_NORMAL: Parameter = Parameter::direction("direction", [0.6, 0.0, 0.8]);
 const BREAKDOWN: Parameter = Parameter::number("breakdown", "V/m", 1e8).optional();

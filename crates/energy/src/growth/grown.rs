@@ -5,7 +5,8 @@ use nastic_tensor::{HyperDual, Kinematics, Mat3, Tangent};
 use super::strain_map::Mapped;
 use crate::term::forward_statements;
 use crate::{
-    EnergyError, EnergyTerm, Evolution, MaterialPoint, Outside, PointBatch, PointQuantity, Response, Slot, Slots, Want,
+    EnergyError, EnergyTerm, Evolution, MaterialPoint, Outside, PointBatch, PointQuantity, Response, Slot, Slots,
+    StrainMap, Want,
 };
 
 /// A law behind a [`StrainMap`](crate::StrainMap).
@@ -228,7 +229,7 @@ impl EnergyTerm for Grown {
         for (point, mapped) in seen.mapped.iter().enumerate() {
             let shrink = -mapped.volume.real();
             if !(shrink < 0.0 && shrink.is_finite()) {
-                let meaning = "where nothing is left of the body: growth must be above -1";
+                let meaning = self.map.strain_map().map_or("", StrainMap::limit);
                 return Err(Outside { law: "growth", measure: "-det G", value: shrink, limit: 0.0, meaning, point });
             }
         }

@@ -1,9 +1,13 @@
+use std::sync::Arc;
+
 use nastic_tensor::{HyperDual, Mat3, Vec3};
 
 use super::StrainMap;
+use super::director::{Director, with_direction};
+use super::strain_map::{LEAST_GROWTH, entries, identity, leaving_lengths, strain_map_alone};
 use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
-/// Growth by one number: swelling, heat, shape memory, prestrain.
+/// Growth by one number: swelling, shape memory, prestrain.
 ///
 /// **Map.** `G = 1 + g S`: in all directions `S = 1`, along a unit vector `S = a (x) a`, across one `S = 1 - n (x) n`. All laws of its cells see
 /// `F G^-1`, see [`StrainMap`]; a body that is free everywhere takes `F = G` without energy where G is compatible.
@@ -11,7 +15,7 @@ use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response,
 /// **Convexity.** Polyconvex where the laws are: `F -> F G^-1` is linear.
 ///
 /// **Parameters.** a or n, unit vectors of the reference body, uniform or a [`Field`]; control `growth` g, a pure number above -1: 0.1 is a tenth longer.
-/// In plane strain growth in all directions acts across the plane too.
+/// a may be a control too, the vector `direction`. In plane strain growth in all directions acts across the plane too.
 ///
 /// **Source.** E. K. Rodriguez, A. Hoger, A. D. McCulloch, J. Biomech. 27 (1994) 455-467, doi 10.1016/0021-9290(94)90021-3.
 #[derive(Clone, Debug)]
@@ -20,7 +24,7 @@ pub struct KinematicGrowth(Directions);
 #[derive(Clone, Debug)]
 enum Directions {
     All,
-    Along(Field<Vec3>),
+    Along(Director),
     Across(Field<Vec3>),
 }
 
@@ -32,6 +36,7 @@ impl KinematicGrowth {
     /// The same in the plane across a direction.
     pub const ACROSS: &str = "area_growth";
     const SLOTS: [Slot; 1] = [Slot::scalar("growth", "1")];
+    const SLOTS_WITH_DIRECTION: [Slot; 4] = with_direction(Self::SLOTS[0]);
 
     /// In all directions.
     pub const fn isotropic() -> Self {
@@ -43,7 +48,7 @@ impl KinematicGrowth {
     /// # Errors
     /// [`EnergyError::Direction`] with the first vector that is not a unit vector, and where it is.
     pub fn along(a: impl Into<Field<Vec3>>) -> Result<Self, EnergyError> {
-        Ok(KinematicGrowth(Directions::Along(a.into().unit_directions(Self::ALONG, "direction")?)))
+        Ok(KinematicGrowth(Directions::Along(Director::new(a, Self::ALONG)?)))
     }
 
     /// In the planes across unit vectors.
@@ -56,65 +61,51 @@ impl KinematicGrowth {
 }
 
 impl StrainMap for KinematicGrowth {
-    fn tensor(&self, at: MaterialPoint, g: &[HyperDual]) -> [[HyperDual; 3]; 3] {
+    fn tensor(&self, at: MaterialPoint, slots: &[HyperDual]) -> [[HyperDual; 3]; 3] {
+        let constant = |m: Mat3| entries(|i, k| HyperDual::constant(m[(i, k)]));
         let pattern = match &self.0 {
-            Directions::All => Mat3::identity(),
-            Directions::Along(a) => a.at(at) * a.at(at).transpose(),
-            Directions::Across(n) => Mat3::identity() - n.at(at) * n.at(at).transpose(),
+            Directions::All => constant(Mat3::identity()),
+            Directions::Along(a) => a.dyad(at, slots),
+            Directions::Across(n) => constant(Mat3::identity() - n.at(at) * n.at(at).transpose()),
         };
-        let g = g.first().copied().unwrap_or(HyperDual::constant(0.0));
-        // in a plane det G alone does not see that lengths have gone below zero
-        let g = if g.real() > -1.0 { g } else { HyperDual::constant(f64::NAN) };
-        let entry = |i: usize, k: usize| {
-            HyperDual::constant(f64::from(u8::from(i == k))) + g * HyperDual::constant(pattern[(i, k)])
-        };
-        std::array::from_fn(|i| std::array::from_fn(|k| entry(i, k)))
+        let g = leaving_lengths(slots.first().copied().unwrap_or(HyperDual::constant(0.0)));
+        entries(|i, k| identity(i, k) + g * pattern[i][k])
+    }
+
+    fn limit(&self) -> &'static str {
+        "growth must stay above -1, where nothing is left of a length"
+    }
+
+    fn default_bounds(&self, _: usize) -> [f64; 2] {
+        [LEAST_GROWTH, f64::INFINITY]
+    }
+
+    fn with_direction_slots(&self) -> Option<Arc<dyn EnergyTerm>> {
+        let Directions::Along(a) = &self.0 else { return None };
+        Some(Arc::new(KinematicGrowth(Directions::Along(a.as_slots()))))
     }
 }
 
 /// It has no energy of its own.
 impl EnergyTerm for KinematicGrowth {
-    fn respond(&self, _: &PointBatch, _: Slots, _: Want, _: &mut Response) {}
-
-    fn second_stress_change(
-        &self,
-        _: &PointBatch,
-        _: Slots,
-        _: [&[Mat3]; 2],
-        _: &mut [Mat3],
-    ) -> Result<(), EnergyError> {
-        Ok(())
-    }
+    strain_map_alone!();
 
     fn slots(&self) -> &[Slot] {
-        &Self::SLOTS
+        match &self.0 {
+            Directions::Along(a) if a.is_slot => &Self::SLOTS_WITH_DIRECTION,
+            _ => &Self::SLOTS,
+        }
     }
 
-    fn stress_by_control(&self, _: &PointBatch, _: Slots, out: &mut [Mat3]) {
-        out.fill(Mat3::zeros());
-    }
-
-    fn control_stress_change(
-        &self,
-        _: &PointBatch,
-        _: Slots,
-        _: &[Mat3],
-        _: Slots,
-        out: &mut [Mat3],
-    ) -> Result<(), EnergyError> {
-        out.fill(Mat3::zeros());
-        Ok(())
+    fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
+        if let Directions::Along(a) = &self.0 { a.rest(at, slot) } else { 0.0 }
     }
 
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
         match &self.0 {
             Directions::All => Ok(()),
-            Directions::Along(a) => a.check_len(Self::ALONG, "direction", cells, points),
+            Directions::Along(a) => a.check(cells, points),
             Directions::Across(n) => n.check_len(Self::ACROSS, "normal", cells, points),
         }
-    }
-
-    fn strain_map(&self) -> Option<&dyn StrainMap> {
-        Some(self)
     }
 }

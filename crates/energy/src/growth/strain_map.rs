@@ -1,6 +1,8 @@
+use std::sync::Arc;
+
 use nastic_tensor::{HyperDual, Mat3};
 
-use crate::MaterialPoint;
+use crate::{EnergyTerm, MaterialPoint};
 
 /// A map between the gradient of the displacement and the laws of a cell: they see `F G^-1` and answer for a volume that is `det G` times as large,
 ///
@@ -12,7 +14,85 @@ use crate::MaterialPoint;
 pub trait StrainMap: std::fmt::Debug + Send + Sync {
     /// G at a point, by rows, from its slots in numbers that carry their derivatives. Where its determinant is no positive number the laws refuse it.
     fn tensor(&self, at: MaterialPoint, g: &[HyperDual]) -> [[HyperDual; 3]; 3];
+
+    /// What is said of values of the slots that leave nothing of a length or of the volume.
+    fn limit(&self) -> &'static str {
+        "det G must be positive, or nothing is left of the volume"
+    }
+
+    /// Bounds of a slot as a control where nobody gives others, infinite where there are none.
+    fn default_bounds(&self, _slot: usize) -> [f64; 2] {
+        [f64::NEG_INFINITY, f64::INFINITY]
+    }
+
+    /// The same with its direction as further slots, a vector `direction` at rest where it is written; `None` without one.
+    fn with_direction_slots(&self) -> Option<Arc<dyn EnergyTerm>> {
+        None
+    }
+
+    /// Whether these values of the slots leave a volume.
+    fn admits(&self, at: MaterialPoint, g: &[f64]) -> bool {
+        let g: Vec<HyperDual> = g.iter().copied().map(HyperDual::constant).collect();
+        let volume = Mapped::of(&self.tensor(at, &g)).volume.real();
+        volume > 0.0 && volume.is_finite()
+    }
 }
+
+/// Lower bound of a growth where none is given: a tenth of every length is left.
+pub(super) const LEAST_GROWTH: f64 = -0.9;
+
+/// The entry of the identity.
+pub(super) fn identity(i: usize, k: usize) -> HyperDual {
+    HyperDual::constant(f64::from(u8::from(i == k)))
+}
+
+/// G from its entries.
+pub(super) fn entries(entry: impl Fn(usize, usize) -> HyperDual) -> [[HyperDual; 3]; 3] {
+    std::array::from_fn(|i| std::array::from_fn(|k| entry(i, k)))
+}
+
+/// g where 1 + g is positive: in a plane, and where volume is kept, det G alone does not see that lengths have gone below zero.
+pub(super) fn leaving_lengths(g: HyperDual) -> HyperDual {
+    if g.real() > -1.0 { g } else { HyperDual::constant(f64::NAN) }
+}
+
+/// What a law that has a strain map and no energy answers as an [`EnergyTerm`].
+macro_rules! strain_map_alone {
+    () => {
+        fn respond(&self, _: &PointBatch, _: Slots, _: Want, _: &mut Response) {}
+
+        fn second_stress_change(
+            &self,
+            _: &PointBatch,
+            _: Slots,
+            _: [&[Mat3]; 2],
+            _: &mut [Mat3],
+        ) -> Result<(), EnergyError> {
+            Ok(())
+        }
+
+        fn stress_by_control(&self, _: &PointBatch, _: Slots, out: &mut [Mat3]) {
+            out.fill(Mat3::zeros());
+        }
+
+        fn control_stress_change(
+            &self,
+            _: &PointBatch,
+            _: Slots,
+            _: &[Mat3],
+            _: Slots,
+            out: &mut [Mat3],
+        ) -> Result<(), EnergyError> {
+            out.fill(Mat3::zeros());
+            Ok(())
+        }
+
+        fn strain_map(&self) -> Option<&dyn StrainMap> {
+            Some(self)
+        }
+    };
+}
+pub(super) use strain_map_alone;
 
 /// `G^-1` and `T = det G G^-T` of G with their derivatives along two changes of its slots: parts `[value, first, second, both]`.
 pub(super) struct Mapped {

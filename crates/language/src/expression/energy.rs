@@ -5,7 +5,7 @@ use crate::expression::formula::{Formula, FormulaError};
 use crate::expression::parser::{fixed_names, parse};
 use crate::expression::program::{Binary, Comparison, Function, Op, Step};
 use crate::expression::token::CaseProblem;
-use crate::quantity::{Dimension, Units};
+use crate::quantity::{Dimension, Unit, Units};
 use crate::syntax::quoted;
 use nastic_energy::formula::{Expression, Invariant, Step as LawStep};
 use std::borrow::Cow;
@@ -58,7 +58,9 @@ impl EnergyFormula {
         if INVARIANTS.contains(&name) {
             return Some(format!("{} is an invariant of the deformation: take another name", quoted(name)));
         }
-        let known = fixed_names().contains(&name) || crate::quantity::Unit::named(name).is_some();
+        // no energy of a law has a temperature, and K is a bulk modulus
+        let is_unit = Unit::named(name).is_some_and(|unit| unit.dimension != Dimension::TEMPERATURE);
+        let known = is_unit || (fixed_names().contains(&name) && Unit::named(name).is_none());
         known.then(|| format!("{} is a unit or a function: take another name, as {name}1", quoted(name)))
     }
 

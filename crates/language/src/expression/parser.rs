@@ -2,7 +2,7 @@
 
 use crate::expression::analysis::Variable;
 use crate::expression::program::{Binary, Comparison, Function, Op, Step};
-use crate::expression::token::{CaseProblem, Placed, Token, tokens};
+use crate::expression::token::{CaseProblem, Placed, TEMPERATURES, Token, tokens};
 use crate::quantity::{UNITS, Unit, Units};
 use crate::syntax::{nearest, quoted};
 
@@ -11,6 +11,9 @@ const DEEPEST: usize = 64;
 
 /// Units may carry powers up to this size.
 const LARGEST_UNIT_POWER: f64 = 12.0;
+
+/// What people write behind temperatures.
+const CELSIUS: [&str; 5] = ["C", "degC", "Celsius", "celsius", "kelvin"];
 
 const COMPARISONS: [(&str, Comparison); 6] = [
     ("<", Comparison::Less),
@@ -183,6 +186,9 @@ impl Parser<'_> {
     /// A unit right behind an operand, with its own whole power: 2 m^2 is two square metres, not four.
     fn unit_suffix(&mut self) -> Result<Option<(Unit, i32)>, CaseProblem> {
         let Token::Name(name) = self.peek() else { return Ok(None) };
+        if self.variables.is_some_and(|own| own.iter().any(|variable| variable.name == *name)) {
+            return Ok(None);
+        }
         let Some(unit) = Unit::named(name) else { return Ok(None) };
         self.next += 1;
         if self.take(&["^"]).is_none() {
@@ -238,6 +244,7 @@ impl Parser<'_> {
     /// Why something that looks right stands where an operator should.
     fn hint(&self) -> String {
         match self.peek() {
+            Token::Name(name) if CELSIUS.contains(&name.as_str()) => format!(": {TEMPERATURES}"),
             Token::Name(name) if self.names().contains(&name.as_str()) => ": products need \"*\"".to_string(),
             Token::Name(name) if nearest::nearest(name, &self.names()).is_some() => {
                 nearest::clause(name, &self.names())

@@ -88,6 +88,10 @@ fn name(chars: &[char], start: usize) -> (Token, usize) {
     (Token::Name(chars[start..end].iter().collect()), end)
 }
 
+/// How temperatures are written.
+pub(super) const TEMPERATURES: &str =
+    "temperatures are differences in K, and a difference in degrees Celsius is the same number: \"60 K\"";
+
 fn begins_name(c: char) -> bool {
     c.is_alphabetic() || c == '_' || c == '\u{b5}'
 }
@@ -96,10 +100,12 @@ fn sign(chars: &[char], start: usize) -> Result<(Token, usize), CaseProblem> {
     let fits = |sign: &&&str| sign.chars().enumerate().all(|(i, c)| chars.get(start + i) == Some(&c));
     match SIGNS.iter().find(fits) {
         Some(sign) => Ok((Token::Sign(sign), start + sign.len())),
-        None => Err(CaseProblem {
-            column: start + 1,
-            message: format!("{} has no meaning in a formula", quoted(&chars[start].to_string())),
-        }),
+        None => {
+            let degrees =
+                if matches!(chars[start], '\u{b0}' | '\u{2103}') { format!(": {TEMPERATURES}") } else { String::new() };
+            let message = format!("{} has no meaning in a formula{degrees}", quoted(&chars[start].to_string()));
+            Err(CaseProblem { column: start + 1, message })
+        }
     }
 }
 

@@ -3,12 +3,12 @@
 use crate::quantity::UNITS;
 use std::fmt;
 
-/// Exponents over (length, force, time, field), as multiples of 1/60, so that roots stay exact.
+/// Exponents over (length, force, time, field, temperature), as multiples of 1/60, so that roots stay exact.
 ///
 /// Force stands where SI has mass: a mass is force * time^2 / length. The field is a magnetic flux density, kept apart
-/// because nothing mechanical converts into it.
+/// because nothing mechanical converts into it. A temperature is a difference of temperatures: none has an offset.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct Dimension([i32; 4]);
+pub struct Dimension([i32; 5]);
 
 const STEPS: i32 = 60;
 
@@ -23,6 +23,10 @@ impl Dimension {
     pub const TIME: Self = Self::of(0, 0, 1, 0);
     /// T
     pub const FIELD: Self = Self::of(0, 0, 0, 1);
+    /// K, a difference
+    pub const TEMPERATURE: Self = Self([0, 0, 0, 0, STEPS]);
+    /// 1/K
+    pub const EXPANSION: Self = Self([0, 0, 0, 0, -STEPS]);
     /// Pa = N/m^2
     pub const PRESSURE: Self = Self::of(-2, 1, 0, 0);
     /// N/m
@@ -57,7 +61,7 @@ impl Dimension {
     /// length^l force^f time^t field^b
     #[must_use]
     pub const fn of(length: i32, force: i32, time: i32, field: i32) -> Self {
-        Self([length * STEPS, force * STEPS, time * STEPS, field * STEPS])
+        Self([length * STEPS, force * STEPS, time * STEPS, field * STEPS, 0])
     }
 
     /// True for a plain number.
@@ -81,7 +85,7 @@ impl Dimension {
     /// The dimension of a power; `None` when an exponent is no multiple of 1/60 or leaves every sensible range.
     #[must_use]
     pub fn power(self, exponent: f64) -> Option<Self> {
-        let mut out = [0; 4];
+        let mut out = [0; 5];
         for (entry, own) in out.iter_mut().zip(self.0) {
             let wanted = f64::from(own) * exponent;
             let near = wanted.round();
@@ -93,9 +97,9 @@ impl Dimension {
         Some(Self(out))
     }
 
-    /// Whole exponents over (length, force, time, field); `None` if one is a fraction.
+    /// Whole exponents over (length, force, time, field, temperature); `None` if one is a fraction.
     #[must_use]
-    pub fn exponents(self) -> Option<[i32; 4]> {
+    pub fn exponents(self) -> Option<[i32; 5]> {
         self.0.iter().all(|e| e % STEPS == 0).then(|| self.0.map(|e| e / STEPS))
     }
 
@@ -108,6 +112,7 @@ impl Dimension {
             (Self::ACCELERATION, "m/s^2"),
             (Self::VISCOSITY, "Pa*s"),
             (Self::RATE, "1/s"),
+            (Self::EXPANSION, "1/K"),
         ];
         let symbols: Vec<_> = UNITS.iter().filter(|u| u.dimension == self).map(|u| u.symbol).collect();
         match compound.iter().find(|(dimension, _)| *dimension == self) {
@@ -128,7 +133,7 @@ impl Dimension {
     fn in_si(self) -> String {
         let mut above = Vec::new();
         let mut below = Vec::new();
-        for (symbol, e) in ["m", "N", "s", "T"].iter().zip(self.0) {
+        for (symbol, e) in ["m", "N", "s", "T", "K"].iter().zip(self.0) {
             let text = |e: i32| match (e / STEPS, e % STEPS) {
                 (1, 0) => (*symbol).to_string(),
                 (n, 0) => format!("{symbol}^{n}"),
@@ -171,6 +176,8 @@ impl fmt::Display for Dimension {
             (Self::CAPACITANCE, "an electric capacitance"),
             (Self::ELECTRIC_FIELD, "an electric field"),
             (Self::PERMITTIVITY, "an electric permittivity"),
+            (Self::TEMPERATURE, "a temperature difference"),
+            (Self::EXPANSION, "a thermal expansion (1 over a temperature)"),
         ];
         match known.iter().find(|(dimension, _)| dimension == self) {
             Some((_, name)) => f.write_str(name),

@@ -22,6 +22,8 @@ impl Unit {
     pub const SECOND: Self = Self::new("s", Dimension::TIME, 0);
     /// T
     pub const TESLA: Self = Self::new("T", Dimension::FIELD, 0);
+    /// K, of differences: one degree Celsius is one too
+    pub const KELVIN: Self = Self::new("K", Dimension::TEMPERATURE, 0);
 
     const fn new(symbol: &'static str, dimension: Dimension, exponent: i32) -> Self {
         Self { symbol, dimension, exponent }
@@ -65,4 +67,5 @@ pub const UNITS: &[Unit] = &[
     Unit::new("g", Dimension::MASS, -3),
     Unit::SECOND,
     Unit::new("ms", Dimension::TIME, -3),
+    Unit::KELVIN,
 ];

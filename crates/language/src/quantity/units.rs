@@ -111,9 +111,14 @@ impl Units {
         }
     }
 
+    /// In the order of [`Dimension::exponents`]; temperatures are in kelvin.
+    fn bases(&self) -> [Unit; 5] {
+        [self.length, self.force, self.time, self.field, Unit::KELVIN]
+    }
+
     fn compose(&self, dimension: Dimension) -> String {
         let Some(exponents) = dimension.exponents() else { return "?".to_string() };
-        let bases = [self.length, self.force, self.time, self.field];
+        let bases = self.bases();
         let part = |unit: Unit, e: i32| if e == 1 { unit.symbol.to_string() } else { format!("{}^{e}", unit.symbol) };
         let above: Vec<_> = bases.iter().zip(exponents).filter(|p| p.1 > 0).map(|(u, e)| part(*u, e)).collect();
         let below: Vec<_> = bases.iter().zip(exponents).filter(|p| p.1 < 0).map(|(u, e)| part(*u, -e)).collect();
@@ -130,7 +135,7 @@ impl Units {
 
     /// Powers of ten that one unit of this system is of the SI unit.
     fn decimals(&self, dimension: Dimension) -> Option<i32> {
-        let bases = [self.length, self.force, self.time, self.field];
+        let bases = self.bases();
         let exponents = dimension.exponents()?;
         Some(bases.iter().zip(exponents).map(|(unit, e)| unit.exponent.saturating_mul(e)).sum())
     }

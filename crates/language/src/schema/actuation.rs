@@ -68,6 +68,9 @@ impl PartialEq for Actuation {
     }
 }
 
+/// The direction of a growth as a control.
+const DIRECTION: SlotName = SlotName { key: "direction", want: Want::NUMBER, vector: true, not_negative: false };
+
 const NAME: &str = "Name, by which controls refer to it.";
 const REGION: &str = "Region of the mesh.";
 
@@ -104,6 +107,27 @@ impl Actuation {
     /// How a control names each slot, and the slot: "NAME" if there is one, or it is the first of those of which one drives; otherwise
     /// "NAME.field", ...
     pub fn slots(&self) -> Vec<(String, SlotName)> {
+        let direction = self.direction().map(|name| (name, DIRECTION));
+        self.loads().into_iter().chain(direction).collect()
+    }
+
+    /// How a control names its direction, where that may be one.
+    #[must_use]
+    pub fn direction(&self) -> Option<String> {
+        let Means::Law { row, .. } = &self.means else { return None };
+        let law = row.examples().into_iter().next().and_then(|inputs| row.build(&inputs).ok())?;
+        law.strain_map()?.with_direction_slots().map(|_| format!("{}.{}", self.name, DIRECTION.key))
+    }
+
+    /// Whether each of its slots acts by itself: those of a growth.
+    pub(crate) fn has_independent_slots(&self) -> bool {
+        let Means::Law { row, .. } = &self.means else { return false };
+        let law = row.examples().into_iter().next().and_then(|inputs| row.build(&inputs).ok());
+        law.is_some_and(|law| law.strain_map().is_some())
+    }
+
+    /// The same of what drives it.
+    pub(crate) fn loads(&self) -> Vec<(String, SlotName)> {
         let slots = match &self.means {
             Means::Law { row, .. } => slots(row),
             Means::Contribution { form, .. } => slot_names(form.slots),

@@ -10,8 +10,11 @@ const TENDON: &str = "a cable is an actuation of the \"kind\": \"tendon\" with t
 const MAGNET: &str = "a magnet is an actuation of the \"kind\": \"magnet\" with the vectors \"remanence\" (mu0 \
     times the magnetisation, in T) and \
                       \"field\" (in T)";
-const HEAT: &str = "the strain alpha dT of a given temperature is a \"kind\": \"growth\", its \"growth\" alpha dT: conduction is not solved";
-const NO_FIELD: &str = "nastic has no actuation of this kind yet; there are fibre tension, turgor, magnets, dielectrics, air chambers and tendons";
+const HEAT: &str = "what a given temperature expands is of the \"kind\": \"heat\" with an \"expansion\", \"2e-4 / K\"; its \"temperature\" is the \
+    difference to that without stress, \"60 K\"; conduction is not solved";
+const LCE: &str = "a liquid crystal elastomer is of the \"kind\": \"lce\" with its director as \"direction\"; a \"strain\" of -0.3 makes it shorter by \
+    three tenths";
+const SHAPE_MEMORY: &str = "a strain without stress is of the \"kind\": \"growth\", in all directions, \"stretch_along\" one, or \"growth_tensor\"";
 const ELECTRIC: &str = "a dielectric elastomer is an actuation of the \"kind\": \"dielectric\" with a \"region\", a \
     \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"";
 
@@ -21,11 +24,7 @@ pub(super) const HINTS: &[Hint] = &[
     hint("", &["chamber", "chambers", "air_chamber", "cavity", "pneumatics"], CHAMBER),
     hint("", &["tendon", "tendons", "cable", "cables"], TENDON),
     hint("", &["magnet", "magnets", "magnetization", "magnetisation", "field"], MAGNET),
-    hint(
-        "actuation",
-        &["muscle", "fiber", "fibre", "active_stress", "active_strain", "tension", "contraction"],
-        MUSCLE,
-    ),
+    hint("actuation", &["muscle", "fiber", "fibre", "active_stress", "tension", "contraction"], MUSCLE),
     hint("actuation", &["chamber", "air_chamber", "air", "pneumatic", "pneunet", "balloon", "pressure"], CHAMBER),
     hint(
         "actuation",
@@ -35,8 +34,9 @@ pub(super) const HINTS: &[Hint] = &[
     hint("actuation", &["cable", "wire", "string", "rope", "tendons"], TENDON),
     hint("actuation", &["magnetic", "magnetization", "magnetisation", "b", "b_r", "m"], MAGNET),
     hint("actuation", &["electric", "voltage", "electrode", "electrodes", "dea", "eps"], ELECTRIC),
-    hint("actuation", &["thermal", "temperature", "heat"], HEAT),
-    hint("actuation", &["shape_memory", "lce", "light"], NO_FIELD),
+    hint("actuation", &["thermal", "thermal_expansion", "temperature", "heating"], HEAT),
+    hint("actuation", &["liquid_crystal", "nematic", "light", "director"], LCE),
+    hint("actuation", &["shape_memory", "prestrain", "eigenstrain"], SHAPE_MEMORY),
 ];
 
 /// What kinds of actuation add to the energy; `EPS0` stands for the permittivity of vacuum in the case's units.
@@ -70,6 +70,10 @@ pub struct Pulling {
 #[must_use]
 pub fn pulling(slot: &str) -> Pulling {
     match slot {
+        "shortening" => Pulling {
+            noun: "muscle",
+            why: "a muscle only shortens: its shortening is positive or zero; what lengthens is of the kind \"lce\", with a positive strain",
+        },
         "contraction" => Pulling {
             noun: "muscle",
             why: "a muscle only pulls: its contraction is positive or zero; fibres that lengthen are of the kind \"fiber_tension\", \

@@ -25,11 +25,11 @@ object! {
         pub space: Space,
         /// Whether its logarithm is the unknown: of a positive number, whose steps are then shares of it.
         pub log: bool = false,
-        /// Value to start from; zero if left out, of a number of a material that of the material, of a density and a factor 1. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
+        /// Value to start from; zero if left out, of a number of a material that of the material, of a density and a factor 1, of a direction that written with it. A positive tension lengthens, a negative one contracts; a positive contraction of a muscle pulls. Vectors for magnets.
         pub start: Option<Start> as ANY_IN_TIME,
-        /// Least value, of a vector a list; unbounded if left out, of a muscle and of a design 0, of a growth -0.9. A tension contracts below zero.
+        /// Least value, of a vector a list; unbounded if left out, of a muscle and of a design 0, of a growth or strain -0.9. A tension contracts below zero.
         pub lower: Option<Bound> as ANY_IN_TIME,
-        /// Largest value, of a vector a list; the law's convexity bound if left out, of a density, mixture or factor 1. A tension lengthens above zero.
+        /// Largest value, of a vector a list; the law's convexity bound if left out, of a density, mixture or factor 1, of a shortening 0.9. A tension lengthens above zero.
         pub upper: Option<Bound> as ANY_IN_TIME,
         /// Length every vector must have.
         pub norm: Option<Formula> as ANY_POSITIVE,

@@ -105,6 +105,11 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
         return;
     };
     check_number(control, blocks, reader);
+    let is_direction =
+        blocks.actuation.iter().any(|actuation| actuation.direction().is_some_and(|name| name == control.of));
+    if is_direction {
+        check_direction(control, reader);
+    }
     if blocks.has_design(&control.of) {
         check_design(control, reader);
     }
@@ -113,11 +118,26 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
         reader.complain_at(&control.at.key("log"), message);
     }
     if slot.vector && control.direction.is_none() {
-        check_vector(control, reader);
+        check_vector(control, is_direction, reader);
     } else {
         check_scalar(control, slot, reader);
     }
     check_dimensions(control, slot, reader);
+}
+
+/// A direction is a unit vector of the body itself.
+fn check_direction(control: &Control, reader: &mut Reader<'_>) {
+    let of = &control.of;
+    if control.length() != Some(1.0) || control.direction.is_some() {
+        reader.complain_at(
+            &control.at,
+            format!("\"{of}\" is a field of unit vectors: give \"norm\": 1, and no \"direction\""),
+        );
+    }
+    if control.in_time.is_some() {
+        let message = format!("\"{of}\" is a direction in the body, which does not change in time");
+        reader.complain_at(&control.at.key("in_time"), message);
+    }
 }
 
 /// A design is a scalar of the body itself, between bounds.
@@ -207,7 +227,8 @@ fn check_number(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
     }
 }
 
-fn check_vector(control: &Control, reader: &mut Reader<'_>) {
+/// A direction starts from the one that is written with it, other vectors from zero.
+fn check_vector(control: &Control, is_direction: bool, reader: &mut Reader<'_>) {
     let is_list = |bound: &Option<Bound>| bound.as_ref().map(|bound| bound.scalar().is_none());
     for (key, given) in [("lower", is_list(&control.lower)), ("upper", is_list(&control.upper))] {
         if given == Some(false) {
@@ -227,7 +248,7 @@ fn check_vector(control: &Control, reader: &mut Reader<'_>) {
         Some(Start::Scalar(_)) => {
             reader.complain_at(&start, format!("\"{}\" is a vector: give two or three entries", control.of));
         }
-        None if control.norm.is_some() && reader.document.root().find(start.as_str()).is_none() => {
+        None if control.norm.is_some() && !is_direction && reader.document.root().find(start.as_str()).is_none() => {
             reader.complain_at(&control.at, "missing key \"start\": zero, the default, does not have the \"norm\"");
         }
         Some(Start::Vector(entries)) if control.norm.is_some() && entries.iter().all(|e| e.constant() == Some(0.0)) => {
@@ -368,14 +389,14 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
     // what drives one with a mistake may be what could not be read
     let shown = |actuation: &&Actuation| !actuation.is_passive() && blocks.is_sound(&actuation.at);
     for actuation in blocks.actuation.iter().filter(shown) {
-        let slots = actuation.slots();
+        let slots = actuation.loads();
         let drives = |(name, slot): &(String, SlotName)| {
             // A volume that stays as it is does something, a pressure of zero does not.
             let held = slot.key != slots[0].1.key && actuation.fixed.contains_key(slot.key);
             let at = actuation.at.key(slot.key);
             held || actuation.fixes(slot.key) || controlled.contains(&name.as_str()) || varies(blocks, &at)
         };
-        if actuation.has_one_driver() && slots.iter().any(drives) {
+        if (actuation.has_one_driver() || actuation.has_independent_slots()) && slots.iter().any(drives) {
             continue;
         }
         for (name, slot) in slots.clone() {
@@ -388,7 +409,7 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
                 actuation.name, slot.key, slot.key
             );
             reader.complain_at(&actuation.at, message);
-            if actuation.has_one_driver() {
+            if actuation.has_one_driver() || actuation.has_independent_slots() {
                 break;
             }
         }
