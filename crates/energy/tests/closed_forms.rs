@@ -2,9 +2,9 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // helpers of tests
 
 use nastic_energy::{
-    Arap, ArrudaBoyce, EnergyTerm, FiberFamily, FiberTension, Gent, Guccione, HolzapfelGasserOgden, MaterialPoint,
-    MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, SaintVenantKirchhoff, TransverseMooneyRivlin, Turgor, Yeoh,
-    catalogue, check,
+    Arap, ArrudaBoyce, EnergyTerm, FiberFamily, FiberTension, Gel, Gent, Guccione, HolzapfelGasserOgden, MaterialPoint,
+    MooneyRivlin, NeoHooke, NeoHookeIsochoric, Ogden, PointBatch, SaintVenantKirchhoff, Slots, TransverseMooneyRivlin,
+    Turgor, Yeoh, catalogue, check,
 };
 use nastic_tensor::{Kinematics, Mat3, Vec3};
 
@@ -26,6 +26,8 @@ const K2: f64 = 0.3;
 const DISPERSION: f64 = 0.1;
 /// b_f, b_t, b_fs of Guccione's law; b_f + b_t = 2 b_fs, where beta is 0.
 const B: [f64; 3] = [0.75, 0.25, 0.5];
+/// N, c, chi and swelling of a gel.
+const GEL: [f64; 4] = [2.0 * MU1, 1e7, 0.1, 2.0];
 /// Of the fibres: nothing for `E < 0`, half of it less from there on.
 const TOE: f64 = 1e-2;
 
@@ -35,6 +37,10 @@ fn law(name: &str) -> Box<dyn EnergyTerm> {
         "mooney_rivlin" => Box::new(MooneyRivlin::new(MU1, MU2, MU3).unwrap()),
         "transverse_mooney_rivlin" => Box::new(TransverseMooneyRivlin::new(MU1, MU2, MU3, MU4, Vec3::x()).unwrap()),
         "neo_hooke" => Box::new(NeoHooke::new(MU1, LAMBDA).unwrap()),
+        "gel" => {
+            let [network, mixing, chi, swelling] = GEL;
+            Box::new(Gel::new(network, mixing, chi, swelling).unwrap())
+        }
         "neo_hooke_isochoric" => Box::new(NeoHookeIsochoric::new(MU1, KAPPA).unwrap()),
         "yeoh" => Box::new(Yeoh::new(MU1 / 2.0, C20, C30, KAPPA).unwrap()),
         "gent" => Box::new(Gent::new(MU1, JM, KAPPA).unwrap()),
@@ -114,6 +120,17 @@ fn volumetric(name: &str, j: f64) -> [f64; 2] {
     [KAPPA / 4.0 * (j * j - 1.0 - 2.0 * j.ln()), KAPPA / 2.0 * (j - 1.0 / j)]
 }
 
+/// Energy and stress of a gel by J alone.
+fn gel(j: f64) -> [f64; 2] {
+    let [n, c, chi, s] = GEL;
+    let mixed = |x: f64| (x - 1.0) * (1.0 - 1.0 / x).ln() + chi * (1.0 - 1.0 / x);
+    let slope = |x: f64| (1.0 - 1.0 / x).ln() + 1.0 / x + chi / (x * x);
+    let dry = s.powi(3);
+    let at_rest = n * (1.0 / s - 1.0 / dry) + c * slope(dry);
+    let energy = c / dry * (mixed(dry * j) - mixed(dry)) - n / dry * j.ln() - at_rest * (j - 1.0);
+    [energy, c * slope(dry * j) - n / (dry * j) - at_rest]
+}
+
 /// Principal Kirchhoff stresses of Ogden's law without the volumetric part.
 fn ogden(l: [f64; 3]) -> [f64; 3] {
     let root = (l[0] * l[1] * l[2]).cbrt();
@@ -145,6 +162,7 @@ fn principal_stress(name: &str, l: [f64; 3], i: usize) -> f64 {
             mooney(MU1 + 2.0 * MU2 + MU3, MU4) + 2.0 * MU3 * fiber
         }
         "neo_hooke" => MU1 * (l[i] - 1.0 / l[i]) + LAMBDA * (volume - 1.0) * side,
+        "gel" => MU1 * l[i] + gel(volume)[1] * side,
         "neo_hooke_isochoric" => {
             MU1 * volume.powf(-2.0 / 3.0) * (l[i] - square / (3.0 * l[i]))
                 + KAPPA / 2.0 * (volume * volume - 1.0) / l[i]
@@ -186,6 +204,41 @@ fn stretches_along_the_axes() {
     }
 }
 
+/// A free gel in pure solvent has the volume ratio J over its dry network, whatever swollen state is the reference: numbers of the equation
+/// `log(1 - 1/J) + 1/J + chi/J^2 + N v (J^(-1/3) - 1/J) = 0`, solved by itself.
+#[test]
+fn a_free_gel_swells_as_flory_and_rehner_say() {
+    for (network, chi, volume) in [(1e-3, 0.1, 38.956632), (1e-3, 0.5, 9.965767), (1e-2, 0.1, 10.979649f64)] {
+        let swelling: f64 = 1.5;
+        let dry = swelling.powi(3);
+        let gel = Gel::new(network, 1.0, chi, swelling).unwrap();
+        // mu - mu0 of pure solvent, mu = 0
+        let slope = (1.0 - 1.0 / dry).ln() + 1.0 / dry + chi / (dry * dry);
+        let pressure = -(network * (1.0 / swelling - 1.0 / dry) + slope);
+        let stress = |volume: f64| {
+            let k = Kinematics::new(Mat3::identity() * (volume / dry).cbrt()).unwrap();
+            let own = check::evaluate(&gel, HERE, &k, &[]).stress
+                + check::evaluate(&Turgor::new(), HERE, &k, &[pressure]).stress;
+            own[(0, 0)]
+        };
+        assert!(stress(volume * (1.0 - 1e-7)) < 0.0 && stress(volume * (1.0 + 1e-7)) > 0.0, "{network}, {chi}");
+        // the same as a reference: the network is dry at J = 1 / volume
+        let free = Gel::in_solvent(network, 1.0, chi).unwrap();
+        let dry_at = |j: f64| {
+            let k = [Kinematics::new(Mat3::identity() * j.cbrt()).unwrap()];
+            let at = PointBatch { kinematics: &k, cell: 0, first: 0 };
+            free.check_domain(&at, Slots::none())
+        };
+        assert!(dry_at((1.0 + 1e-6) / volume).is_ok());
+        let outside = dry_at((1.0 - 1e-6) / volume).unwrap_err().to_string();
+        assert!(outside.contains("gel") && outside.contains("no solvent is left"), "{outside}");
+    }
+    let dry = Gel::new(1.0, 1.0, 0.1, 1.0).unwrap_err().to_string();
+    assert!(dry.contains("swelling") && dry.contains("above 1"), "{dry}");
+    let poor = Gel::new(1.0, 1.0, 0.7, 2.0).unwrap_err().to_string();
+    assert!(poor.contains("chi") && poor.contains("at most 1/2"), "{poor}");
+}
+
 #[test]
 fn dilatation() {
     for name in names() {
@@ -200,6 +253,7 @@ fn dilatation() {
                 "mooney_rivlin" | "formula" => mooney(MU3, MU1 + 2.0 * MU2),
                 "transverse_mooney_rivlin" => mooney(MU4, MU1 + 2.0 * MU2 + MU3) + MU3 * (s * s + s.powi(4) - 2.0),
                 "neo_hooke" => 1.5 * MU1 * (s * s - 1.0) - 3.0 * MU1 * log + LAMBDA / 2.0 * (j - 1.0).powi(2),
+                "gel" => 1.5 * MU1 * (s * s - 1.0) + gel(j)[0],
                 "neo_hooke_isochoric" => KAPPA / 4.0 * (j * j - 1.0 - 6.0 * log),
                 "saint_venant_kirchhoff" => (4.5 * LAMBDA + 3.0 * MU1) * ((s * s - 1.0) / 2.0).powi(2),
                 "arap" => 3.0 * MU1 * (s - 1.0).powi(2),
@@ -232,7 +286,7 @@ fn simple_shear() {
             "transverse_mooney_rivlin" => {
                 linear(2.0 * (MU1 + MU2 + MU3), [2.0 * (MU1 + MU2 + MU3), 0.0, 2.0 * (MU2 + MU3)])
             }
-            "neo_hooke" => linear(MU1, [MU1, 0.0, 0.0]),
+            "neo_hooke" | "gel" => linear(MU1, [MU1, 0.0, 0.0]),
             "neo_hooke_isochoric" => linear(MU1, [2.0 * MU1 / 3.0, -MU1 / 3.0, -MU1 / 3.0]),
             "saint_venant_kirchhoff" => {
                 // S = lambda tr E + 2 mu E with E = (g (e1 e2 + e2 e1) + g^2 e2 e2)/2, sigma = F S F^T
@@ -292,6 +346,8 @@ fn small_strain_moduli_are_those_of_the_table() {
             "mooney_rivlin" | "formula" => (6.8e5, 2.4e5, 2.4e5, 0.0),
             "transverse_mooney_rivlin" => (3.28e6, 2.4e5, 8.4e5, -1.2e6),
             "neo_hooke" => (4e5, 1e5, 1e5, 0.0),
+            // N/s^3 + c (x - 2 chi (x - 1)) / (x^2 (x - 1)) - N/s at x = 8
+            "gel" => (2.5e4 + 1e7 * 6.6 / 448.0 - 1e5, 1e5, 1e5, 0.0),
             "neo_hooke_isochoric" => (5e5 - 2e5 / 3.0, 1e5, 1e5, 0.0),
             "yeoh" | "gent" | "holzapfel_gasser_ogden" => (5e5 - 2e5 / 3.0, 1e5, 1e5, 0.0),
             "arruda_boyce" => {

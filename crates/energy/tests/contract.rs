@@ -164,7 +164,7 @@ fn names_are_distinct_and_unknown_ones_are_answered() {
     assert_eq!(
         error,
         "no law is called `moony_rivlin` (did you mean `mooney_rivlin`?); there are: mooney_rivlin, \
-         transverse_mooney_rivlin, neo_hooke, neo_hooke_isochoric, yeoh, gent, arruda_boyce, ogden, \
+         transverse_mooney_rivlin, neo_hooke, gel, neo_hooke_isochoric, yeoh, gent, arruda_boyce, ogden, \
          holzapfel_gasser_ogden, fiber_family, saint_venant_kirchhoff, arap, guccione, formula"
     );
     assert!(catalogue::actuation("sinew").unwrap_err().to_string().contains("fiber_tension"));

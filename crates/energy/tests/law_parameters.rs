@@ -6,8 +6,21 @@ use nastic_energy::{EnergyError, EnergyTerm, Field, MaterialPoint, MooneyRivlin,
 const HERE: MaterialPoint = MaterialPoint { cell: 0, point: 0 };
 
 /// Numbers that laws depend on otherwise than linearly.
-const HELD: [&str; 11] =
-    ["jm", "lambda_m", "alpha1", "alpha2", "alpha3", "alpha4", "k2", "dispersion", "toe", "bf", "bt"];
+const HELD: [&str; 13] = [
+    "chi",
+    "swelling",
+    "jm",
+    "lambda_m",
+    "alpha1",
+    "alpha2",
+    "alpha3",
+    "alpha4",
+    "k2",
+    "dispersion",
+    "toe",
+    "bf",
+    "bt",
+];
 
 /// The numbers of an example by their names, and whether each can be a slot.
 fn numbers(row: &catalogue::MaterialRow, form: usize) -> Vec<(&'static str, bool)> {

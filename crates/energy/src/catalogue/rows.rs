@@ -4,8 +4,8 @@ use super::fits;
 use super::formula_row::FORMULA;
 use super::{Made, MaterialRow, Parameter};
 use crate::{
-    Arap, ArrudaBoyce, EnergyError, FiberFamily, Field, Gent, Guccione, HolzapfelGasserOgden, MooneyRivlin, NeoHooke,
-    NeoHookeIsochoric, Ogden, SaintVenantKirchhoff, TransverseMooneyRivlin, Yeoh,
+    Arap, ArrudaBoyce, EnergyError, FiberFamily, Field, Gel, Gent, Guccione, HolzapfelGasserOgden, MooneyRivlin,
+    NeoHooke, NeoHookeIsochoric, Ogden, SaintVenantKirchhoff, TransverseMooneyRivlin, Yeoh,
 };
 
 pub const MATERIALS: &[MaterialRow] = &[
@@ -77,6 +77,25 @@ pub const MATERIALS: &[MaterialRow] = &[
                 NeoHooke::from_c10_d1(given.number("c10")?, given.number("d1")?)?
             } else {
                 NeoHooke::new(given.number("mu")?, given.number("lambda")?)?
+            }))
+        },
+    },
+    MaterialRow {
+        name: Gel::NAME,
+        about: "hydrogel in equilibrium with its solvent: Gaussian network and mixing of Flory and Huggins",
+        existence: "polyconvex; W -> inf as J -> 0; not coercive: nothing bounds the cofactor",
+        reinforcing: false,
+        forms: &[
+            &[pressure("network", 1e5), pressure("mixing", 1e7), number("chi", 0.1), number("swelling", 2.0)],
+            &[pressure("network", 1e5), pressure("mixing", 1e7), number("chi", 0.1)],
+        ],
+        fit: &[],
+        make: |given| {
+            let [network, mixing, chi] = [given.number("network")?, given.number("mixing")?, given.number("chi")?];
+            Ok(Made::linear(if given.form_has("swelling") {
+                Gel::new(network, mixing, chi, given.number("swelling")?)?
+            } else {
+                Gel::in_solvent(network, mixing, chi)?
             }))
         },
     },
