@@ -125,7 +125,7 @@ fn two_layers_curve_as_a_bimetal() -> Outcome {
 #[test]
 fn a_cut_ring_takes_the_growth_of_its_hoops() -> Outcome {
     let turn = 2.0 * std::f64::consts::PI;
-    let flat = rectangle([1.0, 0.2], [48, 1], CellKind::Quad9)?;
+    let flat = rectangle([1.0, 0.2], [80, 1], CellKind::Quad9)?;
     let around = |x: &[f64; 3]| [(1.0 + x[1]) * (turn * x[0]).cos(), -(1.0 + x[1]) * (turn * x[0]).sin(), 0.0];
     let places = flat.points().to_vec();
     let mesh = flat.with_points(places.iter().map(around).collect())?;
@@ -142,12 +142,12 @@ fn a_cut_ring_takes_the_growth_of_its_hoops() -> Outcome {
         let state = solid.solve(&controls, &STRICT)?;
         let energy = solid.body().evaluate(&state.u, &state.controls, false, false)?.energy;
         // of one with the same strains that were not free
-        assert!(energy < 1e-5 * 0.5 * g * g * turn * 0.2, "{g}: {energy:e}");
+        assert!(energy < 1e-6 * 0.5 * g * g * turn * 0.2, "{g}: {energy:e}");
         for (node, x) in places.iter().enumerate() {
             let (r, angle) = (1.0 + x[1], turn * (1.0 + g) * x[0]);
             let place = [0, 1].map(|c| mesh.points()[node][c] + state.u[2 * node + c]);
             let off = (place[0] - r * angle.cos()).hypot(place[1] + r * angle.sin());
-            assert!(off < 5e-4, "{g}: {off:e} at {x:?}");
+            assert!(off < 2e-4, "{g}: {off:e} at {x:?}");
         }
     }
     Ok(())

@@ -82,6 +82,19 @@ fn formulas_of_built_in_laws_are_these_laws() {
 }
 
 /// Every operation, with differences of the energy, of the stress, and of its change.
+/// K is the unit of temperatures, and in a law a bulk modulus if its user says so.
+#[test]
+fn a_parameter_may_be_called_as_the_unit_of_temperatures() {
+    let named = |name: &str| {
+        let text = format!("mu / 2 * (I1 - 3 - 2 * log(J)) + {name} / 2 * (J - 1)^2");
+        law(&text, &[("mu", "0.1 MPa"), (name, "0.4 MPa")]).unwrap()
+    };
+    assert!(EnergyFormula::refuses_name("K").is_none() && EnergyFormula::refuses_name("V").is_some());
+    assert_same(&named("K"), &named("bulk"), 0.0);
+    let product = unread("2 K * (J - 1)^2", &[("K", "0.4 MPa")]);
+    assert!(product.contains("products need \"*\""), "{product}");
+}
+
 #[test]
 fn derivatives_are_exact_to_third_order() {
     let texts = [

@@ -93,6 +93,8 @@ fn units_become_numbers_of_the_case() {
         ("(1 + 2) kPa", 3000.0),
         ("sqrt(4) mm", 0.002),
         ("-150 kPa", -150e3),
+        ("60 K", 60.0),
+        ("2e-4 / K * 60 K", 0.012),
     ] {
         assert_eq!(value(text), expected, "{text}");
     }
@@ -130,6 +132,15 @@ fn a_case_in_millimetres_computes_in_millimetres() {
 
 #[test]
 fn units_of_the_wrong_kind_are_refused() {
+    // a difference of temperatures has no offset, so no other unit
+    let heat = refusal("60 mm", Dimension::TEMPERATURE);
+    assert!(heat.ends_with("is a length, a temperature difference is wanted (K)"), "{heat}");
+    let heat = refusal("60 K", Dimension::EXPANSION);
+    assert!(heat.ends_with("a thermal expansion (1 over a temperature) is wanted (1/K)"), "{heat}");
+    for text in ["60 \u{b0}C", "60 degC", "60 C"] {
+        let said = Formula::parse(text, &Units::default()).unwrap_err().to_string();
+        assert!(said.contains("a difference in degrees Celsius is the same number: \"60 K\""), "{said}");
+    }
     let pressure = Dimension::PRESSURE;
     for text in [
         "5 mm",

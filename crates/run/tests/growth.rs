@@ -4,7 +4,7 @@
 
 use crate::common;
 
-use common::{CaseDirectory, problems, with};
+use common::{CaseDirectory, problems, warnings, with};
 use nastic_language::schema::Command;
 use serde_json::Value;
 
@@ -213,6 +213,26 @@ fn mistakes_of_the_kinds_are_told_where_they_stand() {
     );
     let found = problems(&timed);
     assert!(found.contains("actuation/0/strain: strain must stay above -1"), "{found}");
+}
+
+/// A free gel, swollen in pure solvent at rest (J = 38.956632 over its dry network), dries in vapour by a turgor of `c log h` to the volume at which the chemical
+/// potential is that of the vapour; its reference must hold solvent.
+#[test]
+fn a_gel_dries_to_the_volume_of_its_humidity() {
+    let case = r#"{ "nastic": 1,
+        "mesh": { "box": { "size": [0.01, 0.01, 0.01], "cells": [1, 1, 1], "element": "hex8" } },
+        "materials": [ { "region": "body", "law": "gel", "network": "136 kPa", "mixing": "136 MPa", "chi": 0.1 } ],
+        "supports": [ { "surface": "x-", "fix": "x" }, { "surface": "y-", "fix": "y" }, { "surface": "z-", "fix": "z" } ],
+        "actuation": [ { "name": "drying", "kind": "turgor", "region": "body", "pressure": "136 MPa * log(0.999)" } ] }"#;
+    let found = number(&run(Command::Solve, case), "min_J") * 38.956632;
+    let excess =
+        |x: f64| (1.0 - 1.0 / x).ln() + 1.0 / x + 0.1 / (x * x) + 1e-3 * (x.powf(-1.0 / 3.0) - 1.0 / x) - 0.999f64.ln();
+    assert!(excess(found * (1.0 - 1e-6)) < 0.0 && excess(found * (1.0 + 1e-6)) > 0.0 && found < 20.0, "{found}");
+    // one that swells it beyond its reference is another thing
+    assert!(!warnings(case).contains("grows too slowly"), "{}", warnings(case));
+    assert!(warnings(&with(case, "log(0.999)", "log(1.001)")).contains("grows too slowly"));
+    let dry = problems(&with(case, "\"chi\": 0.1", "\"chi\": 0.1, \"swelling\": 1"));
+    assert!(dry.contains("gel: swelling = 1e0, but it must be above 1: a dry network"), "{dry}");
 }
 
 /// Beside a fibre tension and a chamber: derivatives by every kind, and by the direction of those that have one, are exact to the second order.

@@ -72,7 +72,7 @@ fn add_law(case: &Case, actuation: &Actuation, solid: &mut Solid, context: &mut 
         }
         Err(error) => complain_of_law(&actuation.at, &error, context),
     }
-    if row.name == Turgor::NAME && mesh.dim() == 3 {
+    if row.name == Turgor::NAME && mesh.dim() == 3 && !only_deflates(case, actuation) {
         warn_of_growth(actuation, &cells, solid, context);
     }
     if row.name == Dielectric::NAME {
@@ -87,6 +87,15 @@ fn with_direction(case: &Case, actuation: &Actuation, law: Arc<dyn EnergyTerm>) 
     let is_control = |name: String| case.controls.iter().any(|control| control.of == name);
     let turns = actuation.direction().is_some_and(is_control);
     law.strain_map().filter(|_| turns).and_then(StrainMap::with_direction_slots).unwrap_or(law)
+}
+
+/// Whether a turgor has no positive pressure, which every law bears: that of a gel that dries.
+fn only_deflates(case: &Case, actuation: &Actuation) -> bool {
+    let negative = |value: Option<f64>| value.is_some_and(|pressure| pressure <= 0.0);
+    let fixed = actuation.fixed.values().any(|value| matches!(value, Fixed::Scalar(own) if negative(own.constant())));
+    let control = case.controls.iter().find(|control| control.of == actuation.name);
+    let upper = control.and_then(|control| control.upper.as_ref()?.scalar()?.constant());
+    fixed || negative(upper)
 }
 
 /// Warns of a turgor that outweighs the growth of the passive energy: `-m J` against exponents of `J` up to 1, where `J^(2/3)` is all that
