@@ -124,7 +124,8 @@ fn a_free_bar_takes_what_each_kind_says() {
     assert!((number(&found, "min_J") - 1.2 * 1.1).abs() < 1e-4, "{found}");
 }
 
-/// Two layers with moduli of 1 : 10, of which one is heated: Timoshenko's curvature `0.995851 e / h` for m = 1, n = 10, in plane strain by `1 + nu` more.
+/// Two layers with moduli of 1 : 10, of which one is heated: Timoshenko's curvature `0.995851 e / h` for m = 1, n = 10, in plane strain by `1 + nu` more; nearly
+/// incompressible layers too, without locking.
 ///
 /// Source: S. Timoshenko, "Analysis of bi-metal thermostats", J. Opt. Soc. Am. 11 (1925) 233-255.
 #[test]
@@ -138,13 +139,20 @@ fn unlike_layers_curve_as_a_bimetal() {
         "supports": [ { "surface": "x-", "fix": "all" } ],
         "actuation": [ { "name": "heat", "kind": "heat", "expansion": "1e-5 / K", "region": "hot", "temperature": "100 K" } ],
         "probes": [ { "name": "a", "point": [0.2, 0.0125] }, { "name": "b", "point": [0.5, 0.0125] }, { "name": "c", "point": [0.8, 0.0125] } ] }"#;
-    let found = run(Command::Solve, case);
-    let [a, b, c] = ["a", "b", "c"]
-        .map(|p| nastic_run::result::find(&found, &format!("probes/{p}/displacement")).unwrap()[1].as_f64().unwrap());
-    let (e, nu, h) = (1e-3, 0.3, 0.025);
-    let kappa = 0.995851 * e * (1.0 + nu) / h;
-    let curvature = -(a - 2.0 * b + c) / 0.09;
-    assert!((curvature / kappa - 1.0).abs() < 0.01, "{curvature} for {kappa}");
+    for (nu, formulation) in [(0.3, "standard"), (0.4999, "linear_dilatation")] {
+        let number = format!("\"poisson\": {nu}, \"formulation\": \"{formulation}\"");
+        let found = run(Command::Solve, &case.replace("\"poisson\": 0.3", &number));
+        let [a, b, c] = ["a", "b", "c"].map(|p| number_at(&found, p));
+        let (e, h) = (1e-3, 0.025);
+        let kappa = 0.995851 * e * (1.0 + nu) / h;
+        let curvature = -(a - 2.0 * b + c) / 0.09;
+        assert!((curvature / kappa - 1.0).abs() < 0.01, "{nu}: {curvature} for {kappa}");
+    }
+}
+
+/// The displacement of a probe along y.
+fn number_at(result: &Value, probe: &str) -> f64 {
+    nastic_run::result::find(result, &format!("probes/{probe}/displacement")).unwrap()[1].as_f64().unwrap()
 }
 
 /// What leaves nothing, what is no temperature, a direction that is none: each in one sentence, where it stands.
