@@ -19,6 +19,8 @@ pub struct Instant<'a> {
     pub step: Option<&'a TimeStep>,
     /// Whether to use all threads; the bits are the same.
     pub parallel: bool,
+    /// Whether tangents leave out the curvature of contacts, `p d^2 d/du^2` with the gap d, which is indefinite.
+    pub flat_contacts: bool,
     /// Internal variables outside of a time step: those of a state.
     pub remembered: &'a History,
     /// What sums over vectors of unknowns.
@@ -41,6 +43,7 @@ impl<'a> Instant<'a> {
             load,
             step: None,
             parallel: false,
+            flat_contacts: false,
             remembered,
             space: Space::LOCAL,
             block: 0,

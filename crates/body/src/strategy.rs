@@ -9,6 +9,8 @@ pub enum Strategy {
     Guess,
     /// Steps in time with friction: rounds in which its normal forces are those of the round before.
     LaggedFriction,
+    /// Steps in time with contact, far from their end or where the tangent is not positive definite: tangents without the curvature of contacts.
+    FlatContacts,
     /// Where contact alone holds a part: proximal steps of less and less weight.
     ProximalSteps,
     /// Nearly incompressible bodies: pressures at the quadrature points that every step predicts.
@@ -28,9 +30,10 @@ pub enum Strategy {
 
 impl Strategy {
     /// All of them.
-    pub const ALL: [Strategy; 9] = [
+    pub const ALL: [Strategy; 10] = [
         Self::Guess,
         Self::LaggedFriction,
+        Self::FlatContacts,
         Self::ProximalSteps,
         Self::PredictedPressures,
         Self::PointStrains,
@@ -45,6 +48,7 @@ impl Strategy {
         match self {
             Self::Guess => "guess",
             Self::LaggedFriction => "lagged_friction",
+            Self::FlatContacts => "flat_contacts",
             Self::ProximalSteps => "proximal_steps",
             Self::PredictedPressures => "predicted_pressures",
             Self::PointStrains => "point_strains",

@@ -203,7 +203,7 @@ pub(crate) fn step(
 }
 
 /// Of some displacements to which a straight move leads from a state the one where the incremental potential of a stage is lowest, if it is
-/// lower than there; without a potential, where its free residual is smallest.
+/// lower than there, prescribed components in their places; without a potential, where its free residual is smallest.
 fn nearest(
     model: &Model,
     guesses: Vec<Option<Vec<f64>>>,
@@ -222,7 +222,11 @@ fn nearest(
     let begin = at.under(&than.controls);
     let reached =
         |u: &[f64]| model.moves().admissible_change(&begin, &Instant { u, ..at }).is_ok_and(|share| share >= 1.0);
-    let mut least = merit(&than.u).unwrap_or(f64::INFINITY);
+    let still = match step.end {
+        None => model.prescribed_unknowns().placed(&than.u, controls),
+        Some(_) => than.u.to_vec(),
+    };
+    let mut least = merit(&still).unwrap_or(f64::INFINITY);
     let mut nearest = None;
     for guess in guesses.into_iter().flatten().filter(|u| reached(u)) {
         if let Some(value) = merit(&guess).filter(|value| *value < least) {

@@ -98,6 +98,12 @@ impl PrescribedUnknowns<'_> {
         Ok(found)
     }
 
+    /// Unknowns with the held ones where these controls hold them.
+    pub fn placed(&self, u: &[f64], controls: &Controls) -> Vec<f64> {
+        let (held, values) = (self.model.supports.fixed(), self.model.prescribed(controls, 1.0));
+        u.iter().zip(held).zip(values).map(|((u, held), value)| if *held { value } else { *u }).collect()
+    }
+
     /// Refuses a state whose surfaces are not where its controls hold them.
     pub fn check_prescribed(&self, state: &State) -> Result<(), FemError> {
         let size = self.model.discretization().mesh().diagonal();

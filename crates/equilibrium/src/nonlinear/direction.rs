@@ -30,12 +30,10 @@ pub(crate) struct Step {
 /// How far a step is to go.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Take {
-    /// The whole of it, or it fails.
-    Whole,
     /// The whole of it, or it fails with what inverts there.
     Once,
-    /// As far as is admissible.
-    Longest,
+    /// As far as is admissible, at least a share of it, or it fails.
+    Longest { least: f64 },
     /// All of it, which is this share of a step and admissible.
     Checked { length: f64 },
     /// As far as a merit falls.
@@ -46,7 +44,7 @@ impl Step {
     /// One that is taken whole or not at all.
     pub fn whole(dx: Vec<f64>, curvature: Curvature, space: &Space) -> Self {
         let size = space.max_abs(&dx[..space.nodal()]);
-        Step { dx, curvature, size, scale: 0.0, take: Take::Whole }
+        Step { dx, curvature, size, scale: 0.0, take: Take::Longest { least: 1.0 } }
     }
 }
 

@@ -12,7 +12,14 @@ use nastic_body::controls::Controls;
 use nastic_body::error::Inadmissible;
 use nastic_body::instant::{Instant, TimeStep};
 use nastic_body::state::State;
+use nastic_body::strategy::Strategy;
 use nastic_linear::SparseMatrix;
+
+/// Relative residual of a step in time above which its tangents leave out the curvature of contacts: the forces of gaps that an iterate has closed too far make
+/// it large, and it is of no use there.
+const MIN_FLAT_RESIDUAL: f64 = 1e-2;
+/// Distance of prescribed components from their places in a step in time that is rounding, as a share of the body's size: a guess that carries them along.
+const PLACE_ROUNDING: f64 = 1e-12;
 
 /// `r(x) = 0`: the residual of a model by the unknowns `x = (u, p)`, p the multipliers of constraints, or `x = (u, p, s)` along a path.
 pub(crate) struct Equations<'a> {
@@ -21,6 +28,8 @@ pub(crate) struct Equations<'a> {
     pub options: &'a SolveOptions<'a>,
     /// A proximal term beside the model.
     pub anchor: Option<&'a Anchor>,
+    /// [`Instant::flat_contacts`]
+    pub flat_contacts: bool,
 }
 
 /// How controls and loads are given.
@@ -55,7 +64,8 @@ impl<'a> Equations<'a> {
         let parallel = self.options.parallel;
         match self.drive {
             Drive::Held { controls, load, time_step, .. } => {
-                call(&Instant { step: time_step, parallel, ..Instant::new(x, controls, load) })
+                let flat_contacts = self.flat_contacts;
+                call(&Instant { step: time_step, parallel, flat_contacts, ..Instant::new(x, controls, load) })
             }
             Drive::Path { .. } => {
                 let (u, s) = self.split(x);
@@ -78,6 +88,16 @@ impl<'a> Equations<'a> {
     /// Whether it is an equilibrium at given controls, not a step in time.
     pub fn is_static(&self) -> bool {
         matches!(self.drive, Drive::Held { time_step: None, .. })
+    }
+
+    /// Whether tangents may leave out the curvature of contacts: in steps in time, where inertia or a short way makes an equilibrium a minimum.
+    pub fn may_flatten(&self) -> bool {
+        !self.is_static() && self.model.touches_something() && self.options.strategies.has(Strategy::FlatContacts)
+    }
+
+    /// Whether tangents at an iterate leave it out: far from the end of a step.
+    pub fn flattens(&self, here: &Iterate) -> bool {
+        here.relative > MIN_FLAT_RESIDUAL && self.may_flatten()
     }
 
     /// Whether trials project rigid bodies onto their constraints. Steps in time do not: rotations are small, and the projection increased iterations by half.
@@ -234,11 +254,19 @@ impl<'a> Equations<'a> {
         self.with(from, |at| point.admissible_move_of_others(at, self.split(to).0))
     }
 
-    /// Along a path, sets prescribed components to their values at s; elsewhere they [jump](Self::jump) in a step.
+    /// Along a path, sets prescribed components to their values at s, and in a step in time where rounding alone keeps them away; elsewhere they
+    /// [jump](Self::jump) in a step.
     pub fn place(&self, x: &mut [f64]) {
-        let Drive::Path { .. } = self.drive else { return };
-        let (controls, load) = self.prescribed_at(self.split(x).1);
-        let values = self.model.prescribed(&controls, load);
+        let values = match self.drive {
+            Drive::Path { .. } => {
+                let (controls, load) = self.prescribed_at(self.split(x).1);
+                self.model.prescribed(&controls, load)
+            }
+            Drive::Held { controls, load, time_step: Some(step), share } if self.jump(x).is_none() => {
+                self.prescribed(controls, load, Some(step), share)
+            }
+            Drive::Held { .. } => return,
+        };
         for ((u, &fixed), value) in x.iter_mut().zip(self.model.supports.fixed()).zip(values) {
             if fixed {
                 *u = value;
@@ -252,7 +280,8 @@ impl<'a> Equations<'a> {
         let prescribed = self.prescribed(controls, load, time_step, share);
         let wanted = self.model.supports.fixed().iter().zip(&prescribed).zip(x);
         let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { v - u } else { 0.0 }).collect();
-        self.model.unknowns().any(jump.iter().any(|&d| d != 0.0)).then_some(jump)
+        let rounding = if time_step.is_some() { PLACE_ROUNDING * self.diagonal() } else { 0.0 };
+        self.model.unknowns().any(jump.iter().any(|d| d.abs() > rounding)).then_some(jump)
     }
 
     /// The values of the prescribed components; those of an extrapolated end are interpolated between the state before and that end.

@@ -75,8 +75,7 @@ impl<'a> LineSearch<'a> {
         report: &mut SolveReport,
     ) -> Result<Taken<'a>, Stop> {
         match step.take {
-            Take::Whole => self.within(here, &step.dx, 1.0),
-            Take::Longest => self.within(here, &step.dx, 0.0),
+            Take::Longest { least } => self.within(here, &step.dx, least),
             Take::Once => {
                 let x = moved(here.x, &step.dx, 1.0);
                 if self.equations.chord(here.point, here.x, &x)? < 1.0 {
@@ -151,6 +150,7 @@ impl<'a> LineSearch<'a> {
         }
         // a residual that is mostly errors of the volumes does not indicate a saddle
         if self.equations.anchor.is_none()
+            && !self.equations.flattens(here)
             && !uphill
             && direction.pressures().is_none_or(PredictedPressures::are_settled)
             && let Some(taken) = self.residual_falls(here, &step.dx, SADDLE_RULE)?
@@ -179,7 +179,8 @@ impl<'a> LineSearch<'a> {
             |dx: &[f64], energy: Energy| self.downhill(here, dx, &Sliding::new(equations, in_time, here, energy)?);
         let energy = |dx: &[f64]| Energy::new(equations, here, dx, step.scale);
         let own = energy(&step.dx);
-        let taken = match own.line().slope < 0.0 {
+        let definite = step.curvature != Curvature::Negative || !equations.flattens(here);
+        let taken = match definite && own.line().slope < 0.0 {
             true => along(&step.dx, own),
             false => direction.downhill(here, report).and_then(|dx| along(&dx, energy(&dx))),
         };
@@ -293,6 +294,10 @@ impl<'a> LineSearch<'a> {
         rule: Rule,
     ) -> Result<Option<Taken<'a>>, Inadmissible> {
         let line = merit.line();
+        // what rounding accepts along a direction that leads uphill never ends
+        if merit.is_energy() && line.slope > line.noise && !self.equations.is_static() {
+            return Ok(None);
+        }
         let least_j = if merit.is_energy() { MIN_J_RATIO * here.now.min_j } else { f64::NEG_INFINITY };
         let (mut length, mut wall) = (longest, None);
         let at = |length: f64| -> Result<_, Inadmissible> {

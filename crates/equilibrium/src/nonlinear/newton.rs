@@ -167,7 +167,13 @@ impl Model {
         share: f64,
         options: &'a SolveOptions<'a>,
     ) -> Equations<'a> {
-        Equations { model: self, drive: Drive::Held { controls, load, time_step, share }, options, anchor: None }
+        Equations {
+            model: self,
+            drive: Drive::Held { controls, load, time_step, share },
+            options,
+            anchor: None,
+            flat_contacts: false,
+        }
     }
 }
 

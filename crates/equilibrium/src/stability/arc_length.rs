@@ -65,7 +65,8 @@ impl<'a> PathEquations<'a> {
         weights.iter_mut().for_each(|w| *w /= volume);
         model.supports.clear(&mut weights);
         weights.resize(model.unknowns().len(), 0.0);
-        let equations = Equations { model, drive: Drive::Path { from, to }, options, anchor: None };
+        let equations =
+            Equations { model, drive: Drive::Path { from, to }, options, anchor: None, flat_contacts: false };
         PathEquations {
             equations,
             workspace,

@@ -178,8 +178,9 @@ impl<W: Counterpart> ContributionPoint for ContactPoint<'_, W> {
         let (of, state, acting) = (self.of, self.state(at)?, Acting::of(self.of, at));
         let stencils = W::stencils(of, &state, at.u);
         let of_stencil = |stencil: &W::Stencil<'_>| {
-            let pressed = acting.on(of, stencil);
-            stencil.tangent(&pressed.pressure, pressed.friction.as_ref())
+            let Pressed { pressure, friction, .. } = acting.on(of, stencil);
+            let value = if at.flat_contacts { 0.0 } else { pressure.value };
+            stencil.tangent(&Pressure { value, ..pressure }, friction.as_ref())
         };
         let found: Vec<_> = match at.parallel && stencils.len() > MIN_PARALLEL_STENCILS {
             true => stencils.par_iter().map(of_stencil).collect(),

@@ -52,7 +52,7 @@ pub(crate) struct Place {
 }
 
 impl Saved for Checkpoint {
-    const KIND: &'static str = "nastic-optimisation-11";
+    const KIND: &'static str = "nastic-optimisation-12";
 }
 
 impl Position {

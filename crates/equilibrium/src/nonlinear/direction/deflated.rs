@@ -107,7 +107,7 @@ impl Direction for Deflated<'_> {
         let longest = MAX_STEP_RATIO * equations.diagonal() / size.max(f64::MIN_POSITIVE);
         let mut dx: Vec<f64> = newton.iter().map(|d| factor.clamp(-longest, longest) * d).collect();
         equations.keep_positive(here.x, &mut dx);
-        Ok(Step { dx, curvature: Curvature::Positive, size, scale, take: Take::Longest })
+        Ok(Step { dx, curvature: Curvature::Positive, size, scale, take: Take::Longest { least: 0.0 } })
     }
 }
 

@@ -9,6 +9,7 @@ use crate::nonlinear::iteration::STAGNATION_TOLERANCE;
 use crate::nonlinear::predicted_pressures::PredictedPressures;
 use nastic_body::error::Inadmissible;
 use nastic_body::state::SolveReport;
+use nastic_body::strategy::Strategy;
 use nastic_linear::solver::Curvature;
 use nastic_linear::{LinearError, LinearSolver};
 
@@ -17,6 +18,10 @@ use nastic_linear::{LinearError, LinearSolver};
 /// for at once.
 const MAX_JUMP_TOLERANCE: f64 = 1e-2;
 
+/// Share of a step of prescribed components in time below which it fails.
+const MIN_JUMP_SHARE: f64 = 0.05;
+/// Relative residual of a step without the curvature of contacts, which is not Newton's.
+const MAX_FLAT_STEP_RESIDUAL: f64 = 1e-3;
 /// Largest residual of a step with the factor of an earlier tangent over the one asked for: with predicted pressures the next step does not correct it.
 const MAX_REUSED_RESIDUAL_RATIO: f64 = 10.0;
 /// Smallest relative residual that such a step is compared with, above that of multigrid.
@@ -31,13 +36,19 @@ pub(crate) struct Plain<'a> {
     tangent: Option<Tangent>,
     rhs: Vec<f64>,
     jump: Jump,
+    /// Whether a step has taken a share of the jump alone.
+    partly: bool,
+    /// Whether the tangent is without the curvature of contacts.
+    flat: bool,
     pressures: Option<PredictedPressures<'a>>,
 }
 
 impl<'a> Plain<'a> {
     pub fn new(equations: &'a Equations<'a>, u: &[f64], solver: &'a mut dyn LinearSolver) -> Self {
         let systems = TangentSystems::new(equations.model, equations.options.parallel, solver);
-        Plain { equations, systems, tangent: None, rhs: Vec::new(), jump: equations.jump(u), pressures: None }
+        let jump = equations.jump(u);
+        let (tangent, rhs, pressures) = (None, Vec::new(), None);
+        Plain { equations, systems, tangent, rhs, jump, partly: false, flat: false, pressures }
     }
 
     /// With pressures that every step predicts.
@@ -48,7 +59,7 @@ impl<'a> Plain<'a> {
 
 impl Direction for Plain<'_> {
     fn is_pending(&self) -> bool {
-        self.jump.is_some()
+        self.jump.is_some() || self.partly
     }
 
     fn find(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Step, Stop> {
@@ -59,8 +70,14 @@ impl Direction for Plain<'_> {
         }
     }
 
-    /// With a shifted tangent.
+    /// With a tangent without the curvature of contacts, or with a shifted one.
     fn downhill(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<Vec<f64>, Stop> {
+        if !self.flat && self.pressures.is_none() && self.equations.may_flatten() {
+            let (dx, curvature) = self.flat_step(here, report)?;
+            if curvature == Curvature::Positive {
+                return Ok(dx);
+            }
+        }
         let Some(tangent) = &self.tangent else { return Err(Stop::Slow { residual: here.relative }) };
         let dx = match self.systems.shifted_step(tangent, here.x, &self.rhs, report) {
             Err(LinearError::NoEntries) => {
@@ -79,6 +96,7 @@ impl Direction for Plain<'_> {
     }
 
     fn took(&mut self, share: f64) {
+        self.partly &= share < 1.0;
         if let Some(pressures) = &mut self.pressures {
             pressures.end(share);
         }
@@ -88,7 +106,14 @@ impl Direction for Plain<'_> {
 impl Plain<'_> {
     /// With products of cells instead of entries, if asked for and the model has them.
     fn step(&mut self, here: &Iterate, products: bool, report: &mut SolveReport) -> Result<Step, Stop> {
-        let equations = self.equations;
+        if self.partly {
+            (self.jump, self.partly) = (self.equations.jump(here.x), false);
+        }
+        self.flat = self.pressures.is_none() && self.equations.flattens(here);
+        if self.flat {
+            report.strategies.count(Strategy::FlatContacts);
+        }
+        let equations = &Equations { flat_contacts: self.flat, ..*self.equations };
         let tangent = equations.tangent_or_products(here, products, &mut self.tangent)?;
         let mut soft = 1.0;
         if let (Some(pressures), Some(matrix)) = (&mut self.pressures, tangent.entries_mut()) {
@@ -125,9 +150,24 @@ impl Plain<'_> {
         }
         self.begin(here, &dx)?;
         if jump.is_some() {
-            return Ok(Step { scale, ..Step::whole(dx, curvature, equations.model.unknowns()) });
+            let whole = Step::whole(dx, curvature, equations.model.unknowns());
+            // what a step in time passes through is cleared by the next iteration
+            self.partly = !equations.is_static();
+            let take = if self.partly { Take::Longest { least: MIN_JUMP_SHARE } } else { whole.take };
+            return Ok(Step { scale, take, ..whole });
         }
         Ok(Step { size: equations.model.unknowns().max_abs(&dx), dx, curvature, scale, take: Take::Search })
+    }
+
+    /// With the tangent without the curvature of contacts, to which the present one changes.
+    fn flat_step(&mut self, here: &Iterate, report: &mut SolveReport) -> Result<(Vec<f64>, Curvature), Stop> {
+        report.strategies.count(Strategy::FlatContacts);
+        let flat = Equations { flat_contacts: true, ..*self.equations };
+        let tangent = flat.tangent_or_products(here, false, &mut self.tangent)?;
+        tangent.eliminate(flat.model);
+        self.systems.forget();
+        let wanted = StepWanted::Newton;
+        Ok(self.systems.step(&*tangent, here.x, &self.rhs, MAX_FLAT_STEP_RESIDUAL, wanted, report)?)
     }
 
     fn begin(&mut self, here: &Iterate, dx: &[f64]) -> Result<(), Inadmissible> {
