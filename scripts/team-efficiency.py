@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Efficiency of members over ranks by the formula of docs/development/messages-of-ranks.md: python3 scripts/team-efficiency.py [--plot] (NumPy; matplotlib for the plot).
 
-Prints the table of that page, and with --plot draws docs/images/team_efficiency.png.
+Prints the estimates of that page, and with --plot draws docs/images/team_efficiency.png.
 
 Times of members are lognormal with a spread (standard deviation over mean) of 0.35; what they will take is known from counts to 10 %. Their means are
 those measured for one solve and one gradient of docs/development/performance.md. Messages are those of scripts/message_times.py. Seeded.
