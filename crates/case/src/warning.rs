@@ -60,7 +60,16 @@ pub const WARNINGS: &[&WarningKind] = &[
     &STEPS_PER_CONTACT,
     &CREEPS,
     &FEW_FACETS,
+    &CUT_VOLUME,
 ];
+
+/// A design that its STL file does not show.
+pub const CUT_VOLUME: WarningKind = WarningKind {
+    code: "cut_volume",
+    about: "the body of a design in its STL file has another volume than the design, by more than 1 % of the region",
+    advice: "bring the design to 0 or 1 (\"projection\", a larger \"power\"): a value that it has on a whole part is in the body or not; or refine curved \
+             cells, which are cut into flat pieces",
+};
 
 /// A contact without effect.
 pub const NO_CONTACT: WarningKind = WarningKind {

@@ -6,6 +6,12 @@ use std::collections::BTreeMap;
 
 /// How often the level of a volume is bisected: to 1e-6 of the range of the field.
 const VOLUME_BISECTIONS: usize = 20;
+/// A simplex whose values differ by no more than this share of the largest value is part of a plateau.
+const PLATEAU_HEIGHT: f64 = 1e-6;
+/// The share of the error of the volume that a level halfway between plateaus may add.
+const PLATEAU_MARGIN: f64 = 0.5;
+/// Volumes that differ by no more than this share are the same.
+const SAME_VOLUME: f64 = 1e-6;
 
 /// A closed surface of triangles, each counter-clockwise seen from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -137,21 +143,66 @@ impl LevelBody {
         ClosedSurface { points, triangles }
     }
 
-    /// The level at which the surface encloses a volume, the nearest one if none does; 1/2 of a field without values.
+    /// The level at which the surface encloses a volume; 1/2 of a field without values. None may: a plateau of the field is above a level as a whole or not at all.
+    /// Then it is the level on the side of the plateau whose volume is nearer (below it of equal ones), halfway to the next plateau or, without one, to the end of
+    /// the range where that costs at most half of the error more; beyond the range that is half of it farther, of a uniform field 1/2.
     #[must_use]
     pub fn level_of_volume(&self, positions: &[[f64; 3]], volume: f64) -> f64 {
         let used = || self.simplices.iter().flat_map(Simplex::corners).map(|point| self.values[*point as usize]);
-        let (mut low, mut high) = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)));
-        if low > high {
+        let (least, most) = used().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)));
+        if least > most {
             return 0.5;
         }
+        let of = |level: f64| self.surface(positions, level).volume();
+        let (mut low, mut high) = (least, most);
         for _ in 0..VOLUME_BISECTIONS {
             let middle = 0.5 * (low + high);
-            match self.surface(positions, middle).volume() > volume {
+            match of(middle) > volume {
                 true => low = middle,
                 false => high = middle,
             }
         }
-        0.5 * (low + high)
+        let level = 0.5 * (low + high);
+        let rounding = (PLATEAU_HEIGHT * least.abs().max(most.abs())).max(f64::MIN_POSITIVE);
+        let plateaus = self.plateaus(rounding);
+        let next = plateaus.partition_point(|s| *s < level - 2.0 * rounding);
+        let before = next.checked_sub(1).map(|k| plateaus[k]);
+        let error = |level: f64| (of(level) - volume).abs();
+        match plateaus.get(next).copied() {
+            Some(plateau) if plateau <= level + 2.0 * rounding => {
+                let beyond = if most - least > rounding { 0.5 * (most - least) } else { 0.5 };
+                let away = |other: Option<f64>, end: f64, step: f64| match other {
+                    Some(other) => 0.5 * (plateau + other),
+                    None if (plateau - end).abs() > rounding => 0.5 * (plateau + end),
+                    None => plateau + step,
+                };
+                let sides = [
+                    (away(before, least, -beyond), plateau - 2.0 * rounding),
+                    (away(plateaus.get(next + 1).copied(), most, beyond), plateau + 2.0 * rounding),
+                ];
+                let [below, above] = sides.map(|(_, beside)| error(beside));
+                let ((far, beside), own) = if below <= above { (sides[0], below) } else { (sides[1], above) };
+                if error(far) <= (1.0 + PLATEAU_MARGIN) * own + SAME_VOLUME * volume.abs() { far } else { beside }
+            }
+            Some(after) => {
+                let middle = before.map(|before| 0.5 * (before + after));
+                let same = |middle: &f64| error(*middle) <= error(level) + SAME_VOLUME * volume.abs();
+                middle.filter(same).unwrap_or(level)
+            }
+            None => level,
+        }
+    }
+
+    /// The values that the field has on whole simplices, ascending.
+    fn plateaus(&self, rounding: f64) -> Vec<f64> {
+        let of = |simplex: &Simplex| {
+            let values = || simplex.corners().map(|point| self.values[*point as usize]);
+            let (least, most) = values().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), s| (l.min(s), h.max(s)));
+            (most - least <= rounding).then_some(0.5 * (least + most))
+        };
+        let mut all: Vec<f64> = self.simplices.iter().filter_map(of).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        all.dedup_by(|next, kept| *next - *kept <= 2.0 * rounding);
+        all
     }
 }

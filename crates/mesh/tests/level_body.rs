@@ -75,3 +75,49 @@ fn parts_are_closed_where_they_end_and_move_with_the_body() -> Result<(), MeshEr
     }
     Ok(())
 }
+
+/// A plateau is in the body or not; levels lie between plateaus, beyond them of a uniform field.
+#[test]
+fn levels_lie_between_plateaus() -> Result<(), MeshError> {
+    let mesh = rectangle([1.0, 1.0], [20, 20], CellKind::Quad4)?;
+    let cells: Vec<u32> = (0..mesh.cells() as u32).collect();
+    let whole = 0.1;
+    let found = |s: &dyn Fn([f64; 3]) -> f64, share: f64| {
+        let body = level_body(&mesh, &cells, s);
+        let level = body.level_of_volume(mesh.points(), share * whole);
+        (level, body.surface(mesh.points(), level).volume() / whole)
+    };
+    let uniform = |value: f64| found(&|_| value, value);
+    assert_eq!(uniform(0.0), (0.5, 0.0));
+    assert_eq!(uniform(0.3), (0.8, 0.0));
+    let (level, share) = uniform(1.0);
+    assert!(level == 0.5 && (share - 1.0).abs() < 1e-12, "{level} {share}");
+    let (level, share) = uniform(0.7);
+    assert!((level - 0.2).abs() < 1e-12 && (share - 1.0).abs() < 1e-12, "{level} {share}");
+    // halves of two values: the level is between them where the volume at the upper one is not much nearer
+    for [low, high] in [[0.0, 0.5], [0.1, 0.5], [0.0, 1.0]] {
+        let (level, share) = found(&|x| if x[0] < 0.5 { high } else { low }, 0.5 * (low + high));
+        assert!(
+            (level - 0.5 * (low + high)).abs() < 1e-6 && (share - 0.5).abs() < 1e-4,
+            "{low} {high}: {level} {share}"
+        );
+    }
+    // of three levels that lie apart the one between the upper two
+    let steps = |x: [f64; 3]| (3.0 * x[0]).floor() / 2.0;
+    let (level, share) = found(&steps, 0.34);
+    assert!((level - 0.75).abs() < 0.2 && (share - 0.34).abs() < 1e-4, "{level} {share}");
+    Ok(())
+}
+
+/// Parts that do not touch: all levels between their values have the same volume.
+#[test]
+fn levels_of_parts_apart_lie_halfway() -> Result<(), MeshError> {
+    let mesh = rectangle([1.0, 1.0], [10, 10], CellKind::Quad4)?;
+    let x = |cell: u32| mesh.cell(cell as usize).nodes.iter().map(|a| mesh.points()[*a as usize][0]).sum::<f64>() / 4.0;
+    let cells: Vec<u32> = (0..mesh.cells() as u32).filter(|cell| (x(*cell) - 0.5).abs() > 0.2).collect();
+    let body = level_body(&mesh, &cells, |x| if x[0] < 0.5 { 1.0 } else { 0.0 });
+    let level = body.level_of_volume(mesh.points(), 0.03);
+    let share = body.surface(mesh.points(), level).volume();
+    assert!((level - 0.5).abs() < 1e-6 && (share - 0.03).abs() < 1e-9, "{level} {share}");
+    Ok(())
+}

@@ -104,6 +104,7 @@ fn control(
         volume: of_design(|member, of, m, stage| measure(member, DesignMean::volume(of, 1.0), m, stage)),
         greyness: of_design(|member, of, m, stage| measure(member, DesignMean::greyness(of, 1.0), m, stage)),
         level: Number::default(),
+        cut_volume: Number::default(),
         grid: own.basis.grid().map(|grid| grid.cells().to_vec()),
         instants: own.knots.as_ref().map(|knots| numbers(&knots.instants())),
         values: few,

@@ -2,8 +2,10 @@
 
 use crate::files::Directory;
 use nastic_case::lower::{CaseMember, CaseProblem};
+use nastic_case::warning::{CUT_VOLUME, Warning};
 use nastic_control::{ControlMap, Expansion};
 use nastic_io::WriteError;
+use nastic_language::number::short;
 use nastic_language::schema::DesignKind;
 use nastic_mesh::LevelBody;
 use nastic_report::record::{ByName, ControlRecord};
@@ -12,6 +14,19 @@ use nastic_report::record::{ByName, ControlRecord};
 const PLATE_THICKNESS: f64 = 0.1;
 /// Slicers take millimetres.
 const EXPONENT_OF_MILLIMETRE: i32 = -3;
+/// Share of its region by which the volume of a body may differ from that of the field without a word.
+const VOLUME_TOLERANCE: f64 = 0.01;
+
+/// What was cut.
+#[derive(Default)]
+pub struct CutDesigns {
+    /// The names of the files.
+    pub files: Vec<String>,
+    /// Of bodies that have another volume than the field.
+    pub warnings: Vec<Warning>,
+    /// Files that are not written, as nothing is in them.
+    pub empty: Vec<String>,
+}
 
 /// What a design is cut into.
 struct Cut {
@@ -23,6 +38,8 @@ struct Cut {
     rest: Option<LevelBody>,
     /// Of the whole field: the volume that it stands for.
     volume: f64,
+    /// The volume of its region.
+    region: f64,
 }
 
 impl Cut {
@@ -52,17 +69,18 @@ impl Cut {
             let thickness = PLATE_THICKNESS * mesh.diagonal();
             let across = if mesh.dim() == 2 { thickness } else { 1.0 };
             let volume = across * values.iter().zip(&volumes).map(|(s, v)| s * v).sum::<f64>();
+            let region = across * volumes.iter().sum::<f64>();
             let body = |values: &[f64]| LevelBody::new(mesh, &cells, values, &volumes, thickness);
             let negative: Vec<f64> = values.iter().map(|s| -s).collect();
             let rest = is_mixture.then(|| body(&negative));
-            Some(Cut { name: field.name.clone(), body: body(&values), rest, volume })
+            Some(Cut { name: field.name.clone(), body: body(&values), rest, volume, region })
         };
         blocks.filter_map(of).collect()
     }
 }
 
-/// Cuts the designs of a control vector at the levels at which their bodies have the volume that the fields stand for, tells these levels, and writes the bodies:
-/// at rest, and deformed as the first member of every load case that has the design; the names of the files.
+/// Cuts the designs of a control vector at the levels at which their bodies have the volume that the fields stand for, tells levels and volumes, and writes the bodies:
+/// at rest, and deformed as the first member of every load case that has the design.
 ///
 /// # Errors
 /// What the system answers.
@@ -72,31 +90,48 @@ pub fn write(
     controls: &mut ByName<ControlRecord>,
     deformed: &[(CaseMember<'_>, Vec<[f64; 3]>)],
     out: &Directory,
-) -> Result<Vec<String>, WriteError> {
+) -> Result<CutDesigns, WriteError> {
     let scale = 10f64.powi(problem.units().length().exponent - EXPONENT_OF_MILLIMETRE);
     let rest = problem.mesh().points();
-    let mut files = Vec::new();
+    let mut all = CutDesigns::default();
     for cut in Cut::all(problem, m, stage) {
         let level = cut.body.level_of_volume(rest, cut.volume);
+        // nothing is -0 otherwise
+        let [cut_share, share] =
+            [cut.body.surface(rest, level).volume(), cut.volume].map(|volume| volume / cut.region + 0.0);
         if let Some(record) = controls.get_mut(&cut.name) {
-            record.level = level.into();
+            (record.level, record.cut_volume) = (level.into(), cut_share.into());
+        }
+        if (cut_share - share).abs() > VOLUME_TOLERANCE {
+            let [cut_share, share] = [cut_share, share].map(|share| short(100.0 * share));
+            let message = format!(
+                "\"{}\" is {share} % of its region, and above the level {} {cut_share} %",
+                cut.name,
+                short(level)
+            );
+            all.warnings.push(Warning::new(&CUT_VOLUME, message));
         }
         let has = |member: &CaseMember<'_>| member.fields().any(|(_, field)| field.name == cut.name);
         let parts = [("", Some(&cut.body), level), ("_rest", cut.rest.as_ref(), -level)];
         for (part, body, level) in parts.into_iter().filter_map(|(part, body, level)| Some((part, body?, level))) {
             let mut put = |name: String, positions: &[[f64; 3]]| {
                 let surface = body.surface(positions, level);
-                if !surface.triangles.is_empty() {
-                    out.write_stl(&name, &surface, scale)?;
-                    files.push(name);
+                if surface.triangles.is_empty() {
+                    return Ok(false);
                 }
-                Ok(())
+                out.write_stl(&name, &surface, scale)?;
+                all.files.push(name);
+                Ok(true)
             };
-            put(format!("design_{}{part}.stl", cut.name), rest)?;
+            let name = format!("design_{}{part}.stl", cut.name);
+            if !put(name.clone(), rest)? {
+                all.empty.push(name);
+                continue;
+            }
             for (member, positions) in deformed.iter().filter(|(member, _)| has(member)) {
                 put(member.case_file(&format!("design_{}{part}_deformed.stl", cut.name)), positions)?;
             }
         }
     }
-    Ok(files)
+    Ok(all)
 }

@@ -93,6 +93,45 @@ fn resumed_to_the_bit() {
     }
 }
 
+/// Stops when something is said, and keeps all that is.
+struct Stop {
+    at: &'static str,
+    cancel: Arc<AtomicBool>,
+    heard: Heard,
+}
+
+impl std::io::Write for Stop {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        if std::str::from_utf8(bytes).unwrap().contains(self.at) {
+            self.cancel.store(true, Ordering::Relaxed);
+        }
+        self.heard.write(bytes)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// What a run that was interrupted began with is told as far as the stage values it, and no number that is none.
+#[test]
+fn an_interrupted_stage_has_the_numbers_that_there_are() {
+    for (at, stages, start) in [("    4 ", 1, true), ("stage 2 of 2", 2, false)] {
+        let (place, heard) = (CaseDirectory::new(), Heard::default());
+        let options = place.options(&["optimizer/max_iterations=16", "optimizer/stage_tolerance=1e-9"]);
+        let console = Console::new(Stop { at, cancel: options.cancel.clone(), heard: heard.clone() });
+        let found = place.run_with(Command::Optimize, CANTILEVER, &console, &options).unwrap().result;
+        let said = heard.text();
+        let cost = said.lines().find(|line| line.starts_with("cost ")).unwrap();
+        assert!(!said.contains("NaN") && cost.contains("->") == start, "{said}");
+        let all = found["stages"].as_array().unwrap();
+        let iterations: f64 = all.iter().map(|stage| number(&stage["iterations"])).sum();
+        assert!(all.len() == stages && iterations == number(&found["iterations"]), "{all:?}");
+        assert_eq!(all[stages - 1]["converged"], false, "{all:?}");
+        assert_eq!(found["start"]["cost"]["total"].is_number(), start, "{}", found["start"]);
+    }
+}
+
 /// Rows of constraints of several load cases are those of sums with unit weights, whether they depend on the state or not; only those that
 /// do take a solve.
 #[test]

@@ -87,3 +87,40 @@ fn designs_of_load_cases_are_deformed_as_these_and_earlier_ones_go() {
         assert!(!out(name), "{name}");
     }
 }
+
+/// A uniform mixture is one material or the other: that is said, both bodies are not written at once.
+#[test]
+fn bodies_of_another_volume_than_the_design_are_warned_about() {
+    for (start, part, gone) in [("0.3", "_rest", ""), ("0.7", "", "_rest")] {
+        let place = CaseDirectory::new();
+        let plateau = with(BAR, "\"start\": \"0.2 + 0.03 * X\", \"filter\": \"2 mm\"", &format!("\"start\": {start}"));
+        let plateau = with(&plateau, "\"space\": \"cell\"", "\"space\": \"uniform\"");
+        let found = place.run(Command::Optimize, &plateau, &["optimizer/max_iterations=0"]).unwrap().result;
+        let own = &found["controls"]["stiff"];
+        let share = own["cut_volume"].as_f64().unwrap();
+        assert!((share - if part.is_empty() { 1.0 } else { 0.0 }).abs() < 1e-9 && share.is_sign_positive(), "{own}");
+        let told = common::messages(&found, "cut_volume");
+        assert!(told.len() == 1 && told[0].contains("\"stiff\" is "), "{told:?}");
+        assert!((volume(&place, &format!("out/design_stiff{part}.stl")) - 2000.0).abs() < 1e-2);
+        assert!(!place.path("out").join(format!("design_stiff{gone}.stl")).exists());
+    }
+    let place = CaseDirectory::new();
+    let found = place.run(Command::Optimize, BAR, &[]).unwrap().result;
+    let own = &found["controls"]["stiff"];
+    let [cut, share] = ["cut_volume", "volume"].map(|key| own[key].as_f64().unwrap());
+    assert!((cut - share).abs() < 0.01 && common::messages(&found, "cut_volume").is_empty(), "{own}");
+}
+
+#[test]
+fn designs_of_one_file_are_refused() {
+    let second = r#"{ "name": "stiff_rest", "kind": "density", "least": 0.01 }, { "name": "stiff","#;
+    let two = with(BAR, "{ \"name\": \"stiff\",", second);
+    let control = |more: &str| {
+        let own =
+            format!("\"controls\": [ {{ \"of\": \"stiff_rest\", \"space\": \"cell\", \"start\": 0.5{more} }}, {{");
+        common::problems(&with(&two, "\"controls\": [ {", &own))
+    };
+    let refused = control("");
+    assert!(refused.contains("controls/0: \"design_stiff_rest.stl\" would be a file of \"stiff\" too"), "{refused}");
+    assert_eq!(control(", \"name\": \"filled\""), "");
+}

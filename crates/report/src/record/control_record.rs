@@ -39,6 +39,8 @@ records! {
         greyness: Number,
         /// Of a density or a mixture at the optimum: the level above which the body in `design_NAME.stl` lies, so that it has the volume of the field.
         level: Number,
+        /// The volume of that body as a share of its region, as `volume` of the field: another one where no level has that of the field.
+        cut_volume: Number,
         /// Cells of a grid along its axes.
         grid: Option<Vec<u32>>,
         /// Instants of a control in time.

@@ -177,7 +177,7 @@ fn conclude(
     if session.team_of_starts().is_some() && !session.leads() {
         return Ok(exit);
     }
-    let begin = outcome::revalued(session, &ended.start)?;
+    let begin = outcome::revalued(session, &ended)?;
     let Some(ended) = session.whole_run(&ended)? else {
         // what the first rank reports is its own; what it evaluates for that takes all
         if !starts.interrupted {

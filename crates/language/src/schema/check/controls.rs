@@ -8,6 +8,7 @@ use crate::schema::check::{Blocks, block, plain};
 use crate::schema::contact::{Contact, pose_slots};
 use crate::schema::control::{Bound, Control, Start};
 use crate::schema::cost::Cost;
+use crate::schema::design::DesignKind;
 use crate::schema::field::{Parameter, check_unit};
 use crate::schema::material::Material;
 use crate::schema::optimizer::{MMA, Optimizer};
@@ -339,6 +340,7 @@ fn check_group(blocks: &Blocks, shared: &[Control], own: &[Control], costs: &[Co
             reader.complain_at(&control.at.key("name"), message);
         }
     }
+    check_files(blocks, own, reader);
     let names: Vec<&str> = shared.iter().chain(own).map(Control::name).collect();
     if !blocks.complete("controls") || !blocks.complete("load_cases") {
         return;
@@ -358,6 +360,14 @@ fn check_group(blocks: &Blocks, shared: &[Control], own: &[Control], costs: &[Co
                 "work of actuations does not go with controls that are numbers of a material: leave one of them out";
             reader.complain_at(cost.at(), message);
         }
+        let growth = blocks.actuation.iter().find(|own| own.has_independent_slots());
+        if let Some(growth) = growth.filter(|_| cost.kind() == "actuation_work") {
+            let name = quoted(&growth.name);
+            reader.complain_at(
+                cost.at(),
+                format!("it does not count the work of a growth, such as {name}: leave one of them out"),
+            );
+        }
         let own = all().find(|control| number(control)).filter(|_| cost.kind() == "pump_work");
         if let Some(own) = own {
             let name = quoted(own.name());
@@ -370,6 +380,27 @@ fn check_group(blocks: &Blocks, shared: &[Control], own: &[Control], costs: &[Co
             let clause =
                 if names.is_empty() { ": the case has no controls".into() } else { nearest::clause(of, &names) };
             reader.complain_at(&at, format!("no control {}{clause}", quoted(of)));
+        }
+    }
+}
+
+/// Designs are cut into files of their names: `design_a_rest.stl` is of a mixture `a` and of what is called `a_rest`.
+fn check_files(blocks: &Blocks, own: &[Control], reader: &mut Reader<'_>) {
+    let is = |control: &Control, kind: DesignKind| {
+        blocks.designs().any(|design| design.name == control.of && design.kind == kind)
+    };
+    let is_cut = |control: &Control| is(control, DesignKind::Density) || is(control, DesignKind::Mixture);
+    for control in own.iter().filter(|control| is_cut(control)) {
+        let is_part = |other: &&Control| match control.name().strip_prefix(other.name()) {
+            Some("_deformed") => is_cut(other),
+            Some("_rest" | "_rest_deformed") => is(other, DesignKind::Mixture),
+            _ => false,
+        };
+        if let Some(other) = own.iter().find(is_part) {
+            let (name, other) = (control.name(), quoted(other.name()));
+            let message =
+                format!("\"design_{name}.stl\" would be a file of {other} too: give one of them another \"name\"");
+            reader.complain_at(&control.at, message);
         }
     }
 }

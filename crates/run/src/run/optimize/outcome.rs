@@ -108,7 +108,13 @@ fn add_run(record: &mut OptimumRecord, FinishedRun { best, constraints, limits, 
     record.failed_solves = Some(best.counts.failed);
     record.limit_points = limits.record();
     record.hessian_products = Some(best.counts.products).filter(|products| *products > 0);
-    record.stages = Some(best.stages.iter().map(stage).collect());
+    let mut stages: Vec<StageRecord> = best.stages.iter().map(stage).collect();
+    if best.stages.last().is_none_or(|last| last.stage < best.stage) {
+        // an interruption ends no stage
+        let iterations = best.counts.iterations - best.stages.iter().map(|stage| stage.iterations).sum::<usize>();
+        stages.push(StageRecord { stage: best.stage, iterations, converged: false, why: best.stop.to_string() });
+    }
+    record.stages = Some(stages);
 }
 
 /// The line below the title of a picture.
@@ -306,7 +312,8 @@ fn write(
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
     let controls = session.record.controls.get_or_insert_default();
-    files.extend(cut_design::write(problem, (&best.m, best.stage), controls, &deformed, &out)?);
+    let cut = cut_design::write(problem, (&best.m, best.stage), controls, &deformed, &out)?;
+    files.extend(cut.files);
     files.extend(write_collections(problem, "optimum", &out)?);
     files.extend(of_motion);
     files.extend(problem.members().flat_map(|member| state_files(&member.file("start"), snapshot::beside(member))));
@@ -316,6 +323,8 @@ fn write(
     if problem.case.output.every > 0 && starts == 1 {
         files.extend(problem.leads().map(|lead| lead.case_file("iterations.pvd")));
     }
+    cut.empty.iter().for_each(|name| session.console.say(format!("design      {name} is not written: it is empty")));
+    cut.warnings.into_iter().for_each(|warning| session.warn(warning));
     say_files(session, files);
     Ok(())
 }
@@ -356,21 +365,25 @@ pub(crate) fn why(stop: &Stop) -> String {
     }
 }
 
-/// A run, and its start as the last stage values it.
+/// A run, and its start as the stage in which it ended values it.
 pub(super) type Reported<'r> = (&'r FinishedRun, Option<&'r EnsemblePoint>);
 
-/// The start as the last stage values it, at the first rank: what the end can be compared with.
-pub(super) fn revalued(session: &Session<'_>, start: &EnsemblePoint) -> Result<Option<EnsemblePoint>, RunError> {
-    let problem = &session.problem;
-    match problem.ensemble.restage(problem.stages() - 1, start) {
+/// The start as the stage in which a run ended values it, at the first rank: what the end can be compared with. None where that takes solves, of another projection,
+/// which an interruption leaves out.
+pub(super) fn revalued(
+    session: &Session<'_>,
+    FinishedRun { start, best, .. }: &FinishedRun,
+) -> Result<Option<EnsemblePoint>, RunError> {
+    match session.problem.ensemble.restage(best.stage, start) {
         Ok(begin) => session.whole(&begin),
         Err(_) => Ok(None),
     }
 }
 
-/// "1.2e-03 -> 4.5e-06, a factor of 267"
+/// "1.2e-03 -> 4.5e-06, a factor of 267"; the end alone where nothing is known of the start.
 fn fall(from: Option<f64>, to: Option<f64>) -> String {
-    let (from, to) = (known_number(from), known_number(to));
+    let to = known_number(to);
+    let Some(from) = from else { return scientific(to, 6) };
     let factor =
         if to > 0.0 && from > to { format!(", a factor of {}", short(round(from / to))) } else { String::new() };
     format!("{} -> {}{factor}", scientific(from, 6), scientific(to, 6))
