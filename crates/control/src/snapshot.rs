@@ -200,7 +200,7 @@ impl Reduced {
         out
     }
 
-    /// Scalar slots nobody controls, and remanence and applied field of all magnets together: the means of each cell.
+    /// Scalar slots nobody controls (of several those of growths alone, as `NAME.SLOT`), and remanence and applied field of all magnets together: the means of each cell.
     fn with_actuations(&self, mut shot: Snapshot, state: &State) -> Result<Snapshot, MeshError> {
         let (disc, cells) = (self.solid().discretization(), self.solid().mesh().cells());
         let mut sums = [("B_r", "remanence", None::<Vec<f64>>), ("B_a", "field", None)];
@@ -212,10 +212,17 @@ impl Reduced {
             attached.cells.iter().for_each(|&cell| inside[cell as usize] = true);
             let outside = means.chunks_exact_mut(slots.len()).zip(inside).filter(|(_, inside)| !inside);
             outside.for_each(|(means, _)| means.fill(0.0));
-            if slots.len() == 1
-                && self.layout().blocks().iter().flat_map(|block| &block.targets).all(|target| target.actuation != k)
-            {
-                shot = shot.with_cells(&attached.name, 1, means.clone())?;
+            let targets = || self.layout().blocks().iter().flat_map(|block| &block.targets);
+            let is_free = |slot: usize| targets().all(|target| target.actuation != k || target.slot != slot);
+            let loads: Vec<usize> = (0..slots.len()).filter(|slot| !slots[*slot].is_design()).collect();
+            if loads.len() == 1 && is_free(loads[0]) && (slots.len() == 1 || attached.law.strain_map().is_some()) {
+                let own = means.iter().skip(loads[0]).step_by(slots.len()).copied().collect();
+                shot = shot.with_cells(&attached.name, 1, own)?;
+            } else if attached.law.strain_map().is_some() {
+                for slot in loads.into_iter().filter(|slot| is_free(*slot)) {
+                    let own = means.iter().skip(slot).step_by(slots.len()).copied().collect();
+                    shot = shot.with_cells(&format!("{}.{}", attached.name, slots[slot].group), 1, own)?;
+                }
             }
             for group in SlotGroup::of(slots).into_iter().filter(SlotGroup::is_vector) {
                 for (_, _, sum) in sums.iter_mut().filter(|(_, name, _)| *name == group.name) {

@@ -187,7 +187,7 @@ pub enum EnergyError {
 
 /// A deformation beyond the domain of a law: its energy is infinite there.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{law}: {measure} = {value:.6e} is beyond {limit:.6e}, {meaning}; take a smaller step")]
+#[error("{law}: {}, {meaning}; take a smaller step", beyond(measure, *value, *limit))]
 pub struct Outside {
     /// The law, by its catalogue name.
     pub law: &'static str,
@@ -201,6 +201,13 @@ pub struct Outside {
     pub meaning: &'static str,
     /// Quadrature point within the cell.
     pub point: usize,
+}
+
+fn beyond(measure: &str, value: f64, limit: f64) -> String {
+    match value.is_nan() {
+        true => format!("{measure} has no value there"),
+        false => format!("{measure} = {value:.6e} is beyond {limit:.6e}"),
+    }
 }
 
 fn offer(unit: &Option<[f64; 3]>) -> String {

@@ -96,7 +96,7 @@ pub fn write(
     let mut all = CutDesigns::default();
     for cut in Cut::all(problem, m, stage) {
         let level = cut.body.level_of_volume(rest, cut.volume);
-        // nothing is -0 otherwise
+        // the volume of nothing is 0, not -0
         let [cut_share, share] =
             [cut.body.surface(rest, level).volume(), cut.volume].map(|volume| volume / cut.region + 0.0);
         if let Some(record) = controls.get_mut(&cut.name) {

@@ -6,6 +6,7 @@ use crate::common;
 
 use common::{CaseDirectory, problems, warnings, with};
 use nastic_language::schema::Command;
+use nastic_opt::{Objective, Request};
 use serde_json::Value;
 
 /// A bar that grows freely, of which an end is tracked.
@@ -303,4 +304,123 @@ fn directors_are_controls() {
     assert!(lengths.clone().all(|length| length > 0.9 && length < 1.0 + 1e-9), "{:?}", field.values);
     let turned = |d: &[f64]| (d[0] * 0.6 + d[1] * 0.8) < 0.999;
     assert!(field.values.chunks(3).any(turned), "{:?}", field.values);
+}
+
+/// A tenth of every length is left, by the largest number per kelvin; of what shrinks in heat the bound is above.
+#[test]
+fn heat_has_bounds_of_its_own() {
+    let control = r#"{ "of": "swell", "space": "uniform", "start": "10 K" }"#;
+    let bounds = |keys: &str| {
+        let text = bar(&format!(r#""kind": "heat", {keys}"#), control, &towards(0.12));
+        let problem = common::lower(&text).unwrap();
+        let bounds = problem.controls[0].bounds.as_ref().unwrap().at(0);
+        (bounds, warnings(&text))
+    };
+    let ((lower, upper), said) = bounds(r#""expansion": "2e-3 / K""#);
+    assert!((lower + 450.0).abs() < 1e-9 && upper == f64::INFINITY, "{lower} {upper}");
+    assert!(!said.contains("\"lower\"") && said.contains("no \"upper\" bound"), "{said}");
+    let keys = r#""expansion_along": "-1e-3 / K", "expansion_across": "3e-3 / K", "direction": "x""#;
+    let ((lower, upper), _) = bounds(keys);
+    assert!((lower + 300.0).abs() < 1e-9 && (upper - 900.0).abs() < 1e-9, "{lower} {upper}");
+    let ((lower, upper), said) = bounds(r#""expansion": "-2e-3 / K""#);
+    assert!(lower == f64::NEG_INFINITY && (upper - 450.0).abs() < 1e-9, "{lower} {upper}");
+    assert!(said.contains("values may leave nothing of a length") && !said.contains("theory"), "{said}");
+}
+
+/// Fixed entries and directions, as of other actuations.
+#[test]
+fn fixed_entries_and_directions_are_drawn() {
+    let shown = |actuation: &str, controls: &str| {
+        let place = CaseDirectory::new();
+        place.run(Command::Gradient, &bar(actuation, controls, &towards(0.12)), &[]).unwrap();
+        let shot = nastic_io::read_snapshot(place.path("out/start.vtu")).unwrap();
+        move |name: &str| {
+            shot.cell_data
+                .iter()
+                .find(|array| array.name == name)
+                .map(|array| array.values[..3].iter().map(|x| (1e9 * x).round() / 1e9).collect())
+        }
+    };
+    let xx = r#"{ "of": "swell.xx", "space": "uniform", "start": 0.2, "upper": 1 }"#;
+    let tensor = shown(r#""kind": "growth_tensor", "yy": 0.1"#, xx);
+    assert_eq!(tensor("swell.yy"), Some(vec![0.1; 3]));
+    assert_eq!(tensor("swell.zz"), Some(vec![0.0; 3]));
+    assert_eq!(tensor("swell.xx"), Some(vec![0.2; 3]));
+    let lce = r#""kind": "lce", "direction": "y""#;
+    let along = shown(lce, r#"{ "of": "swell", "space": "uniform", "start": 0.1, "upper": 1 }"#);
+    assert_eq!(along("direction_swell"), Some(vec![0.0, 1.0, 0.0]));
+    // where the direction is the control, it is drawn under its own name
+    let turned = r#"{ "of": "swell.direction", "space": "uniform", "start": [0, 0, 1], "norm": 1 }"#;
+    let turned = shown(&format!("{lce}, \"strain\": 0.1"), turned);
+    assert_eq!([turned("swell"), turned("direction_swell")], [Some(vec![0.1; 3]), None]);
+    assert_eq!(turned("swell.direction"), Some(vec![0.0, 0.0, 1.0]));
+    for (kind, direction) in [
+        (r#""kind": "area_growth", "normal": "z""#, [0.0, 0.0, 1.0]),
+        (r#""kind": "stretch_along", "direction": "z""#, [0.0, 0.0, 1.0]),
+        (r#""kind": "heat", "expansion_along": 1e-3, "expansion_across": 0, "direction": "x""#, [1.0, 0.0, 0.0]),
+    ] {
+        let own = shown(kind, r#"{ "of": "swell", "space": "uniform", "start": 0.1, "upper": 1 }"#);
+        assert_eq!(own("direction_swell"), Some(direction.to_vec()), "{kind}");
+    }
+}
+
+#[test]
+fn a_direction_of_another_length_is_told_once() {
+    for actuation in [r#""kind": "lce", "direction": [1, 1, 0]"#, r#""kind": "fiber_tension", "direction": [1, 1, 0]"#]
+    {
+        let text =
+            bar(actuation, r#"{ "of": "swell", "space": "uniform", "lower": -0.1, "upper": 0.1 }"#, &towards(0.12));
+        let told = problems(&text);
+        assert_eq!(told.matches("actuation/0/direction").count(), 1, "{told}");
+    }
+    // one that varies is looked at where it is evaluated
+    let text = bar(
+        r#""kind": "lce", "direction": ["1 + X / 1 m", 0, 0]"#,
+        r#"{ "of": "swell", "space": "uniform", "upper": 0.1 }"#,
+        &towards(0.12),
+    );
+    let told = problems(&text);
+    assert_eq!(told.matches("actuation/0/direction: lce: direction").count(), 1, "{told}");
+}
+
+/// A bar that grows in time: its work is that of no cost, and a growth that is followed freely has no energies to compare errors with.
+#[test]
+fn growth_in_time_has_no_work_to_pay_and_no_doubts_of_energy() {
+    let grows = |more: &str| {
+        let own = format!(r#""kind": "heat", "expansion": "1e-3 / K"{more}"#);
+        with(
+            &bar(&own, "", ""),
+            "\"optimizer\": { \"method\": \"lbfgs\" }",
+            "\"time\": { \"end\": \"1 s\", \"step\": \"0.1 s\", \"scheme\": \"quasi_static\" }",
+        )
+    };
+    let free = grows(r#", "temperature": "60 K * t / (1 s)""#);
+    let found = run(Command::Solve, &free.replace("\"controls\": [  ], \"costs\": [  ],", ""));
+    let balance = &found["time"]["energy_balance"];
+    assert!(balance["added"].as_f64().unwrap() > 0.02 * balance["span"].as_f64().unwrap(), "{balance}");
+    assert!(common::messages(&found, "energy").is_empty(), "{found}");
+    let control =
+        r#""controls": [ { "of": "swell", "space": "uniform", "in_time": { "every": "0.5 s" }, "upper": "60 K" } ]"#;
+    let paid = grows("").replace("\"controls\": [  ]", control);
+    let told = problems(&paid.replace("\"costs\": [  ]", "\"costs\": [ { \"kind\": \"actuation_work\" } ]"));
+    assert!(told.contains("costs/0: it does not count the work of a growth, such as \"swell\""), "{told}");
+}
+
+/// What fails beyond a length says so in words.
+#[test]
+fn what_leaves_nothing_is_no_number() {
+    let tensor = bar(
+        r#""kind": "growth_tensor""#,
+        r#"{ "of": "swell.xy", "space": "uniform", "start": 0.1, "lower": -5, "upper": 0.5 }"#,
+        &towards(0.12),
+    );
+    assert!(problems(&tensor).contains("controls/0/lower: 1 + growth must be positive definite"));
+    let open = tensor.replace(r#""lower": -5, "#, "");
+    assert!(warnings(&open).contains("values may leave nothing of a length"), "{}", warnings(&open));
+    let heated =
+        bar(r#""kind": "heat", "expansion": "2e-3 / K""#, r#"{ "of": "swell", "space": "uniform" }"#, &towards(0.12));
+    let problem = common::lower(&heated).unwrap();
+    let failed =
+        problem.ensemble.evaluate(&[-5000.0], &Request::default(), &mut Default::default()).unwrap_err().to_string();
+    assert!(failed.contains("-det G has no value there, 1 + expansion") && !failed.contains("NaN"), "{failed}");
 }

@@ -270,11 +270,8 @@ impl Lowering<'_> {
                 Some(Allowed { admitted: Admitted::MaxNorm(most), bounds: None, set: Box::new(set) })
             }
             (None, None) => {
-                context.warn(
-                    &UNBOUNDED,
-                    &self.control.at,
-                    "neither \"norm\" nor \"max_norm\" is given: the vectors may grow without bound",
-                );
+                let message = "neither \"norm\" nor \"max_norm\" is given: the vectors may grow without bound";
+                context.warn(&UNBOUNDED, &self.control.at, message);
                 Some(Allowed { admitted: Admitted::Any, bounds: None, set: Box::new(Bounds::none()) })
             }
         }
@@ -362,13 +359,11 @@ impl Lowering<'_> {
         }
         if lower.is_none() && !self.block.log {
             let message = match self.control.direction {
-                None => {
-                    "no \"lower\" bound is given: the theory needs none, but a strong contraction may crush cells; \
-                     give one if solves fail"
-                }
-                Some(_) => "no \"lower\" bound is given: the amplitude may grow without bound",
+                None if self.bounds_of_growth().is_some() => "values may leave nothing of a length, where solves fail",
+                None => "the theory needs none, but a strong contraction may crush cells; give one if solves fail",
+                Some(_) => "the amplitude may grow without bound",
             };
-            context.warn(&UNBOUNDED, &self.control.at, message);
+            context.warn(&UNBOUNDED, &self.control.at, format!("no \"lower\" bound is given: {message}"));
         }
         let lower = lower.unwrap_or(Limit::Uniform(f64::NEG_INFINITY));
         let upper = match (upper, self.default_upper) {

@@ -1,7 +1,7 @@
 //! Builder calls whose errors belong to a place of the case.
 
 use super::context::Context;
-use nastic_energy::EnergyError;
+use nastic_energy::{EnergyError, Entry};
 use nastic_fem::{FemError, Solid};
 use nastic_language::syntax::At;
 
@@ -18,9 +18,10 @@ pub(super) fn attempt(
     }
 }
 
-/// Complains that a law cannot be built. That a parameter is missing was reported when the block was read: it is there, and cannot be read.
+/// Complains that a law cannot be built. What was reported when the block was read is not said again: a parameter that is missing, as it is there and cannot be
+/// read, and a constant direction that is no unit vector.
 pub(super) fn complain_of_law(at: &At, error: &EnergyError, context: &mut Context<'_>) {
-    if !matches!(error, EnergyError::Missing { .. }) {
+    if !matches!(error, EnergyError::Missing { .. } | EnergyError::Direction { entry: Entry::Uniform, .. }) {
         context.complain(&key_of(at, error), error);
     }
 }

@@ -39,6 +39,11 @@ impl Director {
         }
     }
 
+    /// What is written, unless slots say otherwise.
+    pub fn fixed(&self, at: MaterialPoint) -> Option<Vec3> {
+        (!self.is_slot).then(|| self.written.at(at))
+    }
+
     /// At rest the slots have what is written.
     pub fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
         slot.checked_sub(1).map_or(0.0, |component| self.written.at(at)[component])

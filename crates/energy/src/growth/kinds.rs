@@ -101,6 +101,14 @@ impl EnergyTerm for KinematicGrowth {
         if let Directions::Along(a) = &self.0 { a.rest(at, slot) } else { 0.0 }
     }
 
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
+        match &self.0 {
+            Directions::All => None,
+            Directions::Along(a) => a.fixed(at),
+            Directions::Across(n) => Some(n.at(at)),
+        }
+    }
+
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
         match &self.0 {
             Directions::All => Ok(()),

@@ -92,6 +92,10 @@ impl EnergyTerm for SpontaneousStrain {
         self.a.rest(at, slot)
     }
 
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
+        self.a.fixed(at)
+    }
+
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {
         self.a.check(cells, points)
     }

@@ -2,7 +2,7 @@ use nastic_tensor::{HyperDual, Mat3, Vec3};
 
 use super::StrainMap;
 use super::director::Director;
-use super::strain_map::{entries, identity, leaving_lengths, strain_map_alone};
+use super::strain_map::{LEAST_GROWTH, entries, identity, leaving_lengths, strain_map_alone};
 use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// Thermal expansion by a given temperature; its conduction is not solved.
@@ -75,6 +75,15 @@ impl StrainMap for ThermalExpansion {
     fn limit(&self) -> &'static str {
         "1 + expansion * temperature must stay positive, or nothing is left of a length; a temperature is a difference to that without stress"
     }
+
+    /// A tenth of every length is left: `-0.9 / alpha` of the largest and of the least alpha.
+    fn default_bounds(&self, _: usize) -> [f64; 2] {
+        let all = std::iter::once(&self.across).chain(self.along.iter().map(|own| &own.alpha));
+        let all = all.flat_map(|alpha| alpha.entries().map(|(_, value)| value));
+        let [least, most] = all.fold([0.0_f64; 2], |[least, most], value| [least.min(value), most.max(value)]);
+        let bound = |alpha: f64, none: f64| if alpha == 0.0 { none } else { LEAST_GROWTH / alpha };
+        [bound(most, f64::NEG_INFINITY), bound(least, f64::INFINITY)]
+    }
 }
 
 /// It has no energy of its own.
@@ -83,6 +92,10 @@ impl EnergyTerm for ThermalExpansion {
 
     fn slots(&self) -> &[Slot] {
         &Self::SLOTS
+    }
+
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
+        self.along.as_ref()?.a.fixed(at)
     }
 
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

@@ -110,6 +110,10 @@ pub(super) fn record(member: CaseMember<'_>, table: &Table) -> Option<EnergyBala
 /// What deserves attention: energy that the scheme makes, and energy that it takes.
 pub(super) fn warnings(member: CaseMember<'_>, table: &Table) -> Vec<Warning> {
     let (Some(found), Some(timeline)) = (Found::of(table), member.reduced().timeline()) else { return vec![] };
+    if member.solid().body().grows() && found.last.drive_work != 0.0 {
+        // a growth that the body follows freely leaves errors of its work alone, with nothing of their kind to compare them with
+        return vec![];
+    }
     let (units, scheme) = (member.problem().units(), timeline.scheme());
     let limit = MIN_SHARE * found.span;
     let describe = |change: Change, does: &str, advice: &str| {
