@@ -2,9 +2,13 @@
 
 use crate::common;
 
+use crate::surface_friction::{gripper, scheme};
 use common::Outcome;
+use common::block::STRICT;
 use nastic_energy::{FiberTension, NeoHooke, NeoHookeIsochoric};
-use nastic_fem::{Formulation, Solid, SolveOptions, State, Strategies, Strategy};
+use nastic_fem::{
+    Controls, Formulation, Solid, SolveOptions, State, StepTo, Strategies, Strategy, Trajectory, Workspace,
+};
 use nastic_mesh::{CellKind, rectangle};
 use nastic_tensor::Vec3;
 
@@ -52,6 +56,35 @@ fn what_is_switched_off_is_not_tried_and_the_answer_is_the_same() -> Outcome {
         let apart = common::distance(&with.u, &without.u);
         assert!(apart < 1e-7 * common::largest(&with.u), "{}: {apart:e}", of.name());
     }
+    Ok(())
+}
+
+/// The disc between pads that close on it within a step, and lift it in the next ones.
+#[test]
+fn steps_in_time_leave_out_the_curvature_of_contacts_where_they_touch_hard() -> Outcome {
+    let solid = gripper(0.8)?;
+    let at = |inwards: f64, up: f64| -> Controls {
+        let mut controls = solid.controls();
+        for (block, side) in [(0, 1.0), (1, -1.0)] {
+            let values = controls.values_mut(block);
+            (values[0], values[1]) = (side * inwards, up);
+        }
+        controls
+    };
+    let steps = [at(0.02, 0.0), at(0.02, 5e-3), at(0.02, 1e-2)].map(|controls| StepTo { dt: 0.1, controls });
+    let scheme = scheme("quasi_dynamic");
+    let ends = [Strategies::ALL, Strategies::ALL.without(Strategy::FlatContacts)].map(|strategies| {
+        let mut run = Trajectory::from_given(solid.rest());
+        let how = SolveOptions { strategies, ..STRICT };
+        solid.model().advance(&mut run, &scheme, &steps, &how, &mut Workspace::default()).map(|()| run)
+    });
+    let [with, without] = ends;
+    let (with, without) = (with?, without?);
+    let all = |run: &Trajectory| run.states().iter().map(|state| count(state, Strategy::FlatContacts)).sum::<u32>();
+    assert!(all(&with) > 0, "{:?}", with.end().report);
+    assert_eq!(all(&without), 0);
+    let apart = common::distance(&with.end().u, &without.end().u);
+    assert!(apart < 1e-6 * common::largest(&with.end().u), "{apart:e}");
     Ok(())
 }
 

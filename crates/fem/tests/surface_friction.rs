@@ -17,7 +17,7 @@ use nastic_mesh::spatial::Obstacle;
 use nastic_mesh::{CellKind, Mesh};
 use nastic_tensor::Vec3;
 
-fn scheme(name: &str) -> Scheme {
+pub(crate) fn scheme(name: &str) -> Scheme {
     (SCHEMES.iter().find(|row| row.name == name).unwrap().build)().unwrap()
 }
 
@@ -196,7 +196,7 @@ pub(crate) fn disc_and_pads() -> Outcome<Mesh> {
 }
 
 /// The disc and the pads above a floor, in plane strain, each pad held at its outer side.
-fn gripper(mu: f64) -> Outcome<Solid> {
+pub(crate) fn gripper(mu: f64) -> Outcome<Solid> {
     Ok(Solid::new(disc_and_pads()?)?
         .material("body", NeoHooke::new(4e4, 6e4)?)?
         .body_force("body", Vec3::new(0.0, -9810.0, 0.0))?

@@ -18,6 +18,8 @@ use nastic_linear::SparseMatrix;
 /// Relative residual of a step in time above which its tangents leave out the curvature of contacts: the forces of gaps that an iterate has closed too far make
 /// it large, and it is of no use there.
 const MIN_FLAT_RESIDUAL: f64 = 1e-2;
+/// Relative residual of a step in time below which it may end at a saddle, which Newton's method finds: above it goes downhill.
+const MAX_SADDLE_RESIDUAL: f64 = 1e-4;
 /// Distance of prescribed components from their places in a step in time that is rounding, as a share of the body's size: a guess that carries them along.
 const PLACE_ROUNDING: f64 = 1e-12;
 
@@ -98,6 +100,11 @@ impl<'a> Equations<'a> {
     /// Whether tangents at an iterate leave it out: far from the end of a step.
     pub fn flattens(&self, here: &Iterate) -> bool {
         here.relative > MIN_FLAT_RESIDUAL && self.may_flatten()
+    }
+
+    /// Whether steps from an iterate go downhill alone, where the tangent is not positive definite.
+    pub fn descends(&self, here: &Iterate) -> bool {
+        here.relative > MAX_SADDLE_RESIDUAL && self.may_flatten()
     }
 
     /// Whether trials project rigid bodies onto their constraints. Steps in time do not: rotations are small, and the projection increased iterations by half.

@@ -150,7 +150,7 @@ impl<'a> LineSearch<'a> {
         }
         // a residual that is mostly errors of the volumes does not indicate a saddle
         if self.equations.anchor.is_none()
-            && !self.equations.flattens(here)
+            && !self.equations.descends(here)
             && !uphill
             && direction.pressures().is_none_or(PredictedPressures::are_settled)
             && let Some(taken) = self.residual_falls(here, &step.dx, SADDLE_RULE)?
@@ -179,7 +179,7 @@ impl<'a> LineSearch<'a> {
             |dx: &[f64], energy: Energy| self.downhill(here, dx, &Sliding::new(equations, in_time, here, energy)?);
         let energy = |dx: &[f64]| Energy::new(equations, here, dx, step.scale);
         let own = energy(&step.dx);
-        let definite = step.curvature != Curvature::Negative || !equations.flattens(here);
+        let definite = step.curvature != Curvature::Negative || !equations.descends(here);
         let taken = match definite && own.line().slope < 0.0 {
             true => along(&step.dx, own),
             false => direction.downhill(here, report).and_then(|dx| along(&dx, energy(&dx))),
