@@ -7,7 +7,8 @@ use common::Outcome;
 use common::block::STRICT;
 use nastic_energy::{FiberTension, NeoHooke, NeoHookeIsochoric};
 use nastic_fem::{
-    Controls, Formulation, Solid, SolveOptions, State, StepTo, Strategies, Strategy, Trajectory, Workspace,
+    Controls, Formulation, Solid, SolveOptions, State, StepTo, Strategies, Strategy, TimeStepping, Trajectory,
+    Workspace,
 };
 use nastic_mesh::{CellKind, rectangle};
 use nastic_tensor::Vec3;
