@@ -76,6 +76,14 @@ impl StrainMap for KinematicGrowth {
         "growth must stay above -1, where nothing is left of a length"
     }
 
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
+        match &self.0 {
+            Directions::All => None,
+            Directions::Along(a) => a.fixed(at),
+            Directions::Across(n) => Some(n.at(at)),
+        }
+    }
+
     fn default_bounds(&self, _: usize) -> [f64; 2] {
         [LEAST_GROWTH, f64::INFINITY]
     }
@@ -99,14 +107,6 @@ impl EnergyTerm for KinematicGrowth {
 
     fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
         if let Directions::Along(a) = &self.0 { a.rest(at, slot) } else { 0.0 }
-    }
-
-    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
-        match &self.0 {
-            Directions::All => None,
-            Directions::Along(a) => a.fixed(at),
-            Directions::Across(n) => Some(n.at(at)),
-        }
     }
 
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

@@ -70,6 +70,10 @@ impl StrainMap for SpontaneousStrain {
         }
     }
 
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
+        self.a.fixed(at)
+    }
+
     fn default_bounds(&self, _: usize) -> [f64; 2] {
         if self.is_muscle { [0.0, Self::MOST_SHORTENING] } else { [LEAST_GROWTH, f64::INFINITY] }
     }
@@ -90,10 +94,6 @@ impl EnergyTerm for SpontaneousStrain {
 
     fn rest(&self, at: MaterialPoint, slot: usize) -> f64 {
         self.a.rest(at, slot)
-    }
-
-    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
-        self.a.fixed(at)
     }
 
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

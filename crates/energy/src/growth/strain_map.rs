@@ -1,6 +1,6 @@
 use std::sync::Arc;
 
-use nastic_tensor::{HyperDual, Mat3};
+use nastic_tensor::{HyperDual, Mat3, Vec3};
 
 use crate::{EnergyTerm, MaterialPoint};
 
@@ -18,6 +18,11 @@ pub trait StrainMap: std::fmt::Debug + Send + Sync {
     /// What is said of values of the slots that leave nothing of a length or of the volume.
     fn limit(&self) -> &'static str {
         "det G must be positive, or nothing is left of the volume"
+    }
+
+    /// A unit vector that is written with it: along which it acts, or the normal of the plane in which it does.
+    fn direction(&self, _at: MaterialPoint) -> Option<Vec3> {
+        None
     }
 
     /// Bounds of a slot as a control where nobody gives others, infinite where there are none.

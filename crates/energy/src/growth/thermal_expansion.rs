@@ -76,6 +76,10 @@ impl StrainMap for ThermalExpansion {
         "1 + expansion * temperature must stay positive, or nothing is left of a length; a temperature is a difference to that without stress"
     }
 
+    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
+        self.along.as_ref()?.a.fixed(at)
+    }
+
     /// A tenth of every length is left: `-0.9 / alpha` of the largest and of the least alpha.
     fn default_bounds(&self, _: usize) -> [f64; 2] {
         let all = std::iter::once(&self.across).chain(self.along.iter().map(|own| &own.alpha));
@@ -92,10 +96,6 @@ impl EnergyTerm for ThermalExpansion {
 
     fn slots(&self) -> &[Slot] {
         &Self::SLOTS
-    }
-
-    fn direction(&self, at: MaterialPoint) -> Option<Vec3> {
-        self.along.as_ref()?.a.fixed(at)
     }
 
     fn check(&self, cells: usize, points: usize) -> Result<(), EnergyError> {

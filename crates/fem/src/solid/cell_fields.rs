@@ -116,7 +116,9 @@ impl Solid {
             let mut any = false;
             for &cell in &attached.cells {
                 let place = nastic_energy::MaterialPoint { cell: cell as usize, point: points[cell as usize].0 };
-                if let Some(a) = attached.law.direction(place) {
+                // that of a growth is no fibre: no bound of a tension depends on it
+                let of_growth = || attached.law.strain_map()?.direction(place);
+                if let Some(a) = attached.law.direction(place).or_else(of_growth) {
                     any = true;
                     array[3 * cell as usize..3 * cell as usize + 3].copy_from_slice(a.as_slice());
                 }
