@@ -15,12 +15,10 @@ use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
 
 const STEPS: usize = 2;
-/// So few iterations, without the strategies that find it at once, that the impact takes shorter steps.
-const FEW_ITERATIONS: SolveOptions<'static> = SolveOptions {
-    max_newton: 6,
-    strategies: Strategies::ALL.without(Strategy::FlatContacts).without(Strategy::LaggedFriction),
-    ..STRICT
-};
+/// Speed at which it falls where the scheme is `bdf2`.
+const BDF2_SPEED: f64 = 3.0;
+/// So few iterations that the impact is not found at once.
+const FEW_ITERATIONS: SolveOptions<'static> = SolveOptions { max_newton: 7, ..STRICT };
 
 /// A soft block that falls on a rough floor.
 fn block() -> Outcome<Solid> {
@@ -34,9 +32,10 @@ fn block() -> Outcome<Solid> {
         )?)
 }
 
-fn fall(solid: &Solid, scheme: &Scheme, controls: impl Fn(usize) -> Controls) -> Outcome<Trajectory> {
+/// At a speed (m/s) at which one of the steps has no solution as a whole.
+fn fall(solid: &Solid, scheme: &Scheme, speed: f64, controls: impl Fn(usize) -> Controls) -> Outcome<Trajectory> {
     let mut begin = State { controls: controls(0).into(), ..solid.rest() };
-    begin.velocity = Some((0..begin.u.len()).map(|dof| [0.3, 0.0, -2.1][dof % 3]).collect::<Vec<f64>>().into());
+    begin.velocity = Some((0..begin.u.len()).map(|dof| [0.3, 0.0, -speed][dof % 3]).collect::<Vec<f64>>().into());
     let mut trajectory = Trajectory::from_given(begin);
     let steps: Vec<StepTo> = (1..=STEPS).map(|n| StepTo { dt: 0.01, controls: controls(n) }).collect();
     solid.model().advance(&mut trajectory, scheme, &steps, &FEW_ITERATIONS, &mut Workspace::default())?;
@@ -58,10 +57,11 @@ fn value(trajectory: &Trajectory) -> f64 {
 #[test]
 fn a_cut_step_has_its_own_exact_adjoint() -> Outcome {
     let solid = block()?;
-    for (scheme, slots) in [(Scheme::backward_euler(), &[2, 6, 7][..]), (Scheme::bdf2(), &[2])] {
-        let rest = fall(&solid, &scheme, |_| solid.controls())?;
+    for (scheme, speed, slots) in [(Scheme::backward_euler(), 2.5, &[2, 6][..]), (Scheme::bdf2(), BDF2_SPEED, &[2])] {
+        let rest = fall(&solid, &scheme, speed, |_| solid.controls())?;
         let whole = scheme.start().unwrap_or(&scheme).stages();
-        assert!(stages(&rest)[0] > whole && rest.states()[1].report.cuts > 0, "{}: {:?}", scheme.name(), stages(&rest));
+        let cut = (0..STEPS).any(|n| stages(&rest)[n] > whole && rest.states()[n + 1].report.cuts > 0);
+        assert!(cut, "{}: {:?}", scheme.name(), stages(&rest));
         let partials: Vec<StatePartials> = (0..=STEPS)
             .map(|n| {
                 let by_u = (0..rest.end().u.len()).map(|i| if n == 0 { 0.0 } else { noise(77 + 100 * n + i) });
@@ -69,14 +69,14 @@ fn a_cut_step_has_its_own_exact_adjoint() -> Outcome {
             })
             .collect();
         let by = solid.model().reverse_sweep(&rest, &partials, &FEW_ITERATIONS, &mut Workspace::default())?.controls;
-        // translations of the floor, its stiffness and friction
+        // translations of the floor, and its stiffness
         for &slot in slots {
             let size = [1e-7, 1e-7, 1e-8, 0.0, 0.0, 0.0, 1.0, 1e-4][slot];
             let steepest = by.iter().map(|by| by.values(0)[slot].abs()).fold(0.0, f64::max);
             let along: Vec<f64> = by.iter().map(|by| by.values(0)[slot] / steepest).collect();
             let slope: f64 = by.iter().zip(&along).map(|(by, along)| by.values(0)[slot] * along).sum();
             let at = |s: f64| -> Outcome<f64> {
-                let moved = fall(&solid, &scheme, |n| {
+                let moved = fall(&solid, &scheme, speed, |n| {
                     let mut controls = solid.controls();
                     controls.values_mut(0)[slot] += s * along[n];
                     controls
@@ -97,7 +97,7 @@ fn a_cut_step_has_its_own_exact_adjoint() -> Outcome {
 fn a_cut_step_is_written_down() -> Outcome {
     let solid = block()?;
     let scheme = Scheme::bdf2();
-    let mut trajectory = fall(&solid, &scheme, |_| solid.controls())?.beginning();
+    let mut trajectory = fall(&solid, &scheme, BDF2_SPEED, |_| solid.controls())?.beginning();
     let step = StepTo { dt: 0.01, controls: solid.controls() };
     let go_on = |trajectory: &mut Trajectory| {
         solid.model().advance(
