@@ -8,8 +8,8 @@ use common::block::STRICT;
 use common::{Outcome, noise, regular};
 use nastic_energy::NeoHooke;
 use nastic_fem::{
-    Contact, Controls, Inertia, Scheme, Solid, SolveOptions, State, StatePartials, StepTo, Strategies, Strategy,
-    TimeStepping, Trajectory, Workspace,
+    Contact, Controls, Inertia, Scheme, Solid, SolveOptions, State, StatePartials, StepTo, TimeStepping, Trajectory,
+    Workspace,
 };
 use nastic_mesh::CellKind;
 use nastic_mesh::spatial::Obstacle;
