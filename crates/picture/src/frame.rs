@@ -198,11 +198,12 @@ impl Layout {
         self.gradient(low, high, bar, true);
         self.bar_outline(low, high, bar);
         let (from, to) = (bar.map.low * factor, bar.map.high * factor);
-        for tick in with_ends(ticks(from, to), from, to) {
-            let share = if to > from { (tick - from) / (to - from) } else { 0.5 };
+        let ticks = with_ends(ticks(from, to), from, to);
+        for (tick, text) in ticks.iter().zip(distinct(&ticks)) {
+            let share = if to > from { (*tick - from) / (to - from) } else { 0.5 };
             let y = high[1] + (low[1] - high[1]) * share;
             self.line([high[0], y], [high[0] + 8.0 * u, y], 1.5, MUTED);
-            self.text([high[0] + 16.0 * u, y], Anchor::Start, 20.0, false, Colour::INK, &number(tick));
+            self.text([high[0] + 16.0 * u, y], Anchor::Start, 20.0, false, Colour::INK, &text);
         }
     }
 
@@ -338,14 +339,32 @@ fn prefix(bar: &Bar) -> (&'static str, f64) {
 
 /// A number for people: up to four digits, no trailing zeros.
 pub(super) fn number(value: f64) -> String {
-    const DIGITS: i32 = 3;
+    to_digits(value, MIN_DIGITS)
+}
+
+/// Numbers with as few digits as tell them apart.
+fn distinct(numbers: &[f64]) -> Vec<String> {
+    let at = |digits: i32| -> Vec<String> { numbers.iter().map(|value| to_digits(*value, digits)).collect() };
+    let differ = |texts: &Vec<String>| (1..texts.len()).all(|k| !texts[..k].contains(&texts[k]));
+    (MIN_DIGITS..MAX_DIGITS).map(at).find(differ).unwrap_or_else(|| at(MAX_DIGITS))
+}
+
+/// Digits behind the first one, and how many tell numbers apart at most.
+const MIN_DIGITS: i32 = 3;
+const MAX_DIGITS: i32 = 9;
+
+fn to_digits(value: f64, digits: i32) -> String {
     if value == 0.0 {
         return "0".to_owned();
     }
     if !(1e-4..1e6).contains(&value.abs()) {
-        return format!("{value:.3e}").replace(".000e", "e").replace("00e", "e");
+        let text = format!("{value:.0$e}", digits as usize);
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        let short =
+            if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
+        return format!("{short}e{exponent}");
     }
-    let digits = (DIGITS - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
+    let digits = (digits - value.abs().log10().floor() as i32).clamp(0, 9) as usize;
     let text = format!("{value:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
@@ -369,5 +388,11 @@ mod tests {
     fn numbers_are_short() {
         let texts = [0.0, 0.2, -150.0, 0.30000000000000004, 1e7, 2.5e-6, 123456.0].map(number);
         assert_eq!(texts, ["0", "0.2", "-150", "0.3", "1e7", "2.5e-6", "123456"]);
+    }
+
+    #[test]
+    fn numbers_of_a_bar_differ() {
+        assert_eq!(distinct(&[0.9998, 1.0, 1.0005, 1.001]), ["0.9998", "1", "1.0005", "1.001"]);
+        assert_eq!(distinct(&[2.0, 3.0, 3.0]), ["2", "3", "3"]);
     }
 }

@@ -92,9 +92,14 @@ impl<'a> Equations<'a> {
         matches!(self.drive, Drive::Held { time_step: None, .. })
     }
 
+    /// Whether it is a step in time.
+    pub fn is_step(&self) -> bool {
+        matches!(self.drive, Drive::Held { time_step: Some(_), .. })
+    }
+
     /// Whether tangents may leave out the curvature of contacts: in steps in time, where inertia or a short way makes an equilibrium a minimum.
     pub fn may_flatten(&self) -> bool {
-        !self.is_static() && self.model.touches_something() && self.options.strategies.has(Strategy::FlatContacts)
+        self.is_step() && self.model.touches_something() && self.options.strategies.has(Strategy::FlatContacts)
     }
 
     /// Whether tangents at an iterate leave it out: far from the end of a step.
@@ -269,8 +274,12 @@ impl<'a> Equations<'a> {
                 let (controls, load) = self.prescribed_at(self.split(x).1);
                 self.model.prescribed(&controls, load)
             }
-            Drive::Held { controls, load, time_step: Some(step), share } if self.jump(x).is_none() => {
-                self.prescribed(controls, load, Some(step), share)
+            Drive::Held { controls, load, time_step: Some(step), share } => {
+                let values = self.prescribed(controls, load, Some(step), share);
+                if self.jump_to(&values, x).is_some() {
+                    return;
+                }
+                values
             }
             Drive::Held { .. } => return,
         };
@@ -281,13 +290,16 @@ impl<'a> Equations<'a> {
         }
     }
 
-    /// The remaining displacement of the prescribed components; `None` when it is zero.
+    /// The remaining displacement of the prescribed components; `None` when it is zero, in a step in time rounding.
     pub fn jump(&self, x: &[f64]) -> Jump {
         let Drive::Held { controls, load, time_step, share } = self.drive else { return None };
-        let prescribed = self.prescribed(controls, load, time_step, share);
-        let wanted = self.model.supports.fixed().iter().zip(&prescribed).zip(x);
+        self.jump_to(&self.prescribed(controls, load, time_step, share), x)
+    }
+
+    fn jump_to(&self, prescribed: &[f64], x: &[f64]) -> Jump {
+        let wanted = self.model.supports.fixed().iter().zip(prescribed).zip(x);
         let jump: Vec<f64> = wanted.map(|((&f, &v), &u)| if f { v - u } else { 0.0 }).collect();
-        let rounding = if time_step.is_some() { PLACE_ROUNDING * self.diagonal() } else { 0.0 };
+        let rounding = if self.is_step() { PLACE_ROUNDING * self.diagonal() } else { 0.0 };
         self.model.unknowns().any(jump.iter().any(|d| d.abs() > rounding)).then_some(jump)
     }
 

@@ -295,7 +295,7 @@ impl<'a> LineSearch<'a> {
     ) -> Result<Option<Taken<'a>>, Inadmissible> {
         let line = merit.line();
         // what rounding accepts along a direction that leads uphill never ends
-        if merit.is_energy() && line.slope > line.noise && !self.equations.is_static() {
+        if merit.is_energy() && line.slope > line.noise && self.equations.is_step() {
             return Ok(None);
         }
         let least_j = if merit.is_energy() { MIN_J_RATIO * here.now.min_j } else { f64::NEG_INFINITY };

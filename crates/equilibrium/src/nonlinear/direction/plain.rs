@@ -152,7 +152,7 @@ impl Plain<'_> {
         if jump.is_some() {
             let whole = Step::whole(dx, curvature, equations.model.unknowns());
             // what a step in time passes through is cleared by the next iteration
-            self.partly = !equations.is_static();
+            self.partly = equations.is_step();
             let take = if self.partly { Take::Longest { least: MIN_JUMP_SHARE } } else { whole.take };
             return Ok(Step { scale, take, ..whole });
         }
