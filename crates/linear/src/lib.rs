@@ -42,10 +42,7 @@ pub mod solver;
 mod space;
 mod sums;
 
-pub use eigenpairs::{
-    ByProducts, Eigenpairs, Eigenproblem, MassMatrix, ProductEigenproblem, smallest_eigenpairs,
-    smallest_eigenpairs_by_products,
-};
+pub use eigenpairs::{ByProducts, Eigenpairs, Eigenproblem, Inversion, MassMatrix, smallest_eigenpairs};
 pub use error::{FactorError, NotCoupled, StructureError};
 pub use factor::factor_size::FactorSize;
 pub use factor::joined_structure::JoinedStructure;

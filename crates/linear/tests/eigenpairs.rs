@@ -6,8 +6,8 @@ use crate::support;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use nastic_linear::{
-    Eigenpairs, Eigenproblem, FactorError, Graph, LinearError, MassMatrix, Ordering, Pattern, Pivots,
-    ProductEigenproblem, SparseMatrix, Symbolic, smallest_eigenpairs, smallest_eigenpairs_by_products,
+    Eigenpairs, Eigenproblem, FactorError, Graph, Inversion, LinearError, MassMatrix, Ordering, Pattern, Pivots,
+    SparseMatrix, Symbolic, smallest_eigenpairs,
 };
 use nastic_numeric::vector::dot;
 use std::sync::Arc;
@@ -36,7 +36,8 @@ fn dense_eigenvalues(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool]) ->
 
 fn find(matrix: &SparseMatrix, mass: MassMatrix, fixed: &[bool], count: usize) -> Result<Eigenpairs, LinearError> {
     let symbolic = Arc::new(Symbolic::new(matrix.pattern()));
-    let problem = Eigenproblem { matrix, mass, fixed, constraints: &[], symbolic: &symbolic, parallel: false };
+    let inversion = Inversion::Factors { matrix, constraints: &[], symbolic: &symbolic };
+    let problem = Eigenproblem { mass, fixed, inversion, zeros: 0, cancel: None, parallel: false };
     smallest_eigenpairs(&problem, count)
 }
 
@@ -218,10 +219,10 @@ fn find_by_products(
     count: usize,
 ) -> Result<Eigenpairs, LinearError> {
     let system = case.system(matrix);
-    smallest_eigenpairs_by_products(
-        &ProductEigenproblem { product: &system, system, mass, zeros: 0, cancel: None },
-        count,
-    )
+    let inversion = Inversion::Cycles { product: &system, system };
+    let problem =
+        Eigenproblem { mass, fixed: system.fixed, inversion, zeros: 0, cancel: None, parallel: system.parallel };
+    smallest_eigenpairs(&problem, count)
 }
 
 /// Semi-definite, definite and indefinite ones, by masses that differ by a factor of five or couple unknowns.

@@ -9,8 +9,8 @@ use crate::search::options::SolveOptions;
 use nastic_body::error::StateError;
 use nastic_body::state::State;
 use nastic_linear::{
-    ByProducts, Eigenpairs, Eigenproblem, FactorError, JoinedStructure, LinearError, MassMatrix, Operator,
-    ProductEigenproblem, Solver, smallest_eigenpairs, smallest_eigenpairs_by_products,
+    ByProducts, Eigenpairs, Eigenproblem, FactorError, Inversion, JoinedStructure, LinearError, MassMatrix, Operator,
+    Solver, smallest_eigenpairs,
 };
 
 /// Eigenvalues and modes of `K phi = lambda M phi`: K the tangent at a state, M the diagonal matrix of the nodes'
@@ -71,8 +71,15 @@ impl Model {
         // of one body; several free ones may need a factor for few modes
         let rigid = if self.discretization().dim() == 3 { 6 } else { 3 };
         let zeros = if self.checks().is_held_without_contact() { 0 } else { rigid };
-        let problem = ProductEigenproblem { product, system, mass, zeros, cancel: how.cancel };
-        match smallest_eigenpairs_by_products(&problem, count) {
+        let problem = Eigenproblem {
+            mass,
+            fixed: system.fixed,
+            inversion: Inversion::Cycles { product, system },
+            zeros,
+            cancel: how.cancel,
+            parallel: system.parallel,
+        };
+        match smallest_eigenpairs(&problem, count) {
             Err(LinearError::Cancelled) => Err(StateError::Cancelled),
             Err(error) if !matches!(error, LinearError::EigenpairCount { .. }) && self.factor_fits() => Ok(None),
             found => Ok(Some(found?)),
@@ -93,9 +100,8 @@ impl Stability<'_> {
     /// The `count` algebraically smallest eigenvalues of the tangent at a state, all negative ones in any case, with
     /// their modes.
     ///
-    /// Shift-invert Lanczos ([`smallest_eigenpairs`]) with a factor, or a block of vectors preconditioned by multigrid
-    /// ([`smallest_eigenpairs_by_products`]) where that solves the systems of the body: then nothing proves that none is missing ([`Modes::counted`]). Multiple
-    /// eigenvalues are found with all their modes; which basis of their span is returned has no meaning.
+    /// By [`smallest_eigenpairs`] with factors, or with cycles of multigrid where that solves the systems of the body: then nothing proves that none is missing
+    /// ([`Modes::counted`]). Multiple eigenvalues are found with all their modes; which basis of their span is returned has no meaning.
     ///
     /// # Errors
     /// [`StateError::Linear`] for a tangent that is not symmetric, a count of zero or beyond the free unknowns, or a
@@ -136,15 +142,19 @@ impl Stability<'_> {
             matrix = joined.join(&matrix).ok_or(LinearError::from(FactorError::ForeignPattern))?;
             structure = joined.structure().clone();
         }
+        let symbolic = structure.symbolic();
         let problem = Eigenproblem {
-            matrix: &matrix,
             mass,
             fixed: self.model.supports.fixed(),
-            constraints: &constraints,
-            symbolic: structure.symbolic(),
+            inversion: Inversion::Factors { matrix: &matrix, constraints: &constraints, symbolic },
+            zeros: 0,
+            cancel: how.cancel,
             parallel: how.parallel,
         };
-        Ok(smallest_eigenpairs(&problem, count)?)
+        match smallest_eigenpairs(&problem, count) {
+            Err(LinearError::Cancelled) => Err(StateError::Cancelled),
+            found => Ok(found?),
+        }
     }
 
     /// The same request, for modes whose number decides something: with a factor where one fits, which counts them.

@@ -1,7 +1,11 @@
 //! [`InnerProduct`]: `x . M y` of an eigenproblem.
 
 use super::MassMatrix;
+use crate::pattern::matrix::SparseMatrix;
 use crate::sums::{self, dot};
+
+/// Relative error of the entries of A: sums of some tens of products.
+pub(super) const ENTRY_ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// Share of a vector after orthogonalisation below which it lies in the span of the others.
 pub(super) const DEPENDENCE_TOLERANCE: f64 = 1e-12;
@@ -56,4 +60,14 @@ impl InnerProduct<'_> {
         }
         (sums, self.square(x).sqrt())
     }
+}
+
+/// `16 eps |x| . |A| |x|` of each of these vectors, by the magnitudes of the entries of A.
+pub(super) fn rounding(magnitudes: &SparseMatrix, vectors: &[Vec<f64>], parallel: bool) -> Vec<f64> {
+    let of = |x: &Vec<f64>| {
+        let (x, mut product) = (x.iter().map(|x| x.abs()).collect::<Vec<_>>(), vec![0.0; x.len()]);
+        magnitudes.multiply_on(&x, &mut product, parallel);
+        ENTRY_ROUNDING * dot(&x, &product, parallel)
+    };
+    vectors.iter().map(of).collect()
 }
