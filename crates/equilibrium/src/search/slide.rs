@@ -53,7 +53,7 @@ const MAX_IMPLICIT_RESIDUAL: f64 = 0.1;
 impl Model {
     /// The end of a step with friction: by Newton's method from its beginning, else by rounds with lagged friction. In a round the normal forces of
     /// friction are those of the round before (at first those at the beginning of the step), so that its solution is the minimum of a potential; where a
-    /// round fails, the slip speed is increased, and the next one begins where it ended. `None` where neither converges.
+    /// round fails, the slip speed is increased. `None` where neither converges.
     ///
     /// Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020), section 5.5, there with a fixed number of rounds; here
     /// Newton's method with implicit friction follows them.
@@ -127,10 +127,6 @@ impl Model {
             if let Err(stop) = equations.solve_either_way(each_within, &mut end, solver, report) {
                 go_on(stop)?;
                 workspace.forget();
-                // downhill from there
-                if equations.jump(&end).is_none() && equations.evaluate(&end).is_ok() {
-                    u = end;
-                }
                 lag.smoothing *= limits.smoothing_growth;
                 if lag.smoothing > MAX_SMOOTHING {
                     return Ok(None);
