@@ -61,7 +61,15 @@ pub const WARNINGS: &[&WarningKind] = &[
     &CREEPS,
     &FEW_FACETS,
     &CUT_VOLUME,
+    &MEDIUM,
 ];
+
+/// A medium that does what the body should.
+pub const MEDIUM: WarningKind = WarningKind {
+    code: "medium",
+    about: "a medium of a void stores more than 1 % of the elastic energy: it stiffens the body",
+    advice: "lower its \"stiffness\" as long as cells of the void stay sound, or refine the void: it resists to what the deformation gradient varies by within cells",
+};
 
 /// A design that its STL file does not show.
 pub const CUT_VOLUME: WarningKind = WarningKind {

@@ -2,7 +2,7 @@
 
 use crate::error::ControlError;
 use crate::layout::Layout;
-use crate::map::{Chain, ControlMap, Filter, Held, Mirror, Plane, PowerLaw, Projection, Staged};
+use crate::map::{Chain, ControlMap, Filter, Held, Mirror, Plane, PowerLaw, Projection, Staged, Step};
 use nastic_fem::Solid;
 use nastic_mesh::GroupNames;
 use std::sync::Arc;
@@ -87,6 +87,21 @@ impl Layout {
                 self.through(of, Staged::new(first.collect(), between(last)))
             }
         }
+    }
+
+    /// Makes a scalar field 0 or 1, by whether it is above a level: [`Step`], put there as by [`through`](Self::through). For solves: it has no derivative.
+    ///
+    /// # Errors
+    /// As there; a level that is not finite; a field of vectors, or one by its logarithm.
+    pub fn cut(&mut self, of: &str, level: f64) -> Result<(), ControlError> {
+        let block = self.block(of)?;
+        if block.components > 1 || block.log || !level.is_finite() {
+            let what = format!(
+                "\"{of}\" cannot be cut at {level}: scalar fields can, not by their logarithms, at a finite level"
+            );
+            return Err(ControlError::Cost { what });
+        }
+        self.through(of, Step { level })
     }
 
     /// Number of stages in which the maps of its fields differ.

@@ -70,10 +70,10 @@ fn difference(a: &ControlBlock, b: &ControlBlock) -> Option<&'static str> {
     }
 }
 
-/// What its field and its slots are made by.
+/// What its field and its slots are made by, as far as members must agree in it.
 fn maps(block: &ControlBlock) -> Vec<String> {
-    let targets = block.targets.iter().map(|target| target.map.describe());
-    std::iter::once(block.field.describe()).chain(targets).collect()
+    let targets = block.targets.iter().map(|target| target.map.shared());
+    std::iter::once(block.field.shared()).chain(targets).collect()
 }
 
 /// The control vector of one member.

@@ -59,6 +59,7 @@ pub use nastic_forces::cavity::{Cavity, Lumen};
 pub use nastic_forces::contact::{Contact, ContactLaw};
 pub use nastic_forces::foundation::Foundation;
 pub use nastic_forces::inertia::{BodyInertia, Inertia};
+pub use nastic_forces::medium::Medium;
 pub use nastic_forces::moving_support::MovingSupport;
 pub use nastic_forces::nodal_value::NodalValue;
 pub use nastic_forces::rigid_body::RigidBody;

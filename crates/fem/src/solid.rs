@@ -15,6 +15,7 @@ use nastic_forces::contact::Contact;
 use nastic_forces::foundation::Foundation;
 use nastic_forces::inertia::BodyInertia;
 use nastic_forces::inertia::Inertia;
+use nastic_forces::medium::Medium;
 use nastic_forces::moving_support::MovingSupport;
 use nastic_forces::nodal_value::NodalValue;
 use nastic_forces::rayleigh_damping::RayleighDamping;
@@ -331,6 +332,15 @@ impl Solid {
     /// An unknown surface, a stiffness that is not positive; a second foundation on it.
     pub fn foundation(self, foundation: Foundation) -> Result<Self, FemError> {
         let contribution = foundation.of(self.mesh())?;
+        self.contribution(contribution)
+    }
+
+    /// Fills a region with a medium that keeps its cells from folding.
+    ///
+    /// # Errors
+    /// As [`Medium::of`] says; a name that is taken.
+    pub fn medium(self, medium: Medium) -> Result<Self, FemError> {
+        let contribution = medium.of(self.whole_mesh("a medium")?)?;
         self.contribution(contribution)
     }
 

@@ -50,6 +50,7 @@ mod linear_turned;
 mod linear_volume_modes;
 mod magnet;
 mod manufactured;
+mod medium;
 mod modes;
 mod motion;
 mod motion_adjoint;

@@ -7,6 +7,7 @@ mod filled_mass;
 pub mod foundation;
 mod guides;
 pub mod inertia;
+pub mod medium;
 pub mod moving_support;
 mod no_force;
 pub mod nodal_value;

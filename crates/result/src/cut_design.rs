@@ -7,6 +7,7 @@ use nastic_control::{ControlMap, Expansion};
 use nastic_io::WriteError;
 use nastic_language::number::short;
 use nastic_language::schema::DesignKind;
+use nastic_language::syntax::Document;
 use nastic_mesh::LevelBody;
 use nastic_report::record::{ByName, ControlRecord};
 
@@ -40,6 +41,8 @@ struct Cut {
     volume: f64,
     /// The volume of its region.
     region: f64,
+    /// Above it lie the cells that have together, as nearly as cells can, the volume that the field stands for.
+    cell_level: f64,
 }
 
 impl Cut {
@@ -73,10 +76,46 @@ impl Cut {
             let body = |values: &[f64]| LevelBody::new(mesh, &cells, values, &volumes, thickness);
             let negative: Vec<f64> = values.iter().map(|s| -s).collect();
             let rest = is_mixture.then(|| body(&negative));
-            Some(Cut { name: field.name.clone(), body: body(&values), rest, volume, region })
+            let cell_level = level_of_cells(&values, &volumes);
+            Some(Cut { name: field.name.clone(), body: body(&values), rest, volume, region, cell_level })
         };
         blocks.filter_map(of).collect()
     }
+}
+
+/// The level between the values of cells above which the cells have, as nearly as whole cells can, the volume `sum_k s_k V_k`.
+fn level_of_cells(values: &[f64], volumes: &[f64]) -> f64 {
+    let wanted: f64 = values.iter().zip(volumes).map(|(s, v)| s * v).sum();
+    let mut order: Vec<usize> = (0..values.len()).collect();
+    order.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+    let (Some(most), Some(least)) = (order.first(), order.last()) else { return 0.0 };
+    // before the first and behind the last all are on one side
+    let (mut best, mut above) = ((wanted, values[*most].max(1.0)), 0.0);
+    for (k, cell) in order.iter().enumerate() {
+        above += volumes[*cell];
+        let level = match order.get(k + 1) {
+            Some(next) if values[*next] == values[*cell] => continue,
+            Some(next) => 0.5 * (values[*cell] + values[*next]),
+            None => values[*least].min(0.0) - 1.0,
+        };
+        let error = (above - wanted).abs();
+        if error < best.0 {
+            best = (error, level);
+        }
+    }
+    best.1
+}
+
+/// The case of an optimum with every density and mixture cut into cells of 0 and 1, of the volumes of their fields as nearly as cells allow; `None` where
+/// there is none, or no file.
+pub fn cut_case(problem: &CaseProblem, m: &[f64], stage: usize) -> Option<Document> {
+    problem.case_file()?;
+    let (cuts, mut document) = (Cut::all(problem, m, stage), problem.document.clone());
+    for cut in &cuts {
+        let field = problem.controls.iter().find(|field| field.name == cut.name)?;
+        document.set(&format!("{}/cut={}", field.at.as_str(), cut.cell_level)).ok()?;
+    }
+    (!cuts.is_empty()).then_some(document)
 }
 
 /// Cuts the designs of a control vector at the levels at which their bodies have the volume that the fields stand for, tells levels and volumes, and writes the bodies:

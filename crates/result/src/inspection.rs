@@ -4,17 +4,17 @@ use crate::summary;
 use nastic_case::inspect::{compression, touches};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{
-    BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
+    BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, MEDIUM, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
 };
 use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{FreeMotion, PointPeak, SolveOptions, State, StateError};
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::Actuation;
+use nastic_language::schema::{Actuation, Block};
 use nastic_mesh::Mesh;
 use nastic_mesh::spatial::{SelfIntersection, Shape};
 use nastic_numeric::vector::{norm, sub};
-use nastic_report::record::{ContributionRecord, IntersectionRecord, UncountedRecord};
+use nastic_report::record::{ContributionRecord, IntersectionRecord, UncountedRecord, number_of};
 use rayon::prelude::*;
 
 /// Below this scaled Jacobian a cell is badly shaped.
@@ -25,6 +25,9 @@ const FAR: f64 = 3.0;
 
 /// Chambers with so many times their volume have walls more than twice as long.
 const BALLOONED: f64 = 10.0;
+
+/// Share of the elastic energy that the medium of a void may store without a word.
+const MOST_IN_A_MEDIUM: f64 = 0.01;
 
 /// What was found in the state of one member.
 #[derive(Debug, Clone)]
@@ -47,6 +50,8 @@ pub struct Inspection {
     compression: Option<Warning>,
     /// True electric fields beyond the breakdown strength.
     breakdowns: Vec<String>,
+    /// Media of voids that carry too much.
+    media: Vec<String>,
     /// What deserves attention in contacts; those of motions are found in all their steps.
     contacts: Vec<Warning>,
 }
@@ -126,6 +131,7 @@ impl Inspection {
                 Some(_) => None,
             },
             breakdowns: breakdowns(member, state),
+            media: media(member, state),
             contacts: contacts(member, state),
         }
     }
@@ -169,6 +175,7 @@ impl Inspection {
         out.extend(extreme.map(|what| Warning::new(&EXTREME_DEFORMATION, what.clone())));
         out.extend(self.compression.clone());
         out.extend(self.breakdowns.iter().map(|found| Warning::new(&BREAKDOWN, found.clone())));
+        out.extend(self.media.iter().map(|found| Warning::new(&MEDIUM, found.clone())));
         out.extend(self.contacts.iter().cloned());
         let name = member.name();
         let place = if name.is_empty() { what.to_owned() } else { format!("{name}: {what}") };
@@ -233,6 +240,24 @@ fn ballooned(member: CaseMember<'_>, state: &State) -> Vec<String> {
         })
     };
     all.iter().filter_map(of).collect()
+}
+
+/// Media that store more than a share of the elastic energy.
+fn media(member: CaseMember<'_>, state: &State) -> Vec<String> {
+    let names: Vec<String> = member.case().media.iter().map(Block::name).collect();
+    if names.is_empty() {
+        return Vec::new();
+    }
+    let model = member.solid().model();
+    let (Ok(stored), Ok(all)) = (model.energies().stored_energy(state), summary::contributions(member, state)) else {
+        return Vec::new();
+    };
+    let of = |name: &String| {
+        let share = number_of(all.get(name)?, "energy")? / stored.elastic;
+        let message = || format!("\"{name}\" stores {} % of the elastic energy", short(100.0 * share));
+        (share > MOST_IN_A_MEDIUM).then(message)
+    };
+    names.iter().filter_map(of).collect()
 }
 
 /// Penetrations and thick layers, of an equilibrium.

@@ -38,6 +38,7 @@ mod linear_solver;
 mod loads_in_time;
 mod locking;
 mod material_tests;
+mod media;
 mod mesh_mistakes;
 mod motion;
 mod motion_constraints;

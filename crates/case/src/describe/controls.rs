@@ -56,7 +56,8 @@ fn field_chain(problem: &CaseProblem, field: &ControlField) -> String {
         let sharpness: Vec<String> = own.sharpness.0.iter().map(|own| short(*own)).collect();
         format!("projected about {} with sharpness {}", short(own.eta), sharpness.join(", then "))
     });
-    let links = held.chain(mirrored).chain(control.filter.map(length)).chain(projected);
+    let cut = control.cut.map(|level| format!("cut at {}", short(level)));
+    let links = held.chain(mirrored).chain(control.filter.map(length)).chain(projected).chain(cut);
     links.map(|link| format!(", {link}")).collect()
 }
 

@@ -1,4 +1,4 @@
-//! What stands between the unknowns of a control and its field: values that are held, symmetry, filter, projection.
+//! What stands between the unknowns of a control and its field: values that are held, symmetry, filter, projection, cut.
 
 use super::context::Context;
 use super::control_field::Admitted;
@@ -11,7 +11,7 @@ use nastic_language::schema::{Bound, Case, Control, DesignKind, Parameter, Symme
 use nastic_language::syntax::quoted;
 use nastic_mesh::GroupNames;
 
-/// Puts the links of a control in front of its field, in the order of the file's keys: what is held (once more behind all), symmetry, filter, projection.
+/// Puts the links of a control in front of its field: what is held (once more behind all), symmetry, filter, projection, cut.
 pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
     check_overlaps(control, &reduced, context)?;
     reduced = hold(case, control, reduced, context)?;
@@ -58,7 +58,17 @@ pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context:
         let stages: Vec<Projection> = projection.sharpness.0.iter().map(of).collect();
         reduced = context.take(&at, reduced.project(&control.of, &stages, range))?;
     }
-    if control.symmetry.is_empty() && control.filter.is_none() && control.projection.is_none() {
+    if let Some(level) = control.cut {
+        let at = control.at.key("cut");
+        if !design::is_made(case, &control.of) {
+            let message = format!("{} is no density or mixture: only these can be cut", quoted(&control.of));
+            context.complain(&at, message);
+            return None;
+        }
+        reduced = context.take(&at, reduced.cut(&control.of, level))?;
+    }
+    if control.symmetry.is_empty() && control.filter.is_none() && control.projection.is_none() && control.cut.is_none()
+    {
         return Some(reduced);
     }
     hold(case, control, reduced, context)

@@ -102,11 +102,17 @@ impl CaseProblem {
         self.case.time.is_some()
     }
 
-    /// Refuses schemes without an adjoint where derivatives are wanted.
+    /// Refuses what has no derivative where derivatives are wanted: schemes without an adjoint, fields that are cut.
     ///
     /// # Errors
-    /// The scheme has none.
+    /// There is one.
     pub fn check_adjoint(&self) -> Result<(), Diagnostics> {
+        let mut controls = self.leads().flat_map(|member| &member.case().controls);
+        if let Some(control) = controls.find(|control| control.cut.is_some()) {
+            let at = control.at.key("cut");
+            let message = "a field that is cut has no derivative: \"solve\" it, or leave \"cut\" out";
+            return Err(self.document.complain(&at, message).into());
+        }
         let refused = self.members().find_map(|member| {
             let (model, scheme) = (member.solid().model(), member.reduced().timeline()?.scheme());
             model.supports_motion_adjoint(scheme).err()

@@ -56,6 +56,10 @@ impl ControlMap for Chain {
         self.0.iter().map(|link| link.describe()).collect::<Vec<_>>().join(", ")
     }
 
+    fn shared(&self) -> String {
+        self.0.iter().map(|link| link.shared()).collect::<Vec<_>>().join(", ")
+    }
+
     fn values(&self, x: &[f64]) -> Vec<f64> {
         self.0.iter().fold(x.to_vec(), |x, link| link.values(&x))
     }

@@ -16,6 +16,7 @@ mod projection;
 mod region_of_cells;
 mod space;
 mod staged;
+mod step;
 mod whole_body;
 
 pub use basis::Basis;
@@ -33,6 +34,7 @@ pub use power_law::PowerLaw;
 pub use projection::Projection;
 pub use space::{SPACES, Space, SpaceRow};
 pub use staged::Staged;
+pub use step::Step;
 pub(crate) use whole_body::WholeBody;
 
 use std::fmt::Debug;
@@ -45,6 +47,11 @@ use std::sync::Arc;
 pub trait ControlMap: Debug + Send + Sync {
     /// What it does, in words that distinguish two maps of one kind.
     fn describe(&self) -> String;
+
+    /// What bodies that share the field must agree in, in words: all of it, but for a map of which each may have a variant.
+    fn shared(&self) -> String {
+        self.describe()
+    }
 
     /// `f(x)`.
     fn values(&self, x: &[f64]) -> Vec<f64>;

@@ -30,6 +30,11 @@ impl ControlMap for Projection {
         format!("projection about {} with sharpness {}", self.threshold, self.sharpness)
     }
 
+    /// Thresholds may differ: one design, eroded and dilated.
+    fn shared(&self) -> String {
+        format!("projection with sharpness {}", self.sharpness)
+    }
+
     fn values(&self, x: &[f64]) -> Vec<f64> {
         x.iter().map(|x| self.at(*x)[0]).collect()
     }

@@ -23,6 +23,11 @@ impl ControlMap for Staged {
         all.map(|map| map.describe()).collect::<Vec<_>>().join(", then ")
     }
 
+    fn shared(&self) -> String {
+        let all = self.first.iter().chain([&self.last]);
+        all.map(|map| map.shared()).collect::<Vec<_>>().join(", then ")
+    }
+
     fn values(&self, x: &[f64]) -> Vec<f64> {
         self.last.values(x)
     }

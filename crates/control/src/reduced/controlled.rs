@@ -91,6 +91,16 @@ impl Reduced {
         Ok(self)
     }
 
+    /// Makes a control field 0 or 1, by whether it is above a level: [`Layout::cut`](crate::Layout::cut).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn cut(mut self, control: &str, level: f64) -> Result<Self, ControlError> {
+        self.layout.cut(control, level)?;
+        self.update_layout();
+        Ok(self)
+    }
+
     /// Refuses maps that change from stage to stage in a problem in time.
     fn check_stages(&self, control: &str) -> Result<(), ControlError> {
         let stages = self.layout.stages();

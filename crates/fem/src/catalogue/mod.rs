@@ -14,6 +14,7 @@ use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::{Contact, ContactLaw};
 use nastic_forces::foundation::Foundation;
 use nastic_forces::inertia::{BodyInertia, Inertia};
+use nastic_forces::medium::Medium;
 use nastic_forces::moving_support::MovingSupport;
 use nastic_forces::nodal_value::NodalValue;
 use nastic_forces::rayleigh_damping::RayleighDamping;
@@ -100,6 +101,7 @@ pub const CATALOGUE: &[Entry] = &[
         form: None,
         example: || block()?.tendon(Tendon::through("tendon that cannot stretch", TENDON).spacing(0.8).inextensible()),
     },
+    Entry { name: "medium", form: None, example: || block()?.medium(Medium::over("medium", "body", 400.0)) },
     Entry {
         name: "spring",
         form: None,

@@ -1,7 +1,9 @@
 //! The whole case, and the rows of its blocks that add a contribution each.
 
+mod medium;
 mod spring;
 
+pub use medium::Medium;
 pub use spring::{Ground, Spring, SpringEnd};
 
 use crate::quantity::{Units, Want};
@@ -32,11 +34,11 @@ use crate::syntax::{At, Diagnostic, Diagnostics, Document, Node, Property, Value
 use std::collections::BTreeMap;
 
 /// Blocks a variant of the case may change; everything else is shared.
-pub(crate) const CHANGEABLE: [&str; 8] =
-    ["materials", "supports", "springs", "obstacles", "contact", "loads", "actuation", "costs"];
+pub(crate) const CHANGEABLE: [&str; 9] =
+    ["materials", "supports", "springs", "media", "obstacles", "contact", "loads", "actuation", "costs"];
 
 /// What people try in the place of the blocks that add a contribution each.
-pub(crate) const HINTS: &[&[Hint]] = &[spring::HINTS, actuation_words::HINTS];
+pub(crate) const HINTS: &[&[Hint]] = &[spring::HINTS, medium::HINTS, actuation_words::HINTS];
 
 object! {
     /// A case: a soft body, what moves it, what it shall become.
@@ -59,6 +61,8 @@ object! {
         pub supports: Vec<Support> = Vec::new(),
         /// Springs between points of the body, and from it to the ground.
         pub springs: Vec<Spring> = Vec::new(),
+        /// What fills voids and keeps their cells from folding.
+        pub media: Vec<Medium> = Vec::new(),
         /// What the body may touch, or keeps clear of.
         pub obstacles: Vec<Obstacle> = Vec::new(),
         /// Surfaces that obstacles push back.
@@ -184,7 +188,8 @@ impl Case {
 
     /// Entries that add a contribution each to the body, in the order of the case's keys.
     pub fn blocks(&self) -> impl Iterator<Item = &dyn Block> {
-        self.springs.iter().map(|own| own as &dyn Block)
+        let springs = self.springs.iter().map(|own| own as &dyn Block);
+        springs.chain(self.media.iter().map(|own| own as &dyn Block))
     }
 
     /// A reader of cases.

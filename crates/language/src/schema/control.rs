@@ -41,6 +41,8 @@ object! {
         pub filter: Option<f64> as POSITIVE_LENGTH,
         /// Projection of its field, behind the filter: of a design between 0 and 1, else between its bounds.
         pub projection: Option<Projection>,
+        /// Of a density or a mixture: the level above which it is 1, elsewhere it is 0, as the optimum is made. Such a field has no derivative: it is solved, not optimised.
+        pub cut: Option<f64> as NUMBER,
         /// Planes about which its field is symmetric: axes, for the planes across them in the middle, or planes by point and normal.
         pub symmetry: Vec<SymmetryPlane> = Vec::new(),
         /// Values that its field has in regions, whatever the control is there.

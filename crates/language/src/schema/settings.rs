@@ -26,17 +26,29 @@ impl Read for Settings {
 
     fn schema(_: Want, _: &mut Definitions) -> Json {
         let heads = CHANGEABLE.join("|");
-        json!({ "type": "object", "propertyNames": { "pattern": format!("^({heads})/") } })
+        json!({ "type": "object", "propertyNames": { "pattern": format!("^(({heads})/|controls/[0-9]+/projection/eta$)") } })
     }
+}
+
+/// Whether a path is the threshold of a projection, which distinguishes eroded and dilated variants of one design.
+fn is_threshold(path: &str) -> bool {
+    let number = path.strip_prefix("controls/").and_then(|rest| rest.strip_suffix("/projection/eta"));
+    number.is_some_and(|number| !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
 /// Complains about a path outside the blocks that may vary.
 pub(crate) fn check_path(path: &str, at: &At, reader: &mut Reader<'_>) {
     let (head, rest) = path.split_once('/').unwrap_or((path, ""));
+    if is_threshold(path) {
+        return;
+    }
     if !CHANGEABLE.contains(&head) {
         let list = CHANGEABLE.join(", ");
-        reader
-            .complain_at(at, format!("{} cannot vary between scenarios or load cases, only {list} can", quoted(head)));
+        let message = format!(
+            "{} cannot vary between scenarios or load cases, only {list} and \"controls/K/projection/eta\" can",
+            quoted(head)
+        );
+        reader.complain_at(at, message);
     } else if rest.is_empty() {
         reader.complain_at(at, format!("a path to one value was expected, as in \"{head}/0/...\""));
     }

@@ -11,6 +11,18 @@ records! {
     BlockRecords {
         /// The springs.
         springs: Option<Vec<SpringRecord>>,
+        /// The media of voids.
+        media: Option<Vec<MediumRecord>>,
+    }
+
+    /// A medium.
+    MediumRecord {
+        /// Its name.
+        name: String,
+        /// The regions it fills.
+        region: Vec<String>,
+        /// Its stiffness.
+        stiffness: Number,
     }
 
     /// A spring.

@@ -27,6 +27,8 @@ records! {
         starts: Option<Vec<StartRecord>>,
         /// Index of the best of them.
         best_start: Option<usize>,
+        /// Of densities and mixtures: the cost where each cell is 0 or 1, of the volume of the field as nearly as cells allow (`"cut"` in the case); one more solve.
+        cut_cost: Number,
         /// How many different minima they found.
         minima: Option<usize>,
         /// Constraints.

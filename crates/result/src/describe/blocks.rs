@@ -2,8 +2,8 @@
 
 use crate::describe::actuation::body_point;
 use nastic_case::lower::CaseProblem;
-use nastic_language::schema::{Block, Spring, SpringEnd, at_rest};
-use nastic_report::record::{BlockRecords, BodyPointRecord, SpringRecord};
+use nastic_language::schema::{Block, Medium, Spring, SpringEnd, at_rest};
+use nastic_report::record::{BlockRecords, BodyPointRecord, MediumRecord, SpringRecord};
 
 pub(super) fn records(problem: &CaseProblem) -> BlockRecords {
     let (case, solid) = (&problem.case, problem.solid());
@@ -22,5 +22,13 @@ pub(super) fn records(problem: &CaseProblem) -> BlockRecords {
             name,
         }
     };
-    BlockRecords { springs: (!case.springs.is_empty()).then(|| case.springs.iter().map(spring).collect()) }
+    let medium = |medium: &Medium| MediumRecord {
+        name: medium.name(),
+        region: medium.region.iter().map(str::to_owned).collect(),
+        stiffness: medium.stiffness.into(),
+    };
+    BlockRecords {
+        springs: (!case.springs.is_empty()).then(|| case.springs.iter().map(spring).collect()),
+        media: (!case.media.is_empty()).then(|| case.media.iter().map(medium).collect()),
+    }
 }

@@ -1,0 +1,170 @@
+//! [`Medium`]: what keeps cells of a void from folding.
+
+use crate::guides::add_element;
+use nastic_body::contribution::point::{ContributionPoint, Need};
+use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities};
+use nastic_body::contribution::{Contribution, Demand, Sums};
+use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
+use nastic_body::instant::Instant;
+use nastic_linear::SparseMatrix;
+use nastic_mesh::{Cell, CellKind, GroupNames, Mesh};
+use nastic_tensor::{Mat3, Vec3};
+
+/// A third medium: the cells of a region, most often of a `density` near 0, resist to what their deformation gradient varies by, potential
+///
+/// ```text
+/// (k/2) int |F - F_c|^2 dX,     F_c the mean of F over each cell,
+/// ```
+///
+/// with a stiffness k (Pa): quadratic in u and zero where cells deform affinely. It takes away the modes in which cells fold while their mean is sound, so
+/// that parts which meet across the region press on each other through it. Cells of constant F, linear simplices, have none of it and are refused. In plane
+/// strain per unit of thickness.
+///
+/// **Source.** O. Faltus, A. Amato & M. Horak, arXiv:2603.13063.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Medium {
+    name: String,
+    region: GroupNames,
+    stiffness: f64,
+}
+
+impl Medium {
+    /// Over a region.
+    pub fn over(name: &str, region: impl Into<GroupNames>, stiffness: f64) -> Self {
+        Medium { name: name.to_owned(), region: region.into(), stiffness }
+    }
+
+    /// The contribution on a mesh.
+    ///
+    /// # Errors
+    /// An unknown region; a stiffness that is not positive; linear simplices.
+    pub fn of(&self, mesh: &Mesh) -> Result<FilledCells, FemError> {
+        let fail = |what: String| Err(FemError::Meaningless { what: format!("{} {what}", self.name) });
+        if !(self.stiffness.is_finite() && self.stiffness > 0.0) {
+            return fail(format!("has a stiffness of {}; it must be positive and finite", self.stiffness));
+        }
+        let mut filled = FilledCells { name: self.name.clone(), dim: mesh.dim(), pieces: Vec::new() };
+        for cell in mesh.cells_of(&self.region)? {
+            let Cell { kind, nodes } = mesh.cell(cell as usize);
+            if matches!(kind, CellKind::Tri3 | CellKind::Tet4) {
+                return fail(format!(
+                    "lies on cells of {kind}, whose deformation gradient does not vary: take quadratic ones, or quadrilaterals and hexahedra"
+                ));
+            }
+            filled.pieces.push((nodes.to_vec(), variation(mesh, kind, nodes, self.stiffness)));
+        }
+        Ok(filled)
+    }
+}
+
+/// `k int (grad N_a - mean) . (grad N_b - mean) dX` by nodes a and b, row after row.
+fn variation(mesh: &Mesh, kind: CellKind, nodes: &[u32], stiffness: f64) -> Vec<f64> {
+    let (dim, n) = (mesh.dim(), nodes.len());
+    let positions = mesh.gather(mesh.points(), nodes);
+    let rule = kind.rule_of_degree(2 * kind.order());
+    let mut reference = vec![[0.0; 3]; n];
+    let mut gradients: Vec<(f64, Vec<Vec3>)> = Vec::new();
+    for (xi, weight) in rule.points.iter().zip(&rule.weights) {
+        kind.gradients(xi, &mut reference);
+        // dx_i/dxi_k in column k, the third direction of a plane body left alone
+        let mut tangents = Mat3::from_columns(&kind.tangents(&positions, xi).map(Vec3::from));
+        if dim == 2 {
+            tangents[(2, 2)] = 1.0;
+        }
+        let (volume, inverse) = (weight * tangents.determinant(), tangents.try_inverse().unwrap_or_else(Mat3::zeros));
+        gradients.push((volume, reference.iter().map(|own| inverse.transpose() * Vec3::from(*own)).collect()));
+    }
+    let whole: f64 = gradients.iter().map(|(volume, _)| volume).sum();
+    let mean = |a: usize| gradients.iter().map(|(volume, own)| own[a] * (volume / whole)).sum::<Vec3>();
+    let means: Vec<Vec3> = (0..n).map(mean).collect();
+    let mut k = vec![0.0; n * n];
+    for (volume, own) in &gradients {
+        for (at, entry) in k.iter_mut().enumerate() {
+            let (a, b) = (at / n, at % n);
+            *entry += stiffness * volume * (own[a] - means[a]).dot(&(own[b] - means[b]));
+        }
+    }
+    k
+}
+
+/// The contribution of a [`Medium`]: residual K u, K the same for every component.
+#[derive(Debug)]
+pub struct FilledCells {
+    name: String,
+    dim: usize,
+    /// Nodes of every cell, and K by node, row after row.
+    pieces: Vec<(Vec<u32>, Vec<f64>)>,
+}
+
+impl FilledCells {
+    /// Calls with every unknown of every cell and its entry of K v.
+    fn each_product(&self, v: &[f64], mut call: impl FnMut(usize, f64)) {
+        for (nodes, k) in &self.pieces {
+            let dof = |node: u32, i: usize| self.dim * node as usize + i;
+            for (row, node) in k.chunks(nodes.len()).zip(nodes) {
+                for i in 0..self.dim {
+                    call(dof(*node, i), row.iter().zip(nodes).map(|(k, other)| k * v[dof(*other, i)]).sum());
+                }
+            }
+        }
+    }
+}
+
+impl Contribution for FilledCells {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn stores_energy(&self) -> bool {
+        true
+    }
+
+    fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
+        let mut energy = 0.0;
+        self.each_product(at.u, |dof, force| energy += 0.5 * force * at.u[dof]);
+        vec![("energy", energy)]
+    }
+
+    fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
+        Ok(Box::new(self))
+    }
+}
+
+impl ContributionPoint for FilledCells {
+    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
+        self.each_product(at.u, |dof, force| {
+            if demand.energy {
+                sums.energy += 0.5 * force * at.u[dof];
+                sums.energy_scale += 0.5 * (force * at.u[dof]).abs();
+            }
+            if demand.force {
+                sums.force[dof] += force;
+                sums.force_scale[dof] += force.abs();
+            }
+        });
+        Ok(())
+    }
+
+    fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
+        for (nodes, k) in &self.pieces {
+            let entry = |a: usize, i: usize, b: usize, j: usize| if i == j { k[nodes.len() * a + b] } else { 0.0 };
+            add_element(nodes, self.dim, tangent, entry)?;
+        }
+        Ok(())
+    }
+
+    fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
+        self.each_product(v, |dof, value| out[dof] += value);
+        Ok(true)
+    }
+
+    fn second_vjp(
+        &self,
+        _: &Instant,
+        _: &[f64],
+        _: &Increment,
+        _: &mut SecondSensitivities,
+    ) -> Result<(), SecondDerivativeError> {
+        Ok(())
+    }
+}
