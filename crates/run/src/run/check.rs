@@ -7,7 +7,7 @@ use nastic_case::describe::Line;
 use nastic_result::describe;
 
 pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
-    let problem = &session.problem;
+    let problem = &session.input.problem;
     let sections = [
         words::units(problem),
         words::mesh(problem),
@@ -38,8 +38,8 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
             session.console.say(format!("{reports:<12}{text}"));
         }
     }
-    let warnings = session.warnings.len();
-    describe::describe(problem, &mut session.record);
+    let warnings = session.findings.warnings.len();
+    describe::describe(problem, &mut session.findings.record);
     session.console.say(match warnings {
         0 => "check       the case is complete and consistent".to_owned(),
         n => format!(

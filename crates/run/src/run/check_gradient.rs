@@ -16,7 +16,7 @@ pub(super) fn check(
     workspace: &mut EnsembleWorkspace,
 ) -> Result<Certificate, RunError> {
     console.phase("gradient check");
-    let problem = &session.problem;
+    let problem = &session.input.problem;
     let size = crate::run::gradcheck::size(problem);
     let base = Base { m: &at.m, point: at, derivative, stage: 0 };
     let found = Certificate::of(&problem.ensemble, &problem.set, &base, workspace, size, problem.case.optimizer.seed);
@@ -35,7 +35,7 @@ pub(super) fn check(
         if let Some(full) = &certificate.full {
             console.say(full);
         }
-        let how = match session.problem.case_file() {
+        let how = match session.input.problem.case_file() {
             Some(_) => "nastic gradcheck shows which term is at fault",
             None => "test each cost alone with Taylor::test",
         };
@@ -54,7 +54,7 @@ pub(super) fn of_start(
 ) -> Result<Certificate, RunError> {
     let certificate =
         session.timed("gradient_check", |session| check(session, session.console, start, derivative, workspace))?;
-    session.record.gradient_check = record(&certificate);
+    session.findings.record.gradient_check = record(&certificate);
     Ok(certificate)
 }
 

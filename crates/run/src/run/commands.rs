@@ -83,7 +83,7 @@ pub fn run_document(
 }
 
 pub(crate) fn execute(mut session: Session<'_>, options: &Options) -> Result<(Outcome, Option<States>), RunError> {
-    let exit = match &session.command {
+    let exit = match &session.input.command {
         Command::Check => check::run(&mut session),
         Command::Solve => motion::may_replace(&mut session, options.restart)
             .and_then(|()| solve::run(&mut session, &options.analysis)),
@@ -91,12 +91,12 @@ pub(crate) fn execute(mut session: Session<'_>, options: &Options) -> Result<(Ou
         Command::Gradient => gradient::run(&mut session),
         Command::Gradcheck => gradcheck::run(&mut session),
         Command::Optimize => {
-            let (optimizer, restart) = (session.problem.optimizer()?, options.restart);
+            let (optimizer, restart) = (session.input.problem.optimizer()?, options.restart);
             match options.share {
                 Share::Whole => optimize::begin(&mut session, optimizer.as_ref(), restart),
                 Share::Join => optimize::join(&mut session, optimizer.as_ref(), restart),
                 Share::Part(part) => {
-                    let named = directory(&session.command, &session.problem, options);
+                    let named = directory(&session.input.command, &session.input.problem, options);
                     let out = named.unwrap_or_else(|| session.usual_directory());
                     optimize::run_part(&mut session, optimizer.as_ref(), part, &out, restart)
                 }
@@ -123,7 +123,7 @@ pub fn resume(
         let exit = match position {
             resumption::Resumed::Motion(checkpoint) => solve::resume(&mut session, checkpoint),
             resumption::Resumed::Optimization(position) => {
-                let optimizer = session.problem.optimizer()?;
+                let optimizer = session.input.problem.optimizer()?;
                 optimize::resume(&mut session, optimizer.as_ref(), *position)
             }
         };

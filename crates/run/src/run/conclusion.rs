@@ -4,6 +4,8 @@ use crate::result::Missed;
 use crate::run::error::{Exit, RunError};
 use crate::run::outcome::Outcome;
 use crate::run::session::Session;
+use crate::run::session::findings::CommandFindings;
+use crate::run::session::input::CommandInput;
 use crate::run::states::States;
 use crate::run::{motion, optimize, report};
 use nastic_case::expectation;
@@ -30,21 +32,22 @@ pub(crate) fn conclude(
 /// What went wrong takes the place of a result, so that no older one is taken for it.
 fn note_failure(mut session: Session<'_>, error: &RunError) {
     session.finish_clock();
-    session.interrupted |= session.is_cancelled() || error.is_lack_of_memory() || matches!(error, RunError::Team(_));
+    session.findings.interrupted |=
+        session.is_cancelled() || error.is_lack_of_memory() || matches!(error, RunError::Team(_));
     session.close(error.exit());
-    session.record.error = Some(error.to_string());
+    session.findings.record.error = Some(error.to_string());
     if let RunError::Forward { member, error, file, .. } = error.cause() {
         if file.is_some() {
             session.list_files(vec!["failure.vtu".to_owned()]);
         }
         if let ControlError::State(state) = error.as_ref() {
-            let one = session.problem.members().find(|one| one.name() == *member);
-            session.record.failure = one.map(|one| failure::record(one, state)).unwrap_or_default();
+            let one = session.input.problem.members().find(|one| one.name() == *member);
+            session.findings.record.failure = one.map(|one| failure::record(one, state)).unwrap_or_default();
         }
     }
     // one that goes on and was stopped before it had anything of its own leaves what was found before
     if !matches!(error, RunError::Cancelled) {
-        session.leaves_results = false;
+        session.destination.leaves_results = false;
     }
     // The error itself is what the caller hears of.
     let _ = report::write_result(&mut session);
@@ -52,7 +55,7 @@ fn note_failure(mut session: Session<'_>, error: &RunError) {
 
 /// Wall time and memory.
 fn say_effort(session: &Session<'_>) {
-    let result = &session.record;
+    let result = &session.findings.record;
     let seconds = number_of(&result.seconds, "total").unwrap_or(f64::NAN);
     let memory = match *result.peak_memory {
         Some(bytes) => format!(", at most {:.0} MB of memory", bytes as f64 / 1e6),
@@ -66,16 +69,18 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
     let mut exit = exit;
     session.finish_clock();
     // a signal that came while complete results were written has interrupted nothing
-    session.interrupted |= session.is_cancelled() && exit != Exit::Done;
-    let expect = &session.problem.case.expect;
+    session.findings.interrupted |= session.is_cancelled() && exit != Exit::Done;
+    let expect = &session.input.problem.case.expect;
     // What was interrupted is not held to its expectations.
-    let expect = if session.interrupted || session.options.without_expect { &Default::default() } else { expect };
-    let (checked, missed) = expectation::judge(expect, &session.command, usual, &session.record.to_json()?);
+    let expect =
+        if session.findings.interrupted || session.input.options.without_expect { &Default::default() } else { expect };
+    let (checked, missed) =
+        expectation::judge(expect, &session.input.command, usual, &session.findings.record.to_json()?);
     for miss in &missed {
         session.console.say(format!("MISSED      {miss}"));
     }
     // They hold for the case as it is written; who overrides them means them.
-    if !missed.is_empty() && session.options.set.iter().any(|setting| !setting.starts_with("expect")) {
+    if !missed.is_empty() && session.input.options.set.iter().any(|setting| !setting.starts_with("expect")) {
         let aside = "--set 'expect={}' leaves its values aside";
         session.console.say(format!("{:<12}the case was changed by --set; {aside}", ""));
     }
@@ -83,12 +88,12 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
         session.console.say(format!("expect      {checked} of {checked} values as expected"));
     }
     let miss = |m: &Missed| MissRecord { path: m.path.clone(), found: m.found.into(), expected: m.expected.into() };
-    session.record.expect = Some(ExpectRecord { checked, missed: missed.iter().map(miss).collect() });
+    session.findings.record.expect = Some(ExpectRecord { checked, missed: missed.iter().map(miss).collect() });
     if !missed.is_empty() && matches!(exit, Exit::Done | Exit::NotConverged) {
         exit = Exit::ExpectMissed;
     }
-    let warnings = session.warnings.len();
-    if session.options.strict && warnings > 0 && exit == Exit::Done {
+    let warnings = session.findings.warnings.len();
+    if session.input.options.strict && warnings > 0 && exit == Exit::Done {
         session.console.say(format!("strict      {} under --strict: exit code 8", number::count(warnings, "warning")));
         exit = Exit::Warned;
     }
@@ -96,7 +101,7 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
     report::write_result(&mut session)?;
     optimize::record_end(&session)?;
     motion::record_end(&session)?;
-    if let Some(out) = &session.out {
+    if let Some(out) = &session.destination.out {
         session.console.say(format!("results     {}", out.path().display()));
         let page = out.file(nastic_report::FILE);
         if page.exists() {
@@ -104,7 +109,7 @@ fn close(mut session: Session<'_>, exit: Exit, usual: bool) -> Result<(Outcome, 
         }
     }
     say_effort(&session);
-    let Session { problem, shown, record, .. } = session;
+    let Session { input: CommandInput { problem, .. }, findings: CommandFindings { shown, record, .. }, .. } = session;
     let outcome = Outcome { exit, result: record.to_json()?, record, missed };
     Ok((outcome, shown.map(|shown| States::new(problem, shown))))
 }

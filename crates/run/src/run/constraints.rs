@@ -85,7 +85,7 @@ impl Session<'_> {
         if all.groups.is_empty() {
             return Ok(found);
         }
-        for (member, at) in self.problem.members().zip(&point.members) {
+        for (member, at) in self.input.problem.members().zip(&point.members) {
             let own: Vec<&ConstraintReport> = groups.by_ref().take(member.reduced().constraints().len()).collect();
             found.extend(look(member, at, &own).map_err(|error| self.member_failed(member.index(), error))?);
         }
@@ -270,7 +270,7 @@ pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, known: &[Known
         let kept = worst.filter(|_| one.violation() == 0.0 && one.group.sense == Sense::AtMost);
         let kept = kept.map_or_else(String::new, |worst| format!(", kept by {}{unit}", short(-worst.value)));
         let place = worst.and_then(|_| known.place()).map_or_else(String::new, |place| format!(" at {place}"));
-        let time = at_time(&session.problem, worst.and_then(|worst| known.time(worst.index, one.values.len())));
+        let time = at_time(&session.input.problem, worst.and_then(|worst| known.time(worst.index, one.values.len())));
         session.console.say(format!(
             "{head:<12}{}: {functional}largest violation {}{unit}{kept}{place}{time} ({} of its scale){held}",
             one.group.name,

@@ -19,11 +19,11 @@ const CREEP: f64 = 0.01;
 impl Session<'_> {
     /// Says what the contacts of equilibria carry, and which never act.
     pub fn report_contacts(&mut self, point: &EnsemblePoint) {
-        if self.problem.is_motion() || self.problem.case.contact.is_empty() {
+        if self.input.problem.is_motion() || self.input.problem.case.contact.is_empty() {
             return;
         }
         let mut untouched = Vec::new();
-        for (member, at) in self.problem.members().zip(&point.members) {
+        for (member, at) in self.input.problem.members().zip(&point.members) {
             for (name, touch) in touches::of_state(member, at.state()) {
                 self.console.say(line(&name, &touch, member));
                 untouched.extend((touch.area == 0.0).then(|| {
@@ -38,11 +38,11 @@ impl Session<'_> {
 
     /// The same of motions, which know how contacts slide, at their ends.
     pub fn report_contacts_of(&mut self, records: &[Record]) {
-        let (mut found, dim) = (Vec::new(), self.problem.mesh().dim());
+        let (mut found, dim) = (Vec::new(), self.input.problem.mesh().dim());
         for record in records {
             for (name, touch) in &record.touches {
                 self.entries_of(record.member).contributions.insert(name.clone(), touch.quantities(dim).into());
-                let (member, Some(table)) = (self.problem.member(record.member), &record.table) else { continue };
+                let (member, Some(table)) = (self.input.problem.member(record.member), &record.table) else { continue };
                 self.console.say(line(name, touch, member));
                 let Some(parameters) = touches::parameters(member, name) else { continue };
                 let history = History::of(table, name, touch.sliding);

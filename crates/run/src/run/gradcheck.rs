@@ -92,22 +92,22 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     session.find_steps()?;
     let began = std::time::Instant::now();
     session.console.phase("solving at the start control");
-    let memo = Memo::new(&session.problem.ensemble, &session.problem.start, ACCURACY);
+    let memo = Memo::new(&session.input.problem.ensemble, &session.input.problem.start, ACCURACY);
     let memo = memo.map_err(|error| session.evaluation_failed(&error))?;
     let mut tests = Vec::new();
-    let blocks = session.problem.ensemble.blocks().iter().zip(&session.problem.controls);
+    let blocks = session.input.problem.ensemble.blocks().iter().zip(&session.input.problem.controls);
     for (block, field) in blocks {
         session.console.phase(&format!("varying {}", field.name));
         let own = block.first..block.first + block.len;
         let taylor = Taylor {
             directions: DIRECTIONS,
-            seed: session.problem.case.optimizer.seed.wrapping_add(1),
-            size: size(&session.problem),
+            seed: session.input.problem.case.optimizer.seed.wrapping_add(1),
+            size: size(&session.input.problem),
             components: Some(own),
             accuracy: ACCURACY,
             ..Taylor::default()
         };
-        let found = test_field(&session.problem, &memo, &taylor, &field.name)?;
+        let found = test_field(&session.input.problem, &memo, &taylor, &field.name)?;
         session.console.clear();
         if session.is_cancelled() {
             return Err(RunError::Cancelled);
@@ -116,7 +116,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         tests.extend(found);
     }
     let near_onset = memo.near_onset();
-    session.clock.note("gradient_check", began.elapsed().as_secs_f64());
+    session.findings.clock.note("gradient_check", began.elapsed().as_secs_f64());
     Ok(conclude(session, &tests, near_onset))
 }
 
@@ -305,7 +305,7 @@ fn conclude(session: &mut Session<'_>, tests: &[GradientTest], near_onset: usize
     let lowest_second = lowest(&mut directions().filter_map(|d| Some(d.second.as_ref()?.order)));
     let right = |found: &[(&GradientTest, Verdict)]| found.iter().all(|(_, verdict)| *verdict != Verdict::Wrong);
     let (passed, second_passed) = (right(&first), right(&second));
-    session.record.gradcheck = Some(GradcheckRecord {
+    session.findings.record.gradcheck = Some(GradcheckRecord {
         passed,
         verdict,
         lowest_order: lowest_first.into(),

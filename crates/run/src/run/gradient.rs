@@ -24,7 +24,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
     let mut workspace = EnsembleWorkspace::default();
     let mut point = session.evaluate_start(&mut workspace)?;
     let derivative =
-        session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
+        session.timed("adjoint", |session| session.input.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
     session.console.clear();
     let found = session.inspect("equilibrium", &point);
@@ -43,10 +43,10 @@ fn report(
     found: &[Inspection],
 ) -> Result<(), RunError> {
     let entries = session.entries(point, found)?;
-    session.record.state = entries;
-    session.record.derivative_norm = controls::derivative_norm(&session.problem, derivative);
-    session.record.controls = Some(controls::controls(&session.problem, &point.m, 0));
-    let result = &session.record;
+    session.findings.record.state = entries;
+    session.findings.record.derivative_norm = controls::derivative_norm(&session.input.problem, derivative);
+    session.findings.record.controls = Some(controls::controls(&session.input.problem, &point.m, 0));
+    let result = &session.findings.record;
     say_cost(session, result);
     say_members(session, result);
     session.console.say(format!(
@@ -54,7 +54,7 @@ fn report(
         digits(*result.derivative_norm.euclidean, 9),
         digits(*result.derivative_norm.metric, 9)
     ));
-    for (block, field) in session.problem.ensemble.blocks().iter().zip(&session.problem.controls) {
+    for (block, field) in session.input.problem.ensemble.blocks().iter().zip(&session.input.problem.controls) {
         let own = block.of(derivative);
         let (low, high) = own.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
         session.console.say(format!(
@@ -75,8 +75,8 @@ fn write(
     derivative: &[f64],
     found: &[Inspection],
 ) -> Result<(), RunError> {
-    let Some(out) = session.out.clone() else { return Ok(()) };
-    let problem = &session.problem;
+    let Some(out) = session.destination.out.clone() else { return Ok(()) };
+    let problem = &session.input.problem;
     out.write_json("derivative.json", &controls::by_control(problem, derivative))?;
     let mut files = vec!["derivative.json".to_owned()];
     files.extend(write_states(problem, "start", point, derivative, found, &out)?);

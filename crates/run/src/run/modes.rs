@@ -47,16 +47,16 @@ struct ModesInSteps {
 }
 
 pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit, RunError> {
-    check(&session.problem, asked.count).map_err(|error| session.refuse(error))?;
+    check(&session.input.problem, asked.count).map_err(|error| session.refuse(error))?;
     remove_earlier(session)?;
-    let time = session.problem.case.time.as_ref();
+    let time = session.input.problem.case.time.as_ref();
     // a motion from rest has no equilibrium to begin at
     let undeformed = asked.undeformed || time.is_some_and(|time| time.start == Beginning::Rest);
     let in_time = time.is_some();
     let mut inspections = Vec::new();
     let states: Vec<(State, Vec<f64>)> = if undeformed {
-        let of = |member: CaseMember<'_>| at_rest(member, &session.problem.start);
-        session.problem.members().map(of).collect()
+        let of = |member: CaseMember<'_>| at_rest(member, &session.input.problem.start);
+        session.input.problem.members().map(of).collect()
     } else if in_time {
         session.timed("solve", |session| beginnings(session))?
     } else {
@@ -80,12 +80,12 @@ pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit
 /// The equilibria that the motions begin at.
 fn beginnings(session: &Session<'_>) -> Result<Vec<(State, Vec<f64>)>, RunError> {
     let of = |member: CaseMember<'_>| {
-        let m = member.local(&session.problem.start);
+        let m = member.local(&session.input.problem.start);
         let state = member.reduced().initial_state(&m, START_ACCURACY);
         let state = state.map_err(|error| session.member_failed(member.index(), error))?;
         Ok((state.unwrap_or_else(|| member.solid().rest()), m))
     };
-    session.problem.members().map(of).collect()
+    session.input.problem.members().map(of).collect()
 }
 
 fn check(problem: &CaseProblem, count: usize) -> Result<(), RunError> {
@@ -106,14 +106,14 @@ fn check(problem: &CaseProblem, count: usize) -> Result<(), RunError> {
 }
 
 fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> Result<Vec<StateModes>, RunError> {
-    let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+    let how = SolveOptions { cancel: Some(&session.input.cancel), ..SolveOptions::default() };
     let of = |(member, (state, m)): (CaseMember<'_>, (State, Vec<f64>))| {
         let modes = member.solid().model().vibration_modes(&state, count, &how);
         let modes = modes.map_err(|error| session.member_failed(member.index(), ControlError::from(error)))?;
         let seen = seen(member, &modes);
         Ok(StateModes { state, m, modes, seen })
     };
-    session.problem.members().zip(states).map(of).collect()
+    session.input.problem.members().zip(states).map(of).collect()
 }
 
 /// What the scheme and the Rayleigh damping of a motion make of the modes.
@@ -141,7 +141,8 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
     if member.reduced().timeline()?.scheme().is_quasi_static() {
         return None;
     }
-    let (solid, how) = (member.solid(), SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() });
+    let (solid, how) =
+        (member.solid(), SolveOptions { cancel: Some(&session.input.cancel), ..SolveOptions::default() });
     let free = solid.supports().fixed().iter().filter(|&&fixed| !fixed).count();
     let rigid = if member.mesh().dim() == 3 { 6 } else { 3 };
     let wanted = if solid.check().is_ok() { SHOWN } else { SHOWN + rigid };
@@ -156,7 +157,7 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
             return None;
         }
     };
-    let (seen, units) = (seen(member, &modes)?, session.problem.units());
+    let (seen, units) = (seen(member, &modes)?, session.input.problem.units());
     let mut head = "damping";
     for (k, (mode, seen)) in modes.iter().zip(&seen.modes).enumerate() {
         let Some(seen) = seen else { continue };
@@ -181,11 +182,11 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
 
 /// Puts frequencies into the result and says them.
 fn print_modes(session: &mut Session<'_>, about: &str, found: &[StateModes]) {
-    let (units, dim) = (*session.problem.units(), session.problem.mesh().dim());
+    let (units, dim) = (*session.input.problem.units(), session.input.problem.mesh().dim());
     for (index, own) in found.iter().enumerate() {
         let in_steps = own.seen.as_ref().map(in_steps);
         session.entries_of(index).modes = ModesRecord { in_steps, ..record(&own.modes, about, &units, dim) };
-        let (inside, how) = (session.problem.member(index).inside(), session.entries_of(index).modes.how_found());
+        let (inside, how) = (session.input.problem.member(index).inside(), session.entries_of(index).modes.how_found());
         session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}{how}"));
         session.console.say(format!("  {:>9} {:>16} {:>14} {:>22}", "mode", "frequency", "period", "along x, y, z"));
         for (k, mode) in own.modes.iter().enumerate() {
@@ -212,7 +213,7 @@ fn in_steps(seen: &ModesInSteps) -> VibrationInSteps {
 }
 
 fn say_in_steps(session: &Session<'_>, ModesInSteps { scheme, step, modes }: &ModesInSteps) {
-    let units = session.problem.units();
+    let units = session.input.problem.units();
     let step = quantity(*step, Dimension::TIME, units);
     session
         .console
@@ -278,8 +279,8 @@ fn write(
     found: &[StateModes],
     inspections: &[Inspection],
 ) -> Result<(), RunError> {
-    let Some(out) = session.out.clone() else { return Ok(()) };
-    let problem = &session.problem;
+    let Some(out) = session.destination.out.clone() else { return Ok(()) };
+    let problem = &session.input.problem;
     let mut files = Vec::new();
     for (member, own) in problem.members().zip(found) {
         let fields = StateFields::new(&own.state, &own.m, 0);

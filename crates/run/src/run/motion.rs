@@ -50,7 +50,7 @@ impl Session<'_> {
 
     /// Says what deserves attention in motions.
     pub fn warn_of_motions(&mut self, records: &[Record]) {
-        warnings(&self.problem, records).into_iter().for_each(|warning| self.warn(warning));
+        warnings(&self.input.problem, records).into_iter().for_each(|warning| self.warn(warning));
     }
 
     /// Says how the motions went, and puts that into the result.
@@ -59,7 +59,7 @@ impl Session<'_> {
             let unresolved = entry.damping.as_ref().and_then(|seen| unresolved(&records[index], seen));
             self.entries_of(index).time = Some(entry);
             if let Some(message) = unresolved {
-                self.warn(Warning::new(&TIME_STEP, message).of(self.problem.member(index).name()));
+                self.warn(Warning::new(&TIME_STEP, message).of(self.input.problem.member(index).name()));
             }
         }
         self.report_contacts_of(records);
@@ -69,7 +69,7 @@ impl Session<'_> {
 
 /// The motions of all members. One that keeps few states in memory runs once more.
 fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
-    if !session.problem.is_motion() {
+    if !session.input.problem.is_motion() {
         return Ok(vec![]);
     }
     let record = |(member, at): (CaseMember<'_>, &Evaluated)| {
@@ -78,7 +78,7 @@ fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, 
         all.map_err(|error| session.member_failed(member.index(), error))?;
         Ok(record)
     };
-    session.problem.members().zip(&point.members).map(record).collect()
+    session.input.problem.members().zip(&point.members).map(record).collect()
 }
 
 /// Looks into the states that are written, beside the last one, which is looked into with all others; what deserves attention is reported
@@ -115,13 +115,14 @@ fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
 
 /// The entry `time` of the result, and lines about the motions.
 fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> Vec<TimeRecord> {
-    let Some(time) = &session.problem.case.time else { return vec![] };
-    let units = session.problem.units();
+    let Some(time) = &session.input.problem.case.time else { return vec![] };
+    let units = session.input.problem.units();
     let of = |value: f64| quantity(value, Dimension::TIME, units);
-    let steps = session.problem.members().filter_map(|member| member.reduced().timeline()).map(Timeline::steps).max();
+    let steps =
+        session.input.problem.members().filter_map(|member| member.reduced().timeline()).map(Timeline::steps).max();
     let each = match time.step {
         Some(step) => format!("of {}", of(step)),
-        None => format!("of at most {}", of(longest(&session.problem))),
+        None => format!("of at most {}", of(longest(&session.input.problem))),
     };
     session.console.say(format!(
         "motion      {} {each} to {} by {}, {} cut",
@@ -148,7 +149,7 @@ fn longest(problem: &CaseProblem) -> f64 {
 }
 
 fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) -> TimeRecord {
-    let (member, unit) = (session.problem.member(record.member), session.problem.units().label(ENERGY));
+    let (member, unit) = (session.input.problem.member(record.member), session.input.problem.units().label(ENERGY));
     let ends = [record.shown.first(), record.shown.last()].map(|state| state.map(|state| energies(member, state)));
     let [start, end] = ends.map(Option::unwrap_or_default);
     let name = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
@@ -255,15 +256,15 @@ pub(super) fn ghosts(
 
 /// Removes the checkpoint of a motion that has come to its end, after all results are written.
 pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
-    match &session.out {
-        Some(out) if session.command == Command::Solve => Ok(out.remove(motion_checkpoint::NAME)?),
+    match &session.destination.out {
+        Some(out) if session.input.command == Command::Solve => Ok(out.remove(motion_checkpoint::NAME)?),
         _ => Ok(()),
     }
 }
 
 /// Whether the checkpoint of a motion in the session's directory, if any, may be replaced; if not, nothing is written.
 pub(super) fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<(), RunError> {
-    match session.out.take_if(|out| !restart && out.file(motion_checkpoint::NAME).is_file()) {
+    match session.destination.out.take_if(|out| !restart && out.file(motion_checkpoint::NAME).is_file()) {
         None => Ok(()),
         Some(out) => Err(RunError::InterruptedMotion { directory: out.path().to_owned() }),
     }

@@ -41,7 +41,7 @@ pub(super) fn begin(session: &mut Session<'_>, optimizer: &dyn Optimizer, restar
 
 /// Whether the checkpoint in the directory of the results, if any, may be replaced. If not what lies there stays as it is: nothing is written.
 fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<(), RunError> {
-    if let (Some(out), false) = (&session.out, restart) {
+    if let (Some(out), false) = (&session.destination.out, restart) {
         let found = interrupted(out.path()).map_err(RunError::UnreadableCheckpoint);
         let directory = out.path().to_owned();
         let refused = found.and_then(|found| match found {
@@ -56,7 +56,7 @@ fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<(), RunError>
 /// Removes what an earlier run in the directory left.
 fn make_room(session: &mut Session<'_>) -> Result<(), RunError> {
     crate::run::report::remove_earlier(session)?;
-    if let Some(out) = &session.out {
+    if let Some(out) = &session.destination.out {
         out.remove_old_iterations();
         // It belongs to an earlier command, and would stand beside the files of this one.
         out.remove("result.json")?;
@@ -74,7 +74,7 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
     session.meet()?;
     let Some((begun, gradient_check)) = first_start(session)? else { return Ok(Exit::GradientWrong) };
     let mut all = vec![StartRun { index: 0, phase: Phase::Evaluated(Box::new(begun)) }];
-    all.extend((1..session.problem.case.optimizer.starts).map(StartRun::waiting));
+    all.extend((1..session.input.problem.case.optimizer.starts).map(StartRun::waiting));
     let position = Position { gradient_check, starts: all, ..Position::default() };
     let (began, mut starts) = (Instant::now(), Starts::default());
     let ran = starts.run(session, optimizer, position, &journal, false);
@@ -84,12 +84,12 @@ fn run(session: &mut Session<'_>, optimizer: &dyn Optimizer) -> Result<Exit, Run
 /// The start as written, evaluated, with its gradient check; `None` if that says that the gradient is wrong.
 fn first_start(session: &mut Session<'_>) -> Result<Option<(Begun, GradientCheckRecord)>, RunError> {
     let mut workspace = EnsembleWorkspace::default();
-    let start = session.timed("solve", |session| evaluate(session, &session.problem.start, &mut workspace));
+    let start = session.timed("solve", |session| evaluate(session, &session.input.problem.start, &mut workspace));
     let mut point = start.map_err(|failed| session.evaluation_failed(&failed))?;
     let derivative =
-        session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
+        session.timed("adjoint", |session| session.input.problem.ensemble.derivative(&mut point, &mut workspace));
     let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
-    let (place, mut warnings) = (place(&session.problem, 0), vec![]);
+    let (place, mut warnings) = (place(&session.input.problem, 0), vec![]);
     let mut shown = Ok(());
     if let Some(whole) = session.whole(&point)? {
         let inspected = session.timed("inspect", |session| session.look_into(session.console, &place, &whole));
@@ -99,7 +99,7 @@ fn first_start(session: &mut Session<'_>) -> Result<Option<(Begun, GradientCheck
     let checked = shown.and_then(|()| check_gradient::of_start(session, &point, &derivative, &mut workspace));
     let right = checked.as_ref().is_ok_and(|certificate| certificate.verdict != Verdict::Wrong);
     if !right {
-        session.warnings.extend(warnings);
+        session.findings.warnings.extend(warnings);
         return checked.map(|_| None);
     }
     let check = check_gradient::record(&checked?);
@@ -109,9 +109,9 @@ fn first_start(session: &mut Session<'_>) -> Result<Option<(Begun, GradientCheck
 
 /// A file of the output directory that the case reads is another one once the optimisation has written it.
 fn warn_of_own_files(session: &mut Session<'_>) {
-    let Some(Ok(out)) = session.out.as_ref().map(|out| out.path().canonicalize()) else { return };
+    let Some(Ok(out)) = session.destination.out.as_ref().map(|out| out.path().canonicalize()) else { return };
     let is_own = |file: &PathBuf| file.canonicalize().is_ok_and(|file| file.parent() == Some(&out));
-    let own: Vec<PathBuf> = session.problem.files.iter().filter(|file| is_own(file)).cloned().collect();
+    let own: Vec<PathBuf> = session.input.problem.files.iter().filter(|file| is_own(file)).cloned().collect();
     for file in own {
         let file = file.display();
         let message = format!(
@@ -130,17 +130,17 @@ pub(super) fn resume(
 ) -> Result<Exit, RunError> {
     spectrum::check(session)?;
     let from = position.as_ref().map_or(Place { start: 0, iteration: 0 }, Position::place);
-    session.record.resumed =
+    session.findings.record.resumed =
         ResumedRecord { start: Some(from.start), iteration: Some(from.iteration), ..ResumedRecord::default() };
     // Nothing was evaluated yet.
     let Some(position) = position else { return run(session, optimizer) };
     session.find_steps()?;
     warn_of_own_files(session);
-    session.record.gradient_check = position.gradient_check.clone();
+    session.findings.record.gradient_check = position.gradient_check.clone();
     session.meet()?;
     let journal = SharedJournal::new(Journal::resume(session, &position)?);
     // until it has something of its own
-    session.leaves_results = true;
+    session.destination.leaves_results = true;
     let began = Instant::now();
     let mut starts = Starts::default();
     let ran = starts.run(session, optimizer, position, &journal, true);
@@ -155,22 +155,23 @@ fn conclude(
     journal: SharedJournal,
     began: Instant,
 ) -> Result<Exit, RunError> {
-    session.clock.note("optimize", began.elapsed().as_secs_f64());
+    session.findings.clock.note("optimize", began.elapsed().as_secs_f64());
     // They were said: the result has them, however the runs ended.
-    session.warnings.append(&mut starts.warnings);
+    session.findings.warnings.append(&mut starts.warnings);
     ran?;
     let written = journal.lock().written();
-    session.leaves_results = starts.interrupted && journal.lock().is_behind() && outcome::has_results(session);
-    if !session.leaves_results {
+    session.destination.leaves_results =
+        starts.interrupted && journal.lock().is_behind() && outcome::has_results(session);
+    if !session.destination.leaves_results {
         journal.lock().write_iterates();
     }
     let unwritten = journal.lock().finish(starts.interrupted);
-    session.interrupted = starts.interrupted;
+    session.findings.interrupted = starts.interrupted;
     let resumable = written.filter(|_| starts.interrupted);
-    let minima = minima::warn_of_minima(&session.problem, &mut starts);
+    let minima = minima::warn_of_minima(&session.input.problem, &mut starts);
     let Some((index, ended)) = starts.best.take() else { return Err(RunError::Cancelled) };
     if starts.entries.len() > 1 {
-        session.record.optimum.minima = Some(minima);
+        session.findings.record.optimum.minima = Some(minima);
     }
     let done = ended.best.stop.is_converged() && !starts.interrupted;
     let exit = if done { Exit::Done } else { Exit::NotConverged };
@@ -199,25 +200,25 @@ fn conclude(
         outcome::say_how_to_resume(session, written);
     }
     let found = reported?;
-    if session.leaves_results {
+    if session.destination.leaves_results {
         let stays = "stopped before it had come as far as the program before, whose results stay";
         session.console.say(format!("{:<12}{stays}", ""));
     }
     outcome::show(session, ended, found);
     if let Some(why) = starts.aborted {
         session.console.say(format!("failed      {why}"));
-        session.record.error = Some(why);
+        session.findings.record.error = Some(why);
         return Ok(Exit::ForwardFailed);
     }
-    session.ended = !starts.interrupted;
+    session.findings.ended = !starts.interrupted;
     Ok(exit)
 }
 
 /// Records in the checkpoint that the optimisation has ended, if so. That comes last: a program that is killed before all results
 /// are written was interrupted.
 pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
-    match &session.out {
-        Some(out) if session.ended => checkpoint::record_end(out, true),
+    match &session.destination.out {
+        Some(out) if session.findings.ended => checkpoint::record_end(out, true),
         _ => Ok(()),
     }
 }

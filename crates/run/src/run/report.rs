@@ -80,24 +80,27 @@ pub fn keep_results(directory: &Path, file: &Path) -> Result<(), RunError> {
 
 /// Writes `case.json` and `result.json`, and the page if there is one to be.
 pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
-    let Some(out) = session.out.clone().filter(|_| !session.leaves_results) else { return Ok(()) };
-    let is_shown = matches!(session.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
-    let with_page = !session.options.no_report && is_shown && session.command != Command::Gradient;
+    let Some(out) = session.destination.out.clone().filter(|_| !session.destination.leaves_results) else {
+        return Ok(());
+    };
+    let is_shown =
+        matches!(session.input.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
+    let with_page = !session.input.options.no_report && is_shown && session.input.command != Command::Gradient;
     // a run that failed has nothing for print, and its own error to tell
-    let with_figure = session.options.figure && is_shown && session.record.error.is_none();
+    let with_figure = session.input.options.figure && is_shown && session.findings.record.error.is_none();
     if is_shown {
-        session.record.members = Some(members(&session.problem));
-        let case = session.problem.case_file().is_some();
+        session.findings.record.members = Some(members(&session.input.problem));
+        let case = session.input.problem.case_file().is_some();
         let page = with_page.then_some(nastic_report::FILE);
         let figures = FIGURES.iter().filter(|_| with_figure).copied();
         session.list_files(case.then_some(CASE).into_iter().chain(page).chain(figures).map(str::to_owned).collect());
         if case {
-            out.write_json(CASE, &session.problem.document.json())?;
+            out.write_json(CASE, &session.input.problem.document.json())?;
         } else {
             out.remove(CASE)?;
         }
     }
-    out.write_json("result.json", &session.record)?;
+    out.write_json("result.json", &session.findings.record)?;
     for name in FIGURES.iter().filter(|_| with_figure) {
         figure(out.path(), &FigureRequest::default(), Some(&out.own(name)?))?;
     }
@@ -107,24 +110,24 @@ pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
 impl Session<'_> {
     /// Adds names to the list of files of the result.
     pub(super) fn list_files(&mut self, names: Vec<String>) {
+        let files = self.findings.record.files.get_or_insert_default();
         for name in names {
-            if !self.files.contains(&name) {
-                self.files.push(name);
+            if !files.contains(&name) {
+                files.push(name);
             }
         }
-        self.record.files = Some(self.files.clone());
     }
 
     /// What is reported of the states of an evaluated control.
     pub(super) fn entries(&self, point: &EnsemblePoint, found: &[Inspection]) -> Result<StateRecord, RunError> {
-        let reports = member_report::of_inspected(&self.problem, point, found);
-        let entries = reports.and_then(|reports| member_report::entries(&self.problem, &reports, Detail::Full));
+        let reports = member_report::of_inspected(&self.input.problem, point, found);
+        let entries = reports.and_then(|reports| member_report::entries(&self.input.problem, &reports, Detail::Full));
         entries.map_err(|error| self.member_failed(error.0, error.1))
     }
 
     /// A run that cannot begin leaves its directory as it is.
     pub(super) fn refuse(&mut self, error: RunError) -> RunError {
-        self.out = None;
+        self.destination.out = None;
         error
     }
 }
@@ -133,13 +136,13 @@ impl Session<'_> {
 /// be taken for what that one found. Files that the case reads stay, and those of other commands.
 pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {
     const RESULT: &str = "result.json";
-    let Some(out) = &session.out else { return Ok(()) };
+    let Some(out) = &session.destination.out else { return Ok(()) };
     let text = std::fs::read_to_string(out.file(RESULT)).unwrap_or_default();
     let earlier = serde_json::from_str::<Earlier>(&text).unwrap_or_default();
-    if earlier.command != session.command.name() {
+    if earlier.command != session.input.command.name() {
         return Ok(());
     }
-    let problem = &session.problem;
+    let problem = &session.input.problem;
     let read = problem.files.iter().map(PathBuf::as_path).chain(problem.case_file().map(Path::new));
     let read: Vec<PathBuf> = read.filter_map(|file| file.canonicalize().ok()).collect();
     let is_read = |name: &str| out.file(name).canonicalize().is_ok_and(|file| read.contains(&file));

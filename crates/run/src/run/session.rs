@@ -1,7 +1,10 @@
 //! What the commands share: the case at hand, the place for results, the console, the result.
 
 mod clock;
+mod destination;
 mod failures;
+pub(super) mod findings;
+pub(super) mod input;
 pub(super) mod output_directory;
 mod place;
 mod team;
@@ -11,12 +14,13 @@ use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::progress;
 use crate::run::session::clock::Clock;
+use crate::run::session::destination::Destination;
+use crate::run::session::findings::CommandFindings;
+use crate::run::session::input::CommandInput;
 use crate::run::session::output_directory::directory;
-use crate::run::states::Shown;
 use nastic_case::lower::CaseProblem;
 use nastic_case::part::Share;
 use nastic_case::warning::Warning;
-use nastic_control::AdaptiveSteps;
 use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::peak_memory;
 use nastic_io::Fingerprint;
@@ -31,9 +35,8 @@ use nastic_result::files::Directory;
 use nastic_result::inspection::Inspection;
 use nastic_result::smoothing;
 use nastic_result::warning_record::warning_record;
-use nastic_team::Team;
 use std::path::Path;
-use std::sync::{Arc, atomic::AtomicBool, atomic::Ordering};
+use std::sync::{Arc, atomic::Ordering};
 use std::time::Instant;
 
 /// Relative accuracy of the state at the start; its residual is a hundredth of that.
@@ -43,37 +46,10 @@ const MOST_ITERATIONS: usize = 4000;
 
 /// A command under way.
 pub(crate) struct Session<'c> {
-    pub command: Command,
-    pub problem: CaseProblem,
+    pub input: CommandInput,
+    pub destination: Destination,
     pub console: &'c Console,
-    pub cancel: Arc<AtomicBool>,
-    /// The flag of this rank, which its solves look at: on a team that shares members out `cancel` is raised on all ranks behind the same evaluation.
-    pub signal: Arc<AtomicBool>,
-    /// The ranks that run the same command; `None` where there is one.
-    pub team: Option<Arc<dyn Team>>,
-    /// What the user chose beside the case; `set` is what the case was changed by.
-    pub options: Options,
-    /// Where results go; `None` for commands that leave nothing behind unless given a directory.
-    pub out: Option<Directory>,
-    /// The same where starts write their own files: on any rank.
-    pub own_out: Option<Directory>,
-    /// What deserves attention, as far as it is known.
-    pub warnings: Vec<Warning>,
-    /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
-    pub ended: bool,
-    /// Whether something ended the command that has nothing to do with the case: a stop that was requested, a lack of memory.
-    pub interrupted: bool,
-    /// Whether results of an earlier program, which went further, stay.
-    pub leaves_results: bool,
-    /// The states that were found.
-    pub shown: Option<Shown>,
-    /// Of a case with a tolerance of time steps those of every member, once they were found.
-    pub steps: Vec<AdaptiveSteps>,
-    /// Names of the files that were written.
-    pub files: Vec<String>,
-    /// The result as it stands.
-    pub record: RunRecord,
-    pub clock: Clock,
+    pub findings: CommandFindings,
 }
 
 impl<'c> Session<'c> {
@@ -108,8 +84,8 @@ impl<'c> Session<'c> {
         let problem = lower(document, options.cancel.clone())?;
         let mut session = Self::on(command, problem, options.clone(), console, began);
         // Each start of a part has a directory of its own.
-        let is_part = session.command == Command::Optimize && matches!(options.share, Share::Part(_));
-        let out = directory(&session.command, &session.problem, options).filter(|_| !is_part);
+        let is_part = session.input.command == Command::Optimize && matches!(options.share, Share::Part(_));
+        let out = directory(&session.input.command, &session.input.problem, options).filter(|_| !is_part);
         session.join_team(options)?;
         if let Some(path) = out {
             session.enter(path)?;
@@ -152,33 +128,17 @@ impl<'c> Session<'c> {
         let (mut clock, ordering) = (Clock::new(began), problem.ordering.as_secs_f64());
         clock.note("read", began.elapsed().as_secs_f64() - ordering);
         clock.note("ordering", ordering);
-        let mut session = Self {
-            command,
-            problem,
-            console,
-            signal: options.cancel.clone(),
-            cancel: options.cancel.clone(),
-            team: None,
-            options,
-            out: None,
-            own_out: None,
-            warnings: Vec::new(),
-            ended: false,
-            interrupted: false,
-            leaves_results: false,
-            shown: None,
-            steps: Vec::new(),
-            files: Vec::new(),
-            record: RunRecord::default(),
-            clock,
-        };
+        let (signal, cancel) = (options.cancel.clone(), options.cancel.clone());
+        let input = CommandInput { command, problem, options, team: None, cancel, signal };
+        let mut session =
+            Self { input, destination: Destination::default(), console, findings: CommandFindings::new(clock) };
         session.introduce();
         session
     }
 
     /// The head of every result, and of what is said.
     fn introduce(&mut self) {
-        let problem = &self.problem;
+        let problem = &self.input.problem;
         let path = problem.document.name().to_owned();
         let case = &problem.case;
         let hash = Fingerprint::of(&problem.document.canonical(), &problem.files);
@@ -196,7 +156,7 @@ impl<'c> Session<'c> {
             pressure: units.label(Dimension::PRESSURE),
         };
         let notes = problem.notes.clone();
-        let command = self.command.name();
+        let command = self.input.command.name();
         self.console.say(match &title {
             Some(title) => format!("case        {path}: {title}"),
             None => format!("case        {path}"),
@@ -211,7 +171,7 @@ impl<'c> Session<'c> {
         for note in &notes {
             self.console.say(format!("note        {note}"));
         }
-        for line in smoothing::automatic(&self.problem) {
+        for line in smoothing::automatic(&self.input.problem) {
             self.console.say(format!("stages      {line}"));
         }
         let discretization = DiscretizationRecord {
@@ -220,7 +180,7 @@ impl<'c> Session<'c> {
             nodes: mesh.points().len(),
             unknowns: dofs,
         };
-        self.record = RunRecord {
+        self.findings.record = RunRecord {
             command: command.to_owned(),
             discretization: Some(discretization),
             case: Some(path),
@@ -231,10 +191,10 @@ impl<'c> Session<'c> {
             units: labels,
             threads: Some(rayon::current_num_threads()),
             notes: Some(notes),
-            smoothing: smoothing::record(&self.problem),
+            smoothing: smoothing::record(&self.input.problem),
             ..RunRecord::default()
         };
-        for warning in self.problem.warnings.clone() {
+        for warning in self.input.problem.warnings.clone() {
             self.warn(warning);
         }
     }
@@ -242,21 +202,21 @@ impl<'c> Session<'c> {
     /// Says a warning, and keeps it for the result.
     pub fn warn(&mut self, warning: Warning) {
         say_warning(self.console, &warning);
-        self.warnings.push(warning);
+        self.findings.warnings.push(warning);
     }
 
     /// Looks into the states of an evaluated control, says what deserves attention there and keeps it for the result;
     /// `what` names the states.
     pub fn inspect(&mut self, what: &str, point: &EnsemblePoint) -> Vec<Inspection> {
         let (found, warnings) = self.timed("inspect", |session| session.look_into(session.console, what, point));
-        self.warnings.extend(warnings);
+        self.findings.warnings.extend(warnings);
         found
     }
 
     /// Looks into the states and says what deserves attention there; the caller keeps the warnings.
     pub fn look_into(&self, console: &Console, what: &str, point: &EnsemblePoint) -> (Vec<Inspection>, Vec<Warning>) {
-        let found = Inspection::of_point(&self.problem, point);
-        let members = self.problem.members().zip(&found);
+        let found = Inspection::of_point(&self.input.problem, point);
+        let members = self.input.problem.members().zip(&found);
         let warnings: Vec<Warning> = members.flat_map(|(member, found)| found.warnings(member, what)).collect();
         warnings.iter().for_each(|warning| say_warning(console, warning));
         (found, warnings)
@@ -264,7 +224,7 @@ impl<'c> Session<'c> {
 
     /// Codes of the warnings so far, for a picture: empty without any.
     pub fn warned(&self) -> String {
-        let mut codes: Vec<&str> = self.warnings.iter().map(|warning| warning.kind.code).collect();
+        let mut codes: Vec<&str> = self.findings.warnings.iter().map(|warning| warning.kind.code).collect();
         codes.sort_unstable();
         codes.dedup();
         if codes.is_empty() { String::new() } else { format!("; WARNING: {}", codes.join(", ")) }
@@ -272,15 +232,15 @@ impl<'c> Session<'c> {
 
     /// The entries of a member; of a plain case those of the result itself.
     pub fn entries_of(&mut self, index: usize) -> &mut StateRecord {
-        let member = self.problem.member(index);
-        self.record.state.member_mut(member.scenario(), member.load_case())
+        let member = self.input.problem.member(index);
+        self.findings.record.state.member_mut(member.scenario(), member.load_case())
     }
 
     /// Puts warnings and exit code into the result.
     pub fn close(&mut self, exit: Exit) {
-        self.record.warnings = self.warnings.iter().map(warning_record).collect();
-        self.record.exit = Some(exit.code());
-        self.record.interrupted = self.interrupted.then_some(true);
+        self.findings.record.warnings = self.findings.warnings.iter().map(warning_record).collect();
+        self.findings.record.exit = Some(exit.code());
+        self.findings.record.interrupted = self.findings.interrupted.then_some(true);
     }
 
     /// Does something, and notes how long it took.
@@ -288,14 +248,14 @@ impl<'c> Session<'c> {
         let began = Instant::now();
         self.console.phase(progress::words(phase));
         let out = work(self);
-        self.clock.note(phase, began.elapsed().as_secs_f64());
+        self.findings.clock.note(phase, began.elapsed().as_secs_f64());
         out
     }
 
     /// Puts the times into the result.
     pub fn finish_clock(&mut self) {
-        self.record.seconds = self.clock.seconds().collect();
-        self.record.peak_memory = peak_memory().into();
+        self.findings.record.seconds = self.findings.clock.seconds().collect();
+        self.findings.record.peak_memory = peak_memory().into();
     }
 
     /// The ensemble at a control vector: the one way every command comes by its states.
@@ -305,36 +265,37 @@ impl<'c> Session<'c> {
         accuracy: f64,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<EnsemblePoint, Failed> {
-        let budget = if self.problem.is_motion() { Budget::Unlimited } else { Budget::Of(MOST_ITERATIONS) };
+        let budget = if self.input.problem.is_motion() { Budget::Unlimited } else { Budget::Of(MOST_ITERATIONS) };
         let how = Request { accuracy, budget, ..Request::default() };
-        let point = self.problem.ensemble.evaluate(m, &how, workspace);
+        let point = self.input.problem.ensemble.evaluate(m, &how, workspace);
         self.console.clear();
         point
     }
 
     /// The start controls, as exactly as costs no more than another iteration.
     pub fn evaluate_start(&mut self, workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, RunError> {
-        let point = self.timed("solve", |session| session.evaluate(&session.problem.start, START_ACCURACY, workspace));
+        let point =
+            self.timed("solve", |session| session.evaluate(&session.input.problem.start, START_ACCURACY, workspace));
         point.map_err(|failed| self.evaluation_failed(&failed))
     }
 
     /// Whether a stop was requested.
     pub fn is_cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
+        self.input.cancel.load(Ordering::Relaxed)
     }
 
     /// What this command needs and the case lacks.
     pub fn require(&self, controls: bool, costs: bool) -> Result<(), RunError> {
-        let command = self.command.name();
-        if controls && self.problem.start.is_empty() {
+        let command = self.input.command.name();
+        if controls && self.input.problem.start.is_empty() {
             let message = format!("\"{command}\" needs controls, and the case has none");
-            return Err(self.problem.complain("controls", message).into());
+            return Err(self.input.problem.complain("controls", message).into());
         }
-        if costs && !self.problem.has_costs() {
+        if costs && !self.input.problem.has_costs() {
             let message = format!("\"{command}\" needs costs, and the case has none");
-            return Err(self.problem.complain("costs", message).into());
+            return Err(self.input.problem.complain("costs", message).into());
         }
-        if controls && costs { Ok(self.problem.check_adjoint()?) } else { Ok(()) }
+        if controls && costs { Ok(self.input.problem.check_adjoint()?) } else { Ok(()) }
     }
 }
 

@@ -24,19 +24,20 @@ use crate::run::solve::equilibrium::equilibrium;
 use nastic_case::analysis::Analysis;
 
 pub(super) fn run(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
-    if let Some(option) = analysis.option().filter(|_| session.problem.is_motion() && !analysis.goes_with_time()) {
-        let refused = motion::refused(&session.problem, option);
+    if let Some(option) = analysis.option().filter(|_| session.input.problem.is_motion() && !analysis.goes_with_time())
+    {
+        let refused = motion::refused(&session.input.problem, option);
         return Err(session.refuse(refused));
     }
     // a ramp is read first
     if !matches!(analysis, Analysis::Ramp(_)) {
         remove_earlier(session)?;
     }
-    if let Some(out) = &session.out {
+    if let Some(out) = &session.destination.out {
         // It belongs to an earlier command, and would stand beside the files of this one.
         out.remove("failure.vtu")?;
     }
-    if session.problem.is_motion() {
+    if session.input.problem.is_motion() {
         return moving::run(session, None, analysis);
     }
     match analysis {

@@ -11,7 +11,7 @@ use nastic_report::record::{
 /// Smallest J and inertia, of the worst member.
 pub(crate) fn say_stability(session: &Session<'_>, state: &StateRecord) {
     let min_j = short(known(state.min_j));
-    if session.problem.is_motion() {
+    if session.input.problem.is_motion() {
         session.console.say(format!("deformation min J {min_j} over the motion"));
         return;
     }
@@ -72,7 +72,7 @@ pub(crate) fn say_cost(session: &Session<'_>, state: &StateRecord) {
     if !terms.is_empty() {
         match state.risk.unsmoothed() {
             Some(exact) => {
-                let what = state.risk.words(session.problem.ensemble.scenarios().len());
+                let what = state.risk.words(session.input.problem.ensemble.scenarios().len());
                 session.console.say(format!("cost        {}, {what}", digits(exact, 9)));
                 let smoothed = digits(state.cost.total, 9);
                 session.console.say(format!("            smoothed, as it is optimised, {smoothed}"));
@@ -85,7 +85,7 @@ pub(crate) fn say_cost(session: &Session<'_>, state: &StateRecord) {
     }
     if let Some(distances) = &state.hausdorff {
         let [smoothed, exact, floor] = distances.distances().map(|x| x.map_or_else(|| "-".to_owned(), short));
-        let unit = session.problem.units().length().symbol;
+        let unit = session.input.problem.units().length().symbol;
         session.console.say(format!(
             "distance    true Hausdorff {exact} {unit}, smoothed {smoothed} {unit}, target to itself {floor} {unit}"
         ));
@@ -94,7 +94,7 @@ pub(crate) fn say_cost(session: &Session<'_>, state: &StateRecord) {
 
 /// Means and standard deviations of the probes' displacements over the scenarios.
 fn say_spread(session: &Session<'_>, state: &StateRecord) {
-    let unit = session.problem.units().length().symbol;
+    let unit = session.input.problem.units().length().symbol;
     let say = |place: &str, probe: &ProbeRecord| {
         let Some(deviation) = &probe.deviation else { return };
         let [mean, deviation] = [&probe.displacement, deviation].map(|values| vector(&numbers(values)));
@@ -115,7 +115,7 @@ fn say_spread(session: &Session<'_>, state: &StateRecord) {
 /// The probes' displacements, the volumes of cavities and the motions of rigid bodies, of every member.
 pub(crate) fn say_probes(session: &Session<'_>, result: &StateRecord) {
     say_spread(session, result);
-    let units = session.problem.units();
+    let units = session.input.problem.units();
     let unit = units.length().symbol;
     for (member, state) in with_plain(result) {
         for (name, own) in &state.contributions {
@@ -123,7 +123,7 @@ pub(crate) fn say_probes(session: &Session<'_>, result: &StateRecord) {
                 session.console.say(format!("rigid body  {name} {}{}", motion.words(unit), inside(&member)));
             }
             if let Some([volume, rest]) = own.volumes() {
-                let size = format!("{} {unit}^{}", short(volume), session.problem.mesh().dim());
+                let size = format!("{} {unit}^{}", short(volume), session.input.problem.mesh().dim());
                 let times = short(volume / rest);
                 let pressure = quantity(known(number_of(own, "pressure")), Dimension::PRESSURE, units);
                 session.console.say(format!(
@@ -143,7 +143,7 @@ pub(crate) fn say_probes(session: &Session<'_>, result: &StateRecord) {
 
 /// The forces of supports, of every member.
 pub(crate) fn say_reactions(session: &Session<'_>, result: &StateRecord) {
-    let unit = session.problem.units().force().symbol;
+    let unit = session.input.problem.units().force().symbol;
     for (member, state) in with_plain(result) {
         for (name, force) in state.reactions.iter().flatten() {
             let force = vector(&numbers(force));
@@ -182,7 +182,7 @@ pub(crate) fn digits(number: impl Into<Option<f64>>, digits: usize) -> String {
 
 /// How far tracked points are from their targets, and were at the start of an optimisation; what other costs report.
 pub(crate) fn say_tracked(session: &Session<'_>, result: &RunRecord) {
-    let unit = session.problem.units().length().symbol;
+    let unit = session.input.problem.units().length().symbol;
     let change = |before: Option<f64>, now: f64, number: &dyn Fn(f64) -> String| {
         let before = before.map_or_else(String::new, |before| format!("{} -> ", number(before)));
         format!("{before}{}", number(now))

@@ -18,10 +18,12 @@ const SLACK: f64 = 1.1;
 impl Session<'_> {
     /// Finds the time steps of a case with a tolerance, at its start controls; all that follows has these.
     pub fn find_steps(&mut self) -> Result<(), RunError> {
-        if !self.problem.lacks_steps() {
+        if !self.input.problem.lacks_steps() {
             return Ok(());
         }
-        let find = |session: &mut Self| session.problem.with_adaptive_steps(START_ACCURACY, session.signal.clone());
+        let find = |session: &mut Self| {
+            session.input.problem.with_adaptive_steps(START_ACCURACY, session.input.signal.clone())
+        };
         let found = self.timed("steps", find);
         self.console.clear();
         let (problem, steps) = found.map_err(|error| match error {
@@ -34,33 +36,34 @@ impl Session<'_> {
 
     /// Takes the steps that an earlier program found, if any.
     pub fn restore_steps(&mut self, steps: Vec<AdaptiveSteps>) -> Result<(), RunError> {
-        if self.problem.lacks_steps() {
+        if self.input.problem.lacks_steps() {
             let instants: Vec<Vec<f64>> = steps.iter().map(|steps| steps.instants.clone()).collect();
-            let problem = self.problem.through(&instants, self.signal.clone())?;
+            let problem = self.input.problem.through(&instants, self.input.signal.clone())?;
             self.take_steps(problem, steps);
         }
         Ok(())
     }
 
     fn take_steps(&mut self, mut problem: nastic_case::lower::CaseProblem, steps: Vec<AdaptiveSteps>) {
-        if self.command == nastic_language::schema::Command::Optimize {
+        if self.input.command == nastic_language::schema::Command::Optimize {
             problem.refuse_unstable_if_asked();
         }
         watch(&mut problem, self.console);
         // what is wrong at instants that were not known before
-        let known = |warning: &&Warning| !self.problem.warnings.iter().any(|known| known.message == warning.message);
+        let known =
+            |warning: &&Warning| !self.input.problem.warnings.iter().any(|known| known.message == warning.message);
         let new: Vec<Warning> = problem.warnings.iter().filter(known).cloned().collect();
-        (self.problem, self.steps) = (problem, steps);
+        (self.input.problem, self.findings.steps) = (problem, steps);
         self.share_members();
         new.into_iter().for_each(|warning| self.warn(warning));
-        for (member, steps) in self.problem.members().zip(&self.steps) {
+        for (member, steps) in self.input.problem.members().zip(&self.findings.steps) {
             self.console.say(format!("steps       {}", shown(member, steps)));
         }
     }
 
     /// Warns of the members whose motion needs shorter steps than those that were found at the start controls.
     pub fn check_step_errors(&mut self, point: &EnsemblePoint) {
-        let members = self.problem.members().zip(&point.members);
+        let members = self.input.problem.members().zip(&point.members);
         let found: Vec<Warning> = members.filter_map(|(member, at)| warning(member, at)).collect();
         found.into_iter().for_each(|warning| self.warn(warning));
     }
@@ -100,7 +103,7 @@ pub(super) fn record(session: &Session<'_>, member: CaseMember<'_>, time: &Time,
         Some(step) => TimeRecord { step: step.into(), ..TimeRecord::default() },
         None => TimeRecord { tolerance: time.tolerance.into(), ..TimeRecord::default() },
     };
-    if let (None, Some(steps)) = (time.step, session.steps.get(member.index())) {
+    if let (None, Some(steps)) = (time.step, session.findings.steps.get(member.index())) {
         let (least, most) = steps.range();
         (out.shortest, out.longest) = (least.into(), most.into());
         (out.rejected, out.failed) = (Some(steps.report.rejected), Some(steps.report.failed));

@@ -19,7 +19,7 @@ const NO_FORCE: &str = "an obstacle exerts no force by itself: it bounds what op
 impl Session<'_> {
     /// Looks whether the states of an evaluated control meet the constraints and stay out of the obstacles of costs.
     pub(super) fn look_at_unmet(&mut self, point: &EnsemblePoint) -> Result<(), RunError> {
-        let ensemble = &self.problem.ensemble;
+        let ensemble = &self.input.problem.ensemble;
         let (mut values, mut groups) = (ensemble.constraint_values(point).into_iter(), Vec::new());
         for group in ensemble.constraints() {
             let values: Vec<f64> = values.by_ref().take(group.len).collect();
@@ -30,17 +30,17 @@ impl Session<'_> {
         let all = ConstraintsReport { groups, violation, ..ConstraintsReport::default() };
         let known = self.look_at_constraints(&all, point)?;
         let mut warnings = Vec::from_iter(self.of_constraints(&all, &known));
-        for (member, at) in self.problem.members().zip(&point.members) {
+        for (member, at) in self.input.problem.members().zip(&point.members) {
             warnings.extend(of_costs(member, at));
         }
-        self.record.optimum.constraints = constraints::record(&all, &known);
+        self.findings.record.optimum.constraints = constraints::record(&all, &known);
         constraints::say(self, &all, &known);
         warnings.into_iter().for_each(|warning| self.warn(warning));
         Ok(())
     }
 
     fn of_constraints(&self, all: &ConstraintsReport, known: &[constraints::Known]) -> Option<Warning> {
-        let (unmet, by_obstacle) = constraints::unmet(&self.problem, all, known);
+        let (unmet, by_obstacle) = constraints::unmet(&self.input.problem, all, known);
         let why = if by_obstacle { format!("; {NO_FORCE}") } else { String::new() };
         let message = format!("the constraints are not met at the start controls: {}{why}", unmet.join(", "));
         (!unmet.is_empty()).then(|| Warning::new(&VIOLATED, message))

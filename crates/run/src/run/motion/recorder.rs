@@ -81,14 +81,14 @@ impl<'a> Recorder<'a> {
     /// # Errors
     /// A checkpoint that does not fit.
     pub fn new(session: &'a Session<'_>, from: Option<MotionCheckpoint>) -> Result<Self, RunError> {
-        let problem = &session.problem;
+        let problem = &session.input.problem;
         let mut saved = from.map(|checkpoint| checkpoint.members.into_iter());
         let mut members = Vec::new();
         for member in problem.members() {
             let record = Record::new(member, member.local(&problem.start));
             let mut recorded = Recorded { record, from: None, place: None, ahead: None };
             if let Some(saved) = &mut saved {
-                let unfit = |what: &str| unfit(session.out.as_ref(), what);
+                let unfit = |what: &str| unfit(session.destination.out.as_ref(), what);
                 let saved = saved.next().ok_or_else(|| unfit("another number of members"))?;
                 if let Some(saved) = saved {
                     recorded.take(member, saved).map_err(|what| unfit(&what))?;
@@ -99,9 +99,9 @@ impl<'a> Recorder<'a> {
         Ok(Self {
             problem,
             console: session.console,
-            out: session.out.as_ref(),
-            case: CaseRecord::of(problem, &session.options.set),
-            steps: &session.steps,
+            out: session.destination.out.as_ref(),
+            case: CaseRecord::of(problem, &session.input.options.set),
+            steps: &session.findings.steps,
             members,
             pace: Mutex::new(Pace { last: None, failed: false }),
         })

@@ -20,7 +20,7 @@ pub(in crate::run) fn solve(
     session: &mut Session<'_>,
     from: Option<MotionCheckpoint>,
 ) -> Result<(EnsemblePoint, Vec<Record>), RunError> {
-    if let (Some(out), None) = (&session.out, &from)
+    if let (Some(out), None) = (&session.destination.out, &from)
         && out.file(NAME).exists()
     {
         let file = NAME;
@@ -35,7 +35,7 @@ pub(in crate::run) fn solve(
     let how = Request { accuracy: START_ACCURACY, ..Request::default() };
     let observers = recorder.observers();
     let observers: Vec<&dyn MotionObserver> = observers.iter().map(|one: &MemberObserver<'_>| one as _).collect();
-    let problem = &session.problem;
+    let problem = &session.input.problem;
     let found = problem.ensemble.observe(&problem.start, &how, &observers, &mut EnsembleWorkspace::default());
     session.console.clear();
     let goes_on = found.as_ref().is_err_and(may_go_on);
@@ -44,10 +44,10 @@ pub(in crate::run) fn solve(
         recorder.save();
     }
     // one that could be written earlier is as good
-    let is_there = || session.out.as_ref().is_some_and(|out| out.file(NAME).is_file());
+    let is_there = || session.destination.out.as_ref().is_some_and(|out| out.file(NAME).is_file());
     let repeated = if goes_on && is_there() { Some(recorder.repeated()) } else { None };
     let records = recorder.finish();
-    session.clock.note("solve", began.elapsed().as_secs_f64());
+    session.findings.clock.note("solve", began.elapsed().as_secs_f64());
     match found {
         Ok(point) => Ok((point, records)),
         Err(error) => Err(unfinished(session, &records, repeated, error)),
@@ -70,19 +70,19 @@ fn unfinished(
     let source = Box::new(session.forward_failed(error));
     // of several members the one that came least far
     let reached = records.iter().filter_map(Record::reached).min_by(|a, b| a.1.total_cmp(&b.1));
-    let (Some(out), Some((steps, t))) = (session.out.clone(), reached) else { return *source };
-    let files = match write(&session.problem, records, &out) {
+    let (Some(out), Some((steps, t))) = (session.destination.out.clone(), reached) else { return *source };
+    let files = match write(&session.input.problem, records, &out) {
         Ok(files) => files,
         Err(error) => return error,
     };
     session.list_files(files.clone());
-    session.record.reached = ReachedRecord { t: t.into(), steps };
+    session.findings.record.reached = ReachedRecord { t: t.into(), steps };
     if repeated.is_none()
         && let Err(error) = out.remove(NAME)
     {
         return error.into();
     }
-    let until = quantity(t, Dimension::TIME, session.problem.units());
+    let until = quantity(t, Dimension::TIME, session.input.problem.units());
     let csv = out.file(files.first().map_or("", String::as_str));
     let mut kept = format!("the motion until t = {until} is in {} and motion.pvd", csv.display());
     if let Some(repeated) = repeated {

@@ -45,7 +45,7 @@ pub(super) fn say(session: &Session<'_>, ended: &FinishedRun) {
 
 fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
     let best = &ended.best;
-    let optimizer = &session.problem.case.optimizer;
+    let optimizer = &session.input.problem.case.optimizer;
     let from_here = starts_from_here(session, best);
     let again = |why: String, set: Vec<String>| Advice { why, command: optimize(session, &set) };
     let with = |one: String| [vec![one], from_here.clone()].concat();
@@ -58,7 +58,7 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         Stop::MaxIterations { iterations, .. } => {
             let set =
                 with(format!("optimizer/max_iterations={}", 2 * (*iterations).max(optimizer.max_iterations).max(1)));
-            let anew = match session.problem.ensemble.constraints().is_empty() {
+            let anew = match session.input.problem.ensemble.constraints().is_empty() {
                 true => "",
                 false => {
                     " (the multipliers of the constraints begin anew: a run from the start with this limit keeps them)"
@@ -74,17 +74,17 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         // what limit points ask for stands there already
         Stop::Stalled(Stall::LineSearch { .. }) if ended.limits.count > 0 => {}
         Stop::Stalled(Stall::LineSearch { trials, failed, .. }) if 2 * failed >= *trials => {
-            let set = narrowed(&session.problem);
+            let set = narrowed(&session.input.problem);
             let why = "most trials had no equilibrium: narrow the bounds to where the body has one".to_owned();
             out.extend((!set.is_empty()).then(|| again(why, set)));
             out.push(Advice {
                 why: "see how far the body goes along its path of equilibria".to_owned(),
-                command: on_case(&session.problem, |case| format!("nastic solve {case} --path")),
+                command: on_case(&session.input.problem, |case| format!("nastic solve {case} --path")),
             });
         }
         Stop::Stalled(Stall::LineSearch { .. }) => out.push(Advice {
             why: "no step lowered the cost: test its derivative".to_owned(),
-            command: on_case(&session.problem, |case| format!("nastic gradcheck {case}")),
+            command: on_case(&session.input.problem, |case| format!("nastic gradcheck {case}")),
         }),
         Stop::Stalled(Stall::SecondDerivatives { .. }) => {
             let set = with(format!("optimizer/method={QUASI_NEWTON}"));
@@ -92,12 +92,12 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         }
         Stop::Stalled(Stall::Stage { stage, .. }) => {
             let why = format!("stage {} has no value there: stop before it, or put one between", stage + 1);
-            out.push(again(why, [stages_before(&session.problem, *stage), from_here.clone()].concat()));
+            out.push(again(why, [stages_before(&session.input.problem, *stage), from_here.clone()].concat()));
         }
         _ => {}
     }
     // One that holds constraints itself may need fewer iterations than multipliers around another.
-    let holds = optimizer.method.name() == "mma" && !session.problem.ensemble.constraints().is_empty();
+    let holds = optimizer.method.name() == "mma" && !session.input.problem.ensemble.constraints().is_empty();
     let first_order = FIRST_ORDER.contains(&optimizer.method.name()) && !holds;
     if first_order && !best.stop.is_interrupted() && !best.stop.is_converged() {
         let set = with(format!("optimizer/method={QUASI_NEWTON}"));
@@ -105,7 +105,7 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
     }
     if let (Stop::Stalled(_), 1) = (&best.stop, optimizer.starts) {
         let why = "the cost may have other minima: try several starts".to_owned();
-        out.extend(bounded(&session.problem).then(|| again(why, vec![format!("optimizer/starts={STARTS}")])));
+        out.extend(bounded(&session.input.problem).then(|| again(why, vec![format!("optimizer/starts={STARTS}")])));
     }
     out.extend(widened(session, best));
     out
@@ -121,14 +121,15 @@ fn on_case(problem: &CaseProblem, command: impl Fn(&str) -> String) -> Option<St
 pub(super) fn optimize(session: &Session<'_>, set: &[String]) -> Option<String> {
     let path = |setting: &str| setting.split_once('=').map_or("", |(path, _)| path).to_owned();
     let replaced = |old: &String| set.iter().any(|new| path(new) == path(old));
-    let kept = session.options.set.iter().filter(|old| !replaced(old));
+    let kept = session.input.options.set.iter().filter(|old| !replaced(old));
     let settings = kept.chain(set).map(|setting| format!(" --set {}", quote(setting)));
     let goes_on = set.iter().any(|setting| path(setting).ends_with("/start"));
-    let out = session.out.as_ref().map(|out| if goes_on { next_to(out.path()) } else { out.path().to_owned() });
+    let out =
+        session.destination.out.as_ref().map(|out| if goes_on { next_to(out.path()) } else { out.path().to_owned() });
     let out = out.filter(|out| *out != session.usual_directory());
     let out = out.map_or_else(String::new, |out| format!(" --out {}", quote(&out.display().to_string())));
     let settings: String = settings.collect();
-    on_case(&session.problem, |case| format!("nastic optimize {case}{out}{settings}"))
+    on_case(&session.input.problem, |case| format!("nastic optimize {case}{out}{settings}"))
 }
 
 /// The directory beside another whose name ends in the next number: `finger_2` beside `finger`.
@@ -141,11 +142,11 @@ fn next_to(directory: &Path) -> PathBuf {
 
 /// Settings that let every control start where it has come to, and the run converge where this one would have.
 fn starts_from_here(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<String> {
-    let Some(out) = &session.out else { return vec![] };
-    let file = from_case(Path::new(session.problem.document.name()), &out.file("controls.json"));
+    let Some(out) = &session.destination.out else { return vec![] };
+    let file = from_case(Path::new(session.input.problem.document.name()), &out.file("controls.json"));
     let start = json!({ "file": file.display().to_string() });
-    let starts = session.problem.controls.iter().map(|field| format!("{}/start={start}", field.at));
-    let optimizer = &session.problem.case.optimizer;
+    let starts = session.input.problem.controls.iter().map(|field| format!("{}/start={start}", field.at));
+    let optimizer = &session.input.problem.case.optimizer;
     let aimed = relative_gradient(&best.stop)
         .map(|relative| optimizer.tolerance * best.gradient_norm / relative)
         .filter(|norm| norm.is_finite() && *norm > optimizer.absolute_tolerance);
@@ -216,7 +217,7 @@ fn wider(key: &str, bound: f64) -> f64 {
 
 /// Wider bounds, where most values of a control lie on them.
 fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> {
-    let problem = &session.problem;
+    let problem = &session.input.problem;
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     let set: Vec<String> = fields
         .filter_map(|(block, field)| {

@@ -20,7 +20,7 @@ pub(super) fn of(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         return vec![];
     }
     let mut out = Vec::new();
-    let volumes = volumes(&session.problem, ended);
+    let volumes = volumes(&session.input.problem, ended);
     if !volumes.names.is_empty() {
         let names = volumes.names.join(", ");
         let why = format!(
@@ -30,7 +30,7 @@ pub(super) fn of(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         );
         out.push(Advice { why, command: optimize(session, &volumes.set) });
     }
-    let bounds = bounds(&session.problem, ended);
+    let bounds = bounds(&session.input.problem, ended);
     if !bounds.is_empty() {
         let why = "or keep the controls before the limit point, if that is enough".to_owned();
         out.push(Advice { why, command: optimize(session, &bounds) });

@@ -30,16 +30,16 @@ pub(crate) fn begin_run<'s>(
 ) -> Result<AugmentedRun<&'s Ensemble>, RunError> {
     let Begun { point, derivative, workspace, .. } = begun;
     let start = EvaluatedStart { m: point.m.clone(), point, derivative: Some(derivative) };
-    let ensemble = &session.problem.ensemble;
+    let ensemble = &session.input.problem.ensemble;
     let run = AugmentedLagrangian::default().start(optimizer, ensemble, domain(session)?, start)?;
     Ok(run.with_workspace(workspace))
 }
 
 /// Where controls may be, how they are measured, and the flag that stops the run.
 pub(crate) fn domain(session: &Session<'_>) -> Result<Domain, RunError> {
-    let problem = &session.problem;
+    let problem = &session.input.problem;
     let metric = problem.ensemble.inner_product().map_err(nastic_opt::RunError::InnerProduct)?;
-    Ok(Domain { set: Arc::new(problem.set.clone()), metric, cancel: Some(session.cancel.clone()) })
+    Ok(Domain { set: Arc::new(problem.set.clone()), metric, cancel: Some(session.input.cancel.clone()) })
 }
 
 /// A run from a checkpoint.
@@ -48,7 +48,7 @@ pub(crate) fn resume_run<'s>(
     optimizer: &dyn Optimizer,
     state: &AugmentedState,
 ) -> Result<AugmentedRun<&'s Ensemble>, RunError> {
-    let ensemble = &session.problem.ensemble;
+    let ensemble = &session.input.problem.ensemble;
     Ok(AugmentedLagrangian::default().load(optimizer, ensemble, domain(session)?, state)?)
 }
 
@@ -90,7 +90,7 @@ pub(crate) fn minimize<'s>(
                     Ok(moved) => (run, start) = moved,
                     Err(error) => break Stop::Aborted(Failed::because(error.to_string()).fatal()),
                 }
-                session.problem.ensemble.forget();
+                session.input.problem.ensemble.forget();
                 recorder.goes_on_from(run.point());
             }
         }

@@ -42,9 +42,9 @@ pub(super) fn write_start(
     derivative: &[f64],
     found: &[Inspection],
 ) -> Result<(), RunError> {
-    let Some(out) = &session.out else { return Ok(()) };
-    write_targets(&session.problem, out)?;
-    write_states(&session.problem, "start", start, derivative, found, out).map(|_| ())
+    let Some(out) = &session.destination.out else { return Ok(()) };
+    write_targets(&session.input.problem, out)?;
+    write_states(&session.input.problem, "start", start, derivative, found, out).map(|_| ())
 }
 
 /// Fills the result, writes files, says how it went.
@@ -57,7 +57,7 @@ pub(super) fn report(
     let FinishedRun { best, work, .. } = ended;
     let found = session.inspect("optimum", &best.point);
     let records = session.motions(&best.point)?;
-    let problem = &session.problem;
+    let problem = &session.input.problem;
     let reports = member_report::of_inspected(problem, &best.point, &found);
     let mut reports = reports.map_err(|error| session.member_failed(error.0, error.1))?;
     reports.iter_mut().zip(work).for_each(|(one, work)| one.work = *work);
@@ -69,19 +69,19 @@ pub(super) fn report(
     let begin = begin.transpose().map_err(|error| session.member_failed(error.0, error.1))?;
     let derivative_norm = controls::derivative_norm(problem, &best.derivative);
     let controls = controls::controls(problem, &best.m, best.stage);
-    session.record.state = entries;
-    session.record.start = begin.unwrap_or_default();
-    session.record.controls = Some(controls);
-    session.record.derivative_norm = derivative_norm;
+    session.findings.record.state = entries;
+    session.findings.record.start = begin.unwrap_or_default();
+    session.findings.record.controls = Some(controls);
+    session.findings.record.derivative_norm = derivative_norm;
     session.report_motions(&records, &best.point);
-    add_run(&mut session.record.optimum, ended, known);
+    add_run(&mut session.findings.record.optimum, ended, known);
     if entries_of_starts.len() > 1 {
-        session.record.optimum.starts = Some(entries_of_starts.to_vec());
-        session.record.optimum.best_start = Some(index);
+        session.findings.record.optimum.starts = Some(entries_of_starts.to_vec());
+        session.findings.record.optimum.best_start = Some(index);
     }
     let mut total = SolveReport::default();
     work.iter().for_each(|work| total.add_work(work));
-    summary::add_work(&mut session.record, &total);
+    summary::add_work(&mut session.findings.record, &total);
     session.console.say("");
     table::say(session, entries_of_starts, index);
     say(session, ended, known, diagnosis, resumable);
@@ -119,7 +119,7 @@ fn add_run(record: &mut OptimumRecord, FinishedRun { best, constraints, limits, 
 
 /// The line below the title of a picture.
 fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
-    let distance = picture::distance(&session.record.state, session.problem.units().length().symbol);
+    let distance = picture::distance(&session.findings.record.state, session.input.problem.units().length().symbol);
     let (why, iterations) = (why(&best.stop), count(best.counts.iterations, "iteration"));
     // A limit of iterations names them itself.
     let end = if why.contains("iteration") { why } else { format!("{iterations}: {why}") };
@@ -128,9 +128,9 @@ fn subtitle(session: &Session<'_>, best: &Best<EnsemblePoint>) -> String {
 
 /// Whether results of an optimisation lie there that a program before has found: what it began with removed those of others.
 pub(super) fn has_results(session: &Session<'_>) -> bool {
-    let text = session.out.as_ref().and_then(|out| std::fs::read(out.file("result.json")).ok());
+    let text = session.destination.out.as_ref().and_then(|out| std::fs::read(out.file("result.json")).ok());
     let earlier = text.and_then(|text| serde_json::from_slice::<Earlier>(&text).ok()).unwrap_or_default();
-    earlier.iterations.is_some() && earlier.command == session.command.name()
+    earlier.iterations.is_some() && earlier.command == session.input.command.name()
 }
 
 /// What an earlier result says of itself.
@@ -146,7 +146,8 @@ pub(super) fn show(session: &mut Session<'_>, ended: FinishedRun, inspections: V
     let FinishedRun { start, best, .. } = ended;
     let subtitle = subtitle(session, &best);
     let (derivative, start) = (Some(best.derivative), Some(start));
-    session.shown = Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
+    session.findings.shown =
+        Some(Shown { what: "optimum", subtitle, point: best.point, derivative, start, inspections });
 }
 
 fn say(
@@ -157,7 +158,7 @@ fn say(
     resumable: Option<Place>,
 ) {
     let best = &ended.best;
-    let (console, result) = (session.console, &session.record);
+    let (console, result) = (session.console, &session.findings.record);
     console.say(format!("end         {}", why(&best.stop)));
     for stage in best.stages.iter().filter(|_| best.stages.len() > 1) {
         console.say(format!(
@@ -170,7 +171,7 @@ fn say(
     let (from, now) = (&result.start.cost, &result.cost);
     match result.risk.unsmoothed() {
         Some(exact) => {
-            let what = result.risk.words(session.problem.ensemble.scenarios().len());
+            let what = result.risk.words(session.input.problem.ensemble.scenarios().len());
             console.say(format!("cost        {}; {what}", fall(result.start.risk.unsmoothed(), Some(exact))));
             console.say(format!("            smoothed, as it is optimised, {}", fall(*from.total, *now.total)));
         }
@@ -181,7 +182,7 @@ fn say(
     }
     constraints::say(session, &ended.constraints, known);
     if let Some(now) = &result.hausdorff {
-        let unit = session.problem.units().length().symbol;
+        let unit = session.input.problem.units().length().symbol;
         let from = result.start.hausdorff.as_ref().and_then(|distances| *distances.exact);
         let [smoothed, floor] = [now.smoothed, now.floor].map(|x| short(known_number(*x)));
         console.say(format!("distance    true Hausdorff [{unit}] {}", fall(from, *now.exact)));
@@ -207,7 +208,8 @@ fn say(
     for (name, control) in result.controls.iter().flatten() {
         let unit = control.unit.as_ref().filter(|unit| *unit != "1");
         let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
-        let area = format!("{}^{}", session.problem.units().length().symbol, session.problem.mesh().dim() - 1);
+        let area =
+            format!("{}^{}", session.input.problem.units().length().symbol, session.input.problem.mesh().dim() - 1);
         let variation = control.total_variation.filter(|_| control.space.as_deref() != Some("uniform"));
         let variation =
             variation.map(|v| format!(", total variation {}{unit} {}", short(v), area.trim_end_matches("^1")));
@@ -237,9 +239,13 @@ fn say(
 
 /// A run that was interrupted goes on from its last checkpoint.
 pub(super) fn say_how_to_resume(session: &Session<'_>, Place { start, iteration }: Place) {
-    let Some(out) = &session.out else { return };
-    let of = if session.problem.case.optimizer.starts > 1 { format!(" of start {}", start + 1) } else { String::new() };
-    match session.problem.case_file() {
+    let Some(out) = &session.destination.out else { return };
+    let of = if session.input.problem.case.optimizer.starts > 1 {
+        format!(" of start {}", start + 1)
+    } else {
+        String::new()
+    };
+    match session.input.problem.case_file() {
         Some(_) => {
             session.console.say(format!("to go on    nastic resume {}{}", out.path().display(), spectrum(session)))
         }
@@ -259,8 +265,10 @@ fn write(
     best_start: usize,
     starts: usize,
 ) -> Result<(), RunError> {
-    let Some(out) = session.out.clone().filter(|_| !session.leaves_results) else { return Ok(()) };
-    let (problem, FinishedRun { start, best, .. }) = (&session.problem, ended);
+    let Some(out) = session.destination.out.clone().filter(|_| !session.destination.leaves_results) else {
+        return Ok(());
+    };
+    let (problem, FinishedRun { start, best, .. }) = (&session.input.problem, ended);
     // first the numbers of a motion, which nothing else holds
     let of_motion = motion::write(problem, records, &out)?;
     let mut files = vec!["history.jsonl".to_owned()];
@@ -289,7 +297,7 @@ fn write(
             title: title(member),
             subtitle: subtitle(session, best)
                 + &distance(session, member)
-                + &left_out(&session.problem)
+                + &left_out(&session.input.problem)
                 + &picture::legend(&end),
             body: ("optimum", &end),
             ghosts: if moving.is_empty() { vec![("start", &begin)] } else { picture::named(&moving) },
@@ -311,7 +319,7 @@ fn write(
         picture::write_together(together, &out)?;
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
-    let controls = session.record.controls.get_or_insert_default();
+    let controls = session.findings.record.controls.get_or_insert_default();
     let cut = cut_design::write(problem, (&best.m, best.stage), controls, &deformed, &out)?;
     files.extend(cut.files);
     files.extend(write_collections(problem, "optimum", &out)?);
@@ -331,8 +339,8 @@ fn write(
 
 /// The distance of one of several members from its target, for a subtitle; that of all stands there anyway.
 fn distance(session: &Session<'_>, member: CaseMember<'_>) -> String {
-    let own = session.record.state.members().into_iter().find(|(name, _)| *name == member.name());
-    let unit = session.problem.units().length().symbol;
+    let own = session.findings.record.state.members().into_iter().find(|(name, _)| *name == member.name());
+    let unit = session.input.problem.units().length().symbol;
     own.map_or_else(String::new, |(_, state)| picture::distance(state, unit))
 }
 
@@ -347,13 +355,13 @@ fn left_out(problem: &CaseProblem) -> String {
 
 /// The mean shape over the scenarios, and how far they lie from it.
 fn mean(session: &Session<'_>, load_case: &str, point: &EnsemblePoint) -> Result<Snapshot, RunError> {
-    let mean = session.problem.ensemble.mean_shape(point, load_case);
+    let mean = session.input.problem.ensemble.mean_shape(point, load_case);
     mean.map_err(|error| session.forward_failed(error))
 }
 
 /// What the command line must say once more for the same results.
 fn spectrum(session: &Session<'_>) -> String {
-    let Some(SpectrumRequest { count, cost_rise }) = session.options.spectrum else { return String::new() };
+    let Some(SpectrumRequest { count, cost_rise }) = session.input.options.spectrum else { return String::new() };
     format!(" --spectrum {count}") + &cost_rise.map_or_else(String::new, |rise| format!(" --cost-rise {rise}"))
 }
 
@@ -374,7 +382,7 @@ pub(super) fn revalued(
     session: &Session<'_>,
     FinishedRun { start, best, .. }: &FinishedRun,
 ) -> Result<Option<EnsemblePoint>, RunError> {
-    match session.problem.ensemble.restage(best.stage, start) {
+    match session.input.problem.ensemble.restage(best.stage, start) {
         Ok(begin) => session.whole(&begin),
         Err(_) => Ok(None),
     }

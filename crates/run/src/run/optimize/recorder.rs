@@ -64,17 +64,17 @@ impl<'s> Recorder<'s> {
         journal: &SharedJournal,
         output: &'s StartOutput,
     ) -> Self {
-        let problem = &session.problem;
+        let problem = &session.input.problem;
         Self {
             problem,
             record,
             output,
-            cancel: session.cancel.clone(),
-            out: session.own_out.clone(),
+            cancel: session.input.cancel.clone(),
+            out: session.destination.own_out.clone(),
             journal: journal.clone(),
             start: (index, problem.case.optimizer.starts),
             table: None,
-            explain: session.options.explain,
+            explain: session.input.options.explain,
             trials: RunTrials::new(problem.members().count(), problem.leads().count()),
             before: None,
             moved_start: None,
@@ -291,7 +291,7 @@ fn stem(problem: &CaseProblem, index: usize) -> String {
 
 /// Writes `iterates.bin` of a start that has ended.
 pub(super) fn write_iterates(session: &Session<'_>, index: usize, trials: &RunTrials, journal: &SharedJournal) {
-    let (Some(out), problem) = (&session.own_out, &session.problem) else { return };
+    let (Some(out), problem) = (&session.destination.own_out, &session.input.problem) else { return };
     if !session.writes_start(index) {
         return;
     }

@@ -33,10 +33,10 @@ pub(super) fn warn(
     interrupted: bool,
 ) -> Result<(), RunError> {
     let mut found = Vec::new();
-    let problem = &session.problem;
+    let problem = &session.input.problem;
     for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls).filter(|_| !interrupted) {
-        found.extend(bounds(run, block, field, &session.problem));
-        found.extend(idle(run, block, field, &session.problem));
+        found.extend(bounds(run, block, field, &session.input.problem));
+        found.extend(idle(run, block, field, &session.input.problem));
     }
     if !interrupted && found.iter().all(|warning| warning.kind != &OTHER_SIGN) {
         found.extend(movement(run));
@@ -44,7 +44,7 @@ pub(super) fn warn(
     if !interrupted {
         found.extend(determination(problem, &run.best.m));
     }
-    found.extend(terms(&session.problem, run));
+    found.extend(terms(&session.input.problem, run));
     found.extend(crate::run::constraints::warnings(problem, &run.constraints, constraints));
     if !interrupted {
         found.extend(verify(session, run)?);
@@ -167,8 +167,8 @@ fn terms(problem: &CaseProblem, run: &FinishedRun) -> Vec<Warning> {
 
 /// The optimum solved again from rest, in states as exact as those of the run, where the case asks for it.
 pub(super) fn verify(session: &Session<'_>, run: &FinishedRun) -> Result<Option<Warning>, RunError> {
-    let (best, ensemble) = (&run.best, &session.problem.ensemble);
-    if !session.problem.case.optimizer.verify {
+    let (best, ensemble) = (&run.best, &session.input.problem.ensemble);
+    if !session.input.problem.case.optimizer.verify {
         return Ok(None);
     }
     let again = match session.evaluate(&best.m, DEFAULT_ACCURACY, &mut EnsembleWorkspace::default()) {
@@ -178,7 +178,7 @@ pub(super) fn verify(session: &Session<'_>, run: &FinishedRun) -> Result<Option<
         }
     };
     let apart = |k: usize, b: &Evaluated| {
-        let model = session.problem.member(k).solid().model();
+        let model = session.input.problem.member(k).solid().model();
         let Some(a) = best.point.member(k) else { return f64::NAN };
         let (a, b) = (model.nodal(&a.state().u), model.nodal(&b.state().u));
         norm(&sub(a, b)) / norm(a).max(f64::MIN_POSITIVE)

@@ -29,14 +29,14 @@ pub(super) struct Diagnosis {
 
 /// Refuses what is known to be impossible before anything is solved.
 pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
-    let Some(SpectrumRequest { count, cost_rise }) = session.options.spectrum else { return Ok(()) };
+    let Some(SpectrumRequest { count, cost_rise }) = session.input.options.spectrum else { return Ok(()) };
     if count == 0 {
         return Err(SpectrumRefusal::Count.into());
     }
     if let Some(rise) = cost_rise.filter(|rise| !(*rise > 0.0 && rise.is_finite())) {
         return Err(SpectrumRefusal::Rise(rise).into());
     }
-    if !session.problem.ensemble.constraints().is_empty() {
+    if !session.input.problem.ensemble.constraints().is_empty() {
         return Err(SpectrumRefusal::Constraints.into());
     }
     Ok(())
@@ -48,37 +48,37 @@ pub(super) fn check_products(
     start: &EnsemblePoint,
     workspace: &mut EnsembleWorkspace,
 ) -> Result<(), RunError> {
-    if session.options.spectrum.is_none() {
+    if session.input.options.spectrum.is_none() {
         return Ok(());
     }
     let along = vec![1.0; start.m.len()];
-    let product = Objective::hessian_vector(&session.problem.ensemble, start, &along, Hessian::Exact, workspace);
+    let product = Objective::hessian_vector(&session.input.problem.ensemble, start, &along, Hessian::Exact, workspace);
     product.map_err(SpectrumRefusal::SecondDerivatives)?;
     Ok(())
 }
 
 /// The spectrum at an optimum, if it was asked for. What fails then is said and noted: the optimum is not lost for it.
 pub(super) fn find(session: &mut Session<'_>, best: &Best<EnsemblePoint>) -> Result<Option<Diagnosis>, RunError> {
-    let Some(request) = session.options.spectrum else { return Ok(None) };
+    let Some(request) = session.input.options.spectrum else { return Ok(None) };
     let domain = domain(session)?;
     session.console.phase("eigenpairs of the reduced Hessian");
     let (mut point, mut workspace) = (best.point.clone(), EnsembleWorkspace::default());
     let options = SpectrumOptions::leading(request.count);
     let found = session.timed("spectrum", |session| {
-        Spectrum::at(&session.problem.ensemble, &best.m, &mut point, &domain, &options, &mut workspace)
+        Spectrum::at(&session.input.problem.ensemble, &best.m, &mut point, &domain, &options, &mut workspace)
     });
     session.console.clear();
     match found {
         Ok(spectrum) => {
             let rise = request.cost_rise.unwrap_or(RISE * best.cost.abs());
             let found = Diagnosis { spectrum, rise, point };
-            session.record.optimum.spectrum = Some(found.record(&session.problem));
+            session.findings.record.optimum.spectrum = Some(found.record(&session.input.problem));
             Ok(Some(found))
         }
         Err(error) => {
             session.console.say(format!("spectrum    failed: {error}"));
             let failed = Some(error.to_string());
-            session.record.optimum.spectrum = Some(SpectrumRecord { failed, ..SpectrumRecord::default() });
+            session.findings.record.optimum.spectrum = Some(SpectrumRecord { failed, ..SpectrumRecord::default() });
             Ok(None)
         }
     }
@@ -158,7 +158,7 @@ impl Diagnosis {
             ));
         }
         if let Some(asked) =
-            session.options.spectrum.map(|asked| asked.count).filter(|asked| values.len() < *asked.min(free))
+            session.input.options.spectrum.map(|asked| asked.count).filter(|asked| values.len() < *asked.min(free))
         {
             console.say(format!("            {} of {asked} eigenpairs met the tolerance", values.len()));
         }
@@ -177,9 +177,9 @@ impl Diagnosis {
             });
         }
         let left_out = if *negative > 0 { " (not counting directions of negative curvature)" } else { "" };
-        for (field, range) in &self.ranges(&session.problem).unwrap_or_default() {
+        for (field, range) in &self.ranges(&session.input.problem).unwrap_or_default() {
             let of = |number: Number| short(number.unwrap_or(f64::NAN));
-            let unit = session.problem.controls.iter().find(|own| own.name == *field);
+            let unit = session.input.problem.controls.iter().find(|own| own.name == *field);
             let unit = unit.map(|own| if own.log { "(of its logarithm)" } else { own.unit.as_str() });
             let unit = unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" {unit}"));
             console.say(format!(

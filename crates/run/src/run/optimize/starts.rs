@@ -70,11 +70,11 @@ impl Starts {
     ) -> Result<(), RunError> {
         let Position { gradient_check, round, history, best, starts, .. } = position;
         let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
-        let best = best.map(|best| restored_best(&session.problem, best)).transpose().map_err(unfit)?;
+        let best = best.map(|best| restored_best(&session.input.problem, best)).transpose().map_err(unfit)?;
         let rounds = Rounds { session, optimizer, journal, gradient_check, round, starts, best };
         if resumed {
             rounds.starts.iter().flat_map(StartRun::warnings).for_each(|warning| say_warning(session.console, warning));
-            if session.problem.case_file().is_none() {
+            if session.input.problem.case_file().is_none() {
                 rounds.check_program()?;
             }
         }
@@ -94,7 +94,7 @@ impl Starts {
             }
             let (entry, m) = match start.phase {
                 Phase::Ended(ended) => (ended.entry, ended.m),
-                _ => (not_begun(&rounds.session.problem, start.index), vec![]),
+                _ => (not_begun(&rounds.session.input.problem, start.index), vec![]),
             };
             self.entries.push(entry);
             self.optima.push(m);
@@ -111,12 +111,12 @@ impl Rounds<'_> {
             self.journal.lock().begin_round(Position {
                 gradient_check: self.gradient_check.clone(),
                 round: self.round,
-                best: self.best.as_ref().map(|best| saved_best(&self.session.problem, best)),
+                best: self.best.as_ref().map(|best| saved_best(&self.session.input.problem, best)),
                 starts: self.starts.iter().map(StartRun::saved).collect(),
                 ..Position::default()
             });
-            if self.round > 0 && !resumed && self.session.problem.case.output.checkpoint > 0 {
-                self.journal.lock().save(&self.session.problem.ensemble);
+            if self.round > 0 && !resumed && self.session.input.problem.case.output.checkpoint > 0 {
+                self.journal.lock().save(&self.session.input.problem.ensemble);
             }
             let found = Mutex::new(RoundEnd { best: self.best.take(), ..RoundEnd::default() });
             let (session, optimizer, journal) = (self.session, self.optimizer, self.journal);
@@ -138,7 +138,7 @@ impl Rounds<'_> {
 
     /// Iterations at which this round ends.
     fn limit(&self) -> usize {
-        let problem = &self.session.problem;
+        let problem = &self.session.input.problem;
         let optimizer = &problem.case.optimizer;
         // Costs of runs that violate constraints do not compare.
         let compares = optimizer.early_stopping && optimizer.starts > 1 && problem.ensemble.constraints().is_empty();
@@ -148,7 +148,7 @@ impl Rounds<'_> {
 
     /// Ends those starts that cannot reach the best one any more.
     fn stop_outperformed(&mut self) -> Result<(), RunError> {
-        let last_stage = self.session.problem.stages() - 1;
+        let last_stage = self.session.input.problem.stages() - 1;
         let (mut under_way, mut others) = (Vec::new(), Vec::new());
         for start in &self.starts {
             match &start.phase {
@@ -192,10 +192,10 @@ impl Rounds<'_> {
         let AugmentedBest { best, constraints } = resume_run(self.session, self.optimizer, &run)?.finish(stop);
         let finished =
             FinishedRun { start, best, constraints, work: trials.work.clone(), limits: trials.limits.clone() };
-        let found = trials.changes.warnings(&self.session.problem, index);
+        let found = trials.changes.warnings(&self.session.input.problem, index);
         found.iter().for_each(|warning| say_warning(self.session.console, warning));
         write_iterates(self.session, index, &trials, self.journal);
-        self.starts[index] = ended(&self.session.problem, index, &finished, record, trials, found);
+        self.starts[index] = ended(&self.session.input.problem, index, &finished, record, trials, found);
         Ok(Some(finished))
     }
 
@@ -204,7 +204,7 @@ impl Rounds<'_> {
         for start in &self.starts {
             let Phase::UnderWay(at) = &start.phase else { continue };
             let run = resume_run(self.session, self.optimizer, &at.run)?;
-            let same = same_program(&self.session.problem.ensemble, run.point());
+            let same = same_program(&self.session.input.problem.ensemble, run.point());
             same.map_err(|what| self.session.unfit_checkpoint(&what))?;
         }
         Ok(())

@@ -17,7 +17,7 @@ impl Session<'_> {
     pub fn forward_failed(&self, error: EnsembleError) -> RunError {
         match error {
             EnsembleError::Member { who, source } => {
-                let at = self.problem.ensemble.members().iter().position(|part| part.name() == who);
+                let at = self.input.problem.ensemble.members().iter().position(|part| part.name() == who);
                 self.member_failed(at.unwrap_or(0), *source)
             }
             EnsembleError::Team(error) => error.into(),
@@ -33,7 +33,7 @@ impl Session<'_> {
         if self.is_cancelled() {
             return RunError::Cancelled;
         }
-        let file = self.out.as_ref().map(|out| out.file(saved::NAME)).unwrap_or_default();
+        let file = self.destination.out.as_ref().map(|out| out.file(saved::NAME)).unwrap_or_default();
         CheckpointError::Content { file, what: what.to_owned() }.into()
     }
 
@@ -53,9 +53,9 @@ impl Session<'_> {
         if let ControlError::State(StateError::Cancelled) = error {
             return RunError::Cancelled;
         }
-        let member = self.problem.member(index);
+        let member = self.input.problem.member(index);
         // The start control is what was asked for; the state shows how far the body came.
-        let write = |state| self.write_failure(member, "failure.vtu", &member.local(&self.problem.start), state);
+        let write = |state| self.write_failure(member, "failure.vtu", &member.local(&self.input.problem.start), state);
         let file = match if let ControlError::State(state) = &error { write(state) } else { Ok(None) } {
             Ok(file) => file,
             Err(error) => return error,
@@ -72,7 +72,7 @@ impl Session<'_> {
         m: &[f64],
         error: &StateError,
     ) -> Result<Option<PathBuf>, RunError> {
-        let (Some(out), Some(last)) = (&self.own_out, failure::last_state(error)) else { return Ok(None) };
+        let (Some(out), Some(last)) = (&self.destination.own_out, failure::last_state(error)) else { return Ok(None) };
         out.write_vtu(name, &failure::snapshot(member, &StateFields::new(last, m, 0), error)?)?;
         Ok(Some(out.file(name)))
     }

@@ -13,16 +13,16 @@ use std::path::{Path, PathBuf};
 impl Session<'_> {
     /// Claims a directory for the results, on the first rank; the others write there what is their own.
     pub fn enter(&mut self, directory: PathBuf) -> Result<(), RunError> {
-        self.out = if self.leads() { Some(self.claim(directory.clone())?) } else { None };
+        self.destination.out = if self.leads() { Some(self.claim(directory.clone())?) } else { None };
         self.take_own(&directory);
         Ok(())
     }
 
     /// Goes on in a directory that is locked.
     pub fn go_on_in(&mut self, out: Option<Directory>, path: &Path) -> Result<(), RunError> {
-        self.out = out;
+        self.destination.out = out;
         let names = self.output_names();
-        if let Some(out) = &mut self.out {
+        if let Some(out) = &mut self.destination.out {
             out.take_names(names)?;
         }
         self.take_own(path);
@@ -31,17 +31,18 @@ impl Session<'_> {
 
     /// Gives up the directory, and its lock.
     pub fn leave(&mut self) {
-        (self.out, self.own_out) = (None, None);
+        (self.destination.out, self.destination.own_out) = (None, None);
     }
 
     fn take_own(&mut self, path: &Path) {
-        self.own_out = Some(self.out.clone().unwrap_or_else(|| Directory::of_another(path, self.output_names())));
+        self.destination.own_out =
+            Some(self.destination.out.clone().unwrap_or_else(|| Directory::of_another(path, self.output_names())));
     }
 
     /// The directory of the results, in which they replace nothing that the case reads, but for starts of controls that an earlier run there has written
     /// (`optimize` warns of these), and nothing that nastic did not write.
     fn claim(&self, directory: PathBuf) -> Result<Directory, RunError> {
-        let problem = &self.problem;
+        let problem = &self.input.problem;
         let results = listed(&directory);
         let starts: Vec<PathBuf> = start_files(&problem.document);
         let is_result = |file: &Path| {
@@ -55,13 +56,13 @@ impl Session<'_> {
 
     /// The names of what is written.
     fn output_names(&self) -> OutputNames {
-        let targets = named_targets(&self.problem).into_iter().map(|(name, _)| name);
-        OutputNames::of_command(&self.command, &self.problem, targets.collect())
+        let targets = named_targets(&self.input.problem).into_iter().map(|(name, _)| name);
+        OutputNames::of_command(&self.input.command, &self.input.problem, targets.collect())
     }
 
     /// Where results go unless `--out` says otherwise.
     pub fn usual_directory(&self) -> PathBuf {
-        usual_directory(&self.problem)
+        usual_directory(&self.input.problem)
     }
 }
 

@@ -22,7 +22,7 @@ pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint, count: usize
         }
         files.extend(session.timed("deflation", |session| of_member(session, point, index, count))?);
     }
-    if session.out.is_some() {
+    if session.destination.out.is_some() {
         say_files(session, files);
     }
     Ok(if session.is_cancelled() { Exit::NotConverged } else { Exit::Done })
@@ -35,7 +35,7 @@ fn of_member(
     count: usize,
 ) -> Result<Vec<String>, RunError> {
     let at = &point.members[index];
-    let member = session.problem.member(index);
+    let member = session.input.problem.member(index);
     let mut series = Series::new(member, "equilibrium", ("equilibrium".to_owned(), String::new()));
     session.console.say(format!("equilibria  up to {count} under the same controls and loads{}", member.inside()));
     session.console.say(series.header());
@@ -43,7 +43,7 @@ fn of_member(
         let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);
         session.console.progress(now.newton, line);
     };
-    let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+    let how = SolveOptions { cancel: Some(&session.input.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let mut found = |one: &Equilibrium| {
         let (parameter, state) = ((series.rows.len() + 1) as f64, one.state.clone());
         let row = Row { parameter, m: at.m.clone(), newton: state.report.newton, state, negative: one.negative };
@@ -72,7 +72,7 @@ fn of_member(
     }
     let warnings = series.inspect();
     let mut files = Vec::new();
-    if let Some(out) = &session.out {
+    if let Some(out) = &session.destination.out {
         let stem = member.file("equilibrium_");
         for k in 0..series.rows.len() {
             files.extend(out.write_state(&format!("{stem}{:03}", k + 1), &series.snapshot(k)?)?);

@@ -28,14 +28,14 @@ pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Res
         exact_contact::check(session)?;
     }
     if *analysis == Analysis::HalfThickness {
-        half_thickness::check(&session.problem)?;
+        half_thickness::check(&session.input.problem)?;
     }
     let mut point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
     if *analysis == Analysis::Minimum {
         point = session.timed("descent", |session| minimum::descend(session, point))?;
     }
-    let found = session.inspect(motion::state_name(&session.problem), &point);
-    let still = session.problem.members().zip(&point.members);
+    let found = session.inspect(motion::state_name(&session.input.problem), &point);
+    let still = session.input.problem.members().zip(&point.members);
     let still: Vec<Warning> = still.filter_map(|(member, at)| stillness(member, [at.state()])).collect();
     still.into_iter().for_each(|warning| session.warn(warning));
     report(session, &point, &found)?;
@@ -63,24 +63,24 @@ pub(crate) fn show(
     inspections: Vec<Inspection>,
 ) {
     let subtitle = subtitle(session, point.members.iter().map(|at| at.min_j()).fold(f64::INFINITY, f64::min));
-    let what = motion::state_name(&session.problem);
-    session.shown = Some(Shown { what, subtitle, point, derivative, start: None, inspections });
+    let what = motion::state_name(&session.input.problem);
+    session.findings.shown = Some(Shown { what, subtitle, point, derivative, start: None, inspections });
 }
 
 /// The line below the title of a picture.
 fn subtitle(session: &Session<'_>, min_j: f64) -> String {
-    let distance = picture::distance(&session.record.state, session.problem.units().length().symbol);
-    let what = motion::state_name(&session.problem);
-    let at = if session.problem.start.is_empty() { "" } else { " at the start controls" };
+    let distance = picture::distance(&session.findings.record.state, session.input.problem.units().length().symbol);
+    let what = motion::state_name(&session.input.problem);
+    let at = if session.input.problem.start.is_empty() { "" } else { " at the start controls" };
     format!("{what}{at}, min J {}{distance}{}", short(min_j), session.warned())
 }
 
 /// Puts what the equilibria are into the result and says it.
 pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
     let entries = session.entries(point, found)?;
-    session.record.state = entries;
-    session.record.controls = Some(controls::controls(&session.problem, &point.m, 0));
-    session.record.load_steps = point.members.iter().map(|at| at.state().report.load_steps).max();
+    session.findings.record.state = entries;
+    session.findings.record.controls = Some(controls::controls(&session.input.problem, &point.m, 0));
+    session.findings.record.load_steps = point.members.iter().map(|at| at.state().report.load_steps).max();
     say(session, point);
     session.report_contacts(point);
     session.look_at_unmet(point)?;
@@ -89,7 +89,7 @@ pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[
 
 fn say(session: &Session<'_>, point: &EnsemblePoint) {
     let states = || point.members.iter().map(|at| at.state());
-    let (console, result) = (session.console, &session.record);
+    let (console, result) = (session.console, &session.findings.record);
     let mut work = SolveReport::default();
     point.members.iter().for_each(|at| work.add_work(&at.work));
     if work.newton == 0 && states().all(|state| state.u.iter().all(|u| *u == 0.0)) {
@@ -97,7 +97,7 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
     }
     let of_steps =
         format!(" in {} load steps ({} cut)", states().map(|state| state.report.load_steps).sum::<usize>(), work.cuts);
-    let moves = session.problem.is_motion();
+    let moves = session.input.problem.is_motion();
     let by_levels = work.cycles > 0 && work.factorisations == 0;
     let factors = format!(", {} factorisations ({} reused)", work.factorisations, work.reused);
     console.say(format!(
@@ -144,8 +144,8 @@ pub(crate) fn write(
     records: &[motion::Record],
     modes: &[Modes],
 ) -> Result<(), RunError> {
-    let Some(out) = session.out.clone() else { return Ok(()) };
-    let problem = &session.problem;
+    let Some(out) = session.destination.out.clone() else { return Ok(()) };
+    let problem = &session.input.problem;
     // first the numbers of a motion, which nothing else holds
     let of_motion = motion::write(problem, records, &out)?;
     let mut files = Vec::new();

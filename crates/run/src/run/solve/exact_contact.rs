@@ -14,7 +14,7 @@ use nastic_result::snapshot;
 
 /// Refuses what does not go with it, before anything is solved.
 pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
-    for (index, member) in session.problem.members().enumerate() {
+    for (index, member) in session.input.problem.members().enumerate() {
         let supported = member.solid().model().properties().supports(Feature::ExactContact);
         supported.map_err(|error| session.member_failed(index, ControlError::from(StateError::from(error))))?;
     }
@@ -27,19 +27,19 @@ pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Ex
     for index in 0..point.members.len() {
         files.extend(session.timed("exact contact", |session| of_member(session, point, index))?);
     }
-    if session.out.is_some() {
+    if session.destination.out.is_some() {
         say_files(session, files);
     }
     Ok(Exit::Done)
 }
 
 fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> Result<Vec<String>, RunError> {
-    let (member, at) = (session.problem.member(index), &point.members[index]);
+    let (member, at) = (session.input.problem.member(index), &point.members[index]);
     let progress = |now: &Progress| {
         let line = format!("exact contact: Newton iteration {}, residual {:.1e}", now.newton, now.residual);
         session.console.progress(now.newton, line);
     };
-    let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+    let how = SolveOptions { cancel: Some(&session.input.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let model = member.solid().model();
     let found = model.stability().exact_contact(at.state(), &how, &mut Workspace::default());
     let found = found.map_err(|error| session.member_failed(index, ControlError::from(error)))?;
@@ -72,7 +72,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
     let entry = entry(&found, moved, &touches, member.mesh().dim());
     let name = format!("{}.vtu", member.file("exact_contact"));
     let mut files = Vec::new();
-    if let Some(out) = &session.out {
+    if let Some(out) = &session.destination.out {
         let shot = snapshot::iterate(member, &StateFields::new(&found.state, &at.m, at.stage))?;
         let pressures = found.model.contacts().nodal_pressures(&Instant::of(&found.state)).unwrap_or_default();
         out.write_vtu(&name, &shot.with_points("contact_pressure", 1, pressures).map_err(ControlError::from)?)?;

@@ -28,7 +28,7 @@ pub(super) fn check(problem: &CaseProblem) -> Result<(), RunError> {
 /// Solves, says and puts it into the result, for every member.
 pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Exit, RunError> {
     let (problem, thin) = session.timed("half thickness", |session| {
-        let problem = session.problem.with_thinner_layers(HALF, session.signal.clone())?;
+        let problem = session.input.problem.with_thinner_layers(HALF, session.input.signal.clone())?;
         let how = Request { accuracy: START_ACCURACY, ..Request::default() };
         let found = problem.ensemble.evaluate(&problem.start, &how, &mut EnsembleWorkspace::default());
         session.console.clear();
@@ -36,7 +36,7 @@ pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Ex
         Ok::<_, RunError>((problem, thin))
     })?;
     for index in 0..point.members.len() {
-        let whole = (session.problem.member(index), &point.members[index]);
+        let whole = (session.input.problem.member(index), &point.members[index]);
         let entry = say(session, whole, (problem.member(index), &thin.members[index]));
         session.entries_of(index).half_thickness = Some(entry);
     }

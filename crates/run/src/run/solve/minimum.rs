@@ -13,8 +13,8 @@ use nastic_opt::Objective;
 pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Result<EnsemblePoint, RunError> {
     let mut work = Vec::new();
     for index in 0..point.members.len() {
-        let (member, at) = (session.problem.member(index), &point.members[index]);
-        let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+        let (member, at) = (session.input.problem.member(index), &point.members[index]);
+        let how = SolveOptions { cancel: Some(&session.input.cancel), ..SolveOptions::default() };
         let found = member.solid().model().stability().descend(at.state(), &how, &mut Workspace::default());
         let found = found.map_err(|error| session.member_failed(index, ControlError::from(error)))?;
         if found.saddles > 0 {
@@ -38,7 +38,7 @@ pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Re
         let solved = &mut point.members[index].solved;
         *solved = SolvedStates::one(found.state, solved.accuracy);
     }
-    let restaged = session.problem.ensemble.restage(0, &point);
+    let restaged = session.input.problem.ensemble.restage(0, &point);
     let mut point = restaged.map_err(|failed| session.evaluation_failed(&failed))?;
     // Valuing again is no work of a solve.
     point.members.iter_mut().zip(work).for_each(|(at, work)| at.work = work);

@@ -16,24 +16,24 @@ const STIFFNESS: Dimension = Dimension::of(-4, 1, 0, 0);
 
 /// The modes of every member, in their order.
 pub(super) fn find(session: &Session<'_>, point: &EnsemblePoint, count: usize) -> Result<Vec<Modes>, RunError> {
-    let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
-    for member in session.problem.members() {
+    let how = SolveOptions { cancel: Some(&session.input.cancel), ..SolveOptions::default() };
+    for member in session.input.problem.members() {
         let free = member.solid().supports().fixed().iter().filter(|&&fixed| !fixed).count();
         if count > free {
             let what = format!("--modes {count}: the body has {free} free unknowns; ask for 1 to {free} modes");
-            return Err(session.problem.complain("mesh", what).into());
+            return Err(session.input.problem.complain("mesh", what).into());
         }
     }
     let of = |(member, at): (CaseMember<'_>, &nastic_control::Evaluated)| {
         let modes = member.solid().modes(at.state(), count, &how);
         modes.map_err(|error| session.member_failed(member.index(), ControlError::from(error)))
     };
-    session.problem.members().zip(&point.members).map(of).collect()
+    session.input.problem.members().zip(&point.members).map(of).collect()
 }
 
 /// Puts eigenvalues into the result and says them.
 pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
-    let unit = unit(&session.problem);
+    let unit = unit(&session.input.problem);
     for (index, own) in modes.iter().enumerate() {
         session.entries_of(index).modes = ModesRecord {
             eigenvalues: Some(numbers(&own.eigenvalues)),
@@ -44,7 +44,7 @@ pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
             unit: Some(unit.clone()),
             ..ModesRecord::default()
         };
-        let (inside, how) = (session.problem.member(index).inside(), session.entries_of(index).modes.how_found());
+        let (inside, how) = (session.input.problem.member(index).inside(), session.entries_of(index).modes.how_found());
         session.console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}{how}"));
         for (k, lambda) in own.eigenvalues.iter().enumerate() {
             let remark = if k < own.negative { "  unstable" } else { "" };

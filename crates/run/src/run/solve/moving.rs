@@ -19,14 +19,14 @@ pub(super) fn run(
     analysis: &Analysis,
 ) -> Result<Exit, RunError> {
     if *analysis == Analysis::HalfThickness {
-        half_thickness::check(&session.problem)?;
+        half_thickness::check(&session.input.problem)?;
     }
     session.find_steps()?;
     let (point, records) = motion::solve(session, from)?;
-    let found = session.inspect(motion::state_name(&session.problem), &point);
+    let found = session.inspect(motion::state_name(&session.input.problem), &point);
     session.warn_of_motions(&records);
     for record in &records {
-        let found = stillness(session.problem.member(record.member), &record.shown);
+        let found = stillness(session.input.problem.member(record.member), &record.shown);
         found.into_iter().for_each(|warning| session.warn(warning));
     }
     report(session, &point, &found)?;
@@ -41,9 +41,9 @@ pub(super) fn run(
 
 /// Goes on with a motion that was stopped.
 pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCheckpoint) -> Result<Exit, RunError> {
-    if session.options.spectrum.is_some() {
+    if session.input.options.spectrum.is_some() {
         let message = "--spectrum looks at optima, and this resumes the motion of nastic solve: leave it out";
-        return Err(session.problem.complain("time", message).into());
+        return Err(session.input.problem.complain("time", message).into());
     }
     session.restore_steps(take(&mut checkpoint.steps))?;
     let places = checkpoint.places();
@@ -56,6 +56,6 @@ pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCh
             .console
             .say(format!("            {again} behind it are in the results already and are computed once more"));
     }
-    session.record.resumed = ResumedRecord { steps: Some(places), ..ResumedRecord::default() };
+    session.findings.record.resumed = ResumedRecord { steps: Some(places), ..ResumedRecord::default() };
     run(session, Some(checkpoint), &Analysis::Equilibrium)
 }

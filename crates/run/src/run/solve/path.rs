@@ -20,7 +20,7 @@ const NAMED: usize = 3;
 
 /// `to_limit`: to the first limit point, if there is one.
 pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, RunError> {
-    let unscaled = session.problem.members().find_map(|member| {
+    let unscaled = session.input.problem.members().find_map(|member| {
         member
             .fields()
             .find(|(block, _)| is_load(member, block) && !block.is_proportional())
@@ -30,12 +30,12 @@ pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, Run
         let message = format!(
             "--path: the values of \"{name}\" are no shares of themselves on the way from rest, with what is fixed or projected: give each state a start of its own, nastic sweep CASE --set controls/K/start=A,B"
         );
-        let error = session.problem.complain("controls", message).into();
+        let error = session.input.problem.complain("controls", message).into();
         return Err(session.refuse(error));
     }
     let mut files = Vec::new();
     let mut exit = Exit::Done;
-    for index in 0..session.problem.members().count() {
+    for index in 0..session.input.problem.members().count() {
         let shown = session.timed("solve", |session| of_member(session, index, to_limit))?;
         let PathFindings { entry, files: own, stopped, warnings } = shown;
         warnings.into_iter().for_each(|warning| session.warn(warning));
@@ -43,14 +43,14 @@ pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, Run
         files.extend(own);
         if let Some((how, why)) = stopped {
             session.console.say(format!("STOPPED     {why}"));
-            session.record.error = Some(why);
+            session.findings.record.error = Some(why);
             exit = if exit == Exit::ForwardFailed { exit } else { how };
             if session.is_cancelled() {
                 break;
             }
         }
     }
-    if session.out.is_some() {
+    if session.destination.out.is_some() {
         say_files(session, files);
     }
     Ok(exit)
@@ -66,8 +66,8 @@ struct PathFindings {
 }
 
 fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<PathFindings, RunError> {
-    let member = session.problem.member(index);
-    let start = member.local(&session.problem.start);
+    let member = session.input.problem.member(index);
+    let start = member.local(&session.input.problem.start);
     let failed = |error: ControlError| session.member_failed(index, error);
     let controls = member.reduced().layout_in_stage(0).to_points(&start).map_err(failed)?;
 
@@ -79,7 +79,7 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Path
         let line = format!("s {:.4}, Newton iteration {}, residual {:.1e}", now.load, now.newton, now.residual);
         session.console.progress(now.newton, line);
     };
-    let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+    let how = SolveOptions { cancel: Some(&session.input.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let mut found = |point: &PathPoint| {
         let (m, state) = (controls_at(member, &start, point.s), point.state.clone());
         let row = Row { parameter: point.s, m, newton: state.report.newton, state, negative: point.negative };
@@ -97,7 +97,7 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Path
     events.clone().for_each(|(event, controls)| session.console.say(line(event, controls)));
     let warnings = series.inspect();
 
-    let files = match &session.out {
+    let files = match &session.destination.out {
         Some(out) => series.write(&chart(&series, &path), out)?,
         None => Vec::new(),
     };

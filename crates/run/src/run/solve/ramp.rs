@@ -31,15 +31,15 @@ struct Asked {
 
 pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunError> {
     let complain =
-        |session: &Session<'_>, what: String| session.problem.complain("controls", format!("--ramp: {what}"));
-    let asked = Asked::parse(text, session.problem.units()).map_err(|what| {
+        |session: &Session<'_>, what: String| session.input.problem.complain("controls", format!("--ramp: {what}"));
+    let asked = Asked::parse(text, session.input.problem.units()).map_err(|what| {
         let error = complain(session, what).into();
         session.refuse(error)
     })?;
-    let members = 0..session.problem.members().count();
-    let owners: Vec<usize> = members.filter(|&k| asked.field(session.problem.member(k)).is_some()).collect();
+    let members = 0..session.input.problem.members().count();
+    let owners: Vec<usize> = members.filter(|&k| asked.field(session.input.problem.member(k)).is_some()).collect();
     if owners.is_empty() {
-        let known: Vec<&str> = session.problem.controls.iter().map(|field| field.name.as_str()).collect();
+        let known: Vec<&str> = session.input.problem.controls.iter().map(|field| field.name.as_str()).collect();
         let what = match known.is_empty() {
             true => "the case has no controls to ramp; --path raises loads and displacements".to_owned(),
             false => format!("control \"{}\" not found; there are: {}", asked.control, known.join(", ")),
@@ -57,11 +57,11 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
         session.entries_of(index).ramp = Some(entry);
         files.extend(own);
         if let Some((why, error)) = failure {
-            let member = session.problem.member(index).name();
+            let member = session.input.problem.member(index).name();
             let member = if member.is_empty() { member } else { format!("{member}: ") };
             let what = format!("{member}the ramp stops at {why}");
             session.console.say(format!("STOPPED     {what}"));
-            session.record.error = Some(what);
+            session.findings.record.error = Some(what);
             if matches!(error, StateError::Cancelled) {
                 exit = if exit == Exit::Done { Exit::NotConverged } else { exit };
                 break;
@@ -69,7 +69,7 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
             exit = Exit::ForwardFailed;
         }
     }
-    if session.out.is_some() {
+    if session.destination.out.is_some() {
         say_files(session, files);
     }
     Ok(exit)
@@ -125,7 +125,7 @@ impl Asked {
 
     /// Warns, before anything is solved, of an end that was hardly meant.
     fn doubt(&self, session: &mut Session<'_>, index: usize) {
-        let member = session.problem.member(index);
+        let member = session.input.problem.member(index);
         let Some((block, field)) = self.field(member) else { return };
         let Ok(ends) = self.ends(member, block) else { return };
         let doubt = |end: &f64| doubt_of_ramp(member.case(), field, *end, member.solid());
@@ -136,7 +136,7 @@ impl Asked {
 
     /// The result's entry, the files, where it failed, and what deserves attention.
     fn of_member(&self, session: &Session<'_>, index: usize) -> Result<RampFindings, RunError> {
-        let problem = &session.problem;
+        let problem = &session.input.problem;
         let member = problem.member(index);
         let complain = |what: String| RunError::from(problem.complain("controls", format!("--ramp: {what}")));
         let Some((block, field)) = self.field(member) else { return Err(complain(self.control.clone())) };
@@ -160,7 +160,8 @@ impl Asked {
             let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);
             session.console.progress(now.newton, line);
         };
-        let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+        let how =
+            SolveOptions { cancel: Some(&session.input.cancel), watch: Some(&progress), ..SolveOptions::default() };
         let value = |s: f64| if s == 1.0 { to } else { from + s * (to - from) };
         let mut found = |point: &RampPoint| {
             let (parameter, state) = (value(point.s), point.state.clone());
@@ -180,7 +181,7 @@ impl Asked {
         for point in &ramp.critical {
             chart = chart.mark(value(point.s), &format!("{} > {}", point.before, point.after));
         }
-        let mut files = match &session.out {
+        let mut files = match &session.destination.out {
             Some(out) if !series.rows.is_empty() => series.write(&chart, out)?,
             _ => Vec::new(),
         };

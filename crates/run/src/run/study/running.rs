@@ -155,7 +155,7 @@ fn resume_in(session: &mut Session<'_>, optimizer: &dyn Optimizer, directory: Pa
         }
         Err(error) => Err(error),
         Ok((out, checkpoint)) => {
-            checkpoint.case.check(&session.problem, &directory)?;
+            checkpoint.case.check(&session.input.problem, &directory)?;
             session.go_on_in(out, &directory)?;
             optimize::resume(session, optimizer, checkpoint.position.filter(|position| !position.is_start()))
         }

@@ -74,7 +74,7 @@ impl Journal {
     pub fn begin(session: &Session<'_>) -> Result<Self, RunError> {
         let journal = Self::of(session, None);
         if let Some(out) = &journal.out {
-            match session.problem.case.output.checkpoint {
+            match session.input.problem.case.output.checkpoint {
                 // What lies there belongs to results that are about to be replaced.
                 0 => out.remove(saved::NAME)?,
                 _ => saved::write(out, saved::NAME, &journal.checkpoint.to_bytes())?,
@@ -101,17 +101,17 @@ impl Journal {
 
     fn of(session: &Session<'_>, written: Option<Place>) -> Self {
         Self {
-            out: session.out.clone(),
+            out: session.destination.out.clone(),
             console: session.console.clone(),
             checkpoint: Checkpoint {
-                case: CaseRecord::of(&session.problem, &session.options.set),
+                case: CaseRecord::of(&session.input.problem, &session.input.options.set),
                 position: None,
                 ended: false,
             },
             history: None,
             earlier: None,
             at_the_end: session.team_of_starts().is_some(),
-            shared: session.team_of_members().map(|team| (team, session.own_out.clone())),
+            shared: session.team_of_members().map(|team| (team, session.destination.own_out.clone())),
             set: 1,
             has_blocks: false,
             written,

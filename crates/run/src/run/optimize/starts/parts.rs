@@ -33,7 +33,7 @@ fn directory(out: &Path, index: usize) -> PathBuf {
 
 /// What must hold of starts that do not know of each other.
 fn check(session: &Session<'_>, optimizer: &dyn Optimizer) -> Result<(), RunError> {
-    let (problem, options) = (&session.problem, &session.problem.case.optimizer);
+    let (problem, options) = (&session.input.problem, &session.input.problem.case.optimizer);
     if options.starts < 2 {
         let message = "--part and --join divide the starts of an optimisation, and the case has one: --set optimizer/starts=8 makes eight";
         return Err(problem.complain("optimizer/starts", message.to_owned()).into());
@@ -59,8 +59,8 @@ pub(in crate::run) fn run_part(
     check(session, optimizer)?;
     session.find_steps()?;
     // They hold for the result, which is joined.
-    session.options.without_expect = true;
-    let starts = session.problem.case.optimizer.starts;
+    session.input.options.without_expect = true;
+    let starts = session.input.problem.case.optimizer.starts;
     let (mut exit, mut entries) = (Exit::Done, Vec::new());
     for index in (0..starts).filter(|index| part.has(*index)) {
         let ran = match session.is_cancelled() {
@@ -81,8 +81,8 @@ pub(in crate::run) fn run_part(
         session.console.say(format!("{:<12}start {} of {starts}: {end}", "ended", index + 1));
     }
     session.console.say(format!("part {part:<7}--join makes the result when all parts are done"));
-    session.record.optimum.starts = Some(entries);
-    session.interrupted = exit != Exit::Done;
+    session.findings.record.optimum.starts = Some(entries);
+    session.findings.interrupted = exit != Exit::Done;
     Ok(exit)
 }
 
@@ -128,7 +128,7 @@ fn run_one(
             make_room(session)?;
             let journal = Journal::begin(session)?;
             let Some(position) = alone(session, index)? else {
-                let entry = failed_entry(seed(&session.problem, index), "its gradient is wrong");
+                let entry = failed_entry(seed(&session.input.problem, index), "its gradient is wrong");
                 return Ok(One { exit: Exit::GradientWrong, entry, how: "" });
             };
             (position, journal, false)
@@ -144,11 +144,11 @@ fn run_one(
     };
     if exit == Exit::Done {
         // Whatever the schedule is: the end is what others read.
-        journal.lock().save(&session.problem.ensemble);
+        journal.lock().save(&session.input.problem.ensemble);
     }
     journal.lock().write_iterates();
     journal.lock().finish(exit != Exit::Done)?;
-    if let (Some(out), Exit::Done) = (&session.out, exit) {
+    if let (Some(out), Exit::Done) = (&session.destination.out, exit) {
         record_end(out, true)?;
     }
     let entry = starts.entries.into_iter().nth(index).unwrap_or_default();
@@ -165,9 +165,9 @@ fn alone(session: &mut Session<'_>, index: usize) -> Result<Option<Position>, Ru
         // The others are evaluated, and their gradients checked, as they begin.
         _ => (Phase::Waiting, GradientCheckRecord::default()),
     };
-    let all = 0..session.problem.case.optimizer.starts;
+    let all = 0..session.input.problem.case.optimizer.starts;
     let mut starts: Vec<StartRun> =
-        all.map(|other| absent(&session.problem, other, "left to another process")).collect();
+        all.map(|other| absent(&session.input.problem, other, "left to another process")).collect();
     starts[index].phase = phase;
     Ok(Some(Position { gradient_check, starts, ..Position::default() }))
 }
@@ -179,7 +179,7 @@ fn absent(problem: &CaseProblem, index: usize, why: &str) -> StartRun {
 /// Where the run in a directory stands, if it is of this case and version of the program.
 fn read(session: &Session<'_>, directory: &Path) -> Option<Position> {
     let Checkpoint { case, position, .. } = Checkpoint::read(directory, &|members| 0..members).ok()?;
-    position.filter(|_| case.is_same(&CaseRecord::of(&session.problem, &session.options.set)))
+    position.filter(|_| case.is_same(&CaseRecord::of(&session.input.problem, &session.input.options.set)))
 }
 
 /// Makes the result of all starts from those that have ended in directories of their own: that of one process.
@@ -190,9 +190,9 @@ pub(in crate::run) fn join(
 ) -> Result<Exit, RunError> {
     check(session, optimizer).and_then(|()| spectrum::check(session)).map_err(|error| session.refuse(error))?;
     may_replace(session, restart)?;
-    let Some(out) = session.out.clone() else {
+    let Some(out) = session.destination.out.clone() else {
         let message = "the starts to join are in a directory: say which".to_owned();
-        return Err(session.problem.complain("output/directory", message).into());
+        return Err(session.input.problem.complain("output/directory", message).into());
     };
     let (position, missing) = collect(session, &out).map_err(|error| session.refuse(error))?;
     session.find_steps()?;
@@ -205,12 +205,14 @@ pub(in crate::run) fn join(
     for index in &missing {
         session.console.say(format!("missing     start {} of {starts}: no finished run in start_{index}", index + 1));
     }
-    session.record.gradient_check = position.gradient_check.clone();
+    session.findings.record.gradient_check = position.gradient_check.clone();
     let journal = SharedJournal::new(Journal::begin(session)?);
     let (began, mut joined) = (Instant::now(), Starts::default());
     let ran = joined.run(session, optimizer, position, &journal, true);
     match missing.is_empty() {
-        true if session.problem.case.output.checkpoint > 0 => journal.lock().save(&session.problem.ensemble),
+        true if session.input.problem.case.output.checkpoint > 0 => {
+            journal.lock().save(&session.input.problem.ensemble)
+        }
         true => {}
         false => out.remove(saved::NAME)?,
     }
@@ -222,12 +224,12 @@ pub(in crate::run) fn join(
 fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usize>), RunError> {
     let (mut missing, mut found) = (Vec::new(), RoundEnd::default());
     let (mut gradient_check, mut starts) = (GradientCheckRecord::default(), Vec::new());
-    for index in 0..session.problem.case.optimizer.starts {
+    for index in 0..session.input.problem.case.optimizer.starts {
         let directory = directory(out.path(), index);
         let ended = |position: &Position| position.starts.get(index).is_some_and(StartRun::has_ended);
         let Some(position) = read(session, &directory).filter(ended) else {
             missing.push(index);
-            starts.push(absent(&session.problem, index, "missing: it has no finished run"));
+            starts.push(absent(&session.input.problem, index, "missing: it has no finished run"));
             continue;
         };
         if index == 0 {
@@ -237,14 +239,14 @@ fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usiz
         if let Some(best) = position.best {
             let file = directory.join(saved::NAME);
             let unfit = |failed: nastic_opt::Failed| CheckpointError::Content { file, what: failed.to_string() };
-            found.add(index, restored_best(&session.problem, best).map_err(unfit)?.1);
+            found.add(index, restored_best(&session.input.problem, best).map_err(unfit)?.1);
         }
     }
     if missing.contains(&0) {
         // Without it one process has no result either.
         return Err(RunError::NothingToJoin { directory: out.path().to_owned() });
     }
-    let best = found.best.as_ref().map(|best| saved_best(&session.problem, best));
+    let best = found.best.as_ref().map(|best| saved_best(&session.input.problem, best));
     Ok((Position { gradient_check, best, starts, ..Position::default() }, missing))
 }
 

@@ -32,7 +32,7 @@ pub(super) fn share(
     let best = found.best.as_ref().filter(|(index, _)| session.has_start(*index));
     let told = Told {
         starts: starts.iter().filter(own).map(StartRun::saved).collect(),
-        best: best.map(|best| saved_best(&session.problem, best)),
+        best: best.map(|best| saved_best(&session.input.problem, best)),
         interrupted: found.interrupted,
         aborted: found.aborted.clone(),
     };
@@ -41,7 +41,8 @@ pub(super) fn share(
         let unfit = TeamError::Unexpected { rank, what: "starts of another form" };
         let Told { starts: theirs, best, interrupted, aborted } = unpack(bytes).map_err(|_| unfit.clone())?;
         if let Some(best) = best {
-            let best = restored_best(&session.problem, best).map_err(|failed| session.evaluation_failed(&failed))?;
+            let best =
+                restored_best(&session.input.problem, best).map_err(|failed| session.evaluation_failed(&failed))?;
             found.add(best.0, best.1);
         }
         found.interrupted |= interrupted;
@@ -55,7 +56,7 @@ pub(super) fn share(
             *place = start;
         }
     }
-    let best = found.best.as_ref().map(|best| saved_best(&session.problem, best));
+    let best = found.best.as_ref().map(|best| saved_best(&session.input.problem, best));
     let mut journal = journal.lock();
     for start in &*starts {
         journal.add_recorded(start.lines());

@@ -84,7 +84,7 @@ impl Round<'_> {
         let active: Vec<usize> = active.map(|start| start.index).collect();
         let threads = rayon::current_num_threads();
         let at_once = under_way.min(threads).min(self.most_at_once()).max(1);
-        let (console, on_trial) = (self.session.console, &self.session.options.on_trial);
+        let (console, on_trial) = (self.session.console, &self.session.input.options.on_trial);
         let output = OrderedOutput::new(console, on_trial, self.journal, &active, at_once);
         let places: Vec<Mutex<Option<StartRun>>> =
             std::mem::take(starts).into_iter().map(|start| Mutex::new(Some(start))).collect();
@@ -120,7 +120,7 @@ impl Round<'_> {
 
     /// How many runs the memory at hand can hold, if each makes the factors of its members at once; how many there are changes no result.
     fn most_at_once(&self) -> usize {
-        let problem = &self.session.problem;
+        let problem = &self.session.input.problem;
         if problem.solid().model().solver() == Solver::MULTIGRID {
             return usize::MAX;
         }
@@ -169,10 +169,10 @@ impl Round<'_> {
     }
 
     fn announce(&self, index: usize, output: &StartOutput) {
-        let count = self.session.problem.case.optimizer.starts;
+        let count = self.session.input.problem.case.optimizer.starts;
         output.console.say("");
         if count > 1 {
-            let from = seed(&self.session.problem, index)
+            let from = seed(&self.session.input.problem, index)
                 .map_or_else(|| "as written".to_owned(), |seed| format!("random, seed {seed}"));
             output.console.say(format!("start {} of {count}: {from}", index + 1));
         }
@@ -180,7 +180,7 @@ impl Round<'_> {
 
     /// Evaluates a start, looks into it and, where it is a random one, checks its gradient.
     fn evaluate(&self, index: usize, output: &StartOutput) -> Evaluation {
-        let (session, seed) = (self.session, seed(&self.session.problem, index));
+        let (session, seed) = (self.session, seed(&self.session.input.problem, index));
         let evaluated = evaluated_start(session, index, output).map(|mut begun| {
             let Begun { point, derivative, workspace, .. } = &mut begun;
             // That of the start as written was checked before all runs.
@@ -228,7 +228,7 @@ impl Round<'_> {
     ) -> StartRun {
         let start = begun.point.clone();
         let warnings = std::mem::take(&mut begun.warnings);
-        let saved = self.session.problem.ensemble.save(&start);
+        let saved = self.session.input.problem.ensemble.save(&start);
         let record = StartRecord { warnings, m: start.m.clone(), start: saved, certificate };
         match begin_run(self.session, self.optimizer, begun) {
             Ok(run) => {
@@ -269,10 +269,10 @@ impl Round<'_> {
                 StartRun { index, phase: Phase::UnderWay(Box::new(under_way)) }
             }
             Minimized::Ended(run, trials) => {
-                let found = trials.changes.warnings(&self.session.problem, index);
+                let found = trials.changes.warnings(&self.session.input.problem, index);
                 found.iter().for_each(|warning| say_warning(&output.console, warning));
                 write_iterates(self.session, index, &trials, self.journal);
-                let ended = ended(&self.session.problem, index, &run, record, trials, found);
+                let ended = ended(&self.session.input.problem, index, &run, record, trials, found);
                 self.end(ended, Some(*run))
             }
         }
@@ -291,8 +291,11 @@ impl Round<'_> {
             found.interrupted |= interrupted;
             let best = run.is_some_and(|run| found.add(index, run));
             if !interrupted {
-                let best =
-                    if best { found.best.as_ref().map(|best| saved_best(&self.session.problem, best)) } else { None };
+                let best = if best {
+                    found.best.as_ref().map(|best| saved_best(&self.session.input.problem, best))
+                } else {
+                    None
+                };
                 self.journal.lock().end_start(&start, best);
             }
         });
@@ -301,7 +304,7 @@ impl Round<'_> {
 
     fn give_up(&self, index: usize, warnings: Vec<nastic_case::warning::Warning>, error: RunError) -> StartRun {
         self.halt.store(true, Ordering::Relaxed);
-        let entry = failed_entry(seed(&self.session.problem, index), error.to_string());
+        let entry = failed_entry(seed(&self.session.input.problem, index), error.to_string());
         self.with_found(|found| {
             if found.error.as_ref().is_none_or(|(other, _)| index < *other) {
                 found.error = Some((index, error));
@@ -333,19 +336,19 @@ fn side_by_side(threads: usize, at_once: usize, work: &(dyn Fn() + Sync)) -> Res
 /// The start as written, or a random one, evaluated and looked into.
 fn evaluated_start(session: &Session<'_>, index: usize, output: &StartOutput) -> Result<Begun, Failed> {
     let mut workspace = EnsembleWorkspace::default();
-    let m = match seed(&session.problem, index) {
-        Some(seed) => session.problem.random_start(seed),
-        None => session.problem.start.clone(),
+    let m = match seed(&session.input.problem, index) {
+        Some(seed) => session.input.problem.random_start(seed),
+        None => session.input.problem.start.clone(),
     };
     let mut point = evaluate(session, &m, &mut workspace)?;
-    let derivative = session.problem.ensemble.derivative(&mut point, &mut workspace)?;
-    let (_, warnings) = session.look_into(&output.console, &place(&session.problem, index), &point);
+    let derivative = session.input.problem.ensemble.derivative(&mut point, &mut workspace)?;
+    let (_, warnings) = session.look_into(&output.console, &place(&session.input.problem, index), &point);
     Ok(Begun { point, derivative, workspace, warnings })
 }
 
 /// The start of a run under way.
 pub(crate) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result<EnsemblePoint, RunError> {
-    let start = session.problem.ensemble.load(&record.m, &record.start, &Request::default());
+    let start = session.input.problem.ensemble.load(&record.m, &record.start, &Request::default());
     start.map_err(|failed| session.unfit_checkpoint(&failed.to_string()))
 }
 

@@ -42,8 +42,8 @@ pub(crate) fn failed_entry(seed: Option<u64>, why: impl Into<String>) -> StartRe
 
 /// One line per start.
 pub(crate) fn say(session: &Session<'_>, entries: &[StartRecord], best: usize) {
-    let directions = session.problem.controls.iter().any(|field| matches!(field.admitted, Admitted::Norm(_)));
-    if entries.len() == 1 && session.problem.case.optimizer.starts == 1 && directions {
+    let directions = session.input.problem.controls.iter().any(|field| matches!(field.admitted, Admitted::Norm(_)));
+    if entries.len() == 1 && session.input.problem.case.optimizer.starts == 1 && directions {
         let hint = "one; vectors of given length often have several minima: --set optimizer/starts=4 tries three more";
         session.console.say(format!("starts      {hint}"));
     }
