@@ -1,8 +1,8 @@
 //! A command on a team of ranks: what is shared out, and what the first rank is given of it.
 
 use crate::run::error::RunError;
-use crate::run::options::Options;
-use crate::run::session::Session;
+use crate::run::session::destination::Destination;
+use crate::run::session::input::CommandInput;
 use nastic_case::part::Share;
 use nastic_control::ControlError;
 use nastic_ensemble::EnsemblePoint;
@@ -10,19 +10,19 @@ use nastic_language::schema::Command;
 use nastic_team::{Team, exchange};
 use std::sync::Arc;
 
-impl Session<'_> {
+impl CommandInput {
     /// Joins the team of the options, if there is one: several starts are shared out over its ranks, else the members.
-    pub fn join_team(&mut self, options: &Options) -> Result<(), RunError> {
-        let Some(team) = options.team.clone().filter(|team| team.size() > 1) else { return Ok(()) };
-        let is_divided = options.share != Share::Whole;
-        if self.input.command != Command::Optimize || is_divided {
-            let what = if is_divided { "a part, or what --join makes," } else { self.input.command.name() };
+    pub fn join_team(&mut self) -> Result<(), RunError> {
+        let Some(team) = self.options.team.clone().filter(|team| team.size() > 1) else { return Ok(()) };
+        let is_divided = self.options.share != Share::Whole;
+        if self.command != Command::Optimize || is_divided {
+            let what = if is_divided { "a part, or what --join makes," } else { self.command.name() };
             return Err(RunError::OneRank { what: what.to_owned(), ranks: team.size() });
         }
-        self.input.team = Some(team);
-        if self.input.problem.case.optimizer.starts == 1 {
+        self.team = Some(team);
+        if self.problem.case.optimizer.starts == 1 {
             // raised on all ranks at once, where that of this rank is looked at by its solves
-            self.input.cancel = Arc::default();
+            self.cancel = Arc::default();
         }
         self.share_members();
         Ok(())
@@ -30,23 +30,23 @@ impl Session<'_> {
 
     /// Shares the members of the problem out, unless the starts are.
     pub fn share_members(&mut self) {
-        if let (Some(team), false) = (&self.input.team, self.shares_starts()) {
-            self.input.problem.ensemble.share_out(team.clone(), self.input.signal.clone(), self.input.cancel.clone());
+        if let (Some(team), false) = (&self.team, self.shares_starts()) {
+            self.problem.ensemble.share_out(team.clone(), self.signal.clone(), self.cancel.clone());
         }
     }
 
     /// The team, where it shares out starts.
     pub fn team_of_starts(&self) -> Option<&dyn Team> {
-        self.input.team.as_deref().filter(|_| self.shares_starts())
+        self.team.as_deref().filter(|_| self.shares_starts())
     }
 
     /// The team, where it shares out members.
     pub fn team_of_members(&self) -> Option<Arc<dyn Team>> {
-        self.input.team.clone().filter(|_| !self.shares_starts())
+        self.team.clone().filter(|_| !self.shares_starts())
     }
 
     fn shares_starts(&self) -> bool {
-        self.input.team.is_some() && self.input.problem.case.optimizer.starts > 1
+        self.team.is_some() && self.problem.case.optimizer.starts > 1
     }
 
     /// Which rank has the member of an error, in words; nothing where all members are on one.
@@ -58,7 +58,7 @@ impl Session<'_> {
 
     /// Whether this rank speaks, and writes what belongs to all.
     pub fn leads(&self) -> bool {
-        self.input.team.as_ref().is_none_or(|team| team.leads())
+        self.team.as_ref().is_none_or(|team| team.leads())
     }
 
     /// Whether this rank runs a start.
@@ -73,12 +73,12 @@ impl Session<'_> {
 
     /// Waits until all ranks are here: what the first has removed or read belongs to nobody else.
     pub fn meet(&self) -> Result<(), RunError> {
-        self.input.team.as_deref().map_or(Ok(()), |team| Ok(exchange(team, vec![]).map(drop)?))
+        self.team.as_deref().map_or(Ok(()), |team| Ok(exchange(team, vec![]).map(drop)?))
     }
 
     /// A point with all members at the first rank, nothing elsewhere.
-    pub fn whole(&self, point: &EnsemblePoint) -> Result<Option<EnsemblePoint>, RunError> {
-        let whole = self.input.problem.ensemble.whole(point).map_err(|error| self.forward_failed(error))?;
+    pub fn whole(&self, destination: &Destination, point: &EnsemblePoint) -> Result<Option<EnsemblePoint>, RunError> {
+        let whole = self.problem.ensemble.whole(point).map_err(|error| destination.forward_failed(self, error))?;
         Ok(whole.filter(|_| self.leads() || self.shares_starts()))
     }
 }
