@@ -1,5 +1,5 @@
-//! What signatures look like: few parameters are tuples that are taken apart at once, and a model hands out what is asked of it by subject. What is
-//! saved is few files, and what a block of a case is.
+//! What signatures look like: few parameters are tuples that are taken apart at once, and a model hands out what is asked of it by subject; what a
+//! function of a command may change is seen. What is saved is few files, and what a block of a case is.
 #![allow(clippy::unwrap_used)] // helpers of a test
 
 use std::fs;
@@ -11,6 +11,8 @@ const TUPLES: usize = 40;
 const METHODS_OF_MODEL: usize = 44;
 /// Files of `run` that are of starts or checkpoints, at most.
 const FILES_OF_STARTS: usize = 12;
+/// Functions of `run` that may change all of a command, at most: those that begin and end it, and those that find its time steps.
+const HEADS_OF_COMMANDS: usize = 20;
 /// Crates of the front end.
 const FRONT_END: [&str; 5] = ["language", "case", "result", "run", "report"];
 /// Files of the front end that name springs, a block like any other, or a kind of actuation, at most.
@@ -107,6 +109,16 @@ fn a_model_hands_out_what_is_asked_of_it_by_subject() {
     };
     let methods: usize = texts(|name| ["equilibrium", "motion"].contains(&name)).iter().map(own).sum();
     assert!((20..=METHODS_OF_MODEL).contains(&methods), "{methods} public methods of Model");
+}
+
+#[test]
+fn what_a_function_of_a_command_may_change_is_seen() {
+    let mut heads: usize = 0;
+    for code in texts(|name| name == "run") {
+        heads += code.matches(": &mut Opened<").count();
+        assert!(!code.contains(": &mut CommandInput"), "what was asked stands fixed");
+    }
+    assert!((10..=HEADS_OF_COMMANDS).contains(&heads), "{heads} functions may change all of a command");
 }
 
 /// Those below `saved` and `starts`, others that are named after them, and whatever makes bytes of what is saved.

@@ -1,13 +1,14 @@
 //! `nastic check`: what the case says, as it was understood. Nothing is solved.
 
 use crate::run::error::{Exit, RunError};
-use crate::run::session::Session;
+use crate::run::session::Opened;
 use nastic_case::describe as words;
 use nastic_case::describe::Line;
 use nastic_result::describe;
 
-pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
-    let problem = &session.problem;
+pub(super) fn run(opened: &mut Opened<'_>) -> Result<Exit, RunError> {
+    let Opened { input, console, findings, .. } = opened;
+    let problem = &input.problem;
     let sections = [
         words::units(problem),
         words::mesh(problem),
@@ -27,7 +28,7 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         describe::scenarios(problem),
         words::optimizer(problem),
         // It takes as long as a Newton iteration.
-        if session.console.is_silent() { vec![] } else { describe::duration(problem) },
+        if console.is_silent() { vec![] } else { describe::duration(problem) },
         words::conventions(problem),
     ];
     for lines in &sections {
@@ -35,12 +36,12 @@ pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
         for Line { head: own, text } in lines {
             let reports = if *own == head { "" } else { own };
             head = own;
-            session.console.say(format!("{reports:<12}{text}"));
+            console.say(format!("{reports:<12}{text}"));
         }
     }
-    let warnings = session.warnings.len();
-    describe::describe(problem, &mut session.record);
-    session.console.say(match warnings {
+    let warnings = findings.warnings.len();
+    describe::describe(problem, &mut findings.record);
+    console.say(match warnings {
         0 => "check       the case is complete and consistent".to_owned(),
         n => format!(
             "check       the case is complete and consistent, with {}",

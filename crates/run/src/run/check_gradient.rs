@@ -2,26 +2,26 @@
 
 use crate::console::Console;
 use crate::run::error::RunError;
-use crate::run::session::Session;
+use crate::run::session::{CommandFindings, CommandInput};
 use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_opt::{Base, Certificate, TaylorError, Verdict};
 use nastic_report::record::GradientCheckRecord;
 
 /// Checks the derivative at an evaluated control; what it finds is said.
 pub(super) fn check(
-    session: &Session<'_>,
+    input: &CommandInput,
     console: &Console,
     at: &EnsemblePoint,
     derivative: &[f64],
     workspace: &mut EnsembleWorkspace,
 ) -> Result<Certificate, RunError> {
     console.phase("gradient check");
-    let problem = &session.problem;
+    let problem = &input.problem;
     let size = crate::run::gradcheck::size(problem);
     let base = Base { m: &at.m, point: at, derivative, stage: 0 };
     let found = Certificate::of(&problem.ensemble, &problem.set, &base, workspace, size, problem.case.optimizer.seed);
     console.clear();
-    if session.is_cancelled() {
+    if input.is_cancelled() {
         return Err(RunError::Cancelled);
     }
     let certificate = match found {
@@ -35,7 +35,7 @@ pub(super) fn check(
         if let Some(full) = &certificate.full {
             console.say(full);
         }
-        let how = match session.problem.case_file() {
+        let how = match input.problem.case_file() {
             Some(_) => "nastic gradcheck shows which term is at fault",
             None => "test each cost alone with Taylor::test",
         };
@@ -47,14 +47,16 @@ pub(super) fn check(
 
 /// As [`check`], at the start as written: noted in the result.
 pub(super) fn of_start(
-    session: &mut Session<'_>,
+    input: &CommandInput,
+    console: &Console,
+    findings: &mut CommandFindings,
     start: &EnsemblePoint,
     derivative: &[f64],
     workspace: &mut EnsembleWorkspace,
 ) -> Result<Certificate, RunError> {
-    let certificate =
-        session.timed("gradient_check", |session| check(session, session.console, start, derivative, workspace))?;
-    session.record.gradient_check = record(&certificate);
+    let check = |_: &mut CommandFindings| check(input, console, start, derivative, workspace);
+    let certificate = findings.timed(console, "gradient_check", check)?;
+    findings.record.gradient_check = record(&certificate);
     Ok(certificate)
 }
 

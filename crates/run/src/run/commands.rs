@@ -5,8 +5,7 @@ use crate::run::conclusion::conclude;
 use crate::run::error::RunError;
 use crate::run::options::Options;
 use crate::run::outcome::Outcome;
-use crate::run::session::Session;
-use crate::run::session::output_directory::directory;
+use crate::run::session::Opened;
 use crate::run::states::States;
 use crate::run::{check, gradcheck, gradient, modes, motion, optimize, resumption, solve};
 use nastic_case::part::Share;
@@ -60,8 +59,11 @@ pub fn run_with(
     console: &Console,
 ) -> Result<Outcome, RunError> {
     thread_pool(options.threads)?.install(|| {
-        let session = Session::open(catalogue, command, case, options, console)?;
-        execute(session, options).map(|(outcome, _)| outcome)
+        let began = Instant::now();
+        console.phase("reading");
+        let document = Document::open(case)?.with_catalogue(catalogue);
+        let opened = Opened::open(command, document, options, console, began)?;
+        execute(opened, options).map(|(outcome, _)| outcome)
     })
 }
 
@@ -77,33 +79,29 @@ pub fn run_document(
     console: &Console,
 ) -> Result<(Outcome, Option<States>), RunError> {
     thread_pool(options.threads)?.install(|| {
-        let session = Session::open_document(command, document, options, console, Instant::now())?;
-        execute(session, options)
+        let opened = Opened::open(command, document, options, console, Instant::now())?;
+        execute(opened, options)
     })
 }
 
-pub(crate) fn execute(mut session: Session<'_>, options: &Options) -> Result<(Outcome, Option<States>), RunError> {
-    let exit = match &session.command {
-        Command::Check => check::run(&mut session),
-        Command::Solve => motion::may_replace(&mut session, options.restart)
-            .and_then(|()| solve::run(&mut session, &options.analysis)),
-        Command::Modes => modes::run(&mut session, options.modes),
-        Command::Gradient => gradient::run(&mut session),
-        Command::Gradcheck => gradcheck::run(&mut session),
+pub(crate) fn execute(mut opened: Opened<'_>, options: &Options) -> Result<(Outcome, Option<States>), RunError> {
+    let exit = match &opened.input.command {
+        Command::Check => check::run(&mut opened),
+        Command::Solve => motion::may_replace(&mut opened.destination, options.restart)
+            .and_then(|()| solve::run(&mut opened, &options.analysis)),
+        Command::Modes => modes::run(&mut opened, options.modes),
+        Command::Gradient => gradient::run(&mut opened),
+        Command::Gradcheck => gradcheck::run(&mut opened),
         Command::Optimize => {
-            let (optimizer, restart) = (session.problem.optimizer()?, options.restart);
+            let optimizer = opened.input.problem.optimizer()?;
             match options.share {
-                Share::Whole => optimize::begin(&mut session, optimizer.as_ref(), restart),
-                Share::Join => optimize::join(&mut session, optimizer.as_ref(), restart),
-                Share::Part(part) => {
-                    let named = directory(&session.command, &session.problem, options);
-                    let out = named.unwrap_or_else(|| session.usual_directory());
-                    optimize::run_part(&mut session, optimizer.as_ref(), part, &out, restart)
-                }
+                Share::Whole => optimize::begin(&mut opened, optimizer.as_ref(), options.restart),
+                Share::Join => optimize::join(&mut opened, optimizer.as_ref()),
+                Share::Part(part) => optimize::run_part(&mut opened, optimizer.as_ref(), part),
             }
         }
     };
-    conclude(session, exit, options.analysis.has_one_state())
+    conclude(opened, exit, options.analysis.has_one_state())
 }
 
 /// Goes on with an optimisation, or with the motion of a `solve` that was stopped, from the last checkpoint in its output directory. The result is that of [`run`] without
@@ -119,15 +117,15 @@ pub fn resume(
     console: &Console,
 ) -> Result<Outcome, RunError> {
     thread_pool(options.threads)?.install(|| {
-        let (mut session, position) = resumption::open(catalogue, directory, options, console)?;
+        let (mut opened, position) = resumption::open(catalogue, directory, options, console)?;
         let exit = match position {
-            resumption::Resumed::Motion(checkpoint) => solve::resume(&mut session, checkpoint),
+            resumption::Resumed::Motion(checkpoint) => solve::resume(&mut opened, checkpoint),
             resumption::Resumed::Optimization(position) => {
-                let optimizer = session.problem.optimizer()?;
-                optimize::resume(&mut session, optimizer.as_ref(), *position)
+                let optimizer = opened.input.problem.optimizer()?;
+                optimize::resume(&mut opened, optimizer.as_ref(), *position)
             }
         };
-        conclude(session, exit, true).map(|(outcome, _)| outcome)
+        conclude(opened, exit, true).map(|(outcome, _)| outcome)
     })
 }
 

@@ -1,7 +1,8 @@
 //! Constraints in results.
 
+use crate::console::Console;
 use crate::run::error::RunError;
-use crate::run::session::Session;
+use crate::run::session::{CommandInput, Destination};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{BETWEEN_NODES, VIOLATED, Warning};
 use nastic_control::{BetweenNodes, Bound, ControlError, Evaluated};
@@ -74,23 +75,23 @@ impl Known {
     }
 }
 
-impl Session<'_> {
-    /// Looks where constraints are violated most, group by group. A motion that keeps few states in memory runs once more.
-    pub(super) fn look_at_constraints(
-        &self,
-        all: &ConstraintsReport,
-        point: &EnsemblePoint,
-    ) -> Result<Vec<Known>, RunError> {
-        let (mut groups, mut found) = (all.groups.iter(), Vec::new());
-        if all.groups.is_empty() {
-            return Ok(found);
-        }
-        for (member, at) in self.problem.members().zip(&point.members) {
-            let own: Vec<&ConstraintReport> = groups.by_ref().take(member.reduced().constraints().len()).collect();
-            found.extend(look(member, at, &own).map_err(|error| self.member_failed(member.index(), error))?);
-        }
-        Ok(found)
+/// Looks where constraints are violated most, group by group. A motion that keeps few states in memory runs once more.
+pub(super) fn look_at(
+    input: &CommandInput,
+    destination: &Destination,
+    all: &ConstraintsReport,
+    point: &EnsemblePoint,
+) -> Result<Vec<Known>, RunError> {
+    let (mut groups, mut found) = (all.groups.iter(), Vec::new());
+    if all.groups.is_empty() {
+        return Ok(found);
     }
+    for (member, at) in input.problem.members().zip(&point.members) {
+        let own: Vec<&ConstraintReport> = groups.by_ref().take(member.reduced().constraints().len()).collect();
+        let failed = |error| destination.member_failed(input, member.index(), error);
+        found.extend(look(member, at, &own).map_err(failed)?);
+    }
+    Ok(found)
 }
 
 fn look(member: CaseMember<'_>, at: &Evaluated, groups: &[&ConstraintReport]) -> Result<Vec<Known>, ControlError> {
@@ -257,7 +258,7 @@ pub(super) fn warnings(problem: &CaseProblem, all: &ConstraintsReport, known: &[
 }
 
 /// A line for every group.
-pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, known: &[Known]) {
+pub(super) fn say(problem: &CaseProblem, console: &Console, all: &ConstraintsReport, known: &[Known]) {
     for (k, (one, known)) in all.groups.iter().zip(known).enumerate() {
         let head = if k == 0 { "constraints" } else { "" };
         let unit = known.unit();
@@ -270,8 +271,8 @@ pub(super) fn say(session: &Session<'_>, all: &ConstraintsReport, known: &[Known
         let kept = worst.filter(|_| one.violation() == 0.0 && one.group.sense == Sense::AtMost);
         let kept = kept.map_or_else(String::new, |worst| format!(", kept by {}{unit}", short(-worst.value)));
         let place = worst.and_then(|_| known.place()).map_or_else(String::new, |place| format!(" at {place}"));
-        let time = at_time(&session.problem, worst.and_then(|worst| known.time(worst.index, one.values.len())));
-        session.console.say(format!(
+        let time = at_time(problem, worst.and_then(|worst| known.time(worst.index, one.values.len())));
+        console.say(format!(
             "{head:<12}{}: {functional}largest violation {}{unit}{kept}{place}{time} ({} of its scale){held}",
             one.group.name,
             short(one.violation()),

@@ -1,9 +1,10 @@
 //! What contacts carry, and what deserves attention in them, of equilibria and of motions.
 
+use crate::console::Console;
 use crate::run::motion::{Record, Table};
-use crate::run::session::Session;
+use crate::run::session::CommandFindings;
 use nastic_case::inspect::touches;
-use nastic_case::lower::CaseMember;
+use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{CREEPS, NO_CONTACT, STEPS_PER_CONTACT, Warning};
 use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{Sliding, Touch, TouchParameters};
@@ -16,42 +17,48 @@ const FEW_STEPS: usize = 5;
 /// Creep beyond this share of the body's diagonal is said.
 const CREEP: f64 = 0.01;
 
-impl Session<'_> {
-    /// Says what the contacts of equilibria carry, and which never act.
-    pub fn report_contacts(&mut self, point: &EnsemblePoint) {
-        if self.problem.is_motion() || self.problem.case.contact.is_empty() {
-            return;
-        }
-        let mut untouched = Vec::new();
-        for (member, at) in self.problem.members().zip(&point.members) {
-            for (name, touch) in touches::of_state(member, at.state()) {
-                self.console.say(line(&name, &touch, member));
-                untouched.extend((touch.area == 0.0).then(|| {
-                    let gap = quantity(touch.smallest_gap, Dimension::LENGTH, member.problem().units());
-                    let message = format!("contact \"{name}\" does not act: its smallest gap is {gap}");
-                    Warning::new(&NO_CONTACT, message).of(member.name())
-                }));
-            }
-        }
-        untouched.into_iter().for_each(|warning| self.warn(warning));
+/// Says what the contacts of equilibria carry, and which never act.
+pub(super) fn report(problem: &CaseProblem, console: &Console, findings: &mut CommandFindings, point: &EnsemblePoint) {
+    if problem.is_motion() || problem.case.contact.is_empty() {
+        return;
     }
+    let mut untouched = Vec::new();
+    for (member, at) in problem.members().zip(&point.members) {
+        for (name, touch) in touches::of_state(member, at.state()) {
+            console.say(line(&name, &touch, member));
+            untouched.extend((touch.area == 0.0).then(|| {
+                let gap = quantity(touch.smallest_gap, Dimension::LENGTH, member.problem().units());
+                let message = format!("contact \"{name}\" does not act: its smallest gap is {gap}");
+                Warning::new(&NO_CONTACT, message).of(member.name())
+            }));
+        }
+    }
+    findings.warn_all(console, untouched);
+}
 
-    /// The same of motions, which know how contacts slide, at their ends.
-    pub fn report_contacts_of(&mut self, records: &[Record]) {
-        let (mut found, dim) = (Vec::new(), self.problem.mesh().dim());
-        for record in records {
-            for (name, touch) in &record.touches {
-                self.entries_of(record.member).contributions.insert(name.clone(), touch.quantities(dim).into());
-                let (member, Some(table)) = (self.problem.member(record.member), &record.table) else { continue };
-                self.console.say(line(name, touch, member));
-                let Some(parameters) = touches::parameters(member, name) else { continue };
-                let history = History::of(table, name, touch.sliding);
-                let warnings = history.warnings(name, &parameters, member);
-                found.extend(warnings.into_iter().map(|warning| warning.of(member.name())));
-            }
+/// The same of motions, which know how contacts slide, at their ends.
+pub(super) fn report_motions(
+    problem: &CaseProblem,
+    console: &Console,
+    findings: &mut CommandFindings,
+    records: &[Record],
+) {
+    let (mut found, dim) = (Vec::new(), problem.mesh().dim());
+    for record in records {
+        for (name, touch) in &record.touches {
+            findings
+                .entries_of(problem.member(record.member))
+                .contributions
+                .insert(name.clone(), touch.quantities(dim).into());
+            let (member, Some(table)) = (problem.member(record.member), &record.table) else { continue };
+            console.say(line(name, touch, member));
+            let Some(parameters) = touches::parameters(member, name) else { continue };
+            let history = History::of(table, name, touch.sliding);
+            let warnings = history.warnings(name, &parameters, member);
+            found.extend(warnings.into_iter().map(|warning| warning.of(member.name())));
         }
-        found.into_iter().for_each(|warning| self.warn(warning));
     }
+    findings.warn_all(console, found);
 }
 
 /// One line for the terminal.

@@ -2,9 +2,11 @@
 
 mod memo;
 
+use crate::console::Console;
 use crate::run::error::{Exit, RunError};
 use crate::run::gradcheck::memo::{Column, Memo, Term};
-use crate::run::session::Session;
+use crate::run::session::{CommandFindings, Opened};
+use crate::run::time_steps;
 use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_ensemble::EnsembleError;
 use nastic_language::number;
@@ -87,37 +89,38 @@ impl GradientTest {
     }
 }
 
-pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
-    session.require(true, true)?;
-    session.find_steps()?;
+pub(super) fn run(opened: &mut Opened<'_>) -> Result<Exit, RunError> {
+    opened.input.require(true, true)?;
+    time_steps::find(opened)?;
+    let Opened { input, destination, console, findings } = opened;
     let began = std::time::Instant::now();
-    session.console.phase("solving at the start control");
-    let memo = Memo::new(&session.problem.ensemble, &session.problem.start, ACCURACY);
-    let memo = memo.map_err(|error| session.evaluation_failed(&error))?;
+    console.phase("solving at the start control");
+    let memo = Memo::new(&input.problem.ensemble, &input.problem.start, ACCURACY);
+    let memo = memo.map_err(|error| destination.evaluation_failed(input, &error))?;
     let mut tests = Vec::new();
-    let blocks = session.problem.ensemble.blocks().iter().zip(&session.problem.controls);
+    let blocks = input.problem.ensemble.blocks().iter().zip(&input.problem.controls);
     for (block, field) in blocks {
-        session.console.phase(&format!("varying {}", field.name));
+        console.phase(&format!("varying {}", field.name));
         let own = block.first..block.first + block.len;
         let taylor = Taylor {
             directions: DIRECTIONS,
-            seed: session.problem.case.optimizer.seed.wrapping_add(1),
-            size: size(&session.problem),
+            seed: input.problem.case.optimizer.seed.wrapping_add(1),
+            size: size(&input.problem),
             components: Some(own),
             accuracy: ACCURACY,
             ..Taylor::default()
         };
-        let found = test_field(&session.problem, &memo, &taylor, &field.name)?;
-        session.console.clear();
-        if session.is_cancelled() {
+        let found = test_field(&input.problem, &memo, &taylor, &field.name)?;
+        console.clear();
+        if input.is_cancelled() {
             return Err(RunError::Cancelled);
         }
-        say(session, &field.name, &found);
+        say(console, &field.name, &found);
         tests.extend(found);
     }
     let near_onset = memo.near_onset();
-    session.clock.note("gradient_check", began.elapsed().as_secs_f64());
-    Ok(conclude(session, &tests, near_onset))
+    findings.clock.note("gradient_check", began.elapsed().as_secs_f64());
+    Ok(conclude(console, findings, &tests, near_onset))
 }
 
 fn test_field(
@@ -188,27 +191,27 @@ pub(super) fn size(problem: &CaseProblem) -> Option<f64> {
     })
 }
 
-fn say(session: &Session<'_>, control: &str, tests: &[GradientTest]) {
+fn say(console: &Console, control: &str, tests: &[GradientTest]) {
     let Some(first) = tests.first() else { return };
     let width = tests.iter().map(|test| test.term.chars().count()).max().unwrap_or(0).max(10);
     for k in 0..first.directions.len() {
-        session.console.say("");
-        session.console.say(format!(
+        console.say("");
+        console.say(format!(
             "control {control}, direction {} of {}: remainder |j(m + t d) - j(m) - t dj.d| by step t",
             k + 1,
             first.directions.len()
         ));
         let heads: Vec<String> = tests.iter().map(|test| format!("{:>width$}  ", test.term)).collect();
-        session.console.say(format!("{:>8}  {}", "t", heads.concat()));
+        console.say(format!("{:>8}  {}", "t", heads.concat()));
         for row in 0..first.directions[k].rows.len() {
             let t = first.directions[k].rows[row].t;
             let cells: Vec<String> = tests.iter().map(|test| cell(&test.directions[k], row, width)).collect();
-            session.console.say(format!("{:>8}  {}", scientific(t, 1), cells.concat()));
+            console.say(format!("{:>8}  {}", scientific(t, 1), cells.concat()));
         }
         let line = |name: &str, of: &dyn Fn(&TaylorDirection) -> String| {
             let cells: Vec<String> =
                 tests.iter().map(|test| format!("{:>width$}  ", of(&test.directions[k]))).collect();
-            session.console.say(format!("{name:>8}  {}", cells.concat()));
+            console.say(format!("{name:>8}  {}", cells.concat()));
         };
         line("dj.d", &|d| scientific(d.slope, 3));
         line("order", &|d| order(d.order1));
@@ -219,8 +222,8 @@ fn say(session: &Session<'_>, control: &str, tests: &[GradientTest]) {
             };
             tests.iter().map(cell).collect::<Vec<_>>().concat()
         };
-        session.console.say(format!("{:>8}  {}", "verdict", verdicts(false, &|d| word(d.verdict).to_owned())));
-        say_changed(session, first, k);
+        console.say(format!("{:>8}  {}", "verdict", verdicts(false, &|d| word(d.verdict).to_owned())));
+        say_changed(console, first, k);
         if tests.iter().any(|test| test.directions[k].second.is_some()) {
             let of = |d: &TaylorDirection, of: &dyn Fn(&SecondOrder) -> String| {
                 d.second.as_ref().map_or_else(|| "-".to_owned(), of)
@@ -228,16 +231,16 @@ fn say(session: &Session<'_>, control: &str, tests: &[GradientTest]) {
             line("d.Hd", &|d| of(d, &|second| scientific(second.curvature, 3)));
             line("order", &|d| of(d, &|second| order(second.order)));
             let second = verdicts(true, &|d| of(d, &|second| word(second.verdict).to_owned()));
-            session.console.say(format!("{:>8}  {second}", "second"));
+            console.say(format!("{:>8}  {second}", "second"));
         }
     }
 }
 
 /// From which step on samples of contacts do something else.
-fn say_changed(session: &Session<'_>, test: &GradientTest, direction: usize) {
+fn say_changed(console: &Console, test: &GradientTest, direction: usize) {
     let rows = test.directions[direction].rows.iter().zip(test.changed.get(direction).into_iter().flatten());
     if let Some((row, count)) = rows.filter(|(_, changed)| **changed > 0).last() {
-        session.console.say(format!(
+        console.say(format!(
             "contacts    from a step of {} on {} do not touch, or slip, as at the start: second derivatives jump between",
             scientific(row.t, 1),
             number::count(*count, "sample")
@@ -271,27 +274,24 @@ fn word(verdict: Verdict) -> &'static str {
     }
 }
 
-fn conclude(session: &mut Session<'_>, tests: &[GradientTest], near_onset: usize) -> Exit {
-    session.console.say("");
-    session
-        .console
-        .say("Order 2 shows that the derivative belongs to the cost; * marks the remainders it is fitted to, those");
-    session
-        .console
+fn conclude(console: &Console, findings: &mut CommandFindings, tests: &[GradientTest], near_onset: usize) -> Exit {
+    console.say("");
+    console.say("Order 2 shows that the derivative belongs to the cost; * marks the remainders it is fitted to, those");
+    console
         .say("at round-off are not judged. Order 3 of what the second derivative d.Hd leaves shows the same of that.");
     let first: Vec<_> = tests.iter().map(|test| (test, test.verdict())).collect();
     let second: Vec<_> = tests.iter().filter_map(|test| Some((test, test.second_verdict()?))).collect();
     let (verdict, second_verdict) = (summary(&first, 2, false), summary(&second, 3, true));
-    session.console.say(format!("verdict     {verdict}"));
+    console.say(format!("verdict     {verdict}"));
     let missing = tests.iter().find_map(|test| test.without_second.as_ref());
     let second_verdict = match (missing, second.is_empty()) {
         (Some(why), true) => format!("not tested: {why}"),
         (Some(why), false) => format!("{second_verdict}; not of every term: {why}"),
         (None, _) => second_verdict,
     };
-    session.console.say(format!("second      {second_verdict}"));
+    console.say(format!("second      {second_verdict}"));
     if near_onset > 0 {
-        session.console.say(format!(
+        console.say(format!(
             "contacts    {} within 1 % of where they begin to touch or to slip: second derivatives jump there",
             number::count(near_onset, "sample")
         ));
@@ -305,7 +305,7 @@ fn conclude(session: &mut Session<'_>, tests: &[GradientTest], near_onset: usize
     let lowest_second = lowest(&mut directions().filter_map(|d| Some(d.second.as_ref()?.order)));
     let right = |found: &[(&GradientTest, Verdict)]| found.iter().all(|(_, verdict)| *verdict != Verdict::Wrong);
     let (passed, second_passed) = (right(&first), right(&second));
-    session.record.gradcheck = Some(GradcheckRecord {
+    findings.record.gradcheck = Some(GradcheckRecord {
         passed,
         verdict,
         lowest_order: lowest_first.into(),

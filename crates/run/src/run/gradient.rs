@@ -2,10 +2,11 @@
 
 use crate::run::check_gradient;
 use crate::run::error::{Exit, RunError};
-use crate::run::report::{remove_earlier, say_files};
-use crate::run::session::Session;
+use crate::run::report::{entries, remove_earlier};
+use crate::run::session::{CommandContext, CommandFindings, Opened, evaluate_start};
 use crate::run::solve::equilibrium::show;
 use crate::run::terminal::{digits, say_cost, say_members, say_probes};
+use crate::run::{time_steps, unmet};
 use nastic_case::lower::CaseProblem;
 use nastic_control::StateFields;
 use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
@@ -17,47 +18,50 @@ use nastic_result::inspection::Inspection;
 use nastic_result::target_files::write_targets;
 use nastic_result::{controls, snapshot};
 
-pub(super) fn run(session: &mut Session<'_>) -> Result<Exit, RunError> {
-    session.require(true, true).map_err(|error| session.refuse(error))?;
-    remove_earlier(session)?;
-    session.find_steps()?;
+pub(super) fn run(opened: &mut Opened<'_>) -> Result<Exit, RunError> {
+    opened.input.require(true, true).map_err(|error| opened.destination.refuse(error))?;
+    remove_earlier(&opened.input, &opened.destination)?;
+    time_steps::find(opened)?;
+    let (context, findings) = opened.parts();
+    let CommandContext { input, destination, console } = context;
     let mut workspace = EnsembleWorkspace::default();
-    let mut point = session.evaluate_start(&mut workspace)?;
+    let mut point = evaluate_start(context, findings, &mut workspace)?;
     let derivative =
-        session.timed("adjoint", |session| session.problem.ensemble.derivative(&mut point, &mut workspace));
-    let derivative = derivative.map_err(|failed| session.evaluation_failed(&failed))?;
-    session.console.clear();
-    let found = session.inspect("equilibrium", &point);
-    report(session, &point, &derivative, &found)?;
-    session.look_at_unmet(&point)?;
-    let certificate = check_gradient::of_start(session, &point, &derivative, &mut workspace)?;
-    session.timed("write", |session| write(session, &point, &derivative, &found))?;
-    show(session, point, Some(derivative), found);
+        findings.timed(console, "adjoint", |_| input.problem.ensemble.derivative(&mut point, &mut workspace));
+    let derivative = derivative.map_err(|failed| destination.evaluation_failed(input, &failed))?;
+    console.clear();
+    let found = findings.inspect(input, console, "equilibrium", &point);
+    report(context, findings, &point, &derivative, &found)?;
+    unmet::look_at(context, findings, &point)?;
+    let certificate = check_gradient::of_start(input, console, findings, &point, &derivative, &mut workspace)?;
+    findings.write(console, destination, |_, out| write(&input.problem, &point, &derivative, &found, out))?;
+    show(&input.problem, findings, point, Some(derivative), found);
     Ok(if certificate.verdict == Verdict::Wrong { Exit::GradientWrong } else { Exit::Done })
 }
 
 fn report(
-    session: &mut Session<'_>,
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
     point: &EnsemblePoint,
     derivative: &[f64],
     found: &[Inspection],
 ) -> Result<(), RunError> {
-    let entries = session.entries(point, found)?;
-    session.record.state = entries;
-    session.record.derivative_norm = controls::derivative_norm(&session.problem, derivative);
-    session.record.controls = Some(controls::controls(&session.problem, &point.m, 0));
-    let result = &session.record;
-    say_cost(session, result);
-    say_members(session, result);
-    session.console.say(format!(
+    let CommandContext { input, destination, console } = context;
+    findings.record.state = entries(input, destination, point, found)?;
+    findings.record.derivative_norm = controls::derivative_norm(&input.problem, derivative);
+    findings.record.controls = Some(controls::controls(&input.problem, &point.m, 0));
+    let result = &findings.record;
+    say_cost(&input.problem, console, result);
+    say_members(console, result);
+    console.say(format!(
         "derivative  Euclidean norm {}, norm in the metric {}",
         digits(*result.derivative_norm.euclidean, 9),
         digits(*result.derivative_norm.metric, 9)
     ));
-    for (block, field) in session.problem.ensemble.blocks().iter().zip(&session.problem.controls) {
+    for (block, field) in input.problem.ensemble.blocks().iter().zip(&input.problem.controls) {
         let own = block.of(derivative);
         let (low, high) = own.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-        session.console.say(format!(
+        console.say(format!(
             "            {}: {} entries from {} to {}",
             field.name,
             own.len(),
@@ -65,25 +69,23 @@ fn report(
             short(high)
         ));
     }
-    say_probes(session, result);
+    say_probes(&input.problem, console, result);
     Ok(())
 }
 
 fn write(
-    session: &mut Session<'_>,
+    problem: &CaseProblem,
     point: &EnsemblePoint,
     derivative: &[f64],
     found: &[Inspection],
-) -> Result<(), RunError> {
-    let Some(out) = session.out.clone() else { return Ok(()) };
-    let problem = &session.problem;
+    out: &Directory,
+) -> Result<Vec<String>, RunError> {
     out.write_json("derivative.json", &controls::by_control(problem, derivative))?;
     let mut files = vec!["derivative.json".to_owned()];
-    files.extend(write_states(problem, "start", point, derivative, found, &out)?);
-    files.extend(write_targets(problem, &out)?);
-    files.extend(write_collections(problem, "start", &out)?);
-    say_files(session, files);
-    Ok(())
+    files.extend(write_states(problem, "start", point, derivative, found, out)?);
+    files.extend(write_targets(problem, out)?);
+    files.extend(write_collections(problem, "start", out)?);
+    Ok(files)
 }
 
 /// The states of all members, with the gradient.

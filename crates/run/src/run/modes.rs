@@ -1,11 +1,15 @@
 //! `nastic modes`: frequencies and shapes of small vibrations about an equilibrium or the undeformed body.
 
+use crate::console::Console;
 use crate::run::error::{Exit, RunError};
 use crate::run::modes_request::ModesRequest;
-use crate::run::report::{remove_earlier, say_files};
-use crate::run::session::{START_ACCURACY, Session};
+use crate::run::report::remove_earlier;
+use crate::run::session::{
+    CommandContext, CommandFindings, CommandInput, Destination, Opened, START_ACCURACY, evaluate_start,
+};
 use crate::run::solve::equilibrium::report;
 use crate::run::solve::modes::with_fields;
+use crate::run::unmet;
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::{ControlError, StateFields};
 use nastic_ensemble::EnsembleWorkspace;
@@ -16,6 +20,7 @@ use nastic_language::schema::Beginning;
 use nastic_mesh::Snapshot;
 use nastic_report::record::{ModesRecord, ModesUnits, Number, VibrationInSteps, numbers};
 use nastic_result::collections::write_collections;
+use nastic_result::files::Directory;
 use nastic_result::inspection::Inspection;
 use nastic_result::target_files::write_targets;
 use nastic_result::title::title;
@@ -46,46 +51,48 @@ struct ModesInSteps {
     modes: Vec<Option<ModalDamping>>,
 }
 
-pub(super) fn run(session: &mut Session<'_>, asked: ModesRequest) -> Result<Exit, RunError> {
-    check(&session.problem, asked.count).map_err(|error| session.refuse(error))?;
-    remove_earlier(session)?;
-    let time = session.problem.case.time.as_ref();
+pub(super) fn run(opened: &mut Opened<'_>, asked: ModesRequest) -> Result<Exit, RunError> {
+    check(&opened.input.problem, asked.count).map_err(|error| opened.destination.refuse(error))?;
+    let (context, findings) = opened.parts();
+    let CommandContext { input, destination, console } = context;
+    remove_earlier(input, destination)?;
+    let time = input.problem.case.time.as_ref();
     // a motion from rest has no equilibrium to begin at
     let undeformed = asked.undeformed || time.is_some_and(|time| time.start == Beginning::Rest);
     let in_time = time.is_some();
     let mut inspections = Vec::new();
     let states: Vec<(State, Vec<f64>)> = if undeformed {
-        let of = |member: CaseMember<'_>| at_rest(member, &session.problem.start);
-        session.problem.members().map(of).collect()
+        let of = |member: CaseMember<'_>| at_rest(member, &input.problem.start);
+        input.problem.members().map(of).collect()
     } else if in_time {
-        session.timed("solve", |session| beginnings(session))?
+        findings.timed(console, "solve", |_| beginnings(input, destination))?
     } else {
-        let point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
-        inspections = session.inspect("equilibrium", &point);
-        report(session, &point, &inspections)?;
-        session.look_at_unmet(&point)?;
+        let point = evaluate_start(context, findings, &mut EnsembleWorkspace::default())?;
+        inspections = findings.inspect(input, console, "equilibrium", &point);
+        report(context, findings, &point, &inspections)?;
+        unmet::look_at(context, findings, &point)?;
         point.members.iter().map(|at| (at.state().clone(), at.m.clone())).collect()
     };
-    let found = session.timed("modes", |session| find(session, states, asked.count))?;
+    let found = findings.timed(console, "modes", |_| find(input, destination, states, asked.count))?;
     let about = match (undeformed, in_time) {
         (true, _) => "undeformed body",
         (false, true) => "equilibrium at t = 0",
         (false, false) => "equilibrium",
     };
-    print_modes(session, about, &found);
-    session.timed("write", |session| write(session, about, &found, &inspections))?;
+    print_modes(&input.problem, console, findings, about, &found);
+    findings.write(console, destination, |_, out| write(&input.problem, about, &found, &inspections, out))?;
     Ok(Exit::Done)
 }
 
 /// The equilibria that the motions begin at.
-fn beginnings(session: &Session<'_>) -> Result<Vec<(State, Vec<f64>)>, RunError> {
+fn beginnings(input: &CommandInput, destination: &Destination) -> Result<Vec<(State, Vec<f64>)>, RunError> {
     let of = |member: CaseMember<'_>| {
-        let m = member.local(&session.problem.start);
+        let m = member.local(&input.problem.start);
         let state = member.reduced().initial_state(&m, START_ACCURACY);
-        let state = state.map_err(|error| session.member_failed(member.index(), error))?;
+        let state = state.map_err(|error| destination.member_failed(input, member.index(), error))?;
         Ok((state.unwrap_or_else(|| member.solid().rest()), m))
     };
-    session.problem.members().map(of).collect()
+    input.problem.members().map(of).collect()
 }
 
 fn check(problem: &CaseProblem, count: usize) -> Result<(), RunError> {
@@ -105,15 +112,21 @@ fn check(problem: &CaseProblem, count: usize) -> Result<(), RunError> {
     Ok(())
 }
 
-fn find(session: &Session<'_>, states: Vec<(State, Vec<f64>)>, count: usize) -> Result<Vec<StateModes>, RunError> {
-    let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+fn find(
+    input: &CommandInput,
+    destination: &Destination,
+    states: Vec<(State, Vec<f64>)>,
+    count: usize,
+) -> Result<Vec<StateModes>, RunError> {
+    let how = SolveOptions { cancel: Some(&input.cancel), ..SolveOptions::default() };
     let of = |(member, (state, m)): (CaseMember<'_>, (State, Vec<f64>))| {
         let modes = member.solid().model().vibration_modes(&state, count, &how);
-        let modes = modes.map_err(|error| session.member_failed(member.index(), ControlError::from(error)))?;
+        let modes =
+            modes.map_err(|error| destination.member_failed(input, member.index(), ControlError::from(error)))?;
         let seen = seen(member, &modes);
         Ok(StateModes { state, m, modes, seen })
     };
-    session.problem.members().zip(states).map(of).collect()
+    input.problem.members().zip(states).map(of).collect()
 }
 
 /// What the scheme and the Rayleigh damping of a motion make of the modes.
@@ -137,11 +150,16 @@ fn seen(member: CaseMember<'_>, modes: &[VibrationMode]) -> Option<ModesInSteps>
 const SHOWN: usize = 3;
 
 /// The lowest vibrations about the state that a motion begins at (undeformed and without controls, if it begins at rest), as its steps move them: said, and as the result has them.
-pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &State) -> Option<VibrationInSteps> {
+pub(super) fn damping(
+    input: &CommandInput,
+    console: &Console,
+    member: CaseMember<'_>,
+    begin: &State,
+) -> Option<VibrationInSteps> {
     if member.reduced().timeline()?.scheme().is_quasi_static() {
         return None;
     }
-    let (solid, how) = (member.solid(), SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() });
+    let (solid, how) = (member.solid(), SolveOptions { cancel: Some(&input.cancel), ..SolveOptions::default() });
     let free = solid.supports().fixed().iter().filter(|&&fixed| !fixed).count();
     let rigid = if member.mesh().dim() == 3 { 6 } else { 3 };
     let wanted = if solid.check().is_ok() { SHOWN } else { SHOWN + rigid };
@@ -152,18 +170,18 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
     let modes = match solid.model().vibration_modes(about, wanted.min(free), &how) {
         Ok(modes) => modes,
         Err(error) => {
-            session.console.say(format!("damping     of the lowest modes not known: {error}"));
+            console.say(format!("damping     of the lowest modes not known: {error}"));
             return None;
         }
     };
-    let (seen, units) = (seen(member, &modes)?, session.problem.units());
+    let (seen, units) = (seen(member, &modes)?, input.problem.units());
     let mut head = "damping";
     for (k, (mode, seen)) in modes.iter().zip(&seen.modes).enumerate() {
         let Some(seen) = seen else { continue };
         let frequency = per_second(mode, units) / TAU;
         let ratio =
             seen.frequency.map_or_else(|| "none".to_owned(), |ratio| format!("{} Hz", short(frequency * ratio)));
-        session.console.say(format!(
+        console.say(format!(
             "{head:<12}mode {}: {} Hz, seen as {ratio}; d/w of Rayleigh damping {}, with that of the steps {}",
             k + 1,
             short(frequency),
@@ -173,26 +191,33 @@ pub(super) fn damping(session: &Session<'_>, member: CaseMember<'_>, begin: &Sta
         head = "";
     }
     if member.case().materials.iter().any(|material| !material.maxwell.is_empty() || material.kelvin_voigt.is_some()) {
-        session.console.say("            without what viscous laws add: these are the relaxed body's");
+        console.say("            without what viscous laws add: these are the relaxed body's");
     }
     let frequencies = modes.iter().map(|mode| (per_second(mode, units) / TAU).into()).collect();
     Some(VibrationInSteps { frequencies: Some(frequencies), ..in_steps(&seen) })
 }
 
 /// Puts frequencies into the result and says them.
-fn print_modes(session: &mut Session<'_>, about: &str, found: &[StateModes]) {
-    let (units, dim) = (*session.problem.units(), session.problem.mesh().dim());
+fn print_modes(
+    problem: &CaseProblem,
+    console: &Console,
+    findings: &mut CommandFindings,
+    about: &str,
+    found: &[StateModes],
+) {
+    let (units, dim) = (*problem.units(), problem.mesh().dim());
     for (index, own) in found.iter().enumerate() {
         let in_steps = own.seen.as_ref().map(in_steps);
-        session.entries_of(index).modes = ModesRecord { in_steps, ..record(&own.modes, about, &units, dim) };
-        let (inside, how) = (session.problem.member(index).inside(), session.entries_of(index).modes.how_found());
-        session.console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}{how}"));
-        session.console.say(format!("  {:>9} {:>16} {:>14} {:>22}", "mode", "frequency", "period", "along x, y, z"));
+        let (member, record) = (problem.member(index), record(&own.modes, about, &units, dim));
+        let (inside, how) = (member.inside(), record.how_found());
+        findings.entries_of(member).modes = ModesRecord { in_steps, ..record };
+        console.say(format!("modes       K phi = w^2 M phi about the {about}{inside}{how}"));
+        console.say(format!("  {:>9} {:>16} {:>14} {:>22}", "mode", "frequency", "period", "along x, y, z"));
         for (k, mode) in own.modes.iter().enumerate() {
-            session.console.say(row(k + 1, mode, &units, dim));
+            console.say(row(k + 1, mode, &units, dim));
         }
         if let Some(seen) = &own.seen {
-            say_in_steps(session, seen);
+            say_in_steps(console, &units, seen);
         }
     }
 }
@@ -211,18 +236,15 @@ fn in_steps(seen: &ModesInSteps) -> VibrationInSteps {
     }
 }
 
-fn say_in_steps(session: &Session<'_>, ModesInSteps { scheme, step, modes }: &ModesInSteps) {
-    let units = session.problem.units();
+fn say_in_steps(console: &Console, units: &Units, ModesInSteps { scheme, step, modes }: &ModesInSteps) {
     let step = quantity(*step, Dimension::TIME, units);
-    session
-        .console
-        .say(format!("in steps    {scheme}, {step}: d/w of q'' + d q' + w^2 q = 0, twice the damping ratio"));
-    session.console.say(format!("  {:>9} {:>16} {:>16} {:>20}", "mode", "d/w", "d/w in steps", "share of frequency"));
+    console.say(format!("in steps    {scheme}, {step}: d/w of q'' + d q' + w^2 q = 0, twice the damping ratio"));
+    console.say(format!("  {:>9} {:>16} {:>16} {:>20}", "mode", "d/w", "d/w in steps", "share of frequency"));
     for (k, mode) in modes.iter().enumerate() {
         let Some(mode) = mode else { continue };
         let ratio = mode.frequency.map_or_else(|| "-".to_owned(), short);
         let (physical, effective) = (short(mode.physical), short(mode.effective));
-        session.console.say(format!("  {:>9} {physical:>16} {effective:>16} {ratio:>20}", k + 1));
+        console.say(format!("  {:>9} {physical:>16} {effective:>16} {ratio:>20}", k + 1));
     }
 }
 
@@ -273,13 +295,12 @@ fn row(number: usize, mode: &VibrationMode, units: &Units, dim: usize) -> String
 }
 
 fn write(
-    session: &mut Session<'_>,
+    problem: &CaseProblem,
     about: &str,
     found: &[StateModes],
     inspections: &[Inspection],
-) -> Result<(), RunError> {
-    let Some(out) = session.out.clone() else { return Ok(()) };
-    let problem = &session.problem;
+    out: &Directory,
+) -> Result<Vec<String>, RunError> {
     let mut files = Vec::new();
     for (member, own) in problem.members().zip(found) {
         let fields = StateFields::new(&own.state, &own.m, 0);
@@ -290,14 +311,13 @@ fn write(
             let drawn = own.modes.iter().take(DRAWN).enumerate();
             let drawn = drawn.map(|(k, mode)| Ok((label(k + 1, mode, problem.units()), moved(&shot, k + 1)?)));
             let drawn = drawn.collect::<Result<Vec<_>, ControlError>>()?;
-            picture::write(member, picture::of_modes(member, &title(member), about, &shot, &drawn), &out)?;
+            picture::write(member, picture::of_modes(member, &title(member), about, &shot, &drawn), out)?;
             files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
         }
     }
-    files.extend(write_targets(problem, &out)?);
-    files.extend(write_collections(problem, "start", &out)?);
-    say_files(session, files);
-    Ok(())
+    files.extend(write_targets(problem, out)?);
+    files.extend(write_collections(problem, "start", out)?);
+    Ok(files)
 }
 
 fn label(number: usize, mode: &VibrationMode, units: &Units) -> String {

@@ -8,18 +8,19 @@ mod table;
 
 pub(super) use crate::run::motion::solved::solve;
 
+use crate::console::Console;
 use crate::run::error::RunError;
 pub(crate) use crate::run::motion::record::Record;
 use crate::run::motion::table::{KINETIC_ENERGY, MIN_J, POTENTIAL, energies};
 pub(crate) use crate::run::motion::table::{Table, touches};
-use crate::run::session::Session;
+use crate::run::session::{CommandFindings, CommandInput, Destination};
 use crate::run::state_columns::ENERGY;
-use crate::run::{modes, time_steps};
+use crate::run::{contacts, modes, time_steps};
 use crate::saved::motion_checkpoint;
 use nastic_case::inspect::{compression, flight};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{TIME_STEP, Warning};
-use nastic_control::{Evaluated, StateFields, Timeline};
+use nastic_control::{AdaptiveSteps, Evaluated, StateFields, Timeline};
 use nastic_ensemble::EnsemblePoint;
 use nastic_io::write_atomically;
 use nastic_language::number::{count, quantity, short};
@@ -40,45 +41,48 @@ pub(super) fn state_name(problem: &CaseProblem) -> &'static str {
     if problem.is_motion() { "end of the motion" } else { "equilibrium" }
 }
 
-impl Session<'_> {
-    /// The motions of a problem in time, with what deserves attention in them.
-    pub fn motions(&mut self, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
-        let records = records(self, point)?;
-        self.warn_of_motions(&records);
-        Ok(records)
-    }
+/// Says what deserves attention in motions.
+pub(super) fn warn(problem: &CaseProblem, console: &Console, findings: &mut CommandFindings, records: &[Record]) {
+    findings.warn_all(console, warnings(problem, records));
+}
 
-    /// Says what deserves attention in motions.
-    pub fn warn_of_motions(&mut self, records: &[Record]) {
-        warnings(&self.problem, records).into_iter().for_each(|warning| self.warn(warning));
+/// Says how the motions went, and puts that into the result.
+pub(super) fn report(
+    input: &CommandInput,
+    console: &Console,
+    findings: &mut CommandFindings,
+    records: &[Record],
+    point: &EnsemblePoint,
+) {
+    let problem = &input.problem;
+    for (record, entry) in records.iter().zip(entries(input, console, &findings.steps, records, point)) {
+        let member = problem.member(record.member);
+        let unresolved = entry.damping.as_ref().and_then(|seen| unresolved(record, seen));
+        findings.entries_of(member).time = Some(entry);
+        findings.warn_all(console, unresolved.map(|message| Warning::new(&TIME_STEP, message).of(member.name())));
     }
-
-    /// Says how the motions went, and puts that into the result.
-    pub fn report_motions(&mut self, records: &[Record], point: &EnsemblePoint) {
-        for (index, entry) in report(self, records, point).into_iter().enumerate() {
-            let unresolved = entry.damping.as_ref().and_then(|seen| unresolved(&records[index], seen));
-            self.entries_of(index).time = Some(entry);
-            if let Some(message) = unresolved {
-                self.warn(Warning::new(&TIME_STEP, message).of(self.problem.member(index).name()));
-            }
-        }
-        self.report_contacts_of(records);
-        records.iter().for_each(|record| self.entries_of(record.member).reactions = record.reactions.clone());
+    contacts::report_motions(problem, console, findings, records);
+    for record in records {
+        findings.entries_of(problem.member(record.member)).reactions = record.reactions.clone();
     }
 }
 
 /// The motions of all members. One that keeps few states in memory runs once more.
-fn records(session: &Session<'_>, point: &EnsemblePoint) -> Result<Vec<Record>, RunError> {
-    if !session.problem.is_motion() {
+pub(super) fn records(
+    input: &CommandInput,
+    destination: &Destination,
+    point: &EnsemblePoint,
+) -> Result<Vec<Record>, RunError> {
+    if !input.problem.is_motion() {
         return Ok(vec![]);
     }
     let record = |(member, at): (CaseMember<'_>, &Evaluated)| {
         let mut record = Record::new(member, at.m.clone());
         let all = member.reduced().for_each_state(at, &mut |n, state| record.add(member, n, state));
-        all.map_err(|error| session.member_failed(member.index(), error))?;
+        all.map_err(|error| destination.member_failed(input, member.index(), error))?;
         Ok(record)
     };
-    session.problem.members().zip(&point.members).map(record).collect()
+    input.problem.members().zip(&point.members).map(record).collect()
 }
 
 /// Looks into the states that are written, beside the last one, which is looked into with all others; what deserves attention is reported
@@ -114,18 +118,24 @@ fn warnings_of(member: CaseMember<'_>, record: &Record) -> Vec<Warning> {
 }
 
 /// The entry `time` of the result, and lines about the motions.
-fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> Vec<TimeRecord> {
-    let Some(time) = &session.problem.case.time else { return vec![] };
-    let units = session.problem.units();
+fn entries(
+    input: &CommandInput,
+    console: &Console,
+    steps: &[AdaptiveSteps],
+    records: &[Record],
+    point: &EnsemblePoint,
+) -> Vec<TimeRecord> {
+    let Some(time) = &input.problem.case.time else { return vec![] };
+    let units = input.problem.units();
     let of = |value: f64| quantity(value, Dimension::TIME, units);
-    let steps = session.problem.members().filter_map(|member| member.reduced().timeline()).map(Timeline::steps).max();
+    let most = input.problem.members().filter_map(|member| member.reduced().timeline()).map(Timeline::steps).max();
     let each = match time.step {
         Some(step) => format!("of {}", of(step)),
-        None => format!("of at most {}", of(longest(&session.problem))),
+        None => format!("of at most {}", of(longest(&input.problem))),
     };
-    session.console.say(format!(
+    console.say(format!(
         "motion      {} {each} to {} by {}, {} cut",
-        count(steps.unwrap_or(0), "step"),
+        count(most.unwrap_or(0), "step"),
         of(time.end),
         time.scheme().name(),
         count(point.members.iter().map(|at| at.work.cuts).sum::<usize>(), "step")
@@ -133,11 +143,9 @@ fn report(session: &Session<'_>, records: &[Record], point: &EnsemblePoint) -> V
     if let Some(error) = point.members.iter().filter_map(|at| at.solved.error).map(|error| error.error).reduce(f64::max)
     {
         let error = quantity(error, Dimension::LENGTH, units);
-        session
-            .console
-            .say(format!("            a step adds at most {error} to the error of displacements, by its estimate"));
+        console.say(format!("            a step adds at most {error} to the error of displacements, by its estimate"));
     }
-    let member = |record: &Record| entry(session, time, record, &point.members[record.member]);
+    let member = |record: &Record| entry(input, console, time, record, steps, &point.members[record.member]);
     records.iter().map(member).collect()
 }
 
@@ -147,18 +155,24 @@ fn longest(problem: &CaseProblem) -> f64 {
     timelines.map(Timeline::longest_step).fold(0.0, f64::max)
 }
 
-fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) -> TimeRecord {
-    let (member, unit) = (session.problem.member(record.member), session.problem.units().label(ENERGY));
+fn entry(
+    input: &CommandInput,
+    console: &Console,
+    time: &Time,
+    record: &Record,
+    steps: &[AdaptiveSteps],
+    at: &Evaluated,
+) -> TimeRecord {
+    let (member, unit) = (input.problem.member(record.member), input.problem.units().label(ENERGY));
     let ends = [record.shown.first(), record.shown.last()].map(|state| state.map(|state| energies(member, state)));
     let [start, end] = ends.map(Option::unwrap_or_default);
     let name = if member.name().is_empty() { String::new() } else { format!(" in {}", member.name()) };
     let pair = |[kinetic, potential]: [f64; 2]| format!("kinetic {}, potential {}", short(kinetic), short(potential));
-    let console = session.console;
     console.say(format!("energy      at t = 0: {}; at the end: {} ({unit}){name}", pair(start), pair(end)));
     let both = |[kinetic, potential]: [f64; 2]| EnergyRecord { kinetic: kinetic.into(), potential: potential.into() };
     // scenarios differ little in this; friction has no modes
     let lead = member.part().scenario() == 0 && member.case().contact.iter().all(|contact| contact.friction.is_none());
-    let damping = record.shown.first().filter(|_| lead).and_then(|state| modes::damping(session, member, state));
+    let damping = record.shown.first().filter(|_| lead).and_then(|state| modes::damping(input, console, member, state));
     TimeRecord {
         end: time.end.into(),
         steps: record.states().saturating_sub(1),
@@ -168,7 +182,7 @@ fn entry(session: &Session<'_>, time: &Time, record: &Record, at: &Evaluated) ->
         energies: EnergiesRecord { start: both(start), end: both(end) },
         energy_balance: record.table.as_ref().and_then(|table| energy::record(member, table)),
         damping,
-        ..time_steps::record(session, member, time, at)
+        ..time_steps::record(steps, member, time, at)
     }
 }
 
@@ -254,16 +268,16 @@ pub(super) fn ghosts(
 }
 
 /// Removes the checkpoint of a motion that has come to its end, after all results are written.
-pub(super) fn record_end(session: &Session<'_>) -> Result<(), RunError> {
-    match &session.out {
-        Some(out) if session.command == Command::Solve => Ok(out.remove(motion_checkpoint::NAME)?),
+pub(super) fn record_end(input: &CommandInput, destination: &Destination) -> Result<(), RunError> {
+    match &destination.out {
+        Some(out) if input.command == Command::Solve => Ok(out.remove(motion_checkpoint::NAME)?),
         _ => Ok(()),
     }
 }
 
-/// Whether the checkpoint of a motion in the session's directory, if any, may be replaced; if not, nothing is written.
-pub(super) fn may_replace(session: &mut Session<'_>, restart: bool) -> Result<(), RunError> {
-    match session.out.take_if(|out| !restart && out.file(motion_checkpoint::NAME).is_file()) {
+/// Whether the checkpoint of a motion in the directory, if any, may be replaced; if not, nothing is written.
+pub(super) fn may_replace(destination: &mut Destination, restart: bool) -> Result<(), RunError> {
+    match destination.out.take_if(|out| !restart && out.file(motion_checkpoint::NAME).is_file()) {
         None => Ok(()),
         Some(out) => Err(RunError::InterruptedMotion { directory: out.path().to_owned() }),
     }

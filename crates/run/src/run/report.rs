@@ -1,7 +1,7 @@
 //! `result.json`, and the page that shows it with the other files of a run: `nastic report DIR`, and the end of every run.
 
 use crate::run::error::RunError;
-use crate::run::session::Session;
+use crate::run::session::{CommandFindings, CommandInput, Destination};
 use nastic_case::lower::{CaseProblem, obstacle_shape};
 use nastic_ensemble::EnsemblePoint;
 use nastic_io::{WrittenFiles, write_atomically};
@@ -79,67 +79,58 @@ pub fn keep_results(directory: &Path, file: &Path) -> Result<(), RunError> {
 }
 
 /// Writes `case.json` and `result.json`, and the page if there is one to be.
-pub(super) fn write_result(session: &mut Session<'_>) -> Result<(), RunError> {
-    let Some(out) = session.out.clone().filter(|_| !session.leaves_results) else { return Ok(()) };
-    let is_shown = matches!(session.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
-    let with_page = !session.options.no_report && is_shown && session.command != Command::Gradient;
+pub(super) fn write_result(
+    input: &CommandInput,
+    destination: &Destination,
+    findings: &mut CommandFindings,
+) -> Result<(), RunError> {
+    let Some(out) = destination.results() else { return Ok(()) };
+    let is_shown = matches!(input.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
+    let with_page = !input.options.no_report && is_shown && input.command != Command::Gradient;
     // a run that failed has nothing for print, and its own error to tell
-    let with_figure = session.options.figure && is_shown && session.record.error.is_none();
+    let with_figure = input.options.figure && is_shown && findings.record.error.is_none();
     if is_shown {
-        session.record.members = Some(members(&session.problem));
-        let case = session.problem.case_file().is_some();
+        findings.record.members = Some(members(&input.problem));
+        let case = input.problem.case_file().is_some();
         let page = with_page.then_some(nastic_report::FILE);
         let figures = FIGURES.iter().filter(|_| with_figure).copied();
-        session.list_files(case.then_some(CASE).into_iter().chain(page).chain(figures).map(str::to_owned).collect());
+        findings.list_files(case.then_some(CASE).into_iter().chain(page).chain(figures).map(str::to_owned).collect());
         if case {
-            out.write_json(CASE, &session.problem.document.json())?;
+            out.write_json(CASE, &input.problem.document.json())?;
         } else {
             out.remove(CASE)?;
         }
     }
-    out.write_json("result.json", &session.record)?;
+    out.write_json("result.json", &findings.record)?;
     for name in FIGURES.iter().filter(|_| with_figure) {
         figure(out.path(), &FigureRequest::default(), Some(&out.own(name)?))?;
     }
-    if with_page { report(out.path(), Some(&out.own(nastic_report::FILE)?)).map(|_| ()) } else { remove_old(&out) }
+    if with_page { report(out.path(), Some(&out.own(nastic_report::FILE)?)).map(|_| ()) } else { remove_old(out) }
 }
 
-impl Session<'_> {
-    /// Adds names to the list of files of the result.
-    pub(super) fn list_files(&mut self, names: Vec<String>) {
-        for name in names {
-            if !self.files.contains(&name) {
-                self.files.push(name);
-            }
-        }
-        self.record.files = Some(self.files.clone());
-    }
-
-    /// What is reported of the states of an evaluated control.
-    pub(super) fn entries(&self, point: &EnsemblePoint, found: &[Inspection]) -> Result<StateRecord, RunError> {
-        let reports = member_report::of_inspected(&self.problem, point, found);
-        let entries = reports.and_then(|reports| member_report::entries(&self.problem, &reports, Detail::Full));
-        entries.map_err(|error| self.member_failed(error.0, error.1))
-    }
-
-    /// A run that cannot begin leaves its directory as it is.
-    pub(super) fn refuse(&mut self, error: RunError) -> RunError {
-        self.out = None;
-        error
-    }
+/// What is reported of the states of an evaluated control.
+pub(super) fn entries(
+    input: &CommandInput,
+    destination: &Destination,
+    point: &EnsemblePoint,
+    found: &[Inspection],
+) -> Result<StateRecord, RunError> {
+    let reports = member_report::of_inspected(&input.problem, point, found);
+    let entries = reports.and_then(|reports| member_report::entries(&input.problem, &reports, Detail::Full));
+    entries.map_err(|error| destination.member_failed(input, error.0, error.1))
 }
 
 /// Removes what an earlier run of the same command wrote, as its `result.json` lists it: beside that of a run that fails it would
 /// be taken for what that one found. Files that the case reads stay, and those of other commands.
-pub(super) fn remove_earlier(session: &Session<'_>) -> Result<(), RunError> {
+pub(super) fn remove_earlier(input: &CommandInput, destination: &Destination) -> Result<(), RunError> {
     const RESULT: &str = "result.json";
-    let Some(out) = &session.out else { return Ok(()) };
+    let Some(out) = &destination.out else { return Ok(()) };
     let text = std::fs::read_to_string(out.file(RESULT)).unwrap_or_default();
     let earlier = serde_json::from_str::<Earlier>(&text).unwrap_or_default();
-    if earlier.command != session.command.name() {
+    if earlier.command != input.command.name() {
         return Ok(());
     }
-    let problem = &session.problem;
+    let problem = &input.problem;
     let read = problem.files.iter().map(PathBuf::as_path).chain(problem.case_file().map(Path::new));
     let read: Vec<PathBuf> = read.filter_map(|file| file.canonicalize().ok()).collect();
     let is_read = |name: &str| out.file(name).canonicalize().is_ok_and(|file| read.contains(&file));
@@ -187,13 +178,4 @@ fn members(problem: &CaseProblem) -> Vec<MemberRecord> {
         obstacle_names: obstacle_shape::names(member),
     };
     problem.members().map(of).collect()
-}
-
-/// Puts the names of files into the result and says them, the first of many.
-pub(crate) fn say_files(session: &mut Session<'_>, files: Vec<String>) {
-    const NAMED: usize = 9;
-    let more = if files.len() > NAMED { format!(" and {} more", files.len() - NAMED) } else { String::new() };
-    let said: Vec<&str> = files.iter().take(NAMED).map(String::as_str).collect();
-    session.console.say(format!("files       result.json, {}{more}", said.join(", ")));
-    session.list_files(files);
 }

@@ -3,19 +3,21 @@
 use crate::console::Console;
 use crate::run::error::RunError;
 use crate::run::options::Options;
-use crate::run::session::Session;
+use crate::run::session::Opened;
 use crate::saved;
 use crate::saved::CheckpointError;
 use crate::saved::case_record::CaseRecord;
 use crate::saved::checkpoint::{Checkpoint, Position, interrupted};
 use crate::saved::motion_checkpoint;
 use crate::saved::motion_checkpoint::MotionCheckpoint;
+use nastic_case::lower::CaseProblem;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
 use nastic_language::syntax::Document;
 use nastic_result::files::Directory;
 use nastic_team::{Shares, Team};
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 /// Where a run goes on.
 pub(super) enum Resumed {
@@ -32,7 +34,7 @@ pub(super) fn open<'c>(
     directory: &Path,
     options: &Options,
     console: &'c Console,
-) -> Result<(Session<'c>, Resumed), RunError> {
+) -> Result<(Opened<'c>, Resumed), RunError> {
     let leads = options.team.as_ref().is_none_or(|team| team.leads());
     let (out, case, command, place) = if directory.join(motion_checkpoint::NAME).is_file() {
         let out = leads.then(|| Directory::lock(directory.to_owned())).transpose()?;
@@ -44,8 +46,14 @@ pub(super) fn open<'c>(
         (out, case, Command::Optimize, Resumed::Optimization(Box::new(position)))
     };
     let document = case.reopen(catalogue, directory)?;
-    let session = Session::resume(command, document, case.settings, directory, out, options, console)?;
-    Ok((session, place))
+    let began = Instant::now();
+    console.phase("reading");
+    let problem = CaseProblem::lower(document, options.cancel.clone())?;
+    let own = Options { set: case.settings, ..options.clone() };
+    let mut opened = Opened::on(command, problem, own, console, began);
+    opened.destination.go_on_in(&opened.input, out, directory)?;
+    opened.input.join_team()?;
+    Ok((opened, place))
 }
 
 /// Whether a directory holds the checkpoint of this command on this case, interrupted after its start was evaluated. One that cannot be read is

@@ -1,9 +1,11 @@
-//! What the commands share: the case at hand, the place for results, the console, the result.
+//! What the commands share, as values that are passed on: the input, the destination, the findings; beside them the console.
 
 mod clock;
+mod destination;
 mod failures;
+mod findings;
+mod input;
 pub(super) mod output_directory;
-mod place;
 mod team;
 
 use crate::console::Console;
@@ -11,88 +13,40 @@ use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::progress;
 use crate::run::session::clock::Clock;
+pub(crate) use crate::run::session::destination::Destination;
+pub(crate) use crate::run::session::findings::CommandFindings;
+pub(crate) use crate::run::session::input::CommandInput;
 use crate::run::session::output_directory::directory;
-use crate::run::states::Shown;
 use nastic_case::lower::CaseProblem;
 use nastic_case::part::Share;
-use nastic_case::warning::Warning;
-use nastic_control::AdaptiveSteps;
 use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
-use nastic_fem::peak_memory;
-use nastic_io::Fingerprint;
-use nastic_language::catalogue::Catalogue;
-use nastic_language::number;
-use nastic_language::quantity::Dimension;
 use nastic_language::schema::Command;
 use nastic_language::syntax::{Diagnostics, Document};
-use nastic_opt::{Budget, Failed, Objective, Request};
-use nastic_report::record::{DiscretizationRecord, RunRecord, StateRecord, UnitsRecord, VersionsRecord};
-use nastic_result::files::Directory;
-use nastic_result::inspection::Inspection;
-use nastic_result::smoothing;
-use nastic_result::warning_record::warning_record;
-use nastic_team::Team;
-use std::path::Path;
-use std::sync::{Arc, atomic::AtomicBool, atomic::Ordering};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Relative accuracy of the state at the start; its residual is a hundredth of that.
 pub(super) const START_ACCURACY: f64 = 1e-10;
-/// Newton iterations after which the search of an equilibrium ends: hundreds are many.
-const MOST_ITERATIONS: usize = 4000;
 
-/// A command under way.
-pub(crate) struct Session<'c> {
-    pub command: Command,
-    pub problem: CaseProblem,
+/// A command that was opened. It takes its values apart: time steps change the problem, a refusal the destination.
+pub(crate) struct Opened<'c> {
+    pub input: CommandInput,
+    pub destination: Destination,
     pub console: &'c Console,
-    pub cancel: Arc<AtomicBool>,
-    /// The flag of this rank, which its solves look at: on a team that shares members out `cancel` is raised on all ranks behind the same evaluation.
-    pub signal: Arc<AtomicBool>,
-    /// The ranks that run the same command; `None` where there is one.
-    pub team: Option<Arc<dyn Team>>,
-    /// What the user chose beside the case; `set` is what the case was changed by.
-    pub options: Options,
-    /// Where results go; `None` for commands that leave nothing behind unless given a directory.
-    pub out: Option<Directory>,
-    /// The same where starts write their own files: on any rank.
-    pub own_out: Option<Directory>,
-    /// What deserves attention, as far as it is known.
-    pub warnings: Vec<Warning>,
-    /// Whether an optimisation came to its end; its checkpoint says so once the results are written.
-    pub ended: bool,
-    /// Whether something ended the command that has nothing to do with the case: a stop that was requested, a lack of memory.
-    pub interrupted: bool,
-    /// Whether results of an earlier program, which went further, stay.
-    pub leaves_results: bool,
-    /// The states that were found.
-    pub shown: Option<Shown>,
-    /// Of a case with a tolerance of time steps those of every member, once they were found.
-    pub steps: Vec<AdaptiveSteps>,
-    /// Names of the files that were written.
-    pub files: Vec<String>,
-    /// The result as it stands.
-    pub record: RunRecord,
-    pub clock: Clock,
+    pub findings: CommandFindings,
 }
 
-impl<'c> Session<'c> {
-    /// Reads and lowers the case.
-    pub fn open(
-        catalogue: &Catalogue,
-        command: Command,
-        path: &Path,
-        options: &Options,
-        console: &'c Console,
-    ) -> Result<Self, RunError> {
-        let began = Instant::now();
-        console.phase("reading");
-        let document = Document::open(path)?.with_catalogue(catalogue);
-        Self::open_document(command, document, options, console, began)
-    }
+/// What stands fixed while a command runs.
+#[derive(Clone, Copy)]
+pub(crate) struct CommandContext<'c> {
+    pub input: &'c CommandInput,
+    pub destination: &'c Destination,
+    pub console: &'c Console,
+}
 
+impl<'c> Opened<'c> {
     /// Lowers a case that was read; `began` is when that began.
-    pub fn open_document(
+    pub fn open(
         command: Command,
         mut document: Document,
         options: &Options,
@@ -106,35 +60,16 @@ impl<'c> Session<'c> {
         };
         apply(&options.set, &mut document, |document| lower(document, Arc::default()).err())?;
         let problem = lower(document, options.cancel.clone())?;
-        let mut session = Self::on(command, problem, options.clone(), console, began);
-        // Each start of a part has a directory of its own.
-        let is_part = session.command == Command::Optimize && matches!(options.share, Share::Part(_));
-        let out = directory(&session.command, &session.problem, options).filter(|_| !is_part);
-        session.join_team(options)?;
+        // Each start of a part has a directory of its own; expectations hold for the result, which is joined.
+        let is_part = command == Command::Optimize && matches!(options.share, Share::Part(_));
+        let out = directory(&command, &problem, options).filter(|_| !is_part);
+        let options = Options { without_expect: options.without_expect || is_part, ..options.clone() };
+        let mut opened = Self::on(command, problem, options, console, began);
+        opened.input.join_team()?;
         if let Some(path) = out {
-            session.enter(path)?;
+            opened.destination.enter(&opened.input, path)?;
         }
-        Ok(session)
-    }
-
-    /// Goes on with a command whose case was read and whose directory is claimed.
-    pub fn resume(
-        command: Command,
-        document: Document,
-        set: Vec<String>,
-        directory: &Path,
-        out: Option<Directory>,
-        options: &Options,
-        console: &'c Console,
-    ) -> Result<Self, RunError> {
-        let began = Instant::now();
-        console.phase("reading");
-        let problem = CaseProblem::lower(document, options.cancel.clone())?;
-        let own = Options { set, ..options.clone() };
-        let mut session = Self::on(command, problem, own, console, began);
-        session.go_on_in(out, directory)?;
-        session.join_team(options)?;
-        Ok(session)
+        Ok(opened)
     }
 
     /// A command on a problem that is ready.
@@ -152,195 +87,28 @@ impl<'c> Session<'c> {
         let (mut clock, ordering) = (Clock::new(began), problem.ordering.as_secs_f64());
         clock.note("read", began.elapsed().as_secs_f64() - ordering);
         clock.note("ordering", ordering);
-        let mut session = Self {
-            command,
-            problem,
-            console,
-            signal: options.cancel.clone(),
-            cancel: options.cancel.clone(),
-            team: None,
-            options,
-            out: None,
-            own_out: None,
-            warnings: Vec::new(),
-            ended: false,
-            interrupted: false,
-            leaves_results: false,
-            shown: None,
-            steps: Vec::new(),
-            files: Vec::new(),
-            record: RunRecord::default(),
-            clock,
-        };
-        session.introduce();
-        session
+        let (signal, cancel) = (options.cancel.clone(), options.cancel.clone());
+        let input = CommandInput { command, problem, options, team: None, cancel, signal };
+        let findings = CommandFindings::begin(&input, console, clock);
+        Self { input, destination: Destination::default(), console, findings }
     }
 
-    /// The head of every result, and of what is said.
-    fn introduce(&mut self) {
-        let problem = &self.problem;
-        let path = problem.document.name().to_owned();
-        let case = &problem.case;
-        let hash = Fingerprint::of(&problem.document.canonical(), &problem.files);
-        let directory = problem.document.resolve("");
-        let inputs = problem.files.iter().map(|file| file.strip_prefix(&directory).unwrap_or(file));
-        let inputs = inputs.map(|file| file.display().to_string()).collect();
-        let title = case.title.clone();
-        let units = problem.units();
-        let versions = VersionsRecord { nastic: env!("CARGO_PKG_VERSION").to_owned(), case: Some(case.nastic) };
-        let labels = UnitsRecord {
-            length: units.length().symbol.to_owned(),
-            force: units.force().symbol.to_owned(),
-            time: units.time().symbol.to_owned(),
-            field: units.field().symbol.to_owned(),
-            pressure: units.label(Dimension::PRESSURE),
-        };
-        let notes = problem.notes.clone();
-        let command = self.command.name();
-        self.console.say(match &title {
-            Some(title) => format!("case        {path}: {title}"),
-            None => format!("case        {path}"),
-        });
-        let (mesh, dofs) = (problem.mesh(), problem.solid().discretization().dofs());
-        let body = format!("{}, {} unknowns", number::count(mesh.cells(), "cell"), number::grouped(dofs));
-        self.console.say(format!(
-            "body        {}: {body}, {} control values",
-            mesh.name(),
-            number::grouped(problem.start.len())
-        ));
-        for note in &notes {
-            self.console.say(format!("note        {note}"));
-        }
-        for line in smoothing::automatic(&self.problem) {
-            self.console.say(format!("stages      {line}"));
-        }
-        let discretization = DiscretizationRecord {
-            dimensions: mesh.dim(),
-            cells: mesh.cells(),
-            nodes: mesh.points().len(),
-            unknowns: dofs,
-        };
-        self.record = RunRecord {
-            command: command.to_owned(),
-            discretization: Some(discretization),
-            case: Some(path),
-            title: title.into(),
-            case_hash: hash,
-            inputs: Some(inputs),
-            versions,
-            units: labels,
-            threads: Some(rayon::current_num_threads()),
-            notes: Some(notes),
-            smoothing: smoothing::record(&self.problem),
-            ..RunRecord::default()
-        };
-        for warning in self.problem.warnings.clone() {
-            self.warn(warning);
-        }
-    }
-
-    /// Says a warning, and keeps it for the result.
-    pub fn warn(&mut self, warning: Warning) {
-        say_warning(self.console, &warning);
-        self.warnings.push(warning);
-    }
-
-    /// Looks into the states of an evaluated control, says what deserves attention there and keeps it for the result;
-    /// `what` names the states.
-    pub fn inspect(&mut self, what: &str, point: &EnsemblePoint) -> Vec<Inspection> {
-        let (found, warnings) = self.timed("inspect", |session| session.look_into(session.console, what, point));
-        self.warnings.extend(warnings);
-        found
-    }
-
-    /// Looks into the states and says what deserves attention there; the caller keeps the warnings.
-    pub fn look_into(&self, console: &Console, what: &str, point: &EnsemblePoint) -> (Vec<Inspection>, Vec<Warning>) {
-        let found = Inspection::of_point(&self.problem, point);
-        let members = self.problem.members().zip(&found);
-        let warnings: Vec<Warning> = members.flat_map(|(member, found)| found.warnings(member, what)).collect();
-        warnings.iter().for_each(|warning| say_warning(console, warning));
-        (found, warnings)
-    }
-
-    /// Codes of the warnings so far, for a picture: empty without any.
-    pub fn warned(&self) -> String {
-        let mut codes: Vec<&str> = self.warnings.iter().map(|warning| warning.kind.code).collect();
-        codes.sort_unstable();
-        codes.dedup();
-        if codes.is_empty() { String::new() } else { format!("; WARNING: {}", codes.join(", ")) }
-    }
-
-    /// The entries of a member; of a plain case those of the result itself.
-    pub fn entries_of(&mut self, index: usize) -> &mut StateRecord {
-        let member = self.problem.member(index);
-        self.record.state.member_mut(member.scenario(), member.load_case())
-    }
-
-    /// Puts warnings and exit code into the result.
-    pub fn close(&mut self, exit: Exit) {
-        self.record.warnings = self.warnings.iter().map(warning_record).collect();
-        self.record.exit = Some(exit.code());
-        self.record.interrupted = self.interrupted.then_some(true);
-    }
-
-    /// Does something, and notes how long it took.
-    pub fn timed<T>(&mut self, phase: &'static str, work: impl FnOnce(&mut Self) -> T) -> T {
-        let began = Instant::now();
-        self.console.phase(progress::words(phase));
-        let out = work(self);
-        self.clock.note(phase, began.elapsed().as_secs_f64());
-        out
-    }
-
-    /// Puts the times into the result.
-    pub fn finish_clock(&mut self) {
-        self.record.seconds = self.clock.seconds().collect();
-        self.record.peak_memory = peak_memory().into();
-    }
-
-    /// The ensemble at a control vector: the one way every command comes by its states.
-    pub fn evaluate(
-        &self,
-        m: &[f64],
-        accuracy: f64,
-        workspace: &mut EnsembleWorkspace,
-    ) -> Result<EnsemblePoint, Failed> {
-        let budget = if self.problem.is_motion() { Budget::Unlimited } else { Budget::Of(MOST_ITERATIONS) };
-        let how = Request { accuracy, budget, ..Request::default() };
-        let point = self.problem.ensemble.evaluate(m, &how, workspace);
-        self.console.clear();
-        point
-    }
-
-    /// The start controls, as exactly as costs no more than another iteration.
-    pub fn evaluate_start(&mut self, workspace: &mut EnsembleWorkspace) -> Result<EnsemblePoint, RunError> {
-        let point = self.timed("solve", |session| session.evaluate(&session.problem.start, START_ACCURACY, workspace));
-        point.map_err(|failed| self.evaluation_failed(&failed))
-    }
-
-    /// Whether a stop was requested.
-    pub fn is_cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
-    }
-
-    /// What this command needs and the case lacks.
-    pub fn require(&self, controls: bool, costs: bool) -> Result<(), RunError> {
-        let command = self.command.name();
-        if controls && self.problem.start.is_empty() {
-            let message = format!("\"{command}\" needs controls, and the case has none");
-            return Err(self.problem.complain("controls", message).into());
-        }
-        if costs && !self.problem.has_costs() {
-            let message = format!("\"{command}\" needs costs, and the case has none");
-            return Err(self.problem.complain("costs", message).into());
-        }
-        if controls && costs { Ok(self.problem.check_adjoint()?) } else { Ok(()) }
+    /// What stands fixed from here on, and what is found.
+    pub fn parts(&mut self) -> (CommandContext<'_>, &mut CommandFindings) {
+        let Self { input, destination, console, findings } = self;
+        (CommandContext { input, destination, console }, findings)
     }
 }
 
-/// Says a warning; the caller keeps it.
-pub(super) fn say_warning(console: &Console, warning: &Warning) {
-    console.say(format!("WARNING     {warning}"));
+/// The start controls, as exactly as costs no more than another iteration.
+pub(super) fn evaluate_start(
+    CommandContext { input, destination, console }: CommandContext<'_>,
+    findings: &mut CommandFindings,
+    workspace: &mut EnsembleWorkspace,
+) -> Result<EnsemblePoint, RunError> {
+    let start = &input.problem.start;
+    let point = findings.timed(console, "solve", |_| input.evaluate(console, start, START_ACCURACY, workspace));
+    point.map_err(|failed| destination.evaluation_failed(input, &failed))
 }
 
 /// Applies overrides; those that fail are reported with what is wrong with the case besides.

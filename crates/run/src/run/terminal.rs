@@ -1,6 +1,8 @@
 //! Results in lines for the terminal.
 
-use crate::run::session::Session;
+use crate::console::Console;
+use nastic_case::lower::CaseProblem;
+use nastic_case::warning::Warning;
 use nastic_language::number::{count, quantity, short, vector};
 use nastic_language::quantity::Dimension;
 use nastic_numeric::format::scientific;
@@ -8,21 +10,26 @@ use nastic_report::record::{
     FreeMotionRecord, MeasureRecord, Number, ProbeRecord, ProbesRecord, RigidMotion, RunRecord, StateRecord, number_of,
 };
 
+/// Says a warning; the caller keeps it.
+pub(crate) fn say_warning(console: &Console, warning: &Warning) {
+    console.say(format!("WARNING     {warning}"));
+}
+
 /// Smallest J and inertia, of the worst member.
-pub(crate) fn say_stability(session: &Session<'_>, state: &StateRecord) {
+pub(crate) fn say_stability(problem: &CaseProblem, console: &Console, state: &StateRecord) {
     let min_j = short(known(state.min_j));
-    if session.problem.is_motion() {
-        session.console.say(format!("deformation min J {min_j} over the motion"));
+    if problem.is_motion() {
+        console.say(format!("deformation min J {min_j} over the motion"));
         return;
     }
-    session.console.say(format!("stability   min J {min_j}, {}", inertia(state)));
+    console.say(format!("stability   min J {min_j}, {}", inertia(state)));
 }
 
 /// Members whose numbers are said; the result has them all.
 pub(crate) const SAID: usize = 12;
 
 /// One line per member, and one about their risk.
-pub(crate) fn say_members(session: &Session<'_>, result: &StateRecord) {
+pub(crate) fn say_members(console: &Console, result: &StateRecord) {
     let members = result.members();
     let width = members.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
     for (k, (name, state)) in members.iter().enumerate().take(SAID) {
@@ -34,10 +41,10 @@ pub(crate) fn say_members(session: &Session<'_>, result: &StateRecord) {
             (None, None) => String::new(),
         };
         let (min_j, stable) = (short(known(state.min_j)), inertia(state));
-        session.console.say(format!("{head:<12}{name:<width$}  {weight}{cost}min J {min_j}, {stable}"));
+        console.say(format!("{head:<12}{name:<width$}  {weight}{cost}min J {min_j}, {stable}"));
     }
     if members.len() > SAID {
-        session.console.say(format!("            and {} more, in result.json", members.len() - SAID));
+        console.say(format!("            and {} more, in result.json", members.len() - SAID));
     }
     if let Some(measures) = &result.risk.measures {
         let of = |(name, measure): (&String, &MeasureRecord)| {
@@ -46,7 +53,7 @@ pub(crate) fn say_members(session: &Session<'_>, result: &StateRecord) {
         };
         let all: Vec<String> = measures.iter().map(of).collect();
         let deviation = scientific(known(result.risk.deviation), 4);
-        session.console.say(format!("risk        {}; standard deviation {deviation}", all.join(", ")));
+        console.say(format!("risk        {}; standard deviation {deviation}", all.join(", ")));
     }
 }
 
@@ -67,38 +74,38 @@ pub(crate) fn inertia(state: &StateRecord) -> String {
 }
 
 /// Cost and distance, where there are any.
-pub(crate) fn say_cost(session: &Session<'_>, state: &StateRecord) {
+pub(crate) fn say_cost(problem: &CaseProblem, console: &Console, state: &StateRecord) {
     let terms = &state.cost.terms;
     if !terms.is_empty() {
         match state.risk.unsmoothed() {
             Some(exact) => {
-                let what = state.risk.words(session.problem.ensemble.scenarios().len());
-                session.console.say(format!("cost        {}, {what}", digits(exact, 9)));
+                let what = state.risk.words(problem.ensemble.scenarios().len());
+                console.say(format!("cost        {}, {what}", digits(exact, 9)));
                 let smoothed = digits(state.cost.total, 9);
-                session.console.say(format!("            smoothed, as it is optimised, {smoothed}"));
+                console.say(format!("            smoothed, as it is optimised, {smoothed}"));
             }
-            None => session.console.say(format!("cost        {}", digits(state.cost.total, 9))),
+            None => console.say(format!("cost        {}", digits(state.cost.total, 9))),
         }
         for (name, value) in terms.iter().filter(|_| terms.len() > 1) {
-            session.console.say(format!("            {name} {}", digits(*value, 9)));
+            console.say(format!("            {name} {}", digits(*value, 9)));
         }
     }
     if let Some(distances) = &state.hausdorff {
         let [smoothed, exact, floor] = distances.distances().map(|x| x.map_or_else(|| "-".to_owned(), short));
-        let unit = session.problem.units().length().symbol;
-        session.console.say(format!(
+        let unit = problem.units().length().symbol;
+        console.say(format!(
             "distance    true Hausdorff {exact} {unit}, smoothed {smoothed} {unit}, target to itself {floor} {unit}"
         ));
     }
 }
 
 /// Means and standard deviations of the probes' displacements over the scenarios.
-fn say_spread(session: &Session<'_>, state: &StateRecord) {
-    let unit = session.problem.units().length().symbol;
+fn say_spread(problem: &CaseProblem, console: &Console, state: &StateRecord) {
+    let unit = problem.units().length().symbol;
     let say = |place: &str, probe: &ProbeRecord| {
         let Some(deviation) = &probe.deviation else { return };
         let [mean, deviation] = [&probe.displacement, deviation].map(|values| vector(&numbers(values)));
-        session.console.say(format!(
+        console.say(format!(
             "probe       {place} moves by {mean} {unit} in the mean, standard deviation {deviation} {unit}"
         ));
     };
@@ -113,20 +120,20 @@ fn say_spread(session: &Session<'_>, state: &StateRecord) {
 }
 
 /// The probes' displacements, the volumes of cavities and the motions of rigid bodies, of every member.
-pub(crate) fn say_probes(session: &Session<'_>, result: &StateRecord) {
-    say_spread(session, result);
-    let units = session.problem.units();
+pub(crate) fn say_probes(problem: &CaseProblem, console: &Console, result: &StateRecord) {
+    say_spread(problem, console, result);
+    let units = problem.units();
     let unit = units.length().symbol;
     for (member, state) in with_plain(result) {
         for (name, own) in &state.contributions {
             if let Some(motion) = RigidMotion::of(own) {
-                session.console.say(format!("rigid body  {name} {}{}", motion.words(unit), inside(&member)));
+                console.say(format!("rigid body  {name} {}{}", motion.words(unit), inside(&member)));
             }
             if let Some([volume, rest]) = own.volumes() {
-                let size = format!("{} {unit}^{}", short(volume), session.problem.mesh().dim());
+                let size = format!("{} {unit}^{}", short(volume), problem.mesh().dim());
                 let times = short(volume / rest);
                 let pressure = quantity(known(number_of(own, "pressure")), Dimension::PRESSURE, units);
-                session.console.say(format!(
+                console.say(format!(
                     "volume      {name} {size}, {times} times that at rest, at {pressure}{}",
                     inside(&member)
                 ));
@@ -136,18 +143,18 @@ pub(crate) fn say_probes(session: &Session<'_>, result: &StateRecord) {
             let ProbesRecord::One(probe) = probe else { continue };
             let u = numbers(&probe.displacement);
             let digits = u.iter().map(|x| format!("{x:.9}")).collect::<Vec<_>>().join(", ");
-            session.console.say(format!("probe       {name} moves by ({digits}) {unit}{}", inside(&member)));
+            console.say(format!("probe       {name} moves by ({digits}) {unit}{}", inside(&member)));
         }
     }
 }
 
 /// The forces of supports, of every member.
-pub(crate) fn say_reactions(session: &Session<'_>, result: &StateRecord) {
-    let unit = session.problem.units().force().symbol;
+pub(crate) fn say_reactions(problem: &CaseProblem, console: &Console, result: &StateRecord) {
+    let unit = problem.units().force().symbol;
     for (member, state) in with_plain(result) {
         for (name, force) in state.reactions.iter().flatten() {
             let force = vector(&numbers(force));
-            session.console.say(format!("reaction    {name} holds with {force} {unit}{}", inside(&member)));
+            console.say(format!("reaction    {name} holds with {force} {unit}{}", inside(&member)));
         }
     }
 }
@@ -181,8 +188,8 @@ pub(crate) fn digits(number: impl Into<Option<f64>>, digits: usize) -> String {
 }
 
 /// How far tracked points are from their targets, and were at the start of an optimisation; what other costs report.
-pub(crate) fn say_tracked(session: &Session<'_>, result: &RunRecord) {
-    let unit = session.problem.units().length().symbol;
+pub(crate) fn say_tracked(problem: &CaseProblem, console: &Console, result: &RunRecord) {
+    let unit = problem.units().length().symbol;
     let change = |before: Option<f64>, now: f64, number: &dyn Fn(f64) -> String| {
         let before = before.map_or_else(String::new, |before| format!("{} -> ", number(before)));
         format!("{before}{}", number(now))
@@ -191,7 +198,7 @@ pub(crate) fn say_tracked(session: &Session<'_>, result: &RunRecord) {
         let before = |key: &str| result.start.tracking.get(name).and_then(|before| number_of(before, key));
         let of = |key: &str| change(before(key), known(number_of(now, key)), &|x| scientific(x, 3));
         let (mean, most) = (of("root_mean_square"), of("largest"));
-        session.console.say(format!("distance    {name}: root mean square {mean} {unit}, largest {most} {unit}"));
+        console.say(format!("distance    {name}: root mean square {mean} {unit}, largest {most} {unit}"));
     }
     for (name, now) in &result.figures {
         let before = |key: &str| result.start.figures.get(name).and_then(|before| number_of(before, key));
@@ -201,6 +208,6 @@ pub(crate) fn say_tracked(session: &Session<'_>, result: &RunRecord) {
             format!("{}{at} {}", key.replace('_', " "), change(before(key), known(*value), &short))
         };
         let shown: Vec<String> = now.iter().map(of).collect();
-        session.console.say(format!("reached     {name}: {}", shown.join(", ")));
+        console.say(format!("reached     {name}: {}", shown.join(", ")));
     }
 }

@@ -1,69 +1,74 @@
 //! Time steps of a case with a tolerance: found before a command solves anything, and held to the tolerance at its end.
 
+use crate::console::Console;
 use crate::run::error::RunError;
 use crate::run::progress::watch;
-use crate::run::session::{START_ACCURACY, Session};
-use nastic_case::lower::{CaseMember, StepsError};
+use crate::run::session::{CommandFindings, Opened, START_ACCURACY};
+use nastic_case::lower::{CaseMember, CaseProblem, StepsError};
 use nastic_case::warning::{STEP_ERROR, Warning};
 use nastic_control::{AdaptiveSteps, Evaluated, StepError};
 use nastic_ensemble::EnsemblePoint;
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::Time;
+use nastic_language::schema::{Command, Time};
 use nastic_report::record::{StepErrorRecord, TimeRecord};
 
 /// Errors of steps beyond the tolerance by less are those of the solves, which optimisers do not ask for as exactly.
 const SLACK: f64 = 1.1;
 
-impl Session<'_> {
-    /// Finds the time steps of a case with a tolerance, at its start controls; all that follows has these.
-    pub fn find_steps(&mut self) -> Result<(), RunError> {
-        if !self.problem.lacks_steps() {
-            return Ok(());
-        }
-        let find = |session: &mut Self| session.problem.with_adaptive_steps(START_ACCURACY, session.signal.clone());
-        let found = self.timed("steps", find);
-        self.console.clear();
-        let (problem, steps) = found.map_err(|error| match error {
-            StepsError::Motion { member, error } => self.member_failed(member, error),
-            StepsError::Input(problems) => problems.into(),
-        })?;
-        self.take_steps(problem, steps);
-        Ok(())
+/// Finds the time steps of a case with a tolerance, at its start controls; all that follows has these.
+pub(super) fn find(opened: &mut Opened<'_>) -> Result<(), RunError> {
+    let Opened { input, destination, console, findings } = opened;
+    if !input.problem.lacks_steps() {
+        return Ok(());
     }
+    let find = |_: &mut _| input.problem.with_adaptive_steps(START_ACCURACY, input.signal.clone());
+    let found = findings.timed(console, "steps", find);
+    console.clear();
+    let (problem, steps) = found.map_err(|error| match error {
+        StepsError::Motion { member, error } => destination.member_failed(input, member, error),
+        StepsError::Input(problems) => problems.into(),
+    })?;
+    take(opened, problem, steps);
+    Ok(())
+}
 
-    /// Takes the steps that an earlier program found, if any.
-    pub fn restore_steps(&mut self, steps: Vec<AdaptiveSteps>) -> Result<(), RunError> {
-        if self.problem.lacks_steps() {
-            let instants: Vec<Vec<f64>> = steps.iter().map(|steps| steps.instants.clone()).collect();
-            let problem = self.problem.through(&instants, self.signal.clone())?;
-            self.take_steps(problem, steps);
-        }
-        Ok(())
+/// Takes the steps that an earlier program found, if any.
+pub(super) fn restore(opened: &mut Opened<'_>, steps: Vec<AdaptiveSteps>) -> Result<(), RunError> {
+    let input = &opened.input;
+    if input.problem.lacks_steps() {
+        let instants: Vec<Vec<f64>> = steps.iter().map(|steps| steps.instants.clone()).collect();
+        let problem = input.problem.through(&instants, input.signal.clone())?;
+        take(opened, problem, steps);
     }
+    Ok(())
+}
 
-    fn take_steps(&mut self, mut problem: nastic_case::lower::CaseProblem, steps: Vec<AdaptiveSteps>) {
-        if self.command == nastic_language::schema::Command::Optimize {
-            problem.refuse_unstable_if_asked();
-        }
-        watch(&mut problem, self.console);
-        // what is wrong at instants that were not known before
-        let known = |warning: &&Warning| !self.problem.warnings.iter().any(|known| known.message == warning.message);
-        let new: Vec<Warning> = problem.warnings.iter().filter(known).cloned().collect();
-        (self.problem, self.steps) = (problem, steps);
-        self.share_members();
-        new.into_iter().for_each(|warning| self.warn(warning));
-        for (member, steps) in self.problem.members().zip(&self.steps) {
-            self.console.say(format!("steps       {}", shown(member, steps)));
-        }
+fn take(opened: &mut Opened<'_>, mut problem: CaseProblem, steps: Vec<AdaptiveSteps>) {
+    let Opened { input, console, findings, .. } = opened;
+    if input.command == Command::Optimize {
+        problem.refuse_unstable_if_asked();
     }
+    watch(&mut problem, console);
+    // what is wrong at instants that were not known before
+    let known = |warning: &&Warning| !input.problem.warnings.iter().any(|known| known.message == warning.message);
+    let new: Vec<Warning> = problem.warnings.iter().filter(known).cloned().collect();
+    (input.problem, findings.steps) = (problem, steps);
+    input.share_members();
+    findings.warn_all(console, new);
+    for (member, steps) in input.problem.members().zip(&findings.steps) {
+        console.say(format!("steps       {}", shown(member, steps)));
+    }
+}
 
-    /// Warns of the members whose motion needs shorter steps than those that were found at the start controls.
-    pub fn check_step_errors(&mut self, point: &EnsemblePoint) {
-        let members = self.problem.members().zip(&point.members);
-        let found: Vec<Warning> = members.filter_map(|(member, at)| warning(member, at)).collect();
-        found.into_iter().for_each(|warning| self.warn(warning));
-    }
+/// Warns of the members whose motion needs shorter steps than those that were found at the start controls.
+pub(super) fn check_errors(
+    problem: &CaseProblem,
+    console: &Console,
+    findings: &mut CommandFindings,
+    point: &EnsemblePoint,
+) {
+    findings.warn_all(console, problem.members().zip(&point.members).filter_map(|(member, at)| warning(member, at)));
 }
 
 fn shown(member: CaseMember<'_>, steps: &AdaptiveSteps) -> String {
@@ -95,12 +100,12 @@ fn warning(member: CaseMember<'_>, at: &Evaluated) -> Option<Warning> {
 }
 
 /// Of the result's entry `time`: the steps, and their largest estimated error.
-pub(super) fn record(session: &Session<'_>, member: CaseMember<'_>, time: &Time, at: &Evaluated) -> TimeRecord {
+pub(super) fn record(found: &[AdaptiveSteps], member: CaseMember<'_>, time: &Time, at: &Evaluated) -> TimeRecord {
     let mut out = match time.step {
         Some(step) => TimeRecord { step: step.into(), ..TimeRecord::default() },
         None => TimeRecord { tolerance: time.tolerance.into(), ..TimeRecord::default() },
     };
-    if let (None, Some(steps)) = (time.step, session.steps.get(member.index())) {
+    if let (None, Some(steps)) = (time.step, found.get(member.index())) {
         let (least, most) = steps.range();
         (out.shortest, out.longest) = (least.into(), most.into());
         (out.rejected, out.failed) = (Some(steps.report.rejected), Some(steps.report.failed));

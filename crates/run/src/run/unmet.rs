@@ -3,8 +3,8 @@
 
 use crate::run::constraints;
 use crate::run::error::RunError;
-use crate::run::session::Session;
-use nastic_case::lower::CaseMember;
+use crate::run::session::{CommandContext, CommandFindings};
+use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{VIOLATED, Warning};
 use nastic_control::{Evaluated, FigureKind};
 use nastic_ensemble::EnsemblePoint;
@@ -16,35 +16,36 @@ const DEPTH: f64 = 1e-3;
 
 const NO_FORCE: &str = "an obstacle exerts no force by itself: it bounds what optimize may choose; to have the body pushed back, name it in \"contact\"";
 
-impl Session<'_> {
-    /// Looks whether the states of an evaluated control meet the constraints and stay out of the obstacles of costs.
-    pub(super) fn look_at_unmet(&mut self, point: &EnsemblePoint) -> Result<(), RunError> {
-        let ensemble = &self.problem.ensemble;
-        let (mut values, mut groups) = (ensemble.constraint_values(point).into_iter(), Vec::new());
-        for group in ensemble.constraints() {
-            let values: Vec<f64> = values.by_ref().take(group.len).collect();
-            // nothing was optimised: there are no multipliers
-            groups.push(ConstraintReport { multipliers: Vec::new(), values, group });
-        }
-        let violation = groups.iter().map(|one| one.violation() / one.group.scale).fold(0.0, f64::max);
-        let all = ConstraintsReport { groups, violation, ..ConstraintsReport::default() };
-        let known = self.look_at_constraints(&all, point)?;
-        let mut warnings = Vec::from_iter(self.of_constraints(&all, &known));
-        for (member, at) in self.problem.members().zip(&point.members) {
-            warnings.extend(of_costs(member, at));
-        }
-        self.record.optimum.constraints = constraints::record(&all, &known);
-        constraints::say(self, &all, &known);
-        warnings.into_iter().for_each(|warning| self.warn(warning));
-        Ok(())
+/// Looks whether the states of an evaluated control meet the constraints and stay out of the obstacles of costs.
+pub(super) fn look_at(
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
+    point: &EnsemblePoint,
+) -> Result<(), RunError> {
+    let CommandContext { input, destination, console } = context;
+    let (problem, ensemble) = (&input.problem, &input.problem.ensemble);
+    let (mut values, mut groups) = (ensemble.constraint_values(point).into_iter(), Vec::new());
+    for group in ensemble.constraints() {
+        let values: Vec<f64> = values.by_ref().take(group.len).collect();
+        // nothing was optimised: there are no multipliers
+        groups.push(ConstraintReport { multipliers: Vec::new(), values, group });
     }
+    let violation = groups.iter().map(|one| one.violation() / one.group.scale).fold(0.0, f64::max);
+    let all = ConstraintsReport { groups, violation, ..ConstraintsReport::default() };
+    let known = constraints::look_at(input, destination, &all, point)?;
+    let of_costs = problem.members().zip(&point.members).flat_map(|(member, at)| of_costs(member, at));
+    let warnings: Vec<Warning> = of_constraints(problem, &all, &known).into_iter().chain(of_costs).collect();
+    findings.record.optimum.constraints = constraints::record(&all, &known);
+    constraints::say(problem, console, &all, &known);
+    findings.warn_all(console, warnings);
+    Ok(())
+}
 
-    fn of_constraints(&self, all: &ConstraintsReport, known: &[constraints::Known]) -> Option<Warning> {
-        let (unmet, by_obstacle) = constraints::unmet(&self.problem, all, known);
-        let why = if by_obstacle { format!("; {NO_FORCE}") } else { String::new() };
-        let message = format!("the constraints are not met at the start controls: {}{why}", unmet.join(", "));
-        (!unmet.is_empty()).then(|| Warning::new(&VIOLATED, message))
-    }
+fn of_constraints(problem: &CaseProblem, all: &ConstraintsReport, known: &[constraints::Known]) -> Option<Warning> {
+    let (unmet, by_obstacle) = constraints::unmet(problem, all, known);
+    let why = if by_obstacle { format!("; {NO_FORCE}") } else { String::new() };
+    let message = format!("the constraints are not met at the start controls: {}{why}", unmet.join(", "));
+    (!unmet.is_empty()).then(|| Warning::new(&VIOLATED, message))
 }
 
 /// The costs whose obstacles the body is inside of.

@@ -4,7 +4,7 @@ use crate::console::Console;
 use crate::run::error::RunError;
 use crate::run::motion::record::Record;
 use crate::run::motion::table::Table;
-use crate::run::session::Session;
+use crate::run::session::CommandContext;
 use crate::saved::case_record::CaseRecord;
 use crate::saved::motion_checkpoint::{MotionCheckpoint, SavedMotion, unfit};
 use nastic_case::lower::{CaseMember, CaseProblem};
@@ -80,15 +80,19 @@ impl<'a> Recorder<'a> {
     ///
     /// # Errors
     /// A checkpoint that does not fit.
-    pub fn new(session: &'a Session<'_>, from: Option<MotionCheckpoint>) -> Result<Self, RunError> {
-        let problem = &session.problem;
+    pub fn new(
+        CommandContext { input, destination, console }: CommandContext<'a>,
+        steps: &'a [AdaptiveSteps],
+        from: Option<MotionCheckpoint>,
+    ) -> Result<Self, RunError> {
+        let problem = &input.problem;
         let mut saved = from.map(|checkpoint| checkpoint.members.into_iter());
         let mut members = Vec::new();
         for member in problem.members() {
             let record = Record::new(member, member.local(&problem.start));
             let mut recorded = Recorded { record, from: None, place: None, ahead: None };
             if let Some(saved) = &mut saved {
-                let unfit = |what: &str| unfit(session.out.as_ref(), what);
+                let unfit = |what: &str| unfit(destination.out.as_ref(), what);
                 let saved = saved.next().ok_or_else(|| unfit("another number of members"))?;
                 if let Some(saved) = saved {
                     recorded.take(member, saved).map_err(|what| unfit(&what))?;
@@ -98,10 +102,10 @@ impl<'a> Recorder<'a> {
         }
         Ok(Self {
             problem,
-            console: session.console,
-            out: session.out.as_ref(),
-            case: CaseRecord::of(problem, &session.options.set),
-            steps: &session.steps,
+            console,
+            out: destination.out.as_ref(),
+            case: CaseRecord::of(problem, &input.options.set),
+            steps,
             members,
             pace: Mutex::new(Pace { last: None, failed: false }),
         })

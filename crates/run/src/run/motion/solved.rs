@@ -4,7 +4,7 @@ use crate::run::error::RunError;
 use crate::run::motion::record::Record;
 use crate::run::motion::recorder::{MemberObserver, Recorder};
 use crate::run::motion::write;
-use crate::run::session::{START_ACCURACY, Session};
+use crate::run::session::{CommandContext, CommandFindings, CommandInput, Destination, START_ACCURACY};
 use crate::saved::motion_checkpoint::{MotionCheckpoint, NAME};
 use nastic_control::{ControlError, MotionObserver};
 use nastic_ensemble::{EnsembleError, EnsemblePoint, EnsembleWorkspace};
@@ -17,40 +17,40 @@ use std::time::Instant;
 
 /// The motions at the start controls, and what is reported of them.
 pub(in crate::run) fn solve(
-    session: &mut Session<'_>,
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
     from: Option<MotionCheckpoint>,
 ) -> Result<(EnsemblePoint, Vec<Record>), RunError> {
-    if let (Some(out), None) = (&session.out, &from)
+    let CommandContext { input, destination, console } = context;
+    if let (Some(out), None) = (&destination.out, &from)
         && out.file(NAME).exists()
     {
         let file = NAME;
-        session
-            .console
-            .say(format!("note        {file} of a motion that was stopped is removed: this one begins anew"));
+        console.say(format!("note        {file} of a motion that was stopped is removed: this one begins anew"));
         out.remove(file)?;
     }
-    session.console.phase("motion");
+    console.phase("motion");
     let began = Instant::now();
-    let recorder = Recorder::new(session, from)?;
+    let recorder = Recorder::new(context, &findings.steps, from)?;
     let how = Request { accuracy: START_ACCURACY, ..Request::default() };
     let observers = recorder.observers();
     let observers: Vec<&dyn MotionObserver> = observers.iter().map(|one: &MemberObserver<'_>| one as _).collect();
-    let problem = &session.problem;
+    let problem = &input.problem;
     let found = problem.ensemble.observe(&problem.start, &how, &observers, &mut EnsembleWorkspace::default());
-    session.console.clear();
+    console.clear();
     let goes_on = found.as_ref().is_err_and(may_go_on);
     if goes_on || found.is_ok() {
         // before results are written: whoever is killed while that is done goes on with no less than is there
         recorder.save();
     }
     // one that could be written earlier is as good
-    let is_there = || session.out.as_ref().is_some_and(|out| out.file(NAME).is_file());
+    let is_there = || destination.out.as_ref().is_some_and(|out| out.file(NAME).is_file());
     let repeated = if goes_on && is_there() { Some(recorder.repeated()) } else { None };
     let records = recorder.finish();
-    session.clock.note("solve", began.elapsed().as_secs_f64());
+    findings.clock.note("solve", began.elapsed().as_secs_f64());
     match found {
         Ok(point) => Ok((point, records)),
-        Err(error) => Err(unfinished(session, &records, repeated, error)),
+        Err(error) => Err(unfinished(input, destination, findings, &records, repeated, error)),
     }
 }
 
@@ -62,27 +62,29 @@ fn may_go_on(error: &EnsembleError) -> bool {
 
 /// The error of motions that ended early, which says where they are; `repeated`: how many steps of each come again where it goes on, if it can.
 fn unfinished(
-    session: &mut Session<'_>,
+    input: &CommandInput,
+    destination: &Destination,
+    findings: &mut CommandFindings,
     records: &[Record],
     repeated: Option<Vec<usize>>,
     error: EnsembleError,
 ) -> RunError {
-    let source = Box::new(session.forward_failed(error));
+    let source = Box::new(destination.forward_failed(input, error));
     // of several members the one that came least far
     let reached = records.iter().filter_map(Record::reached).min_by(|a, b| a.1.total_cmp(&b.1));
-    let (Some(out), Some((steps, t))) = (session.out.clone(), reached) else { return *source };
-    let files = match write(&session.problem, records, &out) {
+    let (Some(out), Some((steps, t))) = (&destination.out, reached) else { return *source };
+    let files = match write(&input.problem, records, out) {
         Ok(files) => files,
         Err(error) => return error,
     };
-    session.list_files(files.clone());
-    session.record.reached = ReachedRecord { t: t.into(), steps };
+    findings.list_files(files.clone());
+    findings.record.reached = ReachedRecord { t: t.into(), steps };
     if repeated.is_none()
         && let Err(error) = out.remove(NAME)
     {
         return error.into();
     }
-    let until = quantity(t, Dimension::TIME, session.problem.units());
+    let until = quantity(t, Dimension::TIME, input.problem.units());
     let csv = out.file(files.first().map_or("", String::as_str));
     let mut kept = format!("the motion until t = {until} is in {} and motion.pvd", csv.display());
     if let Some(repeated) = repeated {

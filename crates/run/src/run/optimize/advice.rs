@@ -2,7 +2,8 @@
 
 use crate::run::optimize::limit_advice;
 use crate::run::optimize::starts::start_run::FinishedRun;
-use crate::run::session::Session;
+use crate::run::session::output_directory::usual_directory;
+use crate::run::session::{CommandContext, CommandInput, Destination};
 use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_control::Smoothing;
 use nastic_ensemble::EnsemblePoint;
@@ -29,9 +30,9 @@ pub(super) struct Advice {
 }
 
 /// Says what may help, the most likely first.
-pub(super) fn say(session: &Session<'_>, ended: &FinishedRun) {
-    let console = session.console;
-    for (k, Advice { why, command }) in advices(session, ended).iter().enumerate() {
+pub(super) fn say(context: CommandContext<'_>, ended: &FinishedRun) {
+    let CommandContext { input, destination, console } = context;
+    for (k, Advice { why, command }) in advices(input, destination, ended).iter().enumerate() {
         let head = if k == 0 { "to go on   " } else { "           " };
         match command {
             Some(command) => {
@@ -43,13 +44,13 @@ pub(super) fn say(session: &Session<'_>, ended: &FinishedRun) {
     }
 }
 
-fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
+fn advices(input: &CommandInput, destination: &Destination, ended: &FinishedRun) -> Vec<Advice> {
     let best = &ended.best;
-    let optimizer = &session.problem.case.optimizer;
-    let from_here = starts_from_here(session, best);
-    let again = |why: String, set: Vec<String>| Advice { why, command: optimize(session, &set) };
+    let optimizer = &input.problem.case.optimizer;
+    let from_here = starts_from_here(input, destination, best);
+    let again = |why: String, set: Vec<String>| Advice { why, command: optimize(input, destination, &set) };
     let with = |one: String| [vec![one], from_here.clone()].concat();
-    let mut out = limit_advice::of(session, ended);
+    let mut out = limit_advice::of(input, destination, ended);
     match &best.stop {
         Stop::Converged { .. } => {}
         stop if stop.is_interrupted() => {
@@ -58,7 +59,7 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         Stop::MaxIterations { iterations, .. } => {
             let set =
                 with(format!("optimizer/max_iterations={}", 2 * (*iterations).max(optimizer.max_iterations).max(1)));
-            let anew = match session.problem.ensemble.constraints().is_empty() {
+            let anew = match input.problem.ensemble.constraints().is_empty() {
                 true => "",
                 false => {
                     " (the multipliers of the constraints begin anew: a run from the start with this limit keeps them)"
@@ -74,17 +75,17 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         // what limit points ask for stands there already
         Stop::Stalled(Stall::LineSearch { .. }) if ended.limits.count > 0 => {}
         Stop::Stalled(Stall::LineSearch { trials, failed, .. }) if 2 * failed >= *trials => {
-            let set = narrowed(&session.problem);
+            let set = narrowed(&input.problem);
             let why = "most trials had no equilibrium: narrow the bounds to where the body has one".to_owned();
             out.extend((!set.is_empty()).then(|| again(why, set)));
             out.push(Advice {
                 why: "see how far the body goes along its path of equilibria".to_owned(),
-                command: on_case(&session.problem, |case| format!("nastic solve {case} --path")),
+                command: on_case(&input.problem, |case| format!("nastic solve {case} --path")),
             });
         }
         Stop::Stalled(Stall::LineSearch { .. }) => out.push(Advice {
             why: "no step lowered the cost: test its derivative".to_owned(),
-            command: on_case(&session.problem, |case| format!("nastic gradcheck {case}")),
+            command: on_case(&input.problem, |case| format!("nastic gradcheck {case}")),
         }),
         Stop::Stalled(Stall::SecondDerivatives { .. }) => {
             let set = with(format!("optimizer/method={QUASI_NEWTON}"));
@@ -92,12 +93,12 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
         }
         Stop::Stalled(Stall::Stage { stage, .. }) => {
             let why = format!("stage {} has no value there: stop before it, or put one between", stage + 1);
-            out.push(again(why, [stages_before(&session.problem, *stage), from_here.clone()].concat()));
+            out.push(again(why, [stages_before(&input.problem, *stage), from_here.clone()].concat()));
         }
         _ => {}
     }
     // One that holds constraints itself may need fewer iterations than multipliers around another.
-    let holds = optimizer.method.name() == "mma" && !session.problem.ensemble.constraints().is_empty();
+    let holds = optimizer.method.name() == "mma" && !input.problem.ensemble.constraints().is_empty();
     let first_order = FIRST_ORDER.contains(&optimizer.method.name()) && !holds;
     if first_order && !best.stop.is_interrupted() && !best.stop.is_converged() {
         let set = with(format!("optimizer/method={QUASI_NEWTON}"));
@@ -105,9 +106,9 @@ fn advices(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
     }
     if let (Stop::Stalled(_), 1) = (&best.stop, optimizer.starts) {
         let why = "the cost may have other minima: try several starts".to_owned();
-        out.extend(bounded(&session.problem).then(|| again(why, vec![format!("optimizer/starts={STARTS}")])));
+        out.extend(bounded(&input.problem).then(|| again(why, vec![format!("optimizer/starts={STARTS}")])));
     }
-    out.extend(widened(session, best));
+    out.extend(widened(input, destination, best));
     out
 }
 
@@ -118,17 +119,17 @@ fn on_case(problem: &CaseProblem, command: impl Fn(&str) -> String) -> Option<St
 
 /// `nastic optimize` with the overrides of this run and others. What starts from the controls of this run goes to another
 /// directory, so that these stay.
-pub(super) fn optimize(session: &Session<'_>, set: &[String]) -> Option<String> {
+pub(super) fn optimize(input: &CommandInput, destination: &Destination, set: &[String]) -> Option<String> {
     let path = |setting: &str| setting.split_once('=').map_or("", |(path, _)| path).to_owned();
     let replaced = |old: &String| set.iter().any(|new| path(new) == path(old));
-    let kept = session.options.set.iter().filter(|old| !replaced(old));
+    let kept = input.options.set.iter().filter(|old| !replaced(old));
     let settings = kept.chain(set).map(|setting| format!(" --set {}", quote(setting)));
     let goes_on = set.iter().any(|setting| path(setting).ends_with("/start"));
-    let out = session.out.as_ref().map(|out| if goes_on { next_to(out.path()) } else { out.path().to_owned() });
-    let out = out.filter(|out| *out != session.usual_directory());
+    let out = destination.out.as_ref().map(|out| if goes_on { next_to(out.path()) } else { out.path().to_owned() });
+    let out = out.filter(|out| *out != usual_directory(&input.problem));
     let out = out.map_or_else(String::new, |out| format!(" --out {}", quote(&out.display().to_string())));
     let settings: String = settings.collect();
-    on_case(&session.problem, |case| format!("nastic optimize {case}{out}{settings}"))
+    on_case(&input.problem, |case| format!("nastic optimize {case}{out}{settings}"))
 }
 
 /// The directory beside another whose name ends in the next number: `finger_2` beside `finger`.
@@ -140,12 +141,12 @@ fn next_to(directory: &Path) -> PathBuf {
 }
 
 /// Settings that let every control start where it has come to, and the run converge where this one would have.
-fn starts_from_here(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Vec<String> {
-    let Some(out) = &session.out else { return vec![] };
-    let file = from_case(Path::new(session.problem.document.name()), &out.file("controls.json"));
+fn starts_from_here(input: &CommandInput, destination: &Destination, best: &Best<EnsemblePoint>) -> Vec<String> {
+    let Some(out) = &destination.out else { return vec![] };
+    let file = from_case(Path::new(input.problem.document.name()), &out.file("controls.json"));
     let start = json!({ "file": file.display().to_string() });
-    let starts = session.problem.controls.iter().map(|field| format!("{}/start={start}", field.at));
-    let optimizer = &session.problem.case.optimizer;
+    let starts = input.problem.controls.iter().map(|field| format!("{}/start={start}", field.at));
+    let optimizer = &input.problem.case.optimizer;
     let aimed = relative_gradient(&best.stop)
         .map(|relative| optimizer.tolerance * best.gradient_norm / relative)
         .filter(|norm| norm.is_finite() && *norm > optimizer.absolute_tolerance);
@@ -215,8 +216,8 @@ fn wider(key: &str, bound: f64) -> f64 {
 }
 
 /// Wider bounds, where most values of a control lie on them.
-fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> {
-    let problem = &session.problem;
+fn widened(input: &CommandInput, destination: &Destination, best: &Best<EnsemblePoint>) -> Option<Advice> {
+    let problem = &input.problem;
     let fields = problem.ensemble.blocks().iter().zip(&problem.controls);
     let set: Vec<String> = fields
         .filter_map(|(block, field)| {
@@ -242,7 +243,7 @@ fn widened(session: &Session<'_>, best: &Best<EnsemblePoint>) -> Option<Advice> 
         })
         .collect();
     let why = "most values lie on a bound: widen it, if the body bears that".to_owned();
-    (!set.is_empty()).then(|| Advice { why, command: optimize(session, &set) })
+    (!set.is_empty()).then(|| Advice { why, command: optimize(input, destination, &set) })
 }
 
 /// Whether random starts can be drawn: every control is bounded.

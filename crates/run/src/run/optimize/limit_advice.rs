@@ -2,7 +2,7 @@
 
 use crate::run::optimize::advice::{Advice, optimize};
 use crate::run::optimize::starts::start_run::FinishedRun;
-use crate::run::session::Session;
+use crate::run::session::{CommandInput, Destination};
 use nastic_case::lower::{CaseProblem, ControlField};
 use nastic_ensemble::EnsemblePoint;
 use nastic_language::number::short;
@@ -15,12 +15,12 @@ const FARTHER: f64 = 10.0;
 const BEFORE: f64 = 0.95;
 
 /// Nothing where no trial met a limit point, or the run converged all the same.
-pub(super) fn of(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
+pub(super) fn of(input: &CommandInput, destination: &Destination, ended: &FinishedRun) -> Vec<Advice> {
     if ended.limits.count == 0 || ended.best.stop.is_converged() {
         return vec![];
     }
     let mut out = Vec::new();
-    let volumes = volumes(&session.problem, ended);
+    let volumes = volumes(&input.problem, ended);
     if !volumes.names.is_empty() {
         let names = volumes.names.join(", ");
         let why = format!(
@@ -28,12 +28,12 @@ pub(super) fn of(session: &Session<'_>, ended: &FinishedRun) -> Vec<Advice> {
              (bounds: {} times what was added so far)",
             short(FARTHER)
         );
-        out.push(Advice { why, command: optimize(session, &volumes.set) });
+        out.push(Advice { why, command: optimize(input, destination, &volumes.set) });
     }
-    let bounds = bounds(&session.problem, ended);
+    let bounds = bounds(&input.problem, ended);
     if !bounds.is_empty() {
         let why = "or keep the controls before the limit point, if that is enough".to_owned();
-        out.push(Advice { why, command: optimize(session, &bounds) });
+        out.push(Advice { why, command: optimize(input, destination, &bounds) });
     }
     out
 }

@@ -4,11 +4,10 @@ use crate::history;
 use crate::history::json_line;
 use crate::run::error::RunError;
 use crate::run::optimize::branch_changes::Before;
+use crate::run::optimize::minimization::Minimization;
 use crate::run::optimize::ordered_output::StartOutput;
 use crate::run::optimize::starts::journal::SharedJournal;
-use crate::run::optimize::starts::round::read_record;
 use crate::run::optimize::starts::start_run::{Phase, RunTrials, StartRecord, StartRun, UnderWay};
-use crate::run::session::Session;
 use nastic_case::lower::CaseProblem;
 use nastic_control::{Evaluated, FigureKind, StateFields};
 use nastic_ensemble::EnsemblePoint;
@@ -58,23 +57,22 @@ pub(super) struct Recorder<'s> {
 impl<'s> Recorder<'s> {
     /// For the start of this number.
     pub fn new(
-        session: &'s Session<'_>,
+        Minimization { input, destination, journal, .. }: &Minimization<'s>,
         index: usize,
         record: &'s StartRecord,
-        journal: &SharedJournal,
         output: &'s StartOutput,
     ) -> Self {
-        let problem = &session.problem;
+        let problem = &input.problem;
         Self {
             problem,
             record,
             output,
-            cancel: session.cancel.clone(),
-            out: session.own_out.clone(),
-            journal: journal.clone(),
+            cancel: input.cancel.clone(),
+            out: destination.own_out.clone(),
+            journal: (*journal).clone(),
             start: (index, problem.case.optimizer.starts),
             table: None,
-            explain: session.options.explain,
+            explain: input.options.explain,
             trials: RunTrials::new(problem.members().count(), problem.leads().count()),
             before: None,
             moved_start: None,
@@ -109,7 +107,7 @@ impl<'s> Recorder<'s> {
     /// to be loaded again.
     pub fn moved_members(
         &mut self,
-        session: &Session<'_>,
+        shared: &Minimization<'_>,
         kept: &[&EnsemblePoint],
     ) -> Option<Result<EnsemblePoint, RunError>> {
         self.newton_since = 0;
@@ -118,7 +116,7 @@ impl<'s> Recorder<'s> {
         let (_, solves) = std::mem::replace(&mut self.counted, (now, 0));
         let moves = since.iter().any(|work| *work > 0) && self.problem.ensemble.share_anew(&since, kept, solves);
         moves.then(|| {
-            let start = read_record(session, self.record)?;
+            let start = shared.read_record(self.record)?;
             self.moved_start = Some(self.problem.ensemble.save(&start));
             Ok(start)
         })
@@ -290,13 +288,13 @@ fn stem(problem: &CaseProblem, index: usize) -> String {
 }
 
 /// Writes `iterates.bin` of a start that has ended.
-pub(super) fn write_iterates(session: &Session<'_>, index: usize, trials: &RunTrials, journal: &SharedJournal) {
-    let (Some(out), problem) = (&session.own_out, &session.problem) else { return };
-    if !session.writes_start(index) {
+pub(super) fn write_iterates(shared: &Minimization<'_>, index: usize, trials: &RunTrials) {
+    let (Some(out), input) = (&shared.destination.own_out, shared.input) else { return };
+    if !input.writes_start(index) {
         return;
     }
-    for (member, kept) in problem.leads().zip(&trials.iterates) {
-        let name = member.case_file(&format!("{}iterates.bin", stem(problem, index)));
-        journal.lock().keep_iterates(out, name, kept.to_bytes(), session.is_cancelled());
+    for (member, kept) in input.problem.leads().zip(&trials.iterates) {
+        let name = member.case_file(&format!("{}iterates.bin", stem(&input.problem, index)));
+        shared.journal.lock().keep_iterates(out, name, kept.to_bytes(), input.is_cancelled());
     }
 }

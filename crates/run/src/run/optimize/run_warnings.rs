@@ -3,7 +3,8 @@
 use crate::run::constraints::Known;
 use crate::run::error::RunError;
 use crate::run::optimize::starts::start_run::FinishedRun;
-use crate::run::session::Session;
+use crate::run::session::{CommandContext, CommandFindings};
+use crate::run::time_steps;
 use nastic_case::inspect::determination;
 use nastic_case::lower::{CaseProblem, ControlField};
 use nastic_case::warning::{ALL_ON_BOUNDS, IDLE, NEGLIGIBLE_TERM, NO_MOVEMENT, NOT_VERIFIED, OTHER_SIGN, Warning};
@@ -27,16 +28,18 @@ const NEGLIGIBLE: f64 = 1e-6;
 
 /// Of a run that was interrupted only what does not hang on its end.
 pub(super) fn warn(
-    session: &mut Session<'_>,
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
     run: &FinishedRun,
     constraints: &[Known],
     interrupted: bool,
 ) -> Result<(), RunError> {
+    let CommandContext { input, console, .. } = context;
     let mut found = Vec::new();
-    let problem = &session.problem;
+    let problem = &input.problem;
     for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls).filter(|_| !interrupted) {
-        found.extend(bounds(run, block, field, &session.problem));
-        found.extend(idle(run, block, field, &session.problem));
+        found.extend(bounds(run, block, field, problem));
+        found.extend(idle(run, block, field, problem));
     }
     if !interrupted && found.iter().all(|warning| warning.kind != &OTHER_SIGN) {
         found.extend(movement(run));
@@ -44,13 +47,13 @@ pub(super) fn warn(
     if !interrupted {
         found.extend(determination(problem, &run.best.m));
     }
-    found.extend(terms(&session.problem, run));
+    found.extend(terms(problem, run));
     found.extend(crate::run::constraints::warnings(problem, &run.constraints, constraints));
     if !interrupted {
-        found.extend(verify(session, run)?);
+        found.extend(verify(context, run)?);
     }
-    found.into_iter().for_each(|warning| session.warn(warning));
-    session.check_step_errors(&run.best.point);
+    findings.warn_all(console, found);
+    time_steps::check_errors(problem, console, findings, &run.best.point);
     Ok(())
 }
 
@@ -166,24 +169,25 @@ fn terms(problem: &CaseProblem, run: &FinishedRun) -> Vec<Warning> {
 }
 
 /// The optimum solved again from rest, in states as exact as those of the run, where the case asks for it.
-pub(super) fn verify(session: &Session<'_>, run: &FinishedRun) -> Result<Option<Warning>, RunError> {
-    let (best, ensemble) = (&run.best, &session.problem.ensemble);
-    if !session.problem.case.optimizer.verify {
+pub(super) fn verify(context: CommandContext<'_>, run: &FinishedRun) -> Result<Option<Warning>, RunError> {
+    let CommandContext { input, destination, console } = context;
+    let (best, ensemble) = (&run.best, &input.problem.ensemble);
+    if !input.problem.case.optimizer.verify {
         return Ok(None);
     }
-    let again = match session.evaluate(&best.m, DEFAULT_ACCURACY, &mut EnsembleWorkspace::default()) {
+    let again = match input.evaluate(console, &best.m, DEFAULT_ACCURACY, &mut EnsembleWorkspace::default()) {
         Ok(again) => again,
         Err(failed) => {
             return Ok(Some(Warning::new(&NOT_VERIFIED, format!("from rest it could not be solved: {failed}"))));
         }
     };
     let apart = |k: usize, b: &Evaluated| {
-        let model = session.problem.member(k).solid().model();
+        let model = input.problem.member(k).solid().model();
         let Some(a) = best.point.member(k) else { return f64::NAN };
         let (a, b) = (model.nodal(&a.state().u), model.nodal(&b.state().u));
         norm(&sub(a, b)) / norm(a).max(f64::MIN_POSITIVE)
     };
-    let apart = ensemble.gathered(&again, apart).map_err(|error| session.forward_failed(error))?;
+    let apart = ensemble.gathered(&again, apart).map_err(|error| destination.forward_failed(input, error))?;
     let most = apart.into_iter().fold(0.0, f64::max);
     Ok((most > SAME).then(|| {
         let (cost, other) = (scientific(best.point.risk, 6), scientific(again.risk, 6));

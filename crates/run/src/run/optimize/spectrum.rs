@@ -1,8 +1,9 @@
 //! The spectrum of the reduced Hessian at the optimum: asked for by `--spectrum`, in results, in files and in words.
 
+use crate::console::Console;
 use crate::run::error::RunError;
 use crate::run::optimize::minimization::domain;
-use crate::run::session::Session;
+use crate::run::session::{CommandFindings, CommandInput};
 use crate::run::spectrum_request::{SpectrumRefusal, SpectrumRequest};
 use nastic_case::lower::CaseProblem;
 use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
@@ -28,15 +29,15 @@ pub(super) struct Diagnosis {
 }
 
 /// Refuses what is known to be impossible before anything is solved.
-pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
-    let Some(SpectrumRequest { count, cost_rise }) = session.options.spectrum else { return Ok(()) };
+pub(super) fn check(input: &CommandInput) -> Result<(), RunError> {
+    let Some(SpectrumRequest { count, cost_rise }) = input.options.spectrum else { return Ok(()) };
     if count == 0 {
         return Err(SpectrumRefusal::Count.into());
     }
     if let Some(rise) = cost_rise.filter(|rise| !(*rise > 0.0 && rise.is_finite())) {
         return Err(SpectrumRefusal::Rise(rise).into());
     }
-    if !session.problem.ensemble.constraints().is_empty() {
+    if !input.problem.ensemble.constraints().is_empty() {
         return Err(SpectrumRefusal::Constraints.into());
     }
     Ok(())
@@ -44,41 +45,46 @@ pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
 
 /// Refuses a problem without second derivatives, by one product at the start.
 pub(super) fn check_products(
-    session: &Session<'_>,
+    input: &CommandInput,
     start: &EnsemblePoint,
     workspace: &mut EnsembleWorkspace,
 ) -> Result<(), RunError> {
-    if session.options.spectrum.is_none() {
+    if input.options.spectrum.is_none() {
         return Ok(());
     }
     let along = vec![1.0; start.m.len()];
-    let product = Objective::hessian_vector(&session.problem.ensemble, start, &along, Hessian::Exact, workspace);
+    let product = Objective::hessian_vector(&input.problem.ensemble, start, &along, Hessian::Exact, workspace);
     product.map_err(SpectrumRefusal::SecondDerivatives)?;
     Ok(())
 }
 
 /// The spectrum at an optimum, if it was asked for. What fails then is said and noted: the optimum is not lost for it.
-pub(super) fn find(session: &mut Session<'_>, best: &Best<EnsemblePoint>) -> Result<Option<Diagnosis>, RunError> {
-    let Some(request) = session.options.spectrum else { return Ok(None) };
-    let domain = domain(session)?;
-    session.console.phase("eigenpairs of the reduced Hessian");
+pub(super) fn find(
+    input: &CommandInput,
+    console: &Console,
+    findings: &mut CommandFindings,
+    best: &Best<EnsemblePoint>,
+) -> Result<Option<Diagnosis>, RunError> {
+    let Some(request) = input.options.spectrum else { return Ok(None) };
+    let domain = domain(input)?;
+    console.phase("eigenpairs of the reduced Hessian");
     let (mut point, mut workspace) = (best.point.clone(), EnsembleWorkspace::default());
     let options = SpectrumOptions::leading(request.count);
-    let found = session.timed("spectrum", |session| {
-        Spectrum::at(&session.problem.ensemble, &best.m, &mut point, &domain, &options, &mut workspace)
+    let found = findings.timed(console, "spectrum", |_| {
+        Spectrum::at(&input.problem.ensemble, &best.m, &mut point, &domain, &options, &mut workspace)
     });
-    session.console.clear();
+    console.clear();
     match found {
         Ok(spectrum) => {
             let rise = request.cost_rise.unwrap_or(RISE * best.cost.abs());
             let found = Diagnosis { spectrum, rise, point };
-            session.record.optimum.spectrum = Some(found.record(&session.problem));
+            findings.record.optimum.spectrum = Some(found.record(&input.problem));
             Ok(Some(found))
         }
         Err(error) => {
-            session.console.say(format!("spectrum    failed: {error}"));
+            console.say(format!("spectrum    failed: {error}"));
             let failed = Some(error.to_string());
-            session.record.optimum.spectrum = Some(SpectrumRecord { failed, ..SpectrumRecord::default() });
+            findings.record.optimum.spectrum = Some(SpectrumRecord { failed, ..SpectrumRecord::default() });
             Ok(None)
         }
     }
@@ -137,9 +143,8 @@ impl Diagnosis {
     }
 
     /// A few lines for people.
-    pub fn say(&self, session: &Session<'_>) {
+    pub fn say(&self, input: &CommandInput, console: &Console) {
         let Spectrum { values, residuals, free, lowest, negative, products, .. } = &self.spectrum;
-        let console = session.console;
         console.say(format!(
             "spectrum    {} of {free} free: the first {} hold {:.0} % of their curvature, {} are above {MATTERS} of the largest eigenvalue",
             count(values.len(), "direction"),
@@ -158,7 +163,7 @@ impl Diagnosis {
             ));
         }
         if let Some(asked) =
-            session.options.spectrum.map(|asked| asked.count).filter(|asked| values.len() < *asked.min(free))
+            input.options.spectrum.map(|asked| asked.count).filter(|asked| values.len() < *asked.min(free))
         {
             console.say(format!("            {} of {asked} eigenpairs met the tolerance", values.len()));
         }
@@ -177,9 +182,9 @@ impl Diagnosis {
             });
         }
         let left_out = if *negative > 0 { " (not counting directions of negative curvature)" } else { "" };
-        for (field, range) in &self.ranges(&session.problem).unwrap_or_default() {
+        for (field, range) in &self.ranges(&input.problem).unwrap_or_default() {
             let of = |number: Number| short(number.unwrap_or(f64::NAN));
-            let unit = session.problem.controls.iter().find(|own| own.name == *field);
+            let unit = input.problem.controls.iter().find(|own| own.name == *field);
             let unit = unit.map(|own| if own.log { "(of its logarithm)" } else { own.unit.as_str() });
             let unit = unit.filter(|unit| !unit.is_empty()).map_or_else(String::new, |unit| format!(" {unit}"));
             console.say(format!(

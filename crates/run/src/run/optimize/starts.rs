@@ -7,15 +7,15 @@ pub(super) mod round;
 pub(crate) mod start_run;
 pub(super) mod table;
 
+use crate::console::Console;
 use crate::run::error::RunError;
-use crate::run::optimize::minimization::resume_run;
+use crate::run::optimize::minimization::Minimization;
 use crate::run::optimize::recorder::write_iterates;
-use crate::run::optimize::starts::journal::SharedJournal;
-use crate::run::optimize::starts::round::{Round, RoundEnd, ended, read_record};
+use crate::run::optimize::starts::round::{Round, RoundEnd, ended};
 use crate::run::optimize::starts::start_run::{FinishedRun, Phase, PointBytes, StartRun, UnderWay};
 use crate::run::optimize::starts::table::{failed_entry, seed};
-use crate::run::session::{Session, say_warning};
 use crate::run::study::record::same_program;
+use crate::run::terminal::say_warning;
 use crate::saved::checkpoint::Position;
 use nastic_case::lower::CaseProblem;
 use nastic_case::warning::Warning;
@@ -46,9 +46,7 @@ pub(super) struct Starts {
 
 /// Rounds of starts.
 struct Rounds<'s> {
-    session: &'s Session<'s>,
-    optimizer: &'s dyn Optimizer,
-    journal: &'s SharedJournal,
+    shared: Minimization<'s>,
     gradient_check: GradientCheckRecord,
     round: usize,
     starts: Vec<StartRun>,
@@ -60,31 +58,25 @@ impl Starts {
     ///
     /// # Errors
     /// A run cannot begin, `history.jsonl` cannot be written, or a checkpoint is not of this case: what was said stays in `warnings`.
-    pub fn run(
-        &mut self,
-        session: &Session<'_>,
-        optimizer: &dyn Optimizer,
-        position: Position,
-        journal: &SharedJournal,
-        resumed: bool,
-    ) -> Result<(), RunError> {
+    pub fn run(&mut self, shared: Minimization<'_>, position: Position, resumed: bool) -> Result<(), RunError> {
+        let Minimization { input, destination, console, .. } = shared;
         let Position { gradient_check, round, history, best, starts, .. } = position;
-        let unfit = |failed: Failed| session.unfit_checkpoint(&failed.to_string());
-        let best = best.map(|best| restored_best(&session.problem, best)).transpose().map_err(unfit)?;
-        let rounds = Rounds { session, optimizer, journal, gradient_check, round, starts, best };
+        let unfit = |failed: Failed| destination.unfit_checkpoint(input, &failed.to_string());
+        let best = best.map(|best| restored_best(&input.problem, best)).transpose().map_err(unfit)?;
+        let rounds = Rounds { shared, gradient_check, round, starts, best };
         if resumed {
-            rounds.starts.iter().flat_map(StartRun::warnings).for_each(|warning| say_warning(session.console, warning));
-            if session.problem.case_file().is_none() {
+            rounds.starts.iter().flat_map(StartRun::warnings).for_each(|warning| say_warning(console, warning));
+            if input.problem.case_file().is_none() {
                 rounds.check_program()?;
             }
         }
-        say_optimizer(session, optimizer);
+        say_optimizer(console, shared.optimizer);
         self.finish(rounds, history, resumed)
     }
 
     /// All rounds; what they have found.
     fn finish(&mut self, mut rounds: Rounds<'_>, history: Vec<u8>, resumed: bool) -> Result<(), RunError> {
-        let opened = rounds.journal.lock().open_history(history);
+        let opened = rounds.shared.journal.lock().open_history(history);
         let ran = opened.and_then(|()| rounds.run(resumed));
         let begun = rounds.starts.iter().rposition(StartRun::has_ended).map_or(0, |last| last + 1);
         for start in rounds.starts {
@@ -94,7 +86,7 @@ impl Starts {
             }
             let (entry, m) = match start.phase {
                 Phase::Ended(ended) => (ended.entry, ended.m),
-                _ => (not_begun(&rounds.session.problem, start.index), vec![]),
+                _ => (not_begun(&rounds.shared.input.problem, start.index), vec![]),
             };
             self.entries.push(entry);
             self.optima.push(m);
@@ -108,20 +100,19 @@ impl Starts {
 impl Rounds<'_> {
     fn run(&mut self, mut resumed: bool) -> Result<RoundEnd, RunError> {
         loop {
-            self.journal.lock().begin_round(Position {
+            self.shared.journal.lock().begin_round(Position {
                 gradient_check: self.gradient_check.clone(),
                 round: self.round,
-                best: self.best.as_ref().map(|best| saved_best(&self.session.problem, best)),
+                best: self.best.as_ref().map(|best| saved_best(&self.shared.input.problem, best)),
                 starts: self.starts.iter().map(StartRun::saved).collect(),
                 ..Position::default()
             });
-            if self.round > 0 && !resumed && self.session.problem.case.output.checkpoint > 0 {
-                self.journal.lock().save(&self.session.problem.ensemble);
+            if self.round > 0 && !resumed && self.shared.input.problem.case.output.checkpoint > 0 {
+                self.shared.journal.lock().save(&self.shared.input.problem.ensemble);
             }
             let found = Mutex::new(RoundEnd { best: self.best.take(), ..RoundEnd::default() });
-            let (session, optimizer, journal) = (self.session, self.optimizer, self.journal);
-            let limit = self.limit();
-            let round = Round { session, optimizer, journal, limit, resumed, halt: AtomicBool::new(false), found };
+            let (shared, limit) = (self.shared, self.limit());
+            let round = Round { shared, limit, resumed, halt: AtomicBool::new(false), found };
             let mut found = round.run(&mut self.starts)?;
             if found.interrupted {
                 self.end_paused(&mut found)?;
@@ -138,17 +129,17 @@ impl Rounds<'_> {
 
     /// Iterations at which this round ends.
     fn limit(&self) -> usize {
-        let problem = &self.session.problem;
+        let problem = &self.shared.input.problem;
         let optimizer = &problem.case.optimizer;
         // Costs of runs that violate constraints do not compare.
         let compares = optimizer.early_stopping && optimizer.starts > 1 && problem.ensemble.constraints().is_empty();
         let limit = early_stopping::limit(self.round);
-        if compares && limit < self.optimizer.options().max_iterations { limit } else { usize::MAX }
+        if compares && limit < self.shared.optimizer.options().max_iterations { limit } else { usize::MAX }
     }
 
     /// Ends those starts that cannot reach the best one any more.
     fn stop_outperformed(&mut self) -> Result<(), RunError> {
-        let last_stage = self.session.problem.stages() - 1;
+        let last_stage = self.shared.input.problem.stages() - 1;
         let (mut under_way, mut others) = (Vec::new(), Vec::new());
         for start in &self.starts {
             match &start.phase {
@@ -165,8 +156,8 @@ impl Rounds<'_> {
     fn stop(&mut self, Outperformed { start, standing, best }: Outperformed) -> Result<(), RunError> {
         let Standing { cost, within_reach } = standing;
         let stop = Stop::Outperformed { cost, within_reach, best };
-        self.session.console.say("");
-        self.session.console.say(format!("start {} {stop}", start + 1));
+        self.shared.console.say("");
+        self.shared.console.say(format!("start {} {stop}", start + 1));
         self.end_here(start, stop).map(drop)
     }
 
@@ -188,14 +179,14 @@ impl Rounds<'_> {
             return Ok(None);
         };
         let UnderWay { record, trials, run } = *at;
-        let start = read_record(self.session, &record)?;
-        let AugmentedBest { best, constraints } = resume_run(self.session, self.optimizer, &run)?.finish(stop);
+        let start = self.shared.read_record(&record)?;
+        let AugmentedBest { best, constraints } = self.shared.resume(&run)?.finish(stop);
         let finished =
             FinishedRun { start, best, constraints, work: trials.work.clone(), limits: trials.limits.clone() };
-        let found = trials.changes.warnings(&self.session.problem, index);
-        found.iter().for_each(|warning| say_warning(self.session.console, warning));
-        write_iterates(self.session, index, &trials, self.journal);
-        self.starts[index] = ended(&self.session.problem, index, &finished, record, trials, found);
+        let found = trials.changes.warnings(&self.shared.input.problem, index);
+        found.iter().for_each(|warning| say_warning(self.shared.console, warning));
+        write_iterates(&self.shared, index, &trials);
+        self.starts[index] = ended(&self.shared.input.problem, index, &finished, record, trials, found);
         Ok(Some(finished))
     }
 
@@ -203,9 +194,9 @@ impl Rounds<'_> {
     fn check_program(&self) -> Result<(), RunError> {
         for start in &self.starts {
             let Phase::UnderWay(at) = &start.phase else { continue };
-            let run = resume_run(self.session, self.optimizer, &at.run)?;
-            let same = same_program(&self.session.problem.ensemble, run.point());
-            same.map_err(|what| self.session.unfit_checkpoint(&what))?;
+            let run = self.shared.resume(&at.run)?;
+            let same = same_program(&self.shared.input.problem.ensemble, run.point());
+            same.map_err(|what| self.shared.destination.unfit_checkpoint(self.shared.input, &what))?;
         }
         Ok(())
     }
@@ -229,13 +220,13 @@ fn not_begun(problem: &CaseProblem, index: usize) -> StartRecord {
     failed_entry(seed(problem, index), "interrupted before it had begun")
 }
 
-fn say_optimizer(session: &Session<'_>, optimizer: &dyn Optimizer) {
+fn say_optimizer(console: &Console, optimizer: &dyn Optimizer) {
     let options = optimizer.options();
     let absolute = match options.absolute_tolerance {
         norm if norm > 0.0 => format!(", or {}", short(norm)),
         _ => String::new(),
     };
-    session.console.say(format!(
+    console.say(format!(
         "optimizer   {}, at most {} iterations, until the projected gradient is {} of the first{absolute}",
         optimizer.name(),
         options.max_iterations,

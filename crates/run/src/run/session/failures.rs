@@ -1,7 +1,8 @@
 //! The errors of evaluations that failed and of checkpoints that do not fit; the last good state is kept on disk.
 
 use crate::run::error::RunError;
-use crate::run::session::Session;
+use crate::run::session::destination::Destination;
+use crate::run::session::input::CommandInput;
 use crate::saved;
 use crate::saved::CheckpointError;
 use nastic_case::lower::CaseMember;
@@ -12,13 +13,13 @@ use nastic_opt::Failed;
 use nastic_result::failure;
 use std::path::PathBuf;
 
-impl Session<'_> {
+impl Destination {
     /// The error of an evaluation that failed; the last good state of the member at fault is kept on disk.
-    pub fn forward_failed(&self, error: EnsembleError) -> RunError {
+    pub fn forward_failed(&self, input: &CommandInput, error: EnsembleError) -> RunError {
         match error {
             EnsembleError::Member { who, source } => {
-                let at = self.problem.ensemble.members().iter().position(|part| part.name() == who);
-                self.member_failed(at.unwrap_or(0), *source)
+                let at = input.problem.ensemble.members().iter().position(|part| part.name() == who);
+                self.member_failed(input, at.unwrap_or(0), *source)
             }
             EnsembleError::Team(error) => error.into(),
             other => {
@@ -29,8 +30,8 @@ impl Session<'_> {
     }
 
     /// The error of a checkpoint that is whole but not of this case, unless the reading of it was cancelled.
-    pub fn unfit_checkpoint(&self, what: &str) -> RunError {
-        if self.is_cancelled() {
+    pub fn unfit_checkpoint(&self, input: &CommandInput, what: &str) -> RunError {
+        if input.is_cancelled() {
             return RunError::Cancelled;
         }
         let file = self.out.as_ref().map(|out| out.file(saved::NAME)).unwrap_or_default();
@@ -38,9 +39,9 @@ impl Session<'_> {
     }
 
     /// The same, of an evaluation.
-    pub fn evaluation_failed(&self, failed: &Failed) -> RunError {
+    pub fn evaluation_failed(&self, input: &CommandInput, failed: &Failed) -> RunError {
         match failed.downcast_ref::<EnsembleError>() {
-            Some(error) => self.forward_failed(error.clone()),
+            Some(error) => self.forward_failed(input, error.clone()),
             None => {
                 let error = Box::new(ControlError::Cost { what: failed.to_string() });
                 RunError::Forward { member: String::new(), of: String::new(), error, file: None }
@@ -49,18 +50,18 @@ impl Session<'_> {
     }
 
     /// The same, of a member.
-    pub fn member_failed(&self, index: usize, error: ControlError) -> RunError {
+    pub fn member_failed(&self, input: &CommandInput, index: usize, error: ControlError) -> RunError {
         if let ControlError::State(StateError::Cancelled) = error {
             return RunError::Cancelled;
         }
-        let member = self.problem.member(index);
+        let member = input.problem.member(index);
         // The start control is what was asked for; the state shows how far the body came.
-        let write = |state| self.write_failure(member, "failure.vtu", &member.local(&self.problem.start), state);
+        let write = |state| self.write_failure(member, "failure.vtu", &member.local(&input.problem.start), state);
         let file = match if let ControlError::State(state) = &error { write(state) } else { Ok(None) } {
             Ok(file) => file,
             Err(error) => return error,
         };
-        let of = (member.words() + &self.on_rank(&error)).trim_start().to_owned();
+        let of = (member.words() + &input.on_rank(&error)).trim_start().to_owned();
         RunError::Forward { member: member.name(), of, error: Box::new(error), file }
     }
 

@@ -1,8 +1,8 @@
 //! A command on a team of ranks: what is shared out, and what the first rank is given of it.
 
 use crate::run::error::RunError;
-use crate::run::options::Options;
-use crate::run::session::Session;
+use crate::run::session::destination::Destination;
+use crate::run::session::input::CommandInput;
 use nastic_case::part::Share;
 use nastic_control::ControlError;
 use nastic_ensemble::EnsemblePoint;
@@ -10,11 +10,11 @@ use nastic_language::schema::Command;
 use nastic_team::{Team, exchange};
 use std::sync::Arc;
 
-impl Session<'_> {
+impl CommandInput {
     /// Joins the team of the options, if there is one: several starts are shared out over its ranks, else the members.
-    pub fn join_team(&mut self, options: &Options) -> Result<(), RunError> {
-        let Some(team) = options.team.clone().filter(|team| team.size() > 1) else { return Ok(()) };
-        let is_divided = options.share != Share::Whole;
+    pub fn join_team(&mut self) -> Result<(), RunError> {
+        let Some(team) = self.options.team.clone().filter(|team| team.size() > 1) else { return Ok(()) };
+        let is_divided = self.options.share != Share::Whole;
         if self.command != Command::Optimize || is_divided {
             let what = if is_divided { "a part, or what --join makes," } else { self.command.name() };
             return Err(RunError::OneRank { what: what.to_owned(), ranks: team.size() });
@@ -77,8 +77,8 @@ impl Session<'_> {
     }
 
     /// A point with all members at the first rank, nothing elsewhere.
-    pub fn whole(&self, point: &EnsemblePoint) -> Result<Option<EnsemblePoint>, RunError> {
-        let whole = self.problem.ensemble.whole(point).map_err(|error| self.forward_failed(error))?;
+    pub fn whole(&self, destination: &Destination, point: &EnsemblePoint) -> Result<Option<EnsemblePoint>, RunError> {
+        let whole = self.problem.ensemble.whole(point).map_err(|error| destination.forward_failed(self, error))?;
         Ok(whole.filter(|_| self.leads() || self.shares_starts()))
     }
 }

@@ -1,8 +1,7 @@
 //! `nastic solve --equilibria N`: several equilibria under the start controls, by deflation.
 
 use crate::run::error::{Exit, RunError};
-use crate::run::report::say_files;
-use crate::run::session::Session;
+use crate::run::session::{CommandContext, CommandFindings};
 use crate::run::solve::series::{Row, Series};
 use nastic_control::ControlError;
 use nastic_ensemble::EnsemblePoint;
@@ -14,40 +13,50 @@ use nastic_report::record::EquilibriaRecord;
 const HARD: f64 = 2e3;
 
 /// Finds, says and writes the equilibria of every member, beginning with that of the point.
-pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint, count: usize) -> Result<Exit, RunError> {
+pub(super) fn run(
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
+    point: &EnsemblePoint,
+    count: usize,
+) -> Result<Exit, RunError> {
+    let CommandContext { input, destination, console } = context;
     let mut files = Vec::new();
     for index in 0..point.members.len() {
-        if session.is_cancelled() {
+        if input.is_cancelled() {
             break;
         }
-        files.extend(session.timed("deflation", |session| of_member(session, point, index, count))?);
+        files.extend(
+            findings.timed(console, "deflation", |findings| of_member(context, findings, point, index, count))?,
+        );
     }
-    if session.out.is_some() {
-        say_files(session, files);
+    if destination.out.is_some() {
+        findings.say_files(console, files);
     }
-    Ok(if session.is_cancelled() { Exit::NotConverged } else { Exit::Done })
+    Ok(if input.is_cancelled() { Exit::NotConverged } else { Exit::Done })
 }
 
 fn of_member(
-    session: &mut Session<'_>,
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
     point: &EnsemblePoint,
     index: usize,
     count: usize,
 ) -> Result<Vec<String>, RunError> {
+    let CommandContext { input, destination, console } = context;
     let at = &point.members[index];
-    let member = session.problem.member(index);
+    let member = input.problem.member(index);
     let mut series = Series::new(member, "equilibrium", ("equilibrium".to_owned(), String::new()));
-    session.console.say(format!("equilibria  up to {count} under the same controls and loads{}", member.inside()));
-    session.console.say(series.header());
+    console.say(format!("equilibria  up to {count} under the same controls and loads{}", member.inside()));
+    console.say(series.header());
     let progress = |now: &Progress| {
         let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);
-        session.console.progress(now.newton, line);
+        console.progress(now.newton, line);
     };
-    let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+    let how = SolveOptions { cancel: Some(&input.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let mut found = |one: &Equilibrium| {
         let (parameter, state) = ((series.rows.len() + 1) as f64, one.state.clone());
         let row = Row { parameter, m: at.m.clone(), newton: state.report.newton, state, negative: one.negative };
-        session.console.say(series.line(&row));
+        console.say(series.line(&row));
         series.rows.push(row);
     };
     let model = member.solid().model();
@@ -56,7 +65,7 @@ fn of_member(
         Ok(all) => (Some(all.starts), Some(all.newton)),
         // What was found before Ctrl-C is kept.
         Err(StateError::Cancelled) => (None, None),
-        Err(error) => return Err(session.member_failed(index, ControlError::from(error))),
+        Err(error) => return Err(destination.member_failed(input, index, ControlError::from(error))),
     };
     let many = series.rows.len();
     if many < count {
@@ -68,11 +77,11 @@ fn of_member(
             }
             false => String::new(),
         };
-        session.console.say(format!("            {many} of {count} were found, {from}; others may exist{weak}"));
+        console.say(format!("            {many} of {count} were found, {from}; others may exist{weak}"));
     }
     let warnings = series.inspect();
     let mut files = Vec::new();
-    if let Some(out) = &session.out {
+    if let Some(out) = &destination.out {
         let stem = member.file("equilibrium_");
         for k in 0..series.rows.len() {
             files.extend(out.write_state(&format!("{stem}{:03}", k + 1), &series.snapshot(k)?)?);
@@ -81,7 +90,7 @@ fn of_member(
     }
     let found = series.points();
     let entry = EquilibriaRecord { asked: count, found, starts: starts.into(), newton_iterations: newton.into() };
-    session.entries_of(index).equilibria = Some(entry);
-    warnings.into_iter().for_each(|warning| session.warn(warning));
+    findings.entries_of(member).equilibria = Some(entry);
+    findings.warn_all(console, warnings);
     Ok(files)
 }

@@ -1,21 +1,25 @@
 //! The equilibrium at the start controls, with its modes or others beside it.
 
+use crate::console::Console;
 use crate::run::error::{Exit, RunError};
 use crate::run::motion;
-use crate::run::report::say_files;
-use crate::run::session::Session;
+use crate::run::report::entries;
+use crate::run::session::{CommandContext, CommandFindings, evaluate_start};
 use crate::run::solve::{equilibria, exact_contact, half_thickness, minimum, modes};
 use crate::run::states::Shown;
 use crate::run::terminal::{say_cost, say_members, say_probes, say_reactions, say_stability, say_tracked};
+use crate::run::{contacts, unmet};
 use nastic_case::analysis::Analysis;
 use nastic_case::inspect::stillness;
-use nastic_case::warning::Warning;
+use nastic_case::lower::CaseProblem;
 use nastic_control::StateFields;
 use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
 use nastic_fem::{Modes, SolveReport};
 use nastic_language::number::short;
 use nastic_numeric::format::scientific;
+use nastic_report::record::RunRecord;
 use nastic_result::collections::write_collections;
+use nastic_result::files::Directory;
 use nastic_result::inspection::Inspection;
 use nastic_result::picture::Drawing;
 use nastic_result::target_files::write_targets;
@@ -23,73 +27,83 @@ use nastic_result::title::title;
 use nastic_result::{controls, picture, snapshot};
 
 /// The equilibrium at the start controls, with its modes or others beside it.
-pub(crate) fn equilibrium(session: &mut Session<'_>, analysis: &Analysis) -> Result<Exit, RunError> {
+pub(crate) fn equilibrium(
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
+    analysis: &Analysis,
+) -> Result<Exit, RunError> {
+    let CommandContext { input, destination, console } = context;
     if *analysis == Analysis::ExactContact {
-        exact_contact::check(session)?;
+        exact_contact::check(input, destination)?;
     }
     if *analysis == Analysis::HalfThickness {
-        half_thickness::check(&session.problem)?;
+        half_thickness::check(&input.problem)?;
     }
-    let mut point = session.evaluate_start(&mut EnsembleWorkspace::default())?;
+    let mut point = evaluate_start(context, findings, &mut EnsembleWorkspace::default())?;
     if *analysis == Analysis::Minimum {
-        point = session.timed("descent", |session| minimum::descend(session, point))?;
+        point = findings.timed(console, "descent", |_| minimum::descend(context, point))?;
     }
-    let found = session.inspect(motion::state_name(&session.problem), &point);
-    let still = session.problem.members().zip(&point.members);
-    let still: Vec<Warning> = still.filter_map(|(member, at)| stillness(member, [at.state()])).collect();
-    still.into_iter().for_each(|warning| session.warn(warning));
-    report(session, &point, &found)?;
+    let found = findings.inspect(input, console, motion::state_name(&input.problem), &point);
+    let still = input.problem.members().zip(&point.members);
+    findings.warn_all(console, still.filter_map(|(member, at)| stillness(member, [at.state()])));
+    report(context, findings, &point, &found)?;
     let modes = match analysis {
-        Analysis::Modes(count) => session.timed("modes", |session| modes::find(session, &point, *count))?,
+        Analysis::Modes(count) => {
+            findings.timed(console, "modes", |_| modes::find(input, destination, &point, *count))?
+        }
         _ => Vec::new(),
     };
-    modes::report(session, &modes);
-    session.timed("write", |session| write(session, &point, &found, &[], &modes))?;
+    modes::report(&input.problem, console, findings, &modes);
+    findings.write(console, destination, |own, out| write(&input.problem, own, &point, &found, &[], &modes, out))?;
     let exit = match analysis {
-        Analysis::Equilibria(count) => equilibria::run(session, &point, *count)?,
-        Analysis::ExactContact => exact_contact::run(session, &point)?,
-        Analysis::HalfThickness => half_thickness::run(session, &point)?,
+        Analysis::Equilibria(count) => equilibria::run(context, findings, &point, *count)?,
+        Analysis::ExactContact => exact_contact::run(context, findings, &point)?,
+        Analysis::HalfThickness => half_thickness::run(context, findings, &point)?,
         _ => Exit::Done,
     };
-    show(session, point, None, found);
+    show(&input.problem, findings, point, None, found);
     Ok(exit)
 }
 
 /// Keeps the equilibria at the start controls for the caller of the command.
 pub(crate) fn show(
-    session: &mut Session<'_>,
+    problem: &CaseProblem,
+    findings: &mut CommandFindings,
     point: EnsemblePoint,
     derivative: Option<Vec<f64>>,
     inspections: Vec<Inspection>,
 ) {
-    let subtitle = subtitle(session, point.members.iter().map(|at| at.min_j()).fold(f64::INFINITY, f64::min));
-    let what = motion::state_name(&session.problem);
-    session.shown = Some(Shown { what, subtitle, point, derivative, start: None, inspections });
+    let subtitle = subtitle(problem, findings, point.members.iter().map(|at| at.min_j()).fold(f64::INFINITY, f64::min));
+    let what = motion::state_name(problem);
+    findings.shown = Some(Shown { what, subtitle, point, derivative, start: None, inspections });
 }
 
 /// The line below the title of a picture.
-fn subtitle(session: &Session<'_>, min_j: f64) -> String {
-    let distance = picture::distance(&session.record.state, session.problem.units().length().symbol);
-    let what = motion::state_name(&session.problem);
-    let at = if session.problem.start.is_empty() { "" } else { " at the start controls" };
-    format!("{what}{at}, min J {}{distance}{}", short(min_j), session.warned())
+fn subtitle(problem: &CaseProblem, findings: &CommandFindings, min_j: f64) -> String {
+    let distance = picture::distance(&findings.record.state, problem.units().length().symbol);
+    let what = motion::state_name(problem);
+    let at = if problem.start.is_empty() { "" } else { " at the start controls" };
+    format!("{what}{at}, min J {}{distance}{}", short(min_j), findings.warned())
 }
 
 /// Puts what the equilibria are into the result and says it.
-pub(crate) fn report(session: &mut Session<'_>, point: &EnsemblePoint, found: &[Inspection]) -> Result<(), RunError> {
-    let entries = session.entries(point, found)?;
-    session.record.state = entries;
-    session.record.controls = Some(controls::controls(&session.problem, &point.m, 0));
-    session.record.load_steps = point.members.iter().map(|at| at.state().report.load_steps).max();
-    say(session, point);
-    session.report_contacts(point);
-    session.look_at_unmet(point)?;
-    Ok(())
+pub(crate) fn report(
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
+    point: &EnsemblePoint,
+    found: &[Inspection],
+) -> Result<(), RunError> {
+    let CommandContext { input, destination, console } = context;
+    findings.record.state = entries(input, destination, point, found)?;
+    findings.record.controls = Some(controls::controls(&input.problem, &point.m, 0));
+    findings.record.load_steps = point.members.iter().map(|at| at.state().report.load_steps).max();
+    say(&input.problem, console, &findings.record, point);
+    contacts::report(&input.problem, console, findings, point);
+    unmet::look_at(context, findings, point)
 }
 
-fn say(session: &Session<'_>, point: &EnsemblePoint) {
+fn say(problem: &CaseProblem, console: &Console, result: &RunRecord, point: &EnsemblePoint) {
     let states = || point.members.iter().map(|at| at.state());
-    let (console, result) = (session.console, &session.record);
     let mut work = SolveReport::default();
     point.members.iter().for_each(|at| work.add_work(&at.work));
     if work.newton == 0 && states().all(|state| state.u.iter().all(|u| *u == 0.0)) {
@@ -97,7 +111,7 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
     }
     let of_steps =
         format!(" in {} load steps ({} cut)", states().map(|state| state.report.load_steps).sum::<usize>(), work.cuts);
-    let moves = session.problem.is_motion();
+    let moves = problem.is_motion();
     let by_levels = work.cycles > 0 && work.factorisations == 0;
     let factors = format!(", {} factorisations ({} reused)", work.factorisations, work.reused);
     console.say(format!(
@@ -129,25 +143,25 @@ fn say(session: &Session<'_>, point: &EnsemblePoint) {
         console
             .say(format!("linear      multigrid: {cycles} cycles on {levels} sets of levels{kept}, {tangents}{then}"));
     }
-    say_stability(session, result);
-    say_cost(session, result);
-    say_members(session, result);
-    say_tracked(session, result);
-    say_probes(session, result);
-    say_reactions(session, result);
+    say_stability(problem, console, result);
+    say_cost(problem, console, result);
+    say_members(console, result);
+    say_tracked(problem, console, result);
+    say_probes(problem, console, result);
+    say_reactions(problem, console, result);
 }
 
 pub(crate) fn write(
-    session: &mut Session<'_>,
+    problem: &CaseProblem,
+    findings: &CommandFindings,
     point: &EnsemblePoint,
     found: &[Inspection],
     records: &[motion::Record],
     modes: &[Modes],
-) -> Result<(), RunError> {
-    let Some(out) = session.out.clone() else { return Ok(()) };
-    let problem = &session.problem;
+    out: &Directory,
+) -> Result<Vec<String>, RunError> {
     // first the numbers of a motion, which nothing else holds
-    let of_motion = motion::write(problem, records, &out)?;
+    let of_motion = motion::write(problem, records, out)?;
     let mut files = Vec::new();
     for (member, at) in problem.members().zip(&point.members) {
         let found = found.get(member.index());
@@ -163,21 +177,20 @@ pub(crate) fn write(
         let ghosts = motion::ghosts(records, member, at)?;
         let drawing = Drawing {
             title: title(member),
-            subtitle: subtitle(session, at.min_j()) + &picture::legend(&shot),
+            subtitle: subtitle(problem, findings, at.min_j()) + &picture::legend(&shot),
             body: (motion::state_name(problem), &shot),
             ghosts: picture::named(&ghosts),
             scenarios: Vec::new(),
             mean: None,
         };
-        let draw = || picture::write(member, picture::compose(member, &drawing), &out);
+        let draw = || picture::write(member, picture::compose(member, &drawing), out);
         let (written, drawn) = rayon::join(write, draw);
         files.extend(written?);
         drawn?;
         files.extend(["picture.png", "picture.svg"].map(|name| member.case_file(name)));
     }
-    files.extend(write_targets(problem, &out)?);
-    files.extend(write_collections(problem, "start", &out)?);
+    files.extend(write_targets(problem, out)?);
+    files.extend(write_collections(problem, "start", out)?);
     files.extend(of_motion);
-    say_files(session, files);
-    Ok(())
+    Ok(files)
 }

@@ -1,8 +1,7 @@
 //! `nastic solve --exact-contact`: the equilibrium whose contacts have no layer, beside the one that has.
 
 use crate::run::error::{Exit, RunError};
-use crate::run::report::say_files;
-use crate::run::session::Session;
+use crate::run::session::{CommandContext, CommandFindings, CommandInput, Destination};
 use nastic_control::{ControlError, StateFields};
 use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{ExactEquilibrium, Feature, Instant, Progress, SolveOptions, StateError, Touch, Workspace};
@@ -13,42 +12,54 @@ use nastic_report::record::ExactContactRecord;
 use nastic_result::snapshot;
 
 /// Refuses what does not go with it, before anything is solved.
-pub(super) fn check(session: &Session<'_>) -> Result<(), RunError> {
-    for (index, member) in session.problem.members().enumerate() {
+pub(super) fn check(input: &CommandInput, destination: &Destination) -> Result<(), RunError> {
+    for (index, member) in input.problem.members().enumerate() {
         let supported = member.solid().model().properties().supports(Feature::ExactContact);
-        supported.map_err(|error| session.member_failed(index, ControlError::from(StateError::from(error))))?;
+        supported
+            .map_err(|error| destination.member_failed(input, index, ControlError::from(StateError::from(error))))?;
     }
     Ok(())
 }
 
 /// Solves, says and writes it for every member.
-pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Exit, RunError> {
+pub(super) fn run(
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
+    point: &EnsemblePoint,
+) -> Result<Exit, RunError> {
+    let CommandContext { destination, console, .. } = context;
     let mut files = Vec::new();
     for index in 0..point.members.len() {
-        files.extend(session.timed("exact contact", |session| of_member(session, point, index))?);
+        files.extend(findings.timed(console, "exact contact", |findings| of_member(context, findings, point, index))?);
     }
-    if session.out.is_some() {
-        say_files(session, files);
+    if destination.out.is_some() {
+        findings.say_files(console, files);
     }
     Ok(Exit::Done)
 }
 
-fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> Result<Vec<String>, RunError> {
-    let (member, at) = (session.problem.member(index), &point.members[index]);
+fn of_member(
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
+    point: &EnsemblePoint,
+    index: usize,
+) -> Result<Vec<String>, RunError> {
+    let CommandContext { input, destination, console } = context;
+    let (member, at) = (input.problem.member(index), &point.members[index]);
     let progress = |now: &Progress| {
         let line = format!("exact contact: Newton iteration {}, residual {:.1e}", now.newton, now.residual);
-        session.console.progress(now.newton, line);
+        console.progress(now.newton, line);
     };
-    let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+    let how = SolveOptions { cancel: Some(&input.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let model = member.solid().model();
     let found = model.stability().exact_contact(at.state(), &how, &mut Workspace::default());
-    let found = found.map_err(|error| session.member_failed(index, ControlError::from(error)))?;
+    let found = found.map_err(|error| destination.member_failed(input, index, ControlError::from(error)))?;
     let layered = model.contacts().touches(&Instant::of(at.state()));
     let touches = found.model.contacts().touches(&Instant::of(&found.state));
     let units = member.problem().units();
     let moved = found.state.u.iter().zip(at.state().u.iter()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let inside = member.inside();
-    session.console.say(format!(
+    console.say(format!(
         "exact       contact without a layer, {} further equilibria, gaps {} of the layer, {} almost without a pressure: the body moves by at most {}{inside}",
         found.rounds,
         scientific(found.violation, 1),
@@ -62,7 +73,7 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
         } else {
             String::new()
         };
-        session.console.say(format!(
+        console.say(format!(
             "            {name} pushes with {} {}, largest pressure {}{change}",
             vector(&exact.force[..member.mesh().dim()]),
             units.force().symbol,
@@ -72,13 +83,13 @@ fn of_member(session: &mut Session<'_>, point: &EnsemblePoint, index: usize) -> 
     let entry = entry(&found, moved, &touches, member.mesh().dim());
     let name = format!("{}.vtu", member.file("exact_contact"));
     let mut files = Vec::new();
-    if let Some(out) = &session.out {
+    if let Some(out) = &destination.out {
         let shot = snapshot::iterate(member, &StateFields::new(&found.state, &at.m, at.stage))?;
         let pressures = found.model.contacts().nodal_pressures(&Instant::of(&found.state)).unwrap_or_default();
         out.write_vtu(&name, &shot.with_points("contact_pressure", 1, pressures).map_err(ControlError::from)?)?;
         files.push(name);
     }
-    session.entries_of(index).exact_contact = Some(entry);
+    findings.entries_of(member).exact_contact = Some(entry);
     Ok(files)
 }
 

@@ -1,8 +1,9 @@
 //! `nastic solve --half-thickness`: the state whose contacts have layers half as thick, beside the one that was asked for.
 
+use crate::console::Console;
 use crate::run::error::{Exit, RunError};
 use crate::run::motion;
-use crate::run::session::{START_ACCURACY, Session};
+use crate::run::session::{CommandContext, CommandFindings, START_ACCURACY};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::Evaluated;
 use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
@@ -26,19 +27,24 @@ pub(super) fn check(problem: &CaseProblem) -> Result<(), RunError> {
 }
 
 /// Solves, says and puts it into the result, for every member.
-pub(super) fn run(session: &mut Session<'_>, point: &EnsemblePoint) -> Result<Exit, RunError> {
-    let (problem, thin) = session.timed("half thickness", |session| {
-        let problem = session.problem.with_thinner_layers(HALF, session.signal.clone())?;
+pub(super) fn run(
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
+    point: &EnsemblePoint,
+) -> Result<Exit, RunError> {
+    let CommandContext { input, destination, console } = context;
+    let (problem, thin) = findings.timed(console, "half thickness", |_| {
+        let problem = input.problem.with_thinner_layers(HALF, input.signal.clone())?;
         let how = Request { accuracy: START_ACCURACY, ..Request::default() };
         let found = problem.ensemble.evaluate(&problem.start, &how, &mut EnsembleWorkspace::default());
-        session.console.clear();
-        let thin = found.map_err(|failed| session.evaluation_failed(&failed))?;
+        console.clear();
+        let thin = found.map_err(|failed| destination.evaluation_failed(input, &failed))?;
         Ok::<_, RunError>((problem, thin))
     })?;
     for index in 0..point.members.len() {
-        let whole = (session.problem.member(index), &point.members[index]);
-        let entry = say(session, whole, (problem.member(index), &thin.members[index]));
-        session.entries_of(index).half_thickness = Some(entry);
+        let whole = (input.problem.member(index), &point.members[index]);
+        let entry = say(console, whole, (problem.member(index), &thin.members[index]));
+        findings.entries_of(input.problem.member(index)).half_thickness = Some(entry);
     }
     Ok(Exit::Done)
 }
@@ -54,7 +60,7 @@ fn touches(member: CaseMember<'_>, at: &Evaluated) -> Vec<(String, Touch)> {
 
 /// Says what halving the layers changes in a member.
 fn say(
-    session: &Session<'_>,
+    console: &Console,
     whole: (CaseMember<'_>, &Evaluated),
     half: (CaseMember<'_>, &Evaluated),
 ) -> HalfThicknessRecord {
@@ -65,7 +71,7 @@ fn say(
     let largest = |values: &mut dyn Iterator<Item = f64>| values.map(f64::abs).fold(0.0, f64::max);
     let change = largest(&mut of_half.iter().zip(&of_whole).map(|(a, b)| a - b));
     let displacement = largest(&mut of_half.iter().copied());
-    session.console.say(format!(
+    console.say(format!(
         "half        layers half as thick: displacements, {} at most, change by at most {}{}",
         length(displacement),
         length(change),
@@ -77,7 +83,7 @@ fn say(
         let changed =
             if before.pressing > 0.0 { format!(", changed by {} %", short(round(percent))) } else { String::new() };
         let force = format!("normal forces sum to {} {}{changed}", short(after.pressing), units.force().symbol);
-        session.console.say(format!(
+        console.say(format!(
             "            {name}: {force}, smallest gap {} instead of {}",
             length(after.smallest_gap),
             length(before.smallest_gap)

@@ -1,7 +1,7 @@
 //! `nastic solve --minimum`: on from an unstable equilibrium to a stable one.
 
 use crate::run::error::RunError;
-use crate::run::session::Session;
+use crate::run::session::CommandContext;
 use nastic_control::{ControlError, SolvedStates};
 use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{SolveOptions, Workspace};
@@ -10,16 +10,17 @@ use nastic_numeric::format::scientific;
 use nastic_opt::Objective;
 
 /// The point with every member's state taken down to a minimum of its potential, costs valued there.
-pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Result<EnsemblePoint, RunError> {
+pub(super) fn descend(context: CommandContext<'_>, mut point: EnsemblePoint) -> Result<EnsemblePoint, RunError> {
+    let CommandContext { input, destination, console } = context;
     let mut work = Vec::new();
     for index in 0..point.members.len() {
-        let (member, at) = (session.problem.member(index), &point.members[index]);
-        let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
+        let (member, at) = (input.problem.member(index), &point.members[index]);
+        let how = SolveOptions { cancel: Some(&input.cancel), ..SolveOptions::default() };
         let found = member.solid().model().stability().descend(at.state(), &how, &mut Workspace::default());
-        let found = found.map_err(|error| session.member_failed(index, ControlError::from(error)))?;
+        let found = found.map_err(|error| destination.member_failed(input, index, ControlError::from(error)))?;
         if found.saddles > 0 {
             let (from, to) = (at.state().report.energy, found.state.report.energy);
-            session.console.say(format!(
+            console.say(format!(
                 "descent     potential from {} to {}, by {}{}",
                 short(from),
                 short(to),
@@ -32,14 +33,14 @@ pub(super) fn descend(session: &mut Session<'_>, mut point: EnsemblePoint) -> Re
         if found.saddles > 0 {
             report.add_work(&at.work);
         } else {
-            session.console.say("descent     the equilibrium is stable already");
+            console.say("descent     the equilibrium is stable already");
         }
         work.push(report);
         let solved = &mut point.members[index].solved;
         *solved = SolvedStates::one(found.state, solved.accuracy);
     }
-    let restaged = session.problem.ensemble.restage(0, &point);
-    let mut point = restaged.map_err(|failed| session.evaluation_failed(&failed))?;
+    let restaged = input.problem.ensemble.restage(0, &point);
+    let mut point = restaged.map_err(|failed| destination.evaluation_failed(input, &failed))?;
     // Valuing again is no work of a solve.
     point.members.iter_mut().zip(work).for_each(|(at, work)| at.work = work);
     Ok(point)

@@ -1,7 +1,8 @@
 //! `nastic solve --modes N`: eigenvalues and modes of the tangent at the equilibrium.
 
+use crate::console::Console;
 use crate::run::error::RunError;
-use crate::run::session::Session;
+use crate::run::session::{CommandFindings, CommandInput, Destination};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_control::ControlError;
 use nastic_ensemble::EnsemblePoint;
@@ -15,27 +16,33 @@ use nastic_report::record::{ModesRecord, numbers};
 const STIFFNESS: Dimension = Dimension::of(-4, 1, 0, 0);
 
 /// The modes of every member, in their order.
-pub(super) fn find(session: &Session<'_>, point: &EnsemblePoint, count: usize) -> Result<Vec<Modes>, RunError> {
-    let how = SolveOptions { cancel: Some(&session.cancel), ..SolveOptions::default() };
-    for member in session.problem.members() {
+pub(super) fn find(
+    input: &CommandInput,
+    destination: &Destination,
+    point: &EnsemblePoint,
+    count: usize,
+) -> Result<Vec<Modes>, RunError> {
+    let how = SolveOptions { cancel: Some(&input.cancel), ..SolveOptions::default() };
+    for member in input.problem.members() {
         let free = member.solid().supports().fixed().iter().filter(|&&fixed| !fixed).count();
         if count > free {
             let what = format!("--modes {count}: the body has {free} free unknowns; ask for 1 to {free} modes");
-            return Err(session.problem.complain("mesh", what).into());
+            return Err(input.problem.complain("mesh", what).into());
         }
     }
     let of = |(member, at): (CaseMember<'_>, &nastic_control::Evaluated)| {
         let modes = member.solid().modes(at.state(), count, &how);
-        modes.map_err(|error| session.member_failed(member.index(), ControlError::from(error)))
+        modes.map_err(|error| destination.member_failed(input, member.index(), ControlError::from(error)))
     };
-    session.problem.members().zip(&point.members).map(of).collect()
+    input.problem.members().zip(&point.members).map(of).collect()
 }
 
 /// Puts eigenvalues into the result and says them.
-pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
-    let unit = unit(&session.problem);
+pub(super) fn report(problem: &CaseProblem, console: &Console, findings: &mut CommandFindings, modes: &[Modes]) {
+    let unit = unit(problem);
     for (index, own) in modes.iter().enumerate() {
-        session.entries_of(index).modes = ModesRecord {
+        let member = problem.member(index);
+        let record = ModesRecord {
             eigenvalues: Some(numbers(&own.eigenvalues)),
             negative: Some(own.negative),
             counted: Some(own.counted),
@@ -44,11 +51,12 @@ pub(super) fn report(session: &mut Session<'_>, modes: &[Modes]) {
             unit: Some(unit.clone()),
             ..ModesRecord::default()
         };
-        let (inside, how) = (session.problem.member(index).inside(), session.entries_of(index).modes.how_found());
-        session.console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}{how}"));
+        let (inside, how) = (member.inside(), record.how_found());
+        findings.entries_of(member).modes = record;
+        console.say(format!("modes       K phi = lambda M phi, M the volumes of the nodes{inside}{how}"));
         for (k, lambda) in own.eigenvalues.iter().enumerate() {
             let remark = if k < own.negative { "  unstable" } else { "" };
-            session.console.say(format!("  {:>9} {:>16} {unit}{remark}", k + 1, scientific(*lambda, 6)));
+            console.say(format!("  {:>9} {:>16} {unit}{remark}", k + 1, scientific(*lambda, 6)));
         }
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::run::error::{Exit, RunError};
 use crate::run::motion;
-use crate::run::session::Session;
+use crate::run::session::{CommandContext, Opened};
 use crate::run::solve::equilibrium::{report, show, write};
 use crate::run::solve::half_thickness;
+use crate::run::time_steps;
 use crate::saved::motion_checkpoint::MotionCheckpoint;
 use nastic_case::analysis::Analysis;
 use nastic_case::inspect::stillness;
@@ -14,48 +15,49 @@ use std::mem::take;
 
 /// The motion at the start controls, from the beginning or from a checkpoint.
 pub(super) fn run(
-    session: &mut Session<'_>,
+    opened: &mut Opened<'_>,
     from: Option<MotionCheckpoint>,
     analysis: &Analysis,
 ) -> Result<Exit, RunError> {
     if *analysis == Analysis::HalfThickness {
-        half_thickness::check(&session.problem)?;
+        half_thickness::check(&opened.input.problem)?;
     }
-    session.find_steps()?;
-    let (point, records) = motion::solve(session, from)?;
-    let found = session.inspect(motion::state_name(&session.problem), &point);
-    session.warn_of_motions(&records);
+    time_steps::find(opened)?;
+    let (context, findings) = opened.parts();
+    let CommandContext { input, destination, console } = context;
+    let (point, records) = motion::solve(context, findings, from)?;
+    let found = findings.inspect(input, console, motion::state_name(&input.problem), &point);
+    motion::warn(&input.problem, console, findings, &records);
     for record in &records {
-        let found = stillness(session.problem.member(record.member), &record.shown);
-        found.into_iter().for_each(|warning| session.warn(warning));
+        findings.warn_all(console, stillness(input.problem.member(record.member), &record.shown));
     }
-    report(session, &point, &found)?;
-    session.report_motions(&records, &point);
-    session.timed("write", |session| write(session, &point, &found, &records, &[]))?;
+    report(context, findings, &point, &found)?;
+    motion::report(input, console, findings, &records, &point);
+    findings.write(console, destination, |own, out| write(&input.problem, own, &point, &found, &records, &[], out))?;
     if *analysis == Analysis::HalfThickness {
-        half_thickness::run(session, &point)?;
+        half_thickness::run(context, findings, &point)?;
     }
-    show(session, point, None, found);
+    show(&input.problem, findings, point, None, found);
     Ok(Exit::Done)
 }
 
 /// Goes on with a motion that was stopped.
-pub(in crate::run) fn resume(session: &mut Session<'_>, mut checkpoint: MotionCheckpoint) -> Result<Exit, RunError> {
-    if session.options.spectrum.is_some() {
+pub(in crate::run) fn resume(opened: &mut Opened<'_>, mut checkpoint: MotionCheckpoint) -> Result<Exit, RunError> {
+    let input = &opened.input;
+    if input.options.spectrum.is_some() {
         let message = "--spectrum looks at optima, and this resumes the motion of nastic solve: leave it out";
-        return Err(session.problem.complain("time", message).into());
+        return Err(input.problem.complain("time", message).into());
     }
-    session.restore_steps(take(&mut checkpoint.steps))?;
+    time_steps::restore(opened, take(&mut checkpoint.steps))?;
+    let Opened { console, findings, .. } = opened;
     let places = checkpoint.places();
     let shown = places.iter().map(usize::to_string).collect::<Vec<_>>().join(", ");
-    session.console.say(format!("resumed     the motion goes on behind step {shown}"));
+    console.say(format!("resumed     the motion goes on behind step {shown}"));
     let repeated = checkpoint.reached().into_iter().zip(&places).map(|(reached, place)| reached - place).max();
     if let Some(most) = repeated.filter(|most| *most > 0) {
         let again = count(most, "step");
-        session
-            .console
-            .say(format!("            {again} behind it are in the results already and are computed once more"));
+        console.say(format!("            {again} behind it are in the results already and are computed once more"));
     }
-    session.record.resumed = ResumedRecord { steps: Some(places), ..ResumedRecord::default() };
-    run(session, Some(checkpoint), &Analysis::Equilibrium)
+    findings.record.resumed = ResumedRecord { steps: Some(places), ..ResumedRecord::default() };
+    run(opened, Some(checkpoint), &Analysis::Equilibrium)
 }

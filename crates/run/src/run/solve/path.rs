@@ -1,8 +1,7 @@
 //! `nastic solve --path`: the equilibrium path from rest to the start controls and full loads, through limit points.
 
 use crate::run::error::{Exit, RunError};
-use crate::run::report::say_files;
-use crate::run::session::Session;
+use crate::run::session::{CommandContext, Opened};
 use crate::run::solve::series::{Row, Series};
 use nastic_case::lower::CaseMember;
 use nastic_case::warning::Warning;
@@ -19,8 +18,9 @@ use nastic_result::summary;
 const NAMED: usize = 3;
 
 /// `to_limit`: to the first limit point, if there is one.
-pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, RunError> {
-    let unscaled = session.problem.members().find_map(|member| {
+pub(super) fn run(opened: &mut Opened<'_>, to_limit: bool) -> Result<Exit, RunError> {
+    let Opened { input, destination, .. } = opened;
+    let unscaled = input.problem.members().find_map(|member| {
         member
             .fields()
             .find(|(block, _)| is_load(member, block) && !block.is_proportional())
@@ -30,28 +30,30 @@ pub(super) fn run(session: &mut Session<'_>, to_limit: bool) -> Result<Exit, Run
         let message = format!(
             "--path: the values of \"{name}\" are no shares of themselves on the way from rest, with what is fixed or projected: give each state a start of its own, nastic sweep CASE --set controls/K/start=A,B"
         );
-        let error = session.problem.complain("controls", message).into();
-        return Err(session.refuse(error));
+        let error = input.problem.complain("controls", message).into();
+        return Err(destination.refuse(error));
     }
+    let (context, findings) = opened.parts();
+    let CommandContext { input, destination, console } = context;
     let mut files = Vec::new();
     let mut exit = Exit::Done;
-    for index in 0..session.problem.members().count() {
-        let shown = session.timed("solve", |session| of_member(session, index, to_limit))?;
+    for index in 0..input.problem.members().count() {
+        let shown = findings.timed(console, "solve", |_| of_member(context, index, to_limit))?;
         let PathFindings { entry, files: own, stopped, warnings } = shown;
-        warnings.into_iter().for_each(|warning| session.warn(warning));
-        session.entries_of(index).path = Some(entry);
+        findings.warn_all(console, warnings);
+        findings.entries_of(input.problem.member(index)).path = Some(entry);
         files.extend(own);
         if let Some((how, why)) = stopped {
-            session.console.say(format!("STOPPED     {why}"));
-            session.record.error = Some(why);
+            console.say(format!("STOPPED     {why}"));
+            findings.record.error = Some(why);
             exit = if exit == Exit::ForwardFailed { exit } else { how };
-            if session.is_cancelled() {
+            if input.is_cancelled() {
                 break;
             }
         }
     }
-    if session.out.is_some() {
-        say_files(session, files);
+    if destination.out.is_some() {
+        findings.say_files(console, files);
     }
     Ok(exit)
 }
@@ -65,25 +67,26 @@ struct PathFindings {
     warnings: Vec<Warning>,
 }
 
-fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<PathFindings, RunError> {
-    let member = session.problem.member(index);
-    let start = member.local(&session.problem.start);
-    let failed = |error: ControlError| session.member_failed(index, error);
+fn of_member(context: CommandContext<'_>, index: usize, to_limit: bool) -> Result<PathFindings, RunError> {
+    let CommandContext { input, destination, console } = context;
+    let member = input.problem.member(index);
+    let start = member.local(&input.problem.start);
+    let failed = |error: ControlError| destination.member_failed(input, index, error);
     let controls = member.reduced().layout_in_stage(0).to_points(&start).map_err(failed)?;
 
     let mut series = Series::new(member, "path", ("s".to_owned(), String::new()));
     let inside = member.inside();
-    session.console.say(format!("path        from rest (s = 0) to the start controls and full loads (s = 1){inside}"));
-    session.console.say(series.header());
+    console.say(format!("path        from rest (s = 0) to the start controls and full loads (s = 1){inside}"));
+    console.say(series.header());
     let progress = |now: &Progress| {
         let line = format!("s {:.4}, Newton iteration {}, residual {:.1e}", now.load, now.newton, now.residual);
-        session.console.progress(now.newton, line);
+        console.progress(now.newton, line);
     };
-    let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+    let how = SolveOptions { cancel: Some(&input.cancel), watch: Some(&progress), ..SolveOptions::default() };
     let mut found = |point: &PathPoint| {
         let (m, state) = (controls_at(member, &start, point.s), point.state.clone());
         let row = Row { parameter: point.s, m, newton: state.report.newton, state, negative: point.negative };
-        session.console.say(series.line(&row));
+        console.say(series.line(&row));
         series.rows.push(row);
     };
     let model = member.solid().model();
@@ -94,10 +97,10 @@ fn of_member(session: &Session<'_>, index: usize, to_limit: bool) -> Result<Path
     let shown = |event: &PathEvent| layout.described(&controls_at(member, &start, event.s)).map_err(failed);
     let controls: Vec<Vec<ControlAt>> = path.events.iter().map(shown).collect::<Result<_, _>>()?;
     let events = path.events.iter().zip(&controls);
-    events.clone().for_each(|(event, controls)| session.console.say(line(event, controls)));
+    events.clone().for_each(|(event, controls)| console.say(line(event, controls)));
     let warnings = series.inspect();
 
-    let files = match &session.out {
+    let files = match &destination.out {
         Some(out) => series.write(&chart(&series, &path), out)?,
         None => Vec::new(),
     };

@@ -1,8 +1,9 @@
 //! `nastic solve --ramp CONTROL=FROM:TO:N`: equilibria with one control going from one value to another.
 
+use crate::console::Console;
 use crate::run::error::{Exit, RunError};
-use crate::run::report::{remove_earlier, say_files};
-use crate::run::session::Session;
+use crate::run::report::remove_earlier;
+use crate::run::session::{CommandContext, CommandFindings, Opened};
 use crate::run::solve::ramp_failure::RampFailure;
 use crate::run::solve::ramp_jumps::jumps;
 use crate::run::solve::series::{Row, Series};
@@ -29,39 +30,37 @@ struct Asked {
     count: usize,
 }
 
-pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunError> {
-    let complain =
-        |session: &Session<'_>, what: String| session.problem.complain("controls", format!("--ramp: {what}"));
-    let asked = Asked::parse(text, session.problem.units()).map_err(|what| {
-        let error = complain(session, what).into();
-        session.refuse(error)
-    })?;
-    let members = 0..session.problem.members().count();
-    let owners: Vec<usize> = members.filter(|&k| asked.field(session.problem.member(k)).is_some()).collect();
+pub(super) fn run(opened: &mut Opened<'_>, text: &str) -> Result<Exit, RunError> {
+    let Opened { input, destination, .. } = opened;
+    let complain = |what: String| RunError::from(input.problem.complain("controls", format!("--ramp: {what}")));
+    let asked = Asked::parse(text, input.problem.units()).map_err(|what| destination.refuse(complain(what)))?;
+    let members = 0..input.problem.members().count();
+    let owners: Vec<usize> = members.filter(|&k| asked.field(input.problem.member(k)).is_some()).collect();
     if owners.is_empty() {
-        let known: Vec<&str> = session.problem.controls.iter().map(|field| field.name.as_str()).collect();
+        let known: Vec<&str> = input.problem.controls.iter().map(|field| field.name.as_str()).collect();
         let what = match known.is_empty() {
             true => "the case has no controls to ramp; --path raises loads and displacements".to_owned(),
             false => format!("control \"{}\" not found; there are: {}", asked.control, known.join(", ")),
         };
-        let error = complain(session, what).into();
-        return Err(session.refuse(error));
+        return Err(destination.refuse(complain(what)));
     }
-    remove_earlier(session)?;
+    let (context, findings) = opened.parts();
+    let CommandContext { input, destination, console } = context;
+    remove_earlier(input, destination)?;
     let mut files = Vec::new();
     let mut exit = Exit::Done;
     for index in owners {
-        asked.doubt(session, index);
-        let (entry, own, failure, warnings) = session.timed("solve", |session| asked.of_member(session, index))?;
-        warnings.into_iter().for_each(|warning| session.warn(warning));
-        session.entries_of(index).ramp = Some(entry);
+        asked.doubt(input.problem.member(index), console, findings);
+        let (entry, own, failure, warnings) = findings.timed(console, "solve", |_| asked.of_member(context, index))?;
+        findings.warn_all(console, warnings);
+        findings.entries_of(input.problem.member(index)).ramp = Some(entry);
         files.extend(own);
         if let Some((why, error)) = failure {
-            let member = session.problem.member(index).name();
+            let member = input.problem.member(index).name();
             let member = if member.is_empty() { member } else { format!("{member}: ") };
             let what = format!("{member}the ramp stops at {why}");
-            session.console.say(format!("STOPPED     {what}"));
-            session.record.error = Some(what);
+            console.say(format!("STOPPED     {what}"));
+            findings.record.error = Some(what);
             if matches!(error, StateError::Cancelled) {
                 exit = if exit == Exit::Done { Exit::NotConverged } else { exit };
                 break;
@@ -69,8 +68,8 @@ pub(super) fn run(session: &mut Session<'_>, text: &str) -> Result<Exit, RunErro
             exit = Exit::ForwardFailed;
         }
     }
-    if session.out.is_some() {
-        say_files(session, files);
+    if destination.out.is_some() {
+        findings.say_files(console, files);
     }
     Ok(exit)
 }
@@ -124,19 +123,19 @@ impl Asked {
     }
 
     /// Warns, before anything is solved, of an end that was hardly meant.
-    fn doubt(&self, session: &mut Session<'_>, index: usize) {
-        let member = session.problem.member(index);
+    fn doubt(&self, member: CaseMember<'_>, console: &Console, findings: &mut CommandFindings) {
         let Some((block, field)) = self.field(member) else { return };
         let Ok(ends) = self.ends(member, block) else { return };
         let doubt = |end: &f64| doubt_of_ramp(member.case(), field, *end, member.solid());
         if let Some(why) = ends.iter().rev().find_map(doubt) {
-            session.warn(Warning::new(&BOUNDS, why));
+            findings.warn(console, Warning::new(&BOUNDS, why));
         }
     }
 
     /// The result's entry, the files, where it failed, and what deserves attention.
-    fn of_member(&self, session: &Session<'_>, index: usize) -> Result<RampFindings, RunError> {
-        let problem = &session.problem;
+    fn of_member(&self, context: CommandContext<'_>, index: usize) -> Result<RampFindings, RunError> {
+        let CommandContext { input, destination, console } = context;
+        let problem = &input.problem;
         let member = problem.member(index);
         let complain = |what: String| RunError::from(problem.complain("controls", format!("--ramp: {what}")));
         let Some((block, field)) = self.field(member) else { return Err(complain(self.control.clone())) };
@@ -148,30 +147,30 @@ impl Asked {
             m
         };
         let points = |value: f64| member.reduced().layout_in_stage(0).to_points(&at(value));
-        let failed = |error: ControlError| session.member_failed(index, error);
+        let failed = |error: ControlError| destination.member_failed(input, index, error);
         let (first, last) = (points(from).map_err(failed)?, points(to).map_err(failed)?);
 
         let mut series = Series::new(member, "ramp", (field.array.clone(), field.unit.clone()));
         let inside = member.inside();
         let ends = format!("{} to {} {}", short(from), short(to), field.unit);
-        session.console.say(format!("ramp        {} from {ends} in {} equilibria{inside}", field.array, self.count));
-        session.console.say(series.header());
+        console.say(format!("ramp        {} from {ends} in {} equilibria{inside}", field.array, self.count));
+        console.say(series.header());
         let progress = |now: &Progress| {
             let line = format!("Newton iteration {}, residual {:.1e}", now.newton, now.residual);
-            session.console.progress(now.newton, line);
+            console.progress(now.newton, line);
         };
-        let how = SolveOptions { cancel: Some(&session.cancel), watch: Some(&progress), ..SolveOptions::default() };
+        let how = SolveOptions { cancel: Some(&input.cancel), watch: Some(&progress), ..SolveOptions::default() };
         let value = |s: f64| if s == 1.0 { to } else { from + s * (to - from) };
         let mut found = |point: &RampPoint| {
             let (parameter, state) = (value(point.s), point.state.clone());
             let row = Row { parameter, m: at(parameter), newton: state.report.newton, state, negative: point.negative };
-            session.console.say(series.line(&row));
+            console.say(series.line(&row));
             series.rows.push(row);
         };
         let model = member.solid().model();
         let ramp = model.stability().ramp(&first, &last, self.count, &how, &mut Workspace::default(), &mut found);
         let ramp = ramp.map_err(|error| failed(error.into()))?;
-        let critical = critical(session, &ramp, from, to, &field.unit);
+        let critical = critical(console, &ramp, from, to, &field.unit);
         let mut warnings = series.inspect();
         let (jumps, told_of_jumps) = jumps(&series, &how);
         warnings.extend(told_of_jumps);
@@ -180,7 +179,7 @@ impl Asked {
         for point in &ramp.critical {
             chart = chart.mark(value(point.s), &format!("{} > {}", point.before, point.after));
         }
-        let mut files = match &session.out {
+        let mut files = match &destination.out {
             Some(out) if !series.rows.is_empty() => series.write(&chart, out)?,
             _ => Vec::new(),
         };
@@ -190,7 +189,7 @@ impl Asked {
             let stopped = RampFailure { error: &error, before, target: value(s), unit: &field.unit };
             shown = Some(stopped.record(member));
             let (name, m) = (member.file("failure.vtu"), at(stopped.reached()));
-            files.extend(session.write_failure(member, &name, &m, &error)?.map(|_| name));
+            files.extend(destination.write_failure(member, &name, &m, &error)?.map(|_| name));
             failure = Some((format!("{}: {}", stopped.at(), stopped.why()), error));
         }
         let entry = SeriesRecord {
@@ -211,10 +210,10 @@ impl Asked {
 type RampFindings = (SeriesRecord, Vec<String>, Option<(String, StateError)>, Vec<Warning>);
 
 /// Critical values, said and as a list.
-fn critical(session: &Session<'_>, ramp: &Ramp, from: f64, to: f64, unit: &str) -> Vec<PointRecord> {
+fn critical(console: &Console, ramp: &Ramp, from: f64, to: f64, unit: &str) -> Vec<PointRecord> {
     let of = |point: &nastic_fem::CriticalPoint| {
         let (value, error) = (from + point.s * (to - from), 0.5 * point.width * (to - from).abs());
-        session.console.say(format!(
+        console.say(format!(
             "critical    {} {unit} (within {}): from {} to {} negative pivots",
             short(value),
             short(error),

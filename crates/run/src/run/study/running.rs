@@ -6,7 +6,7 @@ use crate::run::conclusion::conclude;
 use crate::run::error::{Exit, RunError};
 use crate::run::options::Options;
 use crate::run::outcome::Outcome;
-use crate::run::session::Session;
+use crate::run::session::Opened;
 use crate::run::states::States;
 use crate::run::study::control_set::ControlSet;
 use crate::run::study::{Optimum, Study, StudyError, record};
@@ -58,16 +58,16 @@ impl Study {
         let cancel = own.unwrap_or_default();
         let run = || -> Result<(Outcome, Option<States>), RunError> {
             let options = Options { no_report, on_trial, spectrum, cancel, ..Options::default() };
-            let mut session = Session::on(Command::Optimize, problem, options, &console, began);
+            let mut opened = Opened::on(Command::Optimize, problem, options, &console, began);
             let exit = match directory {
-                Some(directory) if goes_on && !restart => resume_in(&mut session, optimizer, directory),
+                Some(directory) if goes_on && !restart => resume_in(&mut opened, optimizer, directory),
                 Some(directory) => {
-                    session.enter(directory)?;
-                    optimize::begin(&mut session, optimizer, restart)
+                    opened.destination.enter(&opened.input, directory)?;
+                    optimize::begin(&mut opened, optimizer, restart)
                 }
-                None => optimize::begin(&mut session, optimizer, restart),
+                None => optimize::begin(&mut opened, optimizer, restart),
             };
-            conclude(session, exit, true)
+            conclude(opened, exit, true)
         };
         let (outcome, states) = pool.install(run).map_err(StudyError::of)?;
         match states {
@@ -147,17 +147,17 @@ fn stop_by_signals(console: &Console) -> Arc<AtomicBool> {
 }
 
 /// Goes on where the directory holds a checkpoint of the same problem beyond its start; begins elsewhere.
-fn resume_in(session: &mut Session<'_>, optimizer: &dyn Optimizer, directory: PathBuf) -> Result<Exit, RunError> {
+fn resume_in(opened: &mut Opened<'_>, optimizer: &dyn Optimizer, directory: PathBuf) -> Result<Exit, RunError> {
     match resumption::read(&directory, None) {
         Err(RunError::Checkpoint(CheckpointError::Missing { .. })) => {
-            session.enter(directory)?;
-            optimize::begin(session, optimizer, true)
+            opened.destination.enter(&opened.input, directory)?;
+            optimize::begin(opened, optimizer, true)
         }
         Err(error) => Err(error),
         Ok((out, checkpoint)) => {
-            checkpoint.case.check(&session.problem, &directory)?;
-            session.go_on_in(out, &directory)?;
-            optimize::resume(session, optimizer, checkpoint.position.filter(|position| !position.is_start()))
+            checkpoint.case.check(&opened.input.problem, &directory)?;
+            opened.destination.go_on_in(&opened.input, out, &directory)?;
+            optimize::resume(opened, optimizer, checkpoint.position.filter(|position| !position.is_start()))
         }
     }
 }

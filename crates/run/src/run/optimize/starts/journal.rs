@@ -4,7 +4,7 @@ use crate::console::Console;
 use crate::history::{History, json_line};
 use crate::run::error::RunError;
 use crate::run::optimize::starts::start_run::{FinishedRun, PointBytes, StartRun};
-use crate::run::session::Session;
+use crate::run::session::CommandContext;
 use crate::saved;
 use crate::saved::blocks;
 use crate::saved::case_record::CaseRecord;
@@ -71,10 +71,10 @@ impl Journal {
     ///
     /// # Errors
     /// It cannot be written: that is reported before hours of work.
-    pub fn begin(session: &Session<'_>) -> Result<Self, RunError> {
-        let journal = Self::of(session, None);
+    pub fn begin(context: CommandContext<'_>) -> Result<Self, RunError> {
+        let journal = Self::of(context, None);
         if let Some(out) = &journal.out {
-            match session.problem.case.output.checkpoint {
+            match context.input.problem.case.output.checkpoint {
                 // What lies there belongs to results that are about to be replaced.
                 0 => out.remove(saved::NAME)?,
                 _ => saved::write(out, saved::NAME, &journal.checkpoint.to_bytes())?,
@@ -88,8 +88,8 @@ impl Journal {
     ///
     /// # Errors
     /// That cannot be written.
-    pub fn resume(session: &Session<'_>, from: &Position) -> Result<Self, RunError> {
-        let mut journal = Self::of(session, Some(from.place()));
+    pub fn resume(context: CommandContext<'_>, from: &Position) -> Result<Self, RunError> {
+        let mut journal = Self::of(context, Some(from.place()));
         if let Some(blocks) = &from.blocks {
             (journal.set, journal.has_blocks) = (blocks.set, true);
         }
@@ -99,19 +99,20 @@ impl Journal {
         Ok(journal)
     }
 
-    fn of(session: &Session<'_>, written: Option<Place>) -> Self {
+    fn of(context: CommandContext<'_>, written: Option<Place>) -> Self {
+        let CommandContext { input, destination, console } = context;
         Self {
-            out: session.out.clone(),
-            console: session.console.clone(),
+            out: destination.out.clone(),
+            console: console.clone(),
             checkpoint: Checkpoint {
-                case: CaseRecord::of(&session.problem, &session.options.set),
+                case: CaseRecord::of(&input.problem, &input.options.set),
                 position: None,
                 ended: false,
             },
             history: None,
             earlier: None,
-            at_the_end: session.team_of_starts().is_some(),
-            shared: session.team_of_members().map(|team| (team, session.own_out.clone())),
+            at_the_end: input.team_of_starts().is_some(),
+            shared: input.team_of_members().map(|team| (team, destination.own_out.clone())),
             set: 1,
             has_blocks: false,
             written,

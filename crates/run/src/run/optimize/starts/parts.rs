@@ -1,13 +1,16 @@
 //! Starts in processes of their own: each leaves a checkpoint in a directory of its own; of these the optimisation is joined.
 
 use crate::run::error::{Exit, RunError};
+use crate::run::optimize::minimization::Minimization;
 use crate::run::optimize::starts::journal::{Journal, SharedJournal};
 use crate::run::optimize::starts::round::{RoundEnd, failed};
 use crate::run::optimize::starts::start_run::{Phase, StartRun};
 use crate::run::optimize::starts::table::{failed_entry, seed};
 use crate::run::optimize::starts::{Starts, restored_best, saved_best};
 use crate::run::optimize::{conclude, first_start, make_room, may_replace, spectrum};
-use crate::run::session::Session;
+use crate::run::session::output_directory::{directory, usual_directory};
+use crate::run::session::{CommandContext, CommandFindings, CommandInput, Opened};
+use crate::run::time_steps;
 use crate::saved;
 use crate::saved::CheckpointError;
 use crate::saved::case_record::CaseRecord;
@@ -27,13 +30,13 @@ use std::time::Instant;
 const OWN: [&str; 2] = [saved::NAME, "history.jsonl"];
 
 /// The directory of a start in that of the optimisation.
-fn directory(out: &Path, index: usize) -> PathBuf {
+fn directory_of(out: &Path, index: usize) -> PathBuf {
     out.join(format!("start_{index}"))
 }
 
 /// What must hold of starts that do not know of each other.
-fn check(session: &Session<'_>, optimizer: &dyn Optimizer) -> Result<(), RunError> {
-    let (problem, options) = (&session.problem, &session.problem.case.optimizer);
+fn check(input: &CommandInput, optimizer: &dyn Optimizer) -> Result<(), RunError> {
+    let (problem, options) = (&input.problem, &input.problem.case.optimizer);
     if options.starts < 2 {
         let message = "--part and --join divide the starts of an optimisation, and the case has one: --set optimizer/starts=8 makes eight";
         return Err(problem.complain("optimizer/starts", message.to_owned()).into());
@@ -44,31 +47,30 @@ fn check(session: &Session<'_>, optimizer: &dyn Optimizer) -> Result<(), RunErro
                        --set optimizer/early_stopping=false";
         return Err(problem.complain("optimizer/early_stopping", message.to_owned()).into());
     }
-    session.require(true, true)
+    input.require(true, true)
 }
 
 /// Runs the starts of a part one after the other, each in a directory of its own in that of the optimisation. Those that have ended are
-/// kept, unless `restart`. The exit code says whether all have ended.
+/// kept, unless the options say `restart`. The exit code says whether all have ended.
 pub(in crate::run) fn run_part(
-    session: &mut Session<'_>,
+    opened: &mut Opened<'_>,
     optimizer: &dyn Optimizer,
     part: Part,
-    out: &Path,
-    restart: bool,
 ) -> Result<Exit, RunError> {
-    check(session, optimizer)?;
-    session.find_steps()?;
-    // They hold for the result, which is joined.
-    session.options.without_expect = true;
-    let starts = session.problem.case.optimizer.starts;
+    check(&opened.input, optimizer)?;
+    time_steps::find(opened)?;
+    let input = &opened.input;
+    let named = directory(&input.command, &input.problem, &input.options);
+    let out = named.unwrap_or_else(|| usual_directory(&input.problem));
+    let starts = input.problem.case.optimizer.starts;
     let (mut exit, mut entries) = (Exit::Done, Vec::new());
     for index in (0..starts).filter(|index| part.has(*index)) {
-        let ran = match session.is_cancelled() {
+        let ran = match opened.input.is_cancelled() {
             true => Err(RunError::Cancelled),
-            false => run_one(session, optimizer, index, &directory(out, index), restart),
+            false => run_one(opened, optimizer, index, &directory_of(&out, index)),
         };
         // The lock is that of the start.
-        session.leave();
+        opened.destination.leave();
         let (own, end) = match ran {
             Ok(One { exit, entry, how }) => {
                 let end = format!("{}{how}", described(&entry));
@@ -78,11 +80,11 @@ pub(in crate::run) fn run_part(
             Err(error) => (error.exit(), error.to_string()),
         };
         exit = exit.worst(own);
-        session.console.say(format!("{:<12}start {} of {starts}: {end}", "ended", index + 1));
+        opened.console.say(format!("{:<12}start {} of {starts}: {end}", "ended", index + 1));
     }
-    session.console.say(format!("part {part:<7}--join makes the result when all parts are done"));
-    session.record.optimum.starts = Some(entries);
-    session.interrupted = exit != Exit::Done;
+    opened.console.say(format!("part {part:<7}--join makes the result when all parts are done"));
+    opened.findings.record.optimum.starts = Some(entries);
+    opened.findings.interrupted = exit != Exit::Done;
     Ok(exit)
 }
 
@@ -105,30 +107,34 @@ struct One {
 
 /// Runs a start, or goes on with it, until it has ended.
 fn run_one(
-    session: &mut Session<'_>,
+    opened: &mut Opened<'_>,
     optimizer: &dyn Optimizer,
     index: usize,
     directory: &Path,
-    restart: bool,
 ) -> Result<One, RunError> {
-    session.enter(directory.to_owned())?;
-    let known = if restart { None } else { read(session, directory) };
+    let Opened { input, destination, .. } = opened;
+    destination.enter(input, directory.to_owned())?;
+    let restart = input.options.restart;
+    let known = if restart { None } else { read(input, directory) };
     if let Some(start) = known.as_ref().and_then(|known| known.starts.get(index))
         && let Phase::Ended(ended) = &start.phase
     {
         return Ok(One { exit: Exit::Done, entry: ended.entry.clone(), how: "; kept" });
     }
+    if known.is_none() {
+        may_replace(destination, restart)?;
+    }
+    let (context, findings) = opened.parts();
     let (position, journal, resumed) = match known {
         Some(position) => {
-            let journal = Journal::resume(session, &position)?;
+            let journal = Journal::resume(context, &position)?;
             (position, journal, true)
         }
         None => {
-            may_replace(session, restart)?;
-            make_room(session)?;
-            let journal = Journal::begin(session)?;
-            let Some(position) = alone(session, index)? else {
-                let entry = failed_entry(seed(&session.problem, index), "its gradient is wrong");
+            make_room(context, findings)?;
+            let journal = Journal::begin(context)?;
+            let Some(position) = alone(context, findings, index)? else {
+                let entry = failed_entry(seed(&context.input.problem, index), "its gradient is wrong");
                 return Ok(One { exit: Exit::GradientWrong, entry, how: "" });
             };
             (position, journal, false)
@@ -136,7 +142,7 @@ fn run_one(
     };
     let journal = SharedJournal::new(journal);
     let mut starts = Starts::default();
-    starts.run(session, optimizer, position, &journal, resumed)?;
+    starts.run(Minimization::new(context, optimizer, &journal), position, resumed)?;
     let exit = match (starts.interrupted, starts.aborted.is_some()) {
         (_, true) => Exit::ForwardFailed,
         (true, _) => Exit::NotConverged,
@@ -144,11 +150,11 @@ fn run_one(
     };
     if exit == Exit::Done {
         // Whatever the schedule is: the end is what others read.
-        journal.lock().save(&session.problem.ensemble);
+        journal.lock().save(&context.input.problem.ensemble);
     }
     journal.lock().write_iterates();
     journal.lock().finish(exit != Exit::Done)?;
-    if let (Some(out), Exit::Done) = (&session.out, exit) {
+    if let (Some(out), Exit::Done) = (&context.destination.out, exit) {
         record_end(out, true)?;
     }
     let entry = starts.entries.into_iter().nth(index).unwrap_or_default();
@@ -156,18 +162,22 @@ fn run_one(
 }
 
 /// The beginning of one start without the others; `None` if the gradient at the start as written is wrong.
-fn alone(session: &mut Session<'_>, index: usize) -> Result<Option<Position>, RunError> {
+fn alone(
+    context: CommandContext<'_>,
+    findings: &mut CommandFindings,
+    index: usize,
+) -> Result<Option<Position>, RunError> {
     let (phase, gradient_check) = match index {
-        0 => match first_start(session)? {
+        0 => match first_start(context, findings)? {
             Some((begun, check)) => (Phase::Evaluated(Box::new(begun)), check),
             None => return Ok(None),
         },
         // The others are evaluated, and their gradients checked, as they begin.
         _ => (Phase::Waiting, GradientCheckRecord::default()),
     };
-    let all = 0..session.problem.case.optimizer.starts;
-    let mut starts: Vec<StartRun> =
-        all.map(|other| absent(&session.problem, other, "left to another process")).collect();
+    let problem = &context.input.problem;
+    let all = 0..problem.case.optimizer.starts;
+    let mut starts: Vec<StartRun> = all.map(|other| absent(problem, other, "left to another process")).collect();
     starts[index].phase = phase;
     Ok(Some(Position { gradient_check, starts, ..Position::default() }))
 }
@@ -177,57 +187,56 @@ fn absent(problem: &CaseProblem, index: usize, why: &str) -> StartRun {
 }
 
 /// Where the run in a directory stands, if it is of this case and version of the program.
-fn read(session: &Session<'_>, directory: &Path) -> Option<Position> {
+fn read(input: &CommandInput, directory: &Path) -> Option<Position> {
     let Checkpoint { case, position, .. } = Checkpoint::read(directory, &|members| 0..members).ok()?;
-    position.filter(|_| case.is_same(&CaseRecord::of(&session.problem, &session.options.set)))
+    position.filter(|_| case.is_same(&CaseRecord::of(&input.problem, &input.options.set)))
 }
 
 /// Makes the result of all starts from those that have ended in directories of their own: that of one process.
-pub(in crate::run) fn join(
-    session: &mut Session<'_>,
-    optimizer: &dyn Optimizer,
-    restart: bool,
-) -> Result<Exit, RunError> {
-    check(session, optimizer).and_then(|()| spectrum::check(session)).map_err(|error| session.refuse(error))?;
-    may_replace(session, restart)?;
-    let Some(out) = session.out.clone() else {
+pub(in crate::run) fn join(opened: &mut Opened<'_>, optimizer: &dyn Optimizer) -> Result<Exit, RunError> {
+    let Opened { input, destination, .. } = opened;
+    check(input, optimizer).and_then(|()| spectrum::check(input)).map_err(|error| destination.refuse(error))?;
+    may_replace(destination, input.options.restart)?;
+    let Some(out) = destination.out.clone() else {
         let message = "the starts to join are in a directory: say which".to_owned();
-        return Err(session.problem.complain("output/directory", message).into());
+        return Err(input.problem.complain("output/directory", message).into());
     };
-    let (position, missing) = collect(session, &out).map_err(|error| session.refuse(error))?;
-    session.find_steps()?;
-    make_room(session)?;
+    let (position, missing) = collect(input, &out).map_err(|error| destination.refuse(error))?;
+    time_steps::find(opened)?;
+    let (context, findings) = opened.parts();
+    let CommandContext { input, console, .. } = context;
+    make_room(context, findings)?;
     let starts = position.starts.len();
     for index in (0..starts).filter(|index| !missing.contains(index)) {
-        take_over(&directory(out.path(), index), &out)?;
+        take_over(&directory_of(out.path(), index), &out)?;
     }
-    session.console.say(format!("joined      {} of {}", starts - missing.len(), count(starts, "start")));
+    console.say(format!("joined      {} of {}", starts - missing.len(), count(starts, "start")));
     for index in &missing {
-        session.console.say(format!("missing     start {} of {starts}: no finished run in start_{index}", index + 1));
+        console.say(format!("missing     start {} of {starts}: no finished run in start_{index}", index + 1));
     }
-    session.record.gradient_check = position.gradient_check.clone();
-    let journal = SharedJournal::new(Journal::begin(session)?);
+    findings.record.gradient_check = position.gradient_check.clone();
+    let journal = SharedJournal::new(Journal::begin(context)?);
     let (began, mut joined) = (Instant::now(), Starts::default());
-    let ran = joined.run(session, optimizer, position, &journal, true);
+    let ran = joined.run(Minimization::new(context, optimizer, &journal), position, true);
     match missing.is_empty() {
-        true if session.problem.case.output.checkpoint > 0 => journal.lock().save(&session.problem.ensemble),
+        true if input.problem.case.output.checkpoint > 0 => journal.lock().save(&input.problem.ensemble),
         true => {}
         false => out.remove(saved::NAME)?,
     }
-    let exit = conclude(session, joined, ran, journal, began)?;
+    let exit = conclude(opened, joined, ran, journal, began)?;
     Ok(if missing.is_empty() { exit } else { exit.worst(Exit::NotConverged) })
 }
 
 /// All starts that have ended, with the best of them, and the numbers of the others.
-fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usize>), RunError> {
+fn collect(input: &CommandInput, out: &Directory) -> Result<(Position, Vec<usize>), RunError> {
     let (mut missing, mut found) = (Vec::new(), RoundEnd::default());
     let (mut gradient_check, mut starts) = (GradientCheckRecord::default(), Vec::new());
-    for index in 0..session.problem.case.optimizer.starts {
-        let directory = directory(out.path(), index);
+    for index in 0..input.problem.case.optimizer.starts {
+        let directory = directory_of(out.path(), index);
         let ended = |position: &Position| position.starts.get(index).is_some_and(StartRun::has_ended);
-        let Some(position) = read(session, &directory).filter(ended) else {
+        let Some(position) = read(input, &directory).filter(ended) else {
             missing.push(index);
-            starts.push(absent(&session.problem, index, "missing: it has no finished run"));
+            starts.push(absent(&input.problem, index, "missing: it has no finished run"));
             continue;
         };
         if index == 0 {
@@ -237,14 +246,14 @@ fn collect(session: &Session<'_>, out: &Directory) -> Result<(Position, Vec<usiz
         if let Some(best) = position.best {
             let file = directory.join(saved::NAME);
             let unfit = |failed: nastic_opt::Failed| CheckpointError::Content { file, what: failed.to_string() };
-            found.add(index, restored_best(&session.problem, best).map_err(unfit)?.1);
+            found.add(index, restored_best(&input.problem, best).map_err(unfit)?.1);
         }
     }
     if missing.contains(&0) {
         // Without it one process has no result either.
         return Err(RunError::NothingToJoin { directory: out.path().to_owned() });
     }
-    let best = found.best.as_ref().map(|best| saved_best(&session.problem, best));
+    let best = found.best.as_ref().map(|best| saved_best(&input.problem, best));
     Ok((Position { gradient_check, best, starts, ..Position::default() }, missing))
 }
 

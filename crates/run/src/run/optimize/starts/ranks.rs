@@ -1,11 +1,10 @@
 //! Starts shared out over ranks: what each has found in a round, told to all.
 
 use crate::run::error::RunError;
-use crate::run::optimize::starts::journal::SharedJournal;
+use crate::run::optimize::minimization::Minimization;
 use crate::run::optimize::starts::round::RoundEnd;
 use crate::run::optimize::starts::start_run::{FinishedRun, PointBytes, StartRun};
 use crate::run::optimize::starts::{restored_best, saved_best};
-use crate::run::session::Session;
 use nastic_opt::saved::{pack, unpack};
 use nastic_team::{TeamError, exchange};
 use serde::{Deserialize, Serialize};
@@ -22,17 +21,16 @@ struct Told {
 /// Tells the starts of this rank to all and takes over those of the others, so that all ranks go on alike; the first one writes their lines of
 /// `history.jsonl`, in the order of the starts.
 pub(super) fn share(
-    session: &Session<'_>,
-    journal: &SharedJournal,
+    Minimization { input, destination, journal, .. }: &Minimization<'_>,
     starts: &mut [StartRun],
     found: &mut RoundEnd,
 ) -> Result<(), RunError> {
-    let Some(team) = session.team_of_starts() else { return Ok(()) };
-    let own = |start: &&StartRun| session.has_start(start.index);
-    let best = found.best.as_ref().filter(|(index, _)| session.has_start(*index));
+    let Some(team) = input.team_of_starts() else { return Ok(()) };
+    let own = |start: &&StartRun| input.has_start(start.index);
+    let best = found.best.as_ref().filter(|(index, _)| input.has_start(*index));
     let told = Told {
         starts: starts.iter().filter(own).map(StartRun::saved).collect(),
-        best: best.map(|best| saved_best(&session.problem, best)),
+        best: best.map(|best| saved_best(&input.problem, best)),
         interrupted: found.interrupted,
         aborted: found.aborted.clone(),
     };
@@ -41,7 +39,8 @@ pub(super) fn share(
         let unfit = TeamError::Unexpected { rank, what: "starts of another form" };
         let Told { starts: theirs, best, interrupted, aborted } = unpack(bytes).map_err(|_| unfit.clone())?;
         if let Some(best) = best {
-            let best = restored_best(&session.problem, best).map_err(|failed| session.evaluation_failed(&failed))?;
+            let best =
+                restored_best(&input.problem, best).map_err(|failed| destination.evaluation_failed(input, &failed))?;
             found.add(best.0, best.1);
         }
         found.interrupted |= interrupted;
@@ -55,7 +54,7 @@ pub(super) fn share(
             *place = start;
         }
     }
-    let best = found.best.as_ref().map(|best| saved_best(&session.problem, best));
+    let best = found.best.as_ref().map(|best| saved_best(&input.problem, best));
     let mut journal = journal.lock();
     for start in &*starts {
         journal.add_recorded(start.lines());

@@ -3,31 +3,28 @@
 use crate::run::check_gradient;
 use crate::run::error::RunError;
 use crate::run::optimize::branch_changes::place;
-use crate::run::optimize::minimization::{Minimized, begin_run, evaluate, minimize, resume_run};
+use crate::run::optimize::minimization::{Minimization, Minimized};
 use crate::run::optimize::ordered_output::{OrderedOutput, StartOutput};
 use crate::run::optimize::recorder::{Recorder, write_iterates};
-use crate::run::optimize::starts::journal::SharedJournal;
 use crate::run::optimize::starts::ranks::share;
 use crate::run::optimize::starts::saved_best;
 use crate::run::optimize::starts::start_run::{
     Begun, Ended, FinishedRun, Phase, RunTrials, StartRecord, StartRun, UnderWay,
 };
 use crate::run::optimize::starts::table::{entry, failed_entry, seed};
-use crate::run::session::{Session, say_warning};
+use crate::run::terminal::say_warning;
 use nastic_case::lower::CaseProblem;
-use nastic_ensemble::{EnsemblePoint, EnsembleWorkspace};
+use nastic_ensemble::EnsembleWorkspace;
 use nastic_fem::{Solver, available_memory};
 use nastic_opt::early_stopping::Standing;
-use nastic_opt::{Failed, Objective, Optimizer, Request, Stop, TaylorError, Verdict};
+use nastic_opt::{DEFAULT_ACCURACY, Failed, Objective, Stop, TaylorError, Verdict};
 use nastic_report::record::{GradientCheckRecord, StartRecord as StartEntry};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Runs every start that has not ended until it ends or has done so many iterations, several at once.
 pub(super) struct Round<'s> {
-    pub session: &'s Session<'s>,
-    pub optimizer: &'s dyn Optimizer,
-    pub journal: &'s SharedJournal,
+    pub shared: Minimization<'s>,
     /// Iterations at which starts pause.
     pub limit: usize,
     /// Whether the runs come from a checkpoint on disk.
@@ -78,14 +75,14 @@ impl Round<'_> {
     /// A run cannot begin or go on; the starts are given back all the same.
     pub fn run(self, starts: &mut Vec<StartRun>) -> Result<RoundEnd, RunError> {
         // Those that ended in this round before an interruption have lines to report.
-        let active = starts.iter().filter(|start| self.session.has_start(start.index));
+        let active = starts.iter().filter(|start| self.shared.input.has_start(start.index));
         let active = active.filter(|start| !start.has_ended() || !start.lines().is_empty());
         let under_way = active.clone().filter(|start| !start.has_ended()).count();
         let active: Vec<usize> = active.map(|start| start.index).collect();
         let threads = rayon::current_num_threads();
         let at_once = under_way.min(threads).min(self.most_at_once()).max(1);
-        let (console, on_trial) = (self.session.console, &self.session.options.on_trial);
-        let output = OrderedOutput::new(console, on_trial, self.journal, &active, at_once);
+        let Minimization { input, console, journal, .. } = self.shared;
+        let output = OrderedOutput::new(console, &input.options.on_trial, journal, &active, at_once);
         let places: Vec<Mutex<Option<StartRun>>> =
             std::mem::take(starts).into_iter().map(|start| Mutex::new(Some(start))).collect();
         let next = AtomicUsize::new(0);
@@ -114,13 +111,13 @@ impl Round<'_> {
         let mut found = self.found.into_inner().unwrap_or_else(PoisonError::into_inner);
         match found.error.take() {
             Some((_, error)) => Err(error),
-            None => share(self.session, self.journal, starts, &mut found).map(|()| found),
+            None => share(&self.shared, starts, &mut found).map(|()| found),
         }
     }
 
     /// How many runs the memory at hand can hold, if each makes the factors of its members at once; how many there are changes no result.
     fn most_at_once(&self) -> usize {
-        let problem = &self.session.problem;
+        let problem = &self.shared.input.problem;
         if problem.solid().model().solver() == Solver::MULTIGRID {
             return usize::MAX;
         }
@@ -161,7 +158,7 @@ impl Round<'_> {
     }
 
     fn is_stopped(&self) -> bool {
-        self.halt.load(Ordering::Relaxed) || self.session.is_cancelled()
+        self.halt.load(Ordering::Relaxed) || self.shared.input.is_cancelled()
     }
 
     fn with_found<T>(&self, change: impl FnOnce(&mut RoundEnd) -> T) -> T {
@@ -169,10 +166,10 @@ impl Round<'_> {
     }
 
     fn announce(&self, index: usize, output: &StartOutput) {
-        let count = self.session.problem.case.optimizer.starts;
+        let count = self.shared.input.problem.case.optimizer.starts;
         output.console.say("");
         if count > 1 {
-            let from = seed(&self.session.problem, index)
+            let from = seed(&self.shared.input.problem, index)
                 .map_or_else(|| "as written".to_owned(), |seed| format!("random, seed {seed}"));
             output.console.say(format!("start {} of {count}: {from}", index + 1));
         }
@@ -180,11 +177,11 @@ impl Round<'_> {
 
     /// Evaluates a start, looks into it and, where it is a random one, checks its gradient.
     fn evaluate(&self, index: usize, output: &StartOutput) -> Evaluation {
-        let (session, seed) = (self.session, seed(&self.session.problem, index));
-        let evaluated = evaluated_start(session, index, output).map(|mut begun| {
+        let (shared, seed) = (&self.shared, seed(&self.shared.input.problem, index));
+        let evaluated = evaluated_start(shared, index, output).map(|mut begun| {
             let Begun { point, derivative, workspace, .. } = &mut begun;
             // That of the start as written was checked before all runs.
-            let mut check = || check_gradient::check(session, &output.console, point, derivative, workspace);
+            let mut check = || check_gradient::check(shared.input, &output.console, point, derivative, workspace);
             let checked = seed.map(|_| check()).transpose();
             (checked, begun)
         });
@@ -228,13 +225,13 @@ impl Round<'_> {
     ) -> StartRun {
         let start = begun.point.clone();
         let warnings = std::mem::take(&mut begun.warnings);
-        let saved = self.session.problem.ensemble.save(&start);
+        let saved = self.shared.input.problem.ensemble.save(&start);
         let record = StartRecord { warnings, m: start.m.clone(), start: saved, certificate };
-        match begin_run(self.session, self.optimizer, begun) {
+        match self.shared.begin(begun) {
             Ok(run) => {
-                let recorder = Recorder::new(self.session, index, &record, self.journal, output);
+                let recorder = Recorder::new(&self.shared, index, &record, output);
                 let (limit, halt) = (self.limit, &self.halt);
-                let ended = minimize(self.session, self.optimizer, run, start, recorder, None, (limit, halt));
+                let ended = self.shared.run(run, start, recorder, None, (limit, halt));
                 self.settle(index, record, ended, output)
             }
             Err(error) => self.give_up(index, record.warnings, error),
@@ -246,18 +243,17 @@ impl Round<'_> {
         let (index, iteration) = (start.index, start.iteration());
         let Phase::UnderWay(at) = start.phase else { return start };
         let UnderWay { record, trials, run } = *at;
-        let begun = read_record(self.session, &record)
-            .and_then(|start| Ok((resume_run(self.session, self.optimizer, &run)?, start)));
+        let begun = self.shared.read_record(&record).and_then(|start| Ok((self.shared.resume(&run)?, start)));
         let (run, start) = match begun {
             Ok(begun) => begun,
             Err(error) => return self.give_up(index, record.warnings, error),
         };
         let how = if self.resumed { "resumed" } else { "goes on" };
         output.console.say(format!("{how:<12}at iteration {iteration}"));
-        let mut recorder = Recorder::new(self.session, index, &record, self.journal, output);
+        let mut recorder = Recorder::new(&self.shared, index, &record, output);
         recorder.restore(trials, run.point());
         let (limit, halt) = (self.limit, &self.halt);
-        let ended = minimize(self.session, self.optimizer, run, start, recorder, Some(iteration), (limit, halt));
+        let ended = self.shared.run(run, start, recorder, Some(iteration), (limit, halt));
         self.settle(index, record, ended, output)
     }
 
@@ -269,10 +265,10 @@ impl Round<'_> {
                 StartRun { index, phase: Phase::UnderWay(Box::new(under_way)) }
             }
             Minimized::Ended(run, trials) => {
-                let found = trials.changes.warnings(&self.session.problem, index);
+                let found = trials.changes.warnings(&self.shared.input.problem, index);
                 found.iter().for_each(|warning| say_warning(&output.console, warning));
-                write_iterates(self.session, index, &trials, self.journal);
-                let ended = ended(&self.session.problem, index, &run, record, trials, found);
+                write_iterates(&self.shared, index, &trials);
+                let ended = ended(&self.shared.input.problem, index, &run, record, trials, found);
                 self.end(ended, Some(*run))
             }
         }
@@ -292,8 +288,8 @@ impl Round<'_> {
             let best = run.is_some_and(|run| found.add(index, run));
             if !interrupted {
                 let best =
-                    if best { found.best.as_ref().map(|best| saved_best(&self.session.problem, best)) } else { None };
-                self.journal.lock().end_start(&start, best);
+                    found.best.as_ref().filter(|_| best).map(|best| saved_best(&self.shared.input.problem, best));
+                self.shared.journal.lock().end_start(&start, best);
             }
         });
         start
@@ -301,7 +297,7 @@ impl Round<'_> {
 
     fn give_up(&self, index: usize, warnings: Vec<nastic_case::warning::Warning>, error: RunError) -> StartRun {
         self.halt.store(true, Ordering::Relaxed);
-        let entry = failed_entry(seed(&self.session.problem, index), error.to_string());
+        let entry = failed_entry(seed(&self.shared.input.problem, index), error.to_string());
         self.with_found(|found| {
             if found.error.as_ref().is_none_or(|(other, _)| index < *other) {
                 found.error = Some((index, error));
@@ -331,22 +327,17 @@ fn side_by_side(threads: usize, at_once: usize, work: &(dyn Fn() + Sync)) -> Res
 }
 
 /// The start as written, or a random one, evaluated and looked into.
-fn evaluated_start(session: &Session<'_>, index: usize, output: &StartOutput) -> Result<Begun, Failed> {
+fn evaluated_start(shared: &Minimization<'_>, index: usize, output: &StartOutput) -> Result<Begun, Failed> {
+    let (input, console) = (shared.input, shared.console);
     let mut workspace = EnsembleWorkspace::default();
-    let m = match seed(&session.problem, index) {
-        Some(seed) => session.problem.random_start(seed),
-        None => session.problem.start.clone(),
+    let m = match seed(&input.problem, index) {
+        Some(seed) => input.problem.random_start(seed),
+        None => input.problem.start.clone(),
     };
-    let mut point = evaluate(session, &m, &mut workspace)?;
-    let derivative = session.problem.ensemble.derivative(&mut point, &mut workspace)?;
-    let (_, warnings) = session.look_into(&output.console, &place(&session.problem, index), &point);
+    let mut point = input.evaluate(console, &m, DEFAULT_ACCURACY, &mut workspace)?;
+    let derivative = input.problem.ensemble.derivative(&mut point, &mut workspace)?;
+    let (_, warnings) = input.look_into(&output.console, &place(&input.problem, index), &point);
     Ok(Begun { point, derivative, workspace, warnings })
-}
-
-/// The start of a run under way.
-pub(crate) fn read_record(session: &Session<'_>, record: &StartRecord) -> Result<EnsemblePoint, RunError> {
-    let start = session.problem.ensemble.load(&record.m, &record.start, &Request::default());
-    start.map_err(|failed| session.unfit_checkpoint(&failed.to_string()))
 }
 
 /// A start that has failed.

@@ -3,7 +3,7 @@
 use crate::run::error::RunError;
 use crate::run::optimize::branch_changes::BranchChanges;
 use crate::run::optimize::met_limits::MetLimits;
-use crate::run::session::Session;
+use crate::run::session::{CommandInput, Destination};
 use crate::saved::json;
 use nastic_case::warning::Warning;
 use nastic_ensemble::{Ensemble, EnsemblePoint, EnsembleWorkspace};
@@ -238,10 +238,14 @@ impl<P> FinishedRun<P> {
     }
 }
 
-impl Session<'_> {
+impl CommandInput {
     /// A run with all members, at the first rank.
-    pub(crate) fn whole_run(&self, run: &FinishedRun) -> Result<Option<FinishedRun>, RunError> {
-        let whole = run.clone().try_map(|point, _| self.whole(&point))?;
+    pub(crate) fn whole_run(
+        &self,
+        destination: &Destination,
+        run: &FinishedRun,
+    ) -> Result<Option<FinishedRun>, RunError> {
+        let whole = run.clone().try_map(|point, _| self.whole(destination, &point))?;
         Ok(whole.try_map(|point, _| point.ok_or(())).ok())
     }
 }

@@ -1,7 +1,7 @@
 //! The starts in the result and on the terminal: names, seeds, entries.
 
+use crate::console::Console;
 use crate::run::optimize::starts::start_run::FinishedRun;
-use crate::run::session::Session;
 use nastic_case::lower::{Admitted, CaseProblem};
 use nastic_numeric::format::scientific;
 use nastic_opt::Stop;
@@ -41,11 +41,11 @@ pub(crate) fn failed_entry(seed: Option<u64>, why: impl Into<String>) -> StartRe
 }
 
 /// One line per start.
-pub(crate) fn say(session: &Session<'_>, entries: &[StartRecord], best: usize) {
-    let directions = session.problem.controls.iter().any(|field| matches!(field.admitted, Admitted::Norm(_)));
-    if entries.len() == 1 && session.problem.case.optimizer.starts == 1 && directions {
+pub(crate) fn say(problem: &CaseProblem, console: &Console, entries: &[StartRecord], best: usize) {
+    let directions = problem.controls.iter().any(|field| matches!(field.admitted, Admitted::Norm(_)));
+    if entries.len() == 1 && problem.case.optimizer.starts == 1 && directions {
         let hint = "one; vectors of given length often have several minima: --set optimizer/starts=4 tries three more";
-        session.console.say(format!("starts      {hint}"));
+        console.say(format!("starts      {hint}"));
     }
     for (k, start) in entries.iter().enumerate().filter(|_| entries.len() > 1) {
         let head = if k == 0 { "starts" } else { "" };
@@ -67,6 +67,6 @@ pub(crate) fn say(session: &Session<'_>, entries: &[StartRecord], best: usize) {
             (None, _) if start.stopped_early == Some(true) => ", stopped early".to_owned(),
             (None, _) => String::new(),
         };
-        session.console.say(format!("{head:<12}{} ({seed}): {what}{mark}", k + 1));
+        console.say(format!("{head:<12}{} ({seed}): {what}{mark}", k + 1));
     }
 }
