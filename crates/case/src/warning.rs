@@ -62,7 +62,15 @@ pub const WARNINGS: &[&WarningKind] = &[
     &FEW_FACETS,
     &CUT_VOLUME,
     &MEDIUM,
+    &CUT_UNSOLVED,
 ];
+
+/// An optimum that could not be solved as it is made.
+pub const CUT_UNSOLVED: WarningKind = WarningKind {
+    code: "cut_unsolved",
+    about: "the optimum with every cell of its designs 0 or 1 has no equilibrium that was found: what it costs as it is made is not known",
+    advice: "bring the design to 0 or 1 (\"projection\", a larger \"power\"), raise \"least\", or keep voids from folding (\"media\")",
+};
 
 /// A medium that does what the body should.
 pub const MEDIUM: WarningKind = WarningKind {

@@ -15,6 +15,8 @@ use nastic_report::record::{ByName, ControlRecord};
 const PLATE_THICKNESS: f64 = 0.1;
 /// Slicers take millimetres.
 const EXPONENT_OF_MILLIMETRE: i32 = -3;
+/// Values of a field from 0 to 1 that differ by rounding alone, as those of cells that a symmetry maps to each other: on one side of a level.
+const VALUE_ROUNDING: f64 = 1e-9;
 /// Share of its region by which the volume of a body may differ from that of the field without a word.
 const VOLUME_TOLERANCE: f64 = 0.01;
 
@@ -94,7 +96,7 @@ fn level_of_cells(values: &[f64], volumes: &[f64]) -> f64 {
     for (k, cell) in order.iter().enumerate() {
         above += volumes[*cell];
         let level = match order.get(k + 1) {
-            Some(next) if values[*next] == values[*cell] => continue,
+            Some(next) if values[*cell] - values[*next] <= VALUE_ROUNDING => continue,
             Some(next) => 0.5 * (values[*cell] + values[*next]),
             None => values[*least].min(0.0) - 1.0,
         };

@@ -4,7 +4,8 @@ use crate::summary;
 use nastic_case::inspect::{compression, touches};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{
-    BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, MEDIUM, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE, Warning,
+    BREAKDOWN, CELL_SHAPE, EXTREME_DEFORMATION, MEDIUM, NEARLY_SINGULAR, NOT_COUNTED, SELF_INTERSECTION, UNSTABLE,
+    Warning,
 };
 use nastic_ensemble::EnsemblePoint;
 use nastic_fem::{FreeMotion, PointPeak, SolveOptions, State, StateError};

@@ -49,6 +49,40 @@ fn mixtures_are_cut_into_two_bodies_of_their_volumes() {
     }
 }
 
+/// The optimum is solved once more with cells of 0 and 1, of which a case says the same by itself; nothing is differentiated there.
+#[test]
+fn cut_designs_are_solved_once_more() {
+    let place = CaseDirectory::new();
+    let found = place.run(Command::Optimize, BAR, &[]).unwrap().result;
+    let cut = found["cut_cost"].as_f64().unwrap();
+    let grey = found["cost"]["total"].as_f64().unwrap();
+    // the soft end is at the support: without its share of the stiff material it bends more
+    assert!(cut > 2.0 * grey && cut < 10.0 * grey, "{cut} {grey}");
+    // of 128 cells the stiffest, as many as the field has volume
+    let values = r#""start": { "file": "out/controls.json" }, "filter": "2 mm", "cut": LEVEL"#;
+    let share = found["controls"]["stiff"]["volume"].as_f64().unwrap();
+    let start = "\"start\": \"0.2 + 0.03 * X\", \"filter\": \"2 mm\"";
+    let at = |level: f64| {
+        let case = with(BAR, start, &values.replace("LEVEL", &level.to_string()));
+        place.run(Command::Solve, &case, &[]).unwrap().result
+    };
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..12 {
+        let middle = 0.5 * (low + high);
+        let own = at(middle)["controls"]["stiff"]["volume"].as_f64().unwrap();
+        (low, high) = if own > share { (middle, high) } else { (low, middle) };
+    }
+    let near = [low, high].map(|level| at(level)["cost"]["total"].as_f64().unwrap());
+    assert!(near.iter().any(|own| (own / cut - 1.0).abs() < 1e-8), "{near:?} {cut}");
+    let refused = place.run(
+        Command::Optimize,
+        &with(BAR, "\"filter\": \"2 mm\"", "\"cut\": 0.5"),
+        &["output/directory=\"other\""],
+    );
+    let refused = refused.unwrap_err().to_string();
+    assert!(refused.contains("controls/0/cut: a field that is cut has no derivative"), "{refused}");
+}
+
 #[test]
 fn densities_of_plane_bodies_are_plates() {
     let place = CaseDirectory::new();

@@ -43,6 +43,25 @@ fn without(text: &str, blocks: &[&str]) -> String {
     Value::Object(case).to_string()
 }
 
+/// The threshold of a projection distinguishes scenarios of one design: the worst of them is joined with its exact derivative.
+#[test]
+fn eroded_and_dilated_variants_share_a_design() {
+    let varied = |path: &str| {
+        let text = CANTILEVER.replace("\"costs\":", &format!("\"risk\": {{ \"worst_case\": {{}} }}, \"scenarios\": [ {{ \"name\": \"drawn\" }}, \
+            {{ \"name\": \"eroded\", \"set\": {{ \"{path}\": 0.6 }} }}, {{ \"name\": \"dilated\", \"set\": {{ \"{path}\": 0.4 }} }} ], \"costs\":"));
+        without(&text, &["constraints"])
+    };
+    let text = varied("controls/0/projection/eta");
+    let checked = run(Command::Gradcheck, &text);
+    assert!(checked["gradcheck"]["verdict"].as_str().is_some_and(|verdict| verdict.starts_with("right")), "{checked}");
+    let found = run(Command::Solve, &text);
+    let [drawn, eroded, dilated] =
+        ["drawn", "eroded", "dilated"].map(|name| number(&found, &format!("scenarios/{name}/cost/total")));
+    assert!(dilated < 0.9 * drawn && drawn < 0.9 * eroded, "{dilated} {drawn} {eroded}");
+    let refused = problems(&varied("controls/0/filter"));
+    assert!(refused.contains("\"controls\" cannot vary between scenarios or load cases"), "{refused}");
+}
+
 #[test]
 fn a_density_finds_its_place_within_its_volume() {
     let place = CaseDirectory::new();

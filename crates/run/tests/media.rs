@@ -23,13 +23,13 @@ const PRESSED: &str = r#"{ "nastic": 1,
     "media": [ { "name": "void", "region": ["slot", "behind"], "stiffness": 4e-3 } ],
     "supports": [ { "surface": "x-", "fix": "all" }, { "surface": "tip", "displacement": { "y": -0.38 } } ],
     "controls": [ { "of": "rho", "space": "region", "start": 0.8 } ],
-    "costs": [ { "kind": "reaction", "surface": "tip", "direction": [0, -1] } ] }"#;
+    "costs": [ { "kind": "reaction", "surface": "tip", "direction": [0, -1], "force": 1e-4 } ] }"#;
 
 #[test]
 fn forces_through_a_void_have_exact_derivatives_by_densities() {
     let place = CaseDirectory::new();
     let found = place.run(Command::Gradcheck, PRESSED, &[]).unwrap().result;
-    assert_eq!(found["gradcheck"]["verdict"], "right", "{found}");
+    assert!(found["gradcheck"]["verdict"].as_str().is_some_and(|verdict| verdict.starts_with("right")), "{found}");
     let solved = place.run(Command::Solve, PRESSED, &[]).unwrap().result;
     assert!(solved["contributions"]["void"]["energy"].as_f64().is_some_and(|energy| energy > 0.0), "{solved}");
     let told = common::messages(&solved, "medium");
@@ -42,9 +42,12 @@ fn forces_through_a_void_have_exact_derivatives_by_densities() {
 fn media_of_another_kind_are_refused() {
     let refused = |case: &str| common::problems(case);
     let linear = refused(&with(PRESSED, "\"quad9\"", "\"tri3\""));
-    assert!(linear.contains("media/0: void lies on cells of tri3, whose deformation gradient does not vary"), "{linear}");
+    assert!(
+        linear.contains("media/0: void lies on cells of tri3, whose deformation gradient does not vary"),
+        "{linear}"
+    );
     let none = refused(&with(PRESSED, "\"stiffness\": 4e-3", "\"stiffness\": 0"));
-    assert!(none.contains("media/0/stiffness"), "{none}");
+    assert!(none.contains("media/0: void has a stiffness of 0; it must be positive"), "{none}");
     let misplaced = refused(&with(PRESSED, "\"media\":", "\"medium\":"));
     assert!(misplaced.contains("a medium stands in \"media\""), "{misplaced}");
 }

@@ -2,6 +2,7 @@
 
 mod advice;
 pub(crate) mod branch_changes;
+mod cut;
 mod limit_advice;
 pub(crate) mod met_limits;
 mod minima;

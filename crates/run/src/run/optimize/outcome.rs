@@ -4,6 +4,7 @@ use crate::run::constraints::Known;
 use crate::run::error::RunError;
 use crate::run::gradient::write_states;
 use crate::run::optimize::advice;
+use crate::run::optimize::cut;
 use crate::run::optimize::spectrum::Diagnosis;
 use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::optimize::starts::table;
@@ -103,6 +104,7 @@ pub(super) fn report(
     table::say(problem, console, starts, index);
     say(context, &findings.record, reported);
     contacts::report(problem, console, findings, &best.point);
+    cut::solve(context, findings, best);
     findings.write(console, destination, |own, out| write(context, own, reported, &found, &records, out))?;
     Ok(found)
 }
