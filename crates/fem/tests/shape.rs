@@ -174,7 +174,7 @@ fn what_measures_from_the_drawn_body_is_refused_where_the_shape_changes() -> Out
         (free(up)?.inertia(Inertia::new("body", 1.0).lumped()), "leave out \"lumped\""),
         (
             free(up)?.inertia(Inertia::new("body", 1.0)).and_then(|solid| solid.rayleigh_damping(0.0, 0.1)),
-            "follows a design",
+            "does not go with \"rayleigh damping\"",
         ),
     ];
     for (k, (found, expected)) in cases.into_iter().enumerate() {

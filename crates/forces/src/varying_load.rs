@@ -149,10 +149,10 @@ impl VaryingLoad {
         (0..self.points.len()).map(of_point).collect()
     }
 
-    /// `-l w_q sum_k d_k . lambda(X_q)` by point and number m.
-    fn by_numbers(&self, at: &Instant, lambda: &[f64]) -> Vec<f64> {
-        let mut out = vec![0.0; self.points.len() * self.along.len()];
-        self.each(|dof, (point, k), factor| out[point * self.along.len() + k] += -at.load * factor * lambda[dof]);
+    /// `-l w_q d_1 . lambda(X_q)` by point.
+    fn by_point(&self, at: &Instant, lambda: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.points.len()];
+        self.each(|dof, (point, _), factor| out[point] += -at.load * factor * lambda[dof]);
         out
     }
 }
@@ -217,13 +217,13 @@ impl ContributionPoint for VaryingLoad {
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
-        let width = self.along.len();
-        for (n, by) in self.by_numbers(at, lambda).into_iter().enumerate().filter(|(_, by)| *by != 0.0) {
-            let mut add = |slot: usize, own: f64| into.add_control_at(at, n / width, slot, own * by);
-            match &self.fill {
-                None => add(n % width, 1.0),
-                Some(fill) => fill.each_derivative(n, &|k| at.control_at(n, k), add),
-            }
+        let Some(fill) = self.fill.as_ref().filter(|fill| fill.follows_shape()) else {
+            self.each(|dof, (point, k), factor| into.add_control_at(at, point, k, -at.load * factor * lambda[dof]));
+            return Ok(());
+        };
+        for (point, by) in self.by_point(at, lambda).into_iter().enumerate().filter(|(_, by)| *by != 0.0) {
+            let m = |k| at.control_at(point, k);
+            fill.each_derivative(point, &m, |slot, own| into.add_control_at(at, point, slot, own * by));
         }
         Ok(())
     }
@@ -243,7 +243,7 @@ impl ContributionPoint for VaryingLoad {
         into: &mut SecondSensitivities,
     ) -> Result<(), SecondDerivativeError> {
         let Some(fill) = self.fill.as_ref().filter(|fill| fill.follows_shape()) else { return Ok(()) };
-        for (point, by) in self.by_numbers(at, lambda).into_iter().enumerate().filter(|(_, by)| *by != 0.0) {
+        for (point, by) in self.by_point(at, lambda).into_iter().enumerate().filter(|(_, by)| *by != 0.0) {
             let (m, v) = (|k| at.control_at(point, k), |k| at.slot_at(along.controls, point, k));
             fill.each_second(point, &m, &v, |slot, own| into.add_control_at(at, point, slot, own * by));
         }

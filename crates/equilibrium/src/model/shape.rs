@@ -34,10 +34,12 @@ impl Checks<'_> {
 }
 
 impl Model {
-    /// Where a body under these controls is free of stress: by node the change of its shape, zero without one and of all other unknowns.
+    /// Where a body under these controls is free of stress: by node the change of its shape, zero without one and of all other unknowns. Zero too of a shape that is none, which
+    /// the laws then refuse in their words.
     pub(crate) fn unstressed(&self, controls: &Controls) -> Vec<f64> {
         let mut u = vec![0.0; self.unknowns().len()];
-        let Some(s) = self.body.shape_displacement(controls) else { return u };
+        let is_shape = self.body.shape_quality(controls).is_some_and(|worst| worst.least_volume > 0.0);
+        let Some(s) = self.body.shape_displacement(controls).filter(|_| is_shape) else { return u };
         let (dim, block) = (self.discretization().dim(), self.unknowns().block());
         for (own, s) in u.chunks_exact_mut(block).zip(s.chunks_exact(dim)) {
             own[..dim].copy_from_slice(s);
