@@ -51,6 +51,7 @@ mod problem;
 mod random;
 pub mod result_array;
 mod scenario;
+mod shape;
 mod sizes;
 mod slack;
 mod start;

@@ -33,7 +33,8 @@ pub(crate) fn groups(solid: &Solid) -> Vec<(String, usize, SlotGroup)> {
         let is_load = |group: &&SlotGroup| !what.slots[group.first].is_design();
         let mut loads = groups.iter().filter(is_load);
         let lone = loads.next().filter(|_| loads.next().is_none()).copied();
-        let count = |group: &SlotGroup| if lone == Some(*group) { 1 } else { groups.len() };
+        let shared = what.shared.map_or(0, |(_, slots)| groups.iter().filter(|group| group.first < slots).count());
+        let count = |group: &SlotGroup| if lone == Some(*group) { 1 } else { groups.len() - shared };
         all.extend(groups.iter().map(|group| (name(&what, group, count(group)), k, *group)));
     }
     all

@@ -77,13 +77,17 @@ impl Layout {
         let all = solid.model().controllable();
         let basis = basis_of(solid, &all[lead], of, space)?;
         let components = if direction.is_some() { 1 } else { group.len };
-        let mut map = Chain::default().then(Expansion { basis: basis.clone(), components });
-        if let Some(direction) = direction {
-            map = map.then(Direction(direction));
-        }
         let target = |(actuation, group): (usize, SlotGroup)| {
+            // of one number that others have at the points of their cells
+            let basis = match all[actuation].regions == all[lead].regions {
+                true => basis.clone(),
+                false => basis_of(solid, &all[actuation], of, space)?,
+            };
             self.check_free(of, actuation, group.first..group.first + group.len, &basis)?;
-            let (basis, map) = (basis.clone(), map.clone());
+            let mut map = Chain::default().then(Expansion { basis: basis.clone(), components });
+            if let Some(direction) = direction {
+                map = map.then(Direction(direction));
+            }
             let adds = direction.is_some();
             Ok(ControlTarget { actuation, slot: group.first, slots: group.len, basis, map, adds })
         };

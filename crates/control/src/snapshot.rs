@@ -7,7 +7,7 @@ use crate::map::Space;
 use crate::reduced::Reduced;
 use crate::time::Timeline;
 use nastic_energy::SlotGroup;
-use nastic_fem::{Discretization, Instant, State};
+use nastic_fem::{AttachedLaw, Discretization, Instant, State};
 use nastic_mesh::{MeshError, Snapshot};
 use nastic_tensor::Mat3;
 
@@ -62,7 +62,7 @@ impl Reduced {
 
     /// A state as arrays, for VTU files and pictures.
     ///
-    /// Point data: `displacement`, `velocity` (in motion), `adjoint`, `reaction` (of supports, of equilibria), `contact_pressure` (where there are contacts), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
+    /// Point data: `displacement` (from the drawn body), the change of its shape under the name of that, `velocity` (in motion), `adjoint`, `reaction` (of supports, of equilibria), `contact_pressure` (where there are contacts), `nodal_cauchy_stress` (smoothed) and its `nodal_mises`, nodal controls and
     /// `gradient_NAME`. Cell data: the other controls and
     /// gradients, one value per cell (of a control on a grid its mean there); averages over the reference volume of every scalar slot that nobody controls (under
     /// the actuation's name), of `B_r` and `B_a` (the sums over all magnets), `J`, `P` and `cauchy_stress` (row by row),
@@ -114,12 +114,19 @@ impl Reduced {
         self.with_fields(self.moved(fields.state)?, &m, fields.names, Some(fields.stage))
     }
 
-    /// The displaced body alone.
+    /// The displaced body alone, with the change of its shape.
     ///
     /// # Errors
     /// A displacement of another body.
     pub fn moved(&self, state: &State) -> Result<Snapshot, ControlError> {
-        Ok(Snapshot::new(self.solid().mesh().clone()).with_points("displacement", 3, self.vectors(&state.u))?)
+        let shot = Snapshot::new(self.solid().mesh().clone()).with_points("displacement", 3, self.vectors(&state.u))?;
+        let body = self.solid().body();
+        Ok(match (body.shape(), body.shape_displacement(&state.controls)) {
+            (Some((_, shape)), Some(s)) => {
+                shot.with_points(&shape.name, 3, by_triple(&s, self.solid().mesh().dim()))?
+            }
+            _ => shot,
+        })
     }
 
     /// Adds a vector of the control space (a gradient, a direction) to a snapshot of this body, one array for each control field
@@ -151,8 +158,7 @@ impl Reduced {
 
     /// Displacements as triples, without what stands behind them.
     fn vectors(&self, u: &[f64]) -> Vec<f64> {
-        let triple = |u: &[f64]| -> [f64; 3] { std::array::from_fn(|k| u.get(k).copied().unwrap_or(0.0)) };
-        self.solid().model().displacement(u).chunks_exact(self.solid().mesh().dim()).flat_map(triple).collect()
+        by_triple(&self.solid().model().displacement(u), self.solid().mesh().dim())
     }
 
     /// A field of the control space, by node or by cell; that of a contribution is none of the body. Of a control the values, of anything else, a
@@ -205,7 +211,8 @@ impl Reduced {
         let (disc, cells) = (self.solid().discretization(), self.solid().mesh().cells());
         let mut sums = [("B_r", "remanence", None::<Vec<f64>>), ("B_a", "field", None)];
         let all = self.solid().body().actuations().iter().enumerate();
-        for (k, attached) in all.filter(|(_, attached)| attached.law.evolution().is_none()) {
+        let over_cells = |attached: &AttachedLaw| attached.law.evolution().is_none() && !attached.is_global();
+        for (k, attached) in all.filter(|(_, attached)| over_cells(attached)) {
             let slots = attached.law.slots();
             let mut means = disc.cell_average(state.controls.values(k), slots.len());
             let mut inside = vec![false; cells];
@@ -289,6 +296,12 @@ impl Reduced {
             .with_cells("principal_stretches", 3, stretches)?;
         Ok(shot.in_single(&["nodal_cauchy_stress", "nodal_mises", "green_strain", "principal_stretches"]))
     }
+}
+
+/// Vectors by node with a third component of zero in the plane.
+fn by_triple(u: &[f64], dim: usize) -> Vec<f64> {
+    let triple = |u: &[f64]| -> [f64; 3] { std::array::from_fn(|k| u.get(k).copied().unwrap_or(0.0)) };
+    u.chunks_exact(dim).flat_map(triple).collect()
 }
 
 /// `(3/2 s : s)^(1/2)` with the deviator s of a Cauchy stress, row by row.

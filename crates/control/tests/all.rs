@@ -34,6 +34,7 @@ mod reactions_in_motion;
 mod refinement;
 mod resumed_motion;
 mod saddle_field;
+mod shape;
 mod shape_costs;
 mod sizes_of_surfaces;
 mod spaces;

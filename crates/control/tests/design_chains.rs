@@ -98,7 +98,7 @@ fn weight_follows_the_density_that_stiffness_follows() -> Outcome {
         Ok(body.clamp("x-")?)
     };
     let body = base()?;
-    let weight = VaryingLoad::filled("weight", body.discretization(), ["root", "arm"], force)?;
+    let weight = VaryingLoad::filled("weight", body.body(), ["root", "arm"], force)?;
     let body = body.contribution(weight)?;
     let consumers = [
         Consumer::of("law.mu").through(PowerLaw { low: 1e4, high: 1.2e5, exponent: 3.0 }),

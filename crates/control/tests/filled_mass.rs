@@ -18,7 +18,7 @@ fn arm(kind: CellKind, inertia: Inertia) -> Outcome<Solid> {
         .actuate("body", "law", Parametrised::new(NeoHooke::from_young_poisson(1e5, 0.3)?))?
         .clamp("x-")?;
     let force = Vec3::new(0.0, 0.0, -9.81 * DENSITY);
-    let weight = VaryingLoad::filled("weight", body.discretization(), "body", force)?;
+    let weight = VaryingLoad::filled("weight", body.body(), "body", force)?;
     Ok(body.contribution(weight)?.inertia(inertia)?)
 }
 

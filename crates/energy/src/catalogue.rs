@@ -80,6 +80,11 @@ pub enum Takes {
         /// An example, in SI units.
         example: &'static [(&'static str, f64)],
     },
+    /// Displacement fields of the body by names that the user chooses, pure numbers, by which its shape changes.
+    Modes {
+        /// Rows of the gradient of an example, 1/m.
+        example: &'static [(&'static str, [[f64; 3]; 3])],
+    },
 }
 
 impl Parameter {
@@ -106,6 +111,11 @@ impl Parameter {
     /// Numbers by names of the user's.
     pub const fn numbers(name: &'static str, example: &'static [(&'static str, f64)]) -> Self {
         Parameter { name, takes: Takes::Numbers { example }, optional: false }
+    }
+
+    /// Displacement fields by names of the user's.
+    pub const fn modes(name: &'static str, example: &'static [(&'static str, [[f64; 3]; 3])]) -> Self {
+        Parameter { name, takes: Takes::Modes { example }, optional: false }
     }
 
     /// The same, which may be left out.

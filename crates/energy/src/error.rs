@@ -28,6 +28,12 @@ pub enum EnergyError {
         /// The law.
         owner: String,
     },
+    /// Displacement fields by which no shape can change.
+    #[error("shape: the modes are names with fields of displacements that differ: {why}")]
+    ShapeModes {
+        /// What is wrong with them.
+        why: String,
+    },
     /// A law that another one cannot stand around.
     #[error("{owner} cannot stand around this law: {why}")]
     Wrapped {

@@ -36,7 +36,9 @@ pub use design::{Scale, Weighted};
 pub use error::{EnergyError, Outside};
 pub use existence::{Existence, Growth};
 pub use field::{Entry, Field, MaterialPoint, combine};
-pub use growth::{Grown, GrowthTensor, KinematicGrowth, SpontaneousStrain, StrainMap, ThermalExpansion};
+pub use growth::{
+    Grown, GrowthTensor, KinematicGrowth, ShapeMode, ShapeModes, SpontaneousStrain, StrainMap, ThermalExpansion,
+};
 pub use material::*;
 pub use moduli::Moduli;
 pub use parametrised::{LinearInModuli, Parametrised};

@@ -117,7 +117,7 @@ fn every_parameter_is_required_and_checked() {
                     Takes::Choice { .. } => {
                         (inputs.clone().choice(parameter.name, "?"), inputs.clone().number(parameter.name, 1.0))
                     }
-                    Takes::Energy { .. } | Takes::Numbers { .. } => {
+                    Takes::Energy { .. } | Takes::Numbers { .. } | Takes::Modes { .. } => {
                         let number = inputs.clone().number(parameter.name, 1.0);
                         (number.clone(), number)
                     }
@@ -140,7 +140,7 @@ fn a_field_of_the_wrong_length_is_named_for_every_parameter() {
                 Takes::Direction { example } => {
                     inputs.clone().direction(parameter.name, Field::points(vec![Vec3::from(example); 3]))
                 }
-                Takes::Choice { .. } | Takes::Energy { .. } | Takes::Numbers { .. } => continue,
+                Takes::Choice { .. } | Takes::Energy { .. } | Takes::Numbers { .. } | Takes::Modes { .. } => continue,
             };
             let law = row.build(&with_field).unwrap();
             assert!(law.check(1, 3).is_ok());

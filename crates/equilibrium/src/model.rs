@@ -1,6 +1,7 @@
 //! [`Model`]: a discrete problem, the sum of contributions on supported unknowns.
 
 mod admissible;
+mod checks;
 mod contacts;
 pub mod features;
 mod fields;
@@ -14,11 +15,12 @@ mod prescribed;
 mod products;
 mod rayleigh_damping;
 mod restricted;
+mod shape;
 mod stored_energy;
 pub mod views;
 
 use crate::linear_systems::saddle_point::BorderedTangent;
-use crate::model::views::{Checks, Properties, Tangents};
+use crate::model::views::{Properties, Tangents};
 use nastic_body::body_energy::AttachedLaw;
 use nastic_body::body_energy::BodyEnergy;
 use nastic_body::body_energy::driving::Driving;
@@ -159,7 +161,7 @@ impl Model {
             measure: if over_cells(a) { 0.0 } else { self.body.volume_of(&a.cells) },
             points: &[],
             holds: false,
-            shared: None,
+            shared: a.shape_modes().map(|modes| (a.name.as_str(), modes.len())),
         });
         let own = self.others.iter().filter(|c| !c.slots().is_empty()).map(|c| Controllable {
             name: c.name(),
@@ -324,6 +326,10 @@ impl Model {
     pub fn quantities(&self, at: &Instant) -> Result<Vec<(String, &'static str, f64)>, Inadmissible> {
         let peaks = self.body.point_peaks(&self.displacement(at.u), at.controls)?;
         let mut all: Vec<_> = peaks.into_iter().map(|peak| (peak.actuation, peak.quantity.name, peak.value)).collect();
+        if let (Some((_, shape)), Some(worst)) = (self.body.shape(), self.body.shape_quality(at.controls)) {
+            let own = [("least_det_G", worst.least_volume), ("distortion", worst.distortion)];
+            all.extend(own.map(|(name, value)| (shape.name.clone(), name, value)));
+        }
         self.each_other(at, |contribution, at| {
             let own = contribution.quantities(at);
             all.extend(own.into_iter().map(|(name, value)| (contribution.name().to_owned(), name, value)));
@@ -374,21 +380,6 @@ impl Model {
         })
     }
 
-    /// Checks that the problem is complete: every cell has a material, and every rigid motion is prevented, or contact may stop it.
-    ///
-    /// # Errors
-    /// [`FemError::NoMaterial`], [`FemError::RigidMotion`], a contribution whose required supports are missing.
-    pub fn check(&self) -> Result<(), FemError> {
-        self.ranks().unless_parted(self.check_with(&self.may_resist()))
-    }
-
-    fn check_with(&self, springs: &[Vec<(u32, f64)>]) -> Result<(), FemError> {
-        // A missing material is reported before missing supports.
-        self.ranks().all_accept(self.check_laws())?;
-        self.supports.check(self.discretization(), &springs.iter().collect::<Vec<_>>())?;
-        self.ranks().all_accept(self.check_others())
-    }
-
     /// The same by supports alone.
     pub(crate) fn is_held_by_supports(&self) -> bool {
         self.supports.check(self.discretization(), &[]).is_ok()
@@ -404,45 +395,11 @@ impl Model {
         };
         if self.supports.ties().is_empty() { Vec::new() } else { (0..mesh.cells() as u32).filter(in_one).collect() }
     }
-
-    fn check_laws(&self) -> Result<(), FemError> {
-        self.body.check_complete()?;
-        self.check_solver(None)
-    }
-
-    fn check_others(&self) -> Result<(), FemError> {
-        self.others.iter().try_for_each(|contribution| contribution.check(&self.supports_of(contribution.as_ref())))
-    }
 }
 
 /// Number of constraints of a contribution.
 pub(crate) fn count(contribution: &Arc<dyn Contribution>) -> usize {
     contribution.constrains().map_or(0, Constrains::count)
-}
-
-impl Checks<'_> {
-    /// The same for analyses that need a regular tangent: contacts resist only motions along their normals at rest.
-    pub fn check_held(&self) -> Result<(), FemError> {
-        let own = self.model.others.iter().flat_map(|contribution| contribution.resists().iter().cloned());
-        self.model.ranks().unless_parted(self.model.check_with(&own.collect::<Vec<_>>()))
-    }
-
-    /// Whether supports and springs prevent all rigid motions of all parts; otherwise contact has to hold them.
-    #[must_use]
-    pub fn is_held_without_contact(&self) -> bool {
-        let others = self.model.others.iter().filter(|contribution| contribution.touches().is_none());
-        let springs = others.flat_map(|contribution| contribution.resists());
-        self.model.supports.check(self.model.discretization(), &springs.collect::<Vec<_>>()).is_ok()
-    }
-
-    /// Checks that the problem is complete for motion and for modes, in which a body may be free.
-    ///
-    /// # Errors
-    /// [`FemError::NoMaterial`], a contribution whose required supports are missing.
-    pub fn check_in_motion(&self) -> Result<(), FemError> {
-        self.model.check_laws()?;
-        self.model.check_others()
-    }
 }
 
 impl Tangents<'_> {

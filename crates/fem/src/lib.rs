@@ -12,6 +12,7 @@ pub use body::Body;
 pub use nastic_body::body_energy::excess_tension::ExcessTension;
 pub use nastic_body::body_energy::formulation::Formulation;
 pub use nastic_body::body_energy::point_peaks::PointPeak;
+pub use nastic_body::body_energy::shape::{NodalMode, ShapeQuality};
 pub use nastic_body::body_energy::{AttachedLaw, BodyEnergy};
 pub use nastic_body::contribution::body_point::BodyPoint;
 pub use nastic_body::contribution::constrains::Constrains;

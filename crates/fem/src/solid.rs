@@ -1,6 +1,7 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
 use nastic_body::body_energy::formulation::Formulation;
+use nastic_body::body_energy::shape::NodalMode;
 use nastic_body::body_energy::{AttachedLaw, BodyEnergy};
 use nastic_body::contribution::Contribution;
 use nastic_body::controls::Controls;
@@ -8,7 +9,7 @@ use nastic_body::discretization::Discretization;
 use nastic_body::discretization::quadrature_points::QuadraturePoints;
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::FemError;
-use nastic_energy::EnergyTerm;
+use nastic_energy::{EnergyTerm, ShapeModes};
 use nastic_equilibrium::model::Model;
 use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::Contact;
@@ -115,8 +116,48 @@ impl Solid {
         let regions = region.into();
         let cells = self.mesh().cells_of(&regions)?;
         let attached = AttachedLaw { name: name.to_owned(), law: Arc::new(law), regions, cells };
+        if attached.shape_modes().is_some() {
+            self.before_shape(name)?;
+        }
         self.model.body.add_actuation(attached)?;
         Ok(self)
+    }
+
+    /// Lets the nodes of a region, or of the union of several, move along fields: the shape of the body itself, see [`ShapeModes`]. It comes before masses and weights, which follow it.
+    ///
+    /// # Errors
+    /// As [`actuate`](Self::actuate); fields that are not of this mesh or move cells outside of the region, another change of shape. [`check`](Self::check) refuses those that
+    /// move what supports hold, or what something measures from the drawn body.
+    pub fn shape(
+        self,
+        region: impl Into<GroupNames>,
+        name: &str,
+        modes: impl IntoIterator<Item = NodalMode>,
+    ) -> Result<Self, FemError> {
+        let (region, disc) = (region.into(), self.discretization().clone());
+        let cells = self.mesh().cells_of(&region)?;
+        let modes = modes.into_iter().map(|mode| mode.on(&disc, &cells)).collect::<Result<_, _>>()?;
+        self.actuate(region, name, ShapeModes::new(modes)?)
+    }
+
+    /// Refuses what a change of shape would come too late for.
+    fn before_shape(&self, name: &str) -> Result<(), FemError> {
+        let what = format!("the change of shape \"{name}\"");
+        self.model.ranks().refuse_ranks(&what)?;
+        let late = self
+            .model
+            .others
+            .iter()
+            .find(|own| own.slots().iter().any(|slot| slot.group == "fill") || own.name() == BodyInertia::NAME);
+        match late {
+            None => Ok(()),
+            Some(late) => Err(FemError::Meaningless {
+                what: format!(
+                    "{what} comes after \"{}\", which has the masses of the drawn body: give it before",
+                    late.name()
+                ),
+            }),
+        }
     }
 
     /// Gives a region, or the union of several, a viscous law ([`MaxwellBranch`](nastic_energy::MaxwellBranch),
@@ -407,7 +448,7 @@ impl Solid {
         if [BodyInertia::NAME, BodyInertia::FILLED].iter().any(|name| self.model.contribution(name).is_some()) {
             return Err(FemError::Meaningless { what: "the body has an inertia already: give one".to_owned() });
         }
-        let contribution: BodyInertia = inertia.on(self.discretization(), self.model.tangent_structure())?;
+        let contribution: BodyInertia = inertia.on(self.body(), self.model.tangent_structure())?;
         self.model.add(Arc::new(contribution))?;
         Ok(self)
     }

@@ -78,6 +78,7 @@ mod rigid_equilibria;
 mod rigid_supports;
 mod saddle_field;
 mod second_order;
+mod shape;
 mod siere;
 mod slender;
 mod soft_filler;

@@ -9,6 +9,7 @@ use nastic_body::instant::Instant;
 use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, GroupNames, Mesh};
 use nastic_tensor::{Mat3, Vec3};
+use std::collections::BTreeSet;
 
 /// An elastic foundation (Winkler): a surface tied to its reference position by springs of stiffness k per reference area (N/m^3),
 /// potential
@@ -128,6 +129,11 @@ impl Contribution for Springs {
 
     fn resists(&self) -> &[Vec<(u32, f64)>] {
         &self.holds
+    }
+
+    fn drawn_nodes(&self) -> Vec<u32> {
+        let nodes: BTreeSet<u32> = self.pieces.iter().flat_map(|(nodes, _)| nodes).copied().collect();
+        nodes.into_iter().collect()
     }
 
     /// The force of the bed on the body.

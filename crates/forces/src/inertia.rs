@@ -1,11 +1,12 @@
 //! [`Inertia`]: the mass of a body.
 
-use crate::filled_mass::{FILL, FilledMass};
+use crate::fill::Fill;
+use crate::filled_mass::FilledMass;
+use nastic_body::body_energy::BodyEnergy;
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use nastic_body::contribution::{Contribution, Demand, OverCells, Sums};
 use nastic_body::controls::Controls;
-use nastic_body::discretization::Discretization;
 use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_body::instant::Instant;
 use nastic_body::structure::TangentStructure;
@@ -64,7 +65,7 @@ impl Inertia {
     }
 
     /// With the consistent mass of the densities times a fill at every quadrature point of the body, the control `fill`, 1 at rest: a mass that follows a
-    /// design. In a cell the mean over its points counts.
+    /// design. In a cell the mean over its points counts. The mass of a body whose shape changes follows that, `rho det G`, by itself.
     #[must_use]
     pub fn filled(self) -> Self {
         Inertia { filled: true, ..self }
@@ -73,8 +74,9 @@ impl Inertia {
     /// The contribution on a body.
     ///
     /// # Errors
-    /// A region that is unknown, a density that is not positive, cells without density; a mass both lumped and filled.
-    pub fn on(&self, disc: &Discretization, structure: &Arc<TangentStructure>) -> Result<BodyInertia, FemError> {
+    /// A region that is unknown, a density that is not positive, cells without density; a mass both lumped and filled, or of a body whose shape changes.
+    pub fn on(&self, body: &BodyEnergy, structure: &Arc<TangentStructure>) -> Result<BodyInertia, FemError> {
+        let (disc, fill) = (body.discretization(), Fill::of(body));
         let mesh = disc.mesh();
         let mut density = vec![0.0; mesh.cells()];
         for (region, rho) in &self.densities {
@@ -92,9 +94,9 @@ impl Inertia {
             );
             return Err(FemError::Meaningless { what });
         }
-        let mass = match (self.lumped, self.filled) {
+        let mass = match (self.lumped, self.filled || fill.follows_shape()) {
             (true, true) => {
-                let what = "a mass that follows a design is consistent: leave out \"lumped\"".to_owned();
+                let what = "a mass that follows a design or a shape is consistent: leave out \"lumped\"".to_owned();
                 return Err(FemError::Meaningless { what });
             }
             (true, false) => Mass::Lumped(disc.lumped_mass(&density)),
@@ -102,7 +104,7 @@ impl Inertia {
             (false, true) => {
                 let names = self.densities.iter().flat_map(|(names, _)| names.iter());
                 let regions: Vec<String> = names.map(str::to_owned).collect();
-                Mass::Filled(FilledMass::new(disc, structure, GroupNames::from(regions), density)?)
+                Mass::Filled(FilledMass::new(fill, disc, structure, GroupNames::from(regions), density)?)
             }
         };
         let mut along = vec![0.0; disc.dofs()];
@@ -180,7 +182,11 @@ impl Contribution for BodyInertia {
     }
 
     fn slots(&self) -> &[Slot] {
-        if let Mass::Filled(_) = self.mass { std::slice::from_ref(&FILL) } else { &[] }
+        if let Mass::Filled(filled) = &self.mass { filled.fill.slots() } else { &[] }
+    }
+
+    fn shared_slots(&self) -> Option<(&str, usize)> {
+        if let Mass::Filled(filled) = &self.mass { filled.fill.shared_slots() } else { None }
     }
 
     fn over_cells(&self) -> Option<OverCells<'_>> {
@@ -193,7 +199,8 @@ impl Contribution for BodyInertia {
     }
 
     fn check_controls(&self, values: &[f64]) -> Result<(), FemError> {
-        match values.iter().find(|fill| !(fill.is_finite() && **fill >= 0.0)) {
+        let width = self.slots().len().max(1);
+        match values.iter().skip(width - 1).step_by(width).find(|fill| !(fill.is_finite() && **fill >= 0.0)) {
             None => Ok(()),
             Some(fill) => {
                 let what = format!("\"{}\" with a fill of {fill}: it must be finite and at least zero", self.name());
@@ -258,7 +265,7 @@ impl ContributionPoint for BodyInertia {
         }
         if let (Mass::Filled(filled), Some(_)) = (&self.mass, at.step) {
             let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
-            filled.vjp(lambda, &acceleration, |point, by| into.add_control_at(at, point, 0, by));
+            filled.vjp(at, lambda, &acceleration, |point, slot, by| into.add_control_at(at, point, slot, by));
         }
         Ok(())
     }
@@ -266,12 +273,12 @@ impl ContributionPoint for BodyInertia {
     fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
         if let (Mass::Filled(filled), Some(_)) = (&self.mass, at.step) {
             let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
-            axpy(1.0, &filled.times_change(|point| at.slot_at(v, point, 0), &acceleration), out);
+            axpy(1.0, &filled.times_change(at, v, &acceleration), out);
         }
         Ok(())
     }
 
-    /// The residual is linear in the displacement and, apart from it, in the fill.
+    /// The residual is linear in the displacement and, apart from it, in the fill; not in a change of shape.
     fn second_vjp(
         &self,
         at: &Instant,
@@ -281,9 +288,11 @@ impl ContributionPoint for BodyInertia {
     ) -> Result<(), SecondDerivativeError> {
         if let (Mass::Filled(filled), Some(step)) = (&self.mass, at.step) {
             let factor = step.acceleration.0;
-            let change = filled.times_change(|point| at.slot_at(along.controls, point, 0), lambda);
-            axpy(factor, &change, &mut into.u);
-            filled.vjp(lambda, along.u, |point, by| into.add_control_at(at, point, 0, factor * by));
+            axpy(factor, &filled.times_change(at, along.controls, lambda), &mut into.u);
+            filled.vjp(at, lambda, along.u, |point, slot, by| into.add_control_at(at, point, slot, factor * by));
+            let acceleration: Vec<f64> = (0..at.u.len()).map(|dof| at.acceleration(dof)).collect();
+            let mut add = |point, slot, by| into.add_control_at(at, point, slot, by);
+            filled.second_vjp(at, along.controls, [lambda, &acceleration], &mut add);
         }
         Ok(())
     }

@@ -3,6 +3,7 @@
 pub mod cavity;
 pub mod contact;
 pub mod dead_load;
+pub mod fill;
 mod filled_mass;
 pub mod foundation;
 mod guides;

@@ -1,12 +1,12 @@
 //! [`VaryingLoad`]: a dead load that changes in time, or with the design of a body.
 
-use crate::filled_mass::FILL;
+use crate::fill::Fill;
+use nastic_body::body_energy::BodyEnergy;
 use nastic_body::contribution::energy_role::EnergyRole;
 use nastic_body::contribution::point::{ContributionPoint, Need};
 use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities, Sensitivities};
 use nastic_body::contribution::{Contribution, Demand, OverCells, Sums};
 use nastic_body::controls::{ControlPoint, Controls, check_finite};
-use nastic_body::discretization::Discretization;
 use nastic_body::discretization::quadrature_points::QuadraturePoints;
 use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
 use nastic_body::instant::Instant;
@@ -22,7 +22,7 @@ use nastic_tensor::Vec3;
 /// - l sum_q w_q sum_k m_k(X_q) d_k . u(X_q)
 /// ```
 ///
-/// with the share l of the load, the slots m_k and the vectors d_k along which they act: the components of t and the axes, or a fill and the weight of the full body. It keeps its direction, as all dead loads. Its values are data of the problem as those of a constant one are, not work of
+/// with the share l of the load, the numbers m_k and the vectors d_k along which they act: the components of t and the axes, or a [`Fill`] and the weight of the full body. It keeps its direction, as all dead loads. Its values are data of the problem as those of a constant one are, not work of
 /// actuations. In plane strain per unit of thickness.
 ///
 /// Units: t in Pa on surfaces, in N/m^3 on regions; an acceleration in m/s^2 of [`weight`](Self::weight).
@@ -31,7 +31,9 @@ pub struct VaryingLoad {
     name: String,
     dim: usize,
     slots: Vec<Slot>,
-    /// By slot, d_k.
+    /// What m_1 is made of, where the slots are not m themselves.
+    fill: Option<Fill>,
+    /// d_k.
     along: Vec<[f64; 3]>,
     points: Vec<ControlPoint>,
     /// Node, point and shape function of every pair.
@@ -55,6 +57,7 @@ impl VaryingLoad {
             name: name.into(),
             dim: mesh.dim(),
             slots: (0..3).map(of).collect(),
+            fill: None,
             points: positions.map(|(position, weight)| ControlPoint { position, weight: *weight }).collect(),
             along: AXES.to_vec(),
             pairs,
@@ -62,18 +65,20 @@ impl VaryingLoad {
         }
     }
 
-    /// A force per volume of regions (N/m^3 of the full body) times the fill at every quadrature point of the body, 1 at rest: weight that follows a density.
+    /// A force per volume of regions (N/m^3 of the full body) times the fill at every quadrature point of the body, 1 at rest, and det G where the shape of the body, which
+    /// is known already, changes: weight that follows a density and the shape.
     ///
     /// # Errors
     /// An unknown region; a force that is not finite, or across a body in plane strain.
     pub fn filled(
         name: &str,
-        disc: &Discretization,
+        body: &BodyEnergy,
         regions: impl Into<GroupNames>,
         force: Vec3,
     ) -> Result<Self, FemError> {
         check_finite(name, force.as_slice())?;
-        let (regions, mesh) = (regions.into(), disc.mesh());
+        let (regions, disc, fill) = (regions.into(), body.discretization(), Fill::of(body));
+        let mesh = disc.mesh();
         if mesh.dim() == 2 && force.z != 0.0 {
             return Err(FemError::Meaningless { what: format!("{name} has a z component on a plane-strain body") });
         }
@@ -89,7 +94,8 @@ impl VaryingLoad {
         Ok(VaryingLoad {
             name: name.to_owned(),
             dim: mesh.dim(),
-            slots: vec![FILL],
+            slots: fill.slots().to_vec(),
+            fill: Some(fill),
             along: vec![force.into()],
             points: disc.points().weights().iter().map(weighted).collect(),
             pairs,
@@ -112,6 +118,7 @@ impl VaryingLoad {
             name: name.into(),
             dim: mesh.dim(),
             slots: (0..3).map(of).collect(),
+            fill: None,
             points: vec![ControlPoint { position: middle, weight: volume }],
             along: AXES.to_vec(),
             pairs: shares.map(|(node, share)| (node as u32, 0, density * share / volume)).collect(),
@@ -119,7 +126,7 @@ impl VaryingLoad {
         }
     }
 
-    /// Calls with every unknown, the point and the slot of a pair, and `w_q N_a(X_q)` times the component of the slot's vector.
+    /// Calls with every unknown, the point and the number m of a pair, and `w_q N_a(X_q)` times the component of its vector.
     fn each(&self, mut call: impl FnMut(usize, (usize, usize), f64)) {
         for &(node, point, shape) in &self.pairs {
             let point = point as usize;
@@ -130,6 +137,24 @@ impl VaryingLoad {
             }
         }
     }
+
+    /// By point and vector the numbers m, or their changes along `v`.
+    fn numbers(&self, at: &Instant, v: Option<&Controls>) -> Vec<f64> {
+        let own = v.unwrap_or(at.controls);
+        let Some(fill) = &self.fill else { return own.values(at.block).to_vec() };
+        let of_point = |point: usize| {
+            let (m, change) = (|k| at.control_at(point, k), |k| at.slot_at(own, point, k));
+            v.map_or_else(|| fill.value(point, &m), |_| fill.change(point, &m, &change))
+        };
+        (0..self.points.len()).map(of_point).collect()
+    }
+
+    /// `-l w_q d_1 . lambda(X_q)` by point.
+    fn by_point(&self, at: &Instant, lambda: &[f64]) -> Vec<f64> {
+        let mut out = vec![0.0; self.points.len()];
+        self.each(|dof, (point, _), factor| out[point] += -at.load * factor * lambda[dof]);
+        out
+    }
 }
 
 impl Contribution for VaryingLoad {
@@ -139,6 +164,10 @@ impl Contribution for VaryingLoad {
 
     fn slots(&self) -> &[Slot] {
         &self.slots
+    }
+
+    fn shared_slots(&self) -> Option<(&str, usize)> {
+        self.fill.as_ref().and_then(Fill::shared_slots)
     }
 
     fn control_points(&self) -> &[ControlPoint] {
@@ -164,8 +193,9 @@ impl Contribution for VaryingLoad {
 
 impl ContributionPoint for VaryingLoad {
     fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
+        let numbers = self.numbers(at, None);
         self.each(|dof, (point, k), factor| {
-            let force = at.load * factor * at.control_at(point, k);
+            let force = at.load * factor * numbers[point * self.along.len() + k];
             if demand.energy {
                 sums.energy -= force * at.u[dof];
                 sums.energy_scale += (force * at.u[dof]).abs();
@@ -187,22 +217,36 @@ impl ContributionPoint for VaryingLoad {
     }
 
     fn vjp(&self, at: &Instant, lambda: &[f64], into: &mut Sensitivities) -> Result<(), Inadmissible> {
-        self.each(|dof, (point, k), factor| into.add_control_at(at, point, k, -at.load * factor * lambda[dof]));
+        let Some(fill) = self.fill.as_ref().filter(|fill| fill.follows_shape()) else {
+            self.each(|dof, (point, k), factor| into.add_control_at(at, point, k, -at.load * factor * lambda[dof]));
+            return Ok(());
+        };
+        for (point, by) in self.by_point(at, lambda).into_iter().enumerate().filter(|(_, by)| *by != 0.0) {
+            let m = |k| at.control_at(point, k);
+            fill.each_derivative(point, &m, |slot, own| into.add_control_at(at, point, slot, own * by));
+        }
         Ok(())
     }
 
     fn add_control_product(&self, at: &Instant, v: &Controls, out: &mut [f64]) -> Result<(), SecondDerivativeError> {
-        self.each(|dof, (point, k), factor| out[dof] -= at.load * factor * at.slot_at(v, point, k));
+        let changes = self.numbers(at, Some(v));
+        self.each(|dof, (point, k), factor| out[dof] -= at.load * factor * changes[point * self.along.len() + k]);
         Ok(())
     }
 
+    /// The residual does not depend on the displacement, nor otherwise than linearly on the slots but by a change of shape.
     fn second_vjp(
         &self,
-        _: &Instant,
-        _: &[f64],
-        _: &Increment,
-        _: &mut SecondSensitivities,
+        at: &Instant,
+        lambda: &[f64],
+        along: &Increment,
+        into: &mut SecondSensitivities,
     ) -> Result<(), SecondDerivativeError> {
+        let Some(fill) = self.fill.as_ref().filter(|fill| fill.follows_shape()) else { return Ok(()) };
+        for (point, by) in self.by_point(at, lambda).into_iter().enumerate().filter(|(_, by)| *by != 0.0) {
+            let (m, v) = (|k| at.control_at(point, k), |k| at.slot_at(along.controls, point, k));
+            fill.each_second(point, &m, &v, |slot, own| into.add_control_at(at, point, slot, own * by));
+        }
         Ok(())
     }
 }

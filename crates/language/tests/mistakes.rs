@@ -193,7 +193,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"fibre_tension\"",
         ": actuation/0/kind: unknown kind \"fibre_tension\": did you mean \"fiber_tension\"? (one of: \
          fiber_tension, muscle, turgor, magnet, dielectric, growth, stretch_along, area_growth, heat, lce, \
-         active_strain, growth_tensor, cavity, tendon, motion)",
+         active_strain, growth_tensor, shape, cavity, tendon, motion)",
     );
     one(
         COMPLETE,

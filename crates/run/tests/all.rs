@@ -55,6 +55,7 @@ mod readable_units;
 mod result_files;
 mod resume;
 mod rigid;
+mod shape;
 mod shape_costs;
 mod spectrum;
 mod springs;

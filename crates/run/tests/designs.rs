@@ -303,7 +303,11 @@ fn mistakes_of_designs_are_told_where_they_stand() {
     let told = problems(&heavy);
     assert!(told.contains("has 2 stages, which a motion has not: give one, of a projection one sharpness"), "{told}");
     let lumped = with(&heavy, "\"start\": \"rest\"", "\"start\": \"rest\", \"mass\": \"lumped\"");
-    assert!(problems(&lumped).contains("a mass that follows a design is consistent"), "{}", problems(&lumped));
+    assert!(
+        problems(&lumped).contains("a mass that follows a design or a shape is consistent"),
+        "{}",
+        problems(&lumped)
+    );
     let told = problems(&without(CANTILEVER, &["controls", "constraints"]));
     assert!(told.contains("nothing says what \"rho\" is: give a control"), "{told}");
     let fine = CaseDirectory::new().text(

@@ -46,6 +46,8 @@ pub(super) struct Composition {
     pub actuations: Vec<usize>,
     /// Which of these the others grow by.
     pub growth: Option<usize>,
+    /// Which of these is the change of the body's shape, behind which they grow.
+    pub shape: Option<usize>,
     /// None chosen: the standard one.
     pub formulation: Option<Formulation>,
 }
@@ -149,7 +151,11 @@ impl BodyEnergy {
             return Err(FemError::Meaningless { what });
         }
         let new = self.actuations.len();
-        let (cells, grows) = (attached.cells.clone(), attached.law.strain_map().is_some());
+        let (cells, shapes) = (attached.cells.clone(), attached.shape_modes().is_some());
+        let grows = attached.law.strain_map().is_some() && !shapes;
+        if shapes {
+            self.check_new_shape(&attached)?;
+        }
         let earlier = cells.iter().find_map(|&cell| Some((cell, self.composition_of(cell as usize).growth?)));
         if let Some((cell, earlier)) = earlier.filter(|_| grows) {
             let what = format!(
@@ -162,6 +168,7 @@ impl BodyEnergy {
         self.extend(&cells, |composition| {
             composition.actuations.push(new);
             composition.growth = composition.growth.or(grows.then_some(new));
+            composition.shape = composition.shape.or(shapes.then_some(new));
         })
     }
 
@@ -216,9 +223,10 @@ impl BodyEnergy {
         let without_slots = of.terms.iter().map(|&t| (&self.terms[t], None));
         let others = of.actuations.iter().filter(|&&k| !self.is_growth(k));
         let with_slots = others.map(|&k| (&self.actuations[k].law, Some(k)));
-        let grown = |own: CellLaw| match of.growth {
-            Some(k) => own.behind(k, &self.actuations[k].law),
-            None => Ok(own),
+        // the body grows in its new shape: F G_shape^-1 G_growth^-1
+        let grown = |own: CellLaw| {
+            let mut maps = [of.growth, of.shape].into_iter().flatten();
+            maps.try_fold(own, |own, k| own.behind(k, &self.actuations[k].law))
         };
         without_slots.chain(with_slots).map(|(law, own)| grown(CellLaw::new(law, own))).collect()
     }

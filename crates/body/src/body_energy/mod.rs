@@ -43,6 +43,7 @@ pub mod point_strains;
 pub(crate) mod pressure_change;
 mod product;
 mod second_vjp;
+pub mod shape;
 pub(crate) mod tensions;
 pub mod volume_modes;
 

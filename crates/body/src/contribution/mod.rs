@@ -104,6 +104,11 @@ pub trait Contribution: Debug + Send + Sync {
         false
     }
 
+    /// Nodes from whose drawn places it measures lengths, displacements or volumes: there the shape of the body cannot change. Empty of what sees places x alone.
+    fn drawn_nodes(&self) -> Vec<u32> {
+        Vec::new()
+    }
+
     /// Why an equilibrium with it depends on the way there, if it does: such a contribution acts in steps in time alone.
     fn path_dependence(&self) -> Option<&'static str> {
         None

@@ -326,6 +326,12 @@ impl Supports {
         self.tied.get(&(node, 0)).map(String::as_str)
     }
 
+    /// The name of what keeps a component of the displacement of a node from being free, if something does: a support, a motion, a rigid body.
+    pub fn keeper(&self, node: u32, c: usize) -> Option<&str> {
+        let driver = self.driven.get(&(self.dof(node, c) as u32)).or_else(|| self.tied.get(&(node, c)));
+        driver.map(String::as_str).or_else(|| self.holds(node, c).then(|| self.holder(node, c)))
+    }
+
     /// Whether something with these slopes by unknowns of the displacement can change: not where supports hold them all, nor in one rigid body.
     pub fn lets_change(&self, slopes: impl Iterator<Item = (usize, f64)>) -> bool {
         let acting: Vec<usize> = slopes.filter(|(_, slope)| *slope != 0.0).map(|(dof, _)| dof).collect();

@@ -12,7 +12,7 @@ use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
 use nastic_energy::{Dielectric, EnergyTerm, MaterialPoint, StrainMap, Turgor};
-use nastic_fem::Solid;
+use nastic_fem::{AttachedLaw, Solid};
 use nastic_language::expression::{EvaluationError, Formula, dimension_of};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{
@@ -153,7 +153,9 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
 /// Refuses fixed values that together leave nothing of a body that grows by them.
 fn check_growth(actuation: &Actuation, reduced: &Reduced, context: &mut Context<'_>) -> Option<()> {
     let body = reduced.solid().body();
-    let k = body.actuations().iter().position(|own| own.name == actuation.name && own.law.strain_map().is_some());
+    // a shape has no fixed values, and its start is looked at as a whole
+    let grows = |own: &AttachedLaw| own.law.strain_map().is_some() && own.shape_modes().is_none();
+    let k = body.actuations().iter().position(|own| own.name == actuation.name && grows(own));
     let refused = k.and_then(|k| {
         let (values, width) = (reduced.layout().fixed().values(k), reduced.layout().fixed().slots(k));
         body.refused_growth(k, |at, slot, _| values[at.point * width + slot])

@@ -4,14 +4,10 @@ use crate::lower::actuation::is_built;
 use crate::lower::context::Context;
 use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::control_grid::unresolved;
-use crate::lower::design;
-use crate::lower::field_chain;
-use crate::lower::material;
-use crate::lower::optimizer;
 use crate::lower::result_array::is_reserved;
 use crate::lower::tension::{beyond_limit, default_upper, limit};
-use crate::lower::time;
 use crate::lower::variant::Variant;
+use crate::lower::{design, field_chain, material, optimizer, shape, time};
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
 use nastic_control::{Consumer, ControlBlock, RateLimit, Reduced, Shown, Space};
 use nastic_energy::Slot;
@@ -104,7 +100,7 @@ pub(super) fn lower(
 ) -> Option<Lowered> {
     let mut out = Lowered { controls: vec![], start: vec![], set: Product::new() };
     let mut known: Vec<(Option<usize>, usize)> = vec![];
-    let mut whole = true;
+    let (mut whole, mut starts) = (true, Vec::new());
     for ((variant, body), context) in variants.iter().zip(bodies).zip(&mut *contexts) {
         let fields = variant.case.controls.iter().zip(body.layout().blocks()).enumerate();
         for (k, (control, block)) in fields {
@@ -122,6 +118,7 @@ pub(super) fn lower(
             match lowering.lower(context) {
                 Some((field, start, set)) => {
                     out.controls.push(ControlField { load_case, ..field });
+                    starts.push(start.clone());
                     out.start.extend(start);
                     out.set.push(block.len(), set.into());
                 }
@@ -129,6 +126,11 @@ pub(super) fn lower(
             }
         }
     }
+    let start_of = |variant: &Variant, k: usize| {
+        let field = (variant.load_case.filter(|_| k >= shared), k);
+        starts.get(known.iter().position(|own| *own == field)?)
+    };
+    let whole = whole && shape::check_starts(variants, bodies, contexts, start_of);
     if let (true, [variant, ..], [body, ..], [context, ..]) = (whole, variants, bodies, contexts) {
         material::warn_of_corners(&variant.case, &out.controls, body.solid(), context);
     }
@@ -189,8 +191,7 @@ impl Lowering<'_> {
             field_chain::check_fixed(self.case, self.control, allowed.admitted, self.reduced.solid(), context)?;
         }
         let (Allowed { admitted, bounds, set }, start) = (allowed?, start?);
-        let start = self.settle(start, set.as_ref(), context)?;
-        let start = self.unknowns(start, context)?;
+        let start = self.unknowns(self.settle(start, set.as_ref(), context)?, context)?;
         let (bounds, set) = self.of_unknowns(bounds, set);
         optimizer::check_set(self.case, self.control, set.as_ref(), start.len(), context)?;
         self.check_at_rest(bounds.as_ref(), context)?;

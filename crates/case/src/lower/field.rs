@@ -2,8 +2,8 @@
 
 use super::array::{self, Entity, MeshArray};
 use super::context::Context;
-use nastic_energy::Field;
-use nastic_fem::{Discretization, QuadraturePoints};
+use nastic_energy::{Field, ShapeMode};
+use nastic_fem::{Discretization, NodalMode, QuadraturePoints};
 use nastic_language::schema::{Case, Parameter, VectorField, vector_at};
 use nastic_language::syntax::At;
 use nastic_mesh::Mesh;
@@ -16,6 +16,8 @@ pub(super) struct SamplePoints<'a> {
     sampling: &'a QuadraturePoints,
     positions: Vec<[f64; 3]>,
     wanted: Vec<bool>,
+    /// Of points of the body: it, and the cells of those that matter.
+    body: Option<(&'a Discretization, Vec<u32>)>,
 }
 
 impl<'a> SamplePoints<'a> {
@@ -24,14 +26,14 @@ impl<'a> SamplePoints<'a> {
         let mut inside = vec![false; disc.mesh().cells()];
         cells.iter().for_each(|&cell| inside[cell as usize] = true);
         let wanted = disc.points().cells().iter().map(|&cell| inside[cell as usize]).collect();
-        Self { wanted, ..Self::of(case, disc.mesh(), disc.points()) }
+        Self { wanted, body: Some((disc, cells.to_vec())), ..Self::of(case, disc.mesh(), disc.points()) }
     }
 
     /// All points of a sampling.
     pub fn of(case: &'a Case, mesh: &'a Mesh, sampling: &'a QuadraturePoints) -> Self {
         let positions = sampling.positions(mesh, None);
         let wanted = vec![true; positions.len()];
-        Self { case, mesh, sampling, positions, wanted }
+        Self { case, mesh, sampling, positions, wanted, body: None }
     }
 
     /// Where formulas are evaluated: at points that do not matter, at the place of one that does.
@@ -76,6 +78,41 @@ impl<'a> SamplePoints<'a> {
             values.iter_mut().filter(|v| v.norm() > 0.0).for_each(|v| *v = v.normalize());
         }
         Some(Field::points(values))
+    }
+
+    /// A displacement field at the nodes of the cells that matter.
+    pub fn mode(&self, name: &str, value: &VectorField, at: &At, context: &mut Context<'_>) -> Option<ShapeMode> {
+        let (disc, cells) = self.body.as_ref()?;
+        let (dim, mut values) = (self.mesh.dim(), vec![0.0; disc.dofs()]);
+        let array = match value {
+            VectorField::Array(file) => {
+                Some(array::read(file, at, &[dim, 3], Entity::Node, self.case, self.mesh, context)?)
+            }
+            VectorField::Formulas(_) => None,
+        };
+        if array.as_ref().is_some_and(|array| array.entity != Entity::Node) {
+            context.complain(at, "the nodes of the body move: an array of nodes is needed");
+            return None;
+        }
+        for node in self.mesh.nodes_of_cells(cells) {
+            let node = node as usize;
+            let here = match (value, &array) {
+                (VectorField::Formulas(entries), _) => {
+                    context.take(at, vector_at(entries, self.mesh.points()[node]))?
+                }
+                (_, Some(array)) => {
+                    let own = &array.values[node * array.components..][..array.components];
+                    std::array::from_fn(|k| own.get(k).copied().unwrap_or(0.0))
+                }
+                _ => [0.0; 3],
+            };
+            if here[dim..].iter().any(|z| *z != 0.0) {
+                context.complain(at, "the shape of a body in plane strain has no z component");
+                return None;
+            }
+            values[dim * node..dim * (node + 1)].copy_from_slice(&here[..dim]);
+        }
+        context.take(at, NodalMode { name: name.to_owned(), values }.on(disc, cells))
     }
 
     /// A vector at every point.

@@ -7,10 +7,11 @@ use super::load::{MORE_POINTS, NO_Z};
 use super::magnitude::check_gravity;
 use super::named::attempt;
 use super::named_groups;
+use super::shape;
 use nastic_control::Reduced;
 use nastic_fem::{QuadraturePoints, Solid, VaryingLoad};
 use nastic_language::schema::{Case, Fixed, Load, Material, VectorField, VectorInTime};
-use nastic_language::syntax::At;
+use nastic_language::syntax::{At, quoted};
 use nastic_tensor::Vec3;
 
 /// The weight `rho g` of every material.
@@ -30,6 +31,9 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
                         material.at
                     );
                     context.complain(&at, message);
+                } else if let Some(shape) = shape::of_material(solid, material) {
+                    let message = format!("a gravity that changes in time does not follow the shape {}", quoted(shape));
+                    context.complain(&at, message);
                 }
                 add_varying(load, material, density, &at, solid, context);
             }
@@ -39,11 +43,12 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         check_gravity(gravity, &at, context);
         for (material, density) in dense(case) {
             let force = Vec3::from(gravity) * density;
-            attempt(solid, &at, context, |solid| match design::mass_map(case, material) {
-                None => solid.body_force(&material.region, force),
-                Some(_) => {
-                    let (name, disc) = (design::weight_name(load, material), solid.discretization().clone());
-                    let weight = VaryingLoad::filled(&name, &disc, &material.region, force)?;
+            let follows = design::mass_map(case, material).is_some() || shape::of_material(solid, material).is_some();
+            attempt(solid, &at, context, |solid| match follows {
+                false => solid.body_force(&material.region, force),
+                true => {
+                    let name = design::weight_name(load, material);
+                    let weight = VaryingLoad::filled(&name, solid.body(), &material.region, force)?;
                     solid.contribution(weight)
                 }
             });

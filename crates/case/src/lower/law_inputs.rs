@@ -2,6 +2,7 @@
 
 use super::context::Context;
 use super::field::SamplePoints;
+use nastic_energy::ShapeMode;
 use nastic_energy::catalogue::Inputs;
 use nastic_language::schema::Input;
 use nastic_language::syntax::At;
@@ -34,6 +35,12 @@ pub(super) fn inputs(
                     .collect();
                 let fields: Option<BTreeMap<_, _>> = fields.into_iter().collect();
                 fields.map(|fields| out.clone().map(|i| i.numbers(name, fields)))
+            }
+            Input::Modes(fields) => {
+                let modes: Vec<_> =
+                    fields.iter().map(|(key, field)| points.mode(key, field, &at.key(key), context)).collect();
+                let modes: Option<Vec<ShapeMode>> = modes.into_iter().collect();
+                modes.map(|modes| out.clone().map(|i| i.modes(name, modes)))
             }
         };
         out = with.flatten();

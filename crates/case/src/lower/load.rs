@@ -4,7 +4,7 @@ use super::actuation::{fix_in_time, uses_time};
 use super::context::Context;
 use super::field::SamplePoints;
 use super::named::attempt;
-use super::{named_groups, pressures};
+use super::{named_groups, pressures, shape};
 use nastic_control::Reduced;
 use nastic_fem::{QuadraturePoints, Solid, VaryingLoad};
 use nastic_language::schema::{Case, Fixed, Load, VectorField};
@@ -28,6 +28,7 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             attempt(solid, &load.at, context, |solid| solid.contribution(varying));
             continue;
         }
+        shape::note_of_load(load, &sampling, solid, context);
         match (field.constant().map(Vec3::from), &load.surface, &load.region) {
             (Some(constant), Some(names), _) => {
                 pressures::check_given(constant.norm(), solid, &at, context);

@@ -9,7 +9,7 @@ use crate::map::Space;
 use crate::time::{
     FixedInTime, Instants, Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When,
 };
-use nastic_fem::{Checkpoints, Feature};
+use nastic_fem::{Begin, Checkpoints, Feature, FemError};
 use nastic_opt::ConstraintGroup;
 
 /// What a problem in time has beside a static one.
@@ -53,6 +53,12 @@ impl Reduced {
         if let Some(found) = timeline.initial_velocity().map(<[f64]>::len).filter(|found| *found != dofs) {
             let what = format!("the initial velocity has {found} entries where the body has {dofs} unknowns");
             return Err(ControlError::Cost { what });
+        }
+        let from_given = timeline.begin() == Begin::Given;
+        if let Some((_, shape)) = self.solid.body().shape().filter(|_| from_given) {
+            let why = "the displacement that it begins with would depend on the shape: begin at the equilibrium, \"start\": \"equilibrium\" in \"time\"";
+            let (what, with) = ("a motion from rest".to_owned(), shape.name.clone());
+            return Err(FemError::Unsupported { what, with, why: why.to_owned() }.into());
         }
         let layout = self.layout.clone();
         let (schedules, costs, constrained_at, rates, fixed) = (vec![], vec![], vec![], vec![], vec![]);
@@ -108,10 +114,15 @@ impl Reduced {
         Ok(self)
     }
 
-    /// Refuses controls in time of what drives a mass.
+    /// Refuses controls in time of a shape, and of what drives a mass.
     fn refuse_mass_in_time(&self, actuation: usize) -> Result<(), ControlError> {
         let model = self.solid.model();
         let Some(name) = model.controllable().get(actuation).map(|driven| driven.name) else { return Ok(()) };
+        if self.solid.body().shape().is_some_and(|(shape, _)| shape == actuation) {
+            let what =
+                format!("\"{name}\" is the shape of the body, which does not change in time: what grows is a growth");
+            return Err(ControlError::Cost { what });
+        }
         match model.contribution(name).is_some_and(|driven| driven.0.mass_follows_controls()) {
             true => {
                 let what = format!("\"{name}\" is a mass, which does not change in time: let its fill be constant");

@@ -4,8 +4,8 @@ use super::{ActuationRow, Example, Parameter};
 use crate::dielectric::VACUUM_PERMITTIVITY;
 use crate::magnet::VACUUM_PERMEABILITY;
 use crate::{
-    Dielectric, FiberTension, GrowthTensor, KinematicGrowth, Magnet, MagnetIsochoric, MagnetRotation,
-    SpontaneousStrain, ThermalExpansion, Turgor,
+    Dielectric, EnergyError, FiberTension, Field, GrowthTensor, KinematicGrowth, Magnet, MagnetIsochoric,
+    MagnetRotation, ShapeModes, SpontaneousStrain, ThermalExpansion, Turgor,
 };
 
 pub const ACTUATIONS: &[ActuationRow] = &[
@@ -143,6 +143,30 @@ pub const ACTUATIONS: &[ActuationRow] = &[
         },
         make: |_| Ok(Arc::new(GrowthTensor::new())),
     },
+    ActuationRow {
+        name: ShapeModes::NAME,
+        about: "the shape of the body itself: its nodes move along `modes`, displacement fields without unit, and it is free of stress there; controls are the amplitudes, lengths",
+        forms: &[&[
+            Parameter::modes("modes", LARGER_AND_SHEARED),
+            Parameter::number("least_volume", "1", ShapeModes::LEAST_VOLUME).optional(),
+        ]],
+        example: Example { controls: &[100.0, 50.0], towards: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [0.0, 0.0, 1.0]] },
+        make: |given| {
+            let least = given.number_or("least_volume", ShapeModes::LEAST_VOLUME);
+            let modes = ShapeModes::new(given.modes("modes")?)?;
+            match least {
+                Field::Uniform(least) => Ok(Arc::new(modes.with_least_volume(least)?)),
+                _ => Err(EnergyError::ShapeModes {
+                    why: "their \"least_volume\" is one number for all points".to_owned(),
+                }),
+            }
+        },
+    },
+];
+
+const LARGER_AND_SHEARED: &[(&str, [[f64; 3]; 3])] = &[
+    ("size", [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]]),
+    ("shear", [[0.0, 0.0, 0.0], [0.0, 0.0, 2e-3], [0.0, 0.0, 0.0]]),
 ];
 
 /// Along the example direction, at the same volume.

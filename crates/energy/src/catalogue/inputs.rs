@@ -1,11 +1,11 @@
 use std::collections::BTreeMap;
 
-use nastic_tensor::Vec3;
+use nastic_tensor::{Mat3, Vec3};
 
 use super::{Parameter, Takes};
 use crate::formula::Expression;
 use crate::slot::lasting;
-use crate::{EnergyError, Field};
+use crate::{EnergyError, Field, ShapeMode};
 
 /// Named parameters, as a case file gives them; numbers in consistent units.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -20,6 +20,7 @@ enum Value {
     Choice(String),
     Energy(Expression),
     Numbers(BTreeMap<String, Field<f64>>),
+    Modes(Vec<ShapeMode>),
 }
 
 impl Inputs {
@@ -58,6 +59,12 @@ impl Inputs {
         self.with(name, Value::Numbers(values))
     }
 
+    /// With displacement fields.
+    #[must_use]
+    pub fn modes(self, name: &str, modes: Vec<ShapeMode>) -> Self {
+        self.with(name, Value::Modes(modes))
+    }
+
     /// The example values of a parameter set.
     pub fn examples(form: &[Parameter]) -> Self {
         form.iter().fold(Self::new(), |inputs, p| match p.takes {
@@ -68,6 +75,13 @@ impl Inputs {
             Takes::Numbers { example } => {
                 let numbers = example.iter().map(|(name, value)| ((*name).to_owned(), Field::Uniform(*value)));
                 inputs.numbers(p.name, numbers.collect())
+            }
+            Takes::Modes { example } => {
+                let mode = |(name, rows): &(&str, [[f64; 3]; 3])| {
+                    let gradient = Field::Uniform(Mat3::from_fn(|i, j| rows[i][j]));
+                    ShapeMode { name: (*name).to_owned(), gradient, nodal: [].into() }
+                };
+                inputs.modes(p.name, example.iter().map(mode).collect())
             }
         })
     }
@@ -105,6 +119,8 @@ impl Inputs {
             (Takes::Choice { .. }, None | Some(Value::Choice(_))) => return Ok(()),
             (Takes::Energy { .. }, None | Some(Value::Energy(_))) => return Ok(()),
             (Takes::Numbers { .. }, None | Some(Value::Numbers(_))) => return Ok(()),
+            (Takes::Modes { .. }, None | Some(Value::Modes(_))) => return Ok(()),
+            (Takes::Modes { .. }, _) => "displacement fields by their names",
             (Takes::Energy { .. }, _) => "a formula",
             (Takes::Numbers { .. }, _) => "numbers by their names",
             (Takes::Number { .. }, _) => "a number",
@@ -171,6 +187,17 @@ impl<'a> CheckedInputs<'a> {
         match self.inputs.values.get(name) {
             Some(Value::Numbers(values)) => values.clone(),
             _ => BTreeMap::new(),
+        }
+    }
+
+    /// Displacement fields.
+    ///
+    /// # Errors
+    /// [`EnergyError::Missing`].
+    pub fn modes(&self, name: &'static str) -> Result<Vec<ShapeMode>, EnergyError> {
+        match self.inputs.values.get(name) {
+            Some(Value::Modes(modes)) => Ok(modes.clone()),
+            _ => Err(self.missing(name)),
         }
     }
 

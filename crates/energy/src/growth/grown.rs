@@ -5,8 +5,7 @@ use nastic_tensor::{HyperDual, Kinematics, Mat3, Tangent};
 use super::strain_map::Mapped;
 use crate::term::forward_statements;
 use crate::{
-    EnergyError, EnergyTerm, Evolution, MaterialPoint, Outside, PointBatch, PointQuantity, Response, Slot, Slots,
-    StrainMap, Want,
+    EnergyError, EnergyTerm, Evolution, MaterialPoint, Outside, PointBatch, PointQuantity, Response, Slot, Slots, Want,
 };
 
 /// A law behind a [`StrainMap`](crate::StrainMap).
@@ -227,10 +226,11 @@ impl EnergyTerm for Grown {
     fn check_domain(&self, at: &PointBatch, m: Slots) -> Result<(), Outside> {
         let seen = self.seen(at, m, STILL);
         for (point, mapped) in seen.mapped.iter().enumerate() {
-            let shrink = -mapped.volume.real();
-            if !(shrink < 0.0 && shrink.is_finite()) {
-                let meaning = self.map.strain_map().map_or("", StrainMap::limit);
-                return Err(Outside { law: "growth", measure: "-det G", value: shrink, limit: 0.0, meaning, point });
+            let Some(map) = self.map.strain_map() else { continue };
+            let (shrink, limit) = (-mapped.volume.real(), 0.0 - map.least_volume());
+            if !(shrink < limit && shrink.is_finite()) {
+                let (law, meaning) = (map.owner(), map.limit());
+                return Err(Outside { law, measure: "-det G", value: shrink, limit, meaning, point });
             }
         }
         self.law.check_domain(&seen.batch(), seen.slots())

@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use nastic_tensor::{HyperDual, Mat3, Vec3};
 
+use super::ShapeMode;
 use crate::{EnergyTerm, MaterialPoint};
 
 /// A map between the gradient of the displacement and the laws of a cell: they see `F G^-1` and answer for a volume that is `det G` times as large,
@@ -35,11 +36,31 @@ pub trait StrainMap: std::fmt::Debug + Send + Sync {
         None
     }
 
+    /// What messages call it.
+    fn owner(&self) -> &'static str {
+        "growth"
+    }
+
+    /// The share of every volume, det G, that more than is left of.
+    fn least_volume(&self) -> f64 {
+        0.0
+    }
+
+    /// The displacement fields that it is the gradient of, one for each slot, where it changes the shape of the body; none of others.
+    fn shape(&self) -> &[ShapeMode] {
+        &[]
+    }
+
+    /// det G at a point.
+    fn volume(&self, at: MaterialPoint, g: &[HyperDual]) -> HyperDual {
+        Mapped::of(&self.tensor(at, g)).volume
+    }
+
     /// Whether these values of the slots leave a volume.
     fn admits(&self, at: MaterialPoint, g: &[f64]) -> bool {
         let g: Vec<HyperDual> = g.iter().copied().map(HyperDual::constant).collect();
-        let volume = Mapped::of(&self.tensor(at, &g)).volume.real();
-        volume > 0.0 && volume.is_finite()
+        let volume = self.volume(at, &g).real();
+        volume > self.least_volume() && volume.is_finite()
     }
 }
 

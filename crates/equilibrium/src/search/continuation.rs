@@ -348,10 +348,10 @@ impl Model {
         State::equilibrium(vec![0.0; self.unknowns().len()], self.controls(), 0.0, report)
     }
 
-    /// The same with the designs of these controls, which hold from the first load step on.
+    /// The same with the designs of these controls, which hold from the first load step on: in the shape that they give the body.
     pub fn rest_under(&self, controls: &Controls) -> State {
-        let rest = self.rest();
-        State { controls: self.with_designs(self.controls(), controls).into(), ..rest }
+        let controls = self.with_designs(self.controls(), controls);
+        State { u: self.unstressed(&controls).into(), controls: controls.into(), ..self.rest() }
     }
 
     /// The linear solver of a workspace for this model.

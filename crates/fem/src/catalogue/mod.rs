@@ -76,8 +76,7 @@ pub const CATALOGUE: &[Entry] = &[
         form: None,
         example: || {
             let solid = block()?;
-            let force =
-                VaryingLoad::filled("weight by fill", solid.discretization(), "body", Vec3::new(3.0, 0.0, -20.0))?;
+            let force = VaryingLoad::filled("weight by fill", solid.body(), "body", Vec3::new(3.0, 0.0, -20.0))?;
             solid.contribution(force)
         },
     },

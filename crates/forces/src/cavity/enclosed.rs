@@ -8,6 +8,7 @@ use nastic_body::error::FemError;
 use nastic_linear::{NotCoupled, SparseMatrix};
 use nastic_mesh::{CellKind, Mesh, Rule};
 use nastic_tensor::Vec3;
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// The enclosed volume of a surface and its lids.
@@ -118,6 +119,13 @@ impl Enclosed {
             let place = |node: u32| self.mesh.points()[node as usize][axis] + supports.values()[dof(node, axis)];
             held && rim.windows(2).all(|pair| (place(pair[0]) - place(pair[1])).abs() <= tolerance)
         })
+    }
+
+    /// The nodes of the surface, ascending, each once.
+    pub fn nodes(&self) -> Vec<u32> {
+        let nodes: BTreeSet<u32> =
+            self.facets.iter().flat_map(|(_, facets)| facets.iter().flatten()).copied().collect();
+        nodes.into_iter().collect()
     }
 
     /// The nodes of every rim that has a lid.

@@ -74,6 +74,11 @@ impl Contribution for CavityVolume {
         self.0.enclosed.rims()
     }
 
+    /// Its volume at rest is that of the drawn body.
+    fn drawn_nodes(&self) -> Vec<u32> {
+        self.0.enclosed.nodes()
+    }
+
     fn check(&self, supports: &Supports) -> Result<(), FemError> {
         self.0.check(supports)?;
         let mut slopes = Vec::new();

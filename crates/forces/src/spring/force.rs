@@ -57,6 +57,10 @@ impl Contribution for SpringForce {
         &self.holds
     }
 
+    fn drawn_nodes(&self) -> Vec<u32> {
+        self.ends.nodes()
+    }
+
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
         let elongation = self.elongation(at.u);
         vec![

@@ -104,6 +104,11 @@ impl Contribution for TendonForce {
         matches!(self.drive, Drive::Pull { .. })
     }
 
+    /// An elastic one has its length at rest from the drawn body.
+    fn drawn_nodes(&self) -> Vec<u32> {
+        if self.drive == Drive::Tension { Vec::new() } else { self.guides.nodes() }
+    }
+
     fn couplings(&self) -> Vec<Vec<u32>> {
         match self.drive {
             Drive::Tension => self.guides.neighbours(),

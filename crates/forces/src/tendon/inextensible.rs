@@ -72,6 +72,11 @@ impl Contribution for InextensibleTendon {
         self.guides.neighbours()
     }
 
+    /// Its length at rest is that of the drawn body.
+    fn drawn_nodes(&self) -> Vec<u32> {
+        self.guides.nodes()
+    }
+
     fn check(&self, supports: &Supports) -> Result<(), FemError> {
         let rest = vec![0.0; supports.fixed().len()];
         if supports.lets_change(self.guides.at(&rest).gradient().into_iter().enumerate()) {

@@ -10,6 +10,7 @@ use crate::schema::key_value::{KeyValue, key_schema, read_value};
 use crate::schema::read::{Key, Read, Reader};
 use crate::schema::time_table::TimeTable;
 use crate::syntax::{At, Node, Property};
+use nastic_energy::ShapeModes;
 use nastic_energy::catalogue::ActuationRow;
 use nastic_fem::catalogue::{Form, FormValues, KeyKind};
 use nastic_mesh::GroupNames;
@@ -119,6 +120,13 @@ impl Actuation {
         law.strain_map()?.with_direction_slots().map(|_| format!("{}.{}", self.name, DIRECTION.key))
     }
 
+    /// The displacement fields of a change of shape, by name.
+    #[must_use]
+    pub fn modes(&self) -> Option<&BTreeMap<String, VectorField>> {
+        let Means::Law { parameters, .. } = &self.means else { return None };
+        parameters.values().find_map(|input| if let Input::Modes(modes) = input { Some(modes) } else { None })
+    }
+
     /// Whether each of its slots acts by itself: those of a growth.
     pub(crate) fn has_independent_slots(&self) -> bool {
         let Means::Law { row, .. } = &self.means else { return false };
@@ -128,6 +136,11 @@ impl Actuation {
 
     /// The same of what drives it.
     pub(crate) fn loads(&self) -> Vec<(String, SlotName)> {
+        if let Some(modes) = self.modes() {
+            let amplitudes = modes.keys().map(|name| ShapeModes::slot(name));
+            let own = slot_names(&amplitudes.collect::<Vec<_>>());
+            return own.into_iter().map(|slot| (format!("{}.{}", self.name, slot.key), slot)).collect();
+        }
         let slots = match &self.means {
             Means::Law { row, .. } => slots(row),
             Means::Contribution { form, .. } => slot_names(form.slots),

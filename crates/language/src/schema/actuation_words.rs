@@ -15,6 +15,8 @@ const HEAT: &str = "what a given temperature expands is of the \"kind\": \"heat\
 const LCE: &str = "a liquid crystal elastomer is of the \"kind\": \"lce\" with its director as \"direction\"; a \"strain\" of -0.3 makes it shorter by \
     three tenths";
 const SHAPE_MEMORY: &str = "a strain without stress is of the \"kind\": \"growth\", in all directions, \"stretch_along\" one, or \"growth_tensor\"";
+const SHAPE: &str = "a shape of the body that is an unknown is an actuation of the \"kind\": \"shape\" with a \"region\" and \"modes\": { \"thickness\": [0, 0, \"Z / 10 mm\"] }; \
+    the control { \"of\": \"NAME.thickness\", \"space\": \"uniform\" } is its amplitude";
 const ELECTRIC: &str = "a dielectric elastomer is an actuation of the \"kind\": \"dielectric\" with a \"region\", a \
     \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"";
 
@@ -36,6 +38,7 @@ pub(super) const HINTS: &[Hint] = &[
     hint("actuation", &["electric", "voltage", "electrode", "electrodes", "dea", "eps"], ELECTRIC),
     hint("actuation", &["thermal", "thermal_expansion", "temperature", "heating"], HEAT),
     hint("actuation", &["liquid_crystal", "nematic", "light", "director"], LCE),
+    hint("", &["shape", "shapes", "morphing"], SHAPE),
     hint("actuation", &["shape_memory", "prestrain", "eigenstrain"], SHAPE_MEMORY),
 ];
 

@@ -27,6 +27,8 @@ pub enum Input {
     Energy(EnergyFormula),
     /// Numbers by names of the user's, which may vary over the body.
     Numbers(BTreeMap<String, Parameter>),
+    /// Displacement fields of the body by names of the user's.
+    Modes(BTreeMap<String, VectorField>),
 }
 
 impl Input {
@@ -54,11 +56,12 @@ impl fmt::Display for Input {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(value) => write!(f, "{value}"),
-            Self::Direction(VectorField::Formulas(entries)) => {
-                let texts: Vec<&str> = entries.iter().map(Formula::text).collect();
-                write!(f, "({})", texts.join(", "))
+            Self::Direction(field) => f.write_str(&shown(field)),
+            Self::Modes(fields) => {
+                let texts: Vec<String> =
+                    fields.iter().map(|(name, field)| format!("{name} = {}", shown(field))).collect();
+                f.write_str(&texts.join(", "))
             }
-            Self::Direction(VectorField::Array(file)) => write!(f, "array {} of {}", file.array, file.file),
             Self::Word(word) => f.write_str(word),
             Self::Energy(formula) => write!(f, "{formula}"),
             Self::Numbers(values) => {
@@ -66,6 +69,16 @@ impl fmt::Display for Input {
                 f.write_str(&texts.join(", "))
             }
         }
+    }
+}
+
+fn shown(field: &VectorField) -> String {
+    match field {
+        VectorField::Formulas(entries) => {
+            let texts: Vec<&str> = entries.iter().map(Formula::text).collect();
+            format!("({})", texts.join(", "))
+        }
+        VectorField::Array(file) => format!("array {} of {}", file.array, file.file),
     }
 }
 
@@ -82,8 +95,11 @@ pub struct SlotName {
     pub(crate) not_negative: bool,
 }
 
-/// The control slots of an actuation; the components of a vector are one.
+/// The control slots of an actuation; the components of a vector are one. None of what has them by names of the user's.
 pub(crate) fn slots(row: &ActuationRow) -> Vec<SlotName> {
+    if row.parameters().iter().any(|key| matches!(key.takes, Takes::Modes { .. })) {
+        return vec![];
+    }
     let Some(example) = row.examples().into_iter().next().and_then(|inputs| row.build(&inputs).ok()) else {
         return vec![];
     };
@@ -146,9 +162,28 @@ fn read_input(parameter: &catalogue::Parameter, node: &Node, at: &At, reader: &m
             }
             Some(Input::Numbers(out))
         }
+        Takes::Modes { .. } => read_modes(node, at, reader).map(Input::Modes),
         // read_energy
         Takes::Energy { .. } => None,
     }
+}
+
+/// Fields by names, of which there is one at least.
+fn read_modes(node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<BTreeMap<String, VectorField>> {
+    let members = reader.members(node, at)?;
+    if members.is_empty() {
+        reader.complain(node, at, "at least one field is needed, as \"thickness\": [0, 0, \"Z / 10 mm\"]");
+        return None;
+    }
+    let mut out = BTreeMap::new();
+    for member in members {
+        let at = at.key(&member.key);
+        if member.key.is_empty() {
+            reader.complain(&member.node, &at, "a field needs a name, that of its amplitude");
+        }
+        out.insert(member.key.clone(), VectorField::read(&member.node, &at, Want::NUMBER, reader)?);
+    }
+    Some(out)
 }
 
 /// An energy, whose names are those of the numbers that stand beside it.
@@ -211,6 +246,7 @@ pub(crate) fn want(unit: &str) -> Want {
 
 const ENERGY: &str = "Energy per reference volume as a formula of the invariants I1, I2, J, of I1b, I2b (isochoric) and, with a fibre, of I4, I4b, E_ff, with \
                       the parameters by name: \"mu / 2 * (I1 - 3 - 2 * log(J)) + k / 2 * (J - 1)^2\".";
+const MODES: &str = "Displacement fields by names, pure numbers: along each the body's nodes move by its amplitude, the control \"NAME.MODE\", a length.";
 const NUMBERS: &str = "The parameters that the energy names.";
 
 /// The block with these fixed keys and one form's parameters.
@@ -231,6 +267,9 @@ pub(crate) fn form_schema(
             Takes::Energy { .. } => json!({ "type": "string", "description": ENERGY }),
             Takes::Numbers { .. } => {
                 annotated(BTreeMap::<String, Parameter>::schema(Want::ANY, definitions), NUMBERS, None)
+            }
+            Takes::Modes { .. } => {
+                annotated(BTreeMap::<String, VectorField>::schema(Want::NUMBER, definitions), MODES, None)
             }
         };
         keys.push(Key::as_is(parameter.name, !parameter.optional, schema));
@@ -271,6 +310,7 @@ pub(crate) fn slot_schema(slot: &SlotName, definitions: &mut Definitions) -> Key
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nastic_energy::ShapeModes;
 
     #[test]
     fn every_unit_of_the_catalogue_has_a_dimension() {
@@ -282,7 +322,7 @@ mod tests {
             }
         }
         for row in catalogue::actuations() {
-            assert!(!slots(row).is_empty(), "{}", row.name);
+            assert!(!slots(row).is_empty() || row.name == ShapeModes::NAME, "{}", row.name);
             assert!(slots(row).iter().all(|slot| slot.want != Want::ANY), "{}", row.name);
         }
     }

@@ -6,7 +6,7 @@ use crate::schema::actuation::{Actuation, Means};
 use crate::schema::catalogue::SlotName;
 use crate::schema::check::{Blocks, block, plain};
 use crate::schema::contact::{Contact, pose_slots};
-use crate::schema::control::{Bound, Control, Start};
+use crate::schema::control::{Bound, Control, Space, Start};
 use crate::schema::cost::Cost;
 use crate::schema::design::DesignKind;
 use crate::schema::field::{Parameter, check_unit};
@@ -14,6 +14,7 @@ use crate::schema::material::Material;
 use crate::schema::optimizer::{MMA, Optimizer};
 use crate::schema::read::Reader;
 use crate::syntax::{At, nearest, quoted};
+use std::collections::BTreeMap;
 
 pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
     let alone: Vec<&[Control]> = blocks.load_cases.iter().map(|case| case.controls.as_slice()).collect();
@@ -23,6 +24,10 @@ pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
     check_group(blocks, &[], &blocks.controls, &blocks.costs, reader);
     for case in &blocks.load_cases {
         check_group(blocks, &blocks.controls, &case.controls, &case.costs, reader);
+    }
+    for actuation in &blocks.actuation {
+        let names = actuation.modes().into_iter().flat_map(BTreeMap::keys);
+        names.for_each(|name| plain(name, &actuation.at.key("modes").key(name), &['.', '/'], reader));
     }
     check_constraints(blocks, reader);
     check_method(blocks, reader);
@@ -114,6 +119,10 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
     if blocks.has_design(&control.of) {
         check_design(control, reader);
     }
+    let is_shape = |own: &Actuation| own.modes().is_some() && own.loads().iter().any(|(name, _)| *name == control.of);
+    if blocks.actuation.iter().any(is_shape) {
+        check_shape(control, reader);
+    }
     if slot.vector && control.log {
         let message = format!("\"{}\" is a vector: a logarithm is that of a positive number", control.of);
         reader.complain_at(&control.at.key("log"), message);
@@ -138,6 +147,21 @@ fn check_direction(control: &Control, reader: &mut Reader<'_>) {
     if control.in_time.is_some() {
         let message = format!("\"{of}\" is a direction in the body, which does not change in time");
         reader.complain_at(&control.at.key("in_time"), message);
+    }
+}
+
+/// The amplitude of a change of shape is one length of the body itself.
+fn check_shape(control: &Control, reader: &mut Reader<'_>) {
+    let (of, at) = (&control.of, &control.at);
+    if control.in_time.is_some() {
+        let message = format!(
+            "\"{of}\" is a shape of the body, which does not change in time: what grows is of the kind \"growth\""
+        );
+        reader.complain_at(&at.key("in_time"), message);
+    }
+    if control.space != Space::Uniform {
+        let message = format!("\"{of}\" is the amplitude of a field, one number: take the space \"uniform\"");
+        reader.complain_at(&at.key("space"), message);
     }
 }
 
@@ -435,10 +459,16 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
             if actuation.fixes(slot.key) || controlled.contains(&name.as_str()) || varies(blocks, &at) {
                 continue;
             }
-            let message = format!(
-                "\"{}\" has no effect: its {} is zero; give \"{}\" a value, or a control {{ \"of\": \"{name}\", ... }}",
-                actuation.name, slot.key, slot.key
-            );
+            let message = match actuation.modes() {
+                Some(_) => format!(
+                    "\"{}\" changes no shape: give a control {{ \"of\": \"{name}\", \"space\": \"uniform\" }}",
+                    actuation.name
+                ),
+                None => format!(
+                    "\"{}\" has no effect: its {} is zero; give \"{}\" a value, or a control {{ \"of\": \"{name}\", ... }}",
+                    actuation.name, slot.key, slot.key
+                ),
+            };
             reader.complain_at(&actuation.at, message);
             if actuation.has_one_driver() || actuation.has_independent_slots() {
                 break;
