@@ -119,6 +119,14 @@ impl Contribution for FilledCells {
         true
     }
 
+    /// Deformation gradients are those from the drawn cells.
+    fn drawn_nodes(&self) -> Vec<u32> {
+        let mut nodes: Vec<u32> = self.pieces.iter().flat_map(|(nodes, _)| nodes.iter().copied()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
         let mut energy = 0.0;
         self.each_product(at.u, |dof, force| energy += 0.5 * force * at.u[dof]);

@@ -21,14 +21,14 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"optimizer\"",
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
-         mesh, surfaces, regions, materials, supports, springs, obstacles, contact, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
+         mesh, surfaces, regions, materials, supports, springs, media, obstacles, contact, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
          linear_solver, probes, expect, output, $schema)",
     );
     one(
         COMPLETE,
         "\"lower\"",
         "\"lowr\"",
-        "did you mean \"lower\"? (one of: of, name, space, log, start, lower, upper, norm, max_norm, direction, filter, projection, symmetry, fixed, in_time, rate)",
+        "did you mean \"lower\"? (one of: of, name, space, log, start, lower, upper, norm, max_norm, direction, filter, projection, cut, symmetry, fixed, in_time, rate)",
     );
     one(
         COMPLETE,
