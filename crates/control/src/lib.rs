@@ -48,7 +48,7 @@ pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::Layout;
 pub use map::{
     Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Held, Length, MAPS, MapRow, Mirror, Plane,
-    PowerLaw, Projection, SPACES, Space, SpaceRow, Staged,
+    PowerLaw, Projection, SPACES, Space, SpaceRow, Staged, Step,
 };
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use nastic_mesh::spatial::Obstacle;
