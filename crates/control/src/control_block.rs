@@ -1,7 +1,7 @@
 //! [`ControlBlock`]: one control field, and the slots that it drives.
 
 use crate::control_limit::ControlAt;
-use crate::map::{Basis, Chain, ControlMap, Exponential};
+use crate::map::{Basis, Chain, ControlMap, Exponential, Space};
 use crate::time::Knots;
 use nastic_fem::Controls;
 use nastic_numeric::vector::{axpy, norm};
@@ -104,6 +104,13 @@ impl ControlBlock {
     pub fn is_proportional(&self) -> bool {
         let at_zero = || self.field.values(&vec![0.0; self.size()]).iter().all(|value| *value == 0.0);
         self.field.is_empty() || (self.goes_straight() && at_zero())
+    }
+
+    /// Whether each value of its field can be 0 or 1 and nothing between: a scalar by cell or region, or a uniform one, not by its logarithm.
+    #[must_use]
+    pub fn can_be_cut(&self) -> bool {
+        let by_part = matches!(self.basis.space(), Space::Uniform | Space::Region | Space::Cell);
+        self.components == 1 && !self.log && by_part
     }
 
     /// Number of entries at one instant.

@@ -89,15 +89,16 @@ impl Layout {
         }
     }
 
-    /// Makes a scalar field 0 or 1, by whether it is above a level: [`Step`], put there as by [`through`](Self::through). For solves: it has no derivative.
+    /// Makes a scalar field by cell or region, or a uniform one, 0 or 1, by whether it is above a level: [`Step`], put there as by [`through`](Self::through).
+    /// For solves: it has no derivative.
     ///
     /// # Errors
-    /// As there; a level that is not finite; a field of vectors, or one by its logarithm.
+    /// As there; a level that is not finite; a field of another space, of vectors, or by its logarithm.
     pub fn cut(&mut self, of: &str, level: f64) -> Result<(), ControlError> {
         let block = self.block(of)?;
-        if block.components > 1 || block.log || !level.is_finite() {
+        if !block.can_be_cut() || !level.is_finite() {
             let what = format!(
-                "\"{of}\" cannot be cut at {level}: scalar fields can, not by their logarithms, at a finite level"
+                "\"{of}\" cannot be cut at {level}: scalar fields by cell or region and uniform ones can, not by their logarithms, at a finite level"
             );
             return Err(ControlError::Cost { what });
         }

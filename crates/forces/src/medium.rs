@@ -37,7 +37,7 @@ impl Medium {
     /// The contribution on a mesh.
     ///
     /// # Errors
-    /// An unknown region; a stiffness that is not positive; linear simplices.
+    /// An unknown region; a stiffness that is not positive; linear simplices; a cell without volume.
     pub fn of(&self, mesh: &Mesh) -> Result<FilledCells, FemError> {
         let fail = |what: String| Err(FemError::Meaningless { what: format!("{} {what}", self.name) });
         if !(self.stiffness.is_finite() && self.stiffness > 0.0) {
@@ -51,14 +51,17 @@ impl Medium {
                     "lies on cells of {kind}, whose deformation gradient does not vary: take quadratic ones, or quadrilaterals and hexahedra"
                 ));
             }
-            filled.pieces.push((nodes.to_vec(), variation(mesh, kind, nodes, self.stiffness)));
+            let Some(k) = variation(mesh, kind, nodes, self.stiffness) else {
+                return fail(format!("lies on cell {cell}, which is turned over or has no volume at a point"));
+            };
+            filled.pieces.push((nodes.to_vec(), k));
         }
         Ok(filled)
     }
 }
 
-/// `k int (grad N_a - mean) . (grad N_b - mean) dX` by nodes a and b, row after row.
-fn variation(mesh: &Mesh, kind: CellKind, nodes: &[u32], stiffness: f64) -> Vec<f64> {
+/// `k int (grad N_a - mean) . (grad N_b - mean) dX` by nodes a and b, row after row; `None` where the cell has no volume.
+fn variation(mesh: &Mesh, kind: CellKind, nodes: &[u32], stiffness: f64) -> Option<Vec<f64>> {
     let (dim, n) = (mesh.dim(), nodes.len());
     let positions = mesh.gather(mesh.points(), nodes);
     let rule = kind.rule_of_degree(2 * kind.order());
@@ -71,7 +74,10 @@ fn variation(mesh: &Mesh, kind: CellKind, nodes: &[u32], stiffness: f64) -> Vec<
         if dim == 2 {
             tangents[(2, 2)] = 1.0;
         }
-        let (volume, inverse) = (weight * tangents.determinant(), tangents.try_inverse().unwrap_or_else(Mat3::zeros));
+        let (volume, inverse) = (weight * tangents.determinant(), tangents.try_inverse()?);
+        if volume <= 0.0 || volume.is_nan() {
+            return None;
+        }
         gradients.push((volume, reference.iter().map(|own| inverse.transpose() * Vec3::from(*own)).collect()));
     }
     let whole: f64 = gradients.iter().map(|(volume, _)| volume).sum();
@@ -84,7 +90,7 @@ fn variation(mesh: &Mesh, kind: CellKind, nodes: &[u32], stiffness: f64) -> Vec<
             *entry += stiffness * volume * (own[a] - means[a]).dot(&(own[b] - means[b]));
         }
     }
-    k
+    Some(k)
 }
 
 /// The contribution of a [`Medium`]: residual K u, K the same for every component.

@@ -7,7 +7,7 @@ use nastic_control::{ControlMap, Expansion};
 use nastic_io::WriteError;
 use nastic_language::number::short;
 use nastic_language::schema::DesignKind;
-use nastic_language::syntax::Document;
+use nastic_language::syntax::{Diagnostics, Document};
 use nastic_mesh::LevelBody;
 use nastic_report::record::{ByName, ControlRecord};
 
@@ -43,8 +43,8 @@ struct Cut {
     volume: f64,
     /// The volume of its region.
     region: f64,
-    /// Above it lie the cells that have together, as nearly as cells can, the volume that the field stands for.
-    cell_level: f64,
+    /// Above it lie the cells that have together, as nearly as cells can, the volume that the field stands for; `None` of a field that is not made so.
+    cell_level: Option<f64>,
 }
 
 impl Cut {
@@ -78,7 +78,8 @@ impl Cut {
             let body = |values: &[f64]| LevelBody::new(mesh, &cells, values, &volumes, thickness);
             let negative: Vec<f64> = values.iter().map(|s| -s).collect();
             let rest = is_mixture.then(|| body(&negative));
-            let cell_level = level_of_cells(&values, &volumes);
+            let is_made = problem.case.is_made(&own.name) && own.can_be_cut();
+            let cell_level = is_made.then(|| level_of_cells(&values, &volumes));
             Some(Cut { name: field.name.clone(), body: body(&values), rest, volume, region, cell_level })
         };
         blocks.filter_map(of).collect()
@@ -109,15 +110,23 @@ fn level_of_cells(values: &[f64], volumes: &[f64]) -> f64 {
 }
 
 /// The case of an optimum with every density and mixture cut into cells of 0 and 1, of the volumes of their fields as nearly as cells allow; `None` where
-/// there is none, or no file.
-pub fn cut_case(problem: &CaseProblem, m: &[f64], stage: usize) -> Option<Document> {
-    problem.case_file()?;
-    let (cuts, mut document) = (Cut::all(problem, m, stage), problem.document.clone());
-    for cut in &cuts {
-        let field = problem.controls.iter().find(|field| field.name == cut.name)?;
-        document.set(&format!("{}/cut={}", field.at.as_str(), cut.cell_level)).ok()?;
+/// there is none, one by node or on a grid, or no file.
+///
+/// # Errors
+/// Controls that are not in the case where they were.
+pub fn cut_case(problem: &CaseProblem, m: &[f64], stage: usize) -> Result<Option<Document>, Diagnostics> {
+    let cuts = Cut::all(problem, m, stage);
+    let levels: Option<Vec<f64>> = cuts.iter().map(|cut| cut.cell_level).collect();
+    let Some(levels) = levels.filter(|levels| !levels.is_empty() && problem.case_file().is_some()) else {
+        return Ok(None);
+    };
+    let mut document = problem.document.clone();
+    for (cut, level) in cuts.iter().zip(levels) {
+        if let Some(field) = problem.controls.iter().find(|field| field.name == cut.name) {
+            document.set(&format!("{}/cut={level}", field.at.as_str()))?;
+        }
     }
-    (!cuts.is_empty()).then_some(document)
+    Ok(Some(document))
 }
 
 /// Cuts the designs of a control vector at the levels at which their bodies have the volume that the fields stand for, tells levels and volumes, and writes the bodies:

@@ -254,9 +254,10 @@ fn media(member: CaseMember<'_>, state: &State) -> Vec<String> {
         return Vec::new();
     };
     let of = |name: &String| {
-        let share = number_of(all.get(name)?, "energy")? / stored.elastic;
-        let message = || format!("\"{name}\" stores {} % of the elastic energy", short(100.0 * share));
-        (share > MOST_IN_A_MEDIUM).then(message)
+        let energy = number_of(all.get(name)?, "energy")?;
+        let message =
+            || format!("\"{name}\" stores {} % of the elastic energy", short(100.0 * energy / stored.elastic));
+        (energy > MOST_IN_A_MEDIUM * stored.elastic && stored.elastic > 0.0).then(message)
     };
     names.iter().filter_map(of).collect()
 }

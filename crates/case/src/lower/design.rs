@@ -74,12 +74,6 @@ fn named_material<'c>(case: &'c Case, with: &MixedLaw) -> Option<&'c Material> {
     case.materials.iter().find(|material| material.name.as_ref() == Some(name))
 }
 
-/// Whether a design is 0 or 1 where it is made: a density or a mixture, and nothing else.
-pub(super) fn is_made(case: &Case, name: &str) -> bool {
-    let mut own = case.designs().filter(|own| own.name == name).peekable();
-    own.peek().is_some() && own.all(|own| matches!(own.kind, DesignKind::Density | DesignKind::Mixture))
-}
-
 /// How the mass of a material follows a design; `None` where it does not.
 pub(super) fn mass_map(case: &Case, material: &Material) -> Option<(String, PowerLaw)> {
     let own = material.density?;

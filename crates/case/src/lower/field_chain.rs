@@ -6,6 +6,7 @@ use super::{design, material};
 use crate::warning::GRID_RESOLUTION;
 use nastic_control::{ControlBlock, ControlMap, Plane, Projection, Reduced, Space};
 use nastic_fem::Solid;
+use nastic_language::expression::Formula;
 use nastic_language::number::short;
 use nastic_language::schema::{Bound, Case, Control, DesignKind, Parameter, SymmetryPlane};
 use nastic_language::syntax::quoted;
@@ -60,8 +61,15 @@ pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context:
     }
     if let Some(level) = control.cut {
         let at = control.at.key("cut");
-        if !design::is_made(case, &control.of) {
-            let message = format!("{} is no density or mixture: only these can be cut", quoted(&control.of));
+        if !case.is_made(&control.of) {
+            let message =
+                format!("{} is no density or mixture, or a filler too: what is made is cut", quoted(&control.of));
+            context.complain(&at, message);
+            return None;
+        }
+        let grey = |value: &&Formula| value.constant().is_some_and(|value| value != 0.0 && value != 1.0);
+        if let Some(value) = control.fixed.values().find(grey) {
+            let message = format!("\"fixed\" holds {} in a region, which is neither 0 nor 1", value.text());
             context.complain(&at, message);
             return None;
         }

@@ -22,13 +22,13 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let Fixed::Vector(field) = value else { continue };
         let mesh = solid.mesh().clone();
         let Some(sampling) = sampling(load, &mesh, context) else { continue };
+        shape::note_of_load(load, &sampling, solid, context);
         if uses_time(value) {
             let name = name_of(load);
             let varying = VaryingLoad::new(name, &mesh, &sampling, load.surface.is_some());
             attempt(solid, &load.at, context, |solid| solid.contribution(varying));
             continue;
         }
-        shape::note_of_load(load, &sampling, solid, context);
         match (field.constant().map(Vec3::from), &load.surface, &load.region) {
             (Some(constant), Some(names), _) => {
                 pressures::check_given(constant.norm(), solid, &at, context);

@@ -15,7 +15,7 @@ use crate::schema::constraint::Constraint;
 use crate::schema::contact::Contact;
 use crate::schema::control::Control;
 use crate::schema::cost::Cost;
-use crate::schema::design::Design;
+use crate::schema::design::{Design, DesignKind};
 use crate::schema::expectation::Expectation;
 use crate::schema::hints::Hint;
 use crate::schema::load::Load;
@@ -184,6 +184,13 @@ impl Case {
     #[must_use]
     pub fn has_design(&self, name: &str) -> bool {
         self.designs().any(|design| design.name == name)
+    }
+
+    /// Whether a number in front of laws is 0 or 1 where it is made: a density or a mixture, and no filler.
+    #[must_use]
+    pub fn is_made(&self, name: &str) -> bool {
+        let has = |kind: DesignKind| self.designs().any(|own| own.name == name && own.kind == kind);
+        (has(DesignKind::Density) || has(DesignKind::Mixture)) && !has(DesignKind::Filler)
     }
 
     /// Entries that add a contribution each to the body, in the order of the case's keys.

@@ -39,13 +39,14 @@ fn is_threshold(path: &str) -> bool {
 /// Complains about a path outside the blocks that may vary.
 pub(crate) fn check_path(path: &str, at: &At, reader: &mut Reader<'_>) {
     let (head, rest) = path.split_once('/').unwrap_or((path, ""));
-    if is_threshold(path) {
+    let of_load_case = at.as_str().starts_with("load_cases");
+    if is_threshold(path) && !of_load_case {
         return;
     }
     if !CHANGEABLE.contains(&head) {
         let list = CHANGEABLE.join(", ");
         let message = format!(
-            "{} cannot vary between scenarios or load cases, only {list} and \"controls/K/projection/eta\" can",
+            "{} cannot vary between scenarios or load cases, only {list} can, and \"controls/K/projection/eta\" between scenarios",
             quoted(head)
         );
         reader.complain_at(at, message);

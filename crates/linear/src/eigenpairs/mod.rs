@@ -53,7 +53,7 @@ pub struct Eigenpairs {
 /// How eigenpairs were found without a factor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ByProducts {
-    /// Iterations, each of one product of A and one cycle for every vector of the block that is not known yet.
+    /// Iterations, each of one cycle for every vector of the block and one product of A for those that are not known yet.
     pub iterations: usize,
     /// By pair `sqrt(r . T r / (lambda + s))`, `r = A x - lambda M x`, T the preconditioner, near `(A + s M)^-1`: an estimate, no bound, of the
     /// relative error of x in the norm of `A + s M`, whose square is about that of `lambda + s`.

@@ -298,7 +298,12 @@ impl<'a> Search<'a> {
             match self.matrix.inverse(self.shift) {
                 Err(LinearError::Factor(FactorError::NotPositive { .. })) => {
                     self.refused = self.refused.max(self.shift);
-                    self.shift = (SHIFT_GROWTH * self.shift).max(least);
+                    let next = (SHIFT_GROWTH * self.shift).max(least);
+                    // of a matrix without a diagonal nothing is a larger one
+                    if next <= self.shift || next.is_nan() {
+                        break;
+                    }
+                    self.shift = next;
                 }
                 made => {
                     self.inverse = Some(made?);

@@ -15,7 +15,7 @@ use crate::run::progress;
 use crate::run::session::clock::Clock;
 pub(crate) use crate::run::session::destination::Destination;
 pub(crate) use crate::run::session::findings::CommandFindings;
-pub(crate) use crate::run::session::input::CommandInput;
+pub(crate) use crate::run::session::input::{CommandInput, evaluate};
 use crate::run::session::output_directory::directory;
 use nastic_case::lower::CaseProblem;
 use nastic_case::part::Share;

@@ -15,7 +15,7 @@ object! {
         pub name: Option<String>,
         /// Regions it fills: those of a density near 0.
         pub region: GroupNames,
-        /// k: some 1e-6 to 1e-5 of the bulk modulus of the body.
+        /// k: some 1e-6 (L/h)^2 of the bulk modulus of the body, L its size and h that of the cells.
         pub stiffness: f64 as PRESSURE,
     }
 }

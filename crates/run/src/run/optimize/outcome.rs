@@ -104,8 +104,8 @@ pub(super) fn report(
     table::say(problem, console, starts, index);
     say(context, &findings.record, reported);
     contacts::report(problem, console, findings, &best.point);
-    cut::solve(context, findings, best);
     findings.write(console, destination, |own, out| write(context, own, reported, &found, &records, out))?;
+    cut::solve(context, findings, best);
     Ok(found)
 }
 

@@ -42,7 +42,7 @@ impl CommandInput {
         (found, warnings)
     }
 
-    /// The ensemble at a control vector: the one way every command comes by its states.
+    /// The ensemble at a control vector.
     pub fn evaluate(
         &self,
         console: &Console,
@@ -50,11 +50,7 @@ impl CommandInput {
         accuracy: f64,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<EnsemblePoint, Failed> {
-        let budget = if self.problem.is_motion() { Budget::Unlimited } else { Budget::Of(MOST_ITERATIONS) };
-        let how = Request { accuracy, budget, ..Request::default() };
-        let point = self.problem.ensemble.evaluate(m, &how, workspace);
-        console.clear();
-        point
+        evaluate(&self.problem, console, m, Request { accuracy, ..Request::default() }, workspace)
     }
 
     /// Whether a stop was requested.
@@ -75,4 +71,18 @@ impl CommandInput {
         }
         if controls && costs { Ok(self.problem.check_adjoint()?) } else { Ok(()) }
     }
+}
+
+/// A problem at a control vector, with the budget that searches of equilibria have: how commands come by their states.
+pub(crate) fn evaluate(
+    problem: &CaseProblem,
+    console: &Console,
+    m: &[f64],
+    how: Request<'_, EnsemblePoint>,
+    workspace: &mut EnsembleWorkspace,
+) -> Result<EnsemblePoint, Failed> {
+    let budget = if problem.is_motion() { Budget::Unlimited } else { Budget::Of(MOST_ITERATIONS) };
+    let point = problem.ensemble.evaluate(m, &Request { budget, ..how }, workspace);
+    console.clear();
+    point
 }
