@@ -36,7 +36,8 @@ fn bar(kind: CellKind) -> Outcome<Solid> {
 /// A bar with every actuation of the catalogue in turn, all its slots controlled, and controls to stand at.
 fn bodies() -> Outcome<Vec<(String, Reduced, Vec<f64>)>> {
     let mut all = Vec::new();
-    for row in actuations() {
+    // modes of a shape are those of one mesh: shape.rs
+    for row in actuations().iter().filter(|row| row.name != "shape") {
         for inputs in row.examples() {
             let solid = bar(CellKind::Hex8)?.actuate("body", "drive", row.build(&inputs)?)?;
             let names = nastic_control::Layout::names(&solid);

@@ -82,9 +82,9 @@ fn steps_in_time_leave_out_the_curvature_of_contacts_where_they_touch_hard() -> 
     let [with, without] = ends;
     let (with, without) = (with?, without?);
     let all = |run: &Trajectory| run.states().iter().map(|state| count(state, Strategy::FlatContacts)).sum::<u32>();
-    // supports that move a share of their way, and rounds that go on where one has failed: 180 and 640 otherwise
+    // with supports that move a share of their way: 180 otherwise, and 640 without the strategy
     let newton = |run: &Trajectory| run.states().iter().map(|state| state.report.newton).sum::<usize>();
-    assert!(newton(&with) < 100 && newton(&without) < 115, "{} and {}", newton(&with), newton(&without));
+    assert!(newton(&with) < 100 && newton(&without) > 200, "{} and {}", newton(&with), newton(&without));
     assert!(all(&with) > 0, "{:?}", with.end().report);
     assert_eq!(all(&without), 0);
     let apart = common::distance(&with.end().u, &without.end().u);
