@@ -1,15 +1,12 @@
 //! [`Foundation`]: a surface on an elastic bed.
 
-use crate::guides::add_element;
+use crate::element_matrices::ElementMatrices;
+use nastic_body::contribution::Contribution;
 use nastic_body::contribution::point::{ContributionPoint, Need};
-use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities};
-use nastic_body::contribution::{Contribution, Demand, Sums};
-use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
+use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::instant::Instant;
-use nastic_linear::SparseMatrix;
 use nastic_mesh::{CellKind, GroupNames, Mesh};
 use nastic_tensor::{Mat3, Vec3};
-use std::collections::BTreeSet;
 
 /// An elastic foundation (Winkler): a surface tied to its reference position by springs of stiffness k per reference area (N/m^3),
 /// potential
@@ -50,7 +47,8 @@ impl Foundation {
             let what = format!("{name} has a stiffness of {}; it must be positive and finite", self.stiffness);
             return Err(FemError::Meaningless { what });
         }
-        let mut springs = Springs { name, dim: mesh.dim(), pieces: Vec::new(), holds: Vec::new() };
+        let (dim, holds) = (mesh.dim(), Vec::new());
+        let mut springs = Springs { name, dim, facets: ElementMatrices::by_component(dim), holds };
         for facet in mesh.facets_of(&self.surface)? {
             let (kind, nodes) = mesh.facet_nodes(facet);
             springs.add(mesh, kind, nodes, self);
@@ -64,8 +62,7 @@ impl Foundation {
 pub struct Springs {
     name: String,
     dim: usize,
-    /// Nodes of every facet, and K by node and component, row after row.
-    pieces: Vec<(Vec<u32>, Vec<f64>)>,
+    facets: ElementMatrices,
     /// Displacements that it resists to.
     holds: Vec<Vec<(u32, f64)>>,
 }
@@ -99,18 +96,7 @@ impl Springs {
                 self.holds.push(nodes.iter().enumerate().flat_map(of_node).collect());
             }
         }
-        self.pieces.push((nodes, k));
-    }
-
-    /// Calls with every unknown of every facet and its entry of K v.
-    fn each_product(&self, v: &[f64], mut call: impl FnMut(usize, f64)) {
-        for (nodes, k) in &self.pieces {
-            let n = self.dim * nodes.len();
-            let dof = |local: usize| self.dim * nodes[local / self.dim] as usize + local % self.dim;
-            for row in 0..n {
-                call(dof(row), (0..n).map(|column| k[n * row + column] * v[dof(column)]).sum());
-            }
-        }
+        self.facets.push(nodes, k);
     }
 }
 
@@ -132,57 +118,17 @@ impl Contribution for Springs {
     }
 
     fn drawn_nodes(&self) -> Vec<u32> {
-        let nodes: BTreeSet<u32> = self.pieces.iter().flat_map(|(nodes, _)| nodes).copied().collect();
-        nodes.into_iter().collect()
+        self.facets.nodes()
     }
 
     /// The force of the bed on the body.
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
         let mut force = [0.0; 3];
-        self.each_product(at.u, |dof, value| force[dof % self.dim] -= value);
+        self.facets.each_product(at.u, |dof, value| force[dof % self.dim] -= value);
         ["force_x", "force_y", "force_z"].into_iter().zip(force).take(self.dim).collect()
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
-        Ok(Box::new(self))
-    }
-}
-
-impl ContributionPoint for Springs {
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        self.each_product(at.u, |dof, force| {
-            if demand.energy {
-                sums.energy += 0.5 * force * at.u[dof];
-                sums.energy_scale += 0.5 * (force * at.u[dof]).abs();
-            }
-            if demand.force {
-                sums.force[dof] += force;
-                sums.force_scale[dof] += force.abs();
-            }
-        });
-        Ok(())
-    }
-
-    fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        for (nodes, k) in &self.pieces {
-            let n = self.dim * nodes.len();
-            add_element(nodes, self.dim, tangent, |a, i, b, j| k[n * (self.dim * a + i) + self.dim * b + j])?;
-        }
-        Ok(())
-    }
-
-    fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
-        self.each_product(v, |dof, value| out[dof] += value);
-        Ok(true)
-    }
-
-    fn second_vjp(
-        &self,
-        _: &Instant,
-        _: &[f64],
-        _: &Increment,
-        _: &mut SecondSensitivities,
-    ) -> Result<(), SecondDerivativeError> {
-        Ok(())
+        Ok(Box::new(&self.facets))
     }
 }

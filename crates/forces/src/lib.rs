@@ -3,6 +3,7 @@
 pub mod cavity;
 pub mod contact;
 pub mod dead_load;
+mod element_matrices;
 pub mod fill;
 mod filled_mass;
 pub mod foundation;

@@ -1,12 +1,10 @@
 //! [`Medium`]: what keeps cells of a void from folding.
 
-use crate::guides::add_element;
+use crate::element_matrices::ElementMatrices;
+use nastic_body::contribution::Contribution;
 use nastic_body::contribution::point::{ContributionPoint, Need};
-use nastic_body::contribution::sensitivities::{Increment, SecondSensitivities};
-use nastic_body::contribution::{Contribution, Demand, Sums};
-use nastic_body::error::{FemError, Inadmissible, SecondDerivativeError};
+use nastic_body::error::{FemError, Inadmissible};
 use nastic_body::instant::Instant;
-use nastic_linear::SparseMatrix;
 use nastic_mesh::{Cell, CellKind, GroupNames, Mesh};
 use nastic_tensor::{Mat3, Vec3};
 
@@ -43,7 +41,7 @@ impl Medium {
         if !(self.stiffness.is_finite() && self.stiffness > 0.0) {
             return fail(format!("has a stiffness of {}; it must be positive and finite", self.stiffness));
         }
-        let mut filled = FilledCells { name: self.name.clone(), dim: mesh.dim(), pieces: Vec::new() };
+        let mut cells = ElementMatrices::by_node(mesh.dim());
         for cell in mesh.cells_of(&self.region)? {
             let Cell { kind, nodes } = mesh.cell(cell as usize);
             if matches!(kind, CellKind::Tri3 | CellKind::Tet4) {
@@ -54,9 +52,9 @@ impl Medium {
             let Some(k) = variation(mesh, kind, nodes, self.stiffness) else {
                 return fail(format!("lies on cell {cell}, which is turned over or has no volume at a point"));
             };
-            filled.pieces.push((nodes.to_vec(), k));
+            cells.push(nodes.to_vec(), k);
         }
-        Ok(filled)
+        Ok(FilledCells { name: self.name.clone(), cells })
     }
 }
 
@@ -97,23 +95,7 @@ fn variation(mesh: &Mesh, kind: CellKind, nodes: &[u32], stiffness: f64) -> Opti
 #[derive(Debug)]
 pub struct FilledCells {
     name: String,
-    dim: usize,
-    /// Nodes of every cell, and K by node, row after row.
-    pieces: Vec<(Vec<u32>, Vec<f64>)>,
-}
-
-impl FilledCells {
-    /// Calls with every unknown of every cell and its entry of K v.
-    fn each_product(&self, v: &[f64], mut call: impl FnMut(usize, f64)) {
-        for (nodes, k) in &self.pieces {
-            let dof = |node: u32, i: usize| self.dim * node as usize + i;
-            for (row, node) in k.chunks(nodes.len()).zip(nodes) {
-                for i in 0..self.dim {
-                    call(dof(*node, i), row.iter().zip(nodes).map(|(k, other)| k * v[dof(*other, i)]).sum());
-                }
-            }
-        }
-    }
+    cells: ElementMatrices,
 }
 
 impl Contribution for FilledCells {
@@ -127,58 +109,16 @@ impl Contribution for FilledCells {
 
     /// Deformation gradients are those from the drawn cells.
     fn drawn_nodes(&self) -> Vec<u32> {
-        let mut nodes: Vec<u32> = self.pieces.iter().flat_map(|(nodes, _)| nodes.iter().copied()).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        nodes
+        self.cells.nodes()
     }
 
     fn quantities(&self, at: &Instant) -> Vec<(&'static str, f64)> {
         let mut energy = 0.0;
-        self.each_product(at.u, |dof, force| energy += 0.5 * force * at.u[dof]);
+        self.cells.each_product(at.u, |dof, force| energy += 0.5 * force * at.u[dof]);
         vec![("energy", energy)]
     }
 
     fn at<'a>(&'a self, _: &Instant, _: Need) -> Result<Box<dyn ContributionPoint + 'a>, Inadmissible> {
-        Ok(Box::new(self))
-    }
-}
-
-impl ContributionPoint for FilledCells {
-    fn add_residual(&self, at: &Instant, demand: Demand, sums: &mut Sums) -> Result<(), Inadmissible> {
-        self.each_product(at.u, |dof, force| {
-            if demand.energy {
-                sums.energy += 0.5 * force * at.u[dof];
-                sums.energy_scale += 0.5 * (force * at.u[dof]).abs();
-            }
-            if demand.force {
-                sums.force[dof] += force;
-                sums.force_scale[dof] += force.abs();
-            }
-        });
-        Ok(())
-    }
-
-    fn add_tangent(&self, _: &Instant, tangent: &mut SparseMatrix) -> Result<(), Inadmissible> {
-        for (nodes, k) in &self.pieces {
-            let entry = |a: usize, i: usize, b: usize, j: usize| if i == j { k[nodes.len() * a + b] } else { 0.0 };
-            add_element(nodes, self.dim, tangent, entry)?;
-        }
-        Ok(())
-    }
-
-    fn add_tangent_product(&self, _: &Instant, v: &[f64], out: &mut [f64]) -> Result<bool, Inadmissible> {
-        self.each_product(v, |dof, value| out[dof] += value);
-        Ok(true)
-    }
-
-    fn second_vjp(
-        &self,
-        _: &Instant,
-        _: &[f64],
-        _: &Increment,
-        _: &mut SecondSensitivities,
-    ) -> Result<(), SecondDerivativeError> {
-        Ok(())
+        Ok(Box::new(&self.cells))
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Eigenproblem;
 use super::inner_product::{ENTRY_ROUNDING, rounding};
-use super::inversion::{Inverse, SearchLimits, ShiftedMatrix};
+use super::shifted_matrix::{Inverse, SearchLimits, ShiftedMatrix};
 use crate::error::{FactorError, StructureError};
 use crate::krylov::saddle_gmres::{Aim, Counts, SaddleGmres, Start};
 use crate::krylov::volume_modes::VolumeModes;

@@ -1,6 +1,6 @@
 //! [`Factors`]: a matrix that is inverted by Cholesky factors, and counts its eigenvalues.
 
-use super::inversion::{Inverse, SearchLimits, ShiftedMatrix};
+use super::shifted_matrix::{Inverse, SearchLimits, ShiftedMatrix};
 use super::{Eigenproblem, MassMatrix};
 use crate::error::{FactorError, StructureError};
 use crate::factor::factor_size::fits;

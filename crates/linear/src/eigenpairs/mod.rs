@@ -5,6 +5,7 @@ mod factors;
 mod inner_product;
 mod inversion;
 mod search;
+mod shifted_matrix;
 
 pub use inversion::Inversion;
 

@@ -2,7 +2,7 @@
 
 use super::cycles::mean_magnitude;
 use super::inner_product::{DEPENDENCE_TOLERANCE, InnerProduct};
-use super::inversion::{Inverse, SearchLimits, ShiftedMatrix};
+use super::shifted_matrix::{Inverse, SearchLimits, ShiftedMatrix};
 use super::{ByProducts, Eigenpairs, Eigenproblem};
 use crate::error::FactorError;
 use crate::memory;

@@ -1,7 +1,8 @@
 //! What contacts carry, and what deserves attention in them, of equilibria and of motions.
 
 use crate::console::Console;
-use crate::run::motion::{Record, Table};
+use crate::run::motion::record::Record;
+use crate::run::motion::table::Table;
 use crate::run::session::CommandFindings;
 use nastic_case::inspect::touches;
 use nastic_case::lower::{CaseMember, CaseProblem};

@@ -1,18 +1,18 @@
 //! Motions as results: `motion_0000.vtu` .. with `motion.pvd`, `motion.csv` and charts of every step, the entry `time`.
 
 mod energy;
-mod record;
+pub(super) mod record;
 mod recorder;
 mod solved;
-mod table;
+pub(super) mod table;
 
 pub(super) use crate::run::motion::solved::solve;
 
 use crate::console::Console;
 use crate::run::error::RunError;
 pub(crate) use crate::run::motion::record::Record;
+pub(crate) use crate::run::motion::table::touches;
 use crate::run::motion::table::{KINETIC_ENERGY, MIN_J, POTENTIAL, energies};
-pub(crate) use crate::run::motion::table::{Table, touches};
 use crate::run::session::{CommandFindings, CommandInput, Destination};
 use crate::run::state_columns::ENERGY;
 use crate::run::{contacts, modes, time_steps};
