@@ -10,6 +10,7 @@ use nastic_body::controls::Controls;
 use nastic_body::error::StateError;
 use nastic_body::instant::{FrictionLag, Instant, TimeStep};
 use nastic_body::state::{SolveReport, State};
+use nastic_body::strategy::Strategy;
 use std::sync::Arc;
 
 /// Newton iterations with implicit friction behind a round.
@@ -73,14 +74,6 @@ impl Model {
             report.load_steps += 1 + rounds;
             Ok(Some(State::equilibrium(u, controls.clone(), 1.0, *report)))
         };
-        if self.residual_creeps() {
-            let (at_once, mut u) = (self.equations(controls, 1.0, Some(step), 1.0, how), start.clone());
-            match at_once.solve_with_point_strains(&mut u, self.linear_solver(how, workspace), report) {
-                Ok(()) => return found(u, 0, report),
-                Err(stop) => go_on(stop)?,
-            }
-            workspace.forget();
-        }
         let at_once = self.equations(controls, 1.0, Some(step), 1.0, how);
         if how.guess.is_none() {
             let mut u = start.clone();
@@ -88,6 +81,15 @@ impl Model {
             let within = Limits { short_steps, ..Limits::new(how.max_newton, how.accuracy) };
             match at_once.solve_either_way(within, &mut u, self.linear_solver(how, workspace), report) {
                 Ok(_) => return found(u, 0, report),
+                Err(stop) => go_on(stop)?,
+            }
+            workspace.forget();
+        }
+        if self.residual_creeps() {
+            let mut u = start.clone();
+            report.strategies.count(Strategy::PointStrains);
+            match at_once.solve_with_point_strains(&mut u, self.linear_solver(how, workspace), report) {
+                Ok(()) => return found(u, 0, report),
                 Err(stop) => go_on(stop)?,
             }
             workspace.forget();
