@@ -13,10 +13,22 @@ pub(super) struct Drawable<'a> {
     paint: Paint,
     triangles: Vec<Triangle<'a>>,
     segments: Vec<Segment>,
-    /// Triangles and segments of every band.
-    bands: Vec<[Vec<u32>; 2]>,
-    /// First and last column of pixels that it may touch, and one more.
+    bands: Vec<Band>,
+}
+
+/// What of a shape touches one band.
+#[derive(Clone)]
+struct Band {
+    triangles: Vec<u32>,
+    segments: Vec<u32>,
+    /// First column of pixels that they may touch, and one behind the last.
     columns: [usize; 2],
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Triangle,
+    Segment,
 }
 
 impl<'a> Drawable<'a> {
@@ -26,8 +38,10 @@ impl<'a> Drawable<'a> {
             shape,
             triangles: Vec::new(),
             segments: Vec::new(),
-            bands: (0..height.div_ceil(BAND)).map(|_| [Vec::new(), Vec::new()]).collect(),
-            columns: [width, 0],
+            bands: vec![
+                Band { triangles: Vec::new(), segments: Vec::new(), columns: [width, 0] };
+                height.div_ceil(BAND)
+            ],
             paint,
         };
         for piece in &shape.pieces {
@@ -35,7 +49,7 @@ impl<'a> Drawable<'a> {
                 let corners = [&piece[0], &piece[k - 1], &piece[k]];
                 let triangle = Triangle::new(corners, SAMPLES as f64, shape.forward, out.paint.front_only);
                 if let Some(triangle) = triangle {
-                    out.register(0, out.triangles.len(), triangle.bounds(), width);
+                    out.register(Kind::Triangle, out.triangles.len(), triangle.bounds(), width);
                     out.triangles.push(triangle);
                 }
             }
@@ -43,7 +57,7 @@ impl<'a> Drawable<'a> {
         for stroke in &shape.strokes {
             for index in 1..stroke.points.len() {
                 let segment = Segment::new(stroke, index, shape.forward);
-                out.register(1, out.segments.len(), segment.bounds(), width);
+                out.register(Kind::Segment, out.segments.len(), segment.bounds(), width);
                 out.segments.push(segment);
             }
         }
@@ -51,14 +65,17 @@ impl<'a> Drawable<'a> {
     }
 
     /// Sorts what has these bounds (left, right, top and bottom in samples) into its bands.
-    fn register(&mut self, kind: usize, index: usize, [left, right, top, bottom]: [f64; 4], width: usize) {
+    fn register(&mut self, kind: Kind, index: usize, [left, right, top, bottom]: [f64; 4], width: usize) {
         let pixel = |x: f64, most: usize| (x / SAMPLES as f64).clamp(0.0, most as f64) as usize;
         let most = BAND * self.bands.len();
         let rows = [pixel(top - 1.0, most), (pixel(bottom + 1.0, most) + 1).min(most)];
-        self.columns[0] = self.columns[0].min(pixel(left - 1.0, width));
-        self.columns[1] = self.columns[1].max((pixel(right + 1.0, width) + 1).min(width));
-        for band in rows[0] / BAND..rows[1].div_ceil(BAND) {
-            self.bands[band][kind].push(index as u32);
+        let columns = [pixel(left - 1.0, width), (pixel(right + 1.0, width) + 1).min(width)];
+        for band in &mut self.bands[rows[0] / BAND..rows[1].div_ceil(BAND)] {
+            band.columns = [band.columns[0].min(columns[0]), band.columns[1].max(columns[1])];
+            match kind {
+                Kind::Triangle => band.triangles.push(index as u32),
+                Kind::Segment => band.segments.push(index as u32),
+            }
         }
     }
 }
@@ -97,6 +114,8 @@ pub(super) enum Seen<'a> {
 pub(super) struct Layer {
     pub opaque: bool,
     samples: Vec<Sample>,
+    /// Whether it shows anything at a pixel.
+    touched: Vec<bool>,
     fragments: Vec<Fragment>,
     /// First column of samples, and how many in a row.
     left: usize,
@@ -109,8 +128,8 @@ pub(super) struct Layer {
 impl Layer {
     /// `None` if the shape does not touch the band.
     pub fn of(drawable: &Drawable, band: usize, rows: usize) -> Option<Self> {
-        let [triangles, segments] = &drawable.bands[band];
-        let [left, right] = drawable.columns.map(|column| column * SAMPLES);
+        let Band { triangles, segments, columns } = &drawable.bands[band];
+        let [left, right] = columns.map(|column| column * SAMPLES);
         if (triangles.is_empty() && segments.is_empty()) || left >= right {
             return None;
         }
@@ -119,6 +138,7 @@ impl Layer {
         let mut layer = Self {
             opaque: matches!(fill, Fill::Opaque(_) | Fill::Mapped),
             samples: vec![NOTHING; (right - left) * rows],
+            touched: vec![false; (right - left) / SAMPLES * (rows / SAMPLES)],
             fragments: Vec::new(),
             left,
             width: right - left,
@@ -134,6 +154,11 @@ impl Layer {
         Some(layer)
     }
 
+    /// The columns of pixels that it may touch.
+    pub fn columns(&self) -> std::ops::Range<usize> {
+        self.left / SAMPLES..(self.left + self.width) / SAMPLES
+    }
+
     /// Depth and look at a sample of the band.
     pub fn at(&self, row: usize, column: usize) -> Option<(f32, &Fragment)> {
         let column = column.checked_sub(self.left).filter(|column| *column < self.width)?;
@@ -146,12 +171,22 @@ impl Layer {
         let Some(column) = (column * SAMPLES).checked_sub(self.left).filter(|column| *column < self.width) else {
             return Seen::Nothing;
         };
+        if !self.touched[self.pixel(row * SAMPLES, column)] {
+            return Seen::Nothing;
+        }
         let first = self.samples[row * SAMPLES * self.width + column].fragment;
-        let rows = (0..SAMPLES).map(|k| &self.samples[(row * SAMPLES + k) * self.width + column..][..SAMPLES]);
-        if rows.flatten().any(|sample| sample.fragment != first) {
-            return Seen::Part;
+        for k in 0..SAMPLES {
+            let samples = &self.samples[(row * SAMPLES + k) * self.width + column..][..SAMPLES];
+            if samples.iter().any(|sample| sample.fragment != first) {
+                return Seen::Part;
+            }
         }
         self.fragments.get(first as usize).map_or(Seen::Nothing, Seen::Whole)
+    }
+
+    /// The pixel of a sample.
+    fn pixel(&self, row: usize, column: usize) -> usize {
+        row / SAMPLES * (self.width / SAMPLES) + column / SAMPLES
     }
 
     /// Every pixel is shaded once, at the first of its samples that the triangle covers.
@@ -181,6 +216,7 @@ impl Layer {
                             let (colour, opacity) = paint.at(normal, value);
                             *fragment = self.fragments.len() as u32;
                             self.fragments.push(Fragment { opacity, colour, glass: opacity < 1.0 });
+                            self.touched[pixel_row * (self.width / SAMPLES) + column / SAMPLES] = true;
                         }
                         *sample = Sample { z, fragment: *fragment };
                     }
@@ -192,16 +228,16 @@ impl Layer {
     /// `bare`: lines stand alone, on no surface.
     fn segment(&mut self, segment: &Segment, bare: bool) {
         let Segment { colour, opacity, .. } = *segment;
-        let [left, right, top, bottom] = segment.bounds();
+        let [_, _, top, bottom] = segment.bounds();
         let own = self.push(Fragment { opacity, colour, glass: false });
         // Samples beside each other have the same look before, and so after.
         let mut last = (own, own);
         for row in self.rows_within(top, bottom) {
             let y = (self.first + row) as f64 + 0.5;
+            let [left, right] = segment.columns_at(y);
             for column in self.columns_within(left, right) {
                 let Some(z) = segment.depth_at((self.left + column) as f64 + 0.5, y) else { continue };
-                let at = row * self.width + column;
-                let sample = self.samples[at];
+                let sample = self.samples[row * self.width + column];
                 if z < sample.z {
                     continue;
                 }
@@ -210,7 +246,7 @@ impl Layer {
                 let inked = before.filter(|before| before.colour == colour);
                 let Some(before) = before.filter(|_| !bare) else {
                     if inked.is_none_or(|inked| inked.opacity < opacity) {
-                        self.samples[at] = Sample { z, fragment: own };
+                        self.ink(row, column, Sample { z, fragment: own });
                     }
                     continue;
                 };
@@ -218,10 +254,16 @@ impl Layer {
                     if last.0 != sample.fragment {
                         last = (sample.fragment, self.push(over(&before, colour, opacity)));
                     }
-                    self.samples[at] = Sample { z, fragment: last.1 };
+                    self.ink(row, column, Sample { z, fragment: last.1 });
                 }
             }
         }
+    }
+
+    fn ink(&mut self, row: usize, column: usize, sample: Sample) {
+        self.samples[row * self.width + column] = sample;
+        let pixel = self.pixel(row, column);
+        self.touched[pixel] = true;
     }
 
     fn push(&mut self, fragment: Fragment) -> u32 {
@@ -285,6 +327,16 @@ impl Segment {
         };
         let ([left, right], [top, bottom]) = (of(0), of(1));
         [left, right, top, bottom]
+    }
+
+    /// Left and right end of what it may cover at a height: within its width of the whole straight line, and its bounds.
+    fn columns_at(&self, y: f64) -> [f64; 2] {
+        let ([left, right, ..], [x, y]) = (self.bounds(), [self.a[0], y - self.a[1]]);
+        let [across, down, _] = self.along;
+        let [middle, half] = [y * across / down, self.radius * (across.hypot(down) / down).abs()];
+        let strip = [x + middle - half - 1.0, x + middle + half + 1.0];
+        // a level line has no strip
+        if strip.iter().all(|end| end.is_finite()) { [left.max(strip[0]), right.min(strip[1])] } else { [left, right] }
     }
 
     /// Depth of the line where it covers the sample.

@@ -26,9 +26,12 @@ pub(super) fn render(scene: &Scene, width: usize, height: usize) -> Image {
     pixels.par_chunks_mut(BAND * width).enumerate().with_max_len(1).for_each(|(band, pixels)| {
         let (first, rows) = (band * BAND, pixels.len() / width);
         let layers: Vec<Layer> = shapes.iter().filter_map(|shape| Layer::of(shape, band, rows)).take(LAYERS).collect();
+        let columns = layers.iter().map(Layer::columns);
+        let shown = columns.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)).unwrap_or(0..0);
         for (row, pixels) in pixels.chunks_mut(width).enumerate() {
             let behind = scene.ground.at((first + row) as f64 / height as f64).linear();
-            for (column, out) in pixels.iter_mut().enumerate() {
+            pixels.fill(behind);
+            for (column, out) in shown.clone().zip(&mut pixels[shown.clone()]) {
                 *out = pixel(&layers, row, column, behind);
             }
         }
@@ -38,46 +41,64 @@ pub(super) fn render(scene: &Scene, width: usize, height: usize) -> Image {
 
 /// The mean of a pixel's samples.
 fn pixel(layers: &[Layer], row: usize, column: usize, behind: Linear) -> Linear {
-    let mut only = None;
-    let mut covering = 0;
-    for layer in layers {
+    let (mut covering, mut last, mut whole) = (0_u64, None, true);
+    for (index, layer) in layers.iter().enumerate() {
         match layer.seen(row, column) {
             Seen::Nothing => continue,
-            Seen::Whole(fragment) => only = Some(fragment),
-            Seen::Part => only = None,
+            Seen::Whole(fragment) => last = Some(fragment),
+            Seen::Part => whole = false,
         }
-        covering += 1;
+        covering |= 1 << index;
     }
     // Most of a picture is background, and most of a body one layer and one triangle per pixel.
-    match (covering, only) {
+    match (covering.count_ones(), last) {
         (0, _) => return behind,
-        (1, Some(fragment)) => return laid(fragment, false, behind),
+        (1, Some(fragment)) if whole => return laid(fragment, false, behind),
         _ => {}
+    }
+    let (row, column) = (row * SAMPLES, column * SAMPLES);
+    // Each layer is one plane there: those of which one is in front of the other at all corners do not cross.
+    let corners = || [0, SAMPLES - 1].into_iter().flat_map(|k| [(row + k, column), (row + k, column + SAMPLES - 1)]);
+    if whole && corners().skip(1).all(|at| is_ordered_alike(layers, covering, (row, column), at)) {
+        return through(layers, covering, (row, column), behind);
     }
     let mut sum = [0.0; 3];
     for k in 0..SAMPLES * SAMPLES {
-        let sample = through(layers, row * SAMPLES + k / SAMPLES, column * SAMPLES + k % SAMPLES, behind);
+        let sample = through(layers, covering, (row + k / SAMPLES, column + k % SAMPLES), behind);
         sum = std::array::from_fn(|k| sum[k] + sample[k]);
     }
     sum.map(|value| value / (SAMPLES * SAMPLES) as f32)
 }
 
-/// What is seen through all layers at one sample.
-fn through(layers: &[Layer], row: usize, column: usize, behind: Linear) -> Linear {
+/// Whether all these layers, each of which covers both samples, lie in the same order at both.
+fn is_ordered_alike(layers: &[Layer], covering: u64, a: (usize, usize), b: (usize, usize)) -> bool {
+    let depth = |index: usize, (row, column): (usize, usize)| layers[index].at(row, column).map(|(z, _)| z);
+    let is_in = |index: &usize| covering >> index & 1 == 1;
+    (0..layers.len()).filter(is_in).all(|one| {
+        let mut others = (0..one).filter(is_in);
+        others.all(|other| (depth(other, a) < depth(one, a)) == (depth(other, b) < depth(one, b)))
+    })
+}
+
+/// What is seen at one sample through the layers that may cover it.
+fn through(layers: &[Layer], covering: u64, (row, column): (usize, usize), behind: Linear) -> Linear {
     let mut colour = behind;
     let mut opaque = false;
     // Layers are few: pick the farthest one not yet laid down.
-    let mut done = 0_u64;
-    for _ in 0..layers.len() {
+    let mut left = covering;
+    while left != 0 {
         let mut next: Option<(usize, f32, &Fragment)> = None;
-        for (index, layer) in layers.iter().enumerate().filter(|(index, _)| done >> index & 1 == 0) {
+        for (index, layer) in layers.iter().enumerate() {
+            if left >> index & 1 == 0 {
+                continue;
+            }
             let Some((z, fragment)) = layer.at(row, column) else { continue };
             if next.is_none_or(|(_, farthest, _)| z < farthest) {
                 next = Some((index, z, fragment));
             }
         }
         let Some((index, _, fragment)) = next else { break };
-        done |= 1 << index;
+        left &= !(1 << index);
         colour = laid(fragment, opaque, colour);
         opaque |= layers[index].opaque;
     }
