@@ -199,7 +199,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         COMPLETE,
         "\"kind\": \"smoothed_hausdorff\", ",
         "",
-        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, displacement, orientation, curvature, \
+        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, markers, displacement, orientation, curvature, \
          mean_radius, volume, largest_stretch, compliance, reaction, contact_force, contact_pressure, contact_slip, obstacle, control_norm, control_smoothness, \
          control_rate, \
          kinetic_energy, actuation_work, design_volume, greyness, pump_work)",

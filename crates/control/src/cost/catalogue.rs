@@ -2,10 +2,10 @@
 
 use super::{
     ContactLoad, ContactResultant, ContactSlip, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue,
-    Curvature, DesignMean, IntoCost, LargestStretch, MakeCost, MeanDisplacement, MeanPosition, ObstaclePenetration,
-    PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load, contact_slip, curvature, design,
-    mean_displacement, mean_radius, obstacle, orientation, position, pump_work, reaction, regularization, stretch,
-    tracking, volume,
+    Curvature, DesignMean, IntoCost, LargestStretch, MakeCost, Marker, Markers, MeanDisplacement, MeanPosition,
+    ObstaclePenetration, PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load,
+    contact_slip, curvature, design, markers, mean_displacement, mean_radius, obstacle, orientation, position,
+    pump_work, reaction, regularization, stretch, tracking, volume,
 };
 use crate::error::ControlError;
 use crate::time::When;
@@ -82,6 +82,7 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow { name: "smoothed_hausdorff", form: None, second: true, examples: smoothed_hausdorff },
     CostRow::of(&tracking::FORM, tracking),
     CostRow::of(&position::FORM, position),
+    CostRow::of(&markers::FORM, markers),
     CostRow::of(&mean_displacement::FORM, displacement),
     CostRow::of(&orientation::FORM, orientation),
     CostRow::of(&curvature::FORM, curvature),
@@ -152,6 +153,22 @@ fn position(on: &CostExample) -> ExampleCosts {
     .into_iter()
     .map(|cost| cost.weight(on.weight).bind(on.solid))
     .collect()
+}
+
+/// One with all coordinates, one with a single one; with deviations that make their squares those of lengths.
+fn markers(on: &CostExample) -> ExampleCosts {
+    let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
+    let marker = |cell: usize, shift: [Option<f64>; 3], deviation: f64| {
+        let reference = mesh.cell_centre(cell);
+        let position = std::array::from_fn(|i| shift[i].map(|shift| reference[i] + shift * size));
+        Marker { name: format!("cell {cell}"), reference, position, deviation }
+    };
+    let z = (mesh.dim() == 3).then_some(-0.07);
+    let all = [
+        marker(mesh.cells() - 1, [Some(0.1), Some(-0.2), z], 1.0),
+        marker(mesh.cells() / 2, [None, Some(0.15), None], 0.7),
+    ];
+    Ok(vec![Markers::of(all).weight(on.weight).bind(on.solid)?])
 }
 
 /// Upwards, where the examples' bodies bend to.
