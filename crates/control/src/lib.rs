@@ -37,7 +37,7 @@ pub use cost::{
     ControlNorm, ControlSmoothness, Cost, CostContext, CostExample, CostForm, CostInputs, CostPoint, CostRow,
     CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DesignMean, DistanceInTime, Figure, FigureKind,
     IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, Marker, Markers, MeanDisplacement, MeanPosition,
-    MeanRadius, MotionPartials, Need, ObstaclePenetration, Orientation, Partials, PumpWork, Reaction, Reading,
+    MeanRadius, MotionPartials, Need, ObstaclePenetration, Orientation, Partials, Prior, PumpWork, Reaction, Reading,
     SmoothedHausdorff, StepBegin, Target, Tracking,
 };
 pub use design::Consumer;

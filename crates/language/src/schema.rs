@@ -62,7 +62,7 @@ pub use case_schema::json_schema;
 pub use catalogue::{Input, SlotName};
 pub use constraint::{Constraint, KeepOut};
 pub use contact::{Contact, PressureLaw};
-pub use control::{Bound, Cells, Control, ControlsFile, Space, Start};
+pub use control::{Bound, Cells, Control, ControlPrior, ControlsFile, Space, Start};
 pub use cost::Cost;
 pub use cost_term::CostTerm;
 pub use design::{Design, DesignKind, Interpolation, MixedLaw, OwnLaw};

@@ -191,6 +191,36 @@ fn what_readings_cannot_say_is_named_and_does_not_fail() {
     assert!(text.contains("only their ratio is seen"), "{text}");
 }
 
+/// What is known before is one more reading, counted once whatever the load cases: precisions add up.
+#[test]
+fn a_prior_adds_its_precision_once() {
+    let place = CaseDirectory::new();
+    let (modulus, u): (f64, f64) = (0.12, 2e-4 * 50.0 / 0.12);
+    place.write("bar.csv", &format!("X,Y,Z,x\n50,1,1,{}\n", 50.0 + u));
+    let control = r#""space": "uniform", "lower": "1 kPa" }"#;
+    let with_prior =
+        |control_end: &str| with(BAR, control, &format!("\"space\": \"uniform\", \"lower\": \"1 kPa\", {control_end}"));
+    let case = with_prior(r#""prior": { "mean": "125 kPa", "deviation": "2 kPa" } }"#);
+    let shots = r#""load_cases": [ { "name": "a", "set": {} }, { "name": "b", "set": {}, "weight": 2 } ], "costs""#;
+    for (case, readings) in [(case.clone(), 1.0), (with(&case, "\"costs\"", shots), 3.0)] {
+        let found = identify(&place, &case, &["optimizer/tolerance=1e-6"]);
+        let by_readings = readings * (u / (1e-3 * modulus)).powi(2);
+        let by_prior = 2e-3f64.powi(-2);
+        let deviation = 1.0 / (by_readings + by_prior).sqrt();
+        close(number(&found, "/parameters/rubber.young/deviation"), deviation, 0.02);
+        let mean = (by_readings * modulus + by_prior * 0.125) / (by_readings + by_prior);
+        let value = number(&found, "/parameters/rubber.young/value");
+        assert!((value - mean).abs() < 0.1 * (mean - modulus), "{value}, expected {mean}");
+    }
+    // of readings that say nothing more the prior stays
+    let loose = with(&case, "0.001 mm", "1 mm");
+    let found = identify(&place, &loose, &[]);
+    close(number(&found, "/parameters/rubber.young/deviation"), 2e-3, 0.01);
+    assert!(found["remarks"].to_string().contains("rubber.young is known by its prior"), "{found}");
+    let wrong = with_prior(r#""prior": { "mean": "125 mm", "deviation": 1 } }"#);
+    assert!(refused(&place, &wrong, &[]).contains("controls/0/prior/mean"));
+}
+
 /// The markers are missed by far more than their deviation: no modulus meets both.
 #[test]
 fn a_model_that_cannot_meet_the_readings_is_told() {
@@ -238,13 +268,16 @@ fn what_is_wrong_is_refused_before_anything_is_solved() {
     let rest = r#""loads""#;
     for (case, wanted) in [
         (with(BAR, ", \"deviation\": \"0.001 mm\"", ""), "no deviation: give it one, or the cost a \"deviation\""),
-        (rows(r#"[ { "point": [50, 1, 1], "position": {} } ]"#), "marker 1 has no measured coordinate"),
+        (rows(r#"[ { "point": [50, 1, 1], "position": {} } ]"#), "at least one coordinate is wanted"),
         (rows(r#"[ { "point": [50, 1, 9], "position": { "x": 50 } } ]"#), "marker 1: "),
         (with(BAR, "0.001 mm", "0 mm"), "deviation"),
         (with(BAR, cost, tracking), "\"tracking\" is no sum of squared readings"),
         (with(BAR, cost, ""), "needs costs"),
         (with(BAR, control, ""), "needs controls"),
-        (with(BAR, control, grid), "1 reading for 8 parameters: give more markers or shots, or fewer parameters"),
+        (
+            with(BAR, control, grid),
+            "1 reading for 8 parameters: give more markers or shots, priors, or fewer parameters",
+        ),
         (
             with(
                 BAR,

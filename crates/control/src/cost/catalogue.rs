@@ -3,7 +3,7 @@
 use super::{
     ContactLoad, ContactResultant, ContactSlip, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue,
     Curvature, DesignMean, IntoCost, LargestStretch, MakeCost, Marker, Markers, MeanDisplacement, MeanPosition,
-    ObstaclePenetration, PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load,
+    ObstaclePenetration, Prior, PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load,
     contact_slip, curvature, design, markers, mean_displacement, mean_radius, obstacle, orientation, position,
     pump_work, reaction, regularization, stretch, tracking, volume,
 };
@@ -59,7 +59,7 @@ type ExampleCosts = Result<Vec<Box<dyn Cost>>, ControlError>;
 pub struct CostRow {
     /// Name in case files, and of the bound cost.
     pub name: &'static str,
-    /// How case files name it and its keys; `None` of a smoothed Hausdorff distance, whose stages are blocks of their own.
+    /// How case files name it and its keys; `None` of a smoothed Hausdorff distance, whose stages are blocks of their own, and of a prior, which is a key of its control.
     pub form: Option<&'static CostForm>,
     /// Whether it has second partials, which second derivatives of the objective take.
     pub second: bool,
@@ -103,6 +103,7 @@ pub const CATALOGUE: &[CostRow] = &[
     }),
     CostRow::of(&design::VOLUME, |on| Ok(vec![Box::new(DesignMean::volume(on.control, 1e-6 * on.weight)?)])),
     CostRow::of(&design::GREYNESS, |on| Ok(vec![Box::new(DesignMean::greyness(on.control, 1e-10 * on.weight)?)])),
+    CostRow { name: "prior", form: None, second: true, examples: prior },
     // Energies of stiff bodies would drown squares of lengths.
     CostRow::of(&pump_work::FORM, |on| Ok(vec![Box::new(PumpWork::new(1e-4 * on.weight)?)])),
 ];
@@ -153,6 +154,11 @@ fn position(on: &CostExample) -> ExampleCosts {
     .into_iter()
     .map(|cost| cost.weight(on.weight).bind(on.solid))
     .collect()
+}
+
+/// Of a scalar; a vector has none.
+fn prior(on: &CostExample) -> ExampleCosts {
+    Ok(vec![Box::new(Prior::of(on.control, 2e4, 1e5)?.weight(on.weight)?)])
 }
 
 /// One with all coordinates, one with a single one; with deviations that make their squares those of lengths.

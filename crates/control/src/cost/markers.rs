@@ -47,7 +47,7 @@ impl Markers {
 /// How they stand in case files.
 pub(super) const FORM: CostForm = CostForm::new(
     "markers",
-    "weight sum |x - y|^2 / (2 s^2) over markers of the body that were measured at y with the deviation s.",
+    "weight/2 sum |x - y|^2 / s^2 over markers of the body that were measured at y with the deviation s.",
     &[
         Key::new(
             "markers",
@@ -65,7 +65,7 @@ pub(super) const FORM: CostForm = CostForm::new(
 )
 .square()
 .reported_at("markers")
-.words(|words| format!("weight sum |x - y|^2 / (2 s^2) over {}", words.text("markers")));
+.words(|words| format!("weight/2 sum |x - y|^2 / s^2 over {}", words.text("markers")));
 
 impl IntoCost for Markers {
     fn bind(self, solid: &Solid) -> Result<Box<dyn Cost>, ControlError> {

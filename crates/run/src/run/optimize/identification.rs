@@ -91,8 +91,9 @@ fn record(
     let shots = shots::of(problem, &best.point)?;
     let readings: usize = shots.values().map(|shot| shot.readings).sum();
     let squares: f64 = shots.values().filter_map(|shot| *shot.squares).sum();
-    let freedom = readings.saturating_sub(covariance.seen());
-    let per_freedom = (freedom > 0).then(|| squares / freedom as f64);
+    let known: Vec<f64> = parameters.iter().filter_map(Parameter::squares).collect();
+    let freedom = (readings + known.len()).saturating_sub(covariance.seen());
+    let per_freedom = (freedom > 0).then(|| (squares + known.iter().sum::<f64>()) / freedom as f64);
     let components = |of: &[f64]| -> ByName<Number> {
         parameters.iter().zip(of).map(|(one, part)| (one.name.clone(), (*part).into())).collect()
     };

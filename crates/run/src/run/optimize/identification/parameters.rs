@@ -1,6 +1,6 @@
 //! [`Parameter`]: a value of a control that readings shall determine.
 
-use nastic_case::lower::CaseProblem;
+use nastic_case::lower::{CaseProblem, ControlField};
 use nastic_numeric::format::scientific;
 use nastic_report::record::ParameterRecord;
 
@@ -20,6 +20,8 @@ pub(super) struct Parameter {
     pub unit: String,
     /// A change of the unknown that counts as one: of a logarithm 1, else the start, or the value where that is zero.
     pub scale: f64,
+    /// Mean and deviation of what is known of the unknown beforehand.
+    pub prior: Option<[f64; 2]>,
     /// The bounds of the unknown.
     pub bounds: [f64; 2],
 }
@@ -30,6 +32,7 @@ pub(super) fn of(problem: &CaseProblem, m: &[f64]) -> Vec<Parameter> {
     for (control, (block, field)) in problem.ensemble.blocks().iter().zip(&problem.controls).enumerate() {
         let (unknowns, start) = (block.of(m), block.of(&problem.start));
         let values = problem.control_block(block).free_values_of(unknowns);
+        let prior = prior(problem, field);
         for (i, (&unknown, &value)) in unknowns.iter().zip(&values).enumerate() {
             let size = [start[i], unknown].into_iter().map(f64::abs).find(|size| *size > 0.0);
             out.push(Parameter {
@@ -40,6 +43,7 @@ pub(super) fn of(problem: &CaseProblem, m: &[f64]) -> Vec<Parameter> {
                 unknown,
                 log: field.log,
                 unit: if field.unit == "1" { String::new() } else { field.unit.clone() },
+                prior,
                 scale: if field.log { 1.0 } else { size.unwrap_or(1.0) },
                 bounds: field.bounds.as_ref().map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| {
                     let (lower, upper) = bounds.at(i);
@@ -51,7 +55,21 @@ pub(super) fn of(problem: &CaseProblem, m: &[f64]) -> Vec<Parameter> {
     out
 }
 
+/// Mean and deviation of the unknowns of a control, where the case has a prior of it.
+pub(super) fn prior(problem: &CaseProblem, field: &ControlField) -> Option<[f64; 2]> {
+    let own = problem.case.load_cases.iter().flat_map(|shot| &shot.controls);
+    let control = problem.case.controls.iter().chain(own).find(|control| control.at == field.at)?;
+    let prior = control.prior.as_ref()?;
+    let (mean, deviation) = (prior.mean.constant()?, prior.deviation.constant()?);
+    Some(if field.log { [mean.ln(), deviation / mean] } else { [mean, deviation] })
+}
+
 impl Parameter {
+    /// Its squared distance from the mean of its prior, in deviations.
+    pub fn squares(&self) -> Option<f64> {
+        self.prior.map(|[mean, deviation]| ((self.unknown - mean) / deviation).powi(2))
+    }
+
     /// Its value where its unknown is another.
     pub fn value_at(&self, unknown: f64) -> f64 {
         if self.log { unknown.exp() } else { unknown }

@@ -1,5 +1,6 @@
 //! What `nastic identify` refuses before anything is solved.
 
+use super::parameters::prior;
 use crate::run::error::RunError;
 use crate::run::session::CommandInput;
 use nastic_case::lower::CaseProblem;
@@ -71,10 +72,13 @@ fn check_readings(problem: &CaseProblem) -> Result<(), Diagnostics> {
         readings += own;
     }
     let parameters = problem.start.len();
+    let blocks = problem.ensemble.blocks().iter().zip(&problem.controls);
+    let known = blocks.filter(|(_, field)| prior(problem, field).is_some()).map(|(block, _)| block.len);
+    readings += known.sum::<usize>();
     if readings < parameters || parameters > MOST_PARAMETERS {
         let (read, wanted) = (count(readings, "reading"), count(parameters, "parameter"));
         let message = match readings < parameters {
-            true => format!("{read} for {wanted}: give more markers or shots, or fewer parameters"),
+            true => format!("{read} for {wanted}: give more markers or shots, priors, or fewer parameters"),
             false => format!("{wanted}; \"identify\" takes {MOST_PARAMETERS} at most: take a coarser grid, or regions"),
         };
         return Err(problem.complain("controls", message));

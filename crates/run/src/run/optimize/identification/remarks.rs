@@ -12,6 +12,8 @@ const ABOVE: f64 = 2.0;
 const BELOW: f64 = 0.2;
 /// Readings beyond the parameters that a ratio below 1 says something with: with fewer it is often small by chance.
 const LEAST_FREEDOM: usize = 5;
+/// A share of a prior's deviation above which readings say little.
+const MOST_LEFT: f64 = 0.9;
 /// A component of a direction that is worth a word.
 const NAMED: f64 = 0.2;
 /// Two components that are as large as each other.
@@ -28,7 +30,18 @@ pub(super) fn of(
     let mut out: Vec<String> = per_freedom.and_then(|ratio| fit(ratio, freedom, shots)).into_iter().collect();
     let is_weak = |one: &&Determined| one.deviation.is_none_or(|deviation| deviation > WEAK);
     out.extend(covariance.directions.iter().filter(is_weak).map(|one| direction(parameters, one)));
+    out.extend(parameters.iter().enumerate().filter_map(|(i, one)| by_prior(one, covariance.deviation(i)?)));
     out
+}
+
+/// That the readings hardly say more than what was known before.
+fn by_prior(one: &Parameter, deviation: f64) -> Option<String> {
+    let left = deviation / one.prior?[1];
+    let message = || {
+        let left = short(round(100.0 * left));
+        format!("{} is known by its prior: the readings leave {left} % of that deviation", one.name)
+    };
+    (left > MOST_LEFT).then(message)
 }
 
 /// How the model meets the readings.
