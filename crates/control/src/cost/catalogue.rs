@@ -156,9 +156,9 @@ fn position(on: &CostExample) -> ExampleCosts {
     .collect()
 }
 
-/// Of a scalar; a vector has none.
+/// Of a scalar; a vector has none. As little as the norm.
 fn prior(on: &CostExample) -> ExampleCosts {
-    Ok(vec![Box::new(Prior::of(on.control, 2e4, 1e5)?.weight(on.weight)?)])
+    Ok(vec![Box::new(Prior::of(on.control, 0.01, 1.0)?.weight(1e-10 * on.weight)?)])
 }
 
 /// One with all coordinates, one with a single one; with deviations that make their squares those of lengths.

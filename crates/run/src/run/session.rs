@@ -115,9 +115,12 @@ pub(super) fn evaluate_start(
 /// The options with the method of `identify`, where neither the case nor an override names one: it belongs to the settings that a checkpoint remembers.
 fn with_method(command: &Command, document: &Document, options: &Options) -> Options {
     const KEY: &str = "optimizer/method";
-    let is_named = document.json().pointer("/optimizer/method").is_some()
-        || options.set.iter().any(|setting| setting.starts_with(KEY));
-    let added = (*command == Command::Identify && !is_named).then(|| format!("{KEY}=gauss_newton"));
+    let case = document.json();
+    let is_named =
+        case.pointer("/optimizer/method").is_some() || options.set.iter().any(|setting| setting.starts_with(KEY));
+    // a motion is refused, and not for this method
+    let is_wanted = *command == Command::Identify && !is_named && case.get("time").is_none();
+    let added = is_wanted.then(|| format!("{KEY}=gauss_newton"));
     Options { set: added.into_iter().chain(options.set.clone()).collect(), ..options.clone() }
 }
 

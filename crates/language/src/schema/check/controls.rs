@@ -329,7 +329,7 @@ fn check_dimensions(control: &Control, slot: &SlotName, reader: &mut Reader<'_>)
             _ => {}
         }
     }
-    for prior in &control.prior {
+    if let Some(prior) = &control.prior {
         values.extend([(prior.at.key("mean"), &prior.mean), (prior.at.key("deviation"), &prior.deviation)]);
     }
     values.extend(control.fixed.iter().map(|(region, value)| (control.at.key("fixed").key(region), value)));
