@@ -64,6 +64,7 @@ case_met() { # NAME
   local file="examples/cases/$1.json" command=optimize status=0
   grep -q '"expect"' "$file" || { echo "$file has no \"expect\""; return 1; }
   grep -q '"command": "solve"' "$file" && command=solve
+  grep -q '"command": "identify"' "$file" && command=identify
   target/release/nastic "$command" "$file" --quiet --out "$out/case_$1" || status=$?
   if [ "$status" != 0 ]; then
     [ "$status" = 4 ] && is_in "$1" "${limited_cases[@]}" || return

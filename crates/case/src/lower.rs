@@ -34,6 +34,7 @@ mod load;
 mod lone_table;
 mod lowering;
 mod magnitude;
+mod markers;
 mod material;
 mod member;
 mod mesh;

@@ -107,6 +107,7 @@ impl OutputNames {
             Command::Solve => &[ALL, MOTION, SOLVE],
             Command::Gradient => &[ALL, &["derivative.json"]],
             Command::Optimize => &[ALL, MOTION, OPTIMIZE],
+            Command::Identify => &[ALL, OPTIMIZE, &["identified.json"]],
         };
         let members = problem.members().flat_map(|member| [member.file(""), member.case_file("")]);
         let mut stems: Vec<String> = std::iter::once(String::new()).chain(members).collect();

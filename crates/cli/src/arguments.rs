@@ -60,6 +60,13 @@ pub enum Command {
     /// result.json, report.html. Ctrl-C or SIGTERM stops after the trial at hand and keeps what was found; nastic resume goes on.
     /// Load cases and scenarios have files of their own, and scenarios.pvd collects the latter.
     Optimize(Optimize),
+    /// Find parameters from readings of a body: values with intervals, what the readings do not see, how the model meets them
+    ///
+    /// Shots are load cases with costs of the kind markers: points of the body and where they were measured, with a deviation; forces, positions and volumes
+    /// may stand beside them. The parameters are the controls: { "of": "rubber.mu", "log": true }. Gauss-Newton as by optimize, with its files and exit codes,
+    /// then the covariance at the optimum. Writes identified.json too: values, intervals, correlations, residuals by shot and marker, directions that are
+    /// weakly seen or not at all, and blocks "materials" and "scenarios" to paste.
+    Identify(Identify),
     /// Go on with an interrupted optimisation, or the motion of a solve, from the last checkpoint in its output directory
     ///
     /// The result is that of a run without interruption, to the bit, however the program ended: by Ctrl-C,
@@ -165,6 +172,16 @@ pub struct Optimize {
     pub join: bool,
     #[command(flatten)]
     pub diagnosis: Diagnosis,
+}
+
+/// A case whose parameters are to be found.
+#[derive(Debug, Args)]
+pub struct Identify {
+    #[command(flatten)]
+    pub case: Case,
+    /// Begin anew although the output directory holds the checkpoint of an interrupted run, which is replaced
+    #[arg(long)]
+    pub restart: bool,
 }
 
 /// What is to be found of an optimum.

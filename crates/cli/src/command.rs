@@ -2,8 +2,8 @@
 
 use crate::Ended;
 use crate::arguments::{
-    self, Arguments, Case, Command, Diagnosis, Fit, Modes, New, Optimize, Report, Resume, Running, Schema, StopAt,
-    Sweep, SweptCommand,
+    self, Arguments, Case, Command, Diagnosis, Fit, Identify, Modes, New, Optimize, Report, Resume, Running, Schema,
+    StopAt, Sweep, SweptCommand,
 };
 use crate::key_tables;
 use crate::output::{self, Output};
@@ -81,6 +81,9 @@ impl<'c> Program<'c> {
             Command::Optimize(Optimize { case, restart, part, join, diagnosis }) => {
                 let (spectrum, share) = (spectrum(&diagnosis), share(part, join));
                 self.on_case(schema::Command::Optimize, &case, Asked { restart, spectrum, share, ..Asked::default() })
+            }
+            Command::Identify(Identify { case, restart }) => {
+                self.on_case(schema::Command::Identify, &case, Asked { restart, ..Asked::default() })
             }
             Command::Resume(interrupted) => self.on_directory(&interrupted),
             Command::Sweep(swept) => self.on_values(&swept),
@@ -257,8 +260,11 @@ pub(crate) fn while_shown<T>(what: &str, work: impl FnOnce(&Console) -> T) -> T 
 
 /// Whether all ranks have a part in it; else they get the message that they have none.
 fn is_shared(command: &Command) -> bool {
-    use Command::{Gradcheck, Gradient, Modes, Optimize, Resume, Solve, Sweep};
-    matches!(command, Optimize(_) | Resume(_) | Sweep(_) | Solve(_) | Modes(_) | Gradient(_) | Gradcheck(_))
+    use Command::{Gradcheck, Gradient, Identify, Modes, Optimize, Resume, Solve, Sweep};
+    matches!(
+        command,
+        Optimize(_) | Identify(_) | Resume(_) | Sweep(_) | Solve(_) | Modes(_) | Gradient(_) | Gradcheck(_)
+    )
 }
 
 /// The JSON Schema of cases or of results, or its tables of keys.

@@ -36,9 +36,9 @@ pub use cost::{
     Aim, BoundHausdorff, BoundTracking, CATALOGUE as COSTS, Compliance, ContactLoad, ContactResultant, ContactSlip,
     ControlNorm, ControlSmoothness, Cost, CostContext, CostExample, CostForm, CostInputs, CostPoint, CostRow,
     CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DesignMean, DistanceInTime, Figure, FigureKind,
-    IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, MeanDisplacement, MeanPosition, MeanRadius,
-    MotionPartials, Need, ObstaclePenetration, Orientation, Partials, PumpWork, Reaction, SmoothedHausdorff, StepBegin,
-    Target, Tracking,
+    IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, Marker, Markers, MeanDisplacement, MeanPosition,
+    MeanRadius, MotionPartials, Need, ObstaclePenetration, Orientation, Partials, Prior, PumpWork, Reaction, Reading,
+    SmoothedHausdorff, StepBegin, Target, Tracking,
 };
 pub use design::Consumer;
 pub use error::{ControlError, RemoteFailure};

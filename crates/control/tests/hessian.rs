@@ -114,7 +114,9 @@ fn every_cost_with_every_actuation() -> Outcome {
                 if row.name == "pump_work" && body.solid().body().grows() {
                     break; // refused: it does not count the work of growth
                 }
-                if ["design_volume", "greyness"].contains(&row.name) && body.layout().blocks()[0].components > 1 {
+                if ["design_volume", "greyness", "prior"].contains(&row.name)
+                    && body.layout().blocks()[0].components > 1
+                {
                     break; // of scalars
                 }
                 let control = body.layout().blocks()[0].name.clone();

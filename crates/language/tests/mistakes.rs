@@ -28,7 +28,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         COMPLETE,
         "\"lower\"",
         "\"lowr\"",
-        "did you mean \"lower\"? (one of: of, name, space, log, start, lower, upper, norm, max_norm, direction, filter, projection, cut, symmetry, fixed, in_time, rate)",
+        "did you mean \"lower\"? (one of: of, name, space, log, start, lower, upper, prior, norm, max_norm, direction, filter, projection, cut, symmetry, fixed, in_time, rate)",
     );
     one(
         COMPLETE,
@@ -199,7 +199,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         COMPLETE,
         "\"kind\": \"smoothed_hausdorff\", ",
         "",
-        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, displacement, orientation, curvature, \
+        ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, markers, displacement, orientation, curvature, \
          mean_radius, volume, largest_stretch, compliance, reaction, contact_force, contact_pressure, contact_slip, obstacle, control_norm, control_smoothness, \
          control_rate, \
          kinetic_energy, actuation_work, design_volume, greyness, pump_work)",

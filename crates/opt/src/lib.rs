@@ -57,6 +57,7 @@ mod catalogue;
 mod certificate;
 mod conjugate_gradient;
 mod constrained;
+mod covariance;
 pub mod early_stopping;
 mod failed;
 mod held;
@@ -97,6 +98,7 @@ pub use augmented::{
 pub use catalogue::{CATALOGUE, OptimizerRow, by_name};
 pub use certificate::{Base, Certificate};
 pub use constrained::{Constrained, ConstraintGroup, NoConstraintDerivatives, Sense};
+pub use covariance::{Covariance, Determined};
 pub use failed::Failed;
 pub use held::Held;
 pub use hessian::Hessian;

@@ -5,8 +5,8 @@
 use nastic_numeric::Random;
 use nastic_numeric::vector::{axpy, dot, scale, sub};
 use nastic_opt::{
-    Admissible, Ball, Bounds, Diagonal, Domain, Euclidean, Failed, Hessian, InnerProduct, Objective, Product, Request,
-    Spectrum, SpectrumError, SpectrumOptions, Sphere,
+    Admissible, Ball, Bounds, Covariance, Diagonal, Domain, Euclidean, Failed, Hessian, InnerProduct, Objective,
+    Product, Request, Spectrum, SpectrumError, SpectrumOptions, Sphere,
 };
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -315,4 +315,46 @@ fn same_bits_twice_and_typed_errors() {
     let few = SpectrumOptions { max_products: 9, ..SpectrumOptions::leading(20) };
     let found = Spectrum::at(&problem, &m, &mut m.clone(), &domain, &few, &mut ()).unwrap();
     assert!(found.values.len() < 20 && found.residuals.iter().all(|residual| *residual < 1e-7));
+}
+
+/// The covariance at a minimum: the inverse of H whatever the scales; without a direction that is not seen, and without a component on a bound.
+#[test]
+fn the_covariance_is_the_inverse_on_what_is_seen() {
+    let at = |a: [[f64; 3]; 3], set: Bounds, scales: [f64; 3]| {
+        let objective = Quadratic { a: a.map(|row| row.to_vec()).to_vec(), b: vec![0.0; 3] };
+        let metric = Arc::new(Diagonal::new(scales.map(|scale| scale.powi(-2)).to_vec()).unwrap());
+        let domain = Domain { set: Arc::new(set), metric, cancel: None };
+        let spectrum =
+            Spectrum::at(&objective, &[0.0; 3], &mut vec![0.0; 3], &domain, &SpectrumOptions::leading(3), &mut ());
+        Covariance::of(&spectrum.unwrap(), &scales, 1e-8, 10.0)
+    };
+    let whole = || Bounds::new(f64::NEG_INFINITY, f64::INFINITY).unwrap();
+    // det 28: the inverse by cofactors
+    let (a, inverse) = (
+        [[4.0, 2.0, 0.0], [2.0, 5.0, 1.0], [0.0, 1.0, 2.0]],
+        [[9.0, -4.0, 2.0], [-4.0, 8.0, -4.0], [2.0, -4.0, 16.0]].map(|row| row.map(|x| x / 28.0)),
+    );
+    for scales in [[1.0; 3], [1.0, 0.3, 2.5]] {
+        let found = at(a, whole(), scales);
+        for (i, row) in inverse.iter().enumerate() {
+            for (j, wanted) in row.iter().enumerate() {
+                assert!((found.entries[i][j] - wanted).abs() < 1e-12, "{:?}", found.entries);
+            }
+        }
+        let correlation = -4.0 / (9.0f64 * 8.0).sqrt();
+        assert!((found.correlation(0, 1).unwrap() - correlation).abs() < 1e-12);
+        assert!((found.deviation(2).unwrap() - (16.0f64 / 28.0).sqrt()).abs() < 1e-12);
+        assert_eq!(found.seen(), 3);
+    }
+    // the first two together are not seen: their difference is known, and so is the third
+    let found = at([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 4.0]], whole(), [1.0; 3]);
+    assert_eq!((found.determined.clone(), found.seen()), (vec![false, false, true], 2));
+    assert_eq!((found.deviation(0), found.correlation(0, 2)), (None, None));
+    assert!((found.deviation(2).unwrap() - 0.5).abs() < 1e-12);
+    assert!(
+        found.directions[0].deviation.is_none() && (found.directions[0].components[0] - 0.5f64.sqrt()).abs() < 1e-9
+    );
+    // so is what is known to more than ten of its scales
+    let found = at([[1e-3, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], whole(), [1.0; 3]);
+    assert_eq!(found.determined, [false, true, true]);
 }

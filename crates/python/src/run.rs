@@ -71,6 +71,7 @@ pub(crate) fn run(
         "modes" => Command::Modes,
         "gradient" => Command::Gradient,
         "optimize" => Command::Optimize,
+        "identify" => Command::Identify,
         other => return Err(error::input(py, format!("there is no command \"{other}\""))),
     };
     let document = document(py, name, case, meshes)?;

@@ -27,6 +27,26 @@ def test_modes(bar):
     assert len(about) == len(rest) == 3 and about[0] > 0 and about != rest
 
 
+def test_identify_finds_a_modulus_from_markers():
+    case = {
+        "nastic": 1,
+        "units": {"length": "mm", "force": "N"},
+        "mesh": {"box": {"size": [50, 5, 5], "cells": [2, 1, 1], "element": "hex8"}},
+        "materials": [{"name": "rubber", "region": "body", "law": "neo_hooke", "young": "150 kPa", "poisson": 0.0}],
+        "supports": [{"surface": f"{axis}-", "fix": [axis]} for axis in "xyz"],
+        "loads": [{"surface": "x+", "traction": ["0.2 kPa", 0, 0]}],
+        "controls": [{"of": "rubber.young", "space": "uniform", "log": True}],
+        "costs": [{"kind": "markers", "deviation": "1 um", "markers": [{"point": [50, y, 2], "position": {"x": 50 + 1 / 12}} for y in (1, 4)]}],
+    }
+    found = nastic.Case(case).identify().result["identification"]
+    modulus = found["parameters"]["rubber.young"]
+    low, high = modulus["interval"]
+    assert found["readings"] == 2 and low < 0.12 < high and modulus["deviation"] == pytest.approx(0.12 * 0.012 / 2**0.5, rel=0.02)
+    case["costs"] = [{"kind": "tracking", "surface": "x+", "target": ["X", "Y", "Z"]}]
+    with pytest.raises(nastic.CaseError, match="no sum of squared readings"):
+        nastic.Case(case).identify()
+
+
 def test_fit_takes_a_file_or_a_dictionary(tmp_path):
     place = ROOT / "examples/fit"
     asked = {

@@ -23,6 +23,7 @@ mod fit_page;
 mod folder;
 mod frame;
 mod html;
+mod identification;
 mod iterates;
 mod number;
 mod obstacles_label;

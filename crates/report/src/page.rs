@@ -7,7 +7,7 @@ use crate::html::{escape, paragraph, section};
 use crate::plots::plots;
 use crate::record::RunRecord;
 use crate::scene::Scene;
-use crate::{spectrum, summary, tables};
+use crate::{identification, spectrum, summary, tables};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -77,6 +77,7 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
         tables::states(result),
         tables::members(result),
         tables::controls(result),
+        identification::identification(result),
         spectrum::spectrum(result),
         tables::certificate(result),
         tables::stabilities(result),

@@ -36,6 +36,7 @@ mod error_record;
 mod failure_record;
 mod fit_record;
 mod gradcheck_record;
+mod identification_record;
 mod nullable;
 mod number;
 mod optimum_record;
@@ -70,6 +71,7 @@ pub use fit_record::{
 pub use gradcheck_record::{
     DirectionRecord, GradcheckRecord, RemainderRecord, SecondDirectionRecord, SecondGradcheckRecord, TermCheckRecord,
 };
+pub use identification_record::{IdentificationRecord, ParameterRecord, SeenDirectionRecord, ShotRecord};
 pub use nullable::Nullable;
 pub use number::{Number, Numbers, number_of, numbers};
 pub use optimum_record::{

@@ -44,7 +44,7 @@ fn sentence(result: &RunRecord) -> String {
     let time = number_of(&result.seconds, "total").map(duration);
     let threads = result.threads.map_or_else(String::new, |n| format!(" on {}", count(n, "thread")));
     let took = time.map_or_else(String::new, |time| format!(" It took {time}{threads}."));
-    if result.command == "optimize" {
+    if ["optimize", "identify"].contains(&result.command.as_str()) {
         let Some(stop) = &result.optimum.stop else {
             return format!("The optimisation did not reach a result.{took}");
         };

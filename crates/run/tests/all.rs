@@ -32,6 +32,7 @@ mod foundation;
 mod grid;
 mod groups;
 mod growth;
+mod identify;
 mod inextensible_tendon;
 mod joint_tensions;
 mod linear_solver;

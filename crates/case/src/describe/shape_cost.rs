@@ -4,7 +4,7 @@ use super::costs::obstacle;
 use nastic_control::CostWords;
 use nastic_language::expression::Formula;
 use nastic_language::number::{count, short};
-use nastic_language::schema::{CostTerm, KeyValue, MeshSource, Target};
+use nastic_language::schema::{CostTerm, KeyValue, MarkerTable, MeshSource, Target};
 
 /// What a term measures.
 pub(super) fn in_words(term: &CostTerm) -> String {
@@ -34,6 +34,8 @@ fn value_in_words(value: &KeyValue) -> String {
         KeyValue::Number(number) => short(*number),
         KeyValue::Count(count) => count.to_string(),
         KeyValue::Word(word) => (*word).to_owned(),
+        KeyValue::Markers(MarkerTable::File(file)) => format!("the markers of {file}"),
+        KeyValue::Markers(MarkerTable::Rows(rows)) => count(rows.len(), "marker"),
         KeyValue::Position(position) => {
             let value = |y: &Formula| y.constant().map_or_else(|| y.text().to_owned(), short);
             let wanted = ["x", "y", "z"].iter().zip(position.entries());

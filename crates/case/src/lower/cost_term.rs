@@ -3,6 +3,7 @@
 use super::array::{self, Entity};
 use super::context::Context;
 use super::cost::Lowering;
+use super::markers::{self, Wanted};
 use super::{named_groups, obstacle, time};
 use nastic_control::{ControlError, CostInputs, CostValue, Key, KeyKind, Target};
 use nastic_language::expression::EvaluationError;
@@ -104,6 +105,13 @@ impl Lowering<'_> {
             KeyValue::Number(number) => CostValue::Number(*number),
             KeyValue::Count(count) => CostValue::Count(u32::try_from(*count).unwrap_or(u32::MAX)),
             KeyValue::Word(word) => CostValue::Word(word),
+            KeyValue::Markers(table) => {
+                let deviation = match term.values.get("deviation") {
+                    Some(KeyValue::Number(deviation)) => Some(*deviation),
+                    _ => None,
+                };
+                CostValue::Markers(markers::read(table, &Wanted { mesh: &mesh, deviation, at }, context)?)
+            }
             KeyValue::Position(position) => CostValue::Position(position_of(position, context)?),
             // a table that could not be read was complained about
             KeyValue::Path(_) => return None,
@@ -172,7 +180,7 @@ fn clearance(term: &CostTerm) -> f64 {
 }
 
 /// The position of one point.
-fn position_of(block: &Coordinates, context: &mut Context<'_>) -> Option<[Option<f64>; 3]> {
+pub(super) fn position_of(block: &Coordinates, context: &mut Context<'_>) -> Option<[Option<f64>; 3]> {
     let mut out = [None; 3];
     for ((value, formula), axis) in out.iter_mut().zip(block.entries()).zip(["x", "y", "z"]) {
         if let Some(formula) = formula {

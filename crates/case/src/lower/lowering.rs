@@ -216,6 +216,7 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
         design::check_means(&variant.case, &body, context);
         design::check_volumes(&variant.case, fields, &body, context);
         let (body, shapes) = cost::add(&variant.case, aims, body, context)?;
+        let body = control::add_priors(variants, variant, case.controls.len(), body, context)?;
         let body = constraint::add(&variant.case, limits, body, context)?;
         cost::warn(&variant.case, &body, context);
         out.push(body);

@@ -199,12 +199,12 @@ fn lacks(names: &[&str], cells: &[Cell], mode: Mode) -> String {
 }
 
 /// The name without its unit.
-fn bare(cell: &str) -> &str {
+pub(super) fn bare(cell: &str) -> &str {
     cell.split(['[', '(']).next().unwrap_or(cell).trim()
 }
 
 /// What stands in brackets behind the name of a column.
-fn unit_of(cell: &str) -> Result<Option<&str>, String> {
+pub(super) fn unit_of(cell: &str) -> Result<Option<&str>, String> {
     let Some(at) = cell.find(['[', '(']) else { return Ok(None) };
     let inner = cell[at + 1..].strip_suffix([']', ')']);
     let inner = inner.ok_or_else(|| format!("has a bracket that is not closed: {}", quoted(cell)))?;
@@ -237,7 +237,7 @@ impl Specimen {
 }
 
 /// SI per unit of a column that has this dimension.
-fn scale(unit: Option<&str>, dimension: Dimension, what: &str, example: &str) -> Result<f64, String> {
+pub(super) fn scale(unit: Option<&str>, dimension: Dimension, what: &str, example: &str) -> Result<f64, String> {
     let Some(symbol) = unit else { return Err(format!("has no unit: it stands in brackets, {example}")) };
     let own = Unit::named(symbol).filter(|unit| unit.dimension == dimension).map(|unit| 10f64.powi(unit.exponent));
     let of_machines =

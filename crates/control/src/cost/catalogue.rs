@@ -2,10 +2,10 @@
 
 use super::{
     ContactLoad, ContactResultant, ContactSlip, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue,
-    Curvature, DesignMean, IntoCost, LargestStretch, MakeCost, MeanDisplacement, MeanPosition, ObstaclePenetration,
-    PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load, contact_slip, curvature, design,
-    mean_displacement, mean_radius, obstacle, orientation, position, pump_work, reaction, regularization, stretch,
-    tracking, volume,
+    Curvature, DesignMean, IntoCost, LargestStretch, MakeCost, Marker, Markers, MeanDisplacement, MeanPosition,
+    ObstaclePenetration, Prior, PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load,
+    contact_slip, curvature, design, markers, mean_displacement, mean_radius, obstacle, orientation, position,
+    pump_work, reaction, regularization, stretch, tracking, volume,
 };
 use crate::error::ControlError;
 use crate::time::When;
@@ -59,7 +59,7 @@ type ExampleCosts = Result<Vec<Box<dyn Cost>>, ControlError>;
 pub struct CostRow {
     /// Name in case files, and of the bound cost.
     pub name: &'static str,
-    /// How case files name it and its keys; `None` of a smoothed Hausdorff distance, whose stages are blocks of their own.
+    /// How case files name it and its keys; `None` of a smoothed Hausdorff distance, whose stages are blocks of their own, and of a prior, which is a key of its control.
     pub form: Option<&'static CostForm>,
     /// Whether it has second partials, which second derivatives of the objective take.
     pub second: bool,
@@ -82,6 +82,7 @@ pub const CATALOGUE: &[CostRow] = &[
     CostRow { name: "smoothed_hausdorff", form: None, second: true, examples: smoothed_hausdorff },
     CostRow::of(&tracking::FORM, tracking),
     CostRow::of(&position::FORM, position),
+    CostRow::of(&markers::FORM, markers),
     CostRow::of(&mean_displacement::FORM, displacement),
     CostRow::of(&orientation::FORM, orientation),
     CostRow::of(&curvature::FORM, curvature),
@@ -102,6 +103,7 @@ pub const CATALOGUE: &[CostRow] = &[
     }),
     CostRow::of(&design::VOLUME, |on| Ok(vec![Box::new(DesignMean::volume(on.control, 1e-6 * on.weight)?)])),
     CostRow::of(&design::GREYNESS, |on| Ok(vec![Box::new(DesignMean::greyness(on.control, 1e-10 * on.weight)?)])),
+    CostRow { name: "prior", form: None, second: true, examples: prior },
     // Energies of stiff bodies would drown squares of lengths.
     CostRow::of(&pump_work::FORM, |on| Ok(vec![Box::new(PumpWork::new(1e-4 * on.weight)?)])),
 ];
@@ -152,6 +154,27 @@ fn position(on: &CostExample) -> ExampleCosts {
     .into_iter()
     .map(|cost| cost.weight(on.weight).bind(on.solid))
     .collect()
+}
+
+/// Of a scalar; a vector has none. As little as the norm.
+fn prior(on: &CostExample) -> ExampleCosts {
+    Ok(vec![Box::new(Prior::of(on.control, 0.01, 1.0)?.weight(1e-10 * on.weight)?)])
+}
+
+/// One with all coordinates, one with a single one; with deviations that make their squares those of lengths.
+fn markers(on: &CostExample) -> ExampleCosts {
+    let (mesh, size) = (on.solid.mesh(), on.solid.mesh().diagonal());
+    let marker = |cell: usize, shift: [Option<f64>; 3], deviation: f64| {
+        let reference = mesh.cell_centre(cell);
+        let position = std::array::from_fn(|i| shift[i].map(|shift| reference[i] + shift * size));
+        Marker { name: format!("cell {cell}"), reference, position, deviation }
+    };
+    let z = (mesh.dim() == 3).then_some(-0.07);
+    let all = [
+        marker(mesh.cells() - 1, [Some(0.1), Some(-0.2), z], 1.0),
+        marker(mesh.cells() / 2, [None, Some(0.15), None], 0.7),
+    ];
+    Ok(vec![Markers::of(all).weight(on.weight).bind(on.solid)?])
 }
 
 /// Upwards, where the examples' bodies bend to.

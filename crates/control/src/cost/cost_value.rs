@@ -1,5 +1,6 @@
 //! [`CostValue`]: the value of a key of a cost, and how it is put into words.
 
+use super::markers::Marker;
 use super::target_positions::Target;
 use nastic_fem::BodyPoint;
 use nastic_mesh::spatial::Obstacle;
@@ -50,6 +51,8 @@ values! {
     Vector([f64; 3]),
     /// Points inside of the body.
     Line(Vec<[f64; 3]>),
+    /// Markers that were measured.
+    Markers(Vec<Marker>),
     /// A position.
     Position([Option<f64>; 3]),
     /// Positions of all points.

@@ -16,14 +16,17 @@ mod curvature;
 mod design;
 mod facet_tangents;
 mod figure;
+mod markers;
 mod mean_displacement;
 mod mean_radius;
 pub(crate) mod obstacle;
 pub(crate) mod of_displacement;
 mod orientation;
 mod position;
+mod prior;
 mod pump_work;
 mod reaction;
+mod reading;
 mod regularization;
 mod smoothed_hausdorff;
 mod stretch;
@@ -44,14 +47,17 @@ pub use cost_value::{CostTaken, CostValue, CostWords};
 pub use curvature::Curvature;
 pub use design::DesignMean;
 pub use figure::{DistanceInTime, Figure, FigureKind};
+pub use markers::{Marker, Markers};
 pub use mean_displacement::MeanDisplacement;
 pub use mean_radius::MeanRadius;
 pub use nastic_fem::catalogue::{Key, KeyKind, Need};
 pub use obstacle::ObstaclePenetration;
 pub use orientation::Orientation;
 pub use position::MeanPosition;
+pub use prior::Prior;
 pub use pump_work::PumpWork;
 pub use reaction::Reaction;
+pub use reading::Reading;
 pub use regularization::{ControlNorm, ControlSmoothness};
 pub use smoothed_hausdorff::SmoothedHausdorff;
 pub use stretch::LargestStretch;
@@ -308,6 +314,11 @@ pub trait CostPoint: Debug + Send + Sync {
     /// Where they are not defined.
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {
         Ok(vec![])
+    }
+
+    /// The readings that it compares the body with, marker by marker; none of any other cost.
+    fn readings(&self) -> Vec<Reading> {
+        vec![]
     }
 }
 

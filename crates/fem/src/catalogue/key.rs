@@ -67,6 +67,8 @@ pub enum KeyKind {
         /// The words.
         of: &'static [&'static str],
     },
+    /// Points of the body and where they were measured: a CSV file, or rows (`Vec<Marker>`).
+    Markers,
     /// The position of one point, which may change in time; components left out are free (`[Option<f64>; 3]`).
     Position,
     /// Positions of all points: formulas, a displacement in a file, or a mesh of the same numbering (`Target`).

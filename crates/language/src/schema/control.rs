@@ -31,6 +31,8 @@ object! {
         pub lower: Option<Bound> as ANY_IN_TIME,
         /// Largest value, of a vector a list; the law's convexity bound if left out, of a density, mixture or factor 1, of a shortening 0.9. A tension lengthens above zero.
         pub upper: Option<Bound> as ANY_IN_TIME,
+        /// What is known of each of its values beside the costs: a cost that is counted once, whatever the load cases.
+        pub prior: Option<ControlPrior>,
         /// Length every vector must have.
         pub norm: Option<Formula> as ANY_POSITIVE,
         /// Length no vector may exceed.
@@ -51,6 +53,16 @@ object! {
         pub in_time: Option<InTime>,
         /// Largest change per time, of a vector its length; of a control that changes in time.
         pub rate: Option<Formula> as ANY_POSITIVE,
+    }
+}
+
+object! {
+    /// What is known of a control beside the costs: a normal distribution of its values, of a logarithm one with the same mean and share.
+    pub struct ControlPrior checked by check_prior {
+        /// The mean, in the unit of the control.
+        pub mean: Formula as ANY,
+        /// The standard deviation.
+        pub deviation: Formula as ANY_POSITIVE,
     }
 }
 
@@ -293,6 +305,15 @@ fn check(control: &Control, reader: &mut Reader<'_>) {
     }
     if control.norm.is_some() && control.max_norm.is_some() {
         reader.complain_at(&control.at.key("max_norm"), "\"norm\" fixes the length already: give one of them");
+    }
+}
+
+fn check_prior(block: &ControlPrior, reader: &mut Reader<'_>) {
+    for (key, value) in [("mean", &block.mean), ("deviation", &block.deviation)] {
+        if value.constant().is_none() {
+            let message = format!("{} depends on X, Y or Z, but one number is wanted", quoted(value.text()));
+            reader.complain_at(&block.at.key(key), message);
+        }
     }
 }
 

@@ -31,6 +31,16 @@ choice! {
         "gradcheck" => Gradcheck,
         /// nastic optimize
         "optimize" => Optimize,
+        /// nastic identify
+        "identify" => Identify,
+    }
+}
+
+impl Command {
+    /// Whether it runs the optimiser.
+    #[must_use]
+    pub fn optimizes(&self) -> bool {
+        matches!(self, Self::Optimize | Self::Identify)
     }
 }
 

@@ -5,6 +5,7 @@ use crate::schema::body_point::BodyPoints;
 use crate::schema::catalogue::want;
 use crate::schema::direction::Direction;
 use crate::schema::json::{Definitions, any_of};
+use crate::schema::markers::MarkerTable;
 use crate::schema::mesh::MeshSource;
 use crate::schema::obstacle::ShapeOrName;
 use crate::schema::read::{self, Read, Reader};
@@ -41,6 +42,8 @@ pub enum KeyValue {
     Count(usize),
     /// One of a few words.
     Word(&'static str),
+    /// Markers that were measured.
+    Markers(MarkerTable),
     /// The position of one point.
     Position(Box<Coordinates>),
     /// The same over the time, from a file.
@@ -106,6 +109,7 @@ fn given(key: &Key, node: &Node, at: &At, reader: &mut Reader<'_>) -> Option<Key
         KeyKind::Positive { unit } => Read::read(node, at, want(unit).positive(), reader).map(KeyValue::Number),
         KeyKind::Count { .. } => Read::read(node, at, Want::POSITIVE, reader).map(KeyValue::Count),
         KeyKind::Word { of } => reader.word(node, at, key.name, of).map(KeyValue::Word),
+        KeyKind::Markers => Read::read(node, at, Want::ANY, reader).map(KeyValue::Markers),
         KeyKind::Position if TimeTable::is_named_by(node) => {
             TimeTable::read_for_position(Some(true), node, at, reader).map(KeyValue::Path)
         }
@@ -137,6 +141,7 @@ pub(crate) fn key_schema(key: &Key, definitions: &mut Definitions) -> read::Key 
         KeyKind::Positive { unit } => (f64::schema(want(unit).positive(), definitions), None),
         KeyKind::Count { default } => (usize::schema(Want::POSITIVE, definitions), default.map(Json::from)),
         KeyKind::Word { of } => (json!({ "enum": of }), None),
+        KeyKind::Markers => (MarkerTable::schema(Want::ANY, definitions), None),
         KeyKind::Position => {
             let forms = vec![Coordinates::schema(Want::ANY, definitions), TimeTable::schema(Want::ANY, definitions)];
             (any_of(forms), None)

@@ -32,7 +32,7 @@ class Case(dict[str, Any]):
     do not depend on it. They raise CaseError (with all problems found), SolveError, OutputError.
 
     `progress`: how far they are as a bar of tqdm: True, False, or None for a bar where standard error is a terminal and tqdm is installed.
-    `callback` of all but `optimize` is called with the same as a dictionary, when a phase or a step begins and at most ten times a second within one:
+    `callback` of those that take one, but of `optimize`, is called with the same as a dictionary, when a phase or a step begins and at most ten times a second within one:
     `phase`, `seconds`, `line` (about the solve under way), of motions `step`, `steps`, `time`, `end`. An exception in it ends the command.
     """
 
@@ -143,6 +143,21 @@ class Case(dict[str, Any]):
         return self._run(
             "optimize", out, threads, report=report, restart=restart, figure=figure, history=history, callback=told, told=(None, progress)
         )
+
+    def identify(
+        self,
+        *,
+        out: str | os.PathLike[str] | None = None,
+        threads: int | None = None,
+        report: bool = True,
+        restart: bool = False,
+        progress: bool | None = None,
+    ) -> Result:
+        """The controls as parameters, from the readings of the costs: `result["identification"]` has them with intervals and what is not seen.
+
+        `restart`: whether the checkpoint of an interrupted run in `out` may be replaced.
+        """
+        return self._run("identify", out, threads, report=report, restart=restart, told=(None, progress))
 
     def problem(
         self,

@@ -1,6 +1,6 @@
 //! [`OptimumRecord`]: how an optimisation went.
 
-use crate::record::{ByName, Nullable, Number, RangeRecord, SpectrumRecord};
+use crate::record::{ByName, IdentificationRecord, Nullable, Number, RangeRecord, SpectrumRecord};
 
 records! {
     /// How an optimisation went.
@@ -35,6 +35,8 @@ records! {
         constraints: ConstraintsRecord,
         /// Eigenvalues of the reduced Hessian, of `--spectrum`.
         spectrum: Option<SpectrumRecord>,
+        /// What readings say of parameters, of `identify`; `identified.json` holds the same.
+        identification: Option<IdentificationRecord>,
     }
 
     /// What the Taylor test said of the gradient.

@@ -92,7 +92,7 @@ pub(crate) fn execute(mut opened: Opened<'_>, options: &Options) -> Result<(Outc
         Command::Modes => modes::run(&mut opened, options.modes),
         Command::Gradient => gradient::run(&mut opened),
         Command::Gradcheck => gradcheck::run(&mut opened),
-        Command::Optimize => {
+        Command::Optimize | Command::Identify => {
             let optimizer = opened.input.problem.optimizer()?;
             match options.share {
                 Share::Whole => optimize::begin(&mut opened, optimizer.as_ref(), options.restart),

@@ -3,6 +3,7 @@
 mod advice;
 pub(crate) mod branch_changes;
 mod cut;
+mod identification;
 mod limit_advice;
 pub(crate) mod met_limits;
 mod minima;
@@ -23,7 +24,7 @@ use crate::run::optimize::outcome::Reported;
 use crate::run::optimize::starts::Starts;
 use crate::run::optimize::starts::journal::{Journal, SharedJournal};
 use crate::run::optimize::starts::start_run::{Begun, Phase, StartRun};
-use crate::run::session::{CommandContext, CommandFindings, Destination, Opened};
+use crate::run::session::{CommandContext, CommandFindings, CommandInput, Destination, Opened};
 use crate::run::{check_gradient, constraints, time_steps};
 use crate::saved::checkpoint::{Place, Position, interrupted};
 use crate::saved::{checkpoint, motion_checkpoint};
@@ -37,9 +38,14 @@ use std::time::Instant;
 /// An optimisation from its start; `restart`: also where one that was interrupted lies in its directory.
 pub(super) fn begin(opened: &mut Opened<'_>, optimizer: &dyn Optimizer, restart: bool) -> Result<Exit, RunError> {
     let Opened { input, destination, .. } = opened;
-    input.require(true, true).and_then(|()| spectrum::check(input)).map_err(|error| destination.refuse(error))?;
+    input.require(true, true).and_then(|()| check(input)).map_err(|error| destination.refuse(error))?;
     may_replace(destination, restart)?;
     run(opened, optimizer)
+}
+
+/// Refuses what is known to be impossible before anything is solved.
+fn check(input: &CommandInput) -> Result<(), RunError> {
+    spectrum::check(input).and_then(|()| identification::check(input))
 }
 
 /// Whether the checkpoint in the directory of the results, if any, may be replaced. If not what lies there stays as it is: nothing is written.
@@ -140,7 +146,7 @@ pub(super) fn resume(
     optimizer: &dyn Optimizer,
     position: Option<Position>,
 ) -> Result<Exit, RunError> {
-    spectrum::check(&opened.input)?;
+    check(&opened.input)?;
     let from = position.as_ref().map_or(Place { start: 0, iteration: 0 }, Position::place);
     opened.findings.record.resumed =
         ResumedRecord { start: Some(from.start), iteration: Some(from.iteration), ..ResumedRecord::default() };
@@ -205,9 +211,11 @@ fn conclude(
     let constraints = constraints::look_at(input, destination, &ended.constraints, &ended.best.point)?;
     run_warnings::warn(context, findings, &ended, &constraints, starts.interrupted)?;
     let diagnosis = if starts.interrupted { None } else { spectrum::find(input, console, findings, &ended.best)? };
-    let (begin, diagnosis) = (begin.as_ref(), diagnosis.as_ref());
+    let identified =
+        if starts.interrupted { None } else { identification::find(input, console, findings, &ended.best)? };
+    let (begin, diagnosis, identified) = (begin.as_ref(), diagnosis.as_ref(), identified.as_ref());
     let (known, starts_run) = (constraints.as_slice(), starts.entries.as_slice());
-    let all = Reported { index, ended: &ended, begin, known, diagnosis, starts: starts_run, resumable };
+    let all = Reported { index, ended: &ended, begin, known, diagnosis, identified, starts: starts_run, resumable };
     let reported = outcome::report(context, findings, &all);
     let reported = reported.and_then(|found| unwritten.map(|()| found));
     if let (Err(error), Some(written)) = (&reported, written)

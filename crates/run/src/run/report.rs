@@ -85,7 +85,8 @@ pub(super) fn write_result(
     findings: &mut CommandFindings,
 ) -> Result<(), RunError> {
     let Some(out) = destination.results() else { return Ok(()) };
-    let is_shown = matches!(input.command, Command::Solve | Command::Modes | Command::Optimize | Command::Gradient);
+    let is_shown =
+        input.command.optimizes() || matches!(input.command, Command::Solve | Command::Modes | Command::Gradient);
     let with_page = !input.options.no_report && is_shown && input.command != Command::Gradient;
     // a run that failed has nothing for print, and its own error to tell
     let with_figure = input.options.figure && is_shown && findings.record.error.is_none();

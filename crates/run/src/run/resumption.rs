@@ -42,8 +42,10 @@ pub(super) fn open<'c>(
         check_program(&checkpoint.case, directory.join(motion_checkpoint::NAME))?;
         (out, checkpoint.case.clone(), Command::Solve, Resumed::Motion(checkpoint))
     } else {
-        let (out, Checkpoint { case, position, .. }) = read(directory, options.team.as_deref())?;
-        (out, case, Command::Optimize, Resumed::Optimization(Box::new(position)))
+        let (out, Checkpoint { case, command, position, .. }) = read(directory, options.team.as_deref())?;
+        let is_identification = command == Command::Identify.name();
+        let command = if is_identification { Command::Identify } else { Command::Optimize };
+        (out, case, command, Resumed::Optimization(Box::new(position)))
     };
     let document = case.reopen(catalogue, directory)?;
     let began = Instant::now();

@@ -58,6 +58,7 @@ impl<'c> Opened<'c> {
             Command::Modes if options.modes.undeformed => CaseProblem::lower_free,
             _ => CaseProblem::lower,
         };
+        let options = &with_method(&command, &document, options);
         apply(&options.set, &mut document, |document| lower(document, Arc::default()).err())?;
         let problem = lower(document, options.cancel.clone())?;
         // Each start of a part has a directory of its own; expectations hold for the result, which is joined.
@@ -80,7 +81,7 @@ impl<'c> Opened<'c> {
         console: &'c Console,
         began: Instant,
     ) -> Self {
-        if command == Command::Optimize {
+        if command.optimizes() {
             problem.refuse_unstable_if_asked();
         }
         progress::watch(&mut problem, console);
@@ -109,6 +110,18 @@ pub(super) fn evaluate_start(
     let start = &input.problem.start;
     let point = findings.timed(console, "solve", |_| input.evaluate(console, start, START_ACCURACY, workspace));
     point.map_err(|failed| destination.evaluation_failed(input, &failed))
+}
+
+/// The options with the method of `identify`, where neither the case nor an override names one: it belongs to the settings that a checkpoint remembers.
+fn with_method(command: &Command, document: &Document, options: &Options) -> Options {
+    const KEY: &str = "optimizer/method";
+    let case = document.json();
+    let is_named =
+        case.pointer("/optimizer/method").is_some() || options.set.iter().any(|setting| setting.starts_with(KEY));
+    // a motion is refused, and not for this method
+    let is_wanted = *command == Command::Identify && !is_named && case.get("time").is_none();
+    let added = is_wanted.then(|| format!("{KEY}=gauss_newton"));
+    Options { set: added.into_iter().chain(options.set.clone()).collect(), ..options.clone() }
 }
 
 /// Applies overrides; those that fail are reported with what is wrong with the case besides.

@@ -10,7 +10,7 @@ use nastic_control::{AdaptiveSteps, Evaluated, StepError};
 use nastic_ensemble::EnsemblePoint;
 use nastic_language::number::{count, quantity, short};
 use nastic_language::quantity::Dimension;
-use nastic_language::schema::{Command, Time};
+use nastic_language::schema::Time;
 use nastic_report::record::{StepErrorRecord, TimeRecord};
 
 /// Errors of steps beyond the tolerance by less are those of the solves, which optimisers do not ask for as exactly.
@@ -46,7 +46,7 @@ pub(super) fn restore(opened: &mut Opened<'_>, steps: Vec<AdaptiveSteps>) -> Res
 
 fn take(opened: &mut Opened<'_>, mut problem: CaseProblem, steps: Vec<AdaptiveSteps>) {
     let Opened { input, console, findings, .. } = opened;
-    if input.command == Command::Optimize {
+    if input.command.optimizes() {
         problem.refuse_unstable_if_asked();
     }
     watch(&mut problem, console);

@@ -19,6 +19,8 @@ pub(crate) type Wanted<'w> = &'w dyn Fn(usize) -> Range<usize>;
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     pub case: CaseRecord,
+    /// `optimize` or `identify`.
+    pub command: String,
     /// Where the optimisation stood; `None` before its start was evaluated and its gradient checked.
     pub position: Option<Position>,
     /// Whether the optimisation came to its end, and all of its results were written.
@@ -52,7 +54,7 @@ pub(crate) struct Place {
 }
 
 impl Saved for Checkpoint {
-    const KIND: &'static str = "nastic-optimisation-12";
+    const KIND: &'static str = "nastic-optimisation-13";
 }
 
 impl Position {
@@ -97,7 +99,7 @@ impl Checkpoint {
 /// There is a checkpoint, and it cannot be read: whether it is worth keeping is not known.
 pub(crate) fn interrupted(directory: &Path) -> Result<Option<(CaseRecord, usize)>, CheckpointError> {
     match Checkpoint::read(directory, &|_| 0..0) {
-        Ok(Checkpoint { ended: false, position: Some(position), case }) if !position.is_start() => {
+        Ok(Checkpoint { ended: false, position: Some(position), case, .. }) if !position.is_start() => {
             Ok(Some((case, position.place().iteration)))
         }
         Ok(_) | Err(CheckpointError::Missing { .. }) => Ok(None),

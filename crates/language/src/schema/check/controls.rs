@@ -329,6 +329,9 @@ fn check_dimensions(control: &Control, slot: &SlotName, reader: &mut Reader<'_>)
             _ => {}
         }
     }
+    if let Some(prior) = &control.prior {
+        values.extend([(prior.at.key("mean"), &prior.mean), (prior.at.key("deviation"), &prior.deviation)]);
+    }
     values.extend(control.fixed.iter().map(|(region, value)| (control.at.key("fixed").key(region), value)));
     let per_time = slot.want.dimension.and_then(|dimension| dimension.over(Dimension::TIME));
     // a scalar has no length: that is reported

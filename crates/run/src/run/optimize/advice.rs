@@ -117,7 +117,7 @@ fn on_case(problem: &CaseProblem, command: impl Fn(&str) -> String) -> Option<St
     problem.case_file().map(|case| command(&quote(case)))
 }
 
-/// `nastic optimize` with the overrides of this run and others. What starts from the controls of this run goes to another
+/// The command with the overrides of this run and others. What starts from the controls of this run goes to another
 /// directory, so that these stay.
 pub(super) fn optimize(input: &CommandInput, destination: &Destination, set: &[String]) -> Option<String> {
     let path = |setting: &str| setting.split_once('=').map_or("", |(path, _)| path).to_owned();
@@ -129,7 +129,7 @@ pub(super) fn optimize(input: &CommandInput, destination: &Destination, set: &[S
     let out = out.filter(|out| *out != usual_directory(&input.problem));
     let out = out.map_or_else(String::new, |out| format!(" --out {}", quote(&out.display().to_string())));
     let settings: String = settings.collect();
-    on_case(&input.problem, |case| format!("nastic optimize {case}{out}{settings}"))
+    on_case(&input.problem, |case| format!("nastic {} {case}{out}{settings}", input.command.name()))
 }
 
 /// The directory beside another whose name ends in the next number: `finger_2` beside `finger`.

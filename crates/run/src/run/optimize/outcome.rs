@@ -5,6 +5,7 @@ use crate::run::error::RunError;
 use crate::run::gradient::write_states;
 use crate::run::optimize::advice;
 use crate::run::optimize::cut;
+use crate::run::optimize::identification::Identified;
 use crate::run::optimize::spectrum::Diagnosis;
 use crate::run::optimize::starts::start_run::FinishedRun;
 use crate::run::optimize::starts::table;
@@ -44,6 +45,7 @@ pub(super) struct Reported<'r> {
     pub begin: Option<&'r EnsemblePoint>,
     pub known: &'r [Known],
     pub diagnosis: Option<&'r Diagnosis>,
+    pub identified: Option<&'r Identified>,
     /// The entries of all starts.
     pub starts: &'r [StartRecord],
     /// Where an interrupted one goes on.
@@ -174,7 +176,7 @@ pub(super) fn show(
 
 fn say(context: CommandContext<'_>, result: &RunRecord, reported: &Reported<'_>) {
     let CommandContext { input, console, .. } = context;
-    let &Reported { ended, known, diagnosis, resumable, .. } = reported;
+    let &Reported { ended, known, diagnosis, identified, resumable, .. } = reported;
     let (problem, best) = (&input.problem, &ended.best);
     console.say(format!("end         {}", why(&best.stop)));
     for stage in best.stages.iter().filter(|_| best.stages.len() > 1) {
@@ -246,6 +248,9 @@ fn say(context: CommandContext<'_>, result: &RunRecord, reported: &Reported<'_>)
     if let Some(diagnosis) = diagnosis {
         diagnosis.say(input, console);
     }
+    if let Some(identified) = identified {
+        identified.say(input, console);
+    }
     say_probes(problem, console, result);
     match resumable {
         Some(checkpoint) => say_how_to_resume(context, checkpoint),
@@ -276,7 +281,7 @@ fn write(
     out: &Directory,
 ) -> Result<Vec<String>, RunError> {
     let CommandContext { input, destination, console } = context;
-    let &Reported { index, ended, diagnosis, starts, .. } = reported;
+    let &Reported { index, ended, diagnosis, identified, starts, .. } = reported;
     let (problem, FinishedRun { start, best, .. }) = (&input.problem, ended);
     // first the numbers of a motion, which nothing else holds
     let of_motion = motion::write(problem, records, out)?;
@@ -288,6 +293,9 @@ fn write(
     files.push("controls.json".to_owned());
     if let Some(diagnosis) = diagnosis {
         files.extend(diagnosis.write(problem, out)?);
+    }
+    if let Some(identified) = identified {
+        files.extend(identified.write(out)?);
     }
     files.extend(write_states(problem, "optimum", &best.point, &best.derivative, found, out)?);
     let (mut together, mut deformed): (Vec<Picture>, _) = (Vec::new(), Vec::new());

@@ -106,6 +106,7 @@ impl Journal {
             console: console.clone(),
             checkpoint: Checkpoint {
                 case: CaseRecord::of(&input.problem, &input.options.set),
+                command: input.command.name().to_owned(),
                 position: None,
                 ended: false,
             },
