@@ -47,6 +47,7 @@ mod obstacle_grid;
 pub mod obstacle_shape;
 mod optimizer;
 mod pressures;
+mod prior;
 mod probe;
 mod problem;
 mod random;

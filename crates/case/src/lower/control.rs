@@ -4,13 +4,12 @@ use crate::lower::actuation::is_built;
 use crate::lower::context::Context;
 use crate::lower::control_field::{Admitted, ControlField};
 use crate::lower::control_grid::unresolved;
-use crate::lower::named_cost::Named;
 use crate::lower::result_array::is_reserved;
 use crate::lower::tension::{beyond_limit, default_upper, limit};
 use crate::lower::variant::Variant;
 use crate::lower::{design, field_chain, material, optimizer, shape, time};
 use crate::warning::{CONVEXITY, GRID_RESOLUTION, UNBOUNDED};
-use nastic_control::{Consumer, ControlBlock, Cost, Prior, RateLimit, Reduced, Shown, Space};
+use nastic_control::{Consumer, ControlBlock, RateLimit, Reduced, Shown, Space};
 use nastic_energy::Slot;
 use nastic_language::expression::Formula;
 use nastic_language::quantity::Dimension;
@@ -84,32 +83,6 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
         }
     }
     Some(reduced)
-}
-
-/// Adds what is known of the controls of a member: each prior once over the load cases that have the control, as they are weighted.
-pub(super) fn add_priors(
-    variants: &[Variant],
-    variant: &Variant,
-    shared: usize,
-    mut body: Reduced,
-    context: &mut Context<'_>,
-) -> Option<Reduced> {
-    for (k, control) in variant.case.controls.iter().enumerate() {
-        let Some(prior) = &control.prior else { continue };
-        if variant.case.time.is_some() {
-            context.complain(&prior.at, "a prior in a motion is not supported: a \"control_norm\" may do");
-            return None;
-        }
-        let is_user = |other: &&Variant| k < shared || other.load_case == variant.load_case;
-        let users = variants.iter().filter(|other| other.scenario == variant.scenario).filter(is_user);
-        let share = 1.0 / users.map(|other| other.weight).sum::<f64>();
-        let (mean, deviation) = (prior.mean.constant()?, prior.deviation.constant()?);
-        let cost = Prior::of(&control.of, mean, deviation).and_then(|prior| prior.weight(share));
-        let cost: Box<dyn Cost> = Box::new(context.take(&prior.at, cost)?);
-        let name = format!("prior of {}", control.name());
-        body = context.take(&prior.at, body.cost(Named::new(&name, cost)))?;
-    }
-    Some(body)
 }
 
 /// Whether a control is of that actuation: "magnet" or "magnet.remanence" of "magnet".

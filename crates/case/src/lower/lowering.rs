@@ -8,8 +8,8 @@ use crate::lower::scenario::Scenario;
 use crate::lower::target_shape::TargetShape;
 use crate::lower::variant::Variant;
 use crate::lower::{
-    body, constraint, control, cost, design, elements, magnitude, mesh, pressures, probe, scenario, sizes, slack,
-    start, survey, tension, time_table, variant, weight,
+    body, constraint, control, cost, design, elements, magnitude, mesh, pressures, prior, probe, scenario, sizes,
+    slack, start, survey, tension, time_table, variant, weight,
 };
 use crate::warning::Warning;
 use nastic_control::Reduced;
@@ -216,7 +216,7 @@ fn build(case: &Case, variants: &[Variant], disc: &Arc<Discretization>, contexts
         design::check_means(&variant.case, &body, context);
         design::check_volumes(&variant.case, fields, &body, context);
         let (body, shapes) = cost::add(&variant.case, aims, body, context)?;
-        let body = control::add_priors(variants, variant, case.controls.len(), body, context)?;
+        let body = prior::add(variants, variant, case.controls.len(), body, context)?;
         let body = constraint::add(&variant.case, limits, body, context)?;
         cost::warn(&variant.case, &body, context);
         out.push(body);
