@@ -326,7 +326,7 @@ fn the_covariance_is_the_inverse_on_what_is_seen() {
         let domain = Domain { set: Arc::new(set), metric, cancel: None };
         let spectrum =
             Spectrum::at(&objective, &[0.0; 3], &mut vec![0.0; 3], &domain, &SpectrumOptions::leading(3), &mut ());
-        Covariance::of(&spectrum.unwrap(), &scales, 1e-8, 10.0)
+        Covariance::of(&spectrum.unwrap(), &scales, 1e-8)
     };
     let whole = || Bounds::new(f64::NEG_INFINITY, f64::INFINITY).unwrap();
     // det 28: the inverse by cofactors
@@ -345,6 +345,8 @@ fn the_covariance_is_the_inverse_on_what_is_seen() {
         assert!((found.correlation(0, 1).unwrap() - correlation).abs() < 1e-12);
         assert!((found.deviation(2).unwrap() - (16.0f64 / 28.0).sqrt()).abs() < 1e-12);
         assert_eq!(found.seen(), 3);
+        // g = a (1, 0, 0): the minimum is 1 away along the first axis, 2 deviations of the others held
+        assert!((found.distance(&a[0]) - 2.0).abs() < 1e-12);
     }
     // the first two together are not seen: their difference is known, and so is the third
     let found = at([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 4.0]], whole(), [1.0; 3]);
@@ -354,7 +356,13 @@ fn the_covariance_is_the_inverse_on_what_is_seen() {
     assert!(
         found.directions[0].deviation.is_none() && (found.directions[0].components[0] - 0.5f64.sqrt()).abs() < 1e-9
     );
-    // so is what is known to more than ten of its scales
-    let found = at([[1e-3, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], whole(), [1.0; 3]);
-    assert_eq!(found.determined, [false, true, true]);
+    // what is known to many of its scales only is known; so are those beside it, whatever its scale: 4/3 for both
+    for scale in [1.0, 1e-3] {
+        let found = at([[1.0, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, 1e-3]], whole(), [1.0, scale, 1.0]);
+        assert_eq!(found.determined, [true; 3]);
+        assert!((found.deviation(0).unwrap() - (4.0f64 / 3.0).sqrt()).abs() < 1e-6, "{:?}", found.entries);
+    }
+    // a small part in what is not seen is enough
+    let found = at([[1.0, 1e-4, 0.0], [1e-4, 1e-8, 0.0], [0.0, 0.0, 1.0]], whole(), [1.0; 3]);
+    assert_eq!(found.determined, [false, false, true]);
 }

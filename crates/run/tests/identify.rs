@@ -192,6 +192,39 @@ fn what_readings_cannot_say_is_named_and_does_not_fail() {
 }
 
 /// What is known before is one more reading, counted once whatever the load cases: precisions add up.
+/// An offset of a traction whose start is anything: the deviations are those of the model, and what ends early is told.
+#[test]
+fn deviations_do_not_depend_on_starts() {
+    let place = twin(120.0, 350.0);
+    let case = with(
+        FINGER,
+        r#""controls": ["#,
+        r#""actuation": [ { "name": "core", "kind": "fiber_tension", "region": "tip", "direction": "x" } ],
+      "controls": [ { "of": "core", "space": "uniform", "lower": "-20 kPa", "upper": "20 kPa", "start": "1 Pa" },"#,
+    );
+    // noise, so that the offset is not zero
+    let noisy = std::fs::read_to_string(place.path("hang.csv")).unwrap().replace("m3;59;0;7;", "m3;59;0;7.3;");
+    place.write("hang.csv", &noisy);
+    let at = |start: &str| {
+        let found = identify(&place, &case, &[&format!("controls/0/start={start}"), "optimizer/tolerance=1e-7"]);
+        ["soft", "hard", "core"].map(|name| number(&found, &format!("/parameters/{name}/deviation")))
+    };
+    let few = at("1 Pa");
+    for start in ["0 Pa", "5 kPa"] {
+        at(start).into_iter().zip(few).for_each(|(own, other)| close(own, other, 1e-3));
+    }
+    let loose = identify(&place, &case, &["optimizer/tolerance=0.5"]);
+    let remarks = loose["remarks"].to_string();
+    assert!(remarks.contains("deviations away still"), "{remarks}");
+    let held =
+        identify(&place, &case, &["controls/1/upper=100 kPa", "controls/1/start=90 kPa", "optimizer/tolerance=1e-7"]);
+    let remarks = held["remarks"].to_string();
+    assert!(
+        held["parameters"]["soft"]["on_bound"] == json!(true) && remarks.contains("soft on the bound: where"),
+        "{remarks}"
+    );
+}
+
 #[test]
 fn a_prior_adds_its_precision_once() {
     let place = CaseDirectory::new();
@@ -257,6 +290,8 @@ fn what_is_wrong_is_refused_before_anything_is_solved() {
         ("X,Y,Z,x\n50,1,1,far\n", "line 2 of bar.csv: \"far\" is no number"),
         ("X,Y,Z,x,x\n50,1,1,50,50\n", "two columns are called \"x\""),
         ("X,Y,Z,x\n50,1,1,\n", "no marker: give one at least"),
+        ("X,Y,Z,x\n50,1,1,50,1\n", "line 2 of bar.csv: 5 cells below 4 columns"),
+        ("Name,X,Y,Z,x\na,50,1,1,50.1\na,50,4,4,50.1\n", "another marker is called \"a\" too"),
         ("", "bar.csv: the table is empty"),
     ] {
         let found = complaint(table);

@@ -41,6 +41,17 @@ pub(super) fn read(table: &MarkerTable, wanted: &Wanted<'_>, context: &mut Conte
         context.complain(wanted.at, "no marker: give one at least");
         return None;
     }
+    let again =
+        rows.iter().enumerate().find(|(k, row)| rows[..*k].iter().any(|one| one.marker.name == row.marker.name));
+    if let Some((_, row)) = again {
+        let what = format!(
+            "{}: another marker is called {} too: give each a name of its own",
+            row.place,
+            quoted(&row.marker.name)
+        );
+        context.complain(wanted.at, what);
+        return None;
+    }
     let outside = rows.iter().filter_map(|row| {
         let found = wanted.mesh.locate_inside(row.marker.reference);
         found.err().map(|error| format!("{}: {error}", row.place))
@@ -148,9 +159,19 @@ fn parse(sheet: &Sheet<'_>, metre: f64, wanted: &Wanted<'_>) -> Result<Vec<(usiz
         return Err(vec![(head.number, format!("no column \"x\", \"y\" or \"z\", the measured place: {HEAD}"))]);
     }
     let separator = head.separator();
+    let of_head = head.cells(separator).len();
     let (mut rows, mut wrong) = (Vec::new(), Vec::new());
     for line in &sheet.lines[1..] {
-        match row(&line.cells(separator), &columns, wanted.deviation) {
+        let cells = line.cells(separator);
+        let more = cells.iter().skip(of_head).any(|cell| !cell.text.is_empty());
+        let read = match more {
+            true => Err(format!(
+                "{} cells below {of_head} columns: numbers with decimal commas need another separator, as \";\"",
+                cells.len()
+            )),
+            false => row(&cells, &columns, wanted.deviation),
+        };
+        match read {
             Ok(Some(row)) => rows.push((line.number, row)),
             // the marker was not seen
             Ok(None) => {}
@@ -197,9 +218,9 @@ fn columns(head: &Line<'_>, metre: f64) -> Result<Columns, String> {
         let place = match (axis(REFERENCE), axis(MEASURED)) {
             (Some(i), _) => &mut out.reference[i],
             (_, Some(i)) => &mut out.measured[i],
-            _ if name == DEVIATION => &mut out.deviation,
+            _ if name.eq_ignore_ascii_case(DEVIATION) => &mut out.deviation,
             _ => {
-                if name == NAME && out.name.replace(index).is_some() {
+                if name.eq_ignore_ascii_case(NAME) && out.name.replace(index).is_some() {
                     return Err("two columns are called \"name\"".to_owned());
                 }
                 continue;

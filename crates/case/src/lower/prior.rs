@@ -23,6 +23,10 @@ pub(super) fn add(
         let users = variants.iter().filter(|other| other.scenario == variant.scenario).filter(is_user);
         let share = 1.0 / users.map(|other| other.weight).sum::<f64>();
         let (mean, deviation) = (prior.mean.constant()?, prior.deviation.constant()?);
+        if control.log && mean <= 0.0 {
+            context.complain(&prior.at, "the mean is not positive, and the logarithm of the control is the unknown");
+            return None;
+        }
         let cost = Prior::of(&control.of, mean, deviation).and_then(|prior| prior.weight(share));
         let cost: Box<dyn Cost> = Box::new(context.take(&prior.at, cost)?);
         let name = format!("prior of {}", control.name());

@@ -57,7 +57,7 @@ object! {
 }
 
 object! {
-    /// What is known of a control beside the costs: a normal distribution of its values, of a logarithm one with the same mean and share.
+    /// What is known of a control beside the costs: a normal distribution of its values; with "log" of the logarithms, about ln(mean) with deviation/mean.
     pub struct ControlPrior checked by check_prior {
         /// The mean, in the unit of the control.
         pub mean: Formula as ANY,

@@ -10,7 +10,9 @@ records! {
         failed: Option<String>,
         /// Numbers that were read.
         readings: Option<usize>,
-        /// Weighted sum of their squared residuals.
+        /// Parameters with a prior, each one more reading.
+        priors: Option<usize>,
+        /// Weighted sum of the squared residuals of both.
         squares: Number,
         /// The same over the readings less the parameters that they determine: near 1 where the model meets the noise; null without a surplus.
         per_freedom: Number,
@@ -50,7 +52,7 @@ records! {
     SeenDirectionRecord {
         /// Standard deviation along it, in shares of the parameters' scales; null where no reading sees it.
         deviation: Number,
-        /// Its components in these scales: of `log` the logarithm, else a share of the start.
+        /// Its components in these scales: of a prior its deviation, of `log` the logarithm, else a share of the start or the value, whichever is larger.
         components: ByName<Number>,
     }
 

@@ -25,9 +25,6 @@ use std::sync::Arc;
 const FILE: &str = "identified.json";
 /// An eigenvalue below this share of the largest is zero within the accuracy of products, 1e-9 of each.
 const ROUNDING: f64 = 1e-8;
-/// A direction along which the parameters may change by so many times their scales is not seen.
-const MOST_SCALES: f64 = 10.0;
-
 /// Shots that are said.
 const MOST_SHOTS: usize = 12;
 
@@ -76,7 +73,7 @@ fn covariance(input: &CommandInput, best: &Best<EnsemblePoint>) -> Result<Result
     let (mut point, mut workspace) = (best.point.clone(), EnsembleWorkspace::default());
     let spectrum = Spectrum::at(&problem.ensemble, &best.m, &mut point, &domain, &options, &mut workspace);
     Ok(match spectrum {
-        Ok(spectrum) => Ok((parameters, Covariance::of(&spectrum, &scales, ROUNDING, MOST_SCALES))),
+        Ok(spectrum) => Ok((parameters, Covariance::of(&spectrum, &scales, ROUNDING))),
         Err(error) => Err(error.to_string()),
     })
 }
@@ -90,10 +87,10 @@ fn record(
     let problem = &input.problem;
     let shots = shots::of(problem, &best.point)?;
     let readings: usize = shots.values().map(|shot| shot.readings).sum();
-    let squares: f64 = shots.values().filter_map(|shot| *shot.squares).sum();
     let known: Vec<f64> = parameters.iter().filter_map(Parameter::squares).collect();
+    let squares = shots.values().filter_map(|shot| *shot.squares).sum::<f64>() + known.iter().sum::<f64>();
     let freedom = (readings + known.len()).saturating_sub(covariance.seen());
-    let per_freedom = (freedom > 0).then(|| (squares + known.iter().sum::<f64>()) / freedom as f64);
+    let per_freedom = (freedom > 0).then(|| squares / freedom as f64);
     let components = |of: &[f64]| -> ByName<Number> {
         parameters.iter().zip(of).map(|(one, part)| (one.name.clone(), (*part).into())).collect()
     };
@@ -108,13 +105,19 @@ fn record(
     Ok(IdentificationRecord {
         failed: None,
         readings: Some(readings),
+        priors: Some(known.len()).filter(|count| *count > 0),
         squares: squares.into(),
         per_freedom: per_freedom.into(),
         parameters: Some(own.collect()),
         correlation: Some(correlation.collect()),
         covariance: Some(covariance.entries.iter().map(|row| numbers(row)).collect()),
         directions: Some(directions.collect()),
-        remarks: Some(remarks::of(parameters, covariance, &shots, (per_freedom, freedom))),
+        remarks: Some(remarks::of(
+            parameters,
+            covariance,
+            &shots,
+            &remarks::Fit { per_freedom, freedom, away: covariance.distance(&best.derivative) },
+        )),
         shots: Some(shots),
         materials,
         scenarios,
@@ -124,15 +127,17 @@ fn record(
 impl Identified {
     /// A few lines for people.
     pub fn say(&self, input: &CommandInput, console: &Console) {
-        let IdentificationRecord { readings, squares, per_freedom, parameters, shots, remarks, materials, .. } =
-            &self.record;
+        let IdentificationRecord {
+            readings, priors, squares, per_freedom, parameters, shots, remarks, materials, ..
+        } = &self.record;
         let (Some(readings), Some(parameters)) = (readings, parameters) else { return };
         let of = |number: &Number| number.map_or_else(|| "-".to_owned(), short);
         let unit = input.problem.units().length().symbol;
         let freedom = per_freedom.map_or_else(String::new, |per| format!(", {} per degree of freedom", short(per)));
         console.say(format!(
-            "identify    {}, {}: weighted sum of squares {}{freedom}",
+            "identify    {}{}, {}: weighted sum of squares {}{freedom}",
             count(*readings, "reading"),
+            priors.map_or_else(String::new, |priors| format!(" and {}", count(priors, "prior"))),
             count(parameters.len(), "parameter"),
             of(squares)
         ));

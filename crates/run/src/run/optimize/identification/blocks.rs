@@ -5,8 +5,8 @@ use nastic_case::lower::CaseProblem;
 use nastic_opt::Covariance;
 use serde_json::{Map, Value, json};
 
-/// Directions whose deviation is above 1, a factor of e, are left out: there the readings decide nothing, and the linearisation says nothing.
-const MOST_SPREAD: f64 = 1.0;
+/// Directions whose deviation is above one scale are left out: there the readings decide nothing, and the linearisation says nothing.
+pub(super) const MOST_SPREAD: f64 = 1.0;
 
 /// A number of a material of the case that is one parameter.
 struct Place<'p> {

@@ -18,7 +18,7 @@ pub(super) struct Parameter {
     pub unknown: f64,
     pub log: bool,
     pub unit: String,
-    /// A change of the unknown that counts as one: of a logarithm 1, else the start, or the value where that is zero.
+    /// A change of the unknown that counts as one: the deviation of its prior; of a logarithm 1; else the larger of start and value, 1 where both are zero.
     pub scale: f64,
     /// Mean and deviation of what is known of the unknown beforehand.
     pub prior: Option<[f64; 2]>,
@@ -34,7 +34,8 @@ pub(super) fn of(problem: &CaseProblem, m: &[f64]) -> Vec<Parameter> {
         let values = problem.control_block(block).free_values_of(unknowns);
         let prior = prior(problem, field);
         for (i, (&unknown, &value)) in unknowns.iter().zip(&values).enumerate() {
-            let size = [start[i], unknown].into_iter().map(f64::abs).find(|size| *size > 0.0);
+            let size = Some(start[i].abs().max(unknown.abs())).filter(|size| *size > 0.0);
+            let own = if field.log { 1.0 } else { size.unwrap_or(1.0) };
             out.push(Parameter {
                 name: if block.len == 1 { field.name.clone() } else { format!("{}/{i}", field.name) },
                 control,
@@ -44,7 +45,7 @@ pub(super) fn of(problem: &CaseProblem, m: &[f64]) -> Vec<Parameter> {
                 log: field.log,
                 unit: if field.unit == "1" { String::new() } else { field.unit.clone() },
                 prior,
-                scale: if field.log { 1.0 } else { size.unwrap_or(1.0) },
+                scale: prior.map_or(own, |[_, deviation]| deviation),
                 bounds: field.bounds.as_ref().map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| {
                     let (lower, upper) = bounds.at(i);
                     [lower, upper]

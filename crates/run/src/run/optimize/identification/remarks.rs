@@ -1,7 +1,8 @@
 //! What deserves attention in an identification, in sentences.
 
+use super::blocks::MOST_SPREAD;
 use super::parameters::Parameter;
-use nastic_language::number::short;
+use nastic_language::number::{count, short};
 use nastic_opt::{Covariance, Determined};
 use nastic_report::record::{ByName, ShotRecord};
 
@@ -12,6 +13,8 @@ const ABOVE: f64 = 2.0;
 const BELOW: f64 = 0.2;
 /// Readings beyond the parameters that a ratio below 1 says something with: with fewer it is often small by chance.
 const LEAST_FREEDOM: usize = 5;
+/// Deviations that an optimum may be away from the minimum of its quadratic model.
+const MOST_AWAY: f64 = 0.1;
 /// A share of a prior's deviation above which readings say little.
 const MOST_LEFT: f64 = 0.9;
 /// A component of a direction that is worth a word.
@@ -21,17 +24,60 @@ const ALIKE: f64 = 1e-2;
 /// Parameters of a direction that are named.
 const MOST_NAMED: usize = 4;
 
+/// How the optimum meets the readings.
+pub(super) struct Fit {
+    pub per_freedom: Option<f64>,
+    pub freedom: usize,
+    /// Deviations that it is away from the minimum of its quadratic model.
+    pub away: f64,
+}
+
 pub(super) fn of(
     parameters: &[Parameter],
     covariance: &Covariance,
     shots: &ByName<ShotRecord>,
-    (per_freedom, freedom): (Option<f64>, usize),
+    fit: &Fit,
 ) -> Vec<String> {
-    let mut out: Vec<String> = per_freedom.and_then(|ratio| fit(ratio, freedom, shots)).into_iter().collect();
-    let is_weak = |one: &&Determined| one.deviation.is_none_or(|deviation| deviation > WEAK);
+    let mut out: Vec<String> = (fit.away > MOST_AWAY).then(|| not_there(fit.away)).into_iter().collect();
+    out.extend(fit.per_freedom.and_then(|ratio| met(ratio, fit.freedom, shots)));
+    let is_weak = |one: &&Determined| match one.deviation {
+        // shares of the prior's deviation are remarked one by one
+        Some(deviation) => deviation > WEAK && !is_of_priors(parameters, one),
+        None => true,
+    };
     out.extend(covariance.directions.iter().filter(is_weak).map(|one| direction(parameters, one)));
+    let held: Vec<&str> = parameters
+        .iter()
+        .enumerate()
+        .filter(|(i, one)| !covariance.determined[*i] && one.is_on_bound())
+        .map(|(_, one)| one.name.as_str())
+        .collect();
+    out.extend((!held.is_empty() && held.len() < parameters.len()).then(|| {
+        format!(
+            "the deviations hold for {} on the bound: where that is no knowledge, they are too small",
+            held.join(" and ")
+        )
+    }));
+    let wide = covariance.directions.iter().filter(|one| one.deviation.is_some_and(|own| own > MOST_SPREAD)).count();
+    out.extend((wide > 0).then(|| {
+        format!("\"scenarios\" leave out {}, which are wider than the linearisation reaches", count(wide, "direction"))
+    }));
     out.extend(parameters.iter().enumerate().filter_map(|(i, one)| by_prior(one, covariance.deviation(i)?)));
     out
+}
+
+/// Whether the largest part of a direction is of a parameter with a prior.
+fn is_of_priors(parameters: &[Parameter], one: &Determined) -> bool {
+    let parts = parameters.iter().zip(&one.components);
+    parts.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).is_some_and(|(own, _)| own.prior.is_some())
+}
+
+/// That the run ended before the optimum.
+fn not_there(away: f64) -> String {
+    format!(
+        "the optimum is about {} deviations away still: go on with a smaller \"optimizer/tolerance\" or more iterations, from what was found",
+        short(round(away))
+    )
 }
 
 /// That the readings hardly say more than what was known before.
@@ -45,7 +91,7 @@ fn by_prior(one: &Parameter, deviation: f64) -> Option<String> {
 }
 
 /// How the model meets the readings.
-fn fit(ratio: f64, freedom: usize, shots: &ByName<ShotRecord>) -> Option<String> {
+fn met(ratio: f64, freedom: usize, shots: &ByName<ShotRecord>) -> Option<String> {
     let times = short(round(ratio.sqrt()));
     if ratio > ABOVE {
         let by_reading = |shot: &ShotRecord| shot.squares.unwrap_or(0.0) / shot.readings.max(1) as f64;
