@@ -1,7 +1,7 @@
 #!/bin/sh
 # What .ci/run compiles crates of the workspace with (RUSTC_WORKSPACE_WRAPPER): rustc, without optimisation where a test program drives whole
 # cases, or checks text, and spends its time in the libraries, which stay optimised. Test programs that compute themselves, by generic functions
-# of the libraries that are compiled in them, would run two to three times longer: those of fem, control, energy, linear, opt, mesh, hausdorff.
+# of the libraries that are compiled in them, would run two to three times longer: those of fem, control, linear, mesh, hausdorff.
 compiler="$1"
 shift
 case " $* " in
