@@ -114,3 +114,55 @@ fn laid(fragment: &Fragment, over_opaque: bool, colour: Linear) -> Linear {
     let mixed = if fragment.glass { tint } else { mix };
     mixed(colour, fragment.colour, fragment.opacity)
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)] // a test may
+
+    use super::*;
+    use crate::scene::{Corner, Fill, Shape, Stroke};
+    use crate::{Body, Colour, Picture};
+    use nastic_mesh::{CellKind, box_mesh};
+
+    /// On white.
+    fn image(shapes: Vec<Shape>) -> Image {
+        let body = Body::new("any", box_mesh([1.0; 3], [1; 3], CellKind::Hex8).unwrap());
+        let mut scene = Scene::new(&Picture::new("").plain().body(body)).unwrap();
+        scene.shapes = shapes;
+        render(&scene, 80, 60)
+    }
+
+    fn shape(fill: Fill, pieces: Vec<Vec<Corner>>, strokes: Vec<Stroke>) -> Shape {
+        Shape { fill, pieces, strokes, forward: 0.0, open: false }
+    }
+
+    /// A line of length l and width w with round ends covers `l w + pi w^2 / 4` pixels, whatever its slope.
+    #[test]
+    fn lines_cover_their_area() {
+        for [x, y] in [[60.0, 45.0], [60.0, 5.1], [8.0, 50.0], [5.1, 50.0], [70.0, 8.0]] {
+            let points = vec![[5.1, 5.1, 0.0], [x, y, 0.0]];
+            let stroke = Stroke { points, colour: Colour([0; 3]), opacity: 1.0, width: 3.0, lift: 0.0 };
+            let image = image(vec![shape(Fill::None, vec![], vec![stroke])]);
+            let inked: f32 = image.pixels.iter().map(|pixel| 1.0 - pixel[0]).sum();
+            let area = 3.0 * f64::hypot(x - 5.1, y - 5.1) + 0.25 * std::f64::consts::PI * 9.0;
+            assert!((f64::from(inked) / area - 1.0).abs() < 0.02, "{x} {y}: {inked} of {area}");
+        }
+    }
+
+    /// Two planes that cross at x = 10.4: left of it one is seen, right of it the other, and within the pixel both.
+    #[test]
+    fn pixels_in_which_surfaces_cross_show_both() {
+        let plane = |slope: f64| {
+            let corner =
+                |x: f64, y: f64| Corner { at: [x, y, slope * (x - 10.4)], normal: [0.0, 0.0, 1.0], value: 0.0 };
+            vec![corner(0.0, 0.0), corner(40.0, 0.0), corner(40.0, 40.0), corner(0.0, 40.0)]
+        };
+        let opaque = |colour, slope| shape(Fill::Opaque(Colour(colour)), vec![plane(slope)], vec![]);
+        let image = image(vec![opaque([255, 0, 0], 1.0), opaque([0, 0, 255], -1.0)]);
+        let at = |column: usize| image.pixels[5 * image.width + column];
+        let (left, middle, right) = (at(9), at(10), at(11));
+        assert!(left[2] > 0.5 && right[0] > 0.5 && left[0] < 0.3 * left[2] && right[2] < 0.3 * right[0]);
+        let mean: Linear = std::array::from_fn(|k| (left[k] + 2.0 * right[k]) / 3.0);
+        assert!(mean.iter().zip(middle).all(|(mean, found)| (mean - found).abs() < 1e-5), "{middle:?}");
+    }
+}
