@@ -20,6 +20,7 @@ mod control;
 mod control_field;
 mod control_grid;
 mod control_start;
+mod coordinates;
 mod cost;
 mod cost_term;
 mod design;

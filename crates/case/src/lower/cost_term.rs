@@ -2,12 +2,13 @@
 
 use super::array::{self, Entity};
 use super::context::Context;
+use super::coordinates;
 use super::cost::Lowering;
 use super::markers::{self, Wanted};
 use super::{named_groups, obstacle, time};
 use nastic_control::{ControlError, CostInputs, CostValue, Key, KeyKind, Target};
 use nastic_language::expression::EvaluationError;
-use nastic_language::schema::{Coordinates, CostTerm, KeyValue, MeshSource, Target as TargetBlock, Vector, vector_at};
+use nastic_language::schema::{CostTerm, KeyValue, MeshSource, Target as TargetBlock, Vector, vector_at};
 use nastic_language::syntax::At;
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -112,7 +113,7 @@ impl Lowering<'_> {
                 };
                 CostValue::Markers(markers::read(table, &Wanted { mesh: &mesh, deviation, at }, context)?)
             }
-            KeyValue::Position(position) => CostValue::Position(position_of(position, context)?),
+            KeyValue::Position(position) => CostValue::Position(coordinates::given(position, context)?),
             // a table that could not be read was complained about
             KeyValue::Path(_) => return None,
             KeyValue::Target(block) => CostValue::Target(self.positions(block, at, fault, context)?),
@@ -177,15 +178,4 @@ fn clearance(term: &CostTerm) -> f64 {
         Some(KeyValue::Number(clearance)) => *clearance,
         _ => 0.0,
     }
-}
-
-/// The position of one point.
-pub(super) fn position_of(block: &Coordinates, context: &mut Context<'_>) -> Option<[Option<f64>; 3]> {
-    let mut out = [None; 3];
-    for ((value, formula), axis) in out.iter_mut().zip(block.entries()).zip(["x", "y", "z"]) {
-        if let Some(formula) = formula {
-            *value = Some(context.take(&block.at.key(axis), formula.at([0.0; 3]))?);
-        }
-    }
-    Some(out)
 }

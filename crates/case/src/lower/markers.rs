@@ -1,6 +1,7 @@
 //! Markers of a shot: a CSV file with a line of names and units, or rows of the case.
 
 use super::context::Context;
+use super::coordinates;
 use super::test_columns::{bare, scale, unit_of};
 use super::test_sheet::{Cell, Line, Sheet, decoded, number};
 use nastic_control::Marker;
@@ -76,7 +77,7 @@ fn of_case(rows: &[MarkerRow], wanted: &Wanted<'_>, context: &mut Context<'_>) -
     let mut out = Vec::new();
     for (k, row) in rows.iter().enumerate() {
         let place = format!("marker {}", k + 1);
-        let position = super::cost_term::position_of(&row.position, context)?;
+        let position = coordinates::given(&row.position, context)?;
         let Some(deviation) = row.deviation.or(wanted.deviation) else {
             context.complain(&row.at, no_deviation(&place));
             return None;
