@@ -101,7 +101,10 @@ impl PrescribedUnknowns<'_> {
     /// Unknowns with the held ones where these controls hold them.
     pub fn placed(&self, u: &[f64], controls: &Controls) -> Vec<f64> {
         let (held, values) = (self.model.supports.fixed(), self.model.prescribed(controls, 1.0));
-        u.iter().zip(held).zip(values).map(|((u, held), value)| if *held { value } else { *u }).collect()
+        let mut placed = u.to_vec();
+        let unknowns = placed.iter_mut().zip(held).zip(values).filter(|((_, held), _)| **held);
+        unknowns.for_each(|((u, _), value)| *u = value);
+        placed
     }
 
     /// Refuses a state whose surfaces are not where its controls hold them.

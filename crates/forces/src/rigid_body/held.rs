@@ -62,12 +62,14 @@ impl Held {
     fn free_motions(&self, motions: &DMatrix<f64>) -> DMatrix<f64> {
         let of_held = |i: usize, j: usize| if self.0[i] { motions[(i, j)] } else { 0.0 };
         let moved = DMatrix::from_fn(motions.nrows(), motions.ncols(), of_held);
-        let eigen = (moved.transpose() * moved).symmetric_eigen();
-        let most = eigen.eigenvalues.max();
-        let kept: Vec<usize> = (0..motions.ncols())
-            .filter(|&k| eigen.eigenvalues[k] <= DEPENDENCE_TOLERANCE * DEPENDENCE_TOLERANCE * most)
-            .collect();
-        let mut free = motions * DMatrix::from_fn(motions.ncols(), kept.len(), |i, j| eigen.eigenvectors[(i, kept[j])]);
+        // singular values: eigenvalues of the squares know them to the root of rounding alone
+        let Some((values, ways)) = Some(moved.svd(false, true)).and_then(|svd| Some((svd.singular_values, svd.v_t?)))
+        else {
+            return DMatrix::zeros(motions.nrows(), 0);
+        };
+        let most = values.max();
+        let kept: Vec<usize> = (0..motions.ncols()).filter(|&k| values[k] <= DEPENDENCE_TOLERANCE * most).collect();
+        let mut free = motions * DMatrix::from_fn(motions.ncols(), kept.len(), |i, j| ways[(kept[j], i)]);
         // rounding moves nothing that is held
         for (dof, _) in self.0.iter().enumerate().filter(|(_, held)| **held) {
             free.row_mut(dof).fill(0.0);
