@@ -115,7 +115,7 @@ pub(crate) struct SaddlePoint {
     space: Arc<Space>,
     supports: Arc<Supports>,
     /// K, with mixed unknowns where constraints are eliminated.
-    matrix: SparseMatrix,
+    pub(super) matrix: SparseMatrix,
     local: Vec<Elimination>,
     /// Columns of B, scaled.
     columns: Vec<Vec<f64>>,
@@ -331,6 +331,23 @@ impl SaddlePoint {
             }
             solved => solved,
         }
+    }
+
+    /// A solution where all constraints are local, by what solves for the unknowns that these leave free.
+    pub(super) fn without_border(
+        &self,
+        rhs: &[f64],
+        solve: impl FnOnce(&[f64]) -> Result<Vec<f64>, LinearError>,
+    ) -> Result<Vec<f64>, LinearError> {
+        if self.members().next().is_some() {
+            return Err(LinearError::Border { scalars: self.scales.len() });
+        }
+        let reduced = self.reduced(rhs)?;
+        let x = solve(&self.unknown(reduced.f.clone()))?;
+        let mut p = vec![0.0; self.scales.len()];
+        let mut x = self.whole(x, &[], reduced, &mut p)?;
+        x.extend(p);
+        Ok(x)
     }
 
     fn solve_as_it_is(

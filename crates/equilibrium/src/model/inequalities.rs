@@ -46,6 +46,16 @@ impl Model {
         Some(restored)
     }
 
+    /// Whether there are constraints, and all of them can be [restored](Self::restored): those of rigid bodies.
+    pub(crate) fn restores_all(&self) -> bool {
+        let rest = vec![0.0; self.unknowns().nodal()];
+        let restores = |c: &Arc<dyn Contribution>| {
+            let of = |constraints: &dyn Constrains| c.slots().is_empty() && constraints.restored(&rest).is_some();
+            count(c) == 0 || c.constrains().is_some_and(of)
+        };
+        self.unknowns().multipliers() > 0 && self.unknowns().has_one_nodal_field() && self.others.iter().all(restores)
+    }
+
     /// Residuals of the contributions with inequalities alone.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ pub(crate) mod deflated;
 pub(crate) mod linearised;
 pub(crate) mod plain;
 pub(crate) mod point_strains;
+pub(crate) mod rigid;
 
 use crate::nonlinear::iterate::{Iterate, Stop};
 use crate::nonlinear::predicted_pressures::PredictedPressures;

@@ -117,6 +117,16 @@ impl<'a> Equations<'a> {
         self.is_static() && !self.model.supports.ties().is_empty() && self.model.unknowns().has_one_nodal_field()
     }
 
+    /// Whether iterates stay on the constraints, along which the potential decreases: in a step in time in which rigid bodies alone are constrained.
+    pub fn stays_rigid(&self) -> bool {
+        self.is_step() && self.anchor.is_none() && self.model.restores_all()
+    }
+
+    /// Unknowns with rigid bodies put onto their constraints.
+    pub fn restored(&self, x: Vec<f64>) -> Vec<f64> {
+        self.model.restored(&x).unwrap_or(x)
+    }
+
     /// Displacement with multipliers, and their place s on the way.
     pub fn split<'x>(&self, x: &'x [f64]) -> (&'x [f64], f64) {
         match self.drive {

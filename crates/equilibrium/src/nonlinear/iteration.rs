@@ -144,6 +144,9 @@ impl<'a> Iteration<'a> {
         let (equations, limits) = (self.equations, self.limits);
         equations.place(x);
         equations.model.supports.extend(x);
+        if equations.stays_rigid() {
+            *x = equations.restored(std::mem::take(x));
+        }
         let mut now = equations.evaluate(x)?;
         let (mut residual, mut relative) = equations.residual(&now.sums);
         let (mut before, mut least) = (f64::INFINITY, f64::INFINITY);

@@ -31,6 +31,9 @@ const MIN_LENGTH_RATIO: f64 = 0.1;
 /// Longer steps that are tried where the parabola asked for a smaller ratio: where a contact closes, the potential at the trial is dominated by the barrier.
 const MAX_EXTENSIONS: usize = 3;
 
+/// Relative violation of the constraints of rigid bodies up to which an iterate is on them.
+const MAX_FULFILLED_VIOLATION: f64 = 1e-12;
+
 #[derive(Clone, Copy)]
 struct Rule {
     decrease: f64,
@@ -59,11 +62,13 @@ enum Along {
 pub(super) struct LineSearch<'a> {
     equations: &'a Equations<'a>,
     fit: Option<GradientFit>,
+    /// [`Equations::stays_rigid`]
+    rigid: bool,
 }
 
 impl<'a> LineSearch<'a> {
     pub fn new(equations: &'a Equations<'a>) -> Self {
-        LineSearch { equations, fit: None }
+        LineSearch { equations, fit: None, rigid: equations.stays_rigid() }
     }
 
     /// Takes a step in the way that it prescribes.
@@ -120,7 +125,7 @@ impl<'a> LineSearch<'a> {
         report: &mut SolveReport,
     ) -> Result<Taken<'a>, Stop> {
         let model = self.equations.model;
-        let constrained = model.unknowns().multipliers() > 0;
+        let constrained = model.unknowns().multipliers() > 0 && !self.rigid;
         // a proximal step is a descent step
         if constrained
             && self.equations.anchor.is_none()
@@ -224,7 +229,7 @@ impl<'a> LineSearch<'a> {
         dx: &[f64],
         pressures: Option<&PredictedPressures>,
     ) -> Result<Taken<'a>, Stop> {
-        if self.equations.model.unknowns().multipliers() > 0 {
+        if self.equations.model.unknowns().multipliers() > 0 && !self.rigid {
             let merit = Augmented::new(self.equations, here, dx, step.scale)?;
             return self.downhill(here, dx, &merit);
         }
@@ -242,6 +247,12 @@ impl<'a> LineSearch<'a> {
         if rule.tries == 1 && longest < 1.0 {
             return Ok(None);
         }
+        if self.rigid && rule.tries == 1 {
+            let onto = |s: f64| self.equations.restored(straight(s));
+            if let Some(taken) = self.along(here, &merit, (&onto, Along::Curve), longest, rule)? {
+                return Ok(Some(taken));
+            }
+        }
         self.along(here, &merit, (&straight, Along::Straight), longest, rule)
     }
 
@@ -252,9 +263,19 @@ impl<'a> LineSearch<'a> {
         let at = here.point.displaced(u);
         let straight = |s: f64| moved(here.x, dx, s);
         let reach = StepLimits::of_model(model, at, du, parallel);
+        if self.rigid {
+            let path = |s: f64| self.equations.restored(straight(s));
+            // whole steps may leave the constraints, to second order, but the potential is compared on them
+            if self.equations.constraint_residual(here.residual, here.now) > MAX_FULFILLED_VIOLATION {
+                let x = path(0.0);
+                return Ok(Taken { now: self.equations.evaluate(&x)?, x, length: 1.0, curved: false });
+            }
+            let taken = self.along(here, merit, (&path, Along::Curve), reach.straight, DESCENT_RULE)?;
+            return taken.ok_or(Stop::Slow { residual: here.relative });
+        }
         if self.equations.turns_rigid_bodies() {
             // a rotation along a straight line violates the constraints, which increases the merit
-            let rigid = |s: f64| model.restored(&straight(s)).unwrap_or_else(|| straight(s));
+            let rigid = |s: f64| self.equations.restored(straight(s));
             let taken = self.along(here, merit, (&rigid, Along::Curve), reach.straight, DESCENT_RULE)?;
             if let Some(taken) = taken {
                 return Ok(taken);

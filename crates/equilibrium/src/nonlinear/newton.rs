@@ -7,6 +7,7 @@ use crate::nonlinear::direction::bordered::Bordered;
 use crate::nonlinear::direction::linearised::{Linearised, StepCorrection};
 use crate::nonlinear::direction::plain::Plain;
 use crate::nonlinear::direction::point_strains::WithPointStrains;
+use crate::nonlinear::direction::rigid::AlongRigidMotions;
 use crate::nonlinear::equations::{Drive, Equations};
 use crate::nonlinear::iterate::Stop;
 use crate::nonlinear::iteration::{Iteration, Limits};
@@ -76,6 +77,10 @@ impl Equations<'_> {
         solver: &mut dyn LinearSolver,
         report: &mut SolveReport,
     ) -> Result<Curvature, Stop> {
+        if self.stays_rigid() {
+            let mut direction = AlongRigidMotions::new(self, x, solver);
+            return Iteration::new(self, limits).run(x, &mut direction, report);
+        }
         if self.model.unknowns().multipliers() > 0 {
             let mut direction = Bordered::new(self, x, solver);
             return Iteration::new(self, limits).run(x, &mut direction, report);

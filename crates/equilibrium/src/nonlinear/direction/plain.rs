@@ -19,9 +19,9 @@ use nastic_linear::{LinearError, LinearSolver};
 const MAX_JUMP_TOLERANCE: f64 = 1e-2;
 
 /// Share of a step of prescribed components in time below which it fails.
-const MIN_JUMP_SHARE: f64 = 0.05;
+pub(super) const MIN_JUMP_SHARE: f64 = 0.05;
 /// Relative residual of a step without the curvature of contacts, which is not Newton's.
-const MAX_FLAT_STEP_RESIDUAL: f64 = 1e-3;
+pub(super) const MAX_FLAT_STEP_RESIDUAL: f64 = 1e-3;
 /// Largest residual of a step with the factor of an earlier tangent over the one asked for: with predicted pressures the next step does not correct it.
 const MAX_REUSED_RESIDUAL_RATIO: f64 = 10.0;
 /// Smallest relative residual that such a step is compared with, above that of multigrid.
@@ -214,6 +214,6 @@ fn left_by<'m>(tangent: impl Into<TangentRef<'m>>, dx: &[f64], rhs: &[f64], equa
 
 /// Forcing term, the relative residual of a Newton step: ten times the residual itself, which keeps convergence quadratic, at
 /// most a tenth, and at least a thousandth of the final residual. Dembo, Eisenstat, Steihaug, SIAM J. Numer. Anal. 19 (1982).
-fn forcing(relative: f64, accuracy: f64) -> f64 {
+pub(super) fn forcing(relative: f64, accuracy: f64) -> f64 {
     (10.0 * relative).clamp(1e-10, 0.1).max(1e-3 * accuracy / relative)
 }
