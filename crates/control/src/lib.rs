@@ -37,8 +37,8 @@ pub use cost::{
     ControlNorm, ControlSmoothness, Cost, CostContext, CostExample, CostForm, CostInputs, CostPoint, CostRow,
     CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DesignMean, DistanceInTime, Figure, FigureKind,
     IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, Marker, Markers, MeanDisplacement, MeanPosition,
-    MeanRadius, MotionPartials, Need, ObstaclePenetration, Orientation, Partials, Prior, PumpWork, Reaction, Reading,
-    SmoothedHausdorff, StepBegin, Target, Tracking,
+    MeanRadius, MotionPartials, Need, ObstaclePenetration, Orientation, Output, OutputTarget, Partials, Prior,
+    PumpWork, Reaction, Reading, SmoothedHausdorff, StepBegin, Target, Tracking,
 };
 pub use design::Consumer;
 pub use error::{ControlError, RemoteFailure};
@@ -52,7 +52,7 @@ pub use map::{
 };
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use nastic_mesh::spatial::Obstacle;
-pub use reduced::{AdaptiveSteps, Lagrangian, Reduced, SecondDerivative, work_summary};
+pub use reduced::{AdaptiveSteps, Lagrangian, OutputJacobian, Reduced, SecondDerivative, work_summary};
 pub use snapshot::StateFields;
 pub use time::{
     ActuationWork, COSTS as MOTION_COSTS, ControlRate, Instants, Interpolation, KineticEnergy, Knots, MotionFootprint,

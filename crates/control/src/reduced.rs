@@ -9,6 +9,7 @@ mod motion;
 mod motion_derivative;
 mod motion_progress;
 mod objective;
+mod outputs;
 mod over_ranks;
 mod second_order;
 mod sensitivity;
@@ -19,6 +20,7 @@ pub use adaptive_steps::AdaptiveSteps;
 pub use constrained::Lagrangian;
 pub(crate) use in_time::Motion;
 pub use objective::work_summary;
+pub use outputs::OutputJacobian;
 pub use second_order::SecondDerivative;
 
 use crate::constraint::Constraint;

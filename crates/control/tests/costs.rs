@@ -1,6 +1,8 @@
 //! The contract of costs, over every row of the catalogue.
 
-use nastic_control::{COSTS, Cost, CostContext, CostExample, MOTION_COSTS, Partials, Reduced, Space};
+use nastic_control::{
+    COSTS, Cost, CostContext, CostExample, MOTION_COSTS, Output, OutputTarget, Partials, Reduced, Space,
+};
 use nastic_energy::{FiberTension, MooneyRivlin};
 use nastic_fem::{Contact, Solid, State};
 use nastic_mesh::spatial::Obstacle;
@@ -299,4 +301,90 @@ fn squares_are_marked() {
     for form in COSTS.iter().filter_map(|row| row.form).chain(MOTION_COSTS.iter().copied()) {
         assert_eq!(form.is_square, form.about.contains("weight/2"), "{}: {}", form.name, form.about);
     }
+}
+
+/// Costs that have outputs.
+const WITH_OUTPUTS: [&str; 9] = [
+    "position",
+    "markers",
+    "displacement",
+    "orientation",
+    "curvature",
+    "mean_radius",
+    "volume",
+    "reaction",
+    "contact_force",
+];
+
+/// A cost is what it says of its outputs: half the weighted squares of their deviations, or one of them; and their derivatives are differences.
+#[test]
+fn outputs_make_up_their_cost_and_have_exact_partials() -> Outcome {
+    let mut seen = std::collections::BTreeSet::new();
+    each(3.0, |body, cost, what| {
+        let (u, m) = point(body);
+        let zero = Partials::zero(u.len(), m.len());
+        let outputs = |u: &[f64], m: &[f64]| -> Outcome<Vec<Output>> {
+            let state = state(body, u, m)?;
+            let (solid, layout) = (body.solid(), body.layout());
+            let context = CostContext { solid, layout, u, state: Some(&state), m, stage: 0, step: None };
+            Ok(cost.at(&context)?.outputs(&zero)?)
+        };
+        let found = outputs(&u, &m)?;
+        assert!(!found.is_empty() || !WITH_OUTPUTS.contains(&cost.name()), "{what}");
+        if found.is_empty() {
+            return Ok(());
+        }
+        seen.insert(cost.name().to_owned());
+        let (value, partials) = value_and_partials(body, cost, &u, &m, 0)?;
+        let (mut sum, mut slopes) = (0.0, zero.clone());
+        for output in &found {
+            let (term, slope) = match output.target {
+                Some(OutputTarget { value, weight }) => {
+                    (0.5 * weight * (output.value - value).powi(2), weight * (output.value - value))
+                }
+                None => (3.0 * output.value, 3.0),
+            };
+            sum += term;
+            slopes.u.iter_mut().zip(&output.partials.u).for_each(|(all, own)| *all += slope * own);
+            slopes.m.iter_mut().zip(&output.partials.m).for_each(|(all, own)| *all += slope * own);
+        }
+        // normals differ among themselves, and angles are no sines
+        let share = if cost.name() == "orientation" { 0.1 } else { 1e-9 };
+        let size = dot(&partials.u, &partials.u) + dot(&partials.m, &partials.m);
+        let off: f64 = slopes
+            .u
+            .iter()
+            .zip(&partials.u)
+            .chain(slopes.m.iter().zip(&partials.m))
+            .map(|(a, b)| (a - b).powi(2))
+            .sum();
+        assert!(
+            cost.name() == "orientation" || (sum - value).abs() <= share * value.abs(),
+            "{what}: {sum} and {value}"
+        );
+        assert!(cost.name() == "orientation" || off <= share * share * size, "{what}: {off:e} of {size:e}");
+        let (du, dm) = (noise(u.len(), 5.1), noise(m.len(), 8.2));
+        for (name, by_u, by_m) in [("u", 1e-4, 0.0), ("m", 0.0, 1e3)] {
+            let moved = |t: f64| {
+                let u: Vec<f64> = u.iter().zip(&du).map(|(u, d)| u + t * by_u * d).collect();
+                let m: Vec<f64> = m.iter().zip(&dm).map(|(m, d)| m + t * by_m * d).collect();
+                outputs(&u, &m)
+            };
+            let all = [0.5, -0.5, 1.0, -1.0].map(moved).into_iter().collect::<Outcome<Vec<_>>>()?;
+            for (k, output) in found.iter().enumerate() {
+                let central = |i: usize, t: f64| (all[i][k].value - all[i + 1][k].value) / (2.0 * t * (by_u + by_m));
+                let difference = (4.0 * central(0, 0.5) - central(2, 1.0)) / 3.0;
+                let slope = if name == "u" { dot(&output.partials.u, &du) } else { dot(&output.partials.m, &dm) };
+                let rounding = 1e-14 * output.value.abs().max(1.0) / (by_u + by_m);
+                assert!(
+                    (slope - difference).abs() < 1e-7 * slope.abs() + 8.0 * rounding,
+                    "{what}, {}, d{name}: {slope:e} where differences say {difference:e}",
+                    output.name
+                );
+            }
+        }
+        Ok(())
+    })?;
+    assert!(WITH_OUTPUTS.iter().all(|name| seen.contains(*name)), "{seen:?}");
+    Ok(())
 }

@@ -1,8 +1,8 @@
 //! [`ContactLoad`]: how hard a contact presses.
 
 use super::{
-    ContactResultant, Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials,
-    check_weight,
+    ContactResultant, Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output,
+    Partials, check_weight,
 };
 use crate::error::ControlError;
 use crate::layout::Layout;
@@ -139,6 +139,8 @@ struct EvaluatedCost {
     by_u: Vec<f64>,
     by_controls: Controls,
     factor: f64,
+    weight: f64,
+    unit: &'static str,
     layout: Layout,
     m: Vec<f64>,
 }
@@ -178,7 +180,12 @@ impl Cost for OnBody {
         };
         let (layout, m) = (at.layout.clone(), at.m.to_vec());
         let (by_u, by_controls) = (found.by_u, found.by_controls);
-        Ok(Arc::new(EvaluatedCost { value, largest, force, by_u, by_controls, factor, layout, m }))
+        let unit = match (self.of.exponent, at.solid.mesh().dim()) {
+            (Some(_), _) => "Pa",
+            (None, 2) => "N/m",
+            (None, _) => "N",
+        };
+        Ok(Arc::new(EvaluatedCost { value, largest, force, by_u, by_controls, factor, weight, unit, layout, m }))
     }
 }
 
@@ -191,6 +198,13 @@ impl CostPoint for EvaluatedCost {
         axpy(self.factor, &self.by_u, &mut out.u);
         axpy(self.factor, &self.layout.control_vjp(&self.m, &self.by_controls), &mut out.m);
         Ok(())
+    }
+
+    fn outputs(&self, zero: &Partials) -> Result<Vec<Output>, ControlError> {
+        let (mut partials, weight) = (zero.clone(), self.weight);
+        axpy(self.factor / weight, &self.by_u, &mut partials.u);
+        axpy(self.factor / weight, &self.layout.control_vjp(&self.m, &self.by_controls), &mut partials.m);
+        Ok(vec![Output::watched("", self.value / weight, self.unit, partials)])
     }
 
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {

@@ -1,7 +1,9 @@
 //! [`ContactResultant`]: the force of an obstacle on the body along a direction.
 
 use super::contact_load::contact_of;
-use super::{Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, MotionPartials, Partials, check_weight};
+use super::{
+    Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, MotionPartials, Output, Partials, check_weight,
+};
 use crate::error::ControlError;
 use crate::layout::Layout;
 use nastic_fem::{ContactSum, Instant, Solid, State, TimeStep};
@@ -97,6 +99,7 @@ impl Cost for OnBody {
         Ok(Arc::new(EvaluatedCost {
             sum: found.ok_or_else(gone)??,
             weight: self.of.weight,
+            unit: if at.solid.mesh().dim() == 2 { "N/m" } else { "N" },
             layout: at.layout.clone(),
             m: at.m.to_vec(),
             before: at.step.map(|begin| begin.m.clone()),
@@ -108,6 +111,7 @@ impl Cost for OnBody {
 struct EvaluatedCost {
     sum: ContactSum,
     weight: f64,
+    unit: &'static str,
     layout: Layout,
     m: Vec<f64>,
     /// The control vector at the beginning of the step.
@@ -132,6 +136,13 @@ impl CostPoint for EvaluatedCost {
         let before = self.layout.control_vjp(m, &by.before.controls);
         more.add(self.weight, &MotionPartials { velocity: by.velocity.clone(), before, ..MotionPartials::default() });
         Ok(())
+    }
+
+    fn outputs(&self, zero: &Partials) -> Result<Vec<Output>, ControlError> {
+        let mut partials = zero.clone();
+        axpy(1.0, &self.sum.by_u, &mut partials.u);
+        axpy(1.0, &self.layout.control_vjp(&self.m, &self.sum.by_others.controls), &mut partials.m);
+        Ok(vec![Output::watched("", self.sum.value, self.unit, partials)])
     }
 
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {

@@ -1,7 +1,7 @@
 //! [`Curvature`]: the squared deviation of the curvature of a line in the body from a wanted one.
 
 use super::{
-    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -244,6 +244,17 @@ impl CostPoint for EvaluatedCost {
         }
         self.line.spread(&forces, self.dim, &mut out.u);
         Ok(())
+    }
+
+    /// The curvatures at the inner points, in order.
+    fn outputs(&self, zero: &Partials) -> Result<Vec<Output>, ControlError> {
+        let of = |(i, (kappa, share)): (usize, (f64, &f64))| {
+            let (mut partials, mut forces) = (zero.clone(), vec![Vec3::zeros(); self.line.located.len()]);
+            add(self.turn_partials(i).map(|g| g / *share), i, &mut forces);
+            self.line.spread(&forces, self.dim, &mut partials.u);
+            Output::watched(i.to_string(), kappa, "1/m", partials).aiming(self.wanted, self.weight * share)
+        };
+        Ok(self.curvatures().zip(&self.line.shares).enumerate().map(of).collect())
     }
 
     /// Mean curvature over the line, and the one farthest from what is wanted; per metre.

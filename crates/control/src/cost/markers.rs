@@ -1,7 +1,9 @@
 //! [`Markers`]: squared distances of points of the body from where they were measured.
 
-use super::position::{Shares, mean};
-use super::{Cost, CostContext, CostForm, CostPoint, IntoCost, Key, KeyKind, Partials, Reading, check_weight};
+use super::position::{Shares, add_component, mean};
+use super::{
+    AXES, Cost, CostContext, CostForm, CostPoint, IntoCost, Key, KeyKind, Output, Partials, Reading, check_weight,
+};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use std::sync::Arc;
@@ -191,6 +193,17 @@ impl CostPoint for EvaluatedCost {
     fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
         self.add(self.markers.iter().map(|marker| marker.change(&along.u, self.dim)), &mut out.u);
         Ok(())
+    }
+
+    fn outputs(&self, zero: &Partials) -> Result<Vec<Output>, ControlError> {
+        let of = |(marker, gap): (&Bound, &[f64; 3]), i: usize| {
+            let target = marker.position[i]?;
+            let mut partials = zero.clone();
+            add_component(&marker.shares, i, self.dim, &mut partials.u);
+            let output = Output::watched(format!("{}.{}", marker.name, AXES[i]), target + gap[i], "m", partials);
+            Some(output.aiming(target, self.weight / (marker.deviation * marker.deviation)))
+        };
+        Ok(self.markers.iter().zip(&self.gaps).flat_map(|own| (0..3).filter_map(move |i| of(own, i))).collect())
     }
 
     fn readings(&self) -> Vec<Reading> {

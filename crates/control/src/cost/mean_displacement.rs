@@ -1,7 +1,7 @@
 //! [`MeanDisplacement`]: how far a point, or the mean of a surface, region or node set, goes along a direction.
 
 use super::position::{Of, Shares, mean, over_ranks, shares};
-use super::{Cost, CostContext, CostForm, CostPoint, IntoCost, Key, KeyKind, Partials, check_weight};
+use super::{Cost, CostContext, CostForm, CostPoint, IntoCost, Key, KeyKind, Output, Partials, check_weight};
 use crate::error::ControlError;
 use nastic_fem::Solid;
 use nastic_mesh::GroupNames;
@@ -136,6 +136,14 @@ impl CostPoint for EvaluatedCost {
             }
         }
         Ok(())
+    }
+
+    fn outputs(&self, zero: &Partials) -> Result<Vec<Output>, ControlError> {
+        // |weight d|, d of length 1
+        let (weight, mut partials) = (norm(&self.factors), zero.clone());
+        self.add_partials(&mut partials)?;
+        partials.u.iter_mut().for_each(|own| *own /= weight);
+        Ok(vec![Output::watched("", self.value / weight, "m", partials)])
     }
 
     fn add_second_partials(&self, _: &Partials, _: &mut Partials) -> Result<(), ControlError> {

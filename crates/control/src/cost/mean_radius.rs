@@ -1,7 +1,7 @@
 //! [`MeanRadius`]: the mean distance of a surface from an axis or from a point.
 
 use super::{
-    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output, Partials, check_weight,
 };
 use crate::cost::body_points::{BodyPart, BodyPoints};
 use crate::error::ControlError;
@@ -221,6 +221,12 @@ impl CostPoint for EvaluatedCost {
         };
         self.spread(|q| turned(q) * self.weight, &mut out.u);
         Ok(())
+    }
+
+    fn outputs(&self, zero: &Partials) -> Result<Vec<Output>, ControlError> {
+        let mut partials = zero.clone();
+        self.spread(|q| self.arms[q].normalize(), &mut partials.u);
+        Ok(vec![Output::watched("", self.radius, "m", partials).aiming(self.wanted, self.weight)])
     }
 
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {

@@ -22,6 +22,7 @@ mod mean_radius;
 pub(crate) mod obstacle;
 pub(crate) mod of_displacement;
 mod orientation;
+mod output;
 mod position;
 mod prior;
 mod pump_work;
@@ -53,6 +54,8 @@ pub use mean_radius::MeanRadius;
 pub use nastic_fem::catalogue::{Key, KeyKind, Need};
 pub use obstacle::ObstaclePenetration;
 pub use orientation::Orientation;
+pub(crate) use output::AXES;
+pub use output::{Output, OutputTarget};
 pub use position::MeanPosition;
 pub use prior::Prior;
 pub use pump_work::PumpWork;
@@ -313,6 +316,15 @@ pub trait CostPoint: Debug + Send + Sync {
     /// # Errors
     /// Where they are not defined.
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {
+        Ok(vec![])
+    }
+
+    /// The numbers that it compares with targets, so that its value is `sum weight/2 (y - target)^2`, or the number that it is, each with its own derivatives, which are longer vectors of
+    /// zeros to begin with; none of a cost of many points, of controls alone or of an integral.
+    ///
+    /// # Errors
+    /// A derivative that is not finite.
+    fn outputs(&self, _zero: &Partials) -> Result<Vec<Output>, ControlError> {
         Ok(vec![])
     }
 

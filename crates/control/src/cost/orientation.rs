@@ -2,7 +2,7 @@
 
 use super::facet_tangents::{FacetTangents, area_vector};
 use super::{
-    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -123,6 +123,17 @@ impl Normal {
     }
 }
 
+/// Unit vectors across a direction: of a plane body the one in the plane, else the axis that is most across made orthogonal, and one across both.
+fn across(d: &Vec3, dim: usize) -> Vec<Vec3> {
+    if dim == 2 {
+        return vec![Vec3::z().cross(d)];
+    }
+    let less = |best: Vec3, axis| if d.dot(&axis).abs() < d.dot(&best).abs() { axis } else { best };
+    let most = [Vec3::y(), Vec3::z()].into_iter().fold(Vec3::x(), less);
+    let first = (most - d * d.dot(&most)).normalize();
+    vec![first, d.cross(&first)]
+}
+
 /// The cost evaluated.
 #[derive(Debug)]
 struct EvaluatedCost {
@@ -170,6 +181,23 @@ impl CostPoint for EvaluatedCost {
             self.tangents.spread(q, [&first, &second], &mut out.u);
         }
         Ok(())
+    }
+
+    /// The mean normal `int n dA / A` along unit vectors across the direction, in the order of the axes: sines of angles about d, which shall be 0. Near there the cost is
+    /// `weight A/2` times their squares, and what the normals have among themselves.
+    fn outputs(&self, zero: &Partials) -> Result<Vec<Output>, ControlError> {
+        let area = self.integral(|_| 1.0);
+        let of = |(k, across): (usize, Vec3)| {
+            let mut partials = zero.clone();
+            for (q, normal) in self.normals.iter().enumerate() {
+                let (g, [t1, t2]) = (normal.turn(&across), &normal.tangents);
+                let factor = self.tangents.weight(q) / area;
+                self.tangents.spread(q, [&(t2.cross(&g) * factor), &(g.cross(t1) * factor)], &mut partials.u);
+            }
+            let value = self.integral(|normal| normal.n.dot(&across)) / area;
+            Output::watched(k.to_string(), value, "", partials).aiming(0.0, self.weight * area)
+        };
+        Ok(across(&self.direction, self.dim).into_iter().enumerate().map(of).collect())
     }
 
     /// Root of the mean of the squared angles between normals and direction, in radians.

@@ -2,7 +2,8 @@
 
 use super::body_points::BodyPart;
 use super::{
-    Aim, Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
+    AXES, Aim, Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output, Partials,
+    check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::Solid;
@@ -201,8 +202,8 @@ impl Cost for OnBody {
         let mut moved = mean(&self.shares, at.u, dim);
         over_ranks(at.solid, &mut moved);
         let gap = |i: usize| self.target[i].map_or(0.0, |y| self.reference[i] + moved[i] - y);
-        let (shares, free) = (self.shares.clone(), self.target.map(|y| y.is_none()));
-        Ok(Arc::new(EvaluatedCost { shares, free, weight: self.weight, dim, gap: std::array::from_fn(gap) }))
+        let (shares, target, weight) = (self.shares.clone(), self.target, self.weight);
+        Ok(Arc::new(EvaluatedCost { shares, target, weight, dim, gap: std::array::from_fn(gap) }))
     }
 
     fn aim(&self, solid: &Solid, u: &[f64]) -> Option<Aim> {
@@ -224,7 +225,7 @@ pub(super) fn mean(shares: &[(u32, f64)], nodal: &[f64], dim: usize) -> [f64; 3]
 #[derive(Debug)]
 struct EvaluatedCost {
     shares: Arc<[(u32, f64)]>,
-    free: [bool; 3],
+    target: [Option<f64>; 3],
     weight: f64,
     dim: usize,
     /// `x - y`; zero in free components.
@@ -241,6 +242,11 @@ impl EvaluatedCost {
     }
 }
 
+/// Adds the derivative of a component of `sum_a c_a v_a`.
+pub(super) fn add_component(shares: &[(u32, f64)], component: usize, dim: usize, out: &mut [f64]) {
+    shares.iter().for_each(|&(node, share)| out[node as usize * dim + component] += share);
+}
+
 impl CostPoint for EvaluatedCost {
     fn value(&self) -> f64 {
         0.5 * self.weight * self.gap.iter().map(|gap| gap * gap).sum::<f64>()
@@ -253,9 +259,18 @@ impl CostPoint for EvaluatedCost {
 
     fn add_second_partials(&self, along: &Partials, out: &mut Partials) -> Result<(), ControlError> {
         let moved = mean(&self.shares, &along.u, self.dim);
-        let wanted = std::array::from_fn(|i| if self.free[i] { 0.0 } else { moved[i] });
+        let wanted = std::array::from_fn(|i| if self.target[i].is_some() { moved[i] } else { 0.0 });
         self.add(&wanted, &mut out.u);
         Ok(())
+    }
+
+    fn outputs(&self, zero: &Partials) -> Result<Vec<Output>, ControlError> {
+        let of = |(i, target): (usize, f64)| {
+            let mut partials = zero.clone();
+            add_component(&self.shares, i, self.dim, &mut partials.u);
+            Output::watched(AXES[i], target + self.gap[i], "m", partials).aiming(target, self.weight)
+        };
+        Ok(self.target.iter().enumerate().filter_map(|(i, target)| Some((i, (*target)?))).map(of).collect())
     }
 
     /// The distance over the components that have a target.

@@ -1,8 +1,8 @@
 //! [`Reaction`]: the squared deviation of the force of a support from a wanted one.
 
 use super::{
-    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, MotionPartials, Partials,
-    check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, MotionPartials, Output,
+    Partials, check_weight,
 };
 use crate::error::ControlError;
 use crate::layout::Layout;
@@ -208,6 +208,10 @@ struct EvaluatedCost {
 }
 
 impl EvaluatedCost {
+    fn unit(&self) -> &'static str {
+        if self.model.discretization().dim() == 2 { "N/m" } else { "N" }
+    }
+
     /// `dR/du`, `dR/dm`, and the latter by the values at the points.
     fn slopes(&self) -> Result<(Partials, Controls), ControlError> {
         let at = Instant::of(&self.state);
@@ -252,8 +256,12 @@ impl CostPoint for EvaluatedCost {
         Ok(())
     }
 
+    fn outputs(&self, _: &Partials) -> Result<Vec<Output>, ControlError> {
+        let output = Output::watched("", self.reaction, self.unit(), self.slopes()?.0);
+        Ok(vec![output.aiming(self.reaction - self.gap, self.weight)])
+    }
+
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {
-        let unit = if self.model.discretization().dim() == 2 { "N/m" } else { "N" };
-        Ok(vec![Figure { kind: FigureKind::Other("reaction"), value: self.reaction, unit }])
+        Ok(vec![Figure { kind: FigureKind::Other("reaction"), value: self.reaction, unit: self.unit() }])
     }
 }

@@ -1,7 +1,7 @@
 //! [`LumenVolume`]: the volume that a surface encloses.
 
 use super::{
-    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
+    Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output, Partials, check_weight,
 };
 use crate::error::ControlError;
 use nastic_fem::{Lumen, Solid};
@@ -121,6 +121,13 @@ impl CostPoint for EvaluatedCost {
         out.u.iter_mut().zip(&gradient).for_each(|(out, g)| *out += self.weight * change * g);
         self.lumen.add_hessian_product(&self.u, self.weight * self.gap, &along.u, &mut out.u);
         Ok(())
+    }
+
+    fn outputs(&self, zero: &Partials) -> Result<Vec<Output>, ControlError> {
+        let mut partials = zero.clone();
+        self.lumen.add_gradient(&self.u, 1.0, &mut partials.u);
+        let output = Output::watched("", self.volume, self.unit, partials);
+        Ok(vec![output.aiming(self.volume - self.gap, self.weight)])
     }
 
     fn figures(&self) -> Result<Vec<Figure>, ControlError> {
