@@ -65,6 +65,7 @@ case_met() { # NAME
   grep -q '"expect"' "$file" || { echo "$file has no \"expect\""; return 1; }
   grep -q '"command": "solve"' "$file" && command=solve
   grep -q '"command": "identify"' "$file" && command=identify
+  grep -q '"command": "gains"' "$file" && command=gains
   target/release/nastic "$command" "$file" --quiet --out "$out/case_$1" || status=$?
   if [ "$status" != 0 ]; then
     [ "$status" = 4 ] && is_in "$1" "${limited_cases[@]}" || return

@@ -108,6 +108,7 @@ impl OutputNames {
             Command::Gradient => &[ALL, &["derivative.json"]],
             Command::Optimize => &[ALL, MOTION, OPTIMIZE],
             Command::Identify => &[ALL, OPTIMIZE, &["identified.json"]],
+            Command::Gains => &[ALL, &["gains.json", "gains.csv", "gains.h"]],
         };
         let members = problem.members().flat_map(|member| [member.file(""), member.case_file("")]);
         let mut stems: Vec<String> = std::iter::once(String::new()).chain(members).collect();

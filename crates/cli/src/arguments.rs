@@ -67,6 +67,13 @@ pub enum Command {
     /// then the covariance at the optimum. Writes identified.json too: values, intervals, correlations, residuals by shot and marker, directions that are
     /// weakly seen or not at all, and blocks "materials" and "scenarios" to paste.
     Identify(Identify),
+    /// Sensitivities of outputs by controls at the start, and a feedback law for a controller
+    ///
+    /// Outputs are what the case's costs compare with targets (position, markers, volume, mean_radius, reaction, curvature, orientation); costs that are one number, probes, pressures of chambers
+    /// and tendons are told beside them. The law m <- m - L (y - y*), within the bounds, has one matrix for all steps; it is tried on the case and on each of its scenarios, beside the
+    /// controls left as they are. Writes gains.json, gains.csv and gains.h (C99, no dependencies) too. The start may be the optimum of another run:
+    /// --set 'controls/0/start={"file": "out/finger/controls.json"}'.
+    Gains(Case),
     /// Go on with an interrupted optimisation, or the motion of a solve, from the last checkpoint in its output directory
     ///
     /// The result is that of a run without interruption, to the bit, however the program ended: by Ctrl-C,

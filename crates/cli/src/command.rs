@@ -85,6 +85,7 @@ impl<'c> Program<'c> {
             Command::Identify(Identify { case, restart }) => {
                 self.on_case(schema::Command::Identify, &case, Asked { restart, ..Asked::default() })
             }
+            Command::Gains(case) => on_case(schema::Command::Gains, &case),
             Command::Resume(interrupted) => self.on_directory(&interrupted),
             Command::Sweep(swept) => self.on_values(&swept),
             Command::Fit(data) => self.on_data(&data),
@@ -260,10 +261,10 @@ pub(crate) fn while_shown<T>(what: &str, work: impl FnOnce(&Console) -> T) -> T 
 
 /// Whether all ranks have a part in it; else they get the message that they have none.
 fn is_shared(command: &Command) -> bool {
-    use Command::{Gradcheck, Gradient, Identify, Modes, Optimize, Resume, Solve, Sweep};
+    use Command::{Gains, Gradcheck, Gradient, Identify, Modes, Optimize, Resume, Solve, Sweep};
     matches!(
         command,
-        Optimize(_) | Identify(_) | Resume(_) | Sweep(_) | Solve(_) | Modes(_) | Gradient(_) | Gradcheck(_)
+        Optimize(_) | Identify(_) | Gains(_) | Resume(_) | Sweep(_) | Solve(_) | Modes(_) | Gradient(_) | Gradcheck(_)
     )
 }
 

@@ -22,7 +22,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         "\"optimiser\"",
         ": optimiser: unknown key \"optimiser\": did you mean \"optimizer\"? (one of: nastic, title, units, \
          mesh, surfaces, regions, materials, supports, springs, media, obstacles, contact, loads, actuation, controls, costs, constraints, load_cases, scenarios, risk, time, optimizer, \
-         linear_solver, probes, expect, output, $schema)",
+         gains, linear_solver, probes, expect, output, $schema)",
     );
     one(
         COMPLETE,

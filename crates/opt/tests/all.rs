@@ -6,6 +6,7 @@ mod catalogue;
 mod common;
 mod constraints;
 mod constraints_aborted;
+mod feedback;
 mod ill_posed;
 mod inner_products;
 mod limits;

@@ -72,6 +72,7 @@ pub(crate) fn run(
         "gradient" => Command::Gradient,
         "optimize" => Command::Optimize,
         "identify" => Command::Identify,
+        "gains" => Command::Gains,
         other => return Err(error::input(py, format!("there is no command \"{other}\""))),
     };
     let document = document(py, name, case, meshes)?;

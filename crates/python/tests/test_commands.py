@@ -47,6 +47,25 @@ def test_identify_finds_a_modulus_from_markers():
         nastic.Case(case).identify()
 
 
+def test_gains_are_sensitivities_and_a_law():
+    case = {
+        "nastic": 1,
+        "mesh": {"box": {"size": [0.1, 0.01, 0.01], "cells": [4, 1, 1], "element": "hex8"}},
+        "materials": [{"region": "body", "law": "neo_hooke", "young": "0.3 MPa", "poisson": 0.3}],
+        "supports": [{"surface": "x-", "fix": "all"}],
+        "actuation": [{"name": "fibers", "kind": "fiber_tension", "region": "body", "direction": [1, 0, 0]}],
+        "controls": [{"of": "fibers", "space": "uniform", "lower": "-60 kPa", "upper": 0}],
+        "costs": [{"kind": "position", "surface": "x+", "target": {"x": 0.097}}],
+    }
+    found = nastic.Case(case).gains().result["gains"]
+    (row,) = found["outputs"]
+    # u = sigma L / E of a bar, stiffer by what holds its end
+    assert row["sensitivities"][0] == pytest.approx(0.1 / 0.3e6, rel=0.1)
+    assert found["nominal"]["errors"][-1] < 1e-6 * found["nominal"]["errors"][0]
+    with pytest.raises(nastic.CaseError, match="needs costs"):
+        nastic.Case({**case, "costs": []}).gains()
+
+
 def test_fit_takes_a_file_or_a_dictionary(tmp_path):
     place = ROOT / "examples/fit"
     asked = {

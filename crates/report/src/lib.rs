@@ -22,6 +22,7 @@ mod figure;
 mod fit_page;
 mod folder;
 mod frame;
+pub mod gains;
 mod html;
 mod identification;
 mod iterates;

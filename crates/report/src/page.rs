@@ -7,7 +7,7 @@ use crate::html::{escape, paragraph, section};
 use crate::plots::plots;
 use crate::record::RunRecord;
 use crate::scene::Scene;
-use crate::{identification, spectrum, summary, tables};
+use crate::{gains, identification, spectrum, summary, tables};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -78,6 +78,7 @@ pub(crate) fn page(folder: &ResultFolder, scene: &Scene) -> String {
         tables::members(result),
         tables::controls(result),
         identification::identification(result),
+        gains::section_of(result),
         spectrum::spectrum(result),
         tables::certificate(result),
         tables::stabilities(result),

@@ -35,6 +35,7 @@ mod control_record;
 mod error_record;
 mod failure_record;
 mod fit_record;
+mod gains_record;
 mod gradcheck_record;
 mod identification_record;
 mod nullable;
@@ -68,6 +69,7 @@ pub use fit_record::{
     BulkRecord, EstimateRecord, FailedLawRecord, FitRecord, FitStartsRecord, FittedLawRecord, StableRangeRecord,
     TestRecord,
 };
+pub use gains_record::{GainsControlRecord, GainsDirectionRecord, GainsLoopRecord, GainsOutputRecord, GainsRecord};
 pub use gradcheck_record::{
     DirectionRecord, GradcheckRecord, RemainderRecord, SecondDirectionRecord, SecondGradcheckRecord, TermCheckRecord,
 };

@@ -1,4 +1,4 @@
-//! The commands, as functions of a library: `check`, `solve`, `modes`, `gradient`, `gradcheck`, `optimize`, `resume`, `sweep`.
+//! The commands, as functions of a library: `check`, `solve`, `modes`, `gradient`, `gradcheck`, `optimize`, `identify`, `gains`, `resume`, `sweep`.
 //!
 //! ```no_run
 //! use nastic_run::console::Console;
@@ -20,6 +20,7 @@ mod ensemble_progress;
 pub(crate) mod error;
 mod fit;
 mod frames;
+mod gains;
 mod gradcheck;
 mod gradient;
 mod modes;

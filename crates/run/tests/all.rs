@@ -29,6 +29,7 @@ mod fit_tables;
 mod formula_laws;
 mod formulations;
 mod foundation;
+mod gains;
 mod grid;
 mod groups;
 mod growth;

@@ -39,6 +39,21 @@ impl Reduced {
         Ok(all)
     }
 
+    /// The names of the costs that give no outputs.
+    ///
+    /// # Errors
+    /// A cost that is not defined there; a motion.
+    pub fn without_outputs(&self, point: &Evaluated) -> Result<Vec<String>, ControlError> {
+        let zero = Partials::zero(point.state().u.len(), point.m.len());
+        let mut all = Vec::new();
+        for (name, cost) in self.term_names().into_iter().zip(self.costs_of(point)?.iter()) {
+            if cost.outputs(&zero)?.is_empty() {
+                all.push(name);
+            }
+        }
+        Ok(all)
+    }
+
     fn add_outputs_of_contributions(
         &self,
         point: &Evaluated,

@@ -17,6 +17,7 @@ use crate::schema::control::Control;
 use crate::schema::cost::Cost;
 use crate::schema::design::{Design, DesignKind};
 use crate::schema::expectation::Expectation;
+use crate::schema::gains::Gains;
 use crate::schema::hints::Hint;
 use crate::schema::load::Load;
 use crate::schema::load_case::LoadCase;
@@ -87,6 +88,8 @@ object! {
         pub time: Option<Time>,
         /// How.
         pub optimizer: Optimizer,
+        /// How outputs change the controls, of `nastic gains`.
+        pub gains: Gains,
         /// What solves the linear systems; left out, what counts of work expect to be cheaper.
         pub linear_solver: Option<LinearSolver>,
         /// Points to report.

@@ -33,6 +33,8 @@ choice! {
         "optimize" => Optimize,
         /// nastic identify
         "identify" => Identify,
+        /// nastic gains
+        "gains" => Gains,
     }
 }
 

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Blocks an option may reach into although the case leaves them out.
-const OPTIONAL_BLOCKS: [&str; 3] = ["units", "optimizer", "output"];
+const OPTIONAL_BLOCKS: [&str; 4] = ["units", "optimizer", "gains", "output"];
 
 /// A parsed case file with its overrides: every value knows the line, or the `--set`, it came from.
 #[derive(Clone, Debug)]
@@ -175,7 +175,8 @@ impl Document {
     }
 
     /// This document without some blocks.
-    pub(crate) fn without(&self, blocks: &[&str]) -> Self {
+    #[must_use]
+    pub fn without(&self, blocks: &[&str]) -> Self {
         let mut out = self.clone();
         if let Value::Object(members) = &mut out.root.value {
             members.retain(|member| !blocks.contains(&member.key.as_str()));

@@ -159,6 +159,17 @@ class Case(dict[str, Any]):
         """
         return self._run("identify", out, threads, report=report, restart=restart, told=(None, progress))
 
+    def gains(
+        self,
+        *,
+        out: str | os.PathLike[str] | None = None,
+        threads: int | None = None,
+        report: bool = True,
+        progress: bool | None = None,
+    ) -> Result:
+        """Sensitivities of outputs by controls at the start, and the law `m <- m - L (y - y*)`: `result["gains"]`."""
+        return self._run("gains", out, threads, report=report, told=(None, progress))
+
     def problem(
         self,
         *,

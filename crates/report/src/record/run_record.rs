@@ -2,8 +2,8 @@
 
 use crate::error::ReportError;
 use crate::record::{
-    ByName, CaseDescription, ControlRecord, DerivativeNorm, FailureRecord, GradcheckRecord, GradientCheckRecord,
-    Nullable, Number, OptimumRecord, ResumedRecord, StateRecord,
+    ByName, CaseDescription, ControlRecord, DerivativeNorm, FailureRecord, GainsRecord, GradcheckRecord,
+    GradientCheckRecord, Nullable, Number, OptimumRecord, ResumedRecord, StateRecord,
 };
 use serde::Deserialize;
 use serde_json::Value;
@@ -52,6 +52,8 @@ records! {
         controls: Option<ByName<ControlRecord>>,
         /// Norms of the derivative.
         derivative_norm: DerivativeNorm,
+        /// Sensitivities and law, of `gains`; `gains.json` holds the same.
+        gains: Option<GainsRecord>,
         /// Of an optimisation: how it went.
         #[serde(flatten)]
         optimum: OptimumRecord,

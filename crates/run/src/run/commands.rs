@@ -7,7 +7,7 @@ use crate::run::options::Options;
 use crate::run::outcome::Outcome;
 use crate::run::session::Opened;
 use crate::run::states::States;
-use crate::run::{check, gradcheck, gradient, modes, motion, optimize, resumption, solve};
+use crate::run::{check, gains, gradcheck, gradient, modes, motion, optimize, resumption, solve};
 use nastic_case::part::Share;
 use nastic_language::catalogue::Catalogue;
 use nastic_language::schema::Command;
@@ -92,6 +92,7 @@ pub(crate) fn execute(mut opened: Opened<'_>, options: &Options) -> Result<(Outc
         Command::Modes => modes::run(&mut opened, options.modes),
         Command::Gradient => gradient::run(&mut opened),
         Command::Gradcheck => gradcheck::run(&mut opened),
+        Command::Gains => gains::run(&mut opened),
         Command::Optimize | Command::Identify => {
             let optimizer = opened.input.problem.optimizer()?;
             match options.share {

@@ -85,8 +85,8 @@ pub(super) fn write_result(
     findings: &mut CommandFindings,
 ) -> Result<(), RunError> {
     let Some(out) = destination.results() else { return Ok(()) };
-    let is_shown =
-        input.command.optimizes() || matches!(input.command, Command::Solve | Command::Modes | Command::Gradient);
+    let is_shown = input.command.optimizes()
+        || matches!(input.command, Command::Solve | Command::Modes | Command::Gradient | Command::Gains);
     let with_page = !input.options.no_report && is_shown && input.command != Command::Gradient;
     // a run that failed has nothing for print, and its own error to tell
     let with_figure = input.options.figure && is_shown && findings.record.error.is_none();
@@ -154,7 +154,7 @@ struct Earlier {
 
 /// Whether a name may be one of those that runs write into their directory; the list may be of another program, or edited.
 fn is_of_runs(name: &str) -> bool {
-    const ENDINGS: [&str; 9] = ["bin", "csv", "html", "json", "jsonl", "png", "pvd", "svg", "vtu"];
+    const ENDINGS: [&str; 10] = ["bin", "csv", "h", "html", "json", "jsonl", "png", "pvd", "svg", "vtu"];
     let path = Path::new(name);
     let is_plain = path.file_name().is_some_and(|file| file == name) && !name.starts_with('.');
     is_plain && path.extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending == *known))

@@ -1,0 +1,156 @@
+//! What a law does and does not, in sentences.
+
+use crate::number::{count, short};
+use crate::record::{GainsControlRecord, GainsLoopRecord, GainsOutputRecord, GainsRecord, Number};
+
+/// What is smaller than this share of another number is zero within the accuracy of linear solves.
+const ROUNDING: f64 = 1e-8;
+/// A part of a direction from which it is named.
+const NAMED: f64 = 0.1;
+/// Outputs that are named of a direction, and directions that are named.
+const MOST_NAMED: usize = 3;
+/// A loop whose error shrinks by less than this share in all its steps has come to rest.
+const AT_REST: f64 = 1e-3;
+/// Share of the error in open loop, behind the last step, up to which a loop is said to have closed it.
+const CLOSED: f64 = 0.02;
+/// Share of the scales that the first step moves the controls of the case's own body by, above which the start is no optimum.
+const MOVED: f64 = 0.01;
+
+/// What deserves attention; `damped` is a larger damping with which the law converges on every body, if there is one that it needs.
+#[must_use]
+pub fn remarks(found: &GainsRecord, damped: Option<f64>) -> Vec<String> {
+    let mut out = still(found);
+    out.extend(combinations(found));
+    if found.controls.len() > 1 {
+        let unknown = found.controls.iter().filter(|one| *one.scale == Some(1.0) && *one.value == Some(0.0));
+        out.extend(unknown.filter(|one| one.lower.is_none() || one.upper.is_none()).map(|one| {
+            format!("the scale of {} is taken as 1 {}: give bounds, or a start other than 0", one.name, one.unit)
+        }));
+    }
+    out.extend(start(found));
+    let bodies = std::iter::once(("the case's own body", &found.nominal));
+    let scenarios = found.scenarios.iter().flatten().map(|(name, one)| (name.as_str(), one));
+    let all: Vec<(&str, &GainsLoopRecord)> = bodies.chain(scenarios).collect();
+    out.extend(all.iter().map(|(name, one)| convergence(name, one)));
+    if all.iter().any(|(_, one)| one.contraction.is_none_or(|value| value >= 1.0)) {
+        out.push(match damped {
+            Some(damping) => format!("with \"gains\": {{ \"damping\": {} }} the law converges from nearby on every body", short(damping)),
+            None => "no damping makes the law converge on every body: there the outputs answer the controls in another direction; take a start nearer to that body, or other outputs".to_owned(),
+        });
+    }
+    out
+}
+
+/// Outputs that no control moves: by no more than rounding, as a share of the most that an output of this unit is moved.
+fn still(found: &GainsRecord) -> Vec<String> {
+    let size = |one: &GainsOutputRecord| {
+        let part =
+            |(value, control): (&Number, &GainsControlRecord)| value.unwrap_or(0.0) * control.scale.unwrap_or(1.0);
+        one.sensitivities.iter().zip(&found.controls).map(part).fold(0.0, |most: f64, own| most.max(own.abs()))
+    };
+    let everything = || found.outputs.iter().chain(found.watched.iter().flatten());
+    let most = |unit: &str| everything().filter(|one| one.unit == unit).map(size).fold(0.0, f64::max);
+    let names = |all: &[GainsOutputRecord]| -> Vec<String> {
+        all.iter().filter(|one| size(one) <= ROUNDING * most(&one.unit)).map(|one| one.name.clone()).collect()
+    };
+    let (followed, watched) = (names(&found.outputs), found.watched.as_deref().map(names).unwrap_or_default());
+    let say = |names: &[String], hint: &str| {
+        (!names.is_empty()).then(|| format!("no control moves {}{hint}", names.join(", ")))
+    };
+    let hint = ": an error there stays; leave its target out, or add a control that moves it";
+    say(&followed, hint).into_iter().chain(say(&watched, "")).collect()
+}
+
+/// Combinations of several outputs that no control moves.
+fn combinations(found: &GainsRecord) -> Vec<String> {
+    let named = |direction: &Vec<Number>| {
+        let mut parts: Vec<(&str, f64)> = found
+            .outputs
+            .iter()
+            .zip(direction)
+            .filter_map(|(one, part)| Some((one.name.as_str(), (**part)?)))
+            .collect();
+        parts.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
+        parts.retain(|(_, part)| part.abs() >= NAMED);
+        parts
+    };
+    let all: Vec<_> = found.unmoved.iter().flatten().map(named).filter(|parts| parts.len() > 1).collect();
+    let say = |parts: &Vec<(&str, f64)>| {
+        let more = if parts.len() > MOST_NAMED { " and more" } else { "" };
+        let terms = parts.iter().take(MOST_NAMED).map(|(name, part)| format!("{} {name}", short(round(*part))));
+        format!(
+            "no control moves the combination {}{more} (each times the root of its weight): an error along it stays",
+            terms.collect::<Vec<_>>().join(" + ")
+        )
+    };
+    let mut out: Vec<String> = all.iter().take(MOST_NAMED).map(say).collect();
+    if all.len() > MOST_NAMED {
+        out.push(format!("{} more stand in \"unmoved\"", count(all.len() - MOST_NAMED, "combination")));
+    }
+    out
+}
+
+/// Whether the law begins at its own rest.
+fn start(found: &GainsRecord) -> Option<String> {
+    let part = |(control, row): (&GainsControlRecord, &Vec<Number>)| {
+        let step: f64 =
+            row.iter().zip(&found.nominal.open).filter_map(|(gain, error)| Some((**gain)? * (**error)?)).sum();
+        Some((step / (*control.scale)?).abs())
+    };
+    let most = found.controls.iter().zip(&found.gain).filter_map(part).fold(0.0, f64::max);
+    (most > MOVED).then(|| {
+        format!(
+            "the start is not the optimum of the case's own body: a step moves a control by {} % of its scale; S and L hold near the start, so optimise first and begin there",
+            short(round(100.0 * most))
+        )
+    })
+}
+
+/// How the law does on a body.
+fn convergence(name: &str, one: &GainsLoopRecord) -> String {
+    let rate = match *one.contraction {
+        Some(value) if value < 1.0 => format!(
+            "{name}: the error shrinks to {} of itself per step near the start, the law converges",
+            short(round(value))
+        ),
+        Some(value) => format!(
+            "{name}: the error grows to {} of itself per step near the start, the law DIVERGES",
+            short(round(value))
+        ),
+        None => format!("{name}: by how much the error shrinks per step is not known"),
+    };
+    let ends = (one.errors.first().and_then(|value| **value), one.errors.last().and_then(|value| **value));
+    let (Some(open), Some(closed)) = ends else { return rate };
+    let steps = count(one.errors.len() - 1, "step");
+    if let Some(why) = &one.failed {
+        return format!("{rate}; the loop ended after {steps}: {why}");
+    }
+    if open == 0.0 {
+        return rate;
+    }
+    let end = match *one.contraction_at_end {
+        Some(value) if value < 1.0 => format!(", where it shrinks to {} per step", short(round(value))),
+        Some(value) => format!(", where it GROWS to {} per step", short(round(value))),
+        None => String::new(),
+    };
+    let left =
+        format!("{rate}; {steps} leave {} % of the error in open loop{end}", short(round(100.0 * closed / open)));
+    let rest = one.unreachable.unwrap_or(0.0);
+    let bounds = match one.on_bounds {
+        0 => String::new(),
+        bounds => format!(", with {} on a bound", count(bounds, "control")),
+    };
+    let why = if rest > CLOSED * open && (closed - rest).abs() < 0.5 * rest {
+        ", which no controls reach"
+    } else if closed > (1.0 - AT_REST) * open {
+        ": the law has nothing to mend there"
+    } else {
+        ""
+    };
+    format!("{left}{bounds}{why}")
+}
+
+/// Two digits.
+fn round(value: f64) -> f64 {
+    format!("{value:.1e}").parse().unwrap_or(value)
+}
