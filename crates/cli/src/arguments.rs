@@ -71,8 +71,8 @@ pub enum Command {
     ///
     /// Outputs are what the case's costs compare with targets (position, markers, volume, mean_radius, reaction, curvature, orientation); costs that are one number, probes, pressures of chambers
     /// and tendons are told beside them. The law m <- m - L (y - y*), within the bounds, has one matrix for all steps; it is tried on the case and on each of its scenarios, beside the
-    /// controls left as they are. Writes gains.json, gains.csv and gains.h (C99, no dependencies) too. The start may be the optimum of another run:
-    /// --set 'controls/0/start={"file": "out/finger/controls.json"}'.
+    /// controls left as they are. Writes gains.json, gains.csv and gains.h (C99, no dependencies) too. The start may be the optimum of another run, its file
+    /// named from the case: --set 'controls/0/start={"file": "out/finger/controls.json"}'.
     Gains(Case),
     /// Go on with an interrupted optimisation, or the motion of a solve, from the last checkpoint in its output directory
     ///

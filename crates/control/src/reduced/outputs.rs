@@ -16,6 +16,8 @@ pub struct OutputJacobian {
     pub rows: Vec<Vec<f64>>,
     /// Whether it was found row by row, by adjoints, or column by column, by changes of the state.
     pub by_adjoints: bool,
+    /// How much each output would change along the scales of the controls if all it looks at moved as the most that moves there: what rounding of its row is a share of.
+    pub sizes: Vec<f64>,
 }
 
 impl Reduced {
@@ -95,7 +97,7 @@ impl Reduced {
     }
 
     /// `dy/dm = y_m - y_u K^-1 r_m` of numbers with these partial derivatives, by the factor of one tangent: an adjoint for each number,
-    /// or a change of the state for each control, whichever are fewer. Source: docs/gains.md.
+    /// or a change of the state for each control, whichever are fewer; one more along `scales`, a change of each control that counts as one. Source: docs/gains.md.
     ///
     /// # Errors
     /// A singular tangent; a motion, a body over ranks, laws with internal variables.
@@ -103,6 +105,7 @@ impl Reduced {
         &self,
         point: &Evaluated,
         outputs: &[&Partials],
+        scales: &[f64],
         workspace: &mut ReducedWorkspace,
     ) -> Result<OutputJacobian, ControlError> {
         let what = "derivatives of outputs";
@@ -129,9 +132,23 @@ impl Reduced {
                 rows.iter_mut().zip(outputs).for_each(|(row, output)| row[k] += dot(&output.u, &du));
             }
         }
+        let moved = linear.state_change(&layout.change(&point.m, scales)?)?;
         self.forget(workspace);
-        Ok(OutputJacobian { rows, by_adjoints })
+        let space = self.solid.model().unknowns();
+        let whole = space.len() - space.multipliers();
+        let sizes = outputs.iter().map(|output| size(output, (&moved, scales), whole)).collect();
+        Ok(OutputJacobian { rows, by_adjoints, sizes })
     }
+}
+
+/// `sum |y_u| max |du| + sum |y_m dm|`, fields of the body and multipliers each by themselves.
+fn size(output: &Partials, (du, dm): (&[f64], &[f64]), whole: usize) -> f64 {
+    let of = |part: &[f64], moved: &[f64]| {
+        let most = moved.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
+        part.iter().map(|own| own.abs()).sum::<f64>() * most
+    };
+    let (body, numbers) = (of(&output.u[..whole], &du[..whole]), of(&output.u[whole..], &du[whole..]));
+    body + numbers + output.m.iter().zip(dm).map(|(own, dm)| (own * dm).abs()).sum::<f64>()
 }
 
 /// The place of the only multiplier of a contribution, behind all other unknowns.

@@ -3,8 +3,6 @@
 use crate::number::{count, short};
 use crate::record::{GainsControlRecord, GainsLoopRecord, GainsOutputRecord, GainsRecord, Number};
 
-/// What is smaller than this share of another number is zero within the accuracy of linear solves.
-const ROUNDING: f64 = 1e-8;
 /// A part of a direction from which it is named.
 const NAMED: f64 = 0.1;
 /// Outputs that are named of a direction, and directions that are named.
@@ -41,17 +39,11 @@ pub fn remarks(found: &GainsRecord, damped: Option<f64>) -> Vec<String> {
     out
 }
 
-/// Outputs that no control moves: by no more than rounding, as a share of the most that an output of this unit is moved.
+/// Outputs that no control moves.
 fn still(found: &GainsRecord) -> Vec<String> {
-    let size = |one: &GainsOutputRecord| {
-        let part =
-            |(value, control): (&Number, &GainsControlRecord)| value.unwrap_or(0.0) * control.scale.unwrap_or(1.0);
-        one.sensitivities.iter().zip(&found.controls).map(part).fold(0.0, |most: f64, own| most.max(own.abs()))
-    };
-    let everything = || found.outputs.iter().chain(found.watched.iter().flatten());
-    let most = |unit: &str| everything().filter(|one| one.unit == unit).map(size).fold(0.0, f64::max);
+    let is_still = |one: &&GainsOutputRecord| one.sensitivities.iter().all(|value| **value == Some(0.0));
     let names = |all: &[GainsOutputRecord]| -> Vec<String> {
-        all.iter().filter(|one| size(one) <= ROUNDING * most(&one.unit)).map(|one| one.name.clone()).collect()
+        all.iter().filter(is_still).map(|one| one.name.clone()).collect()
     };
     let (followed, watched) = (names(&found.outputs), found.watched.as_deref().map(names).unwrap_or_default());
     let say = |names: &[String], hint: &str| {
@@ -111,7 +103,7 @@ fn convergence(name: &str, one: &GainsLoopRecord) -> String {
     let rate = match *one.contraction {
         Some(value) if value < 1.0 => format!(
             "{name}: the error shrinks to {} of itself per step near the start, the law converges",
-            short(round(value))
+            share(value)
         ),
         Some(value) => format!(
             "{name}: the error grows to {} of itself per step near the start, the law DIVERGES",
@@ -121,7 +113,8 @@ fn convergence(name: &str, one: &GainsLoopRecord) -> String {
     };
     let ends = (one.errors.first().and_then(|value| **value), one.errors.last().and_then(|value| **value));
     let (Some(open), Some(closed)) = ends else { return rate };
-    let steps = count(one.errors.len() - 1, "step");
+    let many = one.errors.len() - 1;
+    let steps = count(many, "step");
     if let Some(why) = &one.failed {
         return format!("{rate}; the loop ended after {steps}: {why}");
     }
@@ -129,12 +122,12 @@ fn convergence(name: &str, one: &GainsLoopRecord) -> String {
         return rate;
     }
     let end = match *one.contraction_at_end {
-        Some(value) if value < 1.0 => format!(", where it shrinks to {} per step", short(round(value))),
-        Some(value) => format!(", where it GROWS to {} per step", short(round(value))),
+        Some(value) if value < 1.0 => format!("; there it shrinks to {} of itself per step", share(value)),
+        Some(value) => format!("; there it GROWS to {} of itself per step", short(round(value))),
         None => String::new(),
     };
-    let left =
-        format!("{rate}; {steps} leave {} % of the error in open loop{end}", short(round(100.0 * closed / open)));
+    let leave = if many == 1 { "leaves" } else { "leave" };
+    let left = format!("{rate}; {steps} {leave} {} % of the error in open loop", short(round(100.0 * closed / open)));
     let rest = one.unreachable.unwrap_or(0.0);
     let bounds = match one.on_bounds {
         0 => String::new(),
@@ -142,12 +135,19 @@ fn convergence(name: &str, one: &GainsLoopRecord) -> String {
     };
     let why = if rest > CLOSED * open && (closed - rest).abs() < 0.5 * rest {
         ", which no controls reach"
+    } else if closed > (1.0 + AT_REST) * open {
+        ": more than before, S changes on the way; begin nearer to the optimum, or take more damping"
     } else if closed > (1.0 - AT_REST) * open {
         ": the law has nothing to mend there"
     } else {
         ""
     };
-    format!("{left}{bounds}{why}")
+    format!("{left}{why}{bounds}{end}")
+}
+
+/// A share below 1 whose distance from 1 is seen.
+fn share(value: f64) -> String {
+    if value > 0.9 { short(1.0 - round(1.0 - value)) } else { short(round(value)) }
 }
 
 /// Two digits.

@@ -41,7 +41,7 @@ records! {
         lower: Number,
         /// Its largest value; null without one.
         upper: Number,
-        /// d: the range between its bounds, else the size of its value, 1 where that is 0.
+        /// d: the range between its bounds, else the largest size of its control's values, 1 where that is 0.
         scale: Number,
         /// Its entry of R, per square of its unit.
         penalty: Number,

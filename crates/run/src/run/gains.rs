@@ -127,7 +127,7 @@ fn notes(problem: &CaseProblem, own: CaseMember<'_>, at: &Evaluated) -> Result<V
     let constraints = problem.ensemble.constraints().len();
     let bounds = (constraints > 0).then(|| {
         format!(
-            "the law does not look at the {}: bounds of controls are what it keeps",
+            "the law does not look at the case's {}: bounds of controls are what it keeps",
             count(constraints, "constraint")
         )
     });

@@ -11,10 +11,11 @@ pub(super) fn of(problem: &CaseProblem, m: &[f64]) -> Vec<GainsControlRecord> {
     let mut out = Vec::new();
     for (block, field) in problem.ensemble.blocks().iter().zip(&problem.controls) {
         let own = problem.control_block(block);
+        let largest = block.of(m).iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         for (i, value) in block.of(m).iter().enumerate() {
             let [lower, upper] = bounds(field, i);
             let range = (lower.is_finite() && upper.is_finite()).then_some(upper - lower);
-            let scale = range.unwrap_or(value.abs());
+            let scale = range.unwrap_or(largest);
             out.push(GainsControlRecord {
                 name: field.name.clone() + &part(&own.basis, i / own.components) + &component(own.components, i),
                 unit: field.unit.clone(),

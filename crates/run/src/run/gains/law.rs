@@ -3,13 +3,15 @@
 use super::control_values;
 use crate::run::gains::trial::followed;
 use nastic_case::lower::{CaseMember, LocatedProbe};
-use nastic_control::{ControlError, Evaluated, Output, Partials, ReducedWorkspace};
+use nastic_control::{ControlError, Evaluated, Output, OutputJacobian, Partials, ReducedWorkspace};
 use nastic_language::expression::dimension_of;
 use nastic_opt::{Feedback, FeedbackInputs, MovedDirection};
 use nastic_report::record::{GainsDirectionRecord, GainsOutputRecord, GainsRecord, numbers};
 
 /// A singular value below this share of the largest is zero within the accuracy of linear solves.
 const ROUNDING: f64 = 1e-8;
+/// A row of S that changes its output by less than this share of its size is zero: what is left where nothing moves it.
+const NOISE: f64 = 1e-11;
 /// Dampings that are tried for one with which the law converges.
 const DAMPINGS: [f64; 7] = [1e-2, 3e-2, 0.1, 0.3, 1.0, 3.0, 10.0];
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -20,7 +22,8 @@ pub(super) struct Law {
     pub targets: Vec<f64>,
     pub weights: Vec<f64>,
     pub bounds: Vec<[f64; 2]>,
-    scales: Vec<f64>,
+    damping: f64,
+    pub scales: Vec<f64>,
     jacobian: Vec<Vec<f64>>,
 }
 
@@ -32,7 +35,10 @@ impl Law {
         all.extend(problem.probes.iter().flat_map(|probe| of_probe(own, probe, at)));
         let (aimed, watched): (Vec<Output>, Vec<Output>) = all.into_iter().partition(|one| one.target.is_some());
         let partials: Vec<&Partials> = aimed.iter().chain(&watched).map(|one| &one.partials).collect();
-        let mut found = own.reduced().output_jacobian(at, &partials, &mut ReducedWorkspace::default())?;
+        let mut controls = control_values::of(problem, &at.m);
+        let scales: Vec<f64> = controls.iter().filter_map(|one| *one.scale).collect();
+        let mut found = own.reduced().output_jacobian(at, &partials, &scales, &mut ReducedWorkspace::default())?;
+        without_noise(&mut found, &scales);
         let label = |unit: &str| match dimension_of(unit).filter(|_| !unit.is_empty()) {
             Some(dimension) => problem.units().label(dimension),
             None => unit.to_owned(),
@@ -48,8 +54,6 @@ impl Law {
         let mut records: Vec<GainsOutputRecord> = aimed.iter().chain(&watched).zip(&found.rows).map(record).collect();
         let rest = records.split_off(aimed.len());
         found.rows.truncate(aimed.len());
-        let mut controls = control_values::of(problem, &at.m);
-        let scales: Vec<f64> = controls.iter().filter_map(|one| *one.scale).collect();
         let damping = problem.case.gains.damping;
         let targets: Vec<_> = aimed.iter().filter_map(|one| one.target).collect();
         let weights: Vec<f64> = targets.iter().map(|target| target.weight).collect();
@@ -71,10 +75,10 @@ impl Law {
         let known = with_law(known, &feedback);
         let targets = targets.iter().map(|target| target.value).collect();
         let bounds = control_values::all_bounds(problem);
-        Ok((Some(Law { feedback, targets, weights, bounds, scales, jacobian: found.rows }), known))
+        Ok((Some(Law { feedback, targets, weights, bounds, damping, scales, jacobian: found.rows }), known))
     }
 
-    /// The smallest damping of a few with which the law converges on bodies with these derivatives.
+    /// The smallest larger damping of a few with which the law converges on bodies with these derivatives.
     pub fn converging(&self, jacobians: &[&[Vec<f64>]]) -> Option<f64> {
         let converges = |damping: &f64| {
             let (jacobian, weights, scales) = (&self.jacobian, &self.weights, &self.scales);
@@ -82,7 +86,7 @@ impl Law {
             let law = Feedback::of(&inputs);
             law.is_some_and(|law| jacobians.iter().all(|own| law.contraction(own).is_some_and(|rate| rate < 1.0)))
         };
-        DAMPINGS.into_iter().find(converges)
+        DAMPINGS.into_iter().filter(|damping| *damping > self.damping).find(converges)
     }
 
     /// `y - y*` at an equilibrium, with the partial derivatives of y.
@@ -111,6 +115,16 @@ impl Law {
         let weighted: Vec<f64> = errors.iter().zip(weights).map(|(error, weight)| weight.sqrt() * error).collect();
         let along = |v: &Vec<f64>| v.iter().zip(&weighted).map(|(v, error)| v * error).sum::<f64>().powi(2);
         Some(own.unmoved.iter().map(along).fold(0.0, |all, one| all + one).sqrt())
+    }
+}
+
+/// Makes rows zero that are noise.
+fn without_noise(found: &mut OutputJacobian, scales: &[f64]) {
+    for (row, size) in found.rows.iter_mut().zip(&found.sizes) {
+        let most = row.iter().zip(scales).map(|(own, scale)| (own * scale).abs()).fold(0.0, f64::max);
+        if most <= NOISE * size {
+            row.fill(0.0);
+        }
     }
 }
 

@@ -19,6 +19,8 @@ pub(super) fn check(input: &CommandInput) -> Result<(), RunError> {
         let message = "\"gains\" is of equilibria, and the case moves in time: leave \"time\" out, the law waits for rest between its steps";
         return refuse("time", message.to_owned());
     }
+    let one_rank = problem.solid().model().ranks().refuse_ranks("\"gains\"");
+    one_rank.map_err(|error| problem.complain("mesh", error.to_string()))?;
     input.require(true, true)?;
     if problem.case.load_cases.len() > 1 {
         let message = format!(

@@ -25,7 +25,7 @@ pub(super) fn of(law: &Law, member: CaseMember<'_>, start: &Evaluated, steps: us
     let mut workspace = ReducedWorkspace::default();
     let (open, outputs) = law.errors(member, start)?;
     let partials: Vec<&Partials> = outputs.iter().map(|one| &one.partials).collect();
-    let jacobian = member.reduced().output_jacobian(start, &partials, &mut workspace)?.rows;
+    let jacobian = member.reduced().output_jacobian(start, &partials, &law.scales, &mut workspace)?.rows;
     let mut record = GainsLoopRecord {
         contraction: law.feedback.contraction(&jacobian).into(),
         unreachable: law.unreachable(&jacobian, &open).into(),
@@ -53,7 +53,7 @@ pub(super) fn of(law: &Law, member: CaseMember<'_>, start: &Evaluated, steps: us
     if record.failed.is_none() {
         let outputs = law.errors(member, &at)?.1;
         let partials: Vec<&Partials> = outputs.iter().map(|one| &one.partials).collect();
-        let end = member.reduced().output_jacobian(&at, &partials, &mut workspace)?.rows;
+        let end = member.reduced().output_jacobian(&at, &partials, &law.scales, &mut workspace)?.rows;
         record.contraction_at_end = law.feedback.contraction(&end).into();
     }
     let on_bound = |(m, [lower, upper]): (&f64, &[f64; 2])| m <= lower || m >= upper;
