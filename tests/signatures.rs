@@ -12,7 +12,7 @@ const METHODS_OF_MODEL: usize = 44;
 /// Files of `run` that are of starts or checkpoints, at most.
 const FILES_OF_STARTS: usize = 12;
 /// Functions of `run` that may change all of a command, at most: those that begin and end it, and those that find its time steps.
-const HEADS_OF_COMMANDS: usize = 20;
+const HEADS_OF_COMMANDS: usize = 21;
 /// Crates of the front end.
 const FRONT_END: [&str; 5] = ["language", "case", "result", "run", "report"];
 /// Files of the front end that name springs, a block like any other, or a kind of actuation, at most.

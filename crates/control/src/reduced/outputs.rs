@@ -136,13 +136,13 @@ impl Reduced {
         self.forget(workspace);
         let space = self.solid.model().unknowns();
         let whole = space.len() - space.multipliers();
-        let sizes = outputs.iter().map(|output| size(output, (&moved, scales), whole)).collect();
+        let sizes = outputs.iter().map(|output| size(output, &moved, scales, whole)).collect();
         Ok(OutputJacobian { rows, by_adjoints, sizes })
     }
 }
 
 /// `sum |y_u| max |du| + sum |y_m dm|`, fields of the body and multipliers each by themselves.
-fn size(output: &Partials, (du, dm): (&[f64], &[f64]), whole: usize) -> f64 {
+fn size(output: &Partials, du: &[f64], dm: &[f64], whole: usize) -> f64 {
     let of = |part: &[f64], moved: &[f64]| {
         let most = moved.iter().fold(0.0, |most: f64, own| most.max(own.abs()));
         part.iter().map(|own| own.abs()).sum::<f64>() * most

@@ -40,7 +40,7 @@ pub(super) fn run(opened: &mut Opened<'_>) -> Result<Exit, RunError> {
     report(context, findings, &point, &found)?;
     let own = findings.timed(console, "solve", |_| nominal(context))?;
     let (problem, at) = own.as_ref().map_or((&input.problem, &point), |(problem, at)| (problem, at));
-    let record = findings.timed(console, "gains", |_| find(context, (problem.member(0), &at.members[0]), &point))?;
+    let record = findings.timed(console, "gains", |_| find(context, problem.member(0), &at.members[0], &point))?;
     console.clear();
     say(console, &record);
     findings.record.gains = Some(record.clone());
@@ -71,7 +71,8 @@ fn nominal(context: CommandContext<'_>) -> Result<Option<(CaseProblem, EnsembleP
 /// The law at the case's own body, and what it does there and in the scenarios.
 fn find(
     CommandContext { input, destination, .. }: CommandContext<'_>,
-    (own, at): (CaseMember<'_>, &Evaluated),
+    own: CaseMember<'_>,
+    at: &Evaluated,
     point: &EnsemblePoint,
 ) -> Result<GainsRecord, RunError> {
     let failed = |index: usize| move |error: ControlError| destination.member_failed(input, index, error);
