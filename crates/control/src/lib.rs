@@ -20,6 +20,7 @@ mod inner_product;
 mod known_limits;
 mod layout;
 mod map;
+mod matern;
 mod over_ranks;
 mod reduced;
 mod snapshot;
@@ -50,6 +51,7 @@ pub use map::{
     Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Held, Length, MAPS, MapRow, Mirror, Plane,
     PowerLaw, Projection, SPACES, Space, SpaceRow, Staged, Step,
 };
+pub use matern::{Kept, Matern, MaternModes};
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use nastic_mesh::spatial::Obstacle;
 pub use reduced::{AdaptiveSteps, Lagrangian, OutputJacobian, Reduced, SecondDerivative, work_summary};

@@ -15,6 +15,7 @@ mod second_order;
 mod sensitivity;
 mod static_trial;
 mod terms;
+mod uncertain;
 
 pub use adaptive_steps::AdaptiveSteps;
 pub use constrained::Lagrangian;
@@ -40,6 +41,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use uncertain::Uncertain;
 
 /// `jhat(m) = j(u(m), m)` with its derivative by the adjoint.
 ///
@@ -89,6 +91,8 @@ use std::sync::atomic::AtomicBool;
 pub struct Reduced {
     solid: Solid,
     layout: Layout,
+    /// Numbers beside the controls, by which the cost has derivatives.
+    uncertain: Option<Uncertain>,
     /// By stage, where the maps of fields change from stage to stage.
     staged: Vec<Layout>,
     costs: Vec<Box<dyn Cost>>,
@@ -145,6 +149,7 @@ impl Reduced {
             solid,
             projected: None,
             layout,
+            uncertain: None,
             staged: vec![],
             costs: vec![],
             constraints: vec![],

@@ -3,6 +3,7 @@
 mod builder;
 mod constrained;
 mod displacement;
+mod first_order;
 mod objective;
 mod on_team;
 mod report;
@@ -14,6 +15,7 @@ pub use report::Measured;
 
 use crate::blocks::{EnsembleBlock, gather, scatter};
 use crate::error::EnsembleError;
+use crate::first_order::FirstOrder;
 use crate::member::Member;
 use crate::parcel::{MemberValues, Parcel};
 use crate::point::{EnsemblePoint, EnsembleWorkspace, Held};
@@ -79,6 +81,7 @@ pub struct Ensemble {
     blocks: Vec<EnsembleBlock>,
     len: usize,
     risk: Box<dyn Risk>,
+    first_order: Option<FirstOrder>,
     product: Arc<EnsembleProduct>,
     watch: Watch,
     ranks: Ranks,
@@ -250,7 +253,7 @@ impl Ensemble {
         let found = self.side_by_side(workspace, evaluate, |_, at| MemberValues::of(at));
         self.ranks.took(began.elapsed());
         let (points, values) = found?;
-        self.joined(m, points, values)
+        self.with_first_order(self.joined(m, points, values)?, workspace)
     }
 
     fn check_len(&self, m: &[f64]) -> Result<(), EnsembleError> {
@@ -275,7 +278,7 @@ impl Ensemble {
         }
         let risk = self.risk.value(&self.probabilities, &costs);
         let held = if self.ranks.is_alone() { Held::All } else { Held::Own { first: self.ranks.own().start, reports } };
-        Ok(EnsemblePoint { m: m.to_vec(), members, costs, risk, held })
+        Ok(EnsemblePoint { m: m.to_vec(), members, costs, risk, first_order: None, held })
     }
 
     /// Runs `each` for every member of this rank, and sends the others what `tell` makes of it: own results, and what was sent of all, in
@@ -339,7 +342,7 @@ impl Ensemble {
             None => Err(ControlError::Length { found: point.members.len(), expected: self.members.len() }),
         };
         let (points, values) = self.side_by_side(none, restage, |_, at| MemberValues::of(at))?;
-        self.joined(&point.m, points, values)
+        self.with_first_order(self.joined(&point.m, points, values)?, none)
     }
 
     /// Calls `watch` after every evaluated member from now on, as [`EnsembleBuilder::watched_by`] does.
@@ -397,6 +400,12 @@ impl Ensemble {
         point: &mut EnsemblePoint,
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
+        if let Some(at) = &point.first_order {
+            // of the adjoints that its value took
+            let mut out = at.by_control.clone();
+            self.add_first_order(&mut out, point, workspace)?;
+            return Ok(out);
+        }
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let weight = |member: &Member| by_cost[member.scenario] * member.weight;
         let (known, costs) = (&*point, Lagrangian { costs: true, y: &[] });

@@ -81,6 +81,20 @@ pub enum EnsembleError {
         /// Why.
         what: String,
     },
+    /// A risk of first order that does not fit its members.
+    #[error("{}the risk of first order: {what}", prefix(.who))]
+    FirstOrder {
+        /// Scenario and load case.
+        who: String,
+        /// What is wrong.
+        what: String,
+    },
+    /// Second derivatives of a risk of first order.
+    #[error(
+        "a risk of first order gives first derivatives alone: its second ones have third ones of the cost; take a method that needs no others (lbfgs, spectral, \
+         projected_gradient)"
+    )]
+    NoThirdDerivatives,
     /// The ranks of the team cannot continue together.
     #[error(transparent)]
     Team(#[from] TeamError),
@@ -98,6 +112,7 @@ impl EnsembleError {
     pub fn lacks_second_derivatives(&self) -> bool {
         match self {
             EnsembleError::Member { source, .. } => source.lacks_second_derivatives(),
+            EnsembleError::NoThirdDerivatives => true,
             EnsembleError::Risk(error) => {
                 matches!(error, RiskError::NoSecondDerivatives { .. } | RiskError::Kink { .. })
             }

@@ -7,6 +7,7 @@
 mod blocks;
 mod ensemble;
 mod error;
+mod first_order;
 mod member;
 mod parcel;
 mod point;
@@ -17,6 +18,7 @@ mod saved;
 pub use blocks::EnsembleBlock;
 pub use ensemble::{Ensemble, EnsembleBuilder, Finished, Measured};
 pub use error::EnsembleError;
+pub use first_order::{FirstOrder, FirstOrderPoint, UncertainSource, VarianceShare};
 pub use member::{LoadCase, Member};
 pub use parcel::{MemberValues, Parcel};
 pub use point::{EnsemblePoint, EnsembleWorkspace};

@@ -1,5 +1,6 @@
 //! [`EnsemblePoint`] and [`EnsembleWorkspace`]: an evaluated control of an ensemble, and what it leaves for the next.
 
+use crate::first_order::FirstOrderPoint;
 use crate::parcel::MemberValues;
 use nastic_control::{AdjointState, Evaluated, ReducedWorkspace};
 use nastic_fem::SolveReport;
@@ -17,6 +18,8 @@ pub struct EnsemblePoint {
     pub costs: Vec<f64>,
     /// R of these.
     pub risk: f64,
+    /// Of a risk of first order: mean and deviation.
+    pub first_order: Option<FirstOrderPoint>,
     pub(crate) held: Held,
 }
 

@@ -86,8 +86,8 @@ pub use named_part::{NamedRegion, NamedSurface};
 pub use obstacle::{AlignedBox, Capsule, HalfSpace, Obstacle, Outline, Shape, ShapeOrName, Sphere, VectorInTime};
 pub use optimizer::{Metric, Optimizer, Unstable};
 pub use scenario::{
-    BetaLaw, ConditionalValueAtRisk, GammaLaw, Inadmissible, LognormalLaw, MeanDeviation, RandomParameter,
-    RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
+    BetaLaw, ConditionalValueAtRisk, FirstOrder, GammaLaw, GaussianLaw, Inadmissible, Kernel, LognormalLaw,
+    MeanDeviation, RandomParameter, RandomScenarios, Risk, Rule, Scenario, Scenarios, UniformLaw, WorstCase,
 };
 pub use smoothed_hausdorff::{Exponential, Inverse, Phi, SmoothedHausdorff, Stage, Stages};
 pub use support::{Along, Axis, Displacement, Fix, Support};

@@ -139,7 +139,7 @@ fn magnets_load_cases_and_every_other_key_are_read() {
 fn random_scenarios_are_read() {
     let case = case(SCENARIOS);
     let Scenarios::Random(random) = &case.scenarios else { panic!() };
-    assert_eq!((&random.rule, random.seed, random.random.len()), (&Rule::Gauss(3), 5, 4));
+    assert_eq!((&random.rule, random.seed, random.random.len()), (&Some(Rule::Gauss(3)), 5, 4));
     assert_eq!(random.random[0].gamma.as_ref().unwrap().mean, 4e4);
     assert!(matches!(&case.risk, Risk::ConditionalValueAtRisk(risk) if risk.level == 0.9));
     assert_eq!(number(&case.materials[0].parameters["share"]), Some(0.5));

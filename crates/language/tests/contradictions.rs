@@ -84,7 +84,20 @@ fn contradictions_inside_a_block_are_found() {
         ": mesh/box/cells: this box would have some 7.7e12 unknowns; at most 4e6 are taken: use fewer cells",
     );
     one(SCENARIOS, "\"level\": 0.9", "\"level\": 1.5", ": risk/cvar/level: must lie between 0 and 1, found 1.5");
-    one(SCENARIOS, "\"length\": \"0.3 m\", ", "", "modes belong to a field: give its covariance \"length\" too");
+    one(SCENARIOS, "\"length\": \"0.3 m\", ", "", "modes belong to a field: give its correlation \"length\" too");
+    one(SCENARIOS, "\"modes\": 5", "\"modes\": 5.5", "or a share of the variance below 1, as 0.9; found 5.5");
+    one(
+        SCENARIOS,
+        "\"length\": \"0.3 m\", \"modes\": 5",
+        "\"kernel\": \"matern\"",
+        "a kernel belongs to a field: give its correlation \"length\" too",
+    );
+    one(
+        SCENARIOS,
+        "{ \"cvar\": { \"level\": 0.9, \"smoothing\": 0.01 } }",
+        "{ \"first_order\": { \"deviations\": 2 } }",
+        ": scenarios/rule: the risk \"first_order\" makes no scenarios: leave \"rule\" out, or take another risk",
+    );
     one(
         SCENARIOS,
         "\"upper\": \"11 cm\"",

@@ -42,7 +42,10 @@ pub mod solver;
 mod space;
 mod sums;
 
-pub use eigenpairs::{ByProducts, Eigenpairs, Eigenproblem, Inversion, MassMatrix, smallest_eigenpairs};
+pub use eigenpairs::{
+    ByProducts, DefiniteProblem, Eigenpairs, Eigenproblem, Inversion, MassMatrix, leading_eigenpairs,
+    smallest_eigenpairs,
+};
 pub use error::{FactorError, NotCoupled, StructureError};
 pub use factor::factor_size::FactorSize;
 pub use factor::joined_structure::JoinedStructure;

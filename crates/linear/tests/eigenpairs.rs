@@ -6,8 +6,8 @@ use crate::support;
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use nastic_linear::{
-    Eigenpairs, Eigenproblem, FactorError, Graph, Inversion, LinearError, MassMatrix, Ordering, Pattern, Pivots,
-    SparseMatrix, Symbolic, smallest_eigenpairs,
+    DefiniteProblem, Eigenpairs, Eigenproblem, FactorError, Graph, Inversion, LinearError, MassMatrix, Ordering,
+    Pattern, Pivots, SparseMatrix, Symbolic, leading_eigenpairs, smallest_eigenpairs,
 };
 use nastic_numeric::vector::dot;
 use std::sync::Arc;
@@ -200,6 +200,58 @@ fn all_of_a_small_matrix_can_be_asked_for_and_not_more() {
         let refused = find(&matrix, MassMatrix::Diagonal(&mass), &fixed, count);
         assert_eq!(refused, Err(LinearError::EigenpairCount { count, unknowns: 16 }));
     }
+}
+
+fn find_leading(matrix: &SparseMatrix, masses: &[f64], count: usize) -> Result<Eigenpairs, LinearError> {
+    let symbolic = Arc::new(Symbolic::new(matrix.pattern()));
+    let factor = symbolic.factorize(matrix, Pivots::Positive, false).unwrap();
+    leading_eigenpairs(&DefiniteProblem { matrix, factor: &factor, masses, parallel: false }, count)
+}
+
+/// Blocks of a Krylov space give the pairs of a dense solver: of a random matrix, of a cube with its pairs and triples, all of a small one.
+#[test]
+fn leading_pairs_are_those_of_a_dense_solver() {
+    let cube = Grid::hexahedra([5, 5, 5], 1);
+    let pattern = cube.pattern(1);
+    let cube = (cube.laplacian(&pattern, 1e-3), vec![1.0; pattern.dofs()]);
+    let bar = Grid::hexahedra([9, 4, 3], 1);
+    let pattern = bar.pattern(3);
+    let bar = (bar.random_matrix(&pattern, -3.0, &mut Random::new(7)).0, masses(pattern.dofs()));
+    let small = Grid::hexahedra([1, 1, 1], 1);
+    let pattern = small.pattern(1);
+    let small = (small.laplacian(&pattern, 1.0), masses(pattern.dofs()));
+    for ((matrix, masses), counts) in [(cube, [1, 7, 40]), (bar, [3, 17, 60]), (small, [1, 3, 8])] {
+        let fixed = vec![false; masses.len()];
+        let mass = MassMatrix::Diagonal(&masses);
+        let expected = dense_eigenvalues(&matrix, mass, &fixed);
+        for count in counts {
+            let found = find_leading(&matrix, &masses, count).unwrap();
+            assert!(found.counted && found.values.len() == count && found.vectors.len() == count);
+            check_pairs(&matrix, mass, &fixed, (&found, &expected, expected[expected.len() - 1]));
+        }
+        let n = masses.len();
+        let refused = find_leading(&matrix, &masses, n + 1);
+        assert_eq!(refused, Err(LinearError::EigenpairCount { count: n + 1, unknowns: n }));
+    }
+}
+
+/// Three eigenvalues, each there more than twenty times, more often than a block has vectors: pivots show what is missing.
+#[test]
+fn eigenvalues_of_more_vectors_than_a_block_are_all_found() {
+    let grid = Grid::hexahedra([3, 3, 3], 1);
+    let pattern = grid.pattern(1);
+    let mut matrix = SparseMatrix::zeros(pattern.clone());
+    let values: Vec<f64> = (0..pattern.dofs()).map(|i| 1.0 + (i % 3) as f64).collect();
+    matrix.add_diagonal(&values);
+    let found = find_leading(&matrix, &vec![1.0; pattern.dofs()], 30).unwrap();
+    let low = values.iter().filter(|value| **value == 1.0).count();
+    assert!(low > 16 && low < 30);
+    let expected = (0..30).map(|k| if k < low { 1.0 } else { 2.0 });
+    assert!(
+        found.values.iter().zip(expected).all(|(value, expected)| (value - expected).abs() < 1e-12),
+        "{:?}",
+        found.values
+    );
 }
 
 /// What would not fit into memory is refused before anything is allocated.

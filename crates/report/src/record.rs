@@ -34,6 +34,7 @@ mod contribution_record;
 mod control_record;
 mod error_record;
 mod failure_record;
+mod first_order_record;
 mod fit_record;
 mod gains_record;
 mod gradcheck_record;
@@ -65,6 +66,7 @@ pub use failure_record::{
     CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, FreeMotionRecord, MeetingGuidesRecord,
     PenetrationRecord, TensionRecord,
 };
+pub use first_order_record::{FirstOrderRecord, SourceRecord};
 pub use fit_record::{
     BulkRecord, EstimateRecord, FailedLawRecord, FitRecord, FitStartsRecord, FittedLawRecord, StableRangeRecord,
     TestRecord,

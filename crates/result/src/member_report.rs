@@ -4,10 +4,11 @@ use crate::inspection::{Inspection, Uncounted};
 use crate::summary;
 use nastic_case::lower::{CaseMember, CaseProblem, LocatedProbe};
 use nastic_control::{ControlError, CostPoint, DistanceInTime};
-use nastic_ensemble::{EnsemblePoint, Measured};
+use nastic_ensemble::{EnsemblePoint, FirstOrderPoint, Measured, VarianceShare};
 use nastic_fem::{SolveReport, State};
 use nastic_report::record::{
-    ByName, CostRecord, MeasureRecord, ProbeRecord, ProbesRecord, RiskRecord, StateRecord, numbers,
+    ByName, CostRecord, FirstOrderRecord, MeasureRecord, ProbeRecord, ProbesRecord, RiskRecord, SourceRecord,
+    StateRecord, numbers,
 };
 use nastic_uncertainty::risk::deviation;
 use rayon::prelude::*;
@@ -32,6 +33,8 @@ pub struct MemberReport<'a> {
     pub work: SolveReport,
     /// The smallest J, of a motion over all its states.
     pub min_j: f64,
+    /// Of a risk of first order that of the point.
+    pub first_order: Option<&'a FirstOrderPoint>,
     /// What was found in the state; nothing where only costs are reported.
     pub inspection: Option<&'a Inspection>,
 }
@@ -60,7 +63,8 @@ pub fn of_point<'a>(problem: &'a CaseProblem, point: &'a EnsemblePoint) -> Resul
         let (terms, work) = (at.terms.clone(), at.total_work());
         let min_j = at.min_j();
         let (state, stage) = (at.state(), at.stage);
-        Ok(MemberReport { member, state, terms, costs, distances, stage, work, min_j, inspection: None })
+        let first_order = point.first_order.as_ref();
+        Ok(MemberReport { member, state, terms, costs, distances, stage, work, min_j, first_order, inspection: None })
     };
     problem.members().zip(&point.members).map(of).collect()
 }
@@ -92,7 +96,9 @@ pub fn entries(
     let own: Vec<StateRecord> =
         reports.par_iter().with_max_len(1).map(|one| entry(one, detail)).collect::<Result<_, _>>()?;
     if problem.is_plain() {
-        return Ok(own.into_iter().next().unwrap_or_default());
+        let mut lone = own.into_iter().next().unwrap_or_default();
+        add_first_order(&mut lone, problem, reports);
+        return Ok(lone);
     }
     let costs = costs(problem, reports);
     let mut out = if detail == Detail::Full { overall(&own, reports) } else { StateRecord::default() };
@@ -105,6 +111,7 @@ pub fn entries(
         if problem.has_scenarios() {
             out.risk = risk(problem, &costs);
         }
+        add_first_order(&mut out, problem, reports);
     }
     if detail == Detail::Full && problem.has_scenarios() && !problem.probes.is_empty() {
         out.probes = Some(probes(problem, reports));
@@ -146,6 +153,23 @@ fn entry(one: &MemberReport<'_>, detail: Detail) -> Result<StateRecord, MemberEr
         summary::add_work(&mut out, &one.work);
     }
     Ok(out)
+}
+
+/// Mean and deviation to first order, and the cost that is made of them.
+fn add_first_order(out: &mut StateRecord, problem: &CaseProblem, reports: &[MemberReport<'_>]) {
+    let (Some(of), Some(at)) = (problem.ensemble.first_order(), reports.first().and_then(|one| one.first_order)) else {
+        return;
+    };
+    let source = |own: VarianceShare| SourceRecord { parameter: own.name, region: own.part, share: own.share.into() };
+    out.cost.total = of.value(at).into();
+    out.first_order = Some(FirstOrderRecord {
+        mean: at.mean.into(),
+        deviation: at.deviation.into(),
+        rounded: at.rounded.into(),
+        about: "the expansion is about the medians of the random parameters: what is said of the mean of a log-normal one differs by the factor exp(v/2), v the variance of its logarithm"
+            .to_owned(),
+        sources: of.shares(at).into_iter().map(source).collect(),
+    });
 }
 
 fn risk(problem: &CaseProblem, costs: &[f64]) -> RiskRecord {

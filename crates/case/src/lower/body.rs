@@ -2,7 +2,9 @@
 
 use super::context::Context;
 use super::variant::Variant;
-use super::{actuation, blocks, contact, control, gravity, inertia, load, material, optimizer, support, time};
+use super::{
+    actuation, blocks, contact, control, first_order, gravity, inertia, load, material, optimizer, support, time,
+};
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid, Solver};
 use nastic_language::schema::{Beginning, Case, LinearSolver, Time};
@@ -13,7 +15,7 @@ use std::sync::Arc;
 pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut Context<'_>) -> Option<Reduced> {
     let case = &variant.case;
     let mut solid = Solid::on(disc.clone());
-    material::add(case, &mut solid, context);
+    material::add(case, &variant.uncertain, &mut solid, context);
     actuation::add(case, &mut solid, context);
     support::add(case, &mut solid, context);
     blocks::add(case, &mut solid, context);
@@ -36,6 +38,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     let reduced = load::fix(case, reduced, context)?;
     let reduced = gravity::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
+    let reduced = first_order::add(&variant.uncertain, reduced, context)?;
     // members in one process, or on all ranks, have most of their vectors in common
     context.is_sound().then(|| reduced.share_equal_parts())
 }

@@ -8,8 +8,8 @@ use crate::lower::scenario::Scenario;
 use crate::lower::target_shape::TargetShape;
 use crate::lower::variant::Variant;
 use crate::lower::{
-    body, constraint, control, cost, design, elements, magnitude, mesh, pressures, prior, probe, scenario, sizes,
-    slack, start, survey, tension, time_table, variant, weight,
+    body, constraint, control, cost, design, elements, first_order, magnitude, mesh, pressures, prior, probe, scenario,
+    sizes, slack, start, survey, tension, time_table, variant, weight,
 };
 use crate::warning::Warning;
 use nastic_control::Reduced;
@@ -246,6 +246,9 @@ fn join(
         labels.push(Label { scenario, load_case, stem, case_stem, case, targets });
     }
     let mut builder = Ensemble::new(scenario::risk(case)).cancelled_by(cancel);
+    if let (Some(block), [only]) = (first_order::block(case), scenarios) {
+        builder = builder.first_order(first_order::risk(block, only));
+    }
     for (scenario, cases) in scenarios.iter().zip(cases) {
         builder = builder.scenario_of(scenario.name.as_deref().unwrap_or(""), scenario.probability, cases);
     }

@@ -3,6 +3,7 @@
 use super::context::Context;
 use super::design;
 use super::field::SamplePoints;
+use super::first_order::Uncertain;
 use super::law_inputs::inputs;
 use super::named::{attempt, complain_of_law};
 use super::named_groups;
@@ -15,7 +16,7 @@ use nastic_language::number::short;
 use nastic_language::schema::{Case, Control, Material};
 use std::collections::BTreeSet;
 
-pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
+pub(super) fn add(case: &Case, uncertain: &[Uncertain], solid: &mut Solid, context: &mut Context<'_>) {
     let mut covered: Vec<Option<usize>> = vec![None; solid.mesh().cells()];
     let mut reinforced: Vec<Option<usize>> = vec![None; solid.mesh().cells()];
     for (k, material) in case.materials.iter().enumerate() {
@@ -45,7 +46,9 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
         let disc = solid.discretization().clone();
         let points = SamplePoints::of_body(case, &disc, &cells);
         let Some(inputs) = inputs(&material.parameters, &material.at, &points, context) else { continue };
-        let numbers: Vec<&str> = case.controls.iter().filter_map(|control| material.number_of(&control.of)).collect();
+        let controlled = case.controls.iter().filter_map(|control| material.number_of(&control.of));
+        let random = uncertain.iter().filter(|own| own.material == k).map(|own| own.number.as_str());
+        let numbers: Vec<&str> = controlled.chain(random).collect();
         let (name, of) = (design::law_name(material), &material.region);
         let law = match numbers.is_empty() {
             true => material.law.build(&inputs),
@@ -64,7 +67,12 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
                 EnergyError::NotLinear { name, .. } => material.number_of(&control.of) == Some(name),
                 _ => false,
             };
+            let random = |own: &&Uncertain| match &error {
+                EnergyError::NotLinear { name, .. } => own.material == k && own.number == *name,
+                _ => false,
+            };
             let of = case.controls.iter().find(named).map(|control| control.at.key("of"));
+            let of = of.or(uncertain.iter().find(random).map(|own| own.at.key("path")));
             complain_of_law(of.as_ref().unwrap_or(&material.at), &error, context);
         });
     }

@@ -2,16 +2,16 @@
 
 use super::context::Context;
 use super::material::inadmissible;
+use super::random_field::FieldBlock;
 use super::scenario::Scenario;
 use super::variant::{read, set_field};
-use crate::warning::TRUNCATED_FIELD;
 use nastic_energy::{EnergyError, Field};
 use nastic_fem::Discretization;
 use nastic_language::schema::{Case, Inadmissible, Parameter, RandomParameter, RandomScenarios, Rule};
 use nastic_language::syntax::{At, Document, Node, Setting, SourcePosition, Value};
-use nastic_mesh::GroupNames;
-use nastic_uncertainty::{Beta, Gamma, Law, LogNormalField, Modes, Normal, Sample, StochasticError};
+use nastic_uncertainty::{Beta, Gamma, Law, Normal, RandomField, Sample, StochasticError};
 use serde_json::{Map, json};
+use std::sync::Arc;
 
 /// Scenarios at most: a small body takes milliseconds to build, and kilobytes.
 const MOST_SCENARIOS: usize = 10_000;
@@ -24,17 +24,16 @@ pub(super) fn scenarios(
     disc: &Discretization,
     context: &mut Context<'_>,
 ) -> Option<Vec<Scenario>> {
-    let variables: Vec<Option<Variable>> =
-        block.random.iter().map(|one| Variable::new(one, case, document, disc, context)).collect();
-    let variables: Vec<Variable> = variables.into_iter().collect::<Option<_>>()?;
+    let variables = variables(block, case, document, disc, context)?;
     let laws: Vec<&dyn Law> = variables.iter().flat_map(Variable::laws).collect();
-    let sample = sample(&block.rule, &laws, block.seed);
+    // a case without it has been refused
+    let sample = sample(block.rule.as_ref()?, &laws, block.seed);
     let sample = context.take(&block.at.key("rule"), sample)?;
     let found = sample.nodes.len();
     if found > MOST_SCENARIOS {
         let message = format!(
             "the rule has {found} nodes for {} random numbers, each a scenario with a body of its own; at most \
-             {MOST_SCENARIOS} are taken: use \"sparse\" or \"quasi_monte_carlo\"",
+             {MOST_SCENARIOS} are taken: use \"sparse\", \"lattice\" or \"quasi_monte_carlo\"",
             laws.len()
         );
         context.complain(&block.at.key("rule"), message);
@@ -46,23 +45,37 @@ pub(super) fn scenarios(
     admissible(nodes?, block, case, document, disc, context)
 }
 
+/// The random parameters; `None` after a complaint.
+pub(super) fn variables(
+    block: &RandomScenarios,
+    case: &Case,
+    document: &Document,
+    disc: &Discretization,
+    context: &mut Context<'_>,
+) -> Option<Vec<Variable>> {
+    let all: Vec<Option<Variable>> =
+        block.random.iter().map(|one| Variable::new(one, case, document, disc, context)).collect();
+    all.into_iter().collect()
+}
+
 fn sample(rule: &Rule, laws: &[&dyn Law], seed: u64) -> Result<Sample, StochasticError> {
     match rule {
         Rule::Gauss(points) => Sample::tensor(laws, &vec![*points; laws.len()]),
         Rule::Sparse(level) => Sample::sparse(laws, *level),
         Rule::MonteCarlo(count) => Sample::monte_carlo(laws, *count, seed),
         Rule::QuasiMonteCarlo(count) => Sample::quasi_monte_carlo(laws, *count, seed),
+        Rule::Lattice(count) => Sample::lattice(laws, *count, seed),
     }
 }
 
 /// A random parameter: independent numbers of known laws, and what they make of it.
-struct Variable {
-    path: String,
-    place: SourcePosition,
-    kind: Kind,
+pub(super) struct Variable {
+    pub path: String,
+    pub place: SourcePosition,
+    pub kind: Kind,
 }
 
-enum Kind {
+pub(super) enum Kind {
     /// The number itself.
     Plain(Box<dyn Law>),
     /// `lower + width x`, x uniform on (0, 1).
@@ -70,13 +83,8 @@ enum Kind {
     /// `mean exp(s g - s^2/2)`, g standard normal.
     LogNormal { mean: f64, variance: f64 },
     /// A field; its coefficients are standard normal.
-    Field(Box<LogNormalField>),
+    Field(Box<RandomField>),
 }
-
-/// Share of the variance that the modes of a field hold where their number is left out.
-/// Modes that hold less than this share of the variance make another field of it.
-const HALF: f64 = 0.5;
-const ENERGY: f64 = 0.9;
 
 impl Variable {
     fn new(
@@ -87,37 +95,31 @@ impl Variable {
         context: &mut Context<'_>,
     ) -> Option<Self> {
         let place = document.root().find(one.at.as_str())?.place.clone();
-        let kind = match (&one.gamma, &one.beta, &one.uniform, &one.lognormal) {
+        let field = |own: Option<FieldBlock<'_>>, context: &mut Context<'_>| {
+            own.map(|own| own.build(case, disc, context).map(|field| Kind::Field(Box::new(field))))
+        };
+        let kind = match (&one.gamma, &one.beta, &one.uniform, &one.lognormal, &one.gaussian) {
             (Some(law), ..) => {
                 let gamma = Gamma::from_mean_variance(law.mean, law.deviation.powi(2));
                 Kind::Plain(Box::new(context.take(&one.at.key("gamma"), gamma)?))
             }
             (_, Some(law), ..) => Kind::Plain(Box::new(context.take(&one.at.key("beta"), Beta::new(law.a, law.b))?)),
-            (_, _, Some(law), _) => {
+            (_, _, Some(law), ..) => {
                 let unit = context.take(&one.at.key("uniform"), Beta::new(1.0, 1.0))?;
                 Kind::Uniform { unit, lower: law.lower, width: law.upper - law.lower }
             }
-            (.., Some(law)) => {
-                let variation = law.deviation / law.mean;
-                match law.length {
-                    None => Kind::LogNormal { mean: law.mean, variance: variation.powi(2).ln_1p() },
-                    Some(length) => {
-                        let region = field_region(one, case, context)?;
-                        let modes = law.modes.map_or(Modes::Energy(ENERGY), Modes::Count);
-                        let field = LogNormalField::new(disc.mesh(), region, law.mean, variation, length, modes);
-                        let field = context.take(&one.at.key("lognormal"), field)?;
-                        let share = 100.0 * field.captured();
-                        let count = field.modes().len();
-                        let held = format!("{}: {count} modes hold {share:.1} % of the field's variance", one.path);
-                        match field.captured() < HALF {
-                            true => context.warn(&TRUNCATED_FIELD, &one.at.key("lognormal"), held),
-                            false => context.note(held),
-                        }
-                        Kind::Field(Box::new(field))
-                    }
+            (_, _, _, Some(law), _) => match field(FieldBlock::log_normal(one, law), context) {
+                Some(field) => field?,
+                None => Kind::LogNormal { mean: law.mean, variance: (law.deviation / law.mean).powi(2).ln_1p() },
+            },
+            (.., Some(law)) => match field(FieldBlock::gaussian(one, law), context) {
+                Some(field) => field?,
+                None => {
+                    let normal = Normal::from_mean_variance(law.mean, law.deviation.powi(2));
+                    Kind::Plain(Box::new(context.take(&one.at.key("gaussian"), normal)?))
                 }
-            }
-            (None, None, None, None) => return None,
+            },
+            (None, None, None, None, None) => return None,
         };
         Some(Self { path: one.path.clone(), place, kind })
     }
@@ -132,29 +134,6 @@ impl Variable {
     }
 }
 
-/// The region whose material has the parameter that varies over the body.
-fn field_region<'c>(one: &RandomParameter, case: &'c Case, context: &mut Context<'_>) -> Option<&'c GroupNames> {
-    let steps: Vec<&str> = one.path.split('/').collect();
-    let material =
-        match steps.as_slice() {
-            ["materials", k, key] => k.parse::<usize>().ok().and_then(|k| case.materials.get(k)).filter(|material| {
-                material.parameters.iter().any(|(name, input)| name == key && input.number().is_some())
-            }),
-            ["materials", k, key, name] => {
-                k.parse::<usize>().ok().and_then(|k| case.materials.get(k)).filter(|material| {
-                    material.parameters.get(key).is_some_and(|input| input.number_named(name).is_some())
-                })
-            }
-            _ => None,
-        };
-    if material.is_none() {
-        let message = "a random field is possible for a parameter of a material alone, as in \"materials/0/mu1\": leave \
-                       out \"length\", or name such a parameter";
-        context.complain(&one.at.key("path"), message);
-    }
-    material.map(|material| &material.region)
-}
-
 /// The scenario at a node of the rule.
 fn scenario(
     index: usize,
@@ -165,7 +144,8 @@ fn scenario(
     context: &mut Context<'_>,
 ) -> Option<Scenario> {
     let name = Some(index.to_string());
-    let mut scenario = Scenario { name, probability, settings: vec![], fields: vec![], values: Map::new() };
+    let mut scenario =
+        Scenario { name, probability, settings: vec![], fields: vec![], uncertain: Arc::default(), values: Map::new() };
     let mut rest = node;
     for variable in variables {
         let (own, behind) = rest.split_at_checked(variable.laws().len())?;

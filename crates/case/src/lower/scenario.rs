@@ -1,6 +1,7 @@
 //! The scenarios that one control must serve.
 
 use super::context::Context;
+use super::first_order::{self, Uncertain};
 use super::random;
 use crate::warning::INPUT;
 use nastic_fem::Discretization;
@@ -20,6 +21,8 @@ pub(super) struct Scenario {
     pub settings: Vec<Setting>,
     /// Random fields: the parameter, and its values by cell.
     pub fields: Vec<(String, Arc<[f64]>)>,
+    /// Random parameters that are held at their medians.
+    pub uncertain: Arc<Vec<Uncertain>>,
     /// What differs, for results.
     pub values: Map<String, Value>,
 }
@@ -34,9 +37,13 @@ pub(super) fn scenarios(
     match &case.scenarios {
         Scenarios::List(list) if list.is_empty() => {
             let values = Map::new();
-            Some(vec![Scenario { name: None, probability: 1.0, settings: vec![], fields: vec![], values }])
+            let uncertain = Arc::default();
+            Some(vec![Scenario { name: None, probability: 1.0, settings: vec![], fields: vec![], uncertain, values }])
         }
         Scenarios::List(list) => listed(list, context),
+        Scenarios::Random(block) if first_order::block(case).is_some() => {
+            first_order::scenario(block, case, document, disc, context).map(|one| vec![one])
+        }
         Scenarios::Random(block) => random::scenarios(block, case, document, disc, context),
     }
 }
@@ -66,6 +73,7 @@ fn listed(list: &[ScenarioBlock], context: &mut Context<'_>) -> Option<Vec<Scena
         probability: p / sum,
         settings: one.set.0.clone(),
         fields: vec![],
+        uncertain: Arc::default(),
         values: one.set.0.iter().map(|setting| (setting.path.clone(), setting.node.to_json())).collect(),
     };
     sound.then(|| list.iter().zip(names).zip(given).map(scenario).collect())
@@ -82,7 +90,8 @@ fn same(list: &[ScenarioBlock]) -> bool {
 /// The measure of risk.
 pub(super) fn risk(case: &Case) -> Box<dyn Risk> {
     match &case.risk {
-        RiskBlock::Mean => Box::new(Mean),
+        // that of first order is the mean of one scenario, and more
+        RiskBlock::Mean | RiskBlock::FirstOrder(_) => Box::new(Mean),
         RiskBlock::MeanDeviation(block) => Box::new(MeanDeviation { lambda: block.lambda }),
         RiskBlock::ConditionalValueAtRisk(block) => Box::new(Cvar { level: block.level, smoothing: block.smoothing }),
         RiskBlock::WorstCase(block) => Box::new(WorstCase { smoothing: block.smoothing }),

@@ -22,7 +22,7 @@ pub(super) fn look(case: &Case, document: &Document, context: &mut Context<'_>) 
     probe::locate(case, &mesh, context);
     let Some(disc) = context.take(&mesh::at(case), Discretization::new(mesh)) else { return };
     let mut solid = Solid::on(disc);
-    material::add(case, &mut solid, context);
+    material::add(case, &[], &mut solid, context);
     actuation::add(case, &mut solid, context);
     support::add(case, &mut solid, context);
     blocks::add(case, &mut solid, context);

@@ -1,11 +1,13 @@
 //! The members of a problem as cases of their own: every load case of every scenario.
 
 use super::context::Context;
+use super::first_order::Uncertain;
 use super::scenario::Scenario;
 use crate::warning::INPUT;
 use nastic_language::quantity::Units;
 use nastic_language::schema::{Case, Input, LoadCase, Parameter};
 use nastic_language::syntax::{At, Diagnostic, Diagnostics, Document, Setting};
+use std::sync::Arc;
 
 /// The case as one member sees it: its values, and all blocks that count for it.
 #[derive(Debug)]
@@ -28,6 +30,8 @@ pub(super) struct Variant {
     pub case: Case,
     /// With the values of this member, for messages.
     pub document: Document,
+    /// Random parameters that are held at their medians.
+    pub uncertain: Arc<Vec<Uncertain>>,
     /// The instants of its time steps, where they were found.
     pub instants: Option<Vec<f64>>,
 }
@@ -105,6 +109,7 @@ fn make(
         case_stem,
         case: own,
         document,
+        uncertain: scenario.uncertain.clone(),
         instants: None,
     })
 }

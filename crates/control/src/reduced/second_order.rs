@@ -19,6 +19,19 @@ pub struct SecondDerivative {
     pub derivative: Vec<f64>,
 }
 
+/// A direction of second derivatives: a change of the control vector, and of all slots at the points.
+pub(super) struct Direction {
+    pub by_control: Vec<f64>,
+    pub at_points: Controls,
+}
+
+/// What of second derivatives is wanted: of a term or of all, exact or not, and with the first one.
+pub(super) struct Wanted {
+    pub of: Option<usize>,
+    pub which: Hessian,
+    pub first: bool,
+}
+
 /// The partial derivative by the controls, for those who want it.
 type ByControls<'a> = &'a dyn Fn() -> Result<Vec<f64>, ControlError>;
 
@@ -96,6 +109,19 @@ impl Reduced {
     ) -> Result<SecondDerivative, ControlError> {
         self.solid().model().ranks().refuse_ranks("second derivatives")?;
         self.refuse_projection("second derivatives")?;
+        let along = self.direction(point, v)?;
+        self.second_derivative_along(point, Wanted { of: term, which, first }, &along, workspace)
+    }
+
+    /// The same along a direction that may have numbers beside the controls.
+    pub(super) fn second_derivative_along(
+        &self,
+        point: &Evaluated,
+        want: Wanted,
+        along: &Direction,
+        workspace: &mut ReducedWorkspace,
+    ) -> Result<SecondDerivative, ControlError> {
+        let Wanted { of: term, which, first } = want;
         let exact = which == Hessian::Exact;
         let lambda = if exact || first { Some(self.adjoint_of(point, term, workspace)?) } else { None };
         let costs = self.costs_of(point)?;
@@ -109,7 +135,14 @@ impl Reduced {
         let by_m = || Ok(self.partials(point, term)?.m);
         let first: Option<ByControls<'_>> = if first { Some(&by_m) } else { None };
         let by_u = || Ok(self.partials(point, term)?.u);
-        self.second_derivative_by(point, (lambda.as_deref(), &by_u), add, (v, which, first), workspace)
+        self.second_derivative_by(point, (lambda.as_deref(), &by_u), add, (along, which, first), workspace)
+    }
+
+    /// A change v of the control vector.
+    fn direction(&self, point: &Evaluated, v: &[f64]) -> Result<Direction, ControlError> {
+        self.refuse_motion("second derivatives")?;
+        let at_points = self.layout_in_stage(point.stage).change(&point.m, v)?;
+        Ok(Direction { by_control: v.to_vec(), at_points })
     }
 
     /// `(d2j + sum_k y_k d2c_k + sum_k w_k dc_k dc_k^T) v` of costs and constraints by the controls, as `of` weighs them.
@@ -148,7 +181,8 @@ impl Reduced {
         };
         let by_u = || Ok(self.lagrangian_partials(point, of)?.u);
         let of_state: OfState<'_> = (lambda.as_deref(), &by_u);
-        Ok(self.second_derivative_by(point, of_state, add, (v, which, None), workspace)?.product)
+        let along = self.direction(point, v)?;
+        Ok(self.second_derivative_by(point, of_state, add, (&along, which, None), workspace)?.product)
     }
 
     /// The second derivative of what has the adjoint `lambda` (the exact one needs it) and whose second partials `add` adds; the
@@ -158,24 +192,23 @@ impl Reduced {
         point: &Evaluated,
         (lambda, by_u): OfState<'_>,
         add: impl Fn(&Partials, &mut Partials) -> Result<(), ControlError>,
-        (v, which, first): (&[f64], Hessian, Option<ByControls<'_>>),
+        (along, which, first): (&Direction, Hessian, Option<ByControls<'_>>),
         workspace: &mut ReducedWorkspace,
     ) -> Result<SecondDerivative, ControlError> {
-        self.refuse_motion("second derivatives")?;
         let layout = self.layout_in_stage(point.stage);
-        let at_points = layout.change(&point.m, v)?;
+        let Direction { by_control: v, at_points } = along;
         let exact = which == Hessian::Exact;
         let how = SolveOptions { parallel: self.parallel, ..SolveOptions::default() };
         let mut second = SecondOrder::new(self.solid.model(), point.state(), &how, &mut workspace.solve)?;
         if !exact {
             second = second.for_iterations();
         }
-        let along = Partials { u: second.state_change(&at_points)?, m: v.to_vec() };
+        let along = Partials { u: second.state_change(at_points)?, m: v.clone() };
         let mut change = Partials::zero(along.u.len(), v.len());
         add(&along, &mut change)?;
         let adjoint = match lambda {
             Some(lambda) if exact => {
-                let increment = Increment { u: &along.u, controls: &at_points };
+                let increment = Increment { u: &along.u, controls: at_points };
                 second.adjoint_change(lambda, &increment, &change.u)?
             }
             _ => second.through_state(&change.u)?,
@@ -218,7 +251,7 @@ impl Reduced {
     }
 
     /// The derivative of a functional with these partials by the state and this adjoint by the values at the points.
-    fn by_point(&self, point: &Evaluated, by_u: &[f64], lambda: &[f64]) -> Result<Controls, ControlError> {
+    pub(super) fn by_point(&self, point: &Evaluated, by_u: &[f64], lambda: &[f64]) -> Result<Controls, ControlError> {
         let state = point.state();
         let mut at = Instant::of(state);
         at.parallel = self.parallel;

@@ -3,6 +3,7 @@
 use super::{Ensemble, Finished, Watch};
 use crate::blocks::enter;
 use crate::error::EnsembleError;
+use crate::first_order::FirstOrder;
 use crate::member::{LoadCase, Member};
 use crate::product::EnsembleProduct;
 use crate::ranks::Ranks;
@@ -16,6 +17,7 @@ use std::sync::{Arc, Mutex};
 #[derive(Debug)]
 pub struct EnsembleBuilder {
     risk: Box<dyn Risk>,
+    first_order: Option<FirstOrder>,
     scenarios: Vec<(String, f64, Vec<LoadCase>)>,
     watch: Watch,
     cancel: Option<Arc<AtomicBool>>,
@@ -27,7 +29,14 @@ const ALONE: &str = "";
 
 impl EnsembleBuilder {
     pub(super) fn new(risk: Box<dyn Risk>) -> Self {
-        EnsembleBuilder { risk, scenarios: vec![], watch: Watch(None), cancel: None, keep_factors: true }
+        EnsembleBuilder {
+            risk,
+            first_order: None,
+            scenarios: vec![],
+            watch: Watch(None),
+            cancel: None,
+            keep_factors: true,
+        }
     }
 
     /// Adds a scenario of one problem.
@@ -65,6 +74,12 @@ impl EnsembleBuilder {
         self
     }
 
+    /// Adds the deviation to first order in the uncertain numbers of its members, which are the load cases of one scenario.
+    #[must_use]
+    pub fn first_order(self, first_order: FirstOrder) -> Self {
+        EnsembleBuilder { first_order: Some(first_order), ..self }
+    }
+
     /// Checks all members and joins their controls.
     ///
     /// # Errors
@@ -74,6 +89,7 @@ impl EnsembleBuilder {
         self.check_names()?;
         let probabilities: Vec<f64> = self.scenarios.iter().map(|(_, p, _)| *p).collect();
         self.risk.check(&probabilities)?;
+        self.check_first_order()?;
         let alone = self.scenarios.iter().map(|(_, _, cases)| cases.len()).sum::<usize>() == 1;
         let (mut members, mut blocks, mut names) = (Vec::new(), Vec::new(), Vec::new());
         for (scenario, (name, _, cases)) in self.scenarios.into_iter().enumerate() {
@@ -110,9 +126,19 @@ impl EnsembleBuilder {
         }
         let len = blocks.iter().map(|block| block.len).sum();
         let product = Arc::new(EnsembleProduct::new(&blocks, &members, products));
-        let (risk, watch, ranks) = (self.risk, self.watch, Ranks::alone(members.len()));
-        let kept = Mutex::default();
-        Ok(Ensemble { members, names, probabilities, blocks, len, risk, product, watch, ranks, kept })
+        let (risk, first_order, watch) = (self.risk, self.first_order, self.watch);
+        let (ranks, kept) = (Ranks::alone(members.len()), Mutex::default());
+        Ok(Ensemble { members, names, probabilities, blocks, len, risk, first_order, product, watch, ranks, kept })
+    }
+
+    fn check_first_order(&self) -> Result<(), EnsembleError> {
+        let Some(of) = &self.first_order else { return Ok(()) };
+        if self.scenarios.len() > 1 {
+            let what = format!("{} scenarios; it has the load cases of one", self.scenarios.len());
+            return Err(EnsembleError::FirstOrder { who: String::new(), what });
+        }
+        let mut cases = self.scenarios.iter().flat_map(|(_, _, cases)| cases);
+        cases.try_for_each(|case| of.check(&case.name, &case.problem.uncertain_numbers()))
     }
 
     fn check_names(&self) -> Result<(), EnsembleError> {

@@ -115,7 +115,9 @@ impl Ensemble {
     ) -> Result<Vec<f64>, EnsembleError> {
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let shares = self.shares(point, [y, &[]], |member| by_cost[member.scenario] * member.weight);
-        self.derivative_of(&shares, point, workspace)
+        let mut out = self.derivative_of(&shares, point, workspace)?;
+        self.add_first_order(&mut out, point, workspace)?;
+        Ok(out)
     }
 
     /// The derivative of `y . c`, of constraints alone: no digits are lost to a cost of another size.
@@ -181,6 +183,7 @@ impl Ensemble {
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
         self.check_len(v)?;
+        self.refuse_first_order()?;
         let bends = self.names.len() > 1 && !self.risk.is_linear();
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let weight = |member: &Member| if bends { 0.0 } else { by_cost[member.scenario] * member.weight };

@@ -2,6 +2,7 @@
 
 use super::Ensemble;
 use crate::error::EnsembleError;
+use crate::first_order::FirstOrderPoint;
 use crate::member::Member;
 use crate::parcel::ReportedFailure;
 use crate::point::{EnsemblePoint, EnsembleWorkspace};
@@ -97,17 +98,25 @@ impl Objective for Ensemble {
     fn save(&self, point: &EnsemblePoint) -> Vec<u8> {
         let mut saved = SavedMembers::none(self.members.len());
         point.held().for_each(|(index, at)| saved.0[index] = self.members[index].problem.save(at));
+        saved.0.extend(point.first_order.iter().map(FirstOrderPoint::to_bytes));
         saved.to_bytes()
     }
 
     /// Solves nothing; of a motion see [`Reduced`](nastic_control::Reduced). On a team a rank is sent those of its own members that it lacks by one that has them.
     fn load(&self, m: &[f64], bytes: &[u8], how: &Request<'_, EnsemblePoint>) -> Result<EnsemblePoint, Failed> {
         self.check_len(m)?;
-        let SavedMembers(saved) = SavedMembers::from_bytes(bytes).map_err(Failed::new)?;
+        let SavedMembers(mut saved) = SavedMembers::from_bytes(bytes).map_err(Failed::new)?;
+        let unfit = || Failed::new(SavedError::Unfit("it has another number of members, or another risk"));
+        let behind =
+            self.first_order().map(|_| saved.pop().and_then(|own| FirstOrderPoint::from_bytes(&own, self.len)));
         if saved.len() != self.members.len() {
-            return Err(Failed::new(SavedError::Unfit("it has another number of members")));
+            return Err(unfit());
         }
-        Ok(self.loaded(m, saved, how)?)
+        let mut point = self.loaded(m, saved, how)?;
+        if let Some(at) = behind {
+            self.taken(&mut point, at.ok_or_else(unfit)?);
+        }
+        Ok(point)
     }
 }
 

@@ -99,7 +99,14 @@ impl Ensemble {
         }
         self.ranks.wait();
         let Some(members) = self.first_members(point, self.members.len())? else { return Ok(None) };
-        Ok(Some(EnsemblePoint { members, held: Held::All, m: point.m.clone(), costs: point.costs.clone(), ..*point }))
+        Ok(Some(EnsemblePoint {
+            members,
+            held: Held::All,
+            m: point.m.clone(),
+            costs: point.costs.clone(),
+            first_order: point.first_order.clone(),
+            ..*point
+        }))
     }
 
     /// The first members of a point, at the first rank; `None` elsewhere.

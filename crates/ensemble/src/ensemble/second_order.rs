@@ -50,6 +50,7 @@ impl Ensemble {
         workspace: &mut EnsembleWorkspace,
     ) -> Result<Vec<f64>, EnsembleError> {
         self.check_len(v)?;
+        self.refuse_first_order()?;
         let bends = self.names.len() > 1 && !self.risk.is_linear();
         let by_cost = self.risk.weights(&self.probabilities, &point.costs);
         let of = |index: usize, member: &Member, workspace: &mut ReducedWorkspace| {

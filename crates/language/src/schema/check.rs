@@ -182,4 +182,27 @@ fn check_risk(blocks: &Blocks, reader: &mut Reader<'_>) {
         let message = format!("\"{}\" has no meaning without scenarios", risk.name());
         reader.complain_at(&At::root().key("risk"), message);
     }
+    check_rule(blocks, reader);
+}
+
+/// Random parameters become scenarios by a rule, or none do.
+fn check_rule(blocks: &Blocks, reader: &mut Reader<'_>) {
+    let unread = blocks.risk.is_none() && reader.document.root().find("risk").is_some();
+    let Some(scenarios) = blocks.scenarios.as_ref().filter(|_| !unread) else { return };
+    let first_order = matches!(&blocks.risk, Some(Risk::FirstOrder(_)));
+    match scenarios {
+        Scenarios::Random(block) if first_order && block.rule.is_some() => {
+            let message = "the risk \"first_order\" makes no scenarios: leave \"rule\" out, or take another risk";
+            reader.complain_at(&block.at.key("rule"), message);
+        }
+        Scenarios::Random(block) if !first_order && block.rule.is_none() => {
+            let message = "missing key \"rule\": how they become scenarios, as { \"lattice\": 64 }; the risk \"first_order\" alone has none";
+            reader.complain_at(&block.at, message);
+        }
+        Scenarios::List(list) if first_order && !list.is_empty() => {
+            let message = "\"first_order\" is about random parameters, \"scenarios\": { \"random\": [...] }, and these are scenarios one by one";
+            reader.complain_at(&At::root().key("risk"), message);
+        }
+        _ => {}
+    }
 }

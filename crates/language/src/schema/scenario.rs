@@ -33,8 +33,8 @@ object! {
     pub struct RandomScenarios checked by check_random {
         /// The independent random parameters.
         pub random: Vec<RandomParameter>,
-        /// How they become scenarios.
-        pub rule: Rule,
+        /// How they become scenarios; none with the risk "first_order".
+        pub rule: Option<Rule>,
         /// Seed of the samples.
         pub seed: u64 = 0,
         /// What becomes of scenarios no material can have.
@@ -44,7 +44,7 @@ object! {
 
 object! {
     /// A random value.
-    pub struct RandomParameter one of [gamma, beta, uniform, lognormal] checked by check_parameter {
+    pub struct RandomParameter one of [gamma, beta, uniform, lognormal, gaussian] checked by check_parameter {
         /// What is random: "materials/0/shear".
         pub path: String,
         /// Gamma distribution.
@@ -55,6 +55,8 @@ object! {
         pub uniform: Option<UniformLaw>,
         /// Log-normal distribution, or a log-normal field over the body.
         pub lognormal: Option<LognormalLaw>,
+        /// Normal distribution, or a Gaussian field over the body.
+        pub gaussian: Option<GaussianLaw>,
     }
 }
 
@@ -89,16 +91,44 @@ object! {
 }
 
 object! {
-    /// Log-normal distribution; with a length, a log-normal field by a Karhunen-Loeve expansion.
-    pub struct LognormalLaw checked by check_field {
+    /// Log-normal distribution; with a length, a log-normal field by modes.
+    pub struct LognormalLaw checked by check_lognormal {
         /// Mean.
         pub mean: f64 as ANY_POSITIVE,
         /// Standard deviation.
         pub deviation: f64 as ANY_POSITIVE,
-        /// Covariance length of a field.
+        /// Correlation length of a field.
         pub length: Option<f64> as POSITIVE_LENGTH,
-        /// Number of modes of a field.
-        pub modes: Option<usize> as POSITIVE,
+        /// Number of modes of a field, or below 1 the share of its variance that they hold.
+        pub modes: Option<f64> as POSITIVE,
+        /// Covariance of a field.
+        pub kernel: Option<Kernel>,
+    }
+}
+
+object! {
+    /// Normal distribution; with a length, a Gaussian field by modes.
+    pub struct GaussianLaw checked by check_gaussian {
+        /// Mean.
+        pub mean: f64,
+        /// Standard deviation.
+        pub deviation: f64 as ANY_POSITIVE,
+        /// Correlation length of a field.
+        pub length: Option<f64> as POSITIVE_LENGTH,
+        /// Number of modes of a field, or below 1 the share of its variance that they hold.
+        pub modes: Option<f64> as POSITIVE,
+        /// Covariance of a field.
+        pub kernel: Option<Kernel>,
+    }
+}
+
+choice! {
+    /// The covariance of a random field.
+    pub enum Kernel {
+        /// exp(-r/length) between cell centres, a dense matrix: 4000 cells at most (the default).
+        "exponential" => Exponential,
+        /// That of Whittle and Matern by a sparse operator on the nodes: exp(-r/length) in space, up to a million cells.
+        "matern" => Matern,
     }
 }
 
@@ -113,6 +143,8 @@ choice! {
         "monte_carlo" => MonteCarlo(usize) as POSITIVE,
         /// Quasi-Monte Carlo with this number of samples.
         "quasi_monte_carlo" => QuasiMonteCarlo(usize) as POSITIVE,
+        /// Embedded lattice with this number of samples, a power of two; up to 256 random numbers.
+        "lattice" => Lattice(usize) as POSITIVE,
     }
 }
 
@@ -137,6 +169,8 @@ choice! {
         "cvar" => ConditionalValueAtRisk(ConditionalValueAtRisk),
         /// The worst scenario, smoothed.
         "worst_case" => WorstCase(WorstCase),
+        /// Cost + deviations * standard deviation, both to first order about the median of the random parameters: no scenarios.
+        "first_order" => FirstOrder(FirstOrder),
     }
 }
 
@@ -163,6 +197,16 @@ object! {
     pub struct WorstCase {
         /// Width over which the maximum is rounded, as a share of the standard deviation of the costs.
         pub smoothing: f64 as POSITIVE = 0.1,
+    }
+}
+
+object! {
+    /// Cost and standard deviation to first order about the median.
+    pub struct FirstOrder {
+        /// Weight of the standard deviation.
+        pub deviations: f64 as NOT_NEGATIVE,
+        /// What the deviation D is rounded over where it is zero, as a share s of the cost q: sqrt(D^2 + (s q)^2).
+        pub smoothing: f64 as POSITIVE = 1e-3,
     }
 }
 
@@ -241,9 +285,24 @@ fn check_uniform(block: &UniformLaw, reader: &mut Reader<'_>) {
     }
 }
 
-fn check_field(block: &LognormalLaw, reader: &mut Reader<'_>) {
-    if block.modes.is_some() && block.length.is_none() {
-        reader.complain_at(&block.at.key("modes"), "modes belong to a field: give its covariance \"length\" too");
+fn check_lognormal(block: &LognormalLaw, reader: &mut Reader<'_>) {
+    check_field(&block.at, block.length.is_some(), block.modes, block.kernel.is_some(), reader);
+}
+
+fn check_gaussian(block: &GaussianLaw, reader: &mut Reader<'_>) {
+    check_field(&block.at, block.length.is_some(), block.modes, block.kernel.is_some(), reader);
+}
+
+fn check_field(at: &At, is_field: bool, modes: Option<f64>, has_kernel: bool, reader: &mut Reader<'_>) {
+    for (key, what) in [("modes", modes.map(|_| "modes belong")), ("kernel", has_kernel.then_some("a kernel belongs"))]
+    {
+        if let (Some(what), false) = (what, is_field) {
+            reader.complain_at(&at.key(key), format!("{what} to a field: give its correlation \"length\" too"));
+        }
+    }
+    if let Some(modes) = modes.filter(|modes| *modes > 1.0 && modes.fract() != 0.0) {
+        let message = format!("a number of modes, as 20, or a share of the variance below 1, as 0.9; found {modes}");
+        reader.complain_at(&at.key("modes"), message);
     }
 }
 

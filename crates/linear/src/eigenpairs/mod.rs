@@ -4,10 +4,12 @@ mod cycles;
 mod factors;
 mod inner_product;
 mod inversion;
+mod leading;
 mod search;
 mod shifted_matrix;
 
 pub use inversion::Inversion;
+pub use leading::{DefiniteProblem, leading_eigenpairs};
 
 use crate::pattern::matrix::SparseMatrix;
 use crate::solver::LinearError;

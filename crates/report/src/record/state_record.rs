@@ -1,8 +1,8 @@
 //! [`StateRecord`]: what a result says of a state, or of several together.
 
 use crate::record::{
-    ByName, ContributionRecord, EquilibriaRecord, ExactContactRecord, FreeMotionRecord, HalfThicknessRecord,
-    MemberRecord, ModesRecord, Nullable, Number, Numbers, SeriesRecord, TimeRecord,
+    ByName, ContributionRecord, EquilibriaRecord, ExactContactRecord, FirstOrderRecord, FreeMotionRecord,
+    HalfThicknessRecord, MemberRecord, ModesRecord, Nullable, Number, Numbers, SeriesRecord, TimeRecord,
 };
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -27,6 +27,8 @@ records! {
         cost: CostRecord,
         /// Of scenarios: measures of risk of their costs.
         risk: RiskRecord,
+        /// Of a risk of first order: mean, deviation and where it comes from.
+        first_order: Option<FirstOrderRecord>,
         /// Hausdorff distances from the target, of the first such term, and of each under its name where there are several.
         hausdorff: Option<HausdorffRecord>,
         /// By term `root_mean_square` and `largest` distance of the tracked points (quadrature points or nodes) from their targets.

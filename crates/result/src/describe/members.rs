@@ -39,6 +39,23 @@ fn differs(block: &LoadCase) -> String {
 
 /// The scenarios, in words.
 pub fn scenarios(problem: &CaseProblem) -> Vec<Line> {
+    if let Some(of) = problem.ensemble.first_order() {
+        let sources: Vec<String> = of
+            .sources
+            .iter()
+            .map(|own| match own.slopes.len() {
+                1 => own.name.clone(),
+                modes => format!("{} ({})", own.name, count(modes, "mode")),
+            })
+            .collect();
+        let what = format!(
+            "none; the cost at the medians plus {} standard deviations to first order in {}; the deviation D is rounded to sqrt(D^2 + ({} cost)^2)",
+            short(of.deviations),
+            sources.join(", "),
+            short(of.smoothing)
+        );
+        return vec![line("scenarios", what)];
+    }
     if !problem.has_scenarios() {
         return vec![];
     }
@@ -46,10 +63,12 @@ pub fn scenarios(problem: &CaseProblem) -> Vec<Line> {
     let how = match &problem.case.scenarios {
         Scenarios::List(_) => "listed".to_owned(),
         Scenarios::Random(block) => match block.rule {
-            Rule::Gauss(n) => format!("Gauss rule, {} per parameter", count(n, "point")),
-            Rule::Sparse(n) => format!("sparse rule of level {n}"),
-            Rule::MonteCarlo(_) => format!("Monte Carlo, seed {}", block.seed),
-            Rule::QuasiMonteCarlo(_) => format!("quasi-Monte Carlo, seed {}", block.seed),
+            Some(Rule::Gauss(n)) => format!("Gauss rule, {} per parameter", count(n, "point")),
+            Some(Rule::Sparse(n)) => format!("sparse rule of level {n}"),
+            Some(Rule::MonteCarlo(_)) => format!("Monte Carlo, seed {}", block.seed),
+            Some(Rule::QuasiMonteCarlo(_)) => format!("quasi-Monte Carlo, seed {}", block.seed),
+            Some(Rule::Lattice(_)) => format!("lattice, seed {}", block.seed),
+            None => String::new(),
         },
     };
     let total = ensemble.scenarios().len();

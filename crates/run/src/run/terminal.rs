@@ -73,6 +73,17 @@ pub(crate) fn inertia(state: &StateRecord) -> String {
     }
 }
 
+/// Mean and deviation to first order, and where it comes from.
+pub(crate) fn say_first_order(console: &Console, state: &StateRecord) {
+    if let Some(found) = &state.first_order {
+        let [mean, deviation] = [found.mean, found.deviation].map(|x| scientific(known(x), 4));
+        console.say(format!(
+            "first order mean {mean}, standard deviation {deviation}, about the medians of the random parameters"
+        ));
+        console.say(format!("            from {}", found.sources_in_words()));
+    }
+}
+
 /// Cost and distance, where there are any.
 pub(crate) fn say_cost(problem: &CaseProblem, console: &Console, state: &StateRecord) {
     let terms = &state.cost.terms;
@@ -89,6 +100,7 @@ pub(crate) fn say_cost(problem: &CaseProblem, console: &Console, state: &StateRe
         for (name, value) in terms.iter().filter(|_| terms.len() > 1) {
             console.say(format!("            {name} {}", digits(*value, 9)));
         }
+        say_first_order(console, state);
     }
     if let Some(distances) = &state.hausdorff {
         let [smoothed, exact, floor] = distances.distances().map(|x| x.map_or_else(|| "-".to_owned(), short));

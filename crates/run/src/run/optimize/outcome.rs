@@ -13,7 +13,9 @@ use crate::run::options::Options;
 use crate::run::session::{CommandContext, CommandFindings, CommandInput, Destination};
 use crate::run::spectrum_request::SpectrumRequest;
 use crate::run::states::Shown;
-use crate::run::terminal::{known as known_number, say_members, say_probes, say_stability, say_tracked};
+use crate::run::terminal::{
+    known as known_number, say_first_order, say_members, say_probes, say_stability, say_tracked,
+};
 use crate::run::{constraints, contacts, motion};
 use crate::saved::checkpoint::Place;
 use nastic_case::film::kilovolts;
@@ -199,6 +201,7 @@ fn say(context: CommandContext<'_>, result: &RunRecord, reported: &Reported<'_>)
     for (name, value) in now.terms.iter().filter(|_| now.terms.len() > 1) {
         console.say(format!("            {name} {}", fall(number_of(&from.terms, name), **value)));
     }
+    say_first_order(console, result);
     constraints::say(problem, console, &ended.constraints, known);
     if let Some(now) = &result.hausdorff {
         let unit = problem.units().length().symbol;

@@ -1,4 +1,4 @@
-//! [`LogNormalField`]: a parameter that varies over the body at random.
+//! [`RandomField`]: a parameter that varies over the body at random.
 
 use super::{Law, Normal, StochasticError};
 use faer::diag::Diag;
@@ -9,21 +9,23 @@ use nastic_energy::Field;
 use nastic_mesh::{GroupNames, Mesh};
 use std::sync::Arc;
 
-/// A log-normal random field, one value per cell, by a Karhunen-Loeve expansion on the mesh.
+/// A random field, one value per cell, log-normal or Gaussian, by modes of a Gaussian field g.
 ///
-/// `a(X) = mean exp(g(X) - v(X)/2)`, `g = sum_k sqrt(l_k) phi_k(X) xi_k` with independent standard normal `xi_k`, where
-/// `l_k`, `phi_k` are eigenpairs of the covariance `s^2 exp(-|X - Y|/length)`, `s^2 = log(1 + variation^2)`, and
-/// `v = sum_k l_k phi_k^2` is the variance that the modes kept have at X: whatever is cut off, `E[a(X)] = mean`.
+/// `a(X) = mean exp(g(X) - v(X)/2)` or `mean + g(X)`, `g = sum_k sqrt(l_k) phi_k(X) xi_k` with independent standard normal `xi_k`; `v = sum_k l_k phi_k^2`
+/// is the variance that the modes kept have at X: whatever is cut off, `E[a(X)] = mean`. The logarithm of a log-normal field has the variance
+/// `s^2 = log(1 + variation^2)`, a Gaussian one `s^2 = deviation^2`.
 ///
-/// The eigenproblem is solved by Nystrom's method with the cell centres and volumes, as a dense symmetric one; the
-/// share of the variance that the modes keep is [`captured`](Self::captured). The coefficients are random numbers like
+/// By a Karhunen-Loeve expansion on the mesh `l_k`, `phi_k` are eigenpairs of the covariance `s^2 exp(-|X - Y|/length)`: Nystrom's method with the cell
+/// centres and volumes, a dense symmetric eigenproblem of at most 4000 cells. Of a field of Whittle and Matern others find them ([`of_modes`](Self::of_modes)).
+/// The share of the variance that the modes keep is [`captured`](Self::captured). The coefficients are random numbers like
 /// others: rules over [`laws`](Self::laws) give nodes, [`realise`](Self::realise) turns a node into a parameter of a
-/// material. Units: mean and values have the parameter's, length is a length, variation a pure number.
+/// material. Units: mean, deviation and values have the parameter's, length is a length, variation a pure number.
 ///
 /// Source: Ghanem & Spanos, "Stochastic Finite Elements", section 2.3; Betz, Papaioannou & Straub, CMAME 271 (2014).
 #[derive(Clone, Debug)]
-pub struct LogNormalField {
+pub struct RandomField {
     mean: f64,
+    law: FieldLaw,
     variance: f64,
     cells: Vec<u32>,
     all_cells: usize,
@@ -31,6 +33,28 @@ pub struct LogNormalField {
     /// `sqrt(l_k) phi_k` by mode, then by cell of the region.
     modes: Vec<Vec<f64>>,
     captured: f64,
+}
+
+/// How a parameter follows from a Gaussian field g of the variance v.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FieldLaw {
+    /// `mean exp(g - v/2)`.
+    LogNormal,
+    /// `mean + g`.
+    Gaussian,
+}
+
+/// Modes of a Gaussian field of unit variance, found elsewhere.
+#[derive(Clone, Debug)]
+pub struct UnitModes {
+    /// The cells that they are on, ascending.
+    pub cells: Vec<u32>,
+    /// Number of cells of the mesh.
+    pub all_cells: usize,
+    /// By mode, then by cell.
+    pub modes: Vec<Vec<f64>>,
+    /// Share of the variance that they had before they were scaled to one.
+    pub captured: f64,
 }
 
 /// How many modes to keep.
@@ -45,14 +69,14 @@ pub enum Modes {
 /// A dense eigenproblem of this size is the most to wait for.
 const MOST_CELLS: usize = 4000;
 
-impl LogNormalField {
-    /// The field of a mean, a coefficient of variation and a correlation length over a region, or over the union of several; outside the region the
+impl RandomField {
+    /// The log-normal field of a mean, a coefficient of variation and a correlation length over a region, or over the union of several; outside the region the
     /// parameter is the mean.
     ///
     /// # Errors
     /// [`StochasticError::Parameter`] for numbers out of range, [`StochasticError::Rule`] for an unknown region, no
     /// mode, or more than 4000 cells.
-    pub fn new(
+    pub fn log_normal(
         mesh: &Mesh,
         region: impl Into<GroupNames>,
         mean: f64,
@@ -63,17 +87,81 @@ impl LogNormalField {
         for (name, value) in [("mean", mean), ("variation", variation), ("length", length)] {
             super::law::positive("log-normal", name, value)?;
         }
-        let region = region.into();
+        let law = FieldLaw::LogNormal;
+        Self { mean, law, variance: (variation * variation).ln_1p(), ..Self::NONE }.expanded(
+            mesh,
+            region.into(),
+            length,
+            modes,
+        )
+    }
+
+    /// The Gaussian field of a mean and a standard deviation, otherwise as [`log_normal`](Self::log_normal).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn gaussian(
+        mesh: &Mesh,
+        region: impl Into<GroupNames>,
+        mean: f64,
+        deviation: f64,
+        length: f64,
+        modes: Modes,
+    ) -> Result<Self, StochasticError> {
+        for (name, value) in [("deviation", deviation), ("length", length)] {
+            super::law::positive(Normal::NAME, name, value)?;
+        }
+        Normal::from_mean_variance(mean, deviation * deviation)?;
+        let law = FieldLaw::Gaussian;
+        Self { mean, law, variance: deviation * deviation, ..Self::NONE }.expanded(mesh, region.into(), length, modes)
+    }
+
+    /// The field of a mean and a standard deviation with these modes of its Gaussian field.
+    ///
+    /// # Errors
+    /// [`StochasticError::Parameter`] for numbers out of range.
+    pub fn of_modes(law: FieldLaw, mean: f64, deviation: f64, of: UnitModes) -> Result<Self, StochasticError> {
+        super::law::positive("random field", "deviation", deviation)?;
+        let variance = match law {
+            FieldLaw::LogNormal => {
+                super::law::positive("log-normal", "mean", mean)?;
+                (deviation / mean).powi(2).ln_1p()
+            }
+            FieldLaw::Gaussian => {
+                Normal::from_mean_variance(mean, deviation * deviation)?;
+                deviation * deviation
+            }
+        };
+        let UnitModes { cells, all_cells, mut modes, captured } = of;
+        modes.iter_mut().flatten().for_each(|a| *a *= variance.sqrt());
+        Ok(RandomField { mean, law, variance, cells, all_cells, values: vec![], modes, captured })
+    }
+
+    const NONE: Self = RandomField {
+        mean: 0.0,
+        law: FieldLaw::Gaussian,
+        variance: 0.0,
+        cells: Vec::new(),
+        all_cells: 0,
+        values: Vec::new(),
+        modes: Vec::new(),
+        captured: 0.0,
+    };
+
+    /// With the modes of the exponential covariance.
+    fn expanded(self, mesh: &Mesh, region: GroupNames, length: f64, modes: Modes) -> Result<Self, StochasticError> {
         let refuse = |what: String| StochasticError::Rule { rule: "Karhunen-Loeve", what };
         let cells = mesh.cells_of(&region).map_err(|e| refuse(e.to_string()))?;
         if cells.len() > MOST_CELLS {
             let what = format!("region \"{region}\" has {} cells, the most is {MOST_CELLS}", cells.len());
-            return Err(refuse(format!("{what}; make the field on a coarser region or leave the parameter uniform")));
+            return Err(refuse(format!(
+                "{what}; take \"kernel\": \"matern\", a sparse operator, make the field on a coarser region or leave the parameter uniform"
+            )));
         }
         if matches!(modes, Modes::Count(0)) || matches!(modes, Modes::Energy(share) if !(share > 0.0 && share <= 1.0)) {
             return Err(refuse(format!("{modes:?} keeps no mode; give a count from 1 or a share in (0, 1]")));
         }
-        let variance = (variation * variation).ln_1p();
+        let variance = self.variance;
         let volumes = mesh.volumes(mesh.points());
         let volumes: Vec<f64> = cells.iter().map(|c| volumes[*c as usize]).collect();
         let centres: Vec<[f64; 3]> = cells.iter().map(|c| mesh.cell_centre(*c as usize)).collect();
@@ -82,10 +170,10 @@ impl LogNormalField {
         let (kept, captured) = kept(&pairs, total, modes);
         let modes: Vec<Vec<f64>> = pairs.iter().take(kept).map(|(_, mode)| mode.clone()).collect();
         let values = pairs.iter().take(kept).map(|(value, _)| *value).collect();
-        Ok(LogNormalField { mean, variance, cells, all_cells: mesh.cells(), values, modes, captured })
+        Ok(RandomField { cells, all_cells: mesh.cells(), values, modes, captured, ..self })
     }
 
-    /// The eigenvalues `l_k` that were kept, falling (length^3).
+    /// The eigenvalues `l_k` that were kept, falling (length^3); none of modes found elsewhere.
     pub fn eigenvalues(&self) -> &[f64] {
         &self.values
     }
@@ -100,7 +188,7 @@ impl LogNormalField {
         self.captured
     }
 
-    /// Variance `s^2 = log(1 + variation^2)` of the Gaussian field.
+    /// Variance `s^2` of the Gaussian field.
     pub fn variance(&self) -> f64 {
         self.variance
     }
@@ -131,9 +219,35 @@ impl LogNormalField {
                 g += mode[i] * xi;
                 v += mode[i] * mode[i];
             }
-            values[*cell as usize] = self.mean * (g - 0.5 * v).exp();
+            values[*cell as usize] = match self.law {
+                FieldLaw::LogNormal => self.mean * (g - 0.5 * v).exp(),
+                FieldLaw::Gaussian => self.mean + g,
+            };
         }
         Ok(Field::Cell(Arc::from(values)))
+    }
+
+    /// The median of a field with all of its variance: `mean exp(-s^2/2)` of a log-normal one.
+    pub fn median(&self) -> f64 {
+        match self.law {
+            FieldLaw::LogNormal => self.mean * (-0.5 * self.variance).exp(),
+            FieldLaw::Gaussian => self.mean,
+        }
+    }
+
+    /// The parameter at the median, all coefficients zero, by cell of the region, and its derivative by each coefficient there.
+    pub fn linearised(&self) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let mut v = vec![0.0; self.cells.len()];
+        self.modes.iter().for_each(|mode| v.iter_mut().zip(mode).for_each(|(v, a)| *v += a * a));
+        match self.law {
+            FieldLaw::Gaussian => (vec![self.mean; v.len()], self.modes.clone()),
+            FieldLaw::LogNormal => {
+                let median: Vec<f64> = v.iter().map(|v| self.mean * (-0.5 * v).exp()).collect();
+                let slope = |mode: &Vec<f64>| mode.iter().zip(&median).map(|(a, median)| a * median).collect();
+                let slopes = self.modes.iter().map(slope).collect();
+                (median, slopes)
+            }
+        }
     }
 }
 
