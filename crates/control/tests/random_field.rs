@@ -4,7 +4,9 @@ use nastic_control::{Kept, Matern, MaternModes};
 use nastic_fem::Discretization;
 use nastic_mesh::{CellKind, Mesh, box_mesh};
 use nastic_numeric::Random;
+use nastic_numeric::vector::norm;
 use std::f64::consts::PI;
+use std::time::Instant;
 
 type Outcome<T = ()> = Result<T, Box<dyn std::error::Error>>;
 
@@ -20,44 +22,53 @@ fn near(field: &Matern, x: [f64; 3]) -> usize {
     (0..at.len()).min_by(|a, b| apart(&at[*a]).total_cmp(&apart(&at[*b]))).unwrap_or(0)
 }
 
-/// In the middle of a box eight lengths wide the covariance is `exp(-r/L)`, on hexahedra and on tetrahedra, two sizes of each; what the mesh does not resolve near r = 0
-/// is none of these distances.
+/// In the middle of a box eight lengths wide the covariance is `exp(-r/L)`, on hexahedra and on tetrahedra, two sizes of each, with what the
+/// boundary reflects; what the mesh does not resolve near r = 0 is none of these distances.
 #[test]
 fn the_covariance_in_the_middle_is_exponential() -> Outcome {
-    for (kind, cells) in [(CellKind::Hex8, 24), (CellKind::Hex8, 32), (CellKind::Tet4, 24), (CellKind::Tet4, 32)] {
+    for (kind, cells) in [(CellKind::Hex8, 24), (CellKind::Hex8, 32), (CellKind::Tet4, 32), (CellKind::Tet4, 40)] {
         let field = field(box_mesh([8.0; 3], [cells; 3], kind)?, 1.0)?;
         let column = field.covariance(near(&field, [4.0; 3]));
         for distance in [1.0, 1.5, 2.0] {
-            let found = column[near(&field, [4.0 + distance, 4.0, 4.0])];
-            let exact = (-distance_of(&field, distance)).exp();
-            println!("{kind} {cells} r {distance}: {found} {exact} {}", found / exact - 1.0);
-            assert!(
-                (found - exact).abs() < 0.02 * exact.max(0.2),
-                "{kind} {cells}, r = {distance}: {found} and {exact}"
-            );
+            let at = near(&field, [4.0 + distance, 4.0, 4.0]);
+            let (found, exact) = (column[at], reflected(field.positions()[at]));
+            println!("{kind} {cells}, r = {distance}: {found} and {exact}");
+            assert!((found / exact - 1.0).abs() < 0.02, "{kind} {cells}, r = {distance}: {found} and {exact}");
         }
     }
     Ok(())
 }
 
-fn distance_of(field: &Matern, distance: f64) -> f64 {
-    field.positions()[near(field, [4.0 + distance, 4.0, 4.0])][0] - 4.0
+/// `sum exp(-|X - Y|)` over the source in the middle of the box and its reflections, which are eight apart.
+fn reflected(x: [f64; 3]) -> f64 {
+    let places = [-1.0, 0.0, 1.0].map(|n| 4.0 + 8.0 * n);
+    let mut sum = 0.0;
+    for a in places {
+        for b in places {
+            for c in places {
+                sum += (-norm(&[x[0] - a, x[1] - b, x[2] - c])).exp();
+            }
+        }
+    }
+    sum
 }
 
 /// The natural boundary reflects: the variance on a face, an edge, a corner is 2, 4, 8 times that in the middle before it is scaled, and 1 everywhere after.
 #[test]
 fn the_variance_at_boundaries_is_scaled_away() -> Outcome {
-    for kind in [CellKind::Hex8, CellKind::Tet4] {
-        let field = field(box_mesh([8.0; 3], [24; 3], kind)?, 1.0)?;
+    // an edge or a corner of a box that tetrahedra fill has unlike numbers of them, on which the variance at a node depends
+    for (kind, cells, tolerances) in [(CellKind::Hex8, 24, [0.01; 3]), (CellKind::Tet4, 24, [0.01, 0.05, 0.1])] {
+        let field = field(box_mesh([8.0; 3], [cells; 3], kind)?, 1.0)?;
         let variance = |x: [f64; 3]| {
             let at = near(&field, x);
             field.covariance(at)[at]
         };
         let middle = variance([4.0; 3]);
-        for (x, factor) in [([0.0, 4.0, 4.0], 2.0), ([0.0, 0.0, 4.0], 4.0), ([0.0; 3], 8.0)] {
+        let places = [([0.0, 4.0, 4.0], 2.0), ([0.0, 0.0, 4.0], 4.0), ([0.0; 3], 8.0)];
+        for ((x, factor), tolerance) in places.into_iter().zip(tolerances) {
             let found = variance(x) / middle;
             println!("{kind} {x:?}: {found}");
-            assert!((found / factor - 1.0).abs() < 0.05, "{kind} at {x:?}: {found} and {factor}");
+            assert!((found / factor - 1.0).abs() < tolerance, "{kind} at {x:?}: {found} and {factor}");
         }
         let modes = field.modes(Kept::Count(20))?;
         assert!(modes.before[1] / modes.before[0] > 2.5, "{:?}", modes.before);
@@ -131,7 +142,7 @@ fn shares_of_the_variance() -> Outcome {
     let field = field(box_mesh([1.0, 0.5, 0.5], [10, 5, 5], CellKind::Hex8)?, 0.4)?;
     let nodes = field.positions().len();
     let all = field.modes(Kept::Count(nodes))?;
-    assert!((all.share[0] - 1.0).abs() < 1e-9, "{:?}", all.share);
+    assert!((all.share[0] - 1.0).abs() < 1e-5, "{:?}", all.share);
     let variance = |lambda: f64| (1.0 + 0.16 * lambda).powi(-2);
     let total: f64 = all.lambda.iter().map(|lambda| variance(*lambda)).sum();
     let half = field.modes(Kept::Share(0.8))?;
@@ -146,10 +157,23 @@ fn shares_of_the_variance() -> Outcome {
         let text = field.modes(kept).unwrap_err().to_string();
         assert!(text.contains(what), "{text}");
     }
-    let short = self::field(box_mesh([1.0; 3], [14; 3], CellKind::Hex8)?, 0.05)?;
-    assert!((short.spacing() * 14.0 - 1.0).abs() < 1e-12);
+    let short = self::field(box_mesh([1.0; 3], [8; 3], CellKind::Hex8)?, 0.05)?;
+    assert!((short.spacing() * 8.0 - 1.0).abs() < 1e-12);
     let text = short.modes(Kept::Share(0.95)).unwrap_err().to_string();
     assert!(text.contains("512 modes") && text.contains("95.0 %"), "{text}");
     assert!(self::field(box_mesh([1.0; 3], [1; 3], CellKind::Hex8)?, 0.0).is_err());
+    Ok(())
+}
+
+/// What `{ "kernel": "matern" }` takes of a hundred thousand cells.
+#[test]
+#[ignore = "prints times, which depend on the machine"]
+fn a_hundred_modes_of_a_hundred_thousand_cells() -> Outcome {
+    let began = Instant::now();
+    let field = field(box_mesh([1.0, 1.3, 0.8], [46, 47, 47], CellKind::Hex8)?, 0.2)?;
+    let built = began.elapsed();
+    let modes = field.modes(Kept::Count(100))?;
+    println!("built {built:?}, all {:?}; share {:?}, before {:?}", began.elapsed(), modes.share, modes.before);
+    assert!(modes.counted && modes.at_cells.len() == 100);
     Ok(())
 }
