@@ -183,7 +183,7 @@ pub const FREE_FLIGHT: WarningKind = WarningKind {
 /// A random field without most of its variance.
 pub const TRUNCATED_FIELD: WarningKind = WarningKind {
     code: "truncated_field",
-    about: "the modes kept of a random field hold less than half of its variance: the parameter varies far less than asked for",
+    about: "the modes kept of a random field hold less than half of its variance, or its length is below the size of the cells: the parameter varies less, or over longer distances, than asked for",
     advice: "keep more modes, or choose a longer correlation length: below the size of the cells it has no effect",
 };
 

@@ -217,10 +217,15 @@ fn leading_pairs_are_those_of_a_dense_solver() {
     let bar = Grid::hexahedra([9, 4, 3], 1);
     let pattern = bar.pattern(3);
     let bar = (bar.random_matrix(&pattern, -3.0, &mut Random::new(7)).0, masses(pattern.dofs()));
+    let whole = Grid::hexahedra([7, 7, 7], 1);
+    let pattern = whole.pattern(1);
+    let whole = (whole.laplacian(&pattern, 1.0), vec![1.0; pattern.dofs()]);
     let small = Grid::hexahedra([1, 1, 1], 1);
     let pattern = small.pattern(1);
     let small = (small.laplacian(&pattern, 1.0), masses(pattern.dofs()));
-    for ((matrix, masses), counts) in [(cube, [1, 7, 40]), (bar, [3, 17, 60]), (small, [1, 3, 8])] {
+    for ((matrix, masses), counts) in
+        [(cube, [1, 7, 40]), (bar, [3, 17, 60]), (whole, [250, 400, 511]), (small, [1, 3, 8])]
+    {
         let fixed = vec![false; masses.len()];
         let mass = MassMatrix::Diagonal(&masses);
         let expected = dense_eigenvalues(&matrix, mass, &fixed);

@@ -60,7 +60,7 @@ pub fn leading_eigenpairs(problem: &DefiniteProblem, count: usize) -> Result<Eig
     if !problem.matrix.is_symmetric() {
         return Err(LinearError::NotSymmetric);
     }
-    let most = unknowns.div_ceil(BLOCK).min(MAX_BLOCK_RATIO * count.div_ceil(BLOCK) + FURTHER_BLOCKS);
+    let most = unknowns.min(BLOCK * (MAX_BLOCK_RATIO * count.div_ceil(BLOCK) + FURTHER_BLOCKS));
     memory::check("the vectors of eigenvalues", 2 * count.div_ceil(BLOCK) * BLOCK * unknowns * size_of::<f64>())?;
     let mut space = Space { problem, basis: vec![], projected: vec![], random: Random::new(0) };
     let mut next = space.random_block();
@@ -69,7 +69,7 @@ pub fn leading_eigenpairs(problem: &DefiniteProblem, count: usize) -> Result<Eig
         memory::check("the vectors of eigenvalues", 2 * next.len() * size_of::<f64>())?;
         let last = space.extend(next)?;
         let (dimension, full) = (space.dimension(), space.dimension() >= unknowns);
-        let look = full || space.basis.len() >= most || space.basis.len().is_multiple_of(BLOCKS_BETWEEN);
+        let look = full || dimension >= most || space.basis.len().is_multiple_of(BLOCKS_BETWEEN);
         if dimension < wanted || !look {
             next = last.next;
             continue;
@@ -92,7 +92,7 @@ pub fn leading_eigenpairs(problem: &DefiniteProblem, count: usize) -> Result<Eig
             wanted = unknowns.min(wanted + below - known);
             next = space.widened(last.next);
             continue;
-        } else if space.basis.len() >= most {
+        } else if dimension >= most {
             return Err(LinearError::Eigenpairs { found, wanted });
         }
         next = last.next;
