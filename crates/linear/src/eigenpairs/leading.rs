@@ -27,6 +27,8 @@ const FURTHER_BLOCKS: usize = 40;
 const TOLERANCE: f64 = 1e-8;
 /// Distance above an eigenvalue at which those below are counted, as a share of it.
 const COUNT_OFFSET: f64 = 1e-6;
+/// Share of a column that is left beside those of its block below which what it has of the basis by rounding has grown too much.
+const CANCELLED: f64 = 1e-3;
 /// Rows at once.
 const CHUNK: usize = 1 << 12;
 
@@ -259,6 +261,11 @@ impl Space<'_> {
                 }
             }
             own.iter_mut().for_each(|x| *x /= left);
+            if left < CANCELLED * size {
+                self.orthogonalise(own);
+                let again = self.reduce(before, own, &mut vec![0.0; k + 1]);
+                own.iter_mut().for_each(|x| *x /= again);
+            }
             out.push(coefficients);
         }
         out
