@@ -135,14 +135,29 @@ pub(crate) fn pieces_of_all(disc: &Discretization, basis: &Basis) -> Result<Opti
 
 /// `M + factor S` of the basis functions of one field, M lumped, factorised.
 #[derive(Debug)]
-pub(crate) struct Smoothing {
+pub struct FieldOperator {
+    /// Itself.
     pub matrix: SparseMatrix,
+    /// Its Cholesky factor.
     pub factor: Factor,
 }
 
-impl Smoothing {
+impl FieldOperator {
+    /// Of nodal fields, with `factor = length^2`, over a whole body; and the lumped masses `int phi_i dX`.
+    ///
+    /// # Errors
+    /// A factor that does not fit.
+    pub fn of_nodes(disc: &Discretization, basis: &Basis, length: f64) -> Result<(Vec<f64>, Self), ControlError> {
+        let mut masses = vec![0.0; basis.len()];
+        for (q, w) in basis.weights(disc).iter().enumerate() {
+            basis.at_point(q).for_each(|(i, shape)| masses[i] += w * shape);
+        }
+        let operator = FieldOperator::new(disc, basis, None, &masses, length * length)?;
+        Ok((masses, operator))
+    }
+
     /// From the integrals of the basis functions; with the pieces of all ranks, where there are several.
-    pub fn new(
+    pub(crate) fn new(
         disc: &Discretization,
         basis: &Basis,
         gathered: Option<Vec<Piece>>,
@@ -177,6 +192,6 @@ impl Smoothing {
         });
         let symbolic = Arc::new(Symbolic::new(&pattern));
         let factor = symbolic.factorize(&matrix, Pivots::Positive, true).map_err(|e| fail(e.to_string()))?;
-        Ok(Smoothing { matrix, factor })
+        Ok(FieldOperator { matrix, factor })
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::control_block::ControlBlock;
 use crate::error::ControlError;
-use crate::field_operator::{Piece, Smoothing, is_counted, pieces_of_all};
+use crate::field_operator::{FieldOperator, Piece, is_counted, pieces_of_all};
 use crate::layout::Layout;
 use crate::map::WholeBody;
 use nastic_fem::{Discretization, Solid};
@@ -107,7 +107,7 @@ struct H1 {
 struct H1Block {
     first: usize,
     components: usize,
-    operator: Smoothing,
+    operator: FieldOperator,
 }
 
 impl H1Block {
@@ -120,7 +120,7 @@ impl H1Block {
         length: f64,
     ) -> Result<Self, ControlError> {
         let masses: Vec<f64> = (0..block.basis.len()).map(|i| weights[block.first + i * block.components]).collect();
-        let operator = Smoothing::new(disc, &block.basis, gathered, &masses, block.weight * length * length)?;
+        let operator = FieldOperator::new(disc, &block.basis, gathered, &masses, block.weight * length * length)?;
         Ok(H1Block { first: block.first, components: block.components, operator })
     }
 }

@@ -20,7 +20,6 @@ mod inner_product;
 mod known_limits;
 mod layout;
 mod map;
-mod matern;
 mod over_ranks;
 mod reduced;
 mod snapshot;
@@ -44,6 +43,7 @@ pub use cost::{
 pub use design::Consumer;
 pub use error::{ControlError, RemoteFailure};
 pub use evaluated::{AdjointState, Evaluated, SolvedStates, StepError};
+pub use field_operator::FieldOperator;
 pub use grid::Grid;
 pub use inner_product::{METRICS, Metric, MetricRow, inner_product};
 pub use layout::Layout;
@@ -51,7 +51,6 @@ pub use map::{
     Basis, Chain, ControlMap, Direction, Expansion, Exponential, Filter, Held, Length, MAPS, MapRow, Mirror, Plane,
     PowerLaw, Projection, SPACES, Space, SpaceRow, Staged, Step,
 };
-pub use matern::{Kept, Matern, MaternModes};
 pub use nastic_hausdorff::{CATALOGUE as PHIS, Phi, PhiRow, Smoothing};
 pub use nastic_mesh::spatial::Obstacle;
 pub use reduced::{AdaptiveSteps, Lagrangian, OutputJacobian, Reduced, SecondDerivative, work_summary};

@@ -16,6 +16,7 @@ mod sensitivity;
 mod static_trial;
 mod terms;
 mod uncertain;
+mod watches;
 
 pub use adaptive_steps::AdaptiveSteps;
 pub use constrained::Lagrangian;
@@ -38,10 +39,10 @@ use nastic_fem::{
 };
 use nastic_opt::{InnerProduct, Request};
 use std::borrow::Cow;
-use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use uncertain::Uncertain;
+use watches::{SolveProgress, StepProgress};
 
 /// `jhat(m) = j(u(m), m)` with its derivative by the adjoint.
 ///
@@ -113,26 +114,6 @@ pub struct Reduced {
     cancel: Option<Arc<AtomicBool>>,
     progress: Option<SolveProgress>,
     steps: Option<StepProgress>,
-}
-
-/// What is reported after every Newton iteration.
-#[derive(Clone)]
-struct SolveProgress(Arc<dyn Fn(&Progress) + Send + Sync>);
-
-impl fmt::Debug for SolveProgress {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("SolveProgress(..)")
-    }
-}
-
-/// What is reported before every step of a motion.
-#[derive(Clone)]
-struct StepProgress(Arc<dyn Fn(&StepUnderWay) + Send + Sync>);
-
-impl fmt::Debug for StepProgress {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("StepProgress(..)")
-    }
 }
 
 /// Relative residual asked of a state solve per relative accuracy of the state: slender bodies amplify residuals.

@@ -29,7 +29,6 @@ mod optimised_over_ranks;
 mod over_ranks;
 mod print;
 mod projected;
-mod random_field;
 mod ranks;
 mod reactions_in_motion;
 mod refinement;

@@ -2,4 +2,5 @@
 
 mod ensemble;
 mod first_order;
+mod random_field;
 mod teams;

@@ -2,7 +2,7 @@
 
 use super::context::Context;
 use crate::warning::TRUNCATED_FIELD;
-use nastic_control::{Kept, Matern};
+use nastic_ensemble::{Kept, Matern};
 use nastic_fem::Discretization;
 use nastic_language::number::short;
 use nastic_language::quantity::Dimension;

@@ -2,7 +2,7 @@
 
 use super::{Basis, ControlMap, Space, WholeBody};
 use crate::error::ControlError;
-use crate::field_operator::{Smoothing, pieces_of_all};
+use crate::field_operator::{FieldOperator, pieces_of_all};
 use nastic_fem::Discretization;
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ pub struct Filter {
     length: f64,
     components: usize,
     masses: Vec<f64>,
-    operator: Arc<Smoothing>,
+    operator: Arc<FieldOperator>,
 }
 
 impl Filter {
@@ -46,7 +46,7 @@ impl Filter {
         let whole = WholeBody::of(disc);
         whole.add_up(&mut masses)?;
         let gathered = pieces_of_all(disc, basis)?;
-        let operator = whole.agreed(Smoothing::new(disc, basis, gathered, &masses, length * length))?;
+        let operator = whole.agreed(FieldOperator::new(disc, basis, gathered, &masses, length * length))?;
         Ok(Filter { length, components, masses, operator: Arc::new(operator) })
     }
 

@@ -1,6 +1,6 @@
 //! Fields of Whittle and Matern: covariance, variance at boundaries, eigenvalues, refinement.
 
-use nastic_control::{Kept, Matern, MaternModes};
+use nastic_ensemble::{Kept, Matern, MaternModes};
 use nastic_fem::Discretization;
 use nastic_mesh::{CellKind, Mesh, box_mesh};
 use nastic_numeric::Random;

@@ -2,8 +2,7 @@
 
 use super::Matern;
 use super::reference_basis::refer;
-use crate::error::ControlError;
-use crate::field_operator::Smoothing;
+use nastic_control::{ControlError, FieldOperator};
 use nastic_linear::{DefiniteProblem, leading_eigenpairs};
 use nastic_numeric::Random;
 
@@ -110,7 +109,7 @@ impl Matern {
 
     /// The smallest eigenpairs of A by M, as those of K.
     fn pairs(&self, count: usize) -> Result<Pairs, ControlError> {
-        let Smoothing { matrix, factor } = &self.operator;
+        let FieldOperator { matrix, factor } = &self.operator;
         let problem = DefiniteProblem { matrix, factor, masses: &self.masses, parallel: true };
         let found = leading_eigenpairs(&problem, count)
             .map_err(|e| ControlError::Cost { what: format!("modes of a random field: {e}") })?;

@@ -5,9 +5,7 @@ mod reference_basis;
 
 pub use modes::{Kept, MaternModes};
 
-use crate::error::ControlError;
-use crate::field_operator::Smoothing;
-use crate::map::{Basis, Space};
+use nastic_control::{Basis, ControlError, FieldOperator, Space};
 use nastic_fem::Discretization;
 use nastic_mesh::GroupNames;
 use std::f64::consts::PI;
@@ -39,7 +37,7 @@ pub struct Matern {
     masses: Vec<f64>,
     spacing: f64,
     /// A and its factor.
-    operator: Smoothing,
+    operator: FieldOperator,
 }
 
 impl Matern {
@@ -57,11 +55,7 @@ impl Matern {
             return Err(fail(what.to_owned()));
         }
         let basis = Basis::new(disc, regions, Space::Node)?;
-        let mut masses = vec![0.0; basis.len()];
-        for (q, w) in basis.weights(disc).iter().enumerate() {
-            basis.at_point(q).for_each(|(i, shape)| masses[i] += w * shape);
-        }
-        let operator = Smoothing::new(disc, &basis, None, &masses, length * length)?;
+        let (masses, operator) = FieldOperator::of_nodes(disc, &basis, length)?;
         let scale = if disc.mesh().dim() == 3 { 8.0 * PI * length.powi(3) } else { 4.0 * PI * length * length };
         let (entities, positions) = (basis.entities().to_vec(), basis.positions().to_vec());
         let mut field = Matern {
