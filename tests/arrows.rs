@@ -26,7 +26,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("motion", &["numeric", "tensor", "energy", "mesh", "linear", "body", "forces", "equilibrium"]),
     ("fem", &["team", "tensor", "energy", "mesh", "linear", "body", "forces", "equilibrium", "motion"]),
     ("control", &["numeric", "tensor", "energy", "mesh", "linear", "fem", "opt", "hausdorff"]),
-    ("ensemble", &["numeric", "team", "mesh", "fem", "opt", "uncertainty", "control"]),
+    ("ensemble", &["numeric", "linear", "team", "mesh", "fem", "opt", "uncertainty", "control"]),
     ("language", &["numeric", "energy", "fit", "mesh", "io", "fem", "opt", "control"]),
     (
         "case",
