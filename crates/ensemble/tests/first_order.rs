@@ -1,6 +1,6 @@
 //! Mean and deviation to first order: a bar against closed forms, Taylor's theorem beside every kind of control, differences, saved points.
 
-use nastic_control::{MeanDisplacement, Reduced, Space, Target, Tracking};
+use nastic_control::{MeanDisplacement, Reaction, Reduced, Space, Target, Tracking};
 use nastic_energy::catalogue::{Inputs, material};
 use nastic_energy::{EnergyTerm, FiberTension, Magnet, Turgor};
 use nastic_ensemble::{Ensemble, EnsembleError, EnsembleWorkspace, FirstOrder, LoadCase, UncertainSource};
@@ -261,6 +261,14 @@ fn uncertain_numbers_that_do_not_fit_are_refused() -> Outcome {
     let (medians, _) = RandomField::of_modes(law, YOUNG, 0.2 * YOUNG, modes)?.linearised();
     let problem = Reduced::new(solid()?).uncertain("rubber.young", Space::Cell, &medians)?;
     assert!(problem.layout().is_empty());
+    // the force of a support depends on the modulus where nothing moves
+    let reaction = Reaction::at("x-", [1.0, 0.0, 0.0], 1.0);
+    let pulled = problem.cost(reaction)?;
+    let sources = vec![source("E", vec![vec![1.0; 26]])];
+    let of = FirstOrder { deviations: 1.0, smoothing: 0.0, sources };
+    let refused = Ensemble::new(Mean).scenario("", 1.0, pulled).first_order(of).build().unwrap_err().to_string();
+    assert!(refused.contains("\"reaction\" depends on numbers of materials"), "{refused}");
+    let problem = Reduced::new(solid()?).uncertain("rubber.young", Space::Cell, &medians)?;
     assert_eq!(problem.uncertain_numbers(), vec![("rubber.young", 26)]);
     let found = problem.layout().to_points(&[])?.values(0)[0];
     assert!((found / (YOUNG / 1.04_f64.sqrt()) - 1.0).abs() < 1e-12, "{found}");

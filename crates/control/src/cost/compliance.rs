@@ -106,6 +106,10 @@ impl Cost for OnBody {
         "compliance"
     }
 
+    fn depends_on_materials(&self) -> bool {
+        true
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         let Some(state) = at.state else {
             let what = "a compliance takes the equilibrium itself, not a displacement alone".to_owned();

@@ -262,6 +262,12 @@ pub trait Cost: Debug + Send + Sync {
         Ok(())
     }
 
+    /// Whether it depends on numbers of materials also beside the displacement, as the force of a support does: derivatives by numbers that are not controls lack that part, and are
+    /// refused.
+    fn depends_on_materials(&self) -> bool {
+        false
+    }
+
     /// Whether it uses [the step](CostContext::step) that led to a state.
     fn needs_step(&self) -> bool {
         false

@@ -122,6 +122,10 @@ impl Cost for OnBody {
         "reaction"
     }
 
+    fn depends_on_materials(&self) -> bool {
+        true
+    }
+
     fn spans_ranks(&self) -> bool {
         true
     }

@@ -53,16 +53,28 @@ impl Reduced {
         blocks.map(|block| (block.name.as_str(), block.len())).collect()
     }
 
+    /// Whether all costs have derivatives by uncertain numbers.
+    ///
+    /// # Errors
+    /// The first cost that [depends on numbers of materials](crate::Cost::depends_on_materials) beside the displacement.
+    pub fn check_uncertain(&self) -> Result<(), ControlError> {
+        match self.costs.iter().find(|cost| self.uncertain.is_some() && cost.depends_on_materials()) {
+            Some(cost) => Err(ControlError::Cost { what: of_materials(cost.name()) }),
+            None => Ok(()),
+        }
+    }
+
     /// `djhat/dm` and `djhat/dx`, by one adjoint, which is left in the point: one linear solve.
     ///
     /// # Errors
-    /// A singular tangent, a cost that is not defined; a motion, a body over ranks.
+    /// A singular tangent, a cost that is not defined, one that is [refused](Self::check_uncertain); a motion, a body over ranks.
     pub fn derivative_by_uncertain(
         &self,
         point: &mut Evaluated,
         workspace: &mut ReducedWorkspace,
     ) -> Result<[Vec<f64>; 2], ControlError> {
         self.solid.model().ranks().refuse_ranks("derivatives by uncertain numbers")?;
+        self.check_uncertain()?;
         let derivative = self.derivative_of_point(point, Lagrangian { costs: true, y: &[] }, workspace)?;
         let Some(own) = &self.uncertain else { return Ok([derivative, vec![]]) };
         let Some(lambda) = point.adjoint() else { return Ok([derivative, vec![0.0; own.values.len()]]) };
@@ -89,4 +101,11 @@ impl Reduced {
         let want = Wanted { of: None, which: Hessian::Exact, first: false };
         Ok(self.second_derivative_along(point, want, &along, workspace)?.product)
     }
+}
+
+/// Why a cost has no derivatives by uncertain numbers.
+fn of_materials(name: &str) -> String {
+    format!(
+        "the cost \"{name}\" depends on numbers of materials also beside the displacement, by which it has no derivatives here; make scenarios by a \"rule\" and take \"mean_deviation\""
+    )
 }

@@ -138,7 +138,12 @@ impl EnsembleBuilder {
             return Err(EnsembleError::FirstOrder { who: String::new(), what });
         }
         let mut cases = self.scenarios.iter().flat_map(|(_, _, cases)| cases);
-        cases.try_for_each(|case| of.check(&case.name, &case.problem.uncertain_numbers()))
+        cases.try_for_each(|case| {
+            case.problem
+                .check_uncertain()
+                .map_err(|e| EnsembleError::FirstOrder { who: case.name.clone(), what: e.to_string() })?;
+            of.check(&case.name, &case.problem.uncertain_numbers())
+        })
     }
 
     fn check_names(&self) -> Result<(), EnsembleError> {
