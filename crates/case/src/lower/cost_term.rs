@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 /// Methods that take second derivatives.
-const SECOND_ORDER: [&str; 2] = ["gauss_newton", "newton_cg"];
+pub(super) const SECOND_ORDER: [&str; 2] = ["gauss_newton", "newton_cg"];
 
 /// The first fault of the formulas of a target.
 type Fault = Arc<OnceLock<EvaluationError>>;

@@ -1,6 +1,7 @@
 //! Random parameters without scenarios: numbers of materials, held at their medians, with their slopes.
 
 use super::context::Context;
+use super::cost_term::SECOND_ORDER;
 use super::design::law_name;
 use super::random::{Kind, Variable, variables};
 use super::random_field::material_of;
@@ -49,6 +50,14 @@ pub(super) fn scenario(
     if case.time.is_some() {
         let message = "\"first_order\" takes equilibria: second derivatives of motions are not there; make scenarios by a \"rule\" and take \"mean_deviation\"";
         context.complain(&At::root().key("risk"), message);
+        return None;
+    }
+    let method = case.optimizer.method.name();
+    if SECOND_ORDER.contains(&method) {
+        let message = format!(
+            "\"{method}\" takes second derivatives, and those of \"first_order\" are third ones of the costs: take \"lbfgs\" or another method of first derivatives"
+        );
+        context.complain(&At::root().key("optimizer").key("method"), message);
         return None;
     }
     let all = variables(random, case, document, disc, context)?;
