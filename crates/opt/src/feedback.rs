@@ -5,6 +5,11 @@ use nalgebra::{DMatrix, Schur};
 /// Sweeps of the QR iteration at most, per row of a matrix whose eigenvalues are sought.
 const MOST_SWEEPS: usize = 1000;
 
+/// Sweeps over the controls in a step that bounds cut.
+const MOST_SWEEPS_OF_STEP: usize = 1000;
+/// Change of a control in a sweep, as a share of its scale, at which these end.
+const STEP_TOLERANCE: f64 = 1e-13;
+
 /// What a feedback is made of.
 #[derive(Clone, Copy, Debug)]
 pub struct FeedbackInputs<'a> {
@@ -27,7 +32,7 @@ pub struct FeedbackInputs<'a> {
 /// ```
 ///
 /// by the singular values `Q^1/2 S D = U Sigma V^T`: `L = D V diag(sigma_k / (sigma_k^2 + rho sigma_1^2)) U^T Q^1/2`. R weighs the change of the controls in a step, not the
-/// controls: the law comes to rest where `S^T Q (y - y*) = 0`. Its error along direction k shrinks by `rho sigma_1^2 / (sigma_k^2 + rho sigma_1^2)` per step.
+/// controls: the law comes to rest where `S^T Q (y - y*) = 0`, or on bounds where that presses against them. Its error along direction k shrinks by `rho sigma_1^2 / (sigma_k^2 + rho sigma_1^2)` per step.
 /// Directions with sigma_k = 0 are left out: no control moves such outputs.
 /// Source: a Gauss-Newton step with R as of Levenberg and Marquardt; docs/gains.md.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +48,10 @@ pub struct Feedback {
     /// `U^T Q^1/2` and `D V diag(..)`, whose product is L.
     left: DMatrix<f64>,
     right: DMatrix<f64>,
+    /// `S^T Q`, and `S^T Q S + R`, by rows.
+    slope: Vec<Vec<f64>>,
+    curvature: Vec<Vec<f64>>,
+    scales: Vec<f64>,
 }
 
 /// A singular value with its directions, both of length 1.
@@ -93,16 +102,47 @@ impl Feedback {
         });
         let product = &right * &left;
         let gain = product.row_iter().map(|row| row.iter().copied().collect()).collect();
-        let penalty = scales.iter().map(|scale| damped / (scale * scale)).collect();
+        let penalty: Vec<f64> = scales.iter().map(|scale| damped / (scale * scale)).collect();
+        let slope: Vec<Vec<f64>> =
+            (0..controls).map(|j| (0..outputs).map(|i| jacobian[i][j] * weights[i]).collect()).collect();
+        let entry = |j: usize, k: usize| {
+            let own = (0..outputs).map(|i| slope[j][i] * jacobian[i][k]).sum::<f64>();
+            if j == k { own + penalty[j] } else { own }
+        };
+        let curvature = (0..controls).map(|j| (0..controls).map(|k| entry(j, k)).collect()).collect();
+        let scales = scales.to_vec();
         let unmoved = complement(moved.iter().map(|one| one.outputs.clone()).collect(), outputs);
-        Some(Feedback { gain, penalty, moved, unmoved, left, right })
+        Some(Feedback { gain, penalty, moved, unmoved, left, right, slope, curvature, scales })
     }
 
-    /// The controls behind a step from m, within their bounds.
+    /// The controls behind a step from m: `m + d`, where d minimises `1/2 |y - y* + S d|_Q^2 + 1/2 d . R d` with m + d within the bounds, `-L (y - y*)` where these do not cut it; else by
+    /// coordinates in turn, from its cut.
     pub fn step(&self, m: &[f64], errors: &[f64], bounds: &[[f64; 2]]) -> Vec<f64> {
-        let change = |row: &Vec<f64>| row.iter().zip(errors).map(|(gain, error)| gain * error).sum::<f64>();
-        let stepped = m.iter().zip(&self.gain).map(|(m, row)| m - change(row));
-        stepped.zip(bounds).map(|(m, [lower, upper])| m.max(*lower).min(*upper)).collect()
+        let along = |row: &Vec<f64>| row.iter().zip(errors).map(|(own, error)| own * error).sum::<f64>();
+        let whole: Vec<f64> = m.iter().zip(&self.gain).map(|(m, row)| m - along(row)).collect();
+        let cut = |value: f64, [lower, upper]: [f64; 2]| value.max(lower).min(upper);
+        let mut next: Vec<f64> = whole.iter().zip(bounds).map(|(value, own)| cut(*value, *own)).collect();
+        if next == whole {
+            return next;
+        }
+        let slope: Vec<f64> = self.slope.iter().map(along).collect();
+        for _ in 0..MOST_SWEEPS_OF_STEP {
+            let mut most = 0.0_f64;
+            for j in 0..m.len() {
+                let row = &self.curvature[j];
+                if row[j] <= 0.0 {
+                    continue;
+                }
+                let pull = row.iter().zip(&next).zip(m).map(|((own, next), m)| own * (next - m)).sum::<f64>();
+                let value = cut(next[j] - (slope[j] + pull) / row[j], bounds[j]);
+                most = most.max((value - next[j]).abs() / self.scales[j]);
+                next[j] = value;
+            }
+            if most <= STEP_TOLERANCE {
+                break;
+            }
+        }
+        next
     }
 
     /// By how much errors shrink per step, in the end, on a body whose outputs change by other derivatives: the spectral radius of `1 - L S` on the range of L

@@ -81,6 +81,30 @@ fn loops_of_linear_bodies_converge_at_their_contraction() -> Result<(), String> 
     Ok(())
 }
 
+/// At an optimum on a bound the law rests, though `-L (y - y*)` cut by the bounds would leave it; and from elsewhere it comes there.
+#[test]
+fn the_law_rests_at_optima_on_bounds() -> Result<(), String> {
+    let s = vec![vec![2.0, 1.5], vec![1.0, 1.2]];
+    let (bounds, target) = ([[0.0, 5.0]; 2], [3.0, 0.5]);
+    // the least squares of the first control alone; the second would be negative
+    let best = (2.0 * target[0] + target[1]) / 5.0;
+    let errors = |m: &[f64]| -> Vec<f64> {
+        s.iter().zip(target).map(|(row, y)| row.iter().zip(m).map(|(s, m)| s * m).sum::<f64>() - y).collect()
+    };
+    let found = law(&s, &[1.0; 2], &[1.0; 2], 1e-2).ok_or("no law")?;
+    let optimum = [best, 0.0];
+    let stays = found.step(&optimum, &errors(&optimum), &bounds);
+    assert!((stays[0] - best).abs() < 1e-11 && stays[1] == 0.0, "{stays:?}");
+    let cut = |j: usize| found.gain[j].iter().zip(errors(&optimum)).map(|(gain, error)| gain * error).sum::<f64>();
+    assert!(cut(0).abs() > 0.1 && cut(1) > 0.1, "{} {}", cut(0), cut(1));
+    let mut m = vec![4.0, 4.0];
+    for _ in 0..60 {
+        m = found.step(&m, &errors(&m), &bounds);
+    }
+    assert!((m[0] - best).abs() < 1e-9 && m[1] == 0.0, "{m:?}");
+    Ok(())
+}
+
 #[test]
 fn what_no_control_moves_has_no_law() {
     assert_eq!(law(&[vec![0.0, 0.0]], &[1.0], &[1.0, 1.0], 0.1), None);

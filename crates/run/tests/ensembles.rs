@@ -450,7 +450,11 @@ fn a_risk_of_first_order() {
     let elsewhere = with(&first(""), "materials/0/mu3", "costs/0/weight");
     assert!(problems(&elsewhere).contains("takes numbers of materials"), "{}", problems(&elsewhere));
     let second = with(&first(""), r#""lbfgs""#, r#""newton_cg""#);
-    assert!(problems(&second).contains("optimizer/method: \"newton_cg\" takes second derivatives"), "{}", problems(&second));
+    assert!(
+        problems(&second).contains("optimizer/method: \"newton_cg\" takes second derivatives"),
+        "{}",
+        problems(&second)
+    );
     let listed = with(
         BAR,
         r#""probes""#,

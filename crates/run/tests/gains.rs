@@ -322,21 +322,41 @@ fn the_header_compiles_and_steps_as_the_matrix_does() {
     let flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "main.c", "-o", "step"];
     let compiled = Process::new(compiler).args(flags).current_dir(&out).output().unwrap();
     assert!(compiled.status.success(), "{}", String::from_utf8_lossy(&compiled.stderr));
+    let mut whole = 0;
     for y in [[84.3, -15.2], [150.0, -120.0], [20.0, 90.0]] {
         let ran = Process::new(out.join("step")).args(y.map(|y| format!("{y:e}"))).output().unwrap();
         let text = String::from_utf8(ran.stdout).unwrap();
         let stepped: Vec<f64> = text.lines().map(|line| line.parse().unwrap()).collect();
         assert_eq!(stepped.len(), 2, "{text}");
+        let at = |path: String| number(&found, &path);
+        let [errors, moved] = [
+            [0, 1].map(|i| y[i] - at(format!("/outputs/{i}/target"))),
+            [0, 1].map(|j| stepped[j] - at(format!("/controls/{j}/value"))),
+        ];
         for (j, stepped) in stepped.iter().enumerate() {
-            let control = &found["controls"][j];
-            let errors = (0..2).map(|i| {
-                number(&found, &format!("/gain/{j}/{i}")) * (y[i] - number(&found, &format!("/outputs/{i}/target")))
-            });
-            let free = number(control, "/value") - errors.sum::<f64>();
-            let wanted = free.clamp(number(control, "/lower"), number(control, "/upper"));
-            assert!((stepped - wanted).abs() <= 1e-12 * wanted.abs().max(1.0), "{stepped} {wanted}");
+            // the derivative of 1/2 |e + S d|_Q^2 + 1/2 d.R d, beside its terms
+            let s = |i: usize, k: usize| format!("/outputs/{i}/sensitivities/{k}");
+            let q = |i: usize| format!("/outputs/{i}/weight");
+            let new = |i: usize| errors[i] + (0..2).map(|k| at(s(i, k)) * moved[k]).sum::<f64>();
+            let slope = (0..2).map(|i| at(s(i, j)) * at(q(i)) * new(i)).sum::<f64>()
+                + at(format!("/controls/{j}/penalty")) * moved[j];
+            let size = (0..2).map(|i| (at(s(i, j)) * at(q(i)) * errors[i]).abs()).sum::<f64>();
+            let [lower, upper] = ["lower", "upper"].map(|end| at(format!("/controls/{j}/{end}")));
+            assert!((lower..=upper).contains(stepped), "{stepped}");
+            let presses = (*stepped == lower && slope > 0.0) || (*stepped == upper && slope < 0.0);
+            assert!(presses || slope.abs() <= 1e-9 * size, "{stepped} {slope} of {size}");
+        }
+        let wanted = |j: usize| {
+            at(format!("/controls/{j}/value")) - (0..2).map(|i| at(format!("/gain/{j}/{i}")) * errors[i]).sum::<f64>()
+        };
+        let cut =
+            |j: usize| wanted(j) < at(format!("/controls/{j}/lower")) || wanted(j) > at(format!("/controls/{j}/upper"));
+        if !cut(0) && !cut(1) {
+            whole += 1;
+            assert!((0..2).all(|j| (stepped[j] - wanted(j)).abs() <= 1e-12 * wanted(j).abs().max(1.0)), "{stepped:?}");
         }
     }
+    assert!((1..3).contains(&whole), "{whole}");
     std::fs::remove_file(out.join("main.c")).unwrap();
 }
 

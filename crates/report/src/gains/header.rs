@@ -49,25 +49,85 @@ pub fn header(found: &GainsRecord) -> String {
     let sensitivities = outputs.iter().map(|one| one.sensitivities.clone()).collect();
     text += &matrix("sensitivity", format!("[{y}][{m}]"), "S = dy/dm at the start", sensitivities);
     text += &matrix("matrix", format!("[{m}][{y}]"), "L", gain.clone());
+    text +=
+        &list("scale", m, "a change of m that counts as one", controls.iter().map(|one| of(&one.scale, 1.0)).collect());
+    let [slope, curvature] = quadratic(found);
+    text += &matrix("slope", format!("[{m}][{y}]"), "S^T Q", slope);
+    text += &matrix("curvature", format!("[{m}][{m}]"), "S^T Q S + R", curvature);
     text + STEP
 }
 
-const STEP: &str = "/* One step: from the outputs y as measured, the controls m are replaced by the next ones. */
+/// `S^T Q` and `S^T Q S + R`, by rows.
+fn quadratic(found: &GainsRecord) -> [Vec<Vec<Number>>; 2] {
+    let GainsRecord { controls, outputs, .. } = found;
+    let s = |i: usize, j: usize| outputs[i].sensitivities.get(j).and_then(|own| **own).unwrap_or(0.0);
+    let slope = |j: usize, i: usize| s(i, j) * outputs[i].weight.unwrap_or(0.0);
+    let entry = |j: usize, k: usize| {
+        let own = (0..outputs.len()).map(|i| slope(j, i) * s(i, k)).sum::<f64>();
+        if j == k { own + controls[j].penalty.unwrap_or(0.0) } else { own }
+    };
+    let rows = |columns: usize, of: &dyn Fn(usize, usize) -> f64| {
+        (0..controls.len()).map(|j| (0..columns).map(|k| of(j, k).into()).collect()).collect()
+    };
+    [rows(outputs.len(), &slope), rows(controls.len(), &entry)]
+}
+
+const STEP: &str =
+    "/* One step: from the outputs y as measured, the controls m are replaced by the next ones, those with which
+ * 1/2 |y - y* + S d|_Q^2 + 1/2 d.R d is least within the bounds: m - L (y - y*) where these do not cut it, else by
+ * coordinates in turn. A reading that is no finite number leaves m as it is. */
 static inline void nastic_gains_step(const double y[NASTIC_GAINS_OUTPUTS], double m[NASTIC_GAINS_CONTROLS])
 {
-    int i, j;
+    double next[NASTIC_GAINS_CONTROLS], slope[NASTIC_GAINS_CONTROLS];
+    int i, j, k, cut = 0, sweep;
+    for (i = 0; i < NASTIC_GAINS_OUTPUTS; ++i) {
+        if (!(y[i] - y[i] == 0.0)) {
+            return;
+        }
+    }
     for (j = 0; j < NASTIC_GAINS_CONTROLS; ++j) {
-        double next = m[j];
+        double whole = m[j];
+        slope[j] = 0.0;
         for (i = 0; i < NASTIC_GAINS_OUTPUTS; ++i) {
-            next -= nastic_gains_matrix[j][i] * (y[i] - nastic_gains_targets[i]);
+            const double error = y[i] - nastic_gains_targets[i];
+            whole -= nastic_gains_matrix[j][i] * error;
+            slope[j] += nastic_gains_slope[j][i] * error;
         }
-        if (next < nastic_gains_lower[j]) {
-            next = nastic_gains_lower[j];
+        next[j] = whole;
+        if (next[j] < nastic_gains_lower[j]) {
+            next[j] = nastic_gains_lower[j];
         }
-        if (next > nastic_gains_upper[j]) {
-            next = nastic_gains_upper[j];
+        if (next[j] > nastic_gains_upper[j]) {
+            next[j] = nastic_gains_upper[j];
         }
-        m[j] = next;
+        cut = cut || next[j] < whole || next[j] > whole;
+    }
+    for (sweep = 0; cut && sweep < 1000; ++sweep) {
+        cut = 0;
+        for (j = 0; j < NASTIC_GAINS_CONTROLS; ++j) {
+            double pull = slope[j], change, value;
+            if (!(nastic_gains_curvature[j][j] > 0.0)) {
+                continue;
+            }
+            for (k = 0; k < NASTIC_GAINS_CONTROLS; ++k) {
+                pull += nastic_gains_curvature[j][k] * (next[k] - m[k]);
+            }
+            value = next[j] - pull / nastic_gains_curvature[j][j];
+            if (value < nastic_gains_lower[j]) {
+                value = nastic_gains_lower[j];
+            }
+            if (value > nastic_gains_upper[j]) {
+                value = nastic_gains_upper[j];
+            }
+            change = value - next[j];
+            next[j] = value;
+            if (change > 1e-13 * nastic_gains_scale[j] || change < -1e-13 * nastic_gains_scale[j]) {
+                cut = 1;
+            }
+        }
+    }
+    for (j = 0; j < NASTIC_GAINS_CONTROLS; ++j) {
+        m[j] = next[j];
     }
 }
 

@@ -25,6 +25,11 @@ pub fn remarks(found: &GainsRecord, damped: Option<f64>) -> Vec<String> {
             format!("the scale of {} is taken as 1 {}: give bounds, or a start other than 0", one.name, one.unit)
         }));
     }
+    let is_held = |one: &&GainsControlRecord| one.lower.is_some() && *one.lower == *one.upper;
+    let held: Vec<&str> = found.controls.iter().filter(is_held).map(|one| one.name.as_str()).collect();
+    if !held.is_empty() {
+        out.push(format!("bounds hold {}: the law leaves it where it is", held.join(", ")));
+    }
     out.extend(start(found));
     let bodies = std::iter::once(("the case's own body", &found.nominal));
     let scenarios = found.scenarios.iter().flatten().map(|(name, one)| (name.as_str(), one));
@@ -87,7 +92,10 @@ fn start(found: &GainsRecord) -> Option<String> {
     let part = |(control, row): (&GainsControlRecord, &Vec<Number>)| {
         let step: f64 =
             row.iter().zip(&found.nominal.open).filter_map(|(gain, error)| Some((**gain)? * (**error)?)).sum();
-        Some((step / (*control.scale)?).abs())
+        // towards a bound on which it is nothing moves
+        let presses = |bound: &Number, beyond: bool| beyond && **bound == *control.value && bound.is_some();
+        let stays = presses(&control.lower, step > 0.0) || presses(&control.upper, step < 0.0);
+        Some(if stays { 0.0 } else { (step / (*control.scale)?).abs() })
     };
     let most = found.controls.iter().zip(&found.gain).filter_map(part).fold(0.0, f64::max);
     (most > MOVED).then(|| {
@@ -114,6 +122,7 @@ fn convergence(name: &str, one: &GainsLoopRecord) -> String {
     let ends = (one.errors.first().and_then(|value| **value), one.errors.last().and_then(|value| **value));
     let (Some(open), Some(closed)) = ends else { return rate };
     let many = one.errors.len() - 1;
+    let before = many.checked_sub(1).and_then(|k| *one.errors[k]);
     let steps = count(many, "step");
     if let Some(why) = &one.failed {
         return format!("{rate}; the loop ended after {steps}: {why}");
@@ -122,6 +131,7 @@ fn convergence(name: &str, one: &GainsLoopRecord) -> String {
         return rate;
     }
     let end = match *one.contraction_at_end {
+        _ if one.on_bounds > 0 => String::new(),
         Some(value) if value < 1.0 => format!("; there it shrinks to {} of itself per step", share(value)),
         Some(value) => format!("; there it GROWS to {} of itself per step", short(round(value))),
         None => String::new(),
@@ -139,6 +149,11 @@ fn convergence(name: &str, one: &GainsLoopRecord) -> String {
         ": more than before, S changes on the way; begin nearer to the optimum, or take more damping"
     } else if closed > (1.0 - AT_REST) * open {
         ": the law has nothing to mend there"
+    } else if one.on_bounds == 0
+        && closed > CLOSED * open
+        && before.is_some_and(|before| closed > (1.0 - AT_REST) * before)
+    {
+        ", and the error falls no more"
     } else {
         ""
     };

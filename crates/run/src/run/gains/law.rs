@@ -11,7 +11,7 @@ use nastic_report::record::{GainsDirectionRecord, GainsOutputRecord, GainsRecord
 /// A singular value below this share of the largest is zero within the accuracy of linear solves.
 const ROUNDING: f64 = 1e-8;
 /// A row of S that changes its output by less than this share of its size is zero: what is left where nothing moves it.
-const NOISE: f64 = 1e-11;
+const NOISE: f64 = 1e-9;
 /// Dampings that are tried for one with which the law converges.
 const DAMPINGS: [f64; 7] = [1e-2, 3e-2, 0.1, 0.3, 1.0, 3.0, 10.0];
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -54,6 +54,10 @@ impl Law {
         let mut records: Vec<GainsOutputRecord> = aimed.iter().chain(&watched).zip(&found.rows).map(record).collect();
         let rest = records.split_off(aimed.len());
         found.rows.truncate(aimed.len());
+        let bounds = control_values::all_bounds(problem);
+        // what its bounds hold moves nothing
+        let held = |j: &usize| bounds[*j][0] == bounds[*j][1];
+        (0..bounds.len()).filter(held).for_each(|j| found.rows.iter_mut().for_each(|row| row[j] = 0.0));
         let damping = problem.case.gains.damping;
         let targets: Vec<_> = aimed.iter().filter_map(|one| one.target).collect();
         let weights: Vec<f64> = targets.iter().map(|target| target.weight).collect();
@@ -74,7 +78,6 @@ impl Law {
         let Some(feedback) = feedback else { return Ok((None, known)) };
         let known = with_law(known, &feedback);
         let targets = targets.iter().map(|target| target.value).collect();
-        let bounds = control_values::all_bounds(problem);
         Ok((Some(Law { feedback, targets, weights, bounds, damping, scales, jacobian: found.rows }), known))
     }
 
@@ -99,6 +102,17 @@ impl Law {
                 self.targets.len()
             );
             return Err(ControlError::Cost { what });
+        }
+        let aims =
+            outputs.iter().filter_map(|one| Some((one, one.target?))).zip(self.targets.iter().zip(&self.weights));
+        for ((one, own), (target, weight)) in aims {
+            if own.value != *target || own.weight != *weight {
+                let what = format!(
+                    "\"{}\" has the target {} and the weight {} here, {target} and {weight} in the case itself: \"gains\" has one list of targets for all bodies",
+                    one.name, own.value, own.weight
+                );
+                return Err(ControlError::Cost { what });
+            }
         }
         Ok((outputs.iter().zip(&self.targets).map(|(one, target)| one.value - target).collect(), outputs))
     }
