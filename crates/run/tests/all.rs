@@ -24,6 +24,7 @@ mod doubtful;
 mod energy_balance;
 mod ensembles;
 mod fibers;
+mod first_order;
 mod fit;
 mod fit_tables;
 mod formula_laws;
