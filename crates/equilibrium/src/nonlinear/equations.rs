@@ -112,7 +112,7 @@ impl<'a> Equations<'a> {
         here.relative > MAX_SADDLE_RESIDUAL && self.may_flatten()
     }
 
-    /// Whether trials project rigid bodies onto their constraints. Steps in time do not: rotations are small, and the projection increased iterations by half.
+    /// Whether trials of equilibria project rigid bodies onto their constraints; for steps in time see [`stays_rigid`](Self::stays_rigid).
     pub fn turns_rigid_bodies(&self) -> bool {
         self.is_static() && !self.model.supports.ties().is_empty() && self.model.unknowns().has_one_nodal_field()
     }
