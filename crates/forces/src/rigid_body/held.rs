@@ -12,6 +12,8 @@ const DEPENDENCE_TOLERANCE: f64 = 1e-8;
 const TEST_ANGLE: f64 = 0.1;
 /// Components of F^T F - 1 that count as zero there.
 const STRAIN_TOLERANCE: f64 = 1e-9;
+/// Sweeps in which singular values are found.
+const MAX_SWEEPS: usize = 1000;
 /// Iterations of the projection onto the constraints.
 const MAX_ITERATIONS: usize = 50;
 
@@ -63,8 +65,8 @@ impl Held {
         let of_held = |i: usize, j: usize| if self.0[i] { motions[(i, j)] } else { 0.0 };
         let moved = DMatrix::from_fn(motions.nrows(), motions.ncols(), of_held);
         // singular values: eigenvalues of the squares know them to the root of rounding alone
-        let Some((values, ways)) = Some(moved.svd(false, true)).and_then(|svd| Some((svd.singular_values, svd.v_t?)))
-        else {
+        let found = moved.try_svd(false, true, 5.0 * f64::EPSILON, MAX_SWEEPS);
+        let Some((values, ways)) = found.and_then(|svd| Some((svd.singular_values, svd.v_t?))) else {
             return DMatrix::zeros(motions.nrows(), 0);
         };
         let most = values.max();
