@@ -88,6 +88,17 @@ fn a_risk_of_first_order() {
     assert!(problems(&first(r#", "rule": { "gauss": 2 }"#)).contains("makes no scenarios"));
     let elsewhere = with(&first(""), "materials/0/mu3", "costs/0/weight");
     assert!(problems(&elsewhere).contains("takes numbers of materials"), "{}", problems(&elsewhere));
+    // what a cost has of the modulus beside the displacement would be left out
+    for own in
+        [r#""kind": "reaction", "surface": "x-", "direction": [1, 0, 0], "force": "1 N""#, r#""kind": "pump_work""#]
+    {
+        let stiff = with(&first(""), r#""costs": ["#, &format!(r#""costs": [ {{ {own} }},"#));
+        assert!(problems(&stiff).contains("depends on numbers of materials"), "{}", problems(&stiff));
+    }
+    let cases =
+        r#""load_cases": [ { "name": "a" }, { "name": "b", "set": { "materials/0/mu3": "400 kPa" } } ], "probes""#;
+    let set = with(&first(""), r#""probes""#, cases);
+    assert!(problems(&set).contains("the load case \"b\" sets it too"), "{}", problems(&set));
     let second = with(&first(""), r#""lbfgs""#, r#""newton_cg""#);
     assert!(
         problems(&second).contains("optimizer/method: \"newton_cg\" takes second derivatives"),

@@ -76,6 +76,18 @@ pub(super) fn scenario(
             context.complain(&one.at.key("path"), message);
             continue;
         };
+        let sets = |setting: &&Setting| {
+            let (path, own) = (&setting.path, &variable.path);
+            path == own || own.starts_with(&format!("{path}/")) || path.starts_with(&format!("{own}/"))
+        };
+        if let Some(load_case) = case.load_cases.iter().find(|own| own.set.0.iter().any(|setting| sets(&setting))) {
+            let message = format!(
+                "the load case \"{}\" sets it too: with \"first_order\" a random number is one of all load cases; leave one of them out",
+                load_case.name
+            );
+            context.complain(&one.at.key("path"), message);
+            continue;
+        }
         let own = linearised(variable);
         let parts = match &variable.kind {
             Kind::Field(field) if number.material.region.are_several() => {

@@ -49,6 +49,10 @@ impl Cost for Named {
         self.cost.needs_step()
     }
 
+    fn depends_on_materials(&self) -> bool {
+        self.cost.depends_on_materials()
+    }
+
     fn smoothings(&self) -> Vec<Smoothing> {
         self.cost.smoothings()
     }

@@ -262,7 +262,7 @@ pub trait Cost: Debug + Send + Sync {
         Ok(())
     }
 
-    /// Whether it depends on numbers of materials also beside the displacement, as the force of a support does: derivatives by numbers that are not controls lack that part, and are
+    /// Whether it depends on numbers of materials also beside the displacement, as the force of a support and the stored energy do: derivatives by numbers that are not controls lack that part, and are
     /// refused.
     fn depends_on_materials(&self) -> bool {
         false

@@ -43,6 +43,10 @@ impl Cost for PumpWork {
         Self::NAME
     }
 
+    fn depends_on_materials(&self) -> bool {
+        true
+    }
+
     fn at(&self, at: &CostContext) -> Result<Arc<dyn CostPoint>, ControlError> {
         check_stored(at.solid)?;
         check_layout(at.solid, at.layout)?;
