@@ -56,6 +56,7 @@ mod random;
 mod random_field;
 pub mod result_array;
 mod scenario;
+mod scenarios;
 mod shape;
 mod sizes;
 mod slack;
@@ -76,6 +77,7 @@ mod thinner_layers;
 mod thousands;
 mod time;
 mod time_table;
+mod uncertain;
 mod variant;
 mod weight;
 

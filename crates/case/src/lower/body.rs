@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::variant::Variant;
 use super::{
-    actuation, blocks, contact, control, first_order, gravity, inertia, load, material, optimizer, support, time,
+    actuation, blocks, contact, control, gravity, inertia, load, material, optimizer, support, time, uncertain,
 };
 use nastic_control::Reduced;
 use nastic_fem::{Discretization, FemError, Solid, Solver};
@@ -38,7 +38,7 @@ pub(super) fn lower(variant: &Variant, disc: &Arc<Discretization>, context: &mut
     let reduced = load::fix(case, reduced, context)?;
     let reduced = gravity::fix(case, reduced, context)?;
     let reduced = control::add(case, reduced, context)?;
-    let reduced = first_order::add(&variant.uncertain, reduced, context)?;
+    let reduced = uncertain::add(&variant.uncertain, reduced, context)?;
     // members in one process, or on all ranks, have most of their vectors in common
     context.is_sound().then(|| reduced.share_equal_parts())
 }

@@ -1,4 +1,4 @@
-//! Random parameters without scenarios: numbers of materials, held at their medians, with their slopes.
+//! A risk of first order: random parameters without scenarios.
 
 use super::context::Context;
 use super::cost_term::SECOND_ORDER;
@@ -6,7 +6,8 @@ use super::design::law_name;
 use super::random::{Kind, Variable, variables};
 use super::random_field::material_of;
 use super::scenario::Scenario;
-use nastic_control::{Reduced, Space};
+use super::uncertain::Uncertain;
+use nastic_control::Space;
 use nastic_ensemble::{FirstOrder, UncertainSource};
 use nastic_fem::Discretization;
 use nastic_language::schema::{Case, FirstOrder as Block, RandomScenarios, Risk};
@@ -14,25 +15,6 @@ use nastic_language::syntax::{At, Document, Node, Setting, Value};
 use nastic_uncertainty::Law;
 use serde_json::Map;
 use std::sync::Arc;
-
-/// An uncertain number of a material.
-#[derive(Debug)]
-pub(super) struct Uncertain {
-    /// Index of the material.
-    pub material: usize,
-    /// The number, and as a control would name it.
-    pub number: String,
-    pub of: String,
-    /// Its random parameter.
-    pub at: At,
-    path: String,
-    space: Space,
-    medians: Vec<f64>,
-    /// By random number, by value.
-    slopes: Vec<Vec<f64>>,
-    /// Named parts of a field over several regions, with the places of their values.
-    parts: Vec<(String, Vec<usize>)>,
-}
 
 /// The block of a case whose risk is of first order.
 pub(super) fn block(case: &Case) -> Option<&Block> {
@@ -76,11 +58,11 @@ pub(super) fn scenario(
             context.complain(&one.at.key("path"), message);
             continue;
         };
-        let sets = |setting: &&Setting| {
+        let sets = |setting: &Setting| {
             let (path, own) = (&setting.path, &variable.path);
             path == own || own.starts_with(&format!("{path}/")) || path.starts_with(&format!("{own}/"))
         };
-        if let Some(load_case) = case.load_cases.iter().find(|own| own.set.0.iter().any(|setting| sets(&setting))) {
+        if let Some(load_case) = case.load_cases.iter().find(|own| own.set.0.iter().any(sets)) {
             let message = format!(
                 "the load case \"{}\" sets it too: with \"first_order\" a random number is one of all load cases; leave one of them out",
                 load_case.name
@@ -149,14 +131,6 @@ fn linearised(variable: &Variable) -> Linearised {
             Linearised { everywhere: field.median(), medians, slopes }
         }
     }
-}
-
-/// Makes the uncertain numbers of a member such.
-pub(super) fn add(uncertain: &[Uncertain], mut reduced: Reduced, context: &mut Context<'_>) -> Option<Reduced> {
-    for own in uncertain {
-        reduced = context.take(&own.at, reduced.uncertain(&own.of, own.space, &own.medians))?;
-    }
-    Some(reduced)
 }
 
 /// The measure, of the sources of a scenario.

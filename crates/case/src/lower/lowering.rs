@@ -9,7 +9,7 @@ use crate::lower::target_shape::TargetShape;
 use crate::lower::variant::Variant;
 use crate::lower::{
     body, constraint, control, cost, design, elements, first_order, magnitude, mesh, pressures, prior, probe, scenario,
-    sizes, slack, start, survey, tension, time_table, variant, weight,
+    scenarios, sizes, slack, start, survey, tension, time_table, variant, weight,
 };
 use crate::warning::Warning;
 use nastic_control::Reduced;
@@ -121,7 +121,7 @@ fn members(
     let ordering = began.elapsed();
     survey::names(document, &mesh, context);
     let probes = probe::locate(case, &mesh, context);
-    let scenarios = scenario::scenarios(case, document, &disc, context)?;
+    let scenarios = scenarios::scenarios(case, document, &disc, context)?;
     let mut variants = match variant::all(case, document, &scenarios, context) {
         Ok(variants) => variants,
         Err(problems) => {

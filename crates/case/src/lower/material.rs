@@ -3,10 +3,10 @@
 use super::context::Context;
 use super::design;
 use super::field::SamplePoints;
-use super::first_order::Uncertain;
 use super::law_inputs::inputs;
 use super::named::{attempt, complain_of_law};
 use super::named_groups;
+use super::uncertain::Uncertain;
 use crate::lower::control_field::{Admitted, ControlField};
 use crate::warning::{CONVEXITY, INPUT};
 use nastic_energy::EnergyError;

@@ -1,8 +1,8 @@
 //! The members of a problem as cases of their own: every load case of every scenario.
 
 use super::context::Context;
-use super::first_order::Uncertain;
 use super::scenario::Scenario;
+use super::uncertain::Uncertain;
 use crate::warning::INPUT;
 use nastic_language::quantity::Units;
 use nastic_language::schema::{Case, Input, LoadCase, Parameter};

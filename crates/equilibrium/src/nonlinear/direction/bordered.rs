@@ -14,7 +14,7 @@
 
 use super::active_set::{Trial, settle};
 use super::{Direction, Step, Take};
-use crate::linear_systems::saddle_point::SaddlePoint;
+use crate::linear_systems::saddle_point::{BorderedTangent, SaddlePoint};
 use crate::linear_systems::tangent_systems::{Counted, FULL_STEP, TangentSystems, bordered_step};
 use crate::nonlinear::equations::{Equations, Jump};
 use crate::nonlinear::iterate::{Iterate, Stop};
@@ -83,13 +83,7 @@ impl<'a> Bordered<'a> {
         let tangent = equations.bordered_tangent(here.point, here.x)?;
         let mut residual = here.residual.to_vec();
         let scales = equations.put_slack(here.point, here.x, &self.inequalities, &mut residual)?;
-        let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
-        if let Some(jump) = &self.jump {
-            let mut all = jump.clone();
-            all.resize(here.x.len(), 0.0);
-            axpy(-1.0, &tangent.multiply(&all, equations.options.parallel), &mut rhs);
-            equations.model.supports.restrict(&mut rhs);
-        }
+        let rhs = equations.bordered_right_hand_side(&tangent, &residual, self.jump.as_deref());
         let scale = equations.energy_scale(&tangent.matrix, here.x, here.now);
         let system = SaddlePoint::new(equations.model, tangent);
         let mut linearised = Linearised { system, rhs, scales };
@@ -245,6 +239,23 @@ impl ActiveSets<'_> {
 }
 
 impl Equations<'_> {
+    /// `-r - K d`, on free unknowns where there is d, the jump of the prescribed ones.
+    pub(super) fn bordered_right_hand_side(
+        &self,
+        tangent: &BorderedTangent,
+        residual: &[f64],
+        jump: Option<&[f64]>,
+    ) -> Vec<f64> {
+        let mut rhs: Vec<f64> = residual.iter().map(|r| -r).collect();
+        if let Some(jump) = jump {
+            let mut all = jump.to_vec();
+            all.resize(rhs.len(), 0.0);
+            axpy(-1.0, &tangent.multiply(&all, self.options.parallel), &mut rhs);
+            self.model.supports.restrict(&mut rhs);
+        }
+        rhs
+    }
+
     /// Makes multipliers of inequalities admissible.
     pub(super) fn start_positive(&self, x: &mut [f64]) {
         let inequalities = self.model.inequalities();

@@ -56,20 +56,6 @@ impl<'a> WithPointStrains<'a> {
         Ok(WithPointStrains { equations, systems, strains, tangent, jump, begun: false })
     }
 
-    /// `-r - K d` on free unknowns, d the jump of the prescribed ones.
-    fn right_hand_side(&self, force: &[f64]) -> Vec<f64> {
-        let Equations { model, options, .. } = *self.equations;
-        let mut rhs: Vec<f64> = force.iter().map(|r| -r).collect();
-        if let Some(jump) = &self.jump {
-            let mut all = jump.clone();
-            all.resize(rhs.len(), 0.0);
-            let pulled = self.tangent.multiply(&all, options.parallel);
-            rhs.iter_mut().zip(&pulled).for_each(|(r, p)| *r -= p);
-        }
-        model.supports.restrict(&mut rhs);
-        rhs
-    }
-
     fn solve(
         &mut self,
         here: &Iterate,
@@ -113,7 +99,8 @@ impl Direction for WithPointStrains<'_> {
         self.tangent.clear();
         let (strains, tangent) = (&self.strains, &mut self.tangent);
         self.equations.at(here.x, |at| model.add_with_point_strains(at, strains, &mut sums, tangent))?;
-        let rhs = self.right_hand_side(&sums.force);
+        let mut rhs = self.equations.bordered_right_hand_side(&self.tangent, &sums.force, self.jump.as_deref());
+        model.supports.restrict(&mut rhs);
         let solved = self.solve(here, &rhs, report);
         let (mut dx, curvature) = solved.map_err(|error| failed(error, here))?;
         let jump = self.jump.take();

@@ -11,7 +11,6 @@ use nastic_body::state::SolveReport;
 use nastic_body::strategy::Strategy;
 use nastic_linear::LinearSolver;
 use nastic_linear::solver::Curvature;
-use nastic_numeric::vector::axpy;
 
 /// `[K B; B^T 0] [du; dp] = -[r; g]` with all constraints [eliminated](SaddlePoint::step), in a step in time whose iterates
 /// [stay on them](Equations::stays_rigid): the matrix that is left is that of the potential along rigid motions, without a border, and where it is not positive definite it is
@@ -36,13 +35,7 @@ impl<'a> AlongRigidMotions<'a> {
     fn system(&self, here: &Iterate, flat: bool) -> Result<(SaddlePoint, Vec<f64>, f64), Stop> {
         let equations = Equations { flat_contacts: flat, ..*self.equations };
         let tangent = equations.bordered_tangent(here.point, here.x)?;
-        let mut rhs: Vec<f64> = here.residual.iter().map(|r| -r).collect();
-        if let Some(jump) = &self.jump {
-            let mut all = jump.clone();
-            all.resize(here.x.len(), 0.0);
-            axpy(-1.0, &tangent.multiply(&all, equations.options.parallel), &mut rhs);
-            equations.model.supports.restrict(&mut rhs);
-        }
+        let rhs = equations.bordered_right_hand_side(&tangent, here.residual, self.jump.as_deref());
         let scale = equations.energy_scale(&tangent.matrix, here.x, here.now);
         Ok((SaddlePoint::new(equations.model, tangent), rhs, scale))
     }

@@ -1,7 +1,6 @@
 //! [`Law`]: the feedback at the start of a case.
 
 use super::control_values;
-use crate::run::gains::trial::followed;
 use nastic_case::lower::{CaseMember, LocatedProbe};
 use nastic_control::{ControlError, Evaluated, Output, OutputJacobian, Partials, ReducedWorkspace};
 use nastic_language::expression::dimension_of;
@@ -130,6 +129,11 @@ impl Law {
         let along = |v: &Vec<f64>| v.iter().zip(&weighted).map(|(v, error)| v * error).sum::<f64>().powi(2);
         Some(own.unmoved.iter().map(along).fold(0.0, |all, one| all + one).sqrt())
     }
+}
+
+/// The outputs of a body that have targets.
+fn followed(member: CaseMember<'_>, at: &Evaluated) -> Result<Vec<Output>, ControlError> {
+    Ok(member.reduced().outputs(at)?.into_iter().filter(|one| one.target.is_some()).collect())
 }
 
 /// Makes rows zero that are noise.

@@ -3,7 +3,7 @@
 use super::law::Law;
 use crate::run::session::START_ACCURACY;
 use nastic_case::lower::CaseMember;
-use nastic_control::{ControlError, Evaluated, Output, Partials, ReducedWorkspace};
+use nastic_control::{ControlError, Evaluated, Partials, ReducedWorkspace};
 use nastic_fem::StateError;
 use nastic_opt::Request;
 use nastic_report::record::{GainsLoopRecord, Number, numbers};
@@ -13,11 +13,6 @@ pub(super) struct Trial {
     pub record: GainsLoopRecord,
     /// S of this body.
     pub jacobian: Vec<Vec<f64>>,
-}
-
-/// The outputs of a body that have targets.
-pub(super) fn followed(member: CaseMember<'_>, at: &Evaluated) -> Result<Vec<Output>, ControlError> {
-    Ok(member.reduced().outputs(at)?.into_iter().filter(|one| one.target.is_some()).collect())
 }
 
 /// From a body's equilibrium at the start: its contraction, and so many steps, each to the equilibrium under its controls.
