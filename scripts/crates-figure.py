@@ -16,7 +16,7 @@ GROUPS = {
     "programs": ("#d9e8f5", {"mpi": 2, "cli": 2, "python": 1, "nastic": 3}),
     "cases": ("#e4ecd3", {"run": 2, "result": 2, "case": 2, "language": 2}),
     "files and pictures": ("#f3e9d2", {"report": 0, "picture": 0, "io": 0}),
-    "optimisation": ("#ecdff0", {"control": 2, "ensemble": 1, "opt": 5, "hausdorff": 3, "uncertainty": 1}),
+    "optimisation": ("#ecdff0", {"control": 2, "fields": 2, "ensemble": 1, "opt": 5, "hausdorff": 3, "uncertainty": 1}),
     "equilibria and motions": (
         "#f6dcd6",
         {"petsc": 3, "fem": 2, "motion": 2, "equilibrium": 2, "forces": 2, "body": 2},

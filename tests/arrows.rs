@@ -25,7 +25,8 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("equilibrium", &["numeric", "tensor", "energy", "mesh", "linear", "body", "forces"]),
     ("motion", &["numeric", "tensor", "energy", "mesh", "linear", "body", "forces", "equilibrium"]),
     ("fem", &["team", "tensor", "energy", "mesh", "linear", "body", "forces", "equilibrium", "motion"]),
-    ("control", &["numeric", "tensor", "energy", "mesh", "linear", "fem", "opt", "hausdorff"]),
+    ("fields", &["numeric", "tensor", "energy", "mesh", "linear", "fem", "opt"]),
+    ("control", &["numeric", "tensor", "energy", "mesh", "linear", "fem", "fields", "opt", "hausdorff"]),
     ("ensemble", &["numeric", "linear", "team", "mesh", "fem", "opt", "uncertainty", "control"]),
     ("language", &["numeric", "energy", "fit", "mesh", "io", "fem", "opt", "control"]),
     (

@@ -26,17 +26,14 @@ pub use outputs::OutputJacobian;
 pub use second_order::SecondDerivative;
 
 use crate::constraint::Constraint;
-use crate::control_values::ControlValues;
 use crate::cost::{Cost, IntoCost};
-use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
-use crate::inner_product::{Metric, inner_product};
-use crate::layout::Layout;
 use crate::time::{MotionObserver, StepUnderWay, Timeline, When};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{
     Begin, Body, Controls, FemError, Progress, Solid, SolveOptions, SolveReport, State, StateError, Workspace,
 };
+use nastic_fields::{ControlError, ControlValues, Layout, Metric, inner_product};
 use nastic_opt::{InnerProduct, Request};
 use std::borrow::Cow;
 use std::sync::Arc;

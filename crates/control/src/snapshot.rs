@@ -1,13 +1,11 @@
 //! The state of a problem at one control as named arrays, for VTU files and pictures.
 
-use crate::control_block::ControlBlock;
-use crate::error::ControlError;
 use crate::evaluated::Evaluated;
-use crate::map::Space;
 use crate::reduced::Reduced;
 use crate::time::Timeline;
 use nastic_energy::SlotGroup;
 use nastic_fem::{AttachedLaw, Discretization, Instant, State};
+use nastic_fields::{ControlBlock, ControlError, Space};
 use nastic_mesh::{MeshError, Snapshot};
 use nastic_tensor::Mat3;
 

@@ -2,9 +2,9 @@
 
 use super::{Bound, Constraint, ConstraintPoint, IntoConstraint};
 use crate::cost::{Cost, CostContext, CostPoint, IntoCost, MotionPartials, Partials};
-use crate::error::ControlError;
 use crate::time::Timeline;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_numeric::vector::{axpy, dot};
 use nastic_opt::{ConstraintGroup, Sense};
 use std::sync::Arc;

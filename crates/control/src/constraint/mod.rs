@@ -9,9 +9,9 @@ pub use cost_limit::CostLimit;
 pub use obstacle_distance::ObstacleDistance;
 
 use crate::cost::{CostContext, MotionPartials, Partials};
-use crate::error::ControlError;
 use crate::time::Timeline;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_opt::ConstraintGroup;
 use std::fmt::Debug;
 use std::sync::Arc;

@@ -1,9 +1,8 @@
 //! [`BodyCloud`]: the quadrature points of a body as a cloud, also where several ranks have the body.
 
 use super::smoothed_hausdorff::MAX_GAUSS_POINTS;
-use crate::error::ControlError;
-use crate::over_ranks::gathered;
 use nastic_fem::{QuadraturePoints, Share, all_accept};
+use nastic_fields::{ControlError, gathered};
 use nastic_hausdorff::{Cloud, HausdorffError, Together};
 use nastic_mesh::{GroupNames, Mesh};
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! [`BodyPoints`]: the points of a surface, region or node set of a cost.
 
-use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
+use nastic_fields::ControlError;
 use nastic_mesh::GroupNames;
 
 /// Which part of a body.

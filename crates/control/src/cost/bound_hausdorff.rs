@@ -2,8 +2,8 @@
 
 use super::body_cloud::{BodyCloud, failed};
 use super::{Cost, CostContext, CostPoint, CostTarget, Figure, FigureKind, Partials};
-use crate::error::ControlError;
 use nastic_fem::{Discretization, Solid};
+use nastic_fields::ControlError;
 use nastic_hausdorff::{Cloud, Evaluation, Motion, SecondPartials, Smoothing, Summation};
 use nastic_mesh::{GroupNames, Hausdorff, Mesh, Shape, hausdorff};
 use nastic_tensor::{Mat3, cross};

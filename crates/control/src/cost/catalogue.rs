@@ -7,9 +7,9 @@ use super::{
     contact_slip, curvature, design, markers, mean_displacement, mean_radius, obstacle, orientation, position,
     pump_work, reaction, regularization, stretch, tracking, volume,
 };
-use crate::error::ControlError;
 use crate::time::When;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_hausdorff::Phi;
 use nastic_mesh::Mesh;
 use nastic_mesh::spatial::Obstacle;

@@ -3,8 +3,8 @@
 use super::{
     Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
-use crate::error::ControlError;
 use nastic_fem::{Increment, Instant, Model, QuadraturePoints, Solid, SolveOptions, StateError};
+use nastic_fields::ControlError;
 use nastic_linear::Symmetry;
 use nastic_mesh::GroupNames;
 use nastic_numeric::vector::{dot, norm};

@@ -4,9 +4,8 @@ use super::{
     ContactResultant, Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output,
     Partials, check_weight,
 };
-use crate::error::ControlError;
-use crate::layout::Layout;
 use nastic_fem::{Controls, Instant, Solid, TouchParameters};
+use nastic_fields::{ControlError, Layout};
 use nastic_numeric::vector::axpy;
 use std::cell::Cell;
 use std::sync::Arc;

@@ -4,9 +4,8 @@ use super::contact_load::contact_of;
 use super::{
     Cost, CostContext, CostPoint, Figure, FigureKind, IntoCost, MotionPartials, Output, Partials, check_weight,
 };
-use crate::error::ControlError;
-use crate::layout::Layout;
 use nastic_fem::{ContactSum, Instant, Solid, State, TimeStep};
+use nastic_fields::{ControlError, Layout};
 use nastic_numeric::vector::{axpy, norm};
 use std::sync::Arc;
 

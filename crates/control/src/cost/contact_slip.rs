@@ -2,9 +2,8 @@
 
 use super::contact_load::contact_of;
 use super::{Cost, CostContext, CostForm, CostPoint, IntoCost, Key, KeyKind, MotionPartials, Partials, check_weight};
-use crate::error::ControlError;
-use crate::layout::Layout;
 use nastic_fem::{ContactSum, Controls, Instant, Solid, State, TimeStep};
+use nastic_fields::{ControlError, Layout};
 use nastic_numeric::vector::axpy;
 use std::sync::Arc;
 

@@ -3,9 +3,9 @@
 use super::body_points::BodyPart;
 use super::cost_value::{CostTaken, CostValue, CostWords};
 use super::{Cost, Key};
-use crate::error::ControlError;
 use crate::time::{TrajectoryCost, When};
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_mesh::GroupNames;
 use std::collections::BTreeMap;
 

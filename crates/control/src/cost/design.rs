@@ -1,8 +1,7 @@
 //! [`DesignMean`]: costs of a design field itself.
 
 use super::{Cost, CostContext, CostForm, CostPoint, Key, Partials, check_weight};
-use crate::error::ControlError;
-use crate::map::{Chain, ControlMap, Expansion};
+use nastic_fields::{Chain, ControlError, ControlMap, Expansion};
 use nastic_numeric::vector::axpy;
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,7 +1,7 @@
 //! [`FacetTangents`]: quadrature points of a surface with its tangent vectors, for costs of its deformed normal.
 
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_mesh::GroupNames;
 use nastic_tensor::Vec3;
 

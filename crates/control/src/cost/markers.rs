@@ -4,8 +4,8 @@ use super::position::{Shares, add_component, mean};
 use super::{
     AXES, Cost, CostContext, CostForm, CostPoint, IntoCost, Key, KeyKind, Output, Partials, Reading, check_weight,
 };
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use std::sync::Arc;
 
 /// A point of the body and where it was measured.

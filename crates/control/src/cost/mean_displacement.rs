@@ -2,8 +2,8 @@
 
 use super::position::{Of, Shares, mean, over_ranks, shares};
 use super::{Cost, CostContext, CostForm, CostPoint, IntoCost, Key, KeyKind, Output, Partials, check_weight};
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_mesh::GroupNames;
 use nastic_numeric::vector::{dot, norm};
 use std::sync::Arc;

@@ -4,8 +4,8 @@ use super::{
     Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output, Partials, check_weight,
 };
 use crate::cost::body_points::{BodyPart, BodyPoints};
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_mesh::GroupNames;
 use nastic_tensor::{Mat3, Vec3};
 use std::sync::Arc;

@@ -69,10 +69,9 @@ pub use target_positions::Target;
 pub use tracking::{BoundTracking, Tracking};
 pub use volume::LumenVolume;
 
-use crate::error::ControlError;
-use crate::layout::Layout;
 use crate::time::Timeline;
 use nastic_fem::{Controls, Solid, State};
+use nastic_fields::{ControlError, Layout};
 use nastic_hausdorff::Smoothing;
 use nastic_numeric::vector::axpy;
 use std::fmt::Debug;

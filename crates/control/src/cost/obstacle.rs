@@ -4,8 +4,8 @@ use super::body_points::{BodyPart, BodyPoints};
 use super::{
     Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_mesh::GroupNames;
 use nastic_mesh::spatial::{Obstacle, SignedDistance};
 use nastic_numeric::vector::dot;

@@ -2,8 +2,8 @@
 
 use super::{CostContext, CostPoint, Figure, Partials};
 use crate::constraint::ConstraintPoint;
-use crate::error::ControlError;
 use nastic_fem::{Solid, Space, State};
+use nastic_fields::ControlError;
 use std::borrow::Cow;
 use std::sync::Arc;
 

@@ -4,8 +4,8 @@ use super::facet_tangents::{FacetTangents, area_vector};
 use super::{
     Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output, Partials, check_weight,
 };
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_mesh::GroupNames;
 use nastic_tensor::Vec3;
 use std::sync::Arc;

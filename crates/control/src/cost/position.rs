@@ -5,8 +5,8 @@ use super::{
     AXES, Aim, Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Output, Partials,
     check_weight,
 };
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_mesh::GroupNames;
 use std::sync::Arc;
 

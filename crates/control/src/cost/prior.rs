@@ -1,7 +1,7 @@
 //! [`Prior`]: what is known of a control beside what its cost measures.
 
 use super::{Cost, CostContext, CostPoint, Partials, check_weight};
-use crate::error::ControlError;
+use nastic_fields::ControlError;
 use std::sync::Arc;
 
 /// `j = weight sum_i (x_i - mean)^2 / (2 s^2)` over the unknowns x_i of a scalar control: minus the logarithm of a normal density of independent values with this mean and

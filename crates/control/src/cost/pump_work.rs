@@ -1,11 +1,9 @@
 //! [`PumpWork`]: the work it takes to bring a body from rest to its state.
 
 use super::{Cost, CostContext, CostForm, CostPoint, Partials, check_weight};
-use crate::control_block::ControlTarget;
-use crate::error::ControlError;
-use crate::layout::Layout;
 use nastic_energy::Slot;
 use nastic_fem::Solid;
+use nastic_fields::{ControlError, ControlTarget, Layout};
 use nastic_numeric::vector::{axpy, dot};
 use std::sync::Arc;
 

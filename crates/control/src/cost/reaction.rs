@@ -4,10 +4,9 @@ use super::{
     Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, MotionPartials, Output,
     Partials, check_weight,
 };
-use crate::error::ControlError;
-use crate::layout::Layout;
 use crate::time::Timeline;
 use nastic_fem::{Begin, Controls, Increment, Instant, Model, Solid, State, StateError};
+use nastic_fields::{ControlError, Layout};
 use nastic_linear::Symmetry;
 use nastic_mesh::GroupNames;
 use nastic_numeric::vector::{axpy, dot, norm};

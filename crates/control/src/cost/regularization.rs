@@ -1,10 +1,8 @@
 //! Costs of the control itself: [`ControlNorm`] and [`ControlSmoothness`].
 
 use super::{Cost, CostContext, CostForm, CostPoint, Counts, Key, Partials, check_weight};
-use crate::error::ControlError;
-use crate::field_operator::{mass_product, stiffness_product};
-use crate::map::Basis;
 use nastic_fem::Discretization;
+use nastic_fields::{Basis, ControlError, mass_product, stiffness_product};
 use std::fmt;
 use std::sync::Arc;
 

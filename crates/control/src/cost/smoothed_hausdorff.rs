@@ -3,8 +3,8 @@
 use super::body_cloud::BodyCloud;
 use super::bound_hausdorff::{BoundHausdorff, Setup, Stage};
 use super::{Cost, IntoCost, automatic_stages, check_weight};
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_hausdorff::{Cloud, Phi, Smoothing};
 use nastic_mesh::{GroupNames, Mesh, Shape};
 use std::sync::Arc;

@@ -3,8 +3,8 @@
 use super::{
     Cost, CostContext, CostForm, CostPoint, Figure, FigureKind, IntoCost, Key, KeyKind, Partials, check_weight,
 };
-use crate::error::ControlError;
 use nastic_fem::{QuadraturePoints, Solid};
+use nastic_fields::ControlError;
 use nastic_mesh::GroupNames;
 use nastic_tensor::{Kinematics, Mat3};
 use std::sync::Arc;

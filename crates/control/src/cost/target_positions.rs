@@ -1,8 +1,8 @@
 //! [`Target`]: where points of a body should be.
 
 use super::body_points::BodyPoints;
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_mesh::Mesh;
 use std::fmt;
 use std::sync::Arc;

@@ -6,8 +6,8 @@ use super::{
     Aim, Cost, CostContext, CostForm, CostPoint, CostTarget, Figure, FigureKind, IntoCost, Key, KeyKind, Partials,
     check_weight,
 };
-use crate::error::ControlError;
 use nastic_fem::Solid;
+use nastic_fields::ControlError;
 use nastic_mesh::{GroupNames, Mesh};
 use std::sync::Arc;
 

@@ -1,10 +1,9 @@
 //! [`Reduced::adaptive_steps`]: steps of a motion that follow the estimate of their error.
 
 use super::Reduced;
-use crate::error::ControlError;
-use crate::time::Interpolation;
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{AdaptiveReport, Controls, FemError, TimeStepping, Tolerance};
+use nastic_fields::{ControlError, Interpolation};
 use serde::{Deserialize, Serialize};
 
 /// The length of the first step, and of the first one behind a jump of a control, as a share of the whole time.

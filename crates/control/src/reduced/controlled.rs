@@ -1,10 +1,7 @@
 //! What a [`Reduced`] problem controls.
 
 use super::Reduced;
-use crate::control_block::Shown;
-use crate::design::Consumer;
-use crate::error::ControlError;
-use crate::map::{ControlMap, Plane, Projection, Space};
+use nastic_fields::{Consumer, ControlError, ControlMap, Plane, Projection, Shown, Space};
 use nastic_mesh::GroupNames;
 
 impl Reduced {

@@ -3,13 +3,11 @@
 use super::Reduced;
 use crate::constraint::IntoConstraint;
 use crate::cost::{Aim, IntoCost};
-use crate::error::ControlError;
-use crate::layout::Layout;
-use crate::map::Space;
 use crate::time::{
-    FixedInTime, Instants, Knots, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When,
+    FixedInTime, Instants, MotionFootprint, MotionMemory, RateLimit, Schedule, Timeline, TrajectoryCost, When,
 };
 use nastic_fem::{Begin, Checkpoints, Feature, FemError};
+use nastic_fields::{ControlError, Knots, Layout, Space};
 use nastic_opt::ConstraintGroup;
 
 /// What a problem in time has beside a static one.

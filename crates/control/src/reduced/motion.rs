@@ -5,13 +5,13 @@ use super::in_time::Motion;
 use super::instant::AtInstant;
 use super::motion_progress::{InstantValues, Progress};
 use crate::cost::{Cost, DistanceInTime, FigureKind};
-use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::time::{MotionObserver, StepUnderWay, TrajectoryContext};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{
     Begin, Controls, Recording, SolveOptions, SolveReport, State, StateError, StepTo, TimeStepping, Trajectory,
 };
+use nastic_fields::ControlError;
 use nastic_opt::Request;
 use std::sync::Arc;
 

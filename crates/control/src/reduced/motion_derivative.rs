@@ -5,11 +5,11 @@ use super::instant::AtInstant;
 use super::motion_progress::counting;
 use super::{Lagrangian, Reduced};
 use crate::cost::{MotionPartials, Partials};
-use crate::error::ControlError;
 use crate::evaluated::{AdjointState, SolvedStates};
 use crate::time::TrajectoryPartials;
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{ReverseSweep, SolveOptions, State, StatePartials, SweptInstant};
+use nastic_fields::ControlError;
 use nastic_numeric::vector::axpy;
 use std::mem::take;
 

@@ -2,10 +2,10 @@
 
 use super::{Lagrangian, Reduced};
 use crate::cost::{Figure, FigureKind};
-use crate::error::ControlError;
 use crate::evaluated::{Evaluated, Expected};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{FemError, SolveReport};
+use nastic_fields::ControlError;
 use nastic_opt::{
     Constrained, EvaluatedStart, Failed, Hessian, InnerProduct, Objective, Problem, Request, Start, Summary,
 };
@@ -141,18 +141,6 @@ pub fn work_summary(work: &SolveReport) -> [(String, f64); 3] {
         ("factorisations".into(), work.factorisations as f64),
         ("back_substitutions".into(), work.back_substitutions as f64),
     ]
-}
-
-/// A failed trial keeps the error with its type, the Newton iterations spent, and how far its step may go. A lack of memory is fatal, and a lost rank.
-impl From<ControlError> for Failed {
-    fn from(error: ControlError) -> Self {
-        let newton = error.newton().map(|newton| ("newton".to_owned(), newton as f64));
-        let limit = error.limit().map(|limit| limit.share);
-        let is_fatal = error.is_lack_of_memory() || error.is_lost_rank();
-        let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
-        let failed = limit.map_or(failed.clone(), |share| failed.beyond(share));
-        if is_fatal { failed.fatal() } else { failed }
-    }
 }
 
 impl From<Evaluated> for Start<Evaluated> {

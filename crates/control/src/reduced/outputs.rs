@@ -2,10 +2,10 @@
 
 use super::Reduced;
 use crate::cost::{Output, Partials};
-use crate::error::ControlError;
 use crate::evaluated::Evaluated;
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Controllable, Instant, SecondOrder, SolveOptions, StateError};
+use nastic_fields::ControlError;
 use nastic_linear::{On, Space};
 use nastic_numeric::vector::{axpy, dot};
 

@@ -1,9 +1,8 @@
 //! Reduced problems of a body over ranks: what all ranks have, and what each has a share of.
 
 use super::Reduced;
-use crate::error::ControlError;
-use crate::over_ranks::add_up;
 use nastic_fem::FemError;
+use nastic_fields::{ControlError, add_up};
 use nastic_numeric::vector::axpy;
 
 impl Reduced {

@@ -2,10 +2,10 @@
 
 use super::{Lagrangian, Reduced};
 use crate::cost::Partials;
-use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Controls, Increment, Instant, SecondOrder, SolveOptions};
+use nastic_fields::ControlError;
 use nastic_numeric::vector::axpy;
 use nastic_opt::Hessian;
 use std::borrow::Cow;

@@ -3,10 +3,10 @@
 use super::motion_derivative::Functional;
 use super::{Lagrangian, Reduced};
 use crate::cost::Partials;
-use crate::error::ControlError;
 use crate::evaluated::{AdjointState, Evaluated};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{Controls, SolveOptions, StatePartials};
+use nastic_fields::ControlError;
 
 impl Reduced {
     /// Partial derivatives of the cost of a static problem (all terms, or one of them); of a body over ranks the share of this one, which all ranks

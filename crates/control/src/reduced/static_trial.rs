@@ -1,13 +1,13 @@
 //! The equilibrium of a trial: within its budget, around limit points.
 
 use super::Reduced;
-use crate::error::ControlError;
 use crate::evaluated::{Evaluated, SolvedStates};
 use crate::workspace::ReducedWorkspace;
 use nastic_fem::{
     Ahead, Cause, Connection, Controls, Feature, Instant, LimitAhead, SolveOptions, SolveReport, State, StateError,
     Workspace,
 };
+use nastic_fields::ControlError;
 use nastic_numeric::vector::{axpy, sub};
 use nastic_opt::{Budget, Request};
 

@@ -2,9 +2,9 @@
 
 use super::Reduced;
 use crate::cost::{CostContext, CostPoint, Figure};
-use crate::error::ControlError;
 use crate::evaluated::Evaluated;
 use nastic_fem::State;
+use nastic_fields::ControlError;
 use std::borrow::Cow;
 use std::sync::Arc;
 

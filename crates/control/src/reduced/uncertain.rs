@@ -2,12 +2,9 @@
 
 use super::second_order::{Direction, Wanted};
 use super::{Lagrangian, Reduced};
-use crate::control_block::ControlBlock;
-use crate::error::ControlError;
 use crate::evaluated::Evaluated;
-use crate::layout::Layout;
-use crate::map::Space;
 use crate::workspace::ReducedWorkspace;
+use nastic_fields::{ControlBlock, ControlError, Layout, Space};
 use nastic_opt::Hessian;
 
 /// Numbers x that the control vector does not have: fields of slots on top of which it stands, and their values.

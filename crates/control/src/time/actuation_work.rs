@@ -3,9 +3,8 @@
 use super::Timeline;
 use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
 use crate::cost::{CostForm, check_weight};
-use crate::error::ControlError;
-use crate::layout::Layout;
 use nastic_fem::{Controls, Demand, Instant, State};
+use nastic_fields::{ControlError, Layout};
 use nastic_numeric::vector::{axpy, dot};
 
 /// The energy that actuations spend: with `g(u; m) = r(u; m) - r(u; 0)` the internal force of the actuations

@@ -2,11 +2,8 @@
 
 use super::Timeline;
 use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
-use crate::control_block::ControlBlock;
 use crate::cost::{CostForm, Key, check_weight};
-use crate::error::ControlError;
-use crate::field_operator::mass_product;
-use crate::layout::Layout;
+use nastic_fields::{ControlBlock, ControlError, Layout, mass_product};
 
 /// `j = (weight/2) int_0^T int |dm/dt|^2 dX dt` of a control in time, linear between its knots; of one that is constant between them, with
 /// the differences of neighbouring values over the distance of the middles of their intervals. Together with

@@ -1,7 +1,7 @@
 //! [`FixedInTime`]: a slot that follows given values.
 
-use crate::error::ControlError;
 use nastic_fem::{Controls, FemError};
+use nastic_fields::ControlError;
 use std::fmt;
 
 type Values = dyn Fn(f64) -> Result<Vec<f64>, ControlError> + Send + Sync;

@@ -1,8 +1,8 @@
 //! [`Instants`]: at which instants of a motion a constraint holds.
 
 use super::timeline::Timeline;
-use crate::error::ControlError;
 use nastic_fem::Begin;
+use nastic_fields::ControlError;
 
 /// The instants of a motion at which a constraint holds, each with values and multipliers of its own.
 #[derive(Debug, Clone, PartialEq)]

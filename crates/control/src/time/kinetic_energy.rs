@@ -4,9 +4,8 @@ use super::Timeline;
 use super::schedule::{Schedule, When};
 use super::trajectory_cost::{TrajectoryContext, TrajectoryCost, TrajectoryPartials};
 use crate::cost::{CostForm, Counts, check_weight};
-use crate::error::ControlError;
-use crate::layout::Layout;
 use nastic_fem::Inadmissible;
+use nastic_fields::{ControlError, Layout};
 use nastic_numeric::vector::axpy;
 
 /// `j = weight v . M v / 2` at the end, as an integral over the time, or at instants: a body that is to come to rest, or not to move.

@@ -1,7 +1,7 @@
 //! [`MotionObserver`]: what is called while a motion runs.
 
-use crate::error::ControlError;
 use nastic_fem::State;
+use nastic_fields::ControlError;
 
 /// A step of a motion that is to be made.
 #[derive(Debug, Clone, Copy, PartialEq)]

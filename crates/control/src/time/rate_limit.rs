@@ -1,8 +1,7 @@
 //! [`RateLimit`]: a bound on how fast a control changes.
 
 use super::control_rate::{check_in_time, intervals};
-use crate::error::ControlError;
-use crate::layout::Layout;
+use nastic_fields::{ControlError, Layout};
 use nastic_opt::{ConstraintGroup, Sense};
 
 /// `|dm/dt| <= rate` for every entry of a control in time (every vector of one of vectors): between neighbouring knots

@@ -2,7 +2,7 @@
 
 use super::timeline::Timeline;
 use crate::cost::Cost;
-use crate::error::ControlError;
+use nastic_fields::ControlError;
 
 /// The part of a motion over which a cost j(u, m) of states is taken.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,9 +1,8 @@
 //! [`Timeline`]: the instants of a motion and how it goes from one to the next.
 
-use super::knots::Knots;
 use super::memory::MotionMemory;
-use crate::error::ControlError;
 use nastic_fem::{Begin, Scheme};
+use nastic_fields::{ControlError, Interpolation, Knots};
 
 /// A time scheme, the lengths of its steps, and how the motion begins: by default at the equilibrium under the controls and
 /// loads at t = 0, at rest.
@@ -40,7 +39,7 @@ impl Timeline {
     /// # Errors
     /// As [`Knots::at`].
     pub fn through(scheme: Scheme, instants: Vec<f64>) -> Result<Self, ControlError> {
-        Knots::at(instants.clone(), super::Interpolation::Linear)?;
+        Knots::at(instants.clone(), Interpolation::Linear)?;
         Ok(Self::new(scheme, instants))
     }
 

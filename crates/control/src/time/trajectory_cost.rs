@@ -1,9 +1,8 @@
 //! [`TrajectoryCost`]: a term of the objective functional that depends on a whole motion.
 
-use crate::error::ControlError;
-use crate::layout::Layout;
 use crate::time::Timeline;
 use nastic_fem::{Solid, StatePartials, Trajectory};
+use nastic_fields::{ControlError, Layout};
 use std::fmt::Debug;
 
 /// The arguments of a cost of a motion.

@@ -111,7 +111,7 @@ impl Layout {
     }
 
     /// The same with the maps of a stage.
-    pub(crate) fn in_stage(&self, stage: usize) -> Layout {
+    pub fn in_stage(&self, stage: usize) -> Layout {
         let mut out = self.clone();
         out.blocks_mut().iter_mut().for_each(|block| block.field = block.field.in_stage(stage));
         out

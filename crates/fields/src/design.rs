@@ -13,7 +13,7 @@ use std::sync::Arc;
 /// Slots that follow from a design field x: `m = f(x)` at every point, f the maps given, without one x itself.
 ///
 /// ```
-/// use nastic_control::{Consumer, PowerLaw};
+/// use nastic_fields::{Consumer, PowerLaw};
 ///
 /// // A modulus between 1e2 and 1e5 Pa by a density to the third power.
 /// let stiffness = Consumer::of("rubber.mu").through(PowerLaw { low: 1e2, high: 1e5, exponent: 3.0 });

@@ -3,6 +3,7 @@
 use crate::control_limit::ControlLimit;
 use nastic_fem::{FemError, Inadmissible, StateError};
 use nastic_mesh::MeshError;
+use nastic_opt::{Failed, Summary};
 use serde::{Deserialize, Serialize};
 
 /// A control problem that cannot be built or evaluated: what, where, how much, what to try.
@@ -215,7 +216,7 @@ pub struct RemoteFailure {
 
 impl ControlError {
     /// The same of a cost or constraint whose name is known.
-    pub(crate) fn of(self, name: &str) -> Self {
+    pub fn of(self, name: &str) -> Self {
         match self {
             ControlError::NoSecondPartials { .. } => ControlError::NoSecondPartials { cost: format!("\"{name}\"") },
             other => other,
@@ -265,5 +266,17 @@ impl ControlError {
             ControlError::Remote(failure) => failure.newton,
             _ => None,
         }
+    }
+}
+
+/// A failed trial keeps the error with its type, the Newton iterations spent, and how far its step may go. A lack of memory is fatal, and a lost rank.
+impl From<ControlError> for Failed {
+    fn from(error: ControlError) -> Self {
+        let newton = error.newton().map(|newton| ("newton".to_owned(), newton as f64));
+        let limit = error.limit().map(|limit| limit.share);
+        let is_fatal = error.is_lack_of_memory() || error.is_lost_rank();
+        let failed = Failed::new(error).after(Summary(newton.into_iter().collect()));
+        let failed = limit.map_or(failed.clone(), |share| failed.beyond(share));
+        if is_fatal { failed.fatal() } else { failed }
     }
 }

@@ -46,7 +46,7 @@ pub struct ControlValues<'a> {
 
 impl<'a> ControlValues<'a> {
     /// The part of a control vector that belongs to a field.
-    pub(crate) fn new(block: &'a ControlBlock, m: &'a [f64]) -> Self {
+    pub fn new(block: &'a ControlBlock, m: &'a [f64]) -> Self {
         Self { block, values: block.of(m) }
     }
 

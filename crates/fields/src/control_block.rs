@@ -1,8 +1,8 @@
 //! [`ControlBlock`]: one control field, and the slots that it drives.
 
 use crate::control_limit::ControlAt;
+use crate::knots::Knots;
 use crate::map::{Basis, Chain, ControlMap, Exponential, Space};
-use crate::time::Knots;
 use nastic_fem::Controls;
 use nastic_numeric::vector::{axpy, norm};
 use std::ops::Range;
@@ -175,18 +175,18 @@ impl ControlBlock {
     }
 
     /// Whether all its slots are affine in its unknowns.
-    pub(crate) fn is_affine(&self) -> bool {
+    pub fn is_affine(&self) -> bool {
         self.field.is_affine() && self.targets.iter().all(|target| target.map.is_affine())
     }
 
     /// The values in time that make up that at an instant, with their factors.
-    pub(crate) fn weights(&self, t: f64) -> impl Iterator<Item = (usize, f64)> {
+    pub fn weights(&self, t: f64) -> impl Iterator<Item = (usize, f64)> {
         let weights = self.knots.as_ref().map_or([(0, 1.0), (0, 0.0)], |knots| knots.weights(t));
         weights.into_iter().filter(|(_, factor)| *factor != 0.0)
     }
 
     /// Sets the values of its slots at the points; points the field does not reach keep theirs.
-    pub(crate) fn write_values(&self, m: &[f64], controls: &mut Controls) {
+    pub fn write_values(&self, m: &[f64], controls: &mut Controls) {
         let x = self.field.values(self.of(m));
         self.targets.iter().for_each(|target| target.write(&target.map.values(&x), controls));
     }

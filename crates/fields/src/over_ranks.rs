@@ -4,12 +4,12 @@ use crate::error::ControlError;
 use nastic_fem::{FemError, Share};
 
 /// The numbers of every rank, in the order of the ranks.
-pub(crate) fn gathered(share: &Share, own: &[f64]) -> Result<Vec<Vec<f64>>, ControlError> {
+pub fn gathered(share: &Share, own: &[f64]) -> Result<Vec<Vec<f64>>, ControlError> {
     share.gather(own).map_err(|failure| FemError::from(failure).into())
 }
 
 /// Numbers become their sums over all ranks; of a body that one process has they stay.
-pub(crate) fn add_up(share: Option<&Share>, values: &mut [f64]) -> Result<(), ControlError> {
+pub fn add_up(share: Option<&Share>, values: &mut [f64]) -> Result<(), ControlError> {
     let Some(share) = share else { return Ok(()) };
     share.sum(values);
     share.failure().map_or(Ok(()), |failure| Err(FemError::from(failure).into()))

@@ -4,8 +4,8 @@ use crate::control_block::{ControlBlock, ControlTarget, Shown};
 use crate::control_limit::{ControlAt, ControlLimit};
 use crate::control_names::{groups, resolve};
 use crate::error::ControlError;
+use crate::knots::Knots;
 use crate::map::{Basis, Chain, ControlMap, Direction, Expansion, Exponential, Length, Space};
-use crate::time::Knots;
 use nastic_energy::SlotGroup;
 use nastic_fem::{Controllable, Controls, Discretization, Solid};
 use nastic_numeric::vector::{axpy, norm};
@@ -118,7 +118,7 @@ impl Layout {
     }
 
     /// Refuses slots that another field drives at the same points.
-    pub(crate) fn check_free(
+    pub fn check_free(
         &self,
         of: &str,
         actuation: usize,
@@ -234,14 +234,14 @@ impl Layout {
     }
 
     /// A limit point at a share of the way between two control vectors: the fields that change on it are named.
-    pub(crate) fn limit_point(&self, [from, to]: [&[f64]; 2], share: f64) -> ControlLimit {
+    pub fn limit_point(&self, [from, to]: [&[f64]; 2], share: f64) -> ControlLimit {
         let m: Vec<f64> = from.iter().zip(to).map(|(from, to)| from + share * (to - from)).collect();
         let changing = self.blocks.iter().filter(|block| block.of(from) != block.of(to));
         ControlLimit { share, at: changing.map(|block| block.described(&m)).collect() }
     }
 
     /// Gives the last control field that was added values at knots in time.
-    pub(crate) fn in_time(&mut self, knots: Knots) {
+    pub fn in_time(&mut self, knots: Knots) {
         if let Some(block) = self.blocks.last_mut() {
             self.len -= block.len();
             block.knots = Some(Arc::new(knots));
@@ -278,7 +278,7 @@ impl Layout {
     }
 
     /// The transpose of [`at`](Self::at): adds a derivative by the fields at an instant to that by the values of all knots.
-    pub(crate) fn add_at(&self, t: f64, by_instant: &[f64], out: &mut [f64]) {
+    pub fn add_at(&self, t: f64, by_instant: &[f64], out: &mut [f64]) {
         let mut rest = by_instant;
         for block in &self.blocks {
             let (own, behind) = rest.split_at(block.size());
@@ -294,7 +294,8 @@ impl Layout {
         &self.blocks
     }
 
-    pub(crate) fn blocks_mut(&mut self) -> &mut [ControlBlock] {
+    /// The same, to be changed; their places in the vector stay.
+    pub fn blocks_mut(&mut self) -> &mut [ControlBlock] {
         &mut self.blocks
     }
 
@@ -330,7 +331,7 @@ impl Layout {
     }
 
     /// Shares the fixed values with other problems on the discretisation that have the same ones.
-    pub(crate) fn share_equal_parts(&mut self, disc: &Discretization) {
+    pub fn share_equal_parts(&mut self, disc: &Discretization) {
         self.fixed = disc.share(self.fixed.clone());
     }
 
@@ -346,7 +347,7 @@ impl Layout {
     }
 
     /// The same of fields at one instant, on top of other values of slots that are not controlled.
-    pub(crate) fn to_points_over(&self, mut controls: Controls, m: &[f64]) -> Result<Controls, ControlError> {
+    pub fn to_points_over(&self, mut controls: Controls, m: &[f64]) -> Result<Controls, ControlError> {
         self.check(m)?;
         for block in &self.blocks {
             block.write_values(m, &mut controls);
@@ -388,7 +389,11 @@ impl Layout {
         out
     }
 
-    pub(crate) fn check(&self, m: &[f64]) -> Result<(), ControlError> {
+    /// Refuses a vector of another length.
+    ///
+    /// # Errors
+    /// [`ControlError::Length`].
+    pub fn check(&self, m: &[f64]) -> Result<(), ControlError> {
         match m.len() == self.len {
             true => Ok(()),
             false => Err(ControlError::Length { found: m.len(), expected: self.len }),

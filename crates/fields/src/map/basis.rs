@@ -18,12 +18,12 @@ use std::collections::BTreeSet;
 ///
 /// Of a body over ranks the unknowns are those of the whole, on all ranks, by its numbers of nodes and cells; the points are those of the rank.
 ///
-/// A problem makes the basis of every field that it controls ([`Reduced::control`](crate::Reduced::control)):
+/// A [`Layout`](crate::Layout) makes the basis of every field that is controlled:
 ///
 /// ```
-/// use nastic_control::{ControlEntity, Reduced, Space};
 /// use nastic_energy::{NeoHooke, Turgor};
 /// use nastic_fem::Solid;
+/// use nastic_fields::{ControlEntity, Layout, Space};
 /// use nastic_mesh::{CellKind, box_mesh};
 ///
 /// // Two cells of 1 m, hex8: two corner layers of four nodes and one between.
@@ -31,14 +31,14 @@ use std::collections::BTreeSet;
 ///     .material("body", NeoHooke::from_young_poisson(1e5, 0.3)?)?
 ///     .actuate("body", "turgor", Turgor::new())?
 ///     .clamp("x-")?;
-/// let problem = Reduced::new(body).control("turgor", Space::Node)?;
-/// let basis = &problem.layout().block("turgor")?.basis;
+/// let mut layout = Layout::new(body.model().controls());
+/// let basis = layout.control(&body, "turgor", Space::Node)?.basis.clone();
 /// assert_eq!((basis.len(), basis.entity(3)), (12, ControlEntity::Node(3)));
 ///
 /// // A field that is X at the nodes is X at the quadrature points.
 /// let m: Vec<f64> = basis.positions().iter().map(|x| x[0]).collect();
 /// let values = basis.values(&m, 1);
-/// let disc = problem.solid().discretization();
+/// let disc = body.discretization();
 /// let points = disc.points().positions(disc.mesh(), None);
 /// assert!(values.iter().zip(points).all(|(value, x)| (value - x[0]).abs() < 1e-12));
 ///
@@ -103,7 +103,7 @@ impl Basis {
     }
 
     /// The weights of the points: reference volumes, or those of the contribution's own.
-    pub(crate) fn weights<'a>(&'a self, disc: &'a Discretization) -> &'a [f64] {
+    pub fn weights<'a>(&'a self, disc: &'a Discretization) -> &'a [f64] {
         self.own.as_ref().map_or(disc.points().weights(), |(_, weights)| weights)
     }
 

@@ -88,7 +88,7 @@ impl Knots {
     }
 
     /// The values that make up that at an instant, with their factors; beyond the ends those of the ends.
-    pub(crate) fn weights(&self, t: f64) -> [(usize, f64); 2] {
+    pub fn weights(&self, t: f64) -> [(usize, f64); 2] {
         let t = t.clamp(0.0, self.end());
         let slack = match self.interpolation {
             // an instant at a knot belongs to the interval before it, whatever its rounding

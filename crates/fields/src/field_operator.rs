@@ -14,7 +14,7 @@ pub(crate) fn is_counted(disc: &Discretization, basis: &Basis) -> bool {
 }
 
 /// The consistent mass times m for one component: `int phi_i m dX`; over ranks the share of this one.
-pub(crate) fn mass_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> Vec<f64> {
+pub fn mass_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; basis.len()];
     if !is_counted(disc, basis) {
         return out;
@@ -27,7 +27,7 @@ pub(crate) fn mass_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> V
 }
 
 /// The stiffness times m for one component: `int grad phi_i . grad m dX`, or its analogue over faces; over ranks the share of this one.
-pub(crate) fn stiffness_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> Vec<f64> {
+pub fn stiffness_product(disc: &Discretization, basis: &Basis, m: &[f64]) -> Vec<f64> {
     let mut out = vec![0.0; basis.len()];
     if !is_counted(disc, basis) {
         return out;
