@@ -1,6 +1,5 @@
 //! Growth: what a body is free of stress at, `G`, where all of its laws see `F G^-1`.
 
-mod director;
 mod grown;
 mod growth_tensor;
 mod kinds;

@@ -13,6 +13,7 @@ mod by_parameters;
 pub mod catalogue;
 pub mod check;
 mod design;
+mod director;
 mod error;
 mod existence;
 mod field;

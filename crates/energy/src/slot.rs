@@ -18,6 +18,9 @@ pub struct Slot {
     pub scope: Scope,
 }
 
+/// The group of the three slots of a direction.
+pub(crate) const DIRECTION: &str = "direction";
+
 /// Where a slot has values; all slots of a law have one scope.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {
@@ -75,6 +78,11 @@ impl Slot {
     /// Whether it belongs to the body: [`Role::Design`].
     pub const fn is_design(&self) -> bool {
         matches!(self.role, Role::Design { .. })
+    }
+
+    /// Whether it is a component of a direction as a control: see [`EnergyTerm::with_direction_slots`](crate::EnergyTerm::with_direction_slots).
+    pub fn is_direction(&self) -> bool {
+        self.is_design() && self.group == DIRECTION
     }
 
     /// Whether it is an internal variable.

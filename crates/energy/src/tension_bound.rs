@@ -39,6 +39,12 @@ impl TensionBound {
         self.whitened().map_or(0.0, |(scale, inverse)| scale / (inverse * a).norm_squared())
     }
 
+    /// The largest tension alone along whatever unit vector, Pa: the smallest eigenvalue of `B`.
+    #[must_use]
+    pub fn in_any_direction(&self) -> f64 {
+        self.0.symmetric_eigenvalues().min()
+    }
+
     /// The largest `s` for which the tensions `s T` are borne: `1 / lambda_max(B^(-1/2) T B^(-1/2))`; infinite where `T`
     /// has no positive eigenvalue. `T = sum_k m_k a_k (x) a_k`, Pa (the `s` of tensions of 1 is a tension itself).
     #[must_use]

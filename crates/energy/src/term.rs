@@ -267,6 +267,11 @@ pub trait EnergyTerm: Debug + Send + Sync {
         None
     }
 
+    /// The same with its direction as further slots, a vector `direction` at rest where it is written; `None` without one.
+    fn with_direction_slots(&self) -> Option<Arc<dyn EnergyTerm>> {
+        None
+    }
+
     /// How all laws of its cells see the deformation, of a law that has no energy of its own: a growth.
     fn strain_map(&self) -> Option<&dyn StrainMap> {
         None
@@ -388,6 +393,10 @@ impl<T: EnergyTerm + ?Sized> EnergyTerm for Arc<T> {
 
     fn strain_map(&self) -> Option<&dyn StrainMap> {
         (**self).strain_map()
+    }
+
+    fn with_direction_slots(&self) -> Option<Arc<dyn EnergyTerm>> {
+        (**self).with_direction_slots()
     }
 
     fn is_material(&self) -> bool {

@@ -1,9 +1,7 @@
 //! Every member of the catalogue, against the contract of an energy term.
 
 use nastic_energy::catalogue::{self, Inputs, Parameter, Takes};
-use nastic_energy::{
-    EnergyError, EnergyTerm, Field, FormulaLaw, Grown, MaterialPoint, MooneyRivlin, NeoHooke, StrainMap, check,
-};
+use nastic_energy::{EnergyError, EnergyTerm, Field, FormulaLaw, Grown, MaterialPoint, MooneyRivlin, NeoHooke, check};
 use nastic_tensor::Vec3;
 use std::sync::Arc;
 
@@ -44,8 +42,8 @@ fn every_actuation_keeps_its_contract_in_every_form() {
         for inputs in row.examples() {
             let name = format!("{} {inputs:?}", row.name);
             let built = row.build(&inputs).unwrap_or_else(|e| panic!("{name}: {e}"));
-            // the direction of a growth among its slots, of any length
-            let turned = built.strain_map().and_then(StrainMap::with_direction_slots);
+            // its direction among its slots, of any length
+            let turned = built.with_direction_slots();
             let turned = turned.map(|law| (law, [row.example.controls, &[0.9, 0.2, 0.8]].concat()));
             for (term, controls) in std::iter::once((built, row.example.controls.to_vec())).chain(turned) {
                 let term = acting(term).unwrap_or_else(|e| panic!("{name}: {e}"));

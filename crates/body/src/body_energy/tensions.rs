@@ -16,8 +16,8 @@ impl BodyEnergy {
     /// Source: survey, Prop. 1.
     pub fn fiber_limit(&self, actuation: usize) -> Option<f64> {
         self.least_of_family(actuation, |body, at| {
-            let a = body.actuations[actuation].law.direction(at)?;
-            Some(body.tension_bound(at)?.along(&a))
+            let way = Way::of(&body.actuations[actuation].law, at)?;
+            Some(way.limit(&body.tension_bound(at)?))
         })
     }
 
@@ -26,7 +26,7 @@ impl BodyEnergy {
     /// [`fiber_limit`](Self::fiber_limit) where it is alone, and where all are orthogonal; half of it beside a parallel one.
     pub fn joint_fiber_limit(&self, actuation: usize) -> Option<f64> {
         self.least_of_family(actuation, |body, at| {
-            let families: Vec<_> = body.families(at).map(|(_, a)| (a, 1.0)).collect();
+            let families: Vec<_> = body.families(at).map(|(_, way)| (way, 1.0)).collect();
             Some(largest_multiple(&body.tension_bound(at)?, &families))
         })
     }
@@ -43,12 +43,13 @@ impl BodyEnergy {
 
     /// The tensions beyond what the laws bear; `None` where all are borne, or where the laws state no bound.
     pub fn excess_tension(&self, controls: &Controls) -> Option<ExcessTension> {
-        let lengthens = |k: usize| controls.values(k).iter().any(|m| *m > 0.0);
+        let tension = |k: usize, at: MaterialPoint| controls.values(k)[at.point * self.actuations[k].law.slots().len()];
+        let lengthens = |k: usize| self.places(k).any(|at| tension(k, at) > 0.0);
         let driven: Vec<usize> = (0..self.actuations.len()).filter(|&k| self.is_family(k) && lengthens(k)).collect();
         let mut worst: Option<(f64, MaterialPoint)> = None;
         for at in driven.iter().flat_map(|&k| self.places(k)) {
             let Some(bound) = self.tension_bound(at) else { continue };
-            let families: Vec<_> = self.families(at).map(|(k, a)| (a, controls.values(k)[at.point])).collect();
+            let families: Vec<_> = self.families(at).map(|(k, way)| (way, tension(k, at))).collect();
             let multiple = largest_multiple(&bound, &families);
             if multiple < 1.0 - ROUNDING && worst.is_none_or(|(least, _)| multiple < least) {
                 worst = Some((multiple, at));
@@ -57,7 +58,7 @@ impl BodyEnergy {
         let (multiple, at) = worst?;
         let mut tensions: Vec<(String, f64)> = self
             .families(at)
-            .map(|(k, _)| (self.actuations[k].name.clone(), controls.values(k)[at.point]))
+            .map(|(k, _)| (self.actuations[k].name.clone(), tension(k, at)))
             .filter(|(_, tension)| *tension > 0.0)
             .collect();
         let largest = (0..tensions.len()).reduce(|most, k| if tensions[k].1 > tensions[most].1 { k } else { most })?;
@@ -80,7 +81,8 @@ impl BodyEnergy {
     /// numbers are slots: it states a bound of the values that it is written with alone; and none beside fibres whose tension a design scales.
     fn tension_bound(&self, at: MaterialPoint) -> Option<TensionBound> {
         let here = &self.compositions[self.of_cell[at.cell] as usize].actuations;
-        let scaled = |law: &dyn EnergyTerm| law.direction(at).is_some() && law.slots().iter().any(Slot::is_design);
+        let own = |slot: &&Slot| slot.is_design() && !slot.is_direction();
+        let scaled = |law: &dyn EnergyTerm| Way::of(law, at).is_some() && law.slots().iter().any(|slot| own(&slot));
         let is_scaled = here.iter().any(|&k| scaled(&self.actuations[k].law));
         if is_scaled || self.materials_of(at.cell).any(|law| !law.slots().is_empty()) {
             return None;
@@ -90,16 +92,16 @@ impl BodyEnergy {
         bounds.try_fold(first, |sum, next| Some(sum + next?))
     }
 
-    /// The families of fibres on a cell whose control is a tension: number and unit vector.
-    fn families(&self, at: MaterialPoint) -> impl Iterator<Item = (usize, Vec3)> {
+    /// The families of fibres on a cell whose control is a tension: number and way.
+    fn families(&self, at: MaterialPoint) -> impl Iterator<Item = (usize, Way)> {
         let here = self.compositions[self.of_cell[at.cell] as usize].actuations.iter();
         let scalar = here.filter(|&&k| is_tension(&self.actuations[k].law));
-        scalar.filter_map(move |&k| Some((k, self.actuations[k].law.direction(at)?)))
+        scalar.filter_map(move |&k| Some((k, Way::of(&self.actuations[k].law, at)?)))
     }
 
     fn is_family(&self, actuation: usize) -> bool {
         let law = &self.actuations[actuation].law;
-        is_tension(law) && self.places(actuation).next().is_some_and(|at| law.direction(at).is_some())
+        is_tension(law) && self.places(actuation).next().is_some_and(|at| Way::of(law, at).is_some())
     }
 
     pub(crate) fn places(&self, actuation: usize) -> impl Iterator<Item = MaterialPoint> {
@@ -111,16 +113,58 @@ impl BodyEnergy {
     }
 }
 
-/// Whether a law has one load as its slot.
+/// Whether a law has one load as its slot, or that and its direction.
 fn is_tension(law: &dyn EnergyTerm) -> bool {
-    matches!(law.slots(), [only] if only.role == Role::Load && !only.is_global())
+    match law.slots() {
+        [load] => load.role == Role::Load && !load.is_global(),
+        [load, turned @ ..] => load.role == Role::Load && !load.not_negative && turned.len() == 3 && is_turned(law),
+        [] => false,
+    }
+}
+
+/// Whether fibres have their direction among their slots.
+fn is_turned(law: &dyn EnergyTerm) -> bool {
+    law.strain_map().is_none() && law.slots().iter().any(Slot::is_direction)
+}
+
+/// Which way fibres go.
+#[derive(Clone, Copy)]
+enum Way {
+    /// Along a unit vector.
+    Along(Vec3),
+    /// Where a control says: `m a (x) a <= m I` whatever the unit vector a.
+    Any,
+}
+
+impl Way {
+    fn of(law: &dyn EnergyTerm, at: MaterialPoint) -> Option<Self> {
+        if is_turned(law) { Some(Way::Any) } else { law.direction(at).map(Way::Along) }
+    }
+
+    /// The largest tension that is borne alone.
+    fn limit(self, bound: &TensionBound) -> f64 {
+        match self {
+            Way::Along(a) => bound.along(&a),
+            Way::Any => bound.in_any_direction(),
+        }
+    }
+
+    /// A matrix that `a (x) a` is not above.
+    fn dyad(self) -> Mat3 {
+        match self {
+            Way::Along(a) => a * a.transpose(),
+            Way::Any => Mat3::identity(),
+        }
+    }
 }
 
 /// The largest s for which the tensions `s m_k` along `a_k` are borne; that of one family without the rounding of eigenvalues.
-fn largest_multiple(bound: &TensionBound, families: &[(Vec3, f64)]) -> f64 {
-    if let [(a, tension)] = families {
-        return if *tension > 0.0 { bound.along(a) / tension } else { f64::INFINITY };
+fn largest_multiple(bound: &TensionBound, families: &[(Way, f64)]) -> f64 {
+    if let [(way, tension)] = families {
+        return if *tension > 0.0 { way.limit(bound) / tension } else { f64::INFINITY };
     }
-    let sum = |t: Mat3, (a, tension): &(Vec3, f64)| t + a * a.transpose() * *tension;
-    bound.largest_multiple(&families.iter().fold(Mat3::zeros(), sum))
+    // a contraction whose direction is not known helps nothing
+    let counts = |(way, tension): &&(Way, f64)| *tension > 0.0 || matches!(way, Way::Along(_));
+    let sum = |t: Mat3, (way, tension): &(Way, f64)| t + way.dyad() * *tension;
+    bound.largest_multiple(&families.iter().filter(counts).fold(Mat3::zeros(), sum))
 }

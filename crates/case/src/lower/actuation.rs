@@ -11,7 +11,7 @@ use super::{coarse_steps, magnitude, named_groups, pressures};
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
-use nastic_energy::{Dielectric, EnergyTerm, MaterialPoint, StrainMap, Turgor};
+use nastic_energy::{Dielectric, EnergyTerm, MaterialPoint, Turgor};
 use nastic_fem::{AttachedLaw, Solid};
 use nastic_language::expression::{EvaluationError, Formula, dimension_of};
 use nastic_language::quantity::Dimension;
@@ -82,11 +82,11 @@ fn add_law(case: &Case, actuation: &Actuation, solid: &mut Solid, context: &mut 
     }
 }
 
-/// The law, or, of a growth whose direction is a control, the one with that as slots.
+/// The law, or, where its direction is a control, the one with that as slots.
 fn with_direction(case: &Case, actuation: &Actuation, law: Arc<dyn EnergyTerm>) -> Arc<dyn EnergyTerm> {
     let is_control = |name: String| case.controls.iter().any(|control| control.of == name);
     let turns = actuation.direction().is_some_and(is_control);
-    law.strain_map().filter(|_| turns).and_then(StrainMap::with_direction_slots).unwrap_or(law)
+    turns.then(|| law.with_direction_slots()).flatten().unwrap_or(law)
 }
 
 /// Whether a turgor has no positive pressure, which every law bears: that of a gel that dries.

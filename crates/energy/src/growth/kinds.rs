@@ -3,8 +3,8 @@ use std::sync::Arc;
 use nastic_tensor::{HyperDual, Mat3, Vec3};
 
 use super::StrainMap;
-use super::director::{Director, with_direction};
 use super::strain_map::{LEAST_GROWTH, entries, identity, leaving_lengths, strain_map_alone};
+use crate::director::{Director, with_direction};
 use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// Growth by one number: swelling, shape memory, prestrain.
@@ -87,16 +87,16 @@ impl StrainMap for KinematicGrowth {
     fn default_bounds(&self, _: usize) -> [f64; 2] {
         [LEAST_GROWTH, f64::INFINITY]
     }
-
-    fn with_direction_slots(&self) -> Option<Arc<dyn EnergyTerm>> {
-        let Directions::Along(a) = &self.0 else { return None };
-        Some(Arc::new(KinematicGrowth(Directions::Along(a.as_slots()))))
-    }
 }
 
 /// It has no energy of its own.
 impl EnergyTerm for KinematicGrowth {
     strain_map_alone!();
+
+    fn with_direction_slots(&self) -> Option<Arc<dyn EnergyTerm>> {
+        let Directions::Along(a) = &self.0 else { return None };
+        Some(Arc::new(KinematicGrowth(Directions::Along(a.as_slots()))))
+    }
 
     fn slots(&self) -> &[Slot] {
         match &self.0 {

@@ -3,8 +3,8 @@ use std::sync::Arc;
 use nastic_tensor::{HyperDual, Mat3, Scalar, Vec3};
 
 use super::StrainMap;
-use super::director::{Director, with_direction};
 use super::strain_map::{LEAST_GROWTH, entries, identity, leaving_lengths, strain_map_alone};
+use crate::director::{Director, with_direction};
 use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// A strain along a direction that keeps the volume: liquid crystal elastomers along their director, muscles by active strain along their fibres.
@@ -77,15 +77,15 @@ impl StrainMap for SpontaneousStrain {
     fn default_bounds(&self, _: usize) -> [f64; 2] {
         if self.is_muscle { [0.0, Self::MOST_SHORTENING] } else { [LEAST_GROWTH, f64::INFINITY] }
     }
-
-    fn with_direction_slots(&self) -> Option<Arc<dyn EnergyTerm>> {
-        Some(Arc::new(SpontaneousStrain { a: self.a.as_slots(), is_muscle: self.is_muscle }))
-    }
 }
 
 /// It has no energy of its own.
 impl EnergyTerm for SpontaneousStrain {
     strain_map_alone!();
+
+    fn with_direction_slots(&self) -> Option<Arc<dyn EnergyTerm>> {
+        Some(Arc::new(SpontaneousStrain { a: self.a.as_slots(), is_muscle: self.is_muscle }))
+    }
 
     fn slots(&self) -> &[Slot] {
         let all = if self.is_muscle { &Self::SHORTENING } else { &Self::STRAIN };

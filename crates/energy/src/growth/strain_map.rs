@@ -1,9 +1,7 @@
-use std::sync::Arc;
-
 use nastic_tensor::{HyperDual, Mat3, Vec3};
 
 use super::ShapeMode;
-use crate::{EnergyTerm, MaterialPoint};
+use crate::MaterialPoint;
 
 /// A map between the gradient of the displacement and the laws of a cell: they see `F G^-1` and answer for a volume that is `det G` times as large,
 ///
@@ -29,11 +27,6 @@ pub trait StrainMap: std::fmt::Debug + Send + Sync {
     /// Bounds of a slot as a control where nobody gives others, infinite where there are none.
     fn default_bounds(&self, _slot: usize) -> [f64; 2] {
         [f64::NEG_INFINITY, f64::INFINITY]
-    }
-
-    /// The same with its direction as further slots, a vector `direction` at rest where it is written; `None` without one.
-    fn with_direction_slots(&self) -> Option<Arc<dyn EnergyTerm>> {
-        None
     }
 
     /// What messages call it.
@@ -82,7 +75,7 @@ pub(super) fn leaving_lengths(g: HyperDual) -> HyperDual {
     if g.real() > -1.0 { g } else { HyperDual::constant(f64::NAN) }
 }
 
-/// What a law that has a strain map and no energy answers as an [`EnergyTerm`].
+/// What a law that has a strain map and no energy answers as an [`EnergyTerm`](crate::EnergyTerm).
 macro_rules! strain_map_alone {
     () => {
         fn respond(&self, _: &PointBatch, _: Slots, _: Want, _: &mut Response) {}

@@ -1,8 +1,8 @@
 use nastic_tensor::{HyperDual, Mat3, Vec3};
 
 use super::StrainMap;
-use super::director::Director;
 use super::strain_map::{LEAST_GROWTH, entries, identity, leaving_lengths, strain_map_alone};
+use crate::director::Director;
 use crate::{EnergyError, EnergyTerm, Field, MaterialPoint, PointBatch, Response, Slot, Slots, Want};
 
 /// Thermal expansion by a given temperature; its conduction is not solved.

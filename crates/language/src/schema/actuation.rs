@@ -117,7 +117,7 @@ impl Actuation {
     pub fn direction(&self) -> Option<String> {
         let Means::Law { row, .. } = &self.means else { return None };
         let law = row.examples().into_iter().next().and_then(|inputs| row.build(&inputs).ok())?;
-        law.strain_map()?.with_direction_slots().map(|_| format!("{}.{}", self.name, DIRECTION.key))
+        law.with_direction_slots().map(|_| format!("{}.{}", self.name, DIRECTION.key))
     }
 
     /// The displacement fields of a change of shape, by name.

@@ -1,11 +1,11 @@
-use nastic_tensor::{HyperDual, Vec3};
+use nastic_tensor::{HyperDual, Mat3, Vec3};
 
-use super::strain_map::entries;
-use crate::{EnergyError, Field, MaterialPoint, Role, Slot};
+use crate::slot::DIRECTION;
+use crate::{EnergyError, Field, MaterialPoint, Role, Slot, Slots};
 
 /// Unit vectors a of the reference body as `a (x) a`: written with a law, or its slots behind another one, a vector d of any length, `a = d / |d|`.
 #[derive(Clone, Debug)]
-pub(super) struct Director {
+pub(crate) struct Director {
     written: Field<Vec3>,
     owner: &'static str,
     pub is_slot: bool,
@@ -30,13 +30,18 @@ impl Director {
         match slots {
             [_, d @ ..] if self.is_slot && d.len() == 3 => {
                 let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-                entries(|i, k| d[i] * d[k] / square)
+                std::array::from_fn(|i| std::array::from_fn(|k| d[i] * d[k] / square))
             }
             _ => {
                 let dyad = self.written.at(at) * self.written.at(at).transpose();
-                entries(|i, k| HyperDual::constant(dyad[(i, k)]))
+                std::array::from_fn(|i| std::array::from_fn(|k| HyperDual::constant(dyad[(i, k)])))
             }
         }
+    }
+
+    /// The unit vector a at a point of a batch; a zero vector in the slots leaves no number.
+    pub fn unit(&self, at: MaterialPoint, slots: Slots, q: usize) -> Vec3 {
+        if self.is_slot { vector(slots, q).normalize() } else { self.written.at(at) }
     }
 
     /// What is written, unless slots say otherwise.
@@ -56,9 +61,33 @@ impl Director {
     }
 }
 
+/// The vector d in the slots behind the first.
+pub(crate) fn vector(slots: Slots, q: usize) -> Vec3 {
+    Vec3::new(slots.get(q, 1), slots.get(q, 2), slots.get(q, 3))
+}
+
+/// The derivative of `d (x) d / |d|^2` along v: `(v (x) d + d (x) v) / s - 2 (d.v) d (x) d / s^2`, `s = |d|^2`.
+pub(crate) fn dyad_change(d: &Vec3, v: &Vec3) -> Mat3 {
+    let s = d.norm_squared();
+    symmetric(d, v) / s - d * d.transpose() * (2.0 * d.dot(v) / (s * s))
+}
+
+/// The second derivative of `d (x) d / |d|^2` along v and w.
+pub(crate) fn second_dyad_change(d: &Vec3, v: &Vec3, w: &Vec3) -> Mat3 {
+    let s = d.norm_squared();
+    let (dv, dw) = (d.dot(v), d.dot(w));
+    let mixed = symmetric(d, v) * dw + symmetric(d, w) * dv + d * d.transpose() * v.dot(w);
+    symmetric(v, w) / s - mixed * (2.0 / (s * s)) + d * d.transpose() * (8.0 * dv * dw / (s * s * s))
+}
+
+/// `v (x) w + w (x) v`.
+fn symmetric(v: &Vec3, w: &Vec3) -> Mat3 {
+    v * w.transpose() + w * v.transpose()
+}
+
 /// A load and a direction behind it, a vector of the body itself.
-pub(super) const fn with_direction(load: Slot) -> [Slot; 4] {
+pub(crate) const fn with_direction(load: Slot) -> [Slot; 4] {
     let role = Role::Design { rest: 0.0 };
-    let [x, y, z] = Slot::vector("direction", "1");
+    let [x, y, z] = Slot::vector(DIRECTION, "1");
     [load, Slot { role, ..x }, Slot { role, ..y }, Slot { role, ..z }]
 }
