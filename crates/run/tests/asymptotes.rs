@@ -179,11 +179,9 @@ fn what_the_method_is_not_made_for() {
             "constraints/0/equal: \"mma\" holds bounds from one side: give \"at_most\" or \"at_least\", or take \"lbfgs\"",
         ),
         (
-            magnet("\"norm\": \"100 mT\""),
-            "controls/0/norm: \"mma\" takes controls between bounds alone: give \"lower\" and \"upper\" of every component in its place, or a value \
-             that is not controlled, or take \"lbfgs\"",
+            magnet("\"max_norm\": \"100 mT\""),
+            "controls/0/max_norm: \"mma\" takes controls between bounds alone: give \"lower\" and \"upper\" of every component",
         ),
-        (magnet("\"max_norm\": \"100 mT\""), "controls/0/max_norm: \"mma\" takes controls between bounds alone"),
         (
             magnet("\"lower\": [\"-1 T\", \"-1 T\"]"),
             "controls/0: \"mma\" changes a control by a share of the range between its bounds: give both \"lower\" and \"upper\"",
@@ -192,6 +190,7 @@ fn what_the_method_is_not_made_for() {
         let said = problems(&case);
         assert!(said.contains(words), "{words}: {said}");
     }
+    assert_eq!(problems(&magnet("\"norm\": \"100 mT\"")), "");
     assert_eq!(problems(&magnet("\"lower\": [\"-1 T\", \"-1 T\"], \"upper\": [\"1 T\", \"1 T\"]")), "");
 }
 

@@ -71,8 +71,8 @@ pub(super) fn add(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
             reduced = context.take(&control.at.key("log"), reduced.by_logarithm(&control.of))?;
         }
         reduced = field_chain::add(case, control, reduced, context)?;
-        // Between nodes the vectors must be as long as at them.
-        let apart = space.interpolates() || control.filter.is_some();
+        // Between nodes the vectors must be as long as at them, and everywhere where a method moves their components.
+        let apart = space.interpolates() || control.filter.is_some() || !optimizer::takes_spheres(case);
         if let (true, Some(norm), None) = (apart, control.length(), &control.direction) {
             reduced = context.take(&control.at.key("norm"), reduced.of_length(&control.of, norm))?;
         }
@@ -262,6 +262,11 @@ impl Lowering<'_> {
             return self.box_of_vectors(context);
         }
         match (self.control.length(), self.control.longest()) {
+            (Some(norm), _) if !optimizer::takes_spheres(self.case) => {
+                let at = self.control.at.key("norm");
+                let cube = context.take(&at, Bounds::new(Limit::Uniform(-norm), Limit::Uniform(norm)))?;
+                Some(Allowed { admitted: Admitted::Norm(norm), bounds: None, set: Box::new(cube) })
+            }
             (Some(norm), _) => {
                 let set = context.take(&self.control.at.key("norm"), Sphere::new(dim, norm))?;
                 Some(Allowed { admitted: Admitted::Norm(norm), bounds: None, set: Box::new(set) })

@@ -3,7 +3,7 @@
 use crate::lower::context::Context;
 use nastic_control::Metric;
 use nastic_language::schema::{Case, Control, Metric as MetricBlock};
-use nastic_opt::{Admissible, Asymptotes, Mma, Optimizer, Options, Unfit, by_name};
+use nastic_opt::{Admissible, Asymptotes, Mma, Optimizer, Options, Sphere, Unfit, by_name};
 
 pub(super) fn metric(case: &Case) -> Metric {
     match case.optimizer.metric {
@@ -34,6 +34,12 @@ pub(super) fn build(case: &Case) -> Option<Box<dyn Optimizer>> {
     Some(Box::new(Mma { options, asymptotes }))
 }
 
+/// Whether the method keeps vectors at one length. Another moves their components between minus and plus that, and the chain behind gives them their length.
+pub(super) fn takes_spheres(case: &Case) -> bool {
+    let sphere = Sphere::new(3, 1.0);
+    build(case).zip(sphere.ok()).is_none_or(|(method, sphere)| method.check_set(&sphere, 3).is_ok())
+}
+
 /// Complains of a control in a set that the method is not made for.
 pub(super) fn check_set(
     case: &Case,
@@ -45,9 +51,8 @@ pub(super) fn check_set(
     let Err(unfit) = build(case)?.check_set(set, len) else { return Some(()) };
     let (at, message) = match unfit {
         Unfit::Set { method, .. } => {
-            let key = if control.norm.is_some() { "norm" } else { "max_norm" };
             let instead = "give \"lower\" and \"upper\" of every component in its place, or a value that is not controlled, or take \"lbfgs\"";
-            (control.at.key(key), format!("\"{method}\" takes controls between bounds alone: {instead}"))
+            (control.at.key("max_norm"), format!("\"{method}\" takes controls between bounds alone: {instead}"))
         }
         Unfit::Range { method, .. } => {
             let why = "changes a control by a share of the range between its bounds";
