@@ -1,8 +1,8 @@
 //! [`LevelBody`]: the part of a body in which a field is above a level, as a closed surface.
 
 use crate::Mesh;
-use crate::level_piece::{Clipped, Clipper, Simplex};
-use std::collections::BTreeMap;
+use crate::level_piece::{Clipped, Clipper, Simplex, WallKind};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// How often the level of a volume is bisected: to 1e-6 of the range of the field.
 const VOLUME_BISECTIONS: usize = 20;
@@ -41,19 +41,40 @@ impl ClosedSurface {
 #[derive(Clone, Debug)]
 pub struct LevelBody {
     /// `None` in space.
-    thickness: Option<f64>,
-    /// The corners of which a point of the subdivision is the mean; the points of the mesh come first, of themselves.
-    centres: Vec<Vec<u32>>,
-    nodes: usize,
-    simplices: Vec<Simplex>,
+    pub(crate) thickness: Option<f64>,
+    /// Points of the subdivision behind those of the mesh, as sums of these.
+    pub(crate) points: Vec<Vec<(u32, f64)>>,
+    /// The points of the mesh, which come first.
+    pub(crate) nodes: usize,
+    pub(crate) simplices: Vec<Simplex>,
     /// The field at all points of the subdivision.
-    values: Vec<f64>,
+    pub(crate) values: Vec<f64>,
+}
+
+/// The corners of a facet, ascending.
+fn key(corners: &[u32]) -> Vec<u32> {
+    let mut key = corners.to_vec();
+    key.sort_unstable();
+    key
+}
+
+/// The corners of the facets of a cell, outward.
+fn facets(mesh: &Mesh, cell: u32) -> impl Iterator<Item = Vec<u32>> {
+    let cell = mesh.cell(cell as usize);
+    let faces = cell.kind.faces().iter();
+    faces.map(move |(kind, local)| local[..kind.corners()].iter().map(|a| cell.nodes[*a]).collect())
 }
 
 impl LevelBody {
     /// Of a field by cell, with a weight (a volume) of each for the means at nodes. A plane body has a thickness.
     #[must_use]
     pub fn new(mesh: &Mesh, cells: &[u32], values: &[f64], weights: &[f64], thickness: f64) -> Self {
+        Self::of_nodes(mesh, cells, Self::nodal_means(mesh, cells, values, weights), thickness)
+    }
+
+    /// At every node of a mesh the mean of a field over these cells around it, by their weights; 0 where none of them is.
+    #[must_use]
+    pub fn nodal_means(mesh: &Mesh, cells: &[u32], values: &[f64], weights: &[f64]) -> Vec<f64> {
         let nodes = mesh.points().len();
         let (mut sums, mut shares) = (vec![0.0; nodes], vec![0.0; nodes]);
         for ((cell, value), weight) in cells.iter().zip(values).zip(weights) {
@@ -63,84 +84,106 @@ impl LevelBody {
                 shares[*node as usize] += weight;
             }
         }
+        sums.iter().zip(&shares).map(|(sum, share)| if *share > 0.0 { sum / share } else { 0.0 }).collect()
+    }
+
+    /// Of a field by node, one value for each of the mesh.
+    #[must_use]
+    pub fn of_nodes(mesh: &Mesh, cells: &[u32], values: Vec<f64>, thickness: f64) -> Self {
         let thickness = (mesh.dim() == 2).then_some(thickness);
-        let values =
-            sums.iter().zip(&shares).map(|(sum, share)| if *share > 0.0 { sum / share } else { 0.0 }).collect();
-        let mut body = LevelBody { thickness, centres: Vec::new(), nodes, simplices: Vec::new(), values };
+        let nodes = mesh.points().len();
+        let mut body = LevelBody { thickness, points: Vec::new(), nodes, simplices: Vec::new(), values };
         body.divide(mesh, cells);
         body
+    }
+
+    /// The same body with another field, one value for each node of the mesh.
+    #[must_use]
+    pub fn with_values(&self, mut values: Vec<f64>) -> Self {
+        let of = |sum: &Vec<(u32, f64)>| sum.iter().map(|(node, share)| share * values[*node as usize]).sum::<f64>();
+        let further: Vec<f64> = self.points.iter().map(of).collect();
+        values.extend(further);
+        LevelBody { values, ..self.clone() }
     }
 
     /// Divides the cells; a facet that one of them alone has is skin.
     fn divide(&mut self, mesh: &Mesh, cells: &[u32]) {
         let mut sides: BTreeMap<Vec<u32>, (usize, Option<u32>)> = BTreeMap::new();
-        let facets = |cell: u32| {
-            let cell = mesh.cell(cell as usize);
-            let faces = cell.kind.faces().iter();
-            faces.map(move |(kind, local)| local[..kind.corners()].iter().map(|a| cell.nodes[*a]).collect::<Vec<u32>>())
-        };
-        let key = |corners: &[u32]| {
-            let mut key = corners.to_vec();
-            key.sort_unstable();
-            key
-        };
-        for corners in cells.iter().flat_map(|cell| facets(*cell)) {
+        for corners in cells.iter().flat_map(|cell| facets(mesh, *cell)) {
             sides.entry(key(&corners)).or_default().0 += 1;
         }
+        let own: BTreeSet<u32> = cells.iter().copied().collect();
+        let others = (0..mesh.cells() as u32).filter(|cell| !own.contains(cell));
+        let joined: BTreeSet<Vec<u32>> = others.flat_map(|cell| facets(mesh, cell)).map(|facet| key(&facet)).collect();
         for cell in cells {
-            let (cell, own) = (mesh.cell(*cell as usize), facets(*cell));
+            let (cell, own) = (mesh.cell(*cell as usize), facets(mesh, *cell));
             let corners = &cell.nodes[..cell.kind.corners()];
+            let of = |facet: &[u32], side: usize| match (side == 1, joined.contains(&key(facet))) {
+                (false, _) => WallKind::Within,
+                (true, false) => WallKind::Skin,
+                (true, true) => WallKind::Joint,
+            };
             if corners.len() == mesh.dim() + 1 {
-                let own: Vec<_> =
-                    own.map(|facet| (sides.get(&key(&facet)).is_some_and(|side| side.0 == 1), facet)).collect();
+                let side = |facet: &Vec<u32>| of(facet, sides.get(&key(facet)).map_or(0, |side| side.0));
+                let own: Vec<_> = own.map(|facet| (side(&facet), facet)).collect();
                 self.simplices.extend(Simplex::of(corners, &own));
                 continue;
             }
             let centre = self.centre(corners);
             for facet in own {
                 let Some(side) = sides.get_mut(&key(&facet)) else { continue };
-                let is_skin = side.0 == 1;
+                let kind = of(&facet, side.0);
                 if facet.len() == 2 {
-                    self.simplices.push(Simplex::around(&[facet[0], facet[1]], centre, is_skin));
+                    self.simplices.push(Simplex::around(&[facet[0], facet[1]], centre, kind));
                     continue;
                 }
                 let middle = *side.1.get_or_insert_with(|| self.centre(&facet));
                 for (k, a) in facet.iter().enumerate() {
                     let triangle = [*a, facet[(k + 1) % facet.len()], middle];
-                    self.simplices.push(Simplex::around(&triangle, centre, is_skin));
+                    self.simplices.push(Simplex::around(&triangle, centre, kind));
                 }
             }
         }
     }
 
-    /// One more point, the mean of these.
+    /// One more point, the mean of these nodes.
     fn centre(&mut self, of: &[u32]) -> u32 {
+        let share = 1.0 / of.len() as f64;
         let mean = of.iter().map(|node| self.values[*node as usize]).sum::<f64>() / of.len() as f64;
-        self.centres.push(of.to_vec());
+        self.points.push(of.iter().map(|node| (*node, share)).collect());
         self.values.push(mean);
-        (self.nodes + self.centres.len() - 1) as u32
+        (self.nodes + self.points.len() - 1) as u32
     }
 
     /// The surface at a level, with the points of the mesh at these positions; empty where the field is below the level everywhere.
     #[must_use]
     pub fn surface(&self, positions: &[[f64; 3]], level: f64) -> ClosedSurface {
+        let Clipped { points, triangles, .. } = self.clipped(positions, level);
+        ClosedSurface { points, triangles }
+    }
+
+    /// The surface of all of it.
+    #[must_use]
+    pub fn whole(&self, positions: &[[f64; 3]]) -> ClosedSurface {
+        self.surface(positions, f64::NEG_INFINITY)
+    }
+
+    pub(crate) fn clipped(&self, positions: &[[f64; 3]], level: f64) -> Clipped {
         let mut places = positions.to_vec();
-        places.extend(self.centres.iter().map(|of| {
-            let sum = of.iter().fold([0.0; 3], |sum, node| {
+        places.extend(self.points.iter().map(|of| {
+            of.iter().fold([0.0; 3], |sum, (node, share)| {
                 let x = &positions[*node as usize];
-                [0, 1, 2].map(|k| sum[k] + x[k])
-            });
-            sum.map(|x| x / of.len() as f64)
+                [0, 1, 2].map(|k| sum[k] + share * x[k])
+            })
         }));
         let mut clipper = Clipper::new(&places, &self.values, level, self.thickness);
         for simplex in &self.simplices {
             match simplex {
-                Simplex::Tetrahedron { corners, skin } => clipper.tetrahedron(corners, *skin),
-                Simplex::Triangle { corners, skin } => clipper.triangle(corners, *skin),
+                Simplex::Tetrahedron { corners, sides } => clipper.tetrahedron(corners, sides),
+                Simplex::Triangle { corners, sides } => clipper.triangle(corners, sides),
             }
         }
-        let Clipped { points, triangles } = clipper.clipped();
-        ClosedSurface { points, triangles }
+        clipper.clipped()
     }
 
     /// The level at which the surface encloses a volume; 1/2 of a field without values. None may: a plateau of the field is above a level as a whole or not at all.

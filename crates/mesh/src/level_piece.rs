@@ -5,40 +5,60 @@ use std::collections::BTreeMap;
 /// An edge is cut no nearer to its ends than this share of it: what is thinner is no triangle in a file of single precision.
 const LEAST_SHARE_OF_EDGE: f64 = 1e-3;
 
-/// A piece of a cell; its bit k of `skin` is set where the side opposite to corner k is skin.
+/// What lies beyond a side of a piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WallKind {
+    /// Another piece of the same body.
+    Within,
+    /// Nothing: the skin of the mesh, or what was cut off before.
+    Skin,
+    /// Cells of the mesh that are not of the body.
+    Joint,
+    /// What is below the level.
+    Cut,
+    /// Of a plate above and below it.
+    Face,
+}
+
+/// A piece of a cell, and what lies beyond the side opposite to each corner.
 #[derive(Clone, Debug)]
 pub(crate) enum Simplex {
     /// The first three corners counter-clockwise seen from outside, the fourth within.
-    Tetrahedron { corners: [u32; 4], skin: u8 },
+    Tetrahedron { corners: [u32; 4], sides: [WallKind; 4] },
     /// Counter-clockwise.
-    Triangle { corners: [u32; 3], skin: u8 },
+    Triangle { corners: [u32; 3], sides: [WallKind; 3] },
 }
 
 impl Simplex {
-    /// The cell with these corners itself; its facets, outward, and whether they are skin.
-    pub fn of(corners: &[u32], facets: &[(bool, Vec<u32>)]) -> Option<Self> {
+    /// The cell with these corners itself; its facets, outward, and what lies beyond.
+    pub fn of(corners: &[u32], facets: &[(WallKind, Vec<u32>)]) -> Option<Self> {
         let (_, first) = facets.first()?;
         let last = *corners.iter().find(|corner| !first.contains(corner))?;
         let mut own = first.clone();
         own.push(last);
-        let mut skin = 0;
-        for (k, corner) in own.iter().enumerate() {
-            let is_skin = facets.iter().any(|(is_skin, facet)| *is_skin && !facet.contains(corner));
-            skin |= u8::from(is_skin) << k;
-        }
+        let beyond = |corner: &u32| {
+            facets.iter().find(|(_, facet)| !facet.contains(corner)).map_or(WallKind::Within, |(side, _)| *side)
+        };
         match own[..] {
-            [a, b, c, d] => Some(Simplex::Tetrahedron { corners: [a, b, c, d], skin }),
-            [a, b, c] => Some(Simplex::Triangle { corners: [a, b, c], skin }),
+            [a, b, c, d] => {
+                let corners = [a, b, c, d];
+                Some(Simplex::Tetrahedron { corners, sides: corners.map(|corner| beyond(&corner)) })
+            }
+            [a, b, c] => {
+                let corners = [a, b, c];
+                Some(Simplex::Triangle { corners, sides: corners.map(|corner| beyond(&corner)) })
+            }
             _ => None,
         }
     }
 
     /// A side, outward, and the point within that it belongs to.
-    pub fn around(side: &[u32], within: u32, is_skin: bool) -> Self {
+    pub fn around(side: &[u32], within: u32, beyond: WallKind) -> Self {
+        use WallKind::Within;
         match *side {
-            [a, b, c] => Simplex::Tetrahedron { corners: [a, b, c, within], skin: u8::from(is_skin) << 3 },
-            [a, b, ..] => Simplex::Triangle { corners: [a, b, within], skin: u8::from(is_skin) << 2 },
-            _ => Simplex::Triangle { corners: [within; 3], skin: 0 },
+            [a, b, c] => Simplex::Tetrahedron { corners: [a, b, c, within], sides: [Within, Within, Within, beyond] },
+            [a, b, ..] => Simplex::Triangle { corners: [a, b, within], sides: [Within, Within, beyond] },
+            _ => Simplex::Triangle { corners: [within; 3], sides: [Within; 3] },
         }
     }
 
@@ -57,6 +77,8 @@ type Key = (u32, u32, bool);
 pub(crate) struct Clipped {
     pub points: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
+    /// What lies beyond each of them.
+    pub beyond: Vec<WallKind>,
 }
 
 /// Cuts simplices and joins what is cut.
@@ -71,7 +93,7 @@ pub(crate) struct Clipper<'a> {
 
 impl<'a> Clipper<'a> {
     pub fn new(places: &'a [[f64; 3]], values: &'a [f64], level: f64, thickness: Option<f64>) -> Self {
-        let out = Clipped { points: Vec::new(), triangles: Vec::new() };
+        let out = Clipped { points: Vec::new(), triangles: Vec::new(), beyond: Vec::new() };
         Clipper { places, values, level, thickness, known: BTreeMap::new(), out }
     }
 
@@ -79,16 +101,16 @@ impl<'a> Clipper<'a> {
         self.out
     }
 
-    /// The sides that are skin where the field is above the level, and the cut between them.
-    pub fn tetrahedron(&mut self, corners: &[u32; 4], skin: u8) {
+    /// The sides without a neighbour where the field is above the level, and the cut between them.
+    pub fn tetrahedron(&mut self, corners: &[u32; 4], beyond: &[WallKind; 4]) {
         let [a, b, c, d] = *corners;
         let sides = [[b, d, c], [c, d, a], [a, d, b], [a, b, c]];
         let mut cut = Vec::new();
-        for (k, side) in sides.iter().enumerate() {
+        for (side, beyond) in sides.iter().zip(beyond) {
             let (polygon, through) = self.clip(side);
             cut.extend(through);
-            if skin >> k & 1 == 1 {
-                self.add_polygon(&polygon, false, false);
+            if *beyond != WallKind::Within {
+                self.add_polygon(&polygon, *beyond, [false, false]);
             }
         }
         // the cut has the edges of the sides, the other way round
@@ -101,25 +123,27 @@ impl<'a> Clipper<'a> {
             }
             polygon.push(at);
         }
-        self.add_polygon(&polygon, false, false);
+        self.add_polygon(&polygon, WallKind::Cut, [false, false]);
     }
 
-    /// A plate: both faces, and walls at the cut and at sides that are skin.
-    pub fn triangle(&mut self, corners: &[u32; 3], skin: u8) {
+    /// A plate: both faces, and walls at the cut and at sides without a neighbour.
+    pub fn triangle(&mut self, corners: &[u32; 3], beyond: &[WallKind; 3]) {
         let (polygon, through) = self.clip(corners);
-        self.add_polygon(&polygon, true, false);
-        self.add_polygon(&polygon, false, true);
+        self.add_polygon(&polygon, WallKind::Face, [true, false]);
+        self.add_polygon(&polygon, WallKind::Face, [false, true]);
         let [a, b, c] = *corners;
-        let mut walls: Vec<(Edge, Edge)> = through.into_iter().collect();
-        for (k, side) in [[b, c], [c, a], [a, b]].iter().enumerate() {
-            if skin >> k & 1 == 1 {
-                walls.extend(self.part_above(*side));
+        let mut walls: Vec<(Edge, Edge, WallKind)> =
+            through.into_iter().map(|(from, to)| (from, to, WallKind::Cut)).collect();
+        for (side, beyond) in [[b, c], [c, a], [a, b]].iter().zip(beyond) {
+            if *beyond != WallKind::Within {
+                walls.extend(self.part_above(*side).map(|(from, to)| (from, to, *beyond)));
             }
         }
-        for (from, to) in walls {
+        for (from, to, beyond) in walls {
             let [p, q] = [from, to].map(|edge| self.point(edge, false));
             let [r, s] = [from, to].map(|edge| self.point(edge, true));
             self.out.triangles.extend([[p, q, s], [p, s, r]]);
+            self.out.beyond.extend([beyond; 2]);
         }
     }
 
@@ -154,11 +178,12 @@ impl<'a> Clipper<'a> {
         (polygon, leaves.zip(enters))
     }
 
-    fn add_polygon(&mut self, polygon: &[Edge], is_upper: bool, is_reversed: bool) {
+    fn add_polygon(&mut self, polygon: &[Edge], beyond: WallKind, [is_upper, is_reversed]: [bool; 2]) {
         let points: Vec<u32> = polygon.iter().map(|edge| self.point(*edge, is_upper)).collect();
         for k in 2..points.len() {
             let [a, b, c] = [points[0], points[k - 1], points[k]];
             self.out.triangles.push(if is_reversed { [a, c, b] } else { [a, b, c] });
+            self.out.beyond.push(beyond);
         }
     }
 
@@ -168,11 +193,7 @@ impl<'a> Clipper<'a> {
         let index = *self.known.entry((a, b, is_upper)).or_insert(next);
         if index == next {
             let [s, t] = [a, b].map(|point| self.values[point as usize]);
-            let share = if a == b {
-                0.0
-            } else {
-                ((self.level - s) / (t - s)).clamp(LEAST_SHARE_OF_EDGE, 1.0 - LEAST_SHARE_OF_EDGE)
-            };
+            let share = if a == b { 0.0 } else { share_of_edge(self.level, [s, t]) };
             let [x, y] = [a, b].map(|point| self.places[point as usize]);
             let mut place = [0, 1, 2].map(|k| x[k] + share * (y[k] - x[k]));
             if is_upper {
@@ -184,19 +205,24 @@ impl<'a> Clipper<'a> {
     }
 }
 
+/// Where between its ends, of these values, an edge is cut.
+pub(crate) fn share_of_edge(level: f64, [s, t]: [f64; 2]) -> f64 {
+    ((level - s) / (t - s)).clamp(LEAST_SHARE_OF_EDGE, 1.0 - LEAST_SHARE_OF_EDGE)
+}
+
 /// A point on an edge, or an end of one: then both are the same.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Edge {
-    low: u32,
-    high: u32,
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Edge {
+    pub low: u32,
+    pub high: u32,
 }
 
 impl Edge {
-    fn at(point: u32) -> Self {
+    pub fn at(point: u32) -> Self {
         Edge { low: point, high: point }
     }
 
-    fn between(a: u32, b: u32) -> Self {
+    pub fn between(a: u32, b: u32) -> Self {
         Edge { low: a.min(b), high: a.max(b) }
     }
 }

@@ -4,7 +4,7 @@ use nastic_mesh::{CellKind, ClosedSurface, LevelBody, Mesh, MeshError, box_mesh,
 use std::collections::BTreeMap;
 
 /// Every edge is passed as often one way as the other.
-fn is_closed(surface: &ClosedSurface) -> bool {
+pub fn is_closed(surface: &ClosedSurface) -> bool {
     let mut passes: BTreeMap<(u32, u32), i32> = BTreeMap::new();
     for triangle in &surface.triangles {
         for k in 0..3 {
