@@ -1,4 +1,4 @@
-//! Gmsh, VTK and Abaqus in; VTU, PVD and STL out; point clouds both ways.
+//! Gmsh, VTK and Abaqus in; VTU, PVD, STL and 3MF out; point clouds both ways.
 //!
 //! ```no_run
 //! let mesh = nastic_io::read_gmsh("meshes/cantilever.msh")?;
@@ -9,6 +9,7 @@
 //! ```
 
 mod abaqus;
+mod archive;
 mod atomic;
 mod cloud;
 mod error;
@@ -21,6 +22,7 @@ mod own_file;
 mod pvd;
 mod source;
 mod stl;
+mod three_mf;
 mod vtk;
 mod vtu;
 mod written;
@@ -39,6 +41,7 @@ pub use lock::{DirectoryLock, LockError};
 pub use own_file::append_to;
 pub use pvd::write_pvd;
 pub use stl::write_stl;
+pub use three_mf::{PrintedBody, write_3mf};
 pub use vtk::{parse_vtk, read_vtk};
 pub use vtu::{
     Entity, FileArray, base64, escape, parse_vtu, read_array, read_lines, read_snapshot, read_vtu, read_vtu_scaled,

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use nastic_io::{read_gmsh, read_mesh, read_snapshot, write_pvd, write_stl, write_vtu};
-use nastic_mesh::{CellKind, LevelBody, Mesh, NamedArray, Snapshot, box_mesh, rectangle};
+use nastic_io::{PrintedBody, read_gmsh, read_mesh, read_snapshot, write_3mf, write_pvd, write_stl, write_vtu};
+use nastic_mesh::{CellKind, ClosedSurface, LevelBody, Mesh, NamedArray, Snapshot, box_mesh, rectangle};
 
 #[test]
 fn vtk_and_meshio_read_every_kind_back() {
@@ -67,6 +67,41 @@ fn vtk_reads_closed_surfaces_of_their_volume() {
     let output = Command::new(python).arg(script).arg(directory.path()).output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && text.matches("agrees").count() == 3, "{text}");
+}
+
+/// Archive, units, names and bodies, by Python's own `zipfile` and XML; the same bytes once more.
+#[test]
+fn python_reads_bodies_of_several_materials() {
+    let directory = tempfile::tempdir().unwrap();
+    let mesh = box_mesh([0.02, 0.01, 0.01], [10, 5, 5], CellKind::Hex8).unwrap();
+    let cells: Vec<u32> = (0..mesh.cells() as u32).collect();
+    let nodal = |s: &dyn Fn(&[f64; 3]) -> f64| mesh.points().iter().map(s).collect::<Vec<_>>();
+    let filled = LevelBody::of_nodes(&mesh, &cells, nodal(&|x| (500.0 * x[0]).sin() + 100.0 * x[1]), 0.0).above(0.3);
+    let part = |name: &str, sign: f64| {
+        let surface = filled.with_values(nodal(&|x| sign * (x[2] - 0.0047))).above(0.0).whole(mesh.points());
+        PrintedBody { name: name.to_owned(), material: format!("{name} & \"rubber\""), surface }
+    };
+    let bodies = [part("soft", -1.0), part("stiff <2>", 1.0)];
+    let [file, again] = ["design.3mf", "again.3mf"].map(|name| directory.path().join(name));
+    write_3mf(&file, "a \"design\"", &bodies, 1e3).unwrap();
+    write_3mf(&again, "a \"design\"", &bodies, 1e3).unwrap();
+    assert_eq!(std::fs::read(&file).unwrap(), std::fs::read(&again).unwrap());
+    let nothing = PrintedBody { surface: ClosedSurface::default(), ..bodies[0].clone() };
+    let refused = write_3mf(&again, "none", &[nothing], 1e3).unwrap_err().to_string();
+    assert!(refused.contains("the body soft has no triangles"), "{refused}");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/readback/three_mf.py");
+    let Ok(output) = Command::new("python3").arg(script).arg(&file).output() else {
+        println!("SKIPPED: no python3 to read 3MF files back with");
+        return;
+    };
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}");
+    let read: Vec<Vec<&str>> = text.lines().map(|line| line.split(" | ").collect()).collect();
+    for (read, body) in read.iter().zip(&bodies) {
+        let (volume, expected) = (read[2].parse::<f64>().unwrap(), 1e9 * body.surface.volume());
+        assert!(read[..2] == [&body.name, &body.material] && (volume / expected - 1.0).abs() < 1e-9, "{text}");
+    }
+    assert_eq!(read.len(), 2, "{text}");
 }
 
 #[test]
