@@ -3,6 +3,7 @@
 use crate::Mesh;
 use crate::level_piece::{Clipped, Clipper, Simplex, WallKind};
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// How often the level of a volume is bisected: to 1e-6 of the range of the field.
 const VOLUME_BISECTIONS: usize = 20;
@@ -43,10 +44,10 @@ pub struct LevelBody {
     /// `None` in space.
     pub(crate) thickness: Option<f64>,
     /// Points of the subdivision behind those of the mesh, as sums of these.
-    pub(crate) points: Vec<Vec<(u32, f64)>>,
+    pub(crate) points: Arc<Vec<Vec<(u32, f64)>>>,
     /// The points of the mesh, which come first.
     pub(crate) nodes: usize,
-    pub(crate) simplices: Vec<Simplex>,
+    pub(crate) simplices: Arc<Vec<Simplex>>,
     /// The field at all points of the subdivision.
     pub(crate) values: Vec<f64>,
 }
@@ -92,7 +93,7 @@ impl LevelBody {
     pub fn of_nodes(mesh: &Mesh, cells: &[u32], values: Vec<f64>, thickness: f64) -> Self {
         let thickness = (mesh.dim() == 2).then_some(thickness);
         let nodes = mesh.points().len();
-        let mut body = LevelBody { thickness, points: Vec::new(), nodes, simplices: Vec::new(), values };
+        let mut body = LevelBody { thickness, points: Arc::default(), nodes, simplices: Arc::default(), values };
         body.divide(mesh, cells);
         body
     }
@@ -126,7 +127,7 @@ impl LevelBody {
             if corners.len() == mesh.dim() + 1 {
                 let side = |facet: &Vec<u32>| of(facet, sides.get(&key(facet)).map_or(0, |side| side.0));
                 let own: Vec<_> = own.map(|facet| (side(&facet), facet)).collect();
-                self.simplices.extend(Simplex::of(corners, &own));
+                Arc::make_mut(&mut self.simplices).extend(Simplex::of(corners, &own));
                 continue;
             }
             let centre = self.centre(corners);
@@ -134,13 +135,13 @@ impl LevelBody {
                 let Some(side) = sides.get_mut(&key(&facet)) else { continue };
                 let kind = of(&facet, side.0);
                 if facet.len() == 2 {
-                    self.simplices.push(Simplex::around(&[facet[0], facet[1]], centre, kind));
+                    Arc::make_mut(&mut self.simplices).push(Simplex::around(&[facet[0], facet[1]], centre, kind));
                     continue;
                 }
                 let middle = *side.1.get_or_insert_with(|| self.centre(&facet));
                 for (k, a) in facet.iter().enumerate() {
                     let triangle = [*a, facet[(k + 1) % facet.len()], middle];
-                    self.simplices.push(Simplex::around(&triangle, centre, kind));
+                    Arc::make_mut(&mut self.simplices).push(Simplex::around(&triangle, centre, kind));
                 }
             }
         }
@@ -150,7 +151,7 @@ impl LevelBody {
     fn centre(&mut self, of: &[u32]) -> u32 {
         let share = 1.0 / of.len() as f64;
         let mean = of.iter().map(|node| self.values[*node as usize]).sum::<f64>() / of.len() as f64;
-        self.points.push(of.iter().map(|node| (*node, share)).collect());
+        Arc::make_mut(&mut self.points).push(of.iter().map(|node| (*node, share)).collect());
         self.values.push(mean);
         (self.nodes + self.points.len() - 1) as u32
     }
@@ -177,7 +178,7 @@ impl LevelBody {
             })
         }));
         let mut clipper = Clipper::new(&places, &self.values, level, self.thickness);
-        for simplex in &self.simplices {
+        for simplex in self.simplices.iter() {
             match simplex {
                 Simplex::Tetrahedron { corners, sides } => clipper.tetrahedron(corners, sides),
                 Simplex::Triangle { corners, sides } => clipper.triangle(corners, sides),

@@ -3,6 +3,7 @@
 use crate::LevelBody;
 use crate::level_piece::{Edge, Simplex, WallKind, share_of_edge};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Even permutations of four corners: none turns a tetrahedron inside out.
 const EVEN: [[usize; 4]; 12] = [
@@ -26,9 +27,9 @@ impl LevelBody {
     /// Sides that two pieces share are divided alike, by the numbers of their points: parts of one body have no gaps, and none overlap.
     #[must_use]
     pub fn above(&self, level: f64) -> LevelBody {
-        let out = LevelBody { simplices: Vec::new(), ..self.clone() };
+        let out = LevelBody { simplices: Arc::default(), ..self.clone() };
         let mut cutter = Cutter { body: self, level, known: BTreeMap::new(), out };
-        for simplex in &self.simplices {
+        for simplex in self.simplices.iter() {
             match simplex {
                 Simplex::Tetrahedron { corners, sides } => cutter.tetrahedron(corners, sides),
                 Simplex::Triangle { corners, sides } => cutter.triangle(*corners, *sides),
@@ -59,7 +60,9 @@ impl Cutter<'_> {
         let [a, b, c, d] = parent.0;
         let (at, cut) = (Edge::at, Edge::between);
         match is_above.iter().filter(|is_above| **is_above).count() {
-            4 => self.out.simplices.push(Simplex::Tetrahedron { corners: parent.0, sides: parent.1 }),
+            4 => {
+                Arc::make_mut(&mut self.out.simplices).push(Simplex::Tetrahedron { corners: parent.0, sides: parent.1 })
+            }
             3 => self.prism([at(a), at(b), at(c)], [cut(a, d), cut(b, d), cut(c, d)], &parent),
             2 => self.prism([at(a), cut(a, c), cut(a, d)], [at(b), cut(b, c), cut(b, d)], &parent),
             1 => self.push([at(a), cut(a, b), cut(a, c), cut(a, d)], &parent),
@@ -95,7 +98,7 @@ impl Cutter<'_> {
         let beyond =
             [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]].map(|side| beyond(&side.map(|k| own[k]), corners, sides));
         let corners = own.map(|edge| self.point(edge));
-        self.out.simplices.push(Simplex::Tetrahedron { corners, sides: beyond });
+        Arc::make_mut(&mut self.out.simplices).push(Simplex::Tetrahedron { corners, sides: beyond });
     }
 
     fn triangle(&mut self, corners: [u32; 3], sides: [WallKind; 3]) {
@@ -113,7 +116,7 @@ impl Cutter<'_> {
             let own = [polygon[0], polygon[k - 1], polygon[k]];
             let beyond = [[1, 2], [0, 2], [0, 1]].map(|side| beyond(&side.map(|k| own[k]), &corners, &sides));
             let corners = own.map(|edge| self.point(edge));
-            self.out.simplices.push(Simplex::Triangle { corners, sides: beyond });
+            Arc::make_mut(&mut self.out.simplices).push(Simplex::Triangle { corners, sides: beyond });
         }
     }
 
@@ -138,7 +141,7 @@ impl Cutter<'_> {
                     }
                 }
             }
-            self.out.points.push(sum.into_iter().collect());
+            Arc::make_mut(&mut self.out.points).push(sum.into_iter().collect());
             self.out.values.push(s + share * (t - s));
         }
         index
