@@ -41,6 +41,7 @@ fn laws_keep_their_contract_behind_every_scale() {
             (Scale::Guth, 0.15),
             (Scale::Hill, 0.1),
             (Scale::Factor, 0.7),
+            (Scale::Electrode, 0.7),
         ] {
             assert_contract(&Weighted::scaled("s", law.clone(), scale).unwrap(), &[&[s][..], &own].concat());
         }
@@ -85,6 +86,7 @@ fn scales_are_their_formulas() {
         (Scale::Guth, 1.0 + 2.5 * s + 14.1 * s * s),
         (Scale::Hill, 1.0 / (1.0 - 2.5 * s)),
         (Scale::Factor, s),
+        (Scale::Electrode, s * s),
     ];
     for (scale, value) in expected {
         let [chi, first, second] = scale.derivatives(s);

@@ -30,6 +30,9 @@ pub enum Scale {
     Hill,
     /// `s`, 0 <= s <= 1: of an actuation, which acts where s is 1 alone. A law that holds the body has no stiffness at 0.
     Factor,
+    /// `s^2`, 0 <= s <= 1: of a [dielectric](crate::Dielectric), whose field is then `s E`, where electrodes cover the share s of a film. Fringes, about as wide as
+    /// the film is thick, are left out.
+    Electrode,
 }
 
 /// Shares of a filler below which chi is finite.
@@ -46,6 +49,7 @@ impl Scale {
             Scale::Guth => "guth",
             Scale::Hill => "hill",
             Scale::Factor => "factor",
+            Scale::Electrode => "electrode",
         }
     }
 
@@ -61,6 +65,7 @@ impl Scale {
             Scale::Guth => one + s * number(2.5) + s * s * number(14.1),
             Scale::Hill => one / (one - s * number(2.5)),
             Scale::Factor => s,
+            Scale::Electrode => s * s,
         }
     }
 
@@ -74,7 +79,7 @@ impl Scale {
     pub fn range(&self) -> [f64; 2] {
         match self {
             Scale::Simp { .. } | Scale::Ramp { .. } => [0.0, 1.0],
-            Scale::Guth | Scale::Factor => [0.0, 1.0],
+            Scale::Guth | Scale::Factor | Scale::Electrode => [0.0, 1.0],
             Scale::Mooney => [0.0, MAX_MOONEY],
             Scale::Hill => [0.0, MAX_HILL],
         }
@@ -106,12 +111,18 @@ impl Scale {
         }
     }
 
-    /// The slot of s; a density and a factor are 1 at rest, a filler absent.
+    /// Whether a law behind it vanishes at 0.
+    pub(super) fn vanishes(&self) -> bool {
+        matches!(self, Scale::Factor | Scale::Electrode)
+    }
+
+    /// The slot of s; a density, a factor and an electrode are 1 at rest, a filler absent.
     pub(super) fn slot(&self) -> Slot {
         match self {
             Scale::Simp { .. } | Scale::Ramp { .. } => Slot::design("density", "1", 1.0),
             Scale::Mooney | Scale::Guth | Scale::Hill => Slot::design("filler", "1", 0.0),
             Scale::Factor => Slot::design("factor", "1", 1.0),
+            Scale::Electrode => Slot::design("electrode", "1", 1.0),
         }
     }
 }

@@ -308,7 +308,7 @@ impl EnergyTerm for Weighted {
     /// Of what is true at every s: of a mixture of each of its laws, of a factor that may be zero no growth.
     fn existence(&self, at: MaterialPoint) -> Option<Existence> {
         let stated = self.terms.iter().map(|term| term.law.existence(at)).reduce(|a, b| Some(a?.or(b?)))??;
-        let vanishes = matches!(self.terms[..], [Term { weight: Weight::Scale(Scale::Factor), .. }]);
+        let vanishes = matches!(&self.terms[..], [Term { weight: Weight::Scale(scale), .. }] if scale.vanishes());
         let nothing = Existence { resists_collapse: false, growth: Growth::default(), ..stated };
         Some(if vanishes { nothing } else { stated })
     }
