@@ -67,6 +67,9 @@ const OPTIMIZE: &[&str] = &[
     "iterations.pvd",
     "iterates.bin",
     "design_*.stl",
+    "design.3mf",
+    "design_deformed.3mf",
+    "directions_*.csv",
 ];
 /// Of `fit`.
 pub const FIT: &[&str] = &["fit.json", "fit.html", "fit.svg", "fit_*.svg"];

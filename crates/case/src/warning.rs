@@ -63,7 +63,15 @@ pub const WARNINGS: &[&WarningKind] = &[
     &CUT_VOLUME,
     &MEDIUM,
     &CUT_UNSOLVED,
+    &THIN,
 ];
+
+/// A design that is thin somewhere.
+pub const THIN: WarningKind = WarningKind {
+    code: "thin",
+    about: "a bar or a gap of a design that is cut is thinner than asked for, or than the length of its filter",
+    advice: "see the place in design_NAME.stl; a longer \"filter\", more \"sharpness\", or load cases that set the threshold (\"controls/K/projection/eta\") lower and higher, of which the worst counts",
+};
 
 /// An optimum that could not be solved as it is made.
 pub const CUT_UNSOLVED: WarningKind = WarningKind {

@@ -28,7 +28,7 @@ fn unknown_keys_name_the_nearest_and_the_list() {
         COMPLETE,
         "\"lower\"",
         "\"lowr\"",
-        "did you mean \"lower\"? (one of: of, name, space, log, start, lower, upper, prior, norm, max_norm, direction, filter, projection, cut, symmetry, fixed, in_time, rate)",
+        "did you mean \"lower\"? (one of: of, name, space, log, start, lower, upper, prior, norm, max_norm, direction, filter, projection, cut, least_bar, least_gap, symmetry, fixed, in_time, rate)",
     );
     one(
         COMPLETE,

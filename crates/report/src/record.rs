@@ -60,7 +60,7 @@ pub use case_record::{
 pub use comparison_record::{ComparedRecord, ComparisonRecord, DistancesRecord, NodeByNodeRecord};
 pub use contact_record::{ContactRecord, ExactContactRecord, HalfThicknessRecord};
 pub use contribution_record::*;
-pub use control_record::{ControlRecord, ControlValues, RangeRecord};
+pub use control_record::{ControlRecord, ControlValues, RangeRecord, WidthRecord};
 pub use error_record::{ErrorRecord, ProblemRecord};
 pub use failure_record::{
     CellRecord, DomainRecord, ExcessTensionRecord, FailureRecord, FreeMotionRecord, MeetingGuidesRecord,

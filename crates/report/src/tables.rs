@@ -4,7 +4,7 @@ use crate::html::{escape, folded, paragraph, section, table};
 use crate::number::{count, duration, number, short};
 use crate::record::{
     ContributionKind, ContributionRecord, ControlRecord, MemberRecord, Nullable, Number, ProbesRecord, RangeRecord,
-    RunRecord, StateRecord,
+    RunRecord, StateRecord, WidthRecord,
 };
 use crate::summary::stability;
 use nastic_mesh::Snapshot;
@@ -76,6 +76,13 @@ fn kilo(value: Number) -> String {
     number(value.map(|value| 1e-3 * value), "")
 }
 
+/// A width and where it is.
+fn width(own: &Option<WidthRecord>, unit: &str) -> String {
+    let Some(own) = own else { return "–".to_owned() };
+    let place: Vec<String> = own.position.iter().map(|x| number(*x, "")).collect();
+    format!("{} at ({})", number(own.width, unit), place.join(", "))
+}
+
 /// Range and active bounds of every control.
 pub(crate) fn controls(result: &RunRecord) -> String {
     let row = |(name, control): (&String, &ControlRecord)| {
@@ -97,6 +104,8 @@ pub(crate) fn controls(result: &RunRecord) -> String {
             crate::number::number(control.total_variation, ""),
             crate::number::number(control.volume, ""),
             crate::number::number(control.greyness, ""),
+            width(&control.smallest_bar, &result.units.length),
+            width(&control.smallest_gap, &result.units.length),
         ]
     };
     let rows: Vec<Vec<String>> = result.controls.iter().flatten().map(row).collect();
@@ -113,6 +122,8 @@ pub(crate) fn controls(result: &RunRecord) -> String {
         "total variation",
         "mean",
         "greyness",
+        "smallest bar",
+        "smallest gap",
     ];
     section("controls", "Controls and active bounds", &told_columns(&head, rows))
 }

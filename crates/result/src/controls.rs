@@ -105,6 +105,8 @@ fn control(
         greyness: of_design(|member, of, m, stage| measure(member, DesignMean::greyness(of, 1.0), m, stage)),
         level: Number::default(),
         cut_volume: Number::default(),
+        smallest_bar: None,
+        smallest_gap: None,
         grid: own.basis.grid().map(|grid| grid.cells().to_vec()),
         instants: own.knots.as_ref().map(|knots| numbers(&knots.instants())),
         values: few,

@@ -1,6 +1,7 @@
-//! Designs cut into bodies, for STL files.
+//! Designs cut into bodies, for STL and 3MF files.
 
 use crate::files::Directory;
+use crate::{least_widths, made_body};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{CUT_VOLUME, Warning};
 use nastic_control::{ControlMap, Expansion};
@@ -25,24 +26,36 @@ const VOLUME_TOLERANCE: f64 = 0.01;
 pub struct CutDesigns {
     /// The names of the files.
     pub files: Vec<String>,
-    /// Of bodies that have another volume than the field.
+    /// Of bodies that have another volume than the field, or thin parts.
     pub warnings: Vec<Warning>,
-    /// Files that are not written, as nothing is in them.
-    pub empty: Vec<String>,
+    /// What the terminal says of them: how wide they are, files that are not written, as nothing is in them.
+    pub lines: Vec<String>,
 }
 
 /// What a design is cut into.
-struct Cut {
+pub(crate) struct Cut {
     /// The name of its control.
-    name: String,
-    /// Where the field is above the level: what a density fills, the second law of a mixture.
-    body: LevelBody,
-    /// Of a mixture the rest, the field with the other sign.
-    rest: Option<LevelBody>,
+    pub name: String,
+    /// The name of its design.
+    pub of: String,
+    /// The load case that has it alone.
+    pub load_case: Option<usize>,
+    /// Its cells, ascending.
+    pub cells: Vec<u32>,
+    /// The field at the nodes of the mesh.
+    pub nodal: Vec<f64>,
+    /// Where the field is above the level: what a density fills, the second law of a mixture, what electrodes cover.
+    pub body: LevelBody,
+    /// The rest, the field with the other sign.
+    pub rest: LevelBody,
+    /// Whether the rest is a material, as of a mixture or of a film beside its electrodes, and no void.
+    pub is_mixture: bool,
     /// Of the whole field: the volume that it stands for.
     volume: f64,
     /// The volume of its region.
     region: f64,
+    /// The thickness of plates.
+    pub thickness: f64,
     /// Above it lie the cells that have together, as nearly as cells can, the volume that the field stands for; `None` of a field that is not made so.
     cell_level: Option<f64>,
 }
@@ -57,9 +70,9 @@ impl Cut {
             let has = |kind: DesignKind| {
                 problem.case.designs().any(|own_kind| own_kind.name == own.name && own_kind.kind == kind)
             };
-            let is_mixture = has(DesignKind::Mixture);
+            let is_mixture = !has(DesignKind::Density);
             let is_field = own.components == 1 && !own.log && own.knots.is_none() && !own.basis.is_of_contribution();
-            if !is_field || !(is_mixture || has(DesignKind::Density)) {
+            if !is_field || (is_mixture && !has(DesignKind::Mixture) && !has(DesignKind::Electrode)) {
                 return None;
             }
             let map = own.field.clone().then(Expansion { basis: own.basis.clone(), components: 1 });
@@ -75,12 +88,26 @@ impl Cut {
             let across = if mesh.dim() == 2 { thickness } else { 1.0 };
             let volume = across * values.iter().zip(&volumes).map(|(s, v)| s * v).sum::<f64>();
             let region = across * volumes.iter().sum::<f64>();
-            let body = |values: &[f64]| LevelBody::new(mesh, &cells, values, &volumes, thickness);
-            let negative: Vec<f64> = values.iter().map(|s| -s).collect();
-            let rest = is_mixture.then(|| body(&negative));
+            let nodal = LevelBody::nodal_means(mesh, &cells, &values, &volumes);
+            let body = LevelBody::of_nodes(mesh, &cells, nodal.clone(), thickness);
+            let rest = body.with_values(nodal.iter().map(|s| -s).collect());
             let is_made = problem.case.is_made(&own.name) && own.can_be_cut();
             let cell_level = is_made.then(|| level_of_cells(&values, &volumes));
-            Some(Cut { name: field.name.clone(), body: body(&values), rest, volume, region, cell_level })
+            let (name, of, load_case) = (field.name.clone(), own.name.clone(), field.load_case);
+            Some(Cut {
+                name,
+                of,
+                load_case,
+                cells,
+                nodal,
+                body,
+                rest,
+                is_mixture,
+                volume,
+                region,
+                thickness,
+                cell_level,
+            })
         };
         blocks.filter_map(of).collect()
     }
@@ -129,8 +156,25 @@ pub fn cut_case(problem: &CaseProblem, m: &[f64], stage: usize) -> Result<Option
     Ok(Some(document))
 }
 
-/// Cuts the designs of a control vector at the levels at which their bodies have the volume that the fields stand for, tells levels and volumes, and writes the bodies:
-/// at rest, and deformed as the first member of every load case that has the design.
+/// A design at the level at which its body has the volume that the field stands for.
+pub(crate) struct CutBody {
+    pub cut: Cut,
+    pub level: f64,
+}
+
+/// Where bodies go, and what is told of them.
+pub(crate) struct DesignFiles<'a> {
+    pub problem: &'a CaseProblem,
+    /// The first member of every load case, with the places of the mesh's points.
+    pub deformed: &'a [(CaseMember<'a>, Vec<[f64; 3]>)],
+    pub directory: &'a Directory,
+    /// From the case's lengths to millimetres.
+    pub scale: f64,
+    pub told: CutDesigns,
+}
+
+/// Cuts the designs of a control vector at the levels at which their bodies have the volume that the fields stand for, tells levels, volumes and least widths, and
+/// writes the bodies: at rest, and deformed as the first member of every load case that has the design.
 ///
 /// # Errors
 /// What the system answers.
@@ -142,46 +186,60 @@ pub fn write(
     out: &Directory,
 ) -> Result<CutDesigns, WriteError> {
     let scale = 10f64.powi(problem.units().length().exponent - EXPONENT_OF_MILLIMETRE);
-    let rest = problem.mesh().points();
-    let mut all = CutDesigns::default();
-    for cut in Cut::all(problem, m, stage) {
-        let level = cut.body.level_of_volume(rest, cut.volume);
+    let mut files = DesignFiles { problem, deformed, directory: out, scale, told: CutDesigns::default() };
+    let level = |cut: &Cut| cut.body.level_of_volume(problem.mesh().points(), cut.volume);
+    let cuts = Cut::all(problem, m, stage).into_iter().map(|cut| CutBody { level: level(&cut), cut });
+    let cuts: Vec<CutBody> = cuts.collect();
+    for own in &cuts {
+        let mut none = ControlRecord::default();
+        let record = controls.get_mut(&own.cut.name).unwrap_or(&mut none);
+        files.compare_volumes(own, record);
+        least_widths::find(&mut files, own, record);
+        files.write_surfaces(own)?;
+    }
+    made_body::write(&mut files, &cuts)?;
+    made_body::write_directions(&mut files, m, stage, &cuts)?;
+    Ok(files.told)
+}
+
+impl DesignFiles<'_> {
+    /// The level and the volume of a body, with a warning where that is not the volume of the field.
+    fn compare_volumes(&mut self, CutBody { cut, level }: &CutBody, record: &mut ControlRecord) {
+        let own = cut.body.surface(self.problem.mesh().points(), *level).volume();
         // the volume of nothing is 0, not -0
-        let [cut_share, share] =
-            [cut.body.surface(rest, level).volume(), cut.volume].map(|volume| volume / cut.region + 0.0);
-        if let Some(record) = controls.get_mut(&cut.name) {
-            (record.level, record.cut_volume) = (level.into(), cut_share.into());
-        }
+        let [cut_share, share] = [own, cut.volume].map(|volume| volume / cut.region + 0.0);
+        (record.level, record.cut_volume) = ((*level).into(), cut_share.into());
         if (cut_share - share).abs() > VOLUME_TOLERANCE {
+            let [name, level] = [&cut.name, &short(*level)];
             let [cut_share, share] = [cut_share, share].map(|share| short(100.0 * share));
-            let message = format!(
-                "\"{}\" is {share} % of its region, and above the level {} {cut_share} %",
-                cut.name,
-                short(level)
-            );
-            all.warnings.push(Warning::new(&CUT_VOLUME, message));
+            let message = format!("\"{name}\" is {share} % of its region, and above the level {level} {cut_share} %");
+            self.told.warnings.push(Warning::new(&CUT_VOLUME, message));
         }
+    }
+
+    /// The STL files of a design.
+    fn write_surfaces(&mut self, CutBody { cut, level }: &CutBody) -> Result<(), WriteError> {
         let has = |member: &CaseMember<'_>| member.fields().any(|(_, field)| field.name == cut.name);
-        let parts = [("", Some(&cut.body), level), ("_rest", cut.rest.as_ref(), -level)];
+        let parts = [("", Some(&cut.body), *level), ("_rest", cut.is_mixture.then_some(&cut.rest), -level)];
         for (part, body, level) in parts.into_iter().filter_map(|(part, body, level)| Some((part, body?, level))) {
             let mut put = |name: String, positions: &[[f64; 3]]| {
                 let surface = body.surface(positions, level);
                 if surface.triangles.is_empty() {
                     return Ok(false);
                 }
-                out.write_stl(&name, &surface, scale)?;
-                all.files.push(name);
+                self.directory.write_stl(&name, &surface, self.scale)?;
+                self.told.files.push(name);
                 Ok(true)
             };
             let name = format!("design_{}{part}.stl", cut.name);
-            if !put(name.clone(), rest)? {
-                all.empty.push(name);
+            if !put(name.clone(), self.problem.mesh().points())? {
+                self.told.lines.push(format!("design      {name} is not written: it is empty"));
                 continue;
             }
-            for (member, positions) in deformed.iter().filter(|(member, _)| has(member)) {
+            for (member, positions) in self.deformed.iter().filter(|(member, _)| has(member)) {
                 put(member.case_file(&format!("design_{}{part}_deformed.stl", cut.name)), positions)?;
             }
         }
+        Ok(())
     }
-    Ok(all)
 }

@@ -3,7 +3,7 @@
 use crate::checkpoint_mark::is_checkpoint;
 use crate::listed::listed;
 use nastic_case::output_names::OutputNames;
-use nastic_io::{DirectoryLock, LockError, WriteError, WrittenFiles, write_atomically};
+use nastic_io::{DirectoryLock, LockError, PrintedBody, WriteError, WrittenFiles, write_atomically};
 use nastic_mesh::{ClosedSurface, Snapshot};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -137,7 +137,9 @@ impl Directory {
             let ours = number.is_some_and(|n| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit()));
             let collection = name == "iterations.pvd" || name.ends_with("_iterations.pvd");
             let iterates = name == "iterates.bin" || name.ends_with("_iterates.bin");
-            if ours || collection || iterates || name.ends_with(".stl") || name == "failure.vtu" {
+            let design = [".stl", ".3mf"].iter().any(|end| name.ends_with(end))
+                || (name.starts_with("directions_") && name.ends_with(".csv"));
+            if ours || collection || iterates || design || name == "failure.vtu" {
                 let _ = self.remove(&name);
             }
         }
@@ -198,6 +200,22 @@ impl Directory {
     /// What the system answers.
     pub fn write_stl(&self, name: &str, surface: &ClosedSurface, scale: f64) -> Result<(), WriteError> {
         nastic_io::write_stl(self.own(name)?, surface, scale)
+    }
+
+    /// Bodies of several materials, their lengths multiplied by a factor.
+    ///
+    /// # Errors
+    /// What the system answers.
+    pub fn write_3mf(&self, name: &str, title: &str, bodies: &[PrintedBody], scale: f64) -> Result<(), WriteError> {
+        nastic_io::write_3mf(self.own(name)?, title, bodies, scale)
+    }
+
+    /// A text.
+    ///
+    /// # Errors
+    /// What the system answers.
+    pub fn write_text(&self, name: &str, text: &str) -> Result<(), WriteError> {
+        write_atomically(self.own(name)?, |out| out.write_all(text.as_bytes()))
     }
 
     /// A state `NAME.vtu`, and what is beside it; the names of the files.

@@ -62,9 +62,7 @@ pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context:
     if let Some(level) = control.cut {
         let at = control.at.key("cut");
         if !case.is_made(&control.of) {
-            let message =
-                format!("{} is no density or mixture, or a filler too: what is made is cut", quoted(&control.of));
-            context.complain(&at, message);
+            context.complain(&at, not_made(control));
             return None;
         }
         let grey = |value: &&Formula| value.constant().is_some_and(|value| value != 0.0 && value != 1.0);
@@ -75,11 +73,21 @@ pub(super) fn add(case: &Case, control: &Control, mut reduced: Reduced, context:
         }
         reduced = context.take(&at, reduced.cut(&control.of, level))?;
     }
+    let widths = [("least_bar", control.least_bar), ("least_gap", control.least_gap)];
+    let given = widths.into_iter().find(|(_, width)| width.is_some());
+    if let Some((key, _)) = given.filter(|_| !case.is_made(&control.of)) {
+        context.complain(&control.at.key(key), not_made(control));
+        return None;
+    }
     if control.symmetry.is_empty() && control.filter.is_none() && control.projection.is_none() && control.cut.is_none()
     {
         return Some(reduced);
     }
     hold(case, control, reduced, context)
+}
+
+fn not_made(control: &Control) -> String {
+    format!("{} is no density, mixture or electrode, or a filler too: what is made is cut", quoted(&control.of))
 }
 
 /// The values of a field that hang on no unknown; NaN where others do.

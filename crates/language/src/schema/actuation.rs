@@ -233,7 +233,7 @@ type ActuationKeys = (Option<Means>, Vec<SlotName>, Vec<&'static str>);
 fn read_law(row: &'static ActuationRow, node: &Node, at: &At, reader: &mut Reader<'_>) -> ActuationKeys {
     let region: Option<GroupNames> = reader.key(node, at, "region", REGION, Want::ANY, None);
     let parameters = read_inputs(row.name, row.forms, node, at, reader);
-    let design = design::read_list(node, at, true, reader);
+    let design = design::read_list(node, at, Some(row.name), reader);
     let read = region.zip(parameters).zip(design);
     let means = read.map(|((region, parameters), design)| Means::Law { row, region, parameters, design });
     (means, slots(row), row.parameters().into_iter().map(|p| p.name).chain(["region", "design"]).collect())

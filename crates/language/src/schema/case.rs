@@ -189,11 +189,12 @@ impl Case {
         self.designs().any(|design| design.name == name)
     }
 
-    /// Whether a number in front of laws is 0 or 1 where it is made: a density or a mixture, and no filler.
+    /// Whether a number in front of laws is 0 or 1 where it is made: a density, a mixture or an electrode, and no filler.
     #[must_use]
     pub fn is_made(&self, name: &str) -> bool {
         let has = |kind: DesignKind| self.designs().any(|own| own.name == name && own.kind == kind);
-        (has(DesignKind::Density) || has(DesignKind::Mixture)) && !has(DesignKind::Filler)
+        let made = [DesignKind::Density, DesignKind::Mixture, DesignKind::Electrode];
+        made.into_iter().any(&has) && !has(DesignKind::Filler)
     }
 
     /// Entries that add a contribution each to the body, in the order of the case's keys.

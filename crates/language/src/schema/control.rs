@@ -43,8 +43,12 @@ object! {
         pub filter: Option<f64> as POSITIVE_LENGTH,
         /// Projection of its field, behind the filter: of a design between 0 and 1, else between its bounds.
         pub projection: Option<Projection>,
-        /// Of a density or a mixture: the level above which it is 1, elsewhere it is 0, as the optimum is made. Such a field has no derivative: it is solved, not optimised.
+        /// Of a density, a mixture or an electrode: the level above which it is 1, elsewhere it is 0, as the optimum is made. Such a field has no derivative: it is solved, not optimised.
         pub cut: Option<f64> as NUMBER,
+        /// Of what is cut at the optimum, a density, a mixture or an electrode: the thinnest bar that can be made, of which the optimum is warned about; the filter's length if left out.
+        pub least_bar: Option<f64> as POSITIVE_LENGTH,
+        /// Of the same: the narrowest gap that can be made, likewise.
+        pub least_gap: Option<f64> as POSITIVE_LENGTH,
         /// Planes about which its field is symmetric: axes, for the planes across them in the middle, or planes by point and normal.
         pub symmetry: Vec<SymmetryPlane> = Vec::new(),
         /// Values that its field has in regions, whatever the control is there.

@@ -6,8 +6,8 @@ use crate::schema::catalogue::{Input, form_schema, read_inputs};
 use crate::schema::json::{Definitions, any_of};
 use crate::schema::read::{Key, Read, Reader};
 use crate::syntax::{At, Node, Value, quoted};
-use nastic_energy::Scale;
 use nastic_energy::catalogue::MaterialRow;
+use nastic_energy::{Dielectric, Scale};
 use serde_json::{Value as Json, json};
 use std::collections::BTreeMap;
 use std::fmt;
@@ -43,6 +43,8 @@ choice! {
         "mixture" => Mixture,
         /// s W, of an actuation: where it acts.
         "factor" => Factor,
+        /// s^2 W, of a dielectric, whose field is s times that of its control: where a film has electrodes.
+        "electrode" => Electrode,
     }
 }
 
@@ -75,6 +77,7 @@ impl Design {
         match (&self.kind, &self.interpolation) {
             (DesignKind::Mixture, _) => None,
             (DesignKind::Factor, _) => Some(Scale::Factor),
+            (DesignKind::Electrode, _) => Some(Scale::Electrode),
             (DesignKind::Density, Some(Interpolation::Ramp)) => Some(Scale::Ramp { floor, penalty: p }),
             (DesignKind::Density, _) => Some(Scale::Simp { floor, exponent: p }),
             (DesignKind::Filler, Some(Interpolation::Guth)) => Some(Scale::Guth),
@@ -96,7 +99,7 @@ impl fmt::Display for Design {
         let mass = if self.mass == Some(false) { ", the mass does not follow" } else { "" };
         let (name, kind) = (&self.name, self.kind.name());
         match (self.scale(), &self.with) {
-            (Some(Scale::Factor), _) => write!(f, "{name}: {kind}"),
+            (Some(Scale::Factor | Scale::Electrode), _) => write!(f, "{name}: {kind}"),
             (Some(Scale::Simp { floor, exponent: p } | Scale::Ramp { floor, penalty: p }), _) => {
                 let by = if matches!(self.interpolation, Some(Interpolation::Ramp)) { "ramp" } else { "simp" };
                 write!(f, "{name}: {kind} by {by} (p = {}, least {}){mass}", short(p), short(floor))
@@ -213,18 +216,27 @@ fn check(design: &Design, reader: &mut Reader<'_>) {
 
 const DESIGN: &str = "Numbers in front of the law, each of which follows a design field.";
 
-/// The list `design` of a block.
-pub(crate) fn read_list(node: &Node, at: &At, of_actuation: bool, reader: &mut Reader<'_>) -> Option<Vec<Design>> {
+/// The list `design` of a block; with the name of its law where that is an actuation.
+pub(crate) fn read_list(node: &Node, at: &At, actuation: Option<&str>, reader: &mut Reader<'_>) -> Option<Vec<Design>> {
     let all: Vec<Design> = reader.key(node, at, "design", DESIGN, Want::ANY, Some(vec![]))?;
     for (k, design) in all.iter().enumerate() {
         if let Some(first) = all[..k].iter().find(|other| other.name == design.name) {
             let message = format!("{} stands in front of this law already, at {}", quoted(&design.name), first.at);
             reader.complain_at(&design.at.key("name"), message);
         }
-        let message = match (of_actuation, &design.kind) {
-            (true, DesignKind::Mixture) => "a mixture is one of two materials: an actuation takes \"factor\"",
-            (false, DesignKind::Factor) => {
-                "a law that holds the body has no stiffness where its factor is 0: take \"density\""
+        let message = match (actuation, &design.kind) {
+            (Some(_), DesignKind::Mixture) => {
+                "a mixture is one of two materials: an actuation takes \"factor\"".to_owned()
+            }
+            (None, DesignKind::Factor) => {
+                "a law that holds the body has no stiffness where its factor is 0: take \"density\"".to_owned()
+            }
+            (Some(Dielectric::NAME), DesignKind::Electrode) => continue,
+            (Some(other), DesignKind::Electrode) => {
+                format!("electrodes cover a \"dielectric\", not a {}: take \"factor\"", quoted(other))
+            }
+            (None, DesignKind::Electrode) => {
+                "electrodes cover a \"dielectric\" of \"actuation\", whose \"design\" takes them".to_owned()
             }
             _ => continue,
         };

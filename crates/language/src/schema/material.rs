@@ -137,7 +137,7 @@ impl Read for Material {
         let maxwell: Option<Vec<Maxwell>> = reader.key(node, at, "maxwell", MAXWELL, Want::ANY, Some(vec![]));
         let kelvin_voigt: Option<Option<KelvinVoigt>> =
             reader.key(node, at, "kelvin_voigt", KELVIN_VOIGT, Want::ANY, Some(None));
-        let design = design::read_list(node, at, false, reader);
+        let design = design::read_list(node, at, None, reader);
         Some(Self {
             at: at.clone(),
             name: own_name?,

@@ -41,6 +41,10 @@ records! {
         level: Number,
         /// The volume of that body as a share of its region, as `volume` of the field: another one where no level has that of the field.
         cut_volume: Number,
+        /// Of that body its thinnest bar: of a mixture of its second law.
+        smallest_bar: Option<WidthRecord>,
+        /// The narrowest gap of what is left out of it; of a mixture the thinnest bar of its first law.
+        smallest_gap: Option<WidthRecord>,
         /// Cells of a grid along its axes.
         grid: Option<Vec<u32>>,
         /// Instants of a control in time.
@@ -49,6 +53,14 @@ records! {
         values: Option<ControlValues>,
         /// Of `check`: the tension up to which the law stays polyconvex.
         fiber_limit: Nullable<f64>,
+    }
+
+    /// The least distance of two opposite walls of a design at rest.
+    WidthRecord {
+        /// The distance.
+        width: Number,
+        /// Halfway between the walls.
+        position: Vec<Number>,
     }
 
     /// Least and largest value of a control.

@@ -416,11 +416,12 @@ fn check_files(blocks: &Blocks, own: &[Control], reader: &mut Reader<'_>) {
     let is = |control: &Control, kind: DesignKind| {
         blocks.designs().any(|design| design.name == control.of && design.kind == kind)
     };
-    let is_cut = |control: &Control| is(control, DesignKind::Density) || is(control, DesignKind::Mixture);
+    let of_two = |control: &Control| is(control, DesignKind::Mixture) || is(control, DesignKind::Electrode);
+    let is_cut = |control: &Control| is(control, DesignKind::Density) || of_two(control);
     for control in own.iter().filter(|control| is_cut(control)) {
         let is_part = |other: &&Control| match control.name().strip_prefix(other.name()) {
             Some("_deformed") => is_cut(other),
-            Some("_rest" | "_rest_deformed") => is(other, DesignKind::Mixture),
+            Some("_rest" | "_rest_deformed") => of_two(other),
             _ => false,
         };
         if let Some(other) = own.iter().find(is_part) {

@@ -352,7 +352,7 @@ fn write(
     if problem.case.output.every > 0 && starts.len() == 1 {
         files.extend(problem.leads().map(|lead| lead.case_file("iterations.pvd")));
     }
-    cut.empty.iter().for_each(|name| console.say(format!("design      {name} is not written: it is empty")));
+    cut.lines.into_iter().for_each(|line| console.say(line));
     findings.warn_all(console, cut.warnings);
     Ok(files)
 }
