@@ -9,7 +9,6 @@
 //! ```
 
 mod abaqus;
-mod archive;
 mod atomic;
 mod cloud;
 mod error;

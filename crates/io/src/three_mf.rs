@@ -1,12 +1,13 @@
 //! 3MF: closed bodies of several materials in one file, for slicers and printers.
 
-use crate::archive::Archive;
 use crate::atomic::write_atomically;
 use crate::error::WriteError;
 use crate::vtu::escape;
 use nastic_mesh::ClosedSurface;
-use std::io::{self, Write};
+use std::io::{self, Cursor, Write};
 use std::path::Path;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipWriter};
 
 /// A body of one material.
 #[derive(Clone, Debug)]
@@ -47,11 +48,17 @@ pub fn write_3mf(path: impl AsRef<Path>, title: &str, bodies: &[PrintedBody], sc
         }
     }
     write_atomically(path, |out| {
-        let mut archive = Archive::default();
-        archive.add("[Content_Types].xml", |out| out.write_all(CONTENT_TYPES.as_bytes()))?;
-        archive.add("_rels/.rels", |out| out.write_all(RELATIONS.as_bytes()))?;
-        archive.add("3D/3dmodel.model", |out| model(&mut io::BufWriter::new(out), title, bodies, scale))?;
-        out.write_all(&archive.finish()?)
+        let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
+        // the same bytes for the same content: the archive knows no clock
+        let file = SimpleFileOptions::default();
+        let file = file.compression_method(CompressionMethod::Deflated).last_modified_time(DateTime::default());
+        archive.start_file("[Content_Types].xml", file)?;
+        archive.write_all(CONTENT_TYPES.as_bytes())?;
+        archive.start_file("_rels/.rels", file)?;
+        archive.write_all(RELATIONS.as_bytes())?;
+        archive.start_file("3D/3dmodel.model", file)?;
+        model(&mut io::BufWriter::new(&mut archive), title, bodies, scale)?;
+        out.write_all(archive.finish()?.get_ref())
     })
 }
 
