@@ -124,7 +124,8 @@ impl EnergyTerm for FiberTension {
     }
 
     fn check_domain(&self, at: &PointBatch, m: Slots) -> Result<(), Outside> {
-        let lost = (0..at.len()).find(|&q| self.direction.is_slot && !(vector(m, q).norm_squared() > 0.0));
+        let is_lost = |q: usize| !vector(m, q).norm_squared().is_normal();
+        let lost = (0..at.len()).find(|&q| self.direction.is_slot && is_lost(q));
         let meaning = "a fibre has a direction, a vector that is not zero";
         let outside = |point| Outside {
             law: Self::NAME,
