@@ -21,7 +21,7 @@ pub use cost::{
     CostTaken, CostTarget, CostValue, CostWords, Counts, Curvature, DesignMean, DistanceInTime, Figure, FigureKind,
     IntoCost, Key, KeyKind, LargestStretch, LumenVolume, MakeCost, Marker, Markers, MeanDisplacement, MeanPosition,
     MeanRadius, MotionPartials, Need, ObstaclePenetration, Orientation, Output, OutputTarget, Partials, Prior,
-    PumpWork, Reaction, Reading, SmoothedHausdorff, StepBegin, Target, Tracking,
+    PumpWork, Reaction, Reading, ShapeShrinkage, SmoothedHausdorff, StepBegin, Target, Tracking,
 };
 pub use evaluated::{AdjointState, Evaluated, SolvedStates, StepError};
 pub use nastic_fields::{

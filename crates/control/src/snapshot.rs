@@ -118,8 +118,8 @@ impl Reduced {
     /// A displacement of another body.
     pub fn moved(&self, state: &State) -> Result<Snapshot, ControlError> {
         let shot = Snapshot::new(self.solid().mesh().clone()).with_points("displacement", 3, self.vectors(&state.u))?;
-        let body = self.solid().body();
-        Ok(match (body.shape(), body.shape_displacement(&state.controls)) {
+        let model = self.solid().model();
+        Ok(match (self.solid().body().shape(), model.shape_displacement(&state.controls)) {
             (Some((_, shape)), Some(s)) => {
                 shot.with_points(&shape.name, 3, by_triple(&s, self.solid().mesh().dim()))?
             }

@@ -12,6 +12,7 @@ mod dielectric;
 mod extensions_over_ranks;
 mod faults_over_ranks;
 mod filled_mass;
+mod free_shape;
 mod gauss_newton;
 mod gradient;
 mod grid;

@@ -38,7 +38,8 @@ pub use error::{EnergyError, Outside};
 pub use existence::{Existence, Growth};
 pub use field::{Entry, Field, MaterialPoint, combine};
 pub use growth::{
-    Grown, GrowthTensor, KinematicGrowth, ShapeMode, ShapeModes, SpontaneousStrain, StrainMap, ThermalExpansion,
+    Grown, GrowthTensor, KinematicGrowth, ShapeGradient, ShapeMode, ShapeModes, SpontaneousStrain, StrainMap,
+    ThermalExpansion,
 };
 pub use material::*;
 pub use moduli::Moduli;

@@ -5,8 +5,8 @@
 use nastic_energy::catalogue::{self, Inputs};
 use nastic_energy::{
     Dielectric, EnergyTerm, FiberTension, Gent, Grown, GrowthTensor, KinematicGrowth, Magnet, MaterialPoint,
-    MaxwellBranch, MooneyRivlin, NeoHooke, PointBatch, Slots, SpontaneousStrain, StrainMap, ThermalExpansion, Turgor,
-    check,
+    MaxwellBranch, MooneyRivlin, NeoHooke, PointBatch, ShapeGradient, Slots, SpontaneousStrain, StrainMap,
+    ThermalExpansion, Turgor, check,
 };
 use nastic_tensor::{HyperDual, Kinematics, Mat3, Vec3};
 use std::sync::Arc;
@@ -59,6 +59,7 @@ fn maps() -> Vec<(Arc<dyn EnergyTerm>, Vec<f64>)> {
         (Arc::new(Sheared(growth)), vec![-0.1, 0.3]),
         (turned, vec![-0.2, 0.3, 0.7, -0.4]),
         (Arc::new(GrowthTensor::new()), vec![0.2, -0.1, 0.05, 0.1, -0.15, 0.2]),
+        (Arc::new(ShapeGradient::new(3, None).unwrap()), vec![0.2, -0.1, 0.05, 0.1, -0.15, 0.2, 0.0, 0.07, 0.1]),
     ]
 }
 

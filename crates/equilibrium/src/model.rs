@@ -110,8 +110,10 @@ impl Model {
         if !contribution.spans_ranks() {
             self.ranks().refuse_ranks(&format!("\"{name}\""))?;
         }
-        let mut taken =
-            self.body.actuations().iter().map(|a| a.name.as_str()).chain(self.others.iter().map(|c| c.name()));
+        // a free shape is the law that sees its gradients too
+        let is_shape = |own: &&AttachedLaw| own.is_shape() && contribution.free_shape().is_some();
+        let laws = self.body.actuations().iter().filter(|own| !is_shape(own)).map(|own| own.name.as_str());
+        let mut taken = laws.chain(self.others.iter().map(|c| c.name()));
         if taken.any(|known| known == name) || [self.body.name(), self.dead_load.name()].contains(&name) {
             let what = format!("there are two actuations or contributions named \"{name}\"; rename one");
             return Err(FemError::Meaningless { what });

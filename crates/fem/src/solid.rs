@@ -1,6 +1,7 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
 use nastic_body::body_energy::formulation::Formulation;
+use nastic_body::body_energy::free_shape::FreeShape;
 use nastic_body::body_energy::shape::NodalMode;
 use nastic_body::body_energy::{AttachedLaw, BodyEnergy};
 use nastic_body::contribution::Contribution;
@@ -9,11 +10,12 @@ use nastic_body::discretization::Discretization;
 use nastic_body::discretization::quadrature_points::QuadraturePoints;
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::FemError;
-use nastic_energy::{EnergyTerm, ShapeModes};
+use nastic_energy::{EnergyTerm, ShapeGradient, ShapeModes};
 use nastic_equilibrium::model::Model;
 use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::Contact;
 use nastic_forces::foundation::Foundation;
+use nastic_forces::free_shape::ShapeNodes;
 use nastic_forces::inertia::BodyInertia;
 use nastic_forces::inertia::Inertia;
 use nastic_forces::medium::Medium;
@@ -116,7 +118,7 @@ impl Solid {
         let regions = region.into();
         let cells = self.mesh().cells_of(&regions)?;
         let attached = AttachedLaw { name: name.to_owned(), law: Arc::new(law), regions, cells };
-        if attached.shape_modes().is_some() {
+        if attached.is_shape() {
             self.before_shape(name)?;
         }
         self.model.body.add_actuation(attached)?;
@@ -138,6 +140,17 @@ impl Solid {
         let cells = self.mesh().cells_of(&region)?;
         let modes = modes.into_iter().map(|mode| mode.on(&disc, &cells)).collect::<Result<_, _>>()?;
         self.actuate(region, name, ShapeModes::new(modes)?)
+    }
+
+    /// Lets the nodes of a skin move, and those inside follow: see [`FreeShape`]. It comes before masses and weights, which follow it. What it is to stay away from is looked up where it becomes a control, of
+    /// the body as it is then.
+    ///
+    /// # Errors
+    /// As [`actuate`](Self::actuate); another change of shape, a bound of det G that is no share.
+    pub fn free_shape(self, shape: FreeShape) -> Result<Self, FemError> {
+        let law = ShapeGradient::new(self.mesh().dim(), shape.least_volume)?;
+        let nodes = ShapeNodes::new(shape.clone(), self.discretization());
+        self.actuate(shape.regions.clone(), &shape.name, law)?.contribution(nodes)
     }
 
     /// Refuses what a change of shape would come too late for.

@@ -52,7 +52,7 @@ fn a_free_body_takes_its_shape_without_energy() -> Outcome {
         let from = solid.solve(&there, &STRICT)?;
         for near in [None, Some(&from)] {
             let state = solid.solve(&here, &nastic_fem::SolveOptions { near, ..STRICT })?;
-            let s = solid.body().shape_displacement(&here).ok_or("no shape")?;
+            let s = solid.model().shape_displacement(&here).ok_or("no shape")?;
             let energy = solid.body().evaluate(&state.u, &state.controls, false, false)?.energy;
             assert!(
                 apart(&state.u, &s) < 1e-10 && energy.abs() < 1e-14 * 1e4,

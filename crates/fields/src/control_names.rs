@@ -27,6 +27,7 @@ pub(crate) fn resolve(solid: &Solid, of: &str) -> Result<Vec<(usize, SlotGroup)>
 /// Name, actuation and slots of all that can be controlled.
 pub(crate) fn groups(solid: &Solid) -> Vec<(String, usize, SlotGroup)> {
     let mut all = Vec::new();
+    let free = solid.model().free_shape().map(|(shape, _)| shape.name.as_str());
     for (k, what) in solid.model().controllable().into_iter().enumerate() {
         let groups = SlotGroup::of(what.slots);
         // numbers of the body beside one load do not change its name
@@ -35,7 +36,11 @@ pub(crate) fn groups(solid: &Solid) -> Vec<(String, usize, SlotGroup)> {
         let lone = loads.next().filter(|_| loads.next().is_none()).copied();
         let shared = what.shared.map_or(0, |(_, slots)| groups.iter().filter(|group| group.first < slots).count());
         let count = |group: &SlotGroup| if lone == Some(*group) { 1 } else { groups.len() - shared };
-        all.extend(groups.iter().map(|group| (name(&what, group, count(group)), k, *group)));
+        // what follows a free shape has no name of its own
+        let follows =
+            |group: &SlotGroup| what.shared.is_some_and(|(owner, slots)| free == Some(owner) && group.first < slots);
+        let own = groups.iter().filter(|group| !follows(group));
+        all.extend(own.map(|group| (name(&what, group, count(group)), k, *group)));
     }
     all
 }

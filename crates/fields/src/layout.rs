@@ -69,6 +69,9 @@ impl Layout {
         space: Space,
         direction: Option<[f64; 3]>,
     ) -> Result<&ControlBlock, ControlError> {
+        if direction.is_none() && solid.model().free_shape().is_some_and(|(shape, _)| shape.name == of) {
+            return self.add_free_shape(solid, of, space);
+        }
         let found = resolve(solid, of)?;
         let (lead, group) = found[0];
         if direction.is_some() && !group.is_vector() {

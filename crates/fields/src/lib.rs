@@ -12,6 +12,7 @@ mod design;
 mod error;
 mod field_chain;
 mod field_operator;
+mod free_shape;
 mod grid;
 mod inner_product;
 mod knots;

@@ -7,6 +7,7 @@ mod element_matrices;
 pub mod fill;
 mod filled_mass;
 pub mod foundation;
+pub mod free_shape;
 mod guides;
 pub mod inertia;
 pub mod medium;

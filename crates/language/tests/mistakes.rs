@@ -193,7 +193,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         "\"fibre_tension\"",
         ": actuation/0/kind: unknown kind \"fibre_tension\": did you mean \"fiber_tension\"? (one of: \
          fiber_tension, muscle, turgor, magnet, dielectric, growth, stretch_along, area_growth, heat, lce, \
-         active_strain, growth_tensor, shape, cavity, tendon, motion)",
+         active_strain, growth_tensor, shape, free_shape, cavity, tendon, motion)",
     );
     one(
         COMPLETE,
@@ -202,7 +202,7 @@ fn wrong_types_and_missing_keys_are_clear() {
         ": costs/0: missing key \"kind\" (one of: smoothed_hausdorff, tracking, position, markers, displacement, orientation, curvature, \
          mean_radius, volume, largest_stretch, compliance, reaction, contact_force, contact_pressure, contact_slip, obstacle, control_norm, control_smoothness, \
          control_rate, \
-         kinetic_energy, actuation_work, design_volume, greyness, pump_work)",
+         kinetic_energy, actuation_work, design_volume, greyness, shape_shrinkage, pump_work)",
     );
     one(
         COMPLETE,

@@ -346,3 +346,28 @@ def test_torch_differentiates_the_cost(bar, monkeypatch):
     monkeypatch.delattr(nastic.Problem, "value_and_gradient")
     with torch.no_grad():
         assert float(cost(m - 100.0)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_skin_is_a_control_as_any_other(bar):
+    """The shape of the bar by the nodes of its upper side, beside its tension."""
+    bar["actuation"].append({"name": "back", "kind": "free_shape", "region": "body", "surface": "z+", "keep": "z-", "filter": 0.25})
+    bar["controls"][0]["space"] = "uniform"
+    bar["controls"].append({"of": "back", "space": "node", "start": "0.02 * X", "lower": -0.1, "upper": 0.1})
+    bar["constraints"] = [{"cost": {"kind": "shape_shrinkage"}, "at_most": 1.25}]
+    problem = bar.problem(accuracy=1e-12)
+    gradient = problem.split(problem.gradient(problem.start))["back"]
+    assert gradient.shape == (8,)
+    direction = np.zeros(len(problem.start))
+    direction[-8:] = np.cos(np.arange(8))
+    step = 1e-4
+    value = [problem.value(problem.start + sign * step * direction) for sign in (1, -1)]
+    assert (value[0] - value[1]) / (2 * step) == pytest.approx(gradient @ direction[-8:], rel=1e-6)
+    bar["optimizer"]["max_iterations"] = 15
+    found = bar.optimize()
+    assert found.result["cost"]["total"] < 0.9 * bar.solve().result["cost"]["total"]
+    moved = found.point_data["back"]
+    assert np.abs(moved[:, 2]).max() > 1e-3
+    assert not moved[found.points[:, 2] == 0].any()
+    bar["actuation"][1]["surface"] = "x-"
+    with pytest.raises(nastic.CaseError, match="holds all of its nodes where they are drawn"):
+        bar.check()

@@ -31,6 +31,7 @@ mod fit_tables;
 mod formula_laws;
 mod formulations;
 mod foundation;
+mod free_shape;
 mod gains;
 mod grid;
 mod groups;

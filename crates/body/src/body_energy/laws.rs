@@ -30,6 +30,12 @@ impl AttachedLaw {
         self.law.slots().iter().any(Slot::is_global)
     }
 
+    /// Its slots at a point, of the values of all points.
+    pub(super) fn slots_at<'v>(&self, values: &'v [f64], at: MaterialPoint) -> &'v [f64] {
+        let width = self.law.slots().len();
+        if self.is_global() { values } else { &values[at.point * width..][..width] }
+    }
+
     /// Its slots that are controls: none of a viscous law, whose slots are internal variables.
     pub fn controlled_slots(&self) -> &[Slot] {
         let slots = self.law.slots();
@@ -151,7 +157,7 @@ impl BodyEnergy {
             return Err(FemError::Meaningless { what });
         }
         let new = self.actuations.len();
-        let (cells, shapes) = (attached.cells.clone(), attached.shape_modes().is_some());
+        let (cells, shapes) = (attached.cells.clone(), attached.is_shape());
         let grows = attached.law.strain_map().is_some() && !shapes;
         if shapes {
             self.check_new_shape(&attached)?;

@@ -33,6 +33,7 @@ pub mod driving;
 pub mod evaluated;
 pub mod excess_tension;
 pub mod formulation;
+pub mod free_shape;
 pub mod hexahedra_products;
 pub(crate) mod history;
 mod laws;
@@ -44,6 +45,7 @@ pub(crate) mod pressure_change;
 mod product;
 mod second_vjp;
 pub mod shape;
+mod shape_volume;
 pub(crate) mod tensions;
 pub mod volume_modes;
 

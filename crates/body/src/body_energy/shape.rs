@@ -61,7 +61,12 @@ impl NodalMode {
 }
 
 impl AttachedLaw {
-    /// The displacement fields of a change of shape; `None` of another law.
+    /// Whether it changes the shape of the body.
+    pub fn is_shape(&self) -> bool {
+        self.law.strain_map().is_some_and(StrainMap::is_shape)
+    }
+
+    /// The displacement fields of a change of shape along some; `None` of another law.
     pub fn shape_modes(&self) -> Option<&[ShapeMode]> {
         self.law.strain_map().map(StrainMap::shape).filter(|modes| !modes.is_empty())
     }
@@ -70,11 +75,11 @@ impl AttachedLaw {
 impl BodyEnergy {
     /// The change of the body's shape, with its index among the laws with slots.
     pub fn shape(&self) -> Option<(usize, &AttachedLaw)> {
-        self.actuations.iter().enumerate().find(|(_, own)| own.shape_modes().is_some())
+        self.actuations.iter().enumerate().find(|(_, own)| own.is_shape())
     }
 
-    /// By how much the nodes of the drawn body move under these controls, flat; `None` of a body whose shape does not change.
-    pub fn shape_displacement(&self, controls: &Controls) -> Option<Vec<f64>> {
+    /// By how much the nodes of the drawn body move along modes under these controls, flat; `None` of a body whose shape does not change, or not along modes.
+    pub fn mode_displacement(&self, controls: &Controls) -> Option<Vec<f64>> {
         let (k, attached) = self.shape()?;
         let mut s = vec![0.0; self.disc.dofs()];
         for (mode, amplitude) in attached.shape_modes()?.iter().zip(controls.values(k)) {
@@ -87,9 +92,10 @@ impl BodyEnergy {
     pub fn shape_quality(&self, controls: &Controls) -> Option<ShapeQuality> {
         let (k, attached) = self.shape()?;
         let map = attached.law.strain_map()?;
-        let a: Vec<HyperDual> = controls.values(k).iter().copied().map(HyperDual::constant).collect();
         let mut worst = ShapeQuality { least_volume: f64::INFINITY, cell: 0, distortion: 1.0 };
         for at in self.places(k) {
+            let a: Vec<HyperDual> =
+                attached.slots_at(controls.values(k), at).iter().copied().map(HyperDual::constant).collect();
             let g = map.tensor(at, &a);
             let size: f64 = g.iter().flatten().map(|entry| entry.real().powi(2)).sum();
             // in the plane without the entry across it

@@ -9,6 +9,7 @@ pub mod sensitivities;
 pub mod tied;
 pub mod touches;
 
+use crate::body_energy::free_shape::FreeShape;
 use crate::controls::ControlPoint;
 use crate::discretization::supports::Supports;
 use crate::history::Remembers;
@@ -107,6 +108,11 @@ pub trait Contribution: Debug + Send + Sync {
     /// Nodes from whose drawn places it measures lengths, displacements or volumes: there the shape of the body cannot change. Empty of what sees places x alone.
     fn drawn_nodes(&self) -> Vec<u32> {
         Vec::new()
+    }
+
+    /// Of what the places of the nodes of the drawn body are, `dim` numbers at each: the change of shape that they follow.
+    fn free_shape(&self) -> Option<&FreeShape> {
+        None
     }
 
     /// Why an equilibrium with it depends on the way there, if it does: such a contribution acts in steps in time alone.

@@ -7,12 +7,12 @@ use super::law_inputs::inputs;
 use super::named::{attempt, complain_of_law};
 use super::strides::Course;
 use super::tension::beyond_limit;
-use super::{coarse_steps, magnitude, named_groups, pressures};
+use super::{coarse_steps, magnitude, named_groups, pressures, shape};
 use crate::warning::{CONVEXITY, UNBALANCED_TURGOR, UNBOUNDED_ENERGY};
 use nastic_control::{ControlError, Reduced};
 use nastic_energy::catalogue::{ActuationRow, Parameter};
 use nastic_energy::{Dielectric, EnergyTerm, MaterialPoint, Turgor};
-use nastic_fem::{AttachedLaw, Solid};
+use nastic_fem::{AttachedLaw, FreeShape, Solid};
 use nastic_language::expression::{EvaluationError, Formula, dimension_of};
 use nastic_language::quantity::Dimension;
 use nastic_language::schema::{
@@ -28,6 +28,9 @@ pub(super) fn add(case: &Case, solid: &mut Solid, context: &mut Context<'_>) {
             Means::Law { .. } => add_law(case, actuation, solid, context),
             Means::Contribution { form, values, .. } => {
                 let mut values = values.clone();
+                if actuation.kind() == FreeShape::KIND {
+                    shape::keep_loaded(case, &mut values);
+                }
                 if form.one_of {
                     let Some(slot) = driver(case, actuation, context) else { continue };
                     values.slot = slot;
@@ -138,7 +141,11 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
     for actuation in case.actuation.iter().filter(|actuation| is_built(&actuation.name, &reduced)).collect::<Vec<_>>() {
         // a table that could not be read was complained about
         for (key, value) in actuation.fixed.iter().filter(|(_, value)| !matches!(value, Fixed::Table(_))) {
-            if let Some(control) = case.controls.iter().find(|control| controls(&control.of, actuation, key)) {
+            if actuation.kind() == FreeShape::KIND {
+                let message =
+                    format!("a shape is what a control says: give {{ \"of\": \"{}\", \"start\": .. }}", actuation.name);
+                context.complain(&actuation.at.key(key), message);
+            } else if let Some(control) = case.controls.iter().find(|control| controls(&control.of, actuation, key)) {
                 let message = format!("{} controls this: remove the fixed value, or the control", control.at);
                 context.complain(&actuation.at.key(key), message);
             } else {
@@ -154,7 +161,7 @@ pub(super) fn fix(case: &Case, mut reduced: Reduced, context: &mut Context<'_>) 
 fn check_growth(actuation: &Actuation, reduced: &Reduced, context: &mut Context<'_>) -> Option<()> {
     let body = reduced.solid().body();
     // a shape has no fixed values, and its start is looked at as a whole
-    let grows = |own: &AttachedLaw| own.law.strain_map().is_some() && own.shape_modes().is_none();
+    let grows = |own: &AttachedLaw| own.law.strain_map().is_some() && !own.is_shape();
     let k = body.actuations().iter().position(|own| own.name == actuation.name && grows(own));
     let refused = k.and_then(|k| {
         let (values, width) = (reduced.layout().fixed().values(k), reduced.layout().fixed().slots(k));

@@ -48,8 +48,8 @@ fn check_complete(case: &Case, solid: &Solid, context: &mut Context<'_>) {
     let moves = |time: &Time| time.built_scheme().is_ok_and(|scheme| !scheme.is_quasi_static());
     let from_rest = case.time.as_ref().is_some_and(|time| time.start == Beginning::Rest && moves(time));
     if let Err(error) = solid.model().checks().check_shape() {
-        let shape = case.actuation.iter().find(|own| own.modes().is_some());
-        context.complain(&shape.map_or(At::root().key("actuation"), |own| own.at.key("modes")), error);
+        let modes = case.actuation.iter().find(|own| own.modes().is_some()).map(|own| own.at.key("modes"));
+        context.complain(&modes.unwrap_or(At::root().key("actuation")), error);
         return;
     }
     if let Err(error) = solid.check() {

@@ -3,16 +3,26 @@
 use super::context::Context;
 use super::variant::Variant;
 use nastic_control::Reduced;
+use nastic_energy::ShapeMode;
+use nastic_fem::catalogue::FormValues;
 use nastic_fem::{QuadraturePoints, Solid};
 use nastic_language::number::short;
 use nastic_language::schema::{Case, Load, Material};
 use nastic_language::syntax::{At, quoted};
+use nastic_mesh::GroupNames;
 
 /// The change of shape that cells of a material have.
 pub(super) fn of_material<'s>(solid: &'s Solid, material: &Material) -> Option<&'s str> {
     let (_, shape) = solid.body().shape()?;
     let cells = solid.mesh().cells_of(&material.region).ok()?;
     cells.iter().any(|cell| shape.cells.binary_search(cell).is_ok()).then_some(shape.name.as_str())
+}
+
+/// The surfaces of tractions among those that a free shape keeps: a dead force is that of the drawn area.
+pub(super) fn keep_loaded(case: &Case, values: &mut FormValues) {
+    let loaded = case.loads.iter().filter(|load| load.traction.is_some()).filter_map(|load| load.surface.as_ref());
+    let names = loaded.flat_map(GroupNames::iter).map(str::to_owned);
+    values.names.entry("keep").or_default().extend(names);
 }
 
 /// Refuses amplitudes to start from that turn cells over, of all members: `start_of` says with what a field of a member starts.
@@ -50,7 +60,8 @@ fn check_start(case: &Case, body: &Reduced, start: &[f64], context: &mut Context
         short(map.least_volume()),
         map.limit()
     );
-    let own = case.controls.iter().find(|control| control.of.starts_with(&format!("{}.", shape.name)));
+    let is_own = |of: &str| of == shape.name || of.starts_with(&format!("{}.", shape.name));
+    let own = case.controls.iter().find(|control| is_own(&control.of));
     let at = own.map_or(At::root().key("controls"), |control| control.at.key("start"));
     context.complain(&at, message);
     None
@@ -60,10 +71,12 @@ fn check_start(case: &Case, body: &Reduced, start: &[f64], context: &mut Context
 pub(super) fn note_of_load(load: &Load, sampling: &QuadraturePoints, solid: &Solid, context: &mut Context<'_>) {
     let Some((_, shape)) = solid.body().shape() else { return };
     let dim = solid.mesh().dim();
-    let changes = shape.shape_modes().unwrap_or_default().iter().any(|mode| {
-        let phi = sampling.interpolate(&mode.nodal, dim);
-        phi.iter().any(|phi| *phi != 0.0)
-    });
+    let by_mode = |mode: &ShapeMode| sampling.interpolate(&mode.nodal, dim).iter().any(|phi| *phi != 0.0);
+    let changes = match shape.shape_modes() {
+        Some(modes) => modes.iter().any(by_mode),
+        // what bears a traction stays
+        None => load.surface.is_none() && sampling.cells().iter().any(|cell| shape.cells.binary_search(cell).is_ok()),
+    };
     if changes {
         let per = if load.surface.is_some() { "area" } else { "volume" };
         let message = format!(

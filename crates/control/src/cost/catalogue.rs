@@ -3,9 +3,9 @@
 use super::{
     ContactLoad, ContactResultant, ContactSlip, ControlNorm, ControlSmoothness, Cost, CostForm, CostInputs, CostValue,
     Curvature, DesignMean, IntoCost, LargestStretch, MakeCost, Marker, Markers, MeanDisplacement, MeanPosition,
-    ObstaclePenetration, Prior, PumpWork, Reaction, SmoothedHausdorff, Target, Tracking, compliance, contact_load,
-    contact_slip, curvature, design, markers, mean_displacement, mean_radius, obstacle, orientation, position,
-    pump_work, reaction, regularization, stretch, tracking, volume,
+    ObstaclePenetration, Prior, PumpWork, Reaction, ShapeShrinkage, SmoothedHausdorff, Target, Tracking, compliance,
+    contact_load, contact_slip, curvature, design, markers, mean_displacement, mean_radius, obstacle, orientation,
+    position, pump_work, reaction, regularization, shape_shrinkage, stretch, tracking, volume,
 };
 use crate::time::When;
 use nastic_fem::Solid;
@@ -103,6 +103,7 @@ pub const CATALOGUE: &[CostRow] = &[
     }),
     CostRow::of(&design::VOLUME, |on| Ok(vec![Box::new(DesignMean::volume(on.control, 1e-6 * on.weight)?)])),
     CostRow::of(&design::GREYNESS, |on| Ok(vec![Box::new(DesignMean::greyness(on.control, 1e-10 * on.weight)?)])),
+    CostRow::of(&shape_shrinkage::FORM, shape_shrinkage),
     CostRow { name: "prior", form: None, second: true, examples: prior },
     // Energies of stiff bodies would drown squares of lengths.
     CostRow::of(&pump_work::FORM, |on| Ok(vec![Box::new(PumpWork::new(1e-4 * on.weight)?)])),
@@ -254,6 +255,11 @@ fn largest_stretch(on: &CostExample) -> ExampleCosts {
     let region = on.solid.mesh().regions().keys().next().cloned().unwrap_or_default();
     let of = |cost: LargestStretch| cost.weight(on.weight).bind(on.solid);
     Ok(vec![of(LargestStretch::default())?, of(LargestStretch::default().region(&region).exponent(1))?])
+}
+
+/// Of a body whose shape changes.
+fn shape_shrinkage(on: &CostExample) -> ExampleCosts {
+    on.solid.body().shape().map(|_| ShapeShrinkage::default().weight(on.weight).bind(on.solid)).into_iter().collect()
 }
 
 fn smoothed_hausdorff(on: &CostExample) -> ExampleCosts {

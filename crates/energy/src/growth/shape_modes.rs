@@ -43,6 +43,8 @@ impl ShapeModes {
     pub const NAME: &str = "shape";
     /// The bound of det G where none is given: a tenth of every volume is left.
     pub const LEAST_VOLUME: f64 = 0.1;
+    /// What is said of a change beyond that bound.
+    pub(super) const LIMIT: &str = "the change of shape turns cells over or leaves less of their volume than the least share: make it smaller, or draw the body nearer to it";
 
     /// Of modes by name.
     ///
@@ -76,14 +78,13 @@ impl ShapeModes {
     /// # Errors
     /// [`EnergyError::Parameter`] of another one.
     pub fn with_least_volume(self, least: f64) -> Result<Self, EnergyError> {
-        let field = Field::Uniform(least);
-        field.require(
-            Self::NAME,
-            "least_volume",
-            |least| (0.0..1.0).contains(&least),
-            "it must be at least 0 and below 1",
-        )?;
+        Self::check_least_volume(least)?;
         Ok(ShapeModes { least_volume: least, ..self })
+    }
+
+    pub(super) fn check_least_volume(least: f64) -> Result<(), EnergyError> {
+        let (is_share, why) = (|least| (0.0..1.0).contains(&least), "it must be at least 0 and below 1");
+        Field::Uniform(least).require(Self::NAME, "least_volume", is_share, why)
     }
 
     /// The slot of the amplitude of a mode.
@@ -103,7 +104,7 @@ impl StrainMap for ShapeModes {
     }
 
     fn limit(&self) -> &'static str {
-        "the change of shape turns cells over or leaves less of their volume than the least share: make it smaller, or draw the body nearer to it"
+        Self::LIMIT
     }
 
     fn owner(&self) -> &'static str {

@@ -39,9 +39,14 @@ pub trait StrainMap: std::fmt::Debug + Send + Sync {
         0.0
     }
 
-    /// The displacement fields that it is the gradient of, one for each slot, where it changes the shape of the body; none of others.
+    /// The displacement fields that it is the gradient of, one for each slot, where it changes the shape of the body along some; none of others.
     fn shape(&self) -> &[ShapeMode] {
         &[]
+    }
+
+    /// Whether it changes the shape of the body: along fields, or by the gradient of one.
+    fn is_shape(&self) -> bool {
+        !self.shape().is_empty()
     }
 
     /// det G at a point.

@@ -2,11 +2,13 @@
 
 mod cavity;
 mod form;
+mod free_shape;
 mod key;
 mod moving_support;
 mod tendon;
 
 use crate::solid::Solid;
+use nastic_body::body_energy::free_shape::FreeShape;
 use nastic_body::discretization::quadrature_points::QuadraturePoints;
 use nastic_body::error::FemError;
 use nastic_energy::{FiberTension, NeoHooke, Slot};
@@ -49,6 +51,11 @@ pub const CATALOGUE: &[Entry] = &[
         name: "foundation on x+",
         form: None,
         example: || block()?.foundation(Foundation::on("x+", 3e3).normal_only()),
+    },
+    Entry {
+        name: FreeShape::KIND,
+        form: Some(free_shape::FORM),
+        example: || block()?.free_shape(FreeShape::of(FreeShape::KIND, "body", "x+", 1.5)),
     },
     Entry { name: "dead load", form: None, example: || block()?.traction("x+", Vec3::new(3.0, -2.0, 1.0)) },
     Entry {

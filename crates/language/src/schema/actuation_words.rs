@@ -16,7 +16,8 @@ const LCE: &str = "a liquid crystal elastomer is of the \"kind\": \"lce\" with i
     three tenths";
 const SHAPE_MEMORY: &str = "a strain without stress is of the \"kind\": \"growth\", in all directions, \"stretch_along\" one, or \"growth_tensor\"";
 const SHAPE: &str = "a shape of the body that is an unknown is an actuation of the \"kind\": \"shape\" with a \"region\" and \"modes\": { \"thickness\": [0, 0, \"Z / 10 mm\"] }; \
-    the control { \"of\": \"NAME.thickness\", \"space\": \"uniform\" } is its amplitude";
+    the control { \"of\": \"NAME.thickness\", \"space\": \"uniform\" } is its amplitude; \
+    of the \"kind\": \"free_shape\" with a \"surface\" and a \"filter\" the nodes of that surface are";
 const ELECTRIC: &str = "a dielectric elastomer is an actuation of the \"kind\": \"dielectric\" with a \"region\", a \
     \"relative_permittivity\" and the \"direction\" across the film; its \"field\" is the voltage over the thickness, \"3 kV / 100 um\"";
 

@@ -14,6 +14,7 @@ use crate::schema::material::Material;
 use crate::schema::optimizer::{MMA, Optimizer};
 use crate::schema::read::Reader;
 use crate::syntax::{At, nearest, quoted};
+use nastic_fem::FreeShape;
 use std::collections::BTreeMap;
 
 pub(super) fn check(blocks: &Blocks, reader: &mut Reader<'_>) {
@@ -119,9 +120,10 @@ fn check_slot(control: &Control, blocks: &Blocks, reader: &mut Reader<'_>) {
     if blocks.has_design(&control.of) {
         check_design(control, reader);
     }
-    let is_shape = |own: &Actuation| own.modes().is_some() && own.loads().iter().any(|(name, _)| *name == control.of);
-    if blocks.actuation.iter().any(is_shape) {
-        check_shape(control, reader);
+    let is_own = |own: &&Actuation| own.loads().iter().any(|(name, _)| *name == control.of);
+    let mut shapes = blocks.actuation.iter().filter(|own| own.modes().is_some() || own.kind() == FreeShape::KIND);
+    if let Some(shape) = shapes.find(is_own) {
+        check_shape(control, shape.modes().is_some(), reader);
     }
     if slot.vector && control.log {
         let message = format!("\"{}\" is a vector: a logarithm is that of a positive number", control.of);
@@ -150,8 +152,8 @@ fn check_direction(control: &Control, reader: &mut Reader<'_>) {
     }
 }
 
-/// The amplitude of a change of shape is one length of the body itself.
-fn check_shape(control: &Control, reader: &mut Reader<'_>) {
+/// What changes a shape is a length of the body itself, and the amplitude of a mode one number.
+fn check_shape(control: &Control, is_mode: bool, reader: &mut Reader<'_>) {
     let (of, at) = (&control.of, &control.at);
     if control.in_time.is_some() {
         let message = format!(
@@ -159,7 +161,11 @@ fn check_shape(control: &Control, reader: &mut Reader<'_>) {
         );
         reader.complain_at(&at.key("in_time"), message);
     }
-    if control.space != Space::Uniform {
+    if !is_mode && control.filter.is_some() {
+        let message = format!("\"{of}\" is smoothed by the \"filter\" of its actuation: leave this one out");
+        reader.complain_at(&at.key("filter"), message);
+    }
+    if is_mode && control.space != Space::Uniform {
         let message = format!("\"{of}\" is the amplitude of a field, one number: take the space \"uniform\"");
         reader.complain_at(&at.key("space"), message);
     }
@@ -463,11 +469,15 @@ fn check_purpose(blocks: &Blocks, reader: &mut Reader<'_>) {
             if actuation.fixes(slot.key) || controlled.contains(&name.as_str()) || varies(blocks, &at) {
                 continue;
             }
-            let message = match actuation.modes() {
-                Some(_) => format!(
-                    "\"{}\" changes no shape: give a control {{ \"of\": \"{name}\", \"space\": \"uniform\" }}",
+            let no_shape = |space: &str| {
+                format!(
+                    "\"{}\" changes no shape: give a control {{ \"of\": \"{name}\", \"space\": \"{space}\" }}",
                     actuation.name
-                ),
+                )
+            };
+            let message = match actuation.modes() {
+                Some(_) => no_shape("uniform"),
+                None if actuation.kind() == FreeShape::KIND => no_shape("node"),
                 None => format!(
                     "\"{}\" has no effect: its {} is zero; give \"{}\" a value, or a control {{ \"of\": \"{name}\", ... }}",
                     actuation.name, slot.key, slot.key
