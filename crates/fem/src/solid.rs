@@ -1,8 +1,6 @@
 //! [`Solid`]: a body with its materials, actuations, supports and dead loads.
 
 use nastic_body::body_energy::formulation::Formulation;
-use nastic_body::body_energy::free_shape::FreeShape;
-use nastic_body::body_energy::shape::NodalMode;
 use nastic_body::body_energy::{AttachedLaw, BodyEnergy};
 use nastic_body::contribution::Contribution;
 use nastic_body::controls::Controls;
@@ -10,14 +8,12 @@ use nastic_body::discretization::Discretization;
 use nastic_body::discretization::quadrature_points::QuadraturePoints;
 use nastic_body::discretization::supports::Supports;
 use nastic_body::error::FemError;
-use nastic_energy::{EnergyTerm, ShapeGradient, ShapeModes};
+use nastic_energy::EnergyTerm;
 use nastic_equilibrium::model::Model;
 use nastic_forces::cavity::Cavity;
 use nastic_forces::contact::Contact;
 use nastic_forces::foundation::Foundation;
-use nastic_forces::free_shape::ShapeNodes;
-use nastic_forces::inertia::BodyInertia;
-use nastic_forces::inertia::Inertia;
+use nastic_forces::inertia::{BodyInertia, Inertia};
 use nastic_forces::medium::Medium;
 use nastic_forces::moving_support::MovingSupport;
 use nastic_forces::nodal_value::NodalValue;
@@ -33,6 +29,7 @@ use std::sync::Arc;
 pub(crate) mod cell_fields;
 mod over_ranks;
 mod reactions;
+mod shapes;
 mod solving;
 
 /// A body that can be solved: find u with `u = u_D` on the supports such that
@@ -123,54 +120,6 @@ impl Solid {
         }
         self.model.body.add_actuation(attached)?;
         Ok(self)
-    }
-
-    /// Lets the nodes of a region, or of the union of several, move along fields: the shape of the body itself, see [`ShapeModes`]. It comes before masses and weights, which follow it.
-    ///
-    /// # Errors
-    /// As [`actuate`](Self::actuate); fields that are not of this mesh or move cells outside of the region, another change of shape. [`check`](Self::check) refuses those that
-    /// move what supports hold, or what something measures from the drawn body.
-    pub fn shape(
-        self,
-        region: impl Into<GroupNames>,
-        name: &str,
-        modes: impl IntoIterator<Item = NodalMode>,
-    ) -> Result<Self, FemError> {
-        let (region, disc) = (region.into(), self.discretization().clone());
-        let cells = self.mesh().cells_of(&region)?;
-        let modes = modes.into_iter().map(|mode| mode.on(&disc, &cells)).collect::<Result<_, _>>()?;
-        self.actuate(region, name, ShapeModes::new(modes)?)
-    }
-
-    /// Lets the nodes of a skin move, and those inside follow: see [`FreeShape`]. It comes before masses and weights, which follow it. What it is to stay away from is looked up where it becomes a control, of
-    /// the body as it is then.
-    ///
-    /// # Errors
-    /// As [`actuate`](Self::actuate); another change of shape, a bound of det G that is no share.
-    pub fn free_shape(self, shape: FreeShape) -> Result<Self, FemError> {
-        let law = ShapeGradient::new(self.mesh().dim(), shape.least_volume)?;
-        let nodes = ShapeNodes::new(shape.clone(), self.discretization());
-        self.actuate(shape.regions.clone(), &shape.name, law)?.contribution(nodes)
-    }
-
-    /// Refuses what a change of shape would come too late for.
-    fn before_shape(&self, name: &str) -> Result<(), FemError> {
-        let what = format!("the change of shape \"{name}\"");
-        self.model.ranks().refuse_ranks(&what)?;
-        let late = self
-            .model
-            .others
-            .iter()
-            .find(|own| own.slots().iter().any(|slot| slot.group == "fill") || own.name() == BodyInertia::NAME);
-        match late {
-            None => Ok(()),
-            Some(late) => Err(FemError::Meaningless {
-                what: format!(
-                    "{what} comes after \"{}\", which has the masses of the drawn body: give it before",
-                    late.name()
-                ),
-            }),
-        }
     }
 
     /// Gives a region, or the union of several, a viscous law ([`MaxwellBranch`](nastic_energy::MaxwellBranch),

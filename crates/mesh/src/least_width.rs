@@ -80,12 +80,12 @@ impl LevelBody {
         let mean_area = cut().map(Wall::area).sum::<f64>() / cut().count().max(1) as f64;
         let mut least: Option<LeastWidth> = None;
         for wall in cut().filter(|wall| wall.area() >= LEAST_AREA * mean_area) {
-            let (from, along) = (wall.centre(), -wall.normal);
+            let ray = Ray { from: wall.centre(), along: -wall.normal };
             let most = least.map_or(whole, |own| own.width);
-            let Some((width, hit)) = first_met(&walls, &tree, (&from, &along), most) else { continue };
-            let is_opposite = hit.normal.dot(&along) >= OPPOSITE && kinds.contains(&hit.beyond);
+            let Some((width, hit)) = ray.first_met(&walls, &tree, most) else { continue };
+            let is_opposite = hit.normal.dot(&ray.along) >= OPPOSITE && kinds.contains(&hit.beyond);
             if is_opposite && least.is_none_or(|own| width < own.width) {
-                let mut position: [f64; 3] = (from + 0.5 * width * along).into();
+                let mut position: [f64; 3] = (ray.from + 0.5 * width * ray.along).into();
                 if self.thickness.is_some() {
                     position[2] = 0.0;
                 }
@@ -96,23 +96,31 @@ impl LevelBody {
     }
 }
 
-/// The first wall that a ray leaves through within a distance. Searched in boxes that double: the first walls are mostly near.
-fn first_met<'w>(walls: &'w [Wall], tree: &Tree, (from, along): (&V, &V), most: f64) -> Option<(f64, &'w Wall)> {
-    const FIRST_SHARE: f64 = 1.0 / 64.0;
-    let mut reach = FIRST_SHARE * most;
-    loop {
-        let range = Aabb::around(&[*from, from + along * reach]).grown(ROUNDING * most);
-        let mut first: Option<(f64, &Wall)> = None;
-        tree.overlapping(&range, |k| {
-            let met = walls[k].met_by(from, along);
-            if let Some(distance) = met.filter(|own| *own <= reach && first.is_none_or(|(least, _)| *own < least)) {
-                first = Some((distance, &walls[k]));
+struct Ray {
+    from: V,
+    /// Of length 1.
+    along: V,
+}
+
+impl Ray {
+    /// The first wall that a ray leaves through within a distance. Searched in boxes that double: the first walls are mostly near.
+    fn first_met<'w>(&self, walls: &'w [Wall], tree: &Tree, most: f64) -> Option<(f64, &'w Wall)> {
+        const FIRST_SHARE: f64 = 1.0 / 64.0;
+        let mut reach = FIRST_SHARE * most;
+        loop {
+            let range = Aabb::around(&[self.from, self.from + self.along * reach]).grown(ROUNDING * most);
+            let mut first: Option<(f64, &Wall)> = None;
+            tree.overlapping(&range, |k| {
+                let met = walls[k].met_by(&self.from, &self.along);
+                if let Some(distance) = met.filter(|own| *own <= reach && first.is_none_or(|(least, _)| *own < least)) {
+                    first = Some((distance, &walls[k]));
+                }
+                false
+            });
+            if first.is_some() || reach >= most {
+                return first;
             }
-            false
-        });
-        if first.is_some() || reach >= most {
-            return first;
+            reach = (2.0 * reach).min(most);
         }
-        reach = (2.0 * reach).min(most);
     }
 }

@@ -16,7 +16,7 @@ use nastic_language::quantity::Dimension;
 use nastic_language::schema::{
     Beginning, Bound, Case, Cells, Contact, Control, Parameter, Space as SpaceBlock, Start, pulling,
 };
-use nastic_opt::{Admissible, Ball, Bounds, Limit, Product, Sphere};
+use nastic_opt::{Admissible, Ball, Bounds, Limit, Product};
 
 /// A number of a law so many times its own is as good as infinite.
 const LARGE: f64 = 1e9;
@@ -262,14 +262,9 @@ impl Lowering<'_> {
             return self.box_of_vectors(context);
         }
         match (self.control.length(), self.control.longest()) {
-            (Some(norm), _) if !optimizer::takes_spheres(self.case) => {
-                let at = self.control.at.key("norm");
-                let cube = context.take(&at, Bounds::new(Limit::Uniform(-norm), Limit::Uniform(norm)))?;
-                Some(Allowed { admitted: Admitted::Norm(norm), bounds: None, set: Box::new(cube) })
-            }
             (Some(norm), _) => {
-                let set = context.take(&self.control.at.key("norm"), Sphere::new(dim, norm))?;
-                Some(Allowed { admitted: Admitted::Norm(norm), bounds: None, set: Box::new(set) })
+                let set = context.take(&self.control.at.key("norm"), optimizer::of_length(self.case, dim, norm))?;
+                Some(Allowed { admitted: Admitted::Norm(norm), bounds: None, set })
             }
             (None, Some(most)) => {
                 let set = context.take(&self.control.at.key("max_norm"), Ball::new(dim, most))?;

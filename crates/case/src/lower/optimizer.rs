@@ -3,7 +3,7 @@
 use crate::lower::context::Context;
 use nastic_control::Metric;
 use nastic_language::schema::{Case, Control, Metric as MetricBlock};
-use nastic_opt::{Admissible, Asymptotes, Mma, Optimizer, Options, Sphere, Unfit, by_name};
+use nastic_opt::{Admissible, Asymptotes, Bounds, Limit, Mma, Optimizer, Options, SetError, Sphere, Unfit, by_name};
 
 pub(super) fn metric(case: &Case) -> Metric {
     match case.optimizer.metric {
@@ -38,6 +38,15 @@ pub(super) fn build(case: &Case) -> Option<Box<dyn Optimizer>> {
 pub(super) fn takes_spheres(case: &Case) -> bool {
     let sphere = Sphere::new(3, 1.0);
     build(case).zip(sphere.ok()).is_none_or(|(method, sphere)| method.check_set(&sphere, 3).is_ok())
+}
+
+/// The set of vectors of a length: a sphere, or of a method that takes none the cube around it, in front of the chain.
+pub(super) fn of_length(case: &Case, dim: usize, norm: f64) -> Result<Box<dyn Admissible>, SetError> {
+    let sphere = Sphere::new(dim, norm)?;
+    if takes_spheres(case) {
+        return Ok(Box::new(sphere));
+    }
+    Ok(Box::new(Bounds::new(Limit::Uniform(-norm), Limit::Uniform(norm))?))
 }
 
 /// Complains of a control in a set that the method is not made for.
