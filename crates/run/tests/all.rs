@@ -24,6 +24,7 @@ mod doubtful;
 mod electrodes;
 mod energy_balance;
 mod ensembles;
+mod fiber_directions;
 mod fibers;
 mod first_order;
 mod fit;
