@@ -2,7 +2,7 @@
 
 use crate::control_limit::ControlAt;
 use crate::knots::Knots;
-use crate::map::{Basis, Chain, ControlMap, Exponential, Space};
+use crate::map::{Basis, Chain, ControlMap, Exponential, Length, Space};
 use nastic_fem::Controls;
 use nastic_numeric::vector::{axpy, norm};
 use std::ops::Range;
@@ -138,12 +138,16 @@ impl ControlBlock {
         &m[self.first..self.first + self.len()]
     }
 
-    /// Its values at its unknowns: these themselves behind its [`field`](Self::field), or what they are the logarithms of.
+    /// Its values at its unknowns: these themselves behind its [`field`](Self::field), of the [`length`](Self::length) that is fixed, or what they are the logarithms of.
     pub fn values_of(&self, unknowns: &[f64]) -> Vec<f64> {
-        self.of_field(match self.field.is_empty() {
+        let values = self.of_field(match self.field.is_empty() {
             true => unknowns.to_vec(),
             false => unknowns.chunks(self.size().max(1)).flat_map(|at_knot| self.field.values(at_knot)).collect(),
-        })
+        });
+        match self.length() {
+            None => values,
+            Some(length) => Length { length, components: self.components }.values(&values),
+        }
     }
 
     /// What its bounds are of: its unknowns, or what they are the logarithms of, in front of its [`field`](Self::field).

@@ -119,7 +119,7 @@ fn contradictions_between_blocks_are_found() {
         COMPLETE,
         "\"of\": \"tension\"",
         "\"of\": \"tensoin\"",
-        ": controls/0/of: no actuation \"tensoin\": did you mean \"tension\"? (one of: tension)",
+        ": controls/0/of: no actuation \"tensoin\": did you mean \"tension\"? (one of: tension, tension.direction)",
     );
     one(
         COMPLETE,

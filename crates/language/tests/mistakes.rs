@@ -70,7 +70,7 @@ fn what_is_like_no_known_name_is_answered_with_the_list() {
         ("\"length\": \"m\"", "\"length\": \"us\"", "unknown unit \"us\" (one of: m, mm, um, cm, km)"),
         ("\"transverse_mooney_rivlin\"", "\"hgo\"", "unknown law \"hgo\": did you mean \"holzapfel_gasser_ogden\"?"),
         ("\"transverse_mooney_rivlin\"", "\"holzapfel\"", "did you mean \"holzapfel_gasser_ogden\"?"),
-        ("\"of\": \"tension\"", "\"of\": \"heat\"", "no actuation \"heat\" (one of: tension)"),
+        ("\"of\": \"tension\"", "\"of\": \"heat\"", "no actuation \"heat\" (one of: tension, tension.direction)"),
     ] {
         let found = problems_with(COMPLETE, from, to);
         assert!(found.contains(wanted), "{from} -> {to}:\n{found}");

@@ -5,6 +5,7 @@ use crate::{least_widths, made_body};
 use nastic_case::lower::{CaseMember, CaseProblem};
 use nastic_case::warning::{CUT_VOLUME, Warning};
 use nastic_control::{ControlMap, Expansion};
+use nastic_fem::State;
 use nastic_io::WriteError;
 use nastic_language::number::short;
 use nastic_language::schema::DesignKind;
@@ -162,11 +163,39 @@ pub(crate) struct CutBody {
     pub level: f64,
 }
 
+/// Where the points of the mesh are of a load case, in its first member.
+pub struct MemberShape<'a> {
+    /// That member.
+    pub member: CaseMember<'a>,
+    /// As it is made: drawn, or where a change of shape has moved it.
+    pub made: Vec<[f64; 3]>,
+    /// In its equilibrium.
+    pub deformed: Vec<[f64; 3]>,
+}
+
+impl<'a> MemberShape<'a> {
+    /// Of a state whose points are there.
+    #[must_use]
+    pub fn new(member: CaseMember<'a>, state: &State, deformed: Vec<[f64; 3]>) -> Self {
+        let (mut made, dim) = (member.mesh().points().to_vec(), member.mesh().dim());
+        if let Some(s) = member.solid().model().shape_displacement(&state.controls) {
+            let moves = made.iter_mut().zip(s.chunks_exact(dim));
+            moves.for_each(|(x, s)| x.iter_mut().zip(s).for_each(|(x, s)| *x += s));
+        }
+        MemberShape { member, made, deformed }
+    }
+
+    /// Whether it has a control of that name in results.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.member.fields().any(|(_, field)| field.name == name)
+    }
+}
+
 /// Where bodies go, and what is told of them.
 pub(crate) struct DesignFiles<'a> {
     pub problem: &'a CaseProblem,
-    /// The first member of every load case, with the places of the mesh's points.
-    pub deformed: &'a [(CaseMember<'a>, Vec<[f64; 3]>)],
+    /// Of every load case.
+    pub shapes: &'a [MemberShape<'a>],
     pub directory: &'a Directory,
     /// From the case's lengths to millimetres.
     pub scale: f64,
@@ -182,11 +211,11 @@ pub fn write(
     problem: &CaseProblem,
     (m, stage): (&[f64], usize),
     controls: &mut ByName<ControlRecord>,
-    deformed: &[(CaseMember<'_>, Vec<[f64; 3]>)],
+    shapes: &[MemberShape<'_>],
     out: &Directory,
 ) -> Result<CutDesigns, WriteError> {
     let scale = 10f64.powi(problem.units().length().exponent - EXPONENT_OF_MILLIMETRE);
-    let mut files = DesignFiles { problem, deformed, directory: out, scale, told: CutDesigns::default() };
+    let mut files = DesignFiles { problem, shapes, directory: out, scale, told: CutDesigns::default() };
     let level = |cut: &Cut| cut.body.level_of_volume(problem.mesh().points(), cut.volume);
     let cuts = Cut::all(problem, m, stage).into_iter().map(|cut| CutBody { level: level(&cut), cut });
     let cuts: Vec<CutBody> = cuts.collect();
@@ -202,8 +231,14 @@ pub fn write(
     Ok(files.told)
 }
 
-impl DesignFiles<'_> {
-    /// The level and the volume of a body, with a warning where that is not the volume of the field.
+impl<'a> DesignFiles<'a> {
+    /// Where the points of a body are as it is made that has a control of that name.
+    pub fn made(&self, name: &str) -> &'a [[f64; 3]] {
+        let own = self.shapes.iter().find(|shape| shape.has(name));
+        own.map_or(self.problem.mesh().points(), |shape| &shape.made)
+    }
+
+    /// The level and the volume, of the drawn body, of a body, with a warning where that is not the volume of the field.
     fn compare_volumes(&mut self, CutBody { cut, level }: &CutBody, record: &mut ControlRecord) {
         let own = cut.body.surface(self.problem.mesh().points(), *level).volume();
         // the volume of nothing is 0, not -0
@@ -219,7 +254,7 @@ impl DesignFiles<'_> {
 
     /// The STL files of a design.
     fn write_surfaces(&mut self, CutBody { cut, level }: &CutBody) -> Result<(), WriteError> {
-        let has = |member: &CaseMember<'_>| member.fields().any(|(_, field)| field.name == cut.name);
+        let made = self.made(&cut.name);
         let parts = [("", Some(&cut.body), *level), ("_rest", cut.is_mixture.then_some(&cut.rest), -level)];
         for (part, body, level) in parts.into_iter().filter_map(|(part, body, level)| Some((part, body?, level))) {
             let mut put = |name: String, positions: &[[f64; 3]]| {
@@ -232,12 +267,12 @@ impl DesignFiles<'_> {
                 Ok(true)
             };
             let name = format!("design_{}{part}.stl", cut.name);
-            if !put(name.clone(), self.problem.mesh().points())? {
+            if !put(name.clone(), made)? {
                 self.told.lines.push(format!("design      {name} is not written: it is empty"));
                 continue;
             }
-            for (member, positions) in self.deformed.iter().filter(|(member, _)| has(member)) {
-                put(member.case_file(&format!("design_{}{part}_deformed.stl", cut.name)), positions)?;
+            for shape in self.shapes.iter().filter(|shape| shape.has(&cut.name)) {
+                put(shape.member.case_file(&format!("design_{}{part}_deformed.stl", cut.name)), &shape.deformed)?;
             }
         }
         Ok(())

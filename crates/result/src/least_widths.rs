@@ -16,8 +16,9 @@ pub(crate) fn find(files: &mut DesignFiles<'_>, CutBody { cut, level }: &CutBody
         true => (&[Wall, Skin, Joint], &[Wall, Skin, Joint]),
         false => (&[Wall, Skin], &[Wall, Joint]),
     };
+    let rest = files.made(&cut.name);
     let (problem, all) = (files.problem, &mut files.told);
-    let (rest, dim, unit) = (problem.mesh().points(), problem.mesh().dim(), problem.units().length().symbol);
+    let (dim, unit) = (problem.mesh().dim(), problem.units().length().symbol);
     let bar = cut.body.least_width(rest, *level, of_bar);
     let gap = cut.rest.least_width(rest, -level, of_gap);
     let of_record = |own: LeastWidth| WidthRecord { width: own.width.into(), position: numbers(&own.position) };

@@ -25,12 +25,12 @@ struct Group {
 
 /// Writes `design.3mf`, an object for each part of one material, and for every load case its deformed shape; nothing of a case without densities and mixtures.
 pub(crate) fn write(files: &mut DesignFiles<'_>, cuts: &[CutBody]) -> Result<(), WriteError> {
-    let DesignFiles { problem, deformed, directory, scale, told } = files;
-    let (rest, title) = (problem.mesh().points(), crate::title::titled(problem, ""));
+    let DesignFiles { problem, shapes, directory, scale, told } = files;
+    let title = crate::title::titled(problem, "");
     let is_own = cuts.iter().any(|own| own.cut.load_case.is_some());
-    for (k, (member, positions)) in deformed.iter().enumerate() {
-        let has = |cut: &Cut| member.fields().any(|(_, field)| field.name == cut.name);
-        let own: Vec<&CutBody> = cuts.iter().filter(|own| has(&own.cut)).collect();
+    for (k, shape) in shapes.iter().enumerate() {
+        let member = &shape.member;
+        let own: Vec<&CutBody> = cuts.iter().filter(|own| shape.has(&own.cut.name)).collect();
         if own.is_empty() {
             continue;
         }
@@ -46,11 +46,11 @@ pub(crate) fn write(files: &mut DesignFiles<'_>, cuts: &[CutBody]) -> Result<(),
         };
         // at rest all load cases are alike that share their designs
         if is_own {
-            put(member.case_file("design.3mf"), rest)?;
+            put(member.case_file("design.3mf"), &shape.made)?;
         } else if k == 0 {
-            put("design.3mf".to_owned(), rest)?;
+            put("design.3mf".to_owned(), &shape.made)?;
         }
-        put(member.case_file("design_deformed.3mf"), positions)?;
+        put(member.case_file("design_deformed.3mf"), &shape.deformed)?;
     }
     Ok(())
 }
@@ -126,7 +126,7 @@ pub(crate) fn write_directions(
     stage: usize,
     cuts: &[CutBody],
 ) -> Result<(), WriteError> {
-    let DesignFiles { problem, directory, scale, told, .. } = files;
+    let DesignFiles { problem, shapes, directory, scale, told } = files;
     let mesh = problem.mesh();
     let is_void = |cell: u32, load_case: Option<usize>| {
         let is_of = |cut: &Cut| !cut.is_mixture && (cut.load_case.is_none() || cut.load_case == load_case);
@@ -148,22 +148,23 @@ pub(crate) fn write_directions(
         let vectors = disc.cell_average(&target.map.values(&own.field.values(block.of(m))), 3);
         let cells =
             (0..mesh.cells() as u32).filter(|cell| acts[*cell as usize] > 0.5 && !is_void(*cell, field.load_case));
+        let made = shapes.iter().find(|shape| shape.has(&field.name)).map_or(mesh.points(), |shape| &shape.made);
         let head = format!("x_mm,y_mm,z_mm,volume_mm{},e_x,e_y,e_z,length_{}\n", mesh.dim(), field.unit);
         let name = format!("directions_{}.csv", field.name);
-        directory.write_text(&name, &(head + &rows(mesh, cells, &vectors, *scale)))?;
+        directory.write_text(&name, &(head + &rows(mesh, made, cells, &vectors, *scale)))?;
         told.files.push(name);
     }
     Ok(())
 }
 
 /// Centre, volume, unit vector and length of cells, a line each.
-fn rows(mesh: &Mesh, cells: impl Iterator<Item = u32>, vectors: &[f64], scale: f64) -> String {
-    let volumes = mesh.volumes(mesh.points());
+fn rows(mesh: &Mesh, made: &[[f64; 3]], cells: impl Iterator<Item = u32>, vectors: &[f64], scale: f64) -> String {
+    let volumes = mesh.volumes(made);
     let row = |cell: u32| {
         let vector = [0, 1, 2].map(|k| vectors[3 * cell as usize + k]);
         let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
         let unit = vector.map(|x| if length > 0.0 { x / length } else { 0.0 });
-        let centre = [0, 1, 2].map(|k| scale * mean_of(mesh, cell, |node| mesh.points()[node][k]));
+        let centre = [0, 1, 2].map(|k| scale * mean_of(mesh, cell, |node| made[node][k]));
         let volume = volumes[cell as usize] * scale.powi(mesh.dim() as i32);
         let numbers = centre.into_iter().chain([volume]).chain(unit).chain([length]);
         numbers.map(|x| x.to_string()).collect::<Vec<_>>().join(",") + "\n"

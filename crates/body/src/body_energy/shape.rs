@@ -142,7 +142,7 @@ impl BodyEnergy {
         let refuse = |what: String| Err(FemError::Meaningless { what });
         if let Some((_, earlier)) = self.shape() {
             return refuse(format!(
-                "\"{}\" changes the shape of the body already: give \"{}\" as modes of it",
+                "\"{}\" changes the shape of the body already, and a body has one such change: give \"{}\" as modes of it, or as one more surface of its skin",
                 earlier.name, new.name
             ));
         }

@@ -3,12 +3,14 @@
 use super::array::{self, Entity};
 use super::context::Context;
 use super::control::Lowering;
-use super::start;
+use super::{optimizer, start};
+use crate::warning::INPUT;
 use nastic_control::{Basis, Space};
 use nastic_language::expression::{EvaluationError, Formula};
 use nastic_language::schema::{ArrayFile, Cells, ControlsFile, Start, vector_at};
 use nastic_language::syntax::At;
 use nastic_numeric::Random;
+use nastic_numeric::vector::norm;
 use nastic_opt::{Admissible, Outside};
 
 /// A start is this near to a bound by rounding alone, as a share of the values' size.
@@ -173,7 +175,14 @@ impl Lowering<'_> {
                 context.complain(&at, format!("the start is zero at {place}: it cannot be given the \"norm\" {norm}"));
                 return None;
             }
+            let differ = differ_in_length(&start, self.block.components);
             set.project(&mut start);
+            let is_of_run = matches!(self.control.start, Some(Start::Controls(_)));
+            if differ && is_of_run && self.block.length().is_some() && optimizer::takes_spheres(self.case) {
+                let message = "the vectors of the start differ in length, as those of \"mma\" do: each is given the \"norm\" by itself, which turns the \
+                               field between them, and the state is another one; go on with \"mma\"";
+                context.warn(&INPUT, &at, message);
+            }
             return Some(start);
         }
         let Err(outside) = set.check(&start) else { return Some(start) };
@@ -204,4 +213,11 @@ impl Lowering<'_> {
         let start = if self.control.start.is_some() { "start" } else { "own value, where no \"start\" is given," };
         format!("the {start} {} at {place} lies outside what is allowed: {allowed}", outside.value)
     }
+}
+
+/// Whether vectors differ in length by more than rounding.
+fn differ_in_length(start: &[f64], components: usize) -> bool {
+    let sizes = start.chunks(components).map(norm);
+    let [least, most] = sizes.fold([f64::INFINITY, 0.0_f64], |[low, high], x| [low.min(x), high.max(x)]);
+    most > least * (1.0 + ROUNDING)
 }

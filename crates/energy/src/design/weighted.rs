@@ -333,6 +333,10 @@ impl EnergyTerm for Weighted {
     fn point_values(&self, at: &PointBatch, m: Slots, out: &mut [f64]) {
         for own in self.each(at, m).filter(|own| own.term.is_judged()) {
             own.law().point_values(at, own.slots(), out);
+            // the field of a dielectric is s E
+            if let Weight::Scale(Scale::Electrode) = own.term.weight {
+                out.iter_mut().enumerate().for_each(|(q, value)| *value *= self.number(m, q));
+            }
         }
     }
 

@@ -30,6 +30,7 @@ use nastic_opt::{Best, Objective, StageEnd, Stop};
 use nastic_picture::Picture;
 use nastic_report::record::{OptimumRecord, RunRecord, StageRecord, StartRecord, number_of};
 use nastic_result::collections::write_collections;
+use nastic_result::cut_design::MemberShape;
 use nastic_result::files::{Directory, state_files};
 use nastic_result::inspection::Inspection;
 use nastic_result::member_report::Detail;
@@ -301,14 +302,15 @@ fn write(
         files.extend(identified.write(out)?);
     }
     files.extend(write_states(problem, "optimum", &best.point, &best.derivative, found, out)?);
-    let (mut together, mut deformed): (Vec<Picture>, _) = (Vec::new(), Vec::new());
+    let (mut together, mut shapes): (Vec<Picture>, _) = (Vec::new(), Vec::new());
     for member in problem.leads() {
         let shot = |point: &EnsemblePoint, member: CaseMember<'_>| {
             let at = &point.members[member.index()];
             snapshot::plain(member, &StateFields::of(at))
         };
         let (begin, end) = (shot(start, member)?, shot(&best.point, member)?);
-        deformed.push((member, end.positions()));
+        let state = &best.point.members[member.index()];
+        shapes.push(MemberShape::new(member, StateFields::of(state).state, end.positions()));
         let others = problem.members().filter(|other| other.load_case() == member.load_case()).skip(1);
         let others = others.take(picture::SCENARIOS).map(|other| Ok((title(other), shot(&best.point, other)?)));
         let mean =
@@ -341,7 +343,7 @@ fn write(
         files.extend(["picture.png", "picture.svg"].map(str::to_owned));
     }
     let controls = findings.record.controls.get_or_insert_default();
-    let cut = cut_design::write(problem, (&best.m, best.stage), controls, &deformed, out)?;
+    let cut = cut_design::write(problem, (&best.m, best.stage), controls, &shapes, out)?;
     files.extend(cut.files);
     files.extend(write_collections(problem, "optimum", out)?);
     files.extend(of_motion);
