@@ -190,7 +190,7 @@ fn contradictions_between_blocks_are_found() {
         "\"of\": \"magnet.remanence\"",
         "\"of\": \"magnet.remanenc\"",
         "no actuation \"magnet.remanenc\": did you mean \"magnet.remanence\"? (one of: magnet.remanence, \
-         magnet.field, cells, muscle)",
+         magnet.field, cells, muscle, muscle.direction)",
     );
     one(
         MAGNETS,
