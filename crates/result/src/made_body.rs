@@ -126,8 +126,7 @@ pub(crate) fn write_directions(
     stage: usize,
     cuts: &[CutBody],
 ) -> Result<(), WriteError> {
-    let DesignFiles { problem, shapes, directory, scale, told } = files;
-    let mesh = problem.mesh();
+    let (problem, mesh, scale) = (files.problem, files.problem.mesh(), files.scale);
     let is_void = |cell: u32, load_case: Option<usize>| {
         let is_of = |cut: &Cut| !cut.is_mixture && (cut.load_case.is_none() || cut.load_case == load_case);
         let mut densities = cuts.iter().filter(|own| is_of(&own.cut));
@@ -148,11 +147,11 @@ pub(crate) fn write_directions(
         let vectors = disc.cell_average(&target.map.values(&own.field.values(block.of(m))), 3);
         let cells =
             (0..mesh.cells() as u32).filter(|cell| acts[*cell as usize] > 0.5 && !is_void(*cell, field.load_case));
-        let made = shapes.iter().find(|shape| shape.has(&field.name)).map_or(mesh.points(), |shape| &shape.made);
+        let made = files.made(&field.name);
         let head = format!("x_mm,y_mm,z_mm,volume_mm{},e_x,e_y,e_z,length_{}\n", mesh.dim(), field.unit);
         let name = format!("directions_{}.csv", field.name);
-        directory.write_text(&name, &(head + &rows(mesh, made, cells, &vectors, *scale)))?;
-        told.files.push(name);
+        files.directory.write_text(&name, &(head + &rows(mesh, made, cells, &vectors, scale)))?;
+        files.told.files.push(name);
     }
     Ok(())
 }

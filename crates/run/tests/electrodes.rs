@@ -91,3 +91,22 @@ fn electrodes_of_what_is_no_film_are_refused() {
     let material = with(FILM, "\"kind\": \"density\", \"least\": 0.01", "\"kind\": \"electrode\"");
     assert!(common::problems(&material).contains("materials/1/design/0/kind: electrodes cover a \"dielectric\""));
 }
+
+/// The true field is that of s E: none without electrodes, half of it behind half of one.
+#[test]
+fn the_true_field_is_that_of_electrodes() {
+    let plain = with(
+        FILM,
+        "\"0.3 + 0.04 * X / (1 mm)\", \"filter\": \"0.8 mm\", \"projection\": { \"sharpness\": 2 }",
+        "SHARE",
+    );
+    let field = |share: &str| {
+        let place = CaseDirectory::new();
+        place.run(Command::Solve, &plain.replace("SHARE", share).replace("12 kV/mm", "1 kV/mm"), &[]).unwrap();
+        let shown = nastic_io::read_snapshot(place.path("out/start.vtu")).unwrap();
+        let array = shown.cell_data.iter().find(|array| array.name == "true_field_voltage").unwrap();
+        array.values.iter().copied().filter(|value| value.is_finite()).fold(0.0_f64, f64::max)
+    };
+    let [none, half, whole] = ["0", "0.5", "1"].map(field);
+    assert!(none == 0.0 && (half / whole - 0.5).abs() < 0.01, "{none} {half} {whole}");
+}

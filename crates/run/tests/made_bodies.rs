@@ -137,3 +137,26 @@ fn directions_of_remanences_are_a_table() {
         assert!(near(4, 0.6) && near(5, 0.8) && near(6, 0.0) && near(7, 0.1), "{row:?}");
     }
 }
+
+/// What is cut is the body behind its change of shape: a bar of 10 mm whose upper side moves by 4 mm.
+#[test]
+fn what_is_cut_is_where_the_shape_has_moved_it() {
+    let text = striped("1", ", \"fixed\": { \"body\": 1 }");
+    let text = with(
+        &text,
+        "\"controls\": [",
+        "\"actuation\": [ { \"name\": \"back\", \"kind\": \"shape\", \"region\": \"body\", \"modes\": { \"up\": [0, \"Y / (10 mm) * min(X / (2 mm), 1)\"] } } ],
+         \"controls\": [ { \"of\": \"back.up\", \"space\": \"uniform\", \"start\": \"4 mm\", \"lower\": 0, \"upper\": \"5 mm\" },",
+    );
+    let height = |name: &str, place: &CaseDirectory| {
+        let bytes = std::fs::read(place.path("out").join(name)).unwrap();
+        let number = |at: usize| f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
+        // 84 bytes of head; of 50 bytes a triangle a normal and three corners
+        let corners = (84..bytes.len()).step_by(50).flat_map(|at| (1..4).map(move |k| at + 12 * k + 4));
+        corners.map(number).fold(0.0_f32, f32::max)
+    };
+    let place = CaseDirectory::new();
+    place.run(Command::Optimize, &text, &[]).unwrap();
+    let made = height("design_rho.stl", &place);
+    assert!((made - 14.0).abs() < 1e-4, "{made}");
+}
